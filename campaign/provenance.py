@@ -1,0 +1,67 @@
+"""Where the numbers of a run come from: command, versions, sources, seed, machine, time."""
+
+import hashlib
+import os
+import platform
+from collections.abc import Iterable
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+
+def source_digest(package_folders: Iterable[str | Path]) -> str:
+    """First 12 hex digits of the SHA-256 over the .py files of packages, names and contents.
+
+    Where the packages are installed and in which order they are named does not count.
+    """
+    total = hashlib.sha256()
+    for folder in sorted(map(Path, package_folders), key=lambda path: path.name):
+        for source in sorted(folder.rglob("*.py")):
+            name = f"{folder.name}/{source.relative_to(folder).as_posix()}"
+            content = hashlib.sha256(source.read_bytes()).hexdigest()
+            total.update(f"{name} {content}\n".encode())
+    return total.hexdigest()[:12]
+
+
+def provenance(
+    *, command: list[str], seed: int, packages: list[str], sources: Iterable[str | Path]
+) -> dict[str, Any]:
+    """What provenance.json keeps of a run that starts now.
+
+    `packages` are distributions whose versions matter to the last bit; `sources` are the
+    package folders that hold the simulation. A distribution that is not installed is None.
+    """
+    return {
+        "command": command,
+        "granulab": _version("granulab"),
+        "versions": {
+            "python": platform.python_version(),
+            **{package: _version(package) for package in packages},
+        },
+        "source_digest": source_digest(sources),
+        "seed": seed,
+        "machine": {
+            "platform": platform.platform(),
+            "cpu": cpu_model(),
+            "cores": os.cpu_count(),
+        },
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def cpu_model() -> str:
+    """The processor's name; the bits of a run are promised for one type of it only."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:  # not Linux
+        lines = []
+    models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(models, "") or platform.processor() or platform.machine()
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None

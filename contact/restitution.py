@@ -1,0 +1,66 @@
+"""Restitution from damping and back, for the linear spring-dashpot.
+
+The overlap of two bodies obeys d'' + gamma d' + omega0^2 d = 0 (wood-silo paper, eq. 3.7). With
+b = gamma/2 and w = sqrt(omega0^2 - b^2), the contact that starts at d = 0 ends
+
+- at zero overlap: e = exp(-pi b/w) (eq. 3.8); an overdamped one (b >= omega0) never gets there;
+- at zero force, where the spring no longer outweighs the dashpot:
+  e = exp(-(b/w) (pi - atan2(2 b w, w^2 - b^2))) (Schwager and Poeschel 2007, Granular Matter 9,
+  465), and for b > omega0, with W = sqrt(b^2 - omega0^2): e = exp(-(b/W) ln((b + W)/(b - W))).
+
+n contacts in parallel between two bodies act as one with n kn and n gamma, so two faces that
+touch in eight vertex-edge pairs bounce back less than one corner does.
+"""
+
+import math
+from typing import Literal
+
+ContactEnd = Literal["overlap", "force"]
+
+
+def linear_restitution(
+    gamma: float, kn: float, mass: float, *, end: ContactEnd = "overlap", contacts: int = 1
+) -> float:
+    """Restitution [-] of a head-on impact through `contacts` equal contacts in parallel.
+
+    gamma [1/s] and kn [N/m] of one contact, `mass` the reduced mass [kg].
+    """
+    return _restitution(0.5 * contacts * gamma / math.sqrt(contacts * kn / mass), end)
+
+
+def _restitution(ratio: float, end: ContactEnd) -> float:
+    """Restitution for the damping ratio b/omega0."""
+    if end == "overlap":
+        return math.exp(-math.pi * ratio / math.sqrt(1 - ratio**2)) if ratio < 1 else 0.0
+    if ratio < 1:
+        w = math.sqrt(1 - ratio**2)
+        return math.exp(-ratio / w * (math.pi - math.atan2(2 * ratio * w, w**2 - ratio**2)))
+    if ratio == 1:
+        return math.exp(-2.0)
+    w = math.sqrt(ratio**2 - 1)
+    # ln((b + W)/(b - W)) with b^2 - W^2 = 1: no difference of nearly equal numbers.
+    return math.exp(-ratio / w * 2 * math.log(ratio + w))
+
+
+def damping_for_restitution(
+    restitution: float, kn: float, mass: float, *, end: ContactEnd = "overlap"
+) -> float:
+    """The damping gamma [1/s] with which ONE contact gives `restitution`, in (0, 1].
+
+    Closed form where the contact ends at zero overlap, a root search where it ends at zero
+    force. Raises ValueError outside (0, 1].
+    """
+    if not 0 < restitution <= 1:
+        raise ValueError(f"restitution = {restitution}: must be in (0, 1]")
+    omega0 = math.sqrt(kn / mass)
+    if restitution == 1:
+        return 0.0
+    if end == "overlap":
+        log = -math.log(restitution)
+        return 2 * omega0 * log / math.hypot(math.pi, log)
+    from scipy.optimize import brentq
+
+    def miss(log_ratio: float) -> float:
+        return _restitution(math.exp(log_ratio), "force") - restitution
+
+    return 2 * omega0 * math.exp(brentq(miss, -40.0, 40.0, xtol=1e-14))

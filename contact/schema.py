@@ -1,0 +1,129 @@
+"""What a contact-parameter file may hold: its tables and keys; units and ranges come later."""
+
+import datetime
+import reprlib
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+
+from contact.datafile import data_names
+from contact.material import PROPERTIES
+from contact.quantity import InputError, nearest
+
+SCHEMA = 1
+
+
+class Table(BaseModel):
+    """A TOML table that takes the keys of its class and no others."""
+
+    model_config = ConfigDict(strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_known_keys(cls, table: object) -> object:
+        if not isinstance(table, dict):
+            raise ValueError("expected a table of keys")
+        for key in table:
+            if key not in cls.model_fields:
+                raise ValueError(f"unknown key {key!r}; {nearest(key, cls.model_fields)}")
+        return table
+
+
+class Entry(Table):
+    """A quantity as it is written: alone, or in a table with what is known of it."""
+
+    value: Any  # a text with its unit, or a pure number: contact.quantity reads it
+    sigma: Any = None  # likewise, or a text in % of the value
+    source: str | None = None
+    method: str | None = None
+    trials: int | None = None
+    date: datetime.date | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _bare_value(cls, written: object) -> object:
+        return written if isinstance(written, dict) else {"value": written}
+
+
+class MaterialTable(Table):
+    """[material.NAME]"""
+
+    density: Entry
+    length: Entry | None = None
+    youngs_modulus: Entry | None = None
+    poisson: Entry | None = None
+    yield_strength: Entry | None = None
+
+
+class LinearTable(Table):
+    """[pair.NAME-NAME.linear]"""
+
+    kn: Entry
+    kt: Entry
+    gamma_n: Entry
+    gamma_t: Entry
+
+
+class PairTable(Table):
+    """[pair.NAME-NAME]"""
+
+    friction: Entry
+    restitution: Entry | None = None
+    linear: LinearTable | None = None
+
+
+class File(Table):
+    """All but the schema number, which is read first."""
+
+    material: dict[str, MaterialTable]
+    pair: dict[str, PairTable] = {}
+
+
+def read_file(path: Path) -> File:
+    """The tables of a TOML file as they are written; InputError for a wrong key or structure."""
+    try:
+        return File.model_validate(_document(path))
+    except ValidationError as error:
+        raise InputError(f"{path}: {_one_line(error)}") from None
+
+
+def _document(path: Path) -> dict[str, Any]:
+    """The TOML of a materials file, its schema number checked and taken out."""
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        hint = nearest(str(path), data_names("materials"))
+        raise InputError(f"{path}: no such materials file, nor a shipped one; {hint}") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
+    except ValueError as error:  # also bytes that are not text
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+    if "schema" not in document:
+        raise InputError(f"{path}: schema is missing; write schema = {SCHEMA} on the first line")
+    schema = document.pop("schema")
+    if type(schema) is not int or schema != SCHEMA:
+        raise InputError(f"{path}: schema = {schema!r}: unknown; this version reads {SCHEMA}")
+    return document
+
+
+def _one_line(error: ValidationError) -> str:
+    """The first thing that is wrong with the structure of a file."""
+    problem = error.errors()[0]
+    place = [str(part) for part in problem["loc"]]
+    depth = 3 if place[2:3] == ["linear"] else 2
+    where = " ".join(filter(None, [section(*place[:depth]), ".".join(place[depth:])]))
+    if problem["type"] == "value_error":  # raised by Table
+        return f"{where}: {problem['ctx']['error']}".removeprefix(": ")
+    if problem["type"] == "missing":
+        known = PROPERTIES.get(place[-1])
+        unit = known.unit_in_files if known else "1"
+        return f"{where} is missing" + ("" if unit == "1" else f"; give it in {unit}")
+    return f"{where} = {reprlib.repr(problem['input'])}: {problem['msg'].lower()}"
+
+
+def section(*keys: str) -> str:
+    """The head of a TOML table, such as [pair.wood-wood], for an error line."""
+    shown = [key if key.isprintable() else repr(key) for key in keys]
+    return f"[{'.'.join(shown)}]" if keys else ""

@@ -1,0 +1,166 @@
+"""The contact-parameter file: materials and pairs from TOML, checked, and back to TOML."""
+
+import contextlib
+import dataclasses
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from contact.datafile import data_file
+from contact.material import PROPERTIES, LinearParameters, Material, Measured, Pair, Property
+from contact.quantity import InputError, from_si, nearest, to_si
+from contact.schema import SCHEMA, Entry, PairTable, Table, read_file, section
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class ContactTable:
+    """Materials by name and pairs by their two names.
+
+    Raises InputError for a pair that is given twice or is of a material that is not there.
+    """
+
+    materials: dict[str, Material]
+    pairs: dict[tuple[str, str], Pair]
+    path: Path | None = dataclasses.field(default=None, compare=False)  # where it was read
+
+    def __post_init__(self) -> None:
+        for first, second in self.pairs:
+            with _located(f"{self._name}[pair.{first}-{second}]"):
+                for name in (first, second):
+                    if name not in self.materials:
+                        hint = nearest(name, self.materials)
+                        raise InputError(f"material {name!r} is not in the table; {hint}")
+                if first != second and (second, first) in self.pairs:
+                    raise InputError(f"is given again as {second}-{first}; leave one out")
+
+    @property
+    def _name(self) -> str:
+        return f"{self.path}: " if self.path else ""
+
+    def material(self, name: str) -> Material:
+        """The material of that name; InputError lists those there are."""
+        if name not in self.materials:
+            hint = nearest(name, self.materials)
+            raise InputError(f"{self._name}no material {name!r}; {hint}")
+        return self.materials[name]
+
+    def pair(self, first: str, second: str) -> Pair:
+        """The pair of two materials, in either order; InputError lists those there are."""
+        found = self.pairs.get((first, second)) or self.pairs.get((second, first))
+        if found is None:
+            hint = nearest(f"{first}-{second}", ["-".join(key) for key in self.pairs])
+            raise InputError(f"{self._name}no pair {first}-{second}; {hint}")
+        return found
+
+
+def load_pairs(name_or_path: str | Path) -> dict[tuple[str, str], Pair]:
+    """The pairs of a materials table, by their two names; see load_table."""
+    return load_table(name_or_path).pairs
+
+
+def load_table(name_or_path: str | Path) -> ContactTable:
+    """The materials table of a shipped name, such as "wood", or of a TOML file; all SI.
+
+    Raises InputError, one line with file, section, key and value, for whatever is wrong in it.
+    """
+    path = data_file("materials", str(name_or_path)) or Path(name_or_path)
+    file = read_file(path)
+    materials = {}
+    for name, written in file.material.items():
+        with _located(f"{path}: {section('material', name)}"):
+            materials[name] = Material(name, **_quantities(written))
+    pairs = [_pair(path, names, written) for names, written in file.pair.items()]
+    return ContactTable(materials, {(p.first, p.second): p for p in pairs}, path)
+
+
+@contextlib.contextmanager
+def _located(where: str) -> Iterator[None]:
+    """Put the place in front of the line of an InputError."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{where} {error}") from None
+
+
+def _pair(path: Path, names: str, written: PairTable) -> Pair:
+    with _located(f"{path}: {section('pair', names, 'linear')}"):
+        linear = LinearParameters(**_quantities(written.linear)) if written.linear else None
+    with _located(f"{path}: {section('pair', names)}"):
+        first, _, second = names.partition("-")
+        if not second or "-" in second:
+            raise InputError("a pair is named by two materials and a hyphen, such as wood-steel")
+        known = _quantities(written)
+        return Pair(first, second, known["friction"], known.get("restitution"), linear)
+
+
+def _quantities(table: Table) -> dict[str, Measured]:
+    return {key: _measured(key, entry) for key, entry in table if isinstance(entry, Entry)}
+
+
+def _measured(name: str, entry: Entry) -> Measured:
+    unit = PROPERTIES[name].unit
+    value, sigma = to_si(entry.value, unit, name), entry.sigma
+    if isinstance(sigma, str) and sigma.rstrip().endswith(("%", "percent")):
+        sigma = abs(value) * to_si(sigma, "1", f"{name}.sigma")
+    elif sigma is not None:
+        sigma = to_si(sigma, unit, f"{name}.sigma")
+    return Measured(value, sigma, entry.source, entry.method, entry.trials, entry.date)
+
+
+def write_table(table: ContactTable, path: str | Path) -> None:
+    """Write a table as TOML in the units people use; load_table gives an equal one back.
+
+    The file appears whole or not at all. Raises InputError where it cannot be written.
+    """
+    lines = [f"schema = {SCHEMA}"]
+    for material in table.materials.values():
+        lines += ["", f"[material.{material.name}]", *_toml_lines(material)]
+    for pair in table.pairs.values():
+        key = f"pair.{pair.first}-{pair.second}"
+        lines += ["", f"[{key}]", *_toml_lines(pair)]
+        if pair.linear is not None:
+            lines += ["", f"[{key}.linear]", *_toml_lines(pair.linear)]
+    path = Path(path)
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        unfinished.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+        unfinished.replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+    finally:
+        with contextlib.suppress(OSError):
+            unfinished.unlink()
+
+
+def _toml_lines(record: Material | LinearParameters | Pair) -> list[str]:
+    return [
+        f"{field.name} = {_toml_entry(getattr(record, field.name), PROPERTIES[field.name])}"
+        for field in dataclasses.fields(record)
+        if isinstance(getattr(record, field.name), Measured)
+    ]
+
+
+def _toml_entry(measured: Measured, known: Property) -> str:
+    written = {}
+    for key in ("value", "sigma"):
+        number = getattr(measured, key)
+        if number is not None and known.unit == "1":
+            written[key] = repr(float(number))
+        elif number is not None:
+            written[key] = _toml_text(from_si(number, known.unit_in_files))
+    for key in ("source", "method"):
+        if (text := getattr(measured, key)) is not None:
+            written[key] = _toml_text(text)
+    if measured.trials is not None:
+        written["trials"] = str(measured.trials)
+    if measured.date is not None:
+        written["date"] = measured.date.isoformat()
+    if len(written) == 1:
+        return written["value"]
+    return "{ " + ", ".join(f"{key} = {text}" for key, text in written.items()) + " }"
+
+
+def _toml_text(text: str) -> str:
+    # JSON's escapes are TOML's, except that TOML wants DEL escaped too.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,0 +1,117 @@
+"""Motion of the grains: leapfrog, with the velocity extrapolated to the time of the forces.
+
+    v(n+1/2) = v(n-1/2) + a(n) dt,   x(n+1) = x(n) + v(n+1/2) dt
+    u(n+1)   = v(n+1/2) + a(n) dt/2
+
+Damping that takes the velocity half a step back makes the energy books first order in dt; the
+extrapolated u makes them second order.
+"""
+
+import numpy as np
+
+from contact.jit import njit
+from silo2d.state import (
+    ANGLE,
+    BOUNDING_RADIUS,
+    CARRIED_OUT,
+    CLOSE_LIST,
+    COS,
+    FX,
+    FY,
+    INV_INERTIA,
+    INV_MASS,
+    LIVE,
+    OUT,
+    SIN,
+    SPIN,
+    STALE,
+    STEP,
+    TORQUE,
+    USPIN,
+    UX,
+    UY,
+    VX,
+    VY,
+    X,
+    Y,
+)
+
+
+@njit
+def rotated(cos, sin, turn):
+    """cos and sin after a small turn [rad].
+
+    Fourth order in the turn (its error is 1e-17 at 300 rad/s and 5 us), then scaled back to
+    unit length, so that rounding does not add up.
+    """
+    t2 = turn * turn
+    c = 1.0 - 0.5 * t2 * (1.0 - t2 / 12.0)
+    s = turn * (1.0 - t2 / 6.0)
+    new_cos, new_sin = cos * c - sin * s, sin * c + cos * s
+    unit = 1.5 - 0.5 * (new_cos * new_cos + new_sin * new_sin)
+    return new_cos * unit, new_sin * unit
+
+
+@njit
+def move(bodies, counts, books, gravity, dt, free_path):
+    """One step of all live grains; wipes their loads.
+
+    The lists are marked stale where any point of a grain may be farther than `free_path` [m]
+    from where it was when the list of close pairs was made.
+    """
+    row, listed, size = bodies.row, bodies.listed, bodies.size
+    any_far = False
+    any_low = False
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        dvx = row[i, FX] * row[i, INV_MASS] * dt
+        dvy = (row[i, FY] * row[i, INV_MASS] - gravity) * dt
+        dspin = row[i, TORQUE] * row[i, INV_INERTIA] * dt
+        vx, vy, spin = row[i, VX] + dvx, row[i, VY] + dvy, row[i, SPIN] + dspin
+        x, y, angle = row[i, X] + vx * dt, row[i, Y] + vy * dt, row[i, ANGLE] + spin * dt
+        row[i, X], row[i, Y], row[i, ANGLE] = x, y, angle
+        row[i, COS], row[i, SIN] = rotated(row[i, COS], row[i, SIN], spin * dt)
+        row[i, VX], row[i, VY], row[i, SPIN] = vx, vy, spin
+        row[i, UX], row[i, UY], row[i, USPIN] = vx + 0.5 * dvx, vy + 0.5 * dvy, spin + 0.5 * dspin
+        row[i, FX], row[i, FY], row[i, TORQUE] = 0.0, 0.0, 0.0
+        # No point of the grain is farther than this from where it was listed.
+        far = abs(x - listed[i, CLOSE_LIST]) + abs(y - listed[i, CLOSE_LIST + 1])
+        far += size[i, BOUNDING_RADIUS] * abs(angle - listed[i, CLOSE_LIST + 2])
+        any_far |= not far <= free_path  # true for NaN as well
+        any_low |= y < 0.0
+    counts[STEP] += 1
+    if any_far:
+        counts[STALE] = max(counts[STALE], 1)
+    if any_low:
+        let_out(bodies, counts, books, gravity, dt)
+
+
+@njit
+def let_out(bodies, counts, books, gravity, dt):
+    """Note when grains pass y = 0, and drop those that have left entirely.
+
+    A grain is dropped when its bounding circle is below the outlet: nothing above it can rest
+    on it any more. Its energy is booked as carried out.
+    """
+    row = bodies.row
+    now = counts[STEP] * dt
+    kept = 0
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        if row[i, Y] < 0.0 and np.isnan(bodies.out_time[i]):
+            bodies.out_time[i] = now - row[i, Y] / row[i, VY]
+            counts[OUT] += 1
+        if row[i, Y] < -bodies.size[i, BOUNDING_RADIUS]:
+            books[CARRIED_OUT] += kinetic_energy(row[i]) + gravity * row[i, Y] / row[i, INV_MASS]
+            counts[STALE] = max(counts[STALE], 2)
+        else:
+            bodies.live[kept] = i
+            kept += 1
+    counts[LIVE] = kept
+
+
+@njit
+def kinetic_energy(row):
+    """Kinetic energy [J] of the body in a row."""
+    translation = (row[UX] * row[UX] + row[UY] * row[UY]) / row[INV_MASS]
+    return 0.5 * (translation + row[USPIN] * row[USPIN] / row[INV_INERTIA])

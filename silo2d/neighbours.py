@@ -1,0 +1,368 @@
+"""Who can touch whom: three levels of lists, made anew when something has moved too far.
+
+Level 3: pairs of bodies whose bounding circles are closer than BODY_SKIN, from linked cells.
+Level 2: vertex-edge pairs closer than their reach plus NEAR_SKIN, from level 3.
+Level 1: those closer than their reach plus CLOSE_SKIN, from level 2; the force pass works on
+         these alone.
+
+No point of a body may move farther than half of a level's skin before that level is made anew,
+less what the level below may still miss; so every pair that touches is in the list. All lists
+are in an order that does not depend on when they were made, and pairs that do not touch add
+exact zeros: the same bits follow, however often the lists are made.
+"""
+
+import numpy as np
+
+from contact.jit import njit
+from contact.reduced import reduced_mass
+from silo2d.geometry import to_edge, turned
+from silo2d.state import (
+    ANGLE,
+    BODY_LIST,
+    BODY_SEARCHES,
+    BOUNDING_RADIUS,
+    CLOSE,
+    CLOSE_LIST,
+    CLOSE_SEARCHES,
+    COS,
+    EDGE,
+    EDGE_BODY,
+    EDGE_X,
+    EDGE_Y,
+    FIRST,
+    FRICTION,
+    GRAIN_CLOSE,
+    GRAIN_GRAIN,
+    GRAIN_NEAR,
+    GRAIN_PAIRS,
+    GRAIN_WALL,
+    INV_LENGTH2,
+    INV_MASS,
+    LIVE,
+    MAX_VERTICES,
+    N_CORNERS,
+    N_EDGES,
+    NEAR,
+    NEAR_LIST,
+    NEAR_SEARCHES,
+    PAIRS,
+    SIN,
+    SPHERORADIUS,
+    STALE,
+    VERTEX,
+    VERTEX_BODY,
+    VERTEX_X,
+    VERTEX_Y,
+    X,
+    Y,
+)
+
+# The fastest over an A4 discharge of what benchmarks/skins.py tries.
+BODY_SKIN = 6e-3  # [m]
+NEAR_SKIN = 0.8e-3  # [m]
+CLOSE_SKIN = 0.1e-3  # [m]
+DEEPEST = 0.5  # overlap over reach; much beyond it a vertex would pass through an edge
+
+# Outcomes of a search.
+DONE, PAIRS_FULL, NEAR_FULL, NOT_FINITE, TOO_DEEP = range(5)
+
+_WALL_KEY = 1 << 62  # grain-wall keys come after all grain-grain keys
+
+
+@njit
+def search(world):
+    """Make the stale levels of the lists anew; returns DONE, or what stands in the way.
+
+    A level whose grains have moved too far since it was made becomes stale as well.
+    """
+    bodies, local, vertices, counts = world.bodies, world.local, world.vertices, world.counts
+    keep_close(world.near, world.close, counts)
+    if counts[STALE] < 2 and farthest(bodies, counts, NEAR_LIST) > 0.5 * (NEAR_SKIN - CLOSE_SKIN):
+        counts[STALE] = 2
+    if counts[STALE] == 2 and farthest(bodies, counts, BODY_LIST) > 0.5 * (BODY_SKIN - NEAR_SKIN):
+        counts[STALE] = 3
+    outcome = DONE
+    if counts[STALE] >= 3:
+        outcome = find_bodies(bodies, local, vertices, world.cells, counts)
+    place_vertices(bodies, local, vertices, counts)
+    if outcome == DONE and counts[STALE] >= 2:
+        laws_kt = (world.grain_law.kt, world.wall_law.kt)
+        outcome = find_near(bodies, local, vertices, world.cells.pairs, world.near, counts)
+        if outcome == DONE:
+            carry_over(world.near, counts, world.books, laws_kt)
+    if outcome == DONE:
+        outcome = find_close(bodies, local, vertices, world.near, world.close, counts)
+    if outcome == DONE:
+        counts[STALE] = 0
+    return outcome
+
+
+@njit
+def farthest(bodies, counts, level):
+    """How far any point of a live grain can have moved since a level was made [m]."""
+    row, listed = bodies.row, bodies.listed
+    most = 0.0
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        far = np.hypot(row[i, X] - listed[i, level], row[i, Y] - listed[i, level + 1])
+        far += bodies.size[i, BOUNDING_RADIUS] * abs(row[i, ANGLE] - listed[i, level + 2])
+        if not np.isfinite(far):
+            return np.inf
+        most = max(most, far)
+    return most
+
+
+@njit
+def note_positions(bodies, counts, level):
+    """Note where the live grains are, now that a level is made."""
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        bodies.listed[i, level] = bodies.row[i, X]
+        bodies.listed[i, level + 1] = bodies.row[i, Y]
+        bodies.listed[i, level + 2] = bodies.row[i, ANGLE]
+
+
+@njit
+def place_vertices(bodies, local, vertices, counts):
+    """Vertices and edge vectors of all live grains, from position and direction."""
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        cos, sin = bodies.row[i, COS], bodies.row[i, SIN]
+        for v in range(bodies.layout[i, FIRST], bodies.layout[i, FIRST] + bodies.layout[i, N_EDGES]):
+            dx, dy = turned(cos, sin, (local[v, VERTEX_X], local[v, VERTEX_Y]))
+            ex, ey = turned(cos, sin, (local[v, EDGE_X], local[v, EDGE_Y]))
+            vertices[v, VERTEX_X], vertices[v, VERTEX_Y] = bodies.row[i, X] + dx, bodies.row[i, Y] + dy
+            vertices[v, EDGE_X], vertices[v, EDGE_Y] = ex, ey
+
+
+@njit
+def from_edge(local, vertices, v, e):
+    """Vector to vertex v from the closest point of edge e [m], as of the last search."""
+    rx = vertices[v, VERTEX_X] - vertices[e, VERTEX_X]
+    ry = vertices[v, VERTEX_Y] - vertices[e, VERTEX_Y]
+    return to_edge(rx, ry, vertices[e, EDGE_X], vertices[e, EDGE_Y], local[e, INV_LENGTH2])
+
+
+@njit
+def find_bodies(bodies, local, vertices, cells, counts):
+    """Level 3: grain-grain pairs in ascending order, then grain-wall pairs."""
+    if not sort_into_cells(bodies, cells, counts):
+        return NOT_FINITE
+    n = np.int64(0)  # typed: numba would compile what takes it once more for a literal
+    for k in range(counts[LIVE]):
+        n = find_grains_near(bodies, cells, bodies.live[k], n)
+        if n < 0:
+            return PAIRS_FULL
+    counts[GRAIN_PAIRS] = n
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        for wall in range(len(bodies.live), len(bodies.row)):
+            if n == len(cells.pairs):
+                return PAIRS_FULL
+            if wall_is_near(bodies, local, vertices, i, wall):
+                cells.pairs[n, 0], cells.pairs[n, 1] = i, wall
+                n += 1
+    counts[PAIRS] = n
+    note_positions(bodies, counts, BODY_LIST)
+    counts[BODY_SEARCHES] += 1
+    return DONE
+
+
+@njit
+def sort_into_cells(bodies, cells, counts):
+    """Counting sort of the live grains into the cells; False if a position is not finite."""
+    n_cells = cells.columns * cells.rows
+    for c in range(n_cells + 1):
+        cells.start[c] = 0
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        column = (bodies.row[i, X] - cells.left) / cells.size
+        row = (bodies.row[i, Y] - cells.bottom) / cells.size
+        if not (np.isfinite(column) and np.isfinite(row)):
+            return False
+        # A grain outside of the grid counts as in the cell at its border.
+        column = min(max(column, 0.0), cells.columns - 1.0)
+        row = min(max(row, 0.0), cells.rows - 1.0)
+        cells.of_grain[i] = int(row) * cells.columns + int(column)
+        cells.start[cells.of_grain[i]] += 1
+    for c in range(n_cells):
+        cells.start[c + 1] += cells.start[c]
+    for k in range(counts[LIVE] - 1, -1, -1):
+        i = bodies.live[k]
+        # Filled from its end, the cell's entry walks down to its start.
+        cells.start[cells.of_grain[i]] -= 1
+        cells.grains[cells.start[cells.of_grain[i]]] = i
+    return True
+
+
+@njit
+def find_grains_near(bodies, cells, i, n):
+    """Append the pairs (i, j > i) from the 3 x 3 cells round i, j ascending; -1 where full."""
+    row, pairs = bodies.row, cells.pairs
+    cell_column, cell_row = cells.of_grain[i] % cells.columns, cells.of_grain[i] // cells.columns
+    first = n
+    for r in range(max(cell_row - 1, 0), min(cell_row + 2, cells.rows)):
+        begin = cells.start[r * cells.columns + max(cell_column - 1, 0)]
+        end = cells.start[r * cells.columns + min(cell_column + 2, cells.columns)]
+        for c in range(begin, end):
+            j = cells.grains[c]
+            far = bodies.size[i, BOUNDING_RADIUS] + bodies.size[j, BOUNDING_RADIUS] + BODY_SKIN
+            dx, dy = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
+            if j <= i or dx * dx + dy * dy >= far * far:
+                continue
+            if n == len(pairs):
+                return -1
+            at = n
+            while at > first and pairs[at - 1, 1] > j:
+                pairs[at, 1] = pairs[at - 1, 1]
+                at -= 1
+            pairs[at, 1] = j
+            pairs[n, 0] = i
+            n += 1
+    return n
+
+
+@njit
+def wall_is_near(bodies, local, vertices, i, wall):
+    """Whether the bounding circle of grain i is within the skin of a wall's segment."""
+    if bodies.layout[wall, N_EDGES] == 0:
+        return False
+    v = bodies.layout[wall, FIRST]
+    rx, ry = bodies.row[i, X] - vertices[v, VERTEX_X], bodies.row[i, Y] - vertices[v, VERTEX_Y]
+    dx, dy = to_edge(rx, ry, vertices[v, EDGE_X], vertices[v, EDGE_Y], local[v, INV_LENGTH2])
+    far = bodies.size[i, BOUNDING_RADIUS] + BODY_SKIN
+    return dx * dx + dy * dy < far * far
+
+
+@njit
+def find_near(bodies, local, vertices, pairs, near, counts):
+    """Level 2: vertex-edge pairs of the pairs of bodies, both ways."""
+    n_old = counts[NEAR]
+    for c in range(n_old):
+        near.old_key[c], near.old_slip[c] = near.key[c], near.slip[c]
+    n = np.int64(0)
+    n_grain = 0
+    for p in range(counts[PAIRS]):
+        i, j = pairs[p, 0], pairs[p, 1]
+        if dropped(bodies, i) or (p < counts[GRAIN_PAIRS] and dropped(bodies, j)):
+            continue
+        most = bodies.layout[i, N_CORNERS] * bodies.layout[j, N_EDGES]
+        most += bodies.layout[j, N_CORNERS] * bodies.layout[i, N_EDGES]
+        if n + most > len(near.key):
+            # The old list goes back, so that the search can be made again with more room.
+            for c in range(n_old):
+                near.key[c], near.slip[c] = near.old_key[c], near.old_slip[c]
+            return NEAR_FULL
+        n = find_vertices_near(bodies, local, vertices, near, i, j, n)
+        n = find_vertices_near(bodies, local, vertices, near, j, i, n)
+        if p < counts[GRAIN_PAIRS]:
+            n_grain = n
+    counts[GRAIN_NEAR], counts[NEAR] = n_grain, n
+    for c in range(n):
+        near.slip[c] = 0.0
+    near.old_key[n_old] = -1  # ends the merge
+    note_positions(bodies, counts, NEAR_LIST)
+    counts[NEAR_SEARCHES] += 1
+    return DONE
+
+
+@njit
+def dropped(bodies, i):
+    """Whether grain i has left since the list of bodies was made."""
+    return bodies.row[i, Y] < -bodies.size[i, BOUNDING_RADIUS]
+
+
+@njit
+def find_vertices_near(bodies, local, vertices, near, i, j, n):
+    """Append the pairs of a vertex of i and an edge of j; returns their new number."""
+    radius_i, radius_j = bodies.size[i, SPHERORADIUS], bodies.size[j, SPHERORADIUS]
+    far2 = (radius_i + radius_j + NEAR_SKIN) ** 2
+    circle2 = (bodies.size[j, BOUNDING_RADIUS] + radius_i + NEAR_SKIN) ** 2
+    low, high = np.int64(min(i, j)), np.int64(max(i, j))  # a key needs more than 32 bits
+    base = ((low * len(bodies.row) + high) * 2 + (i > j)) * MAX_VERTICES * MAX_VERTICES
+    if high >= len(bodies.live):
+        base += _WALL_KEY
+    for a in range(bodies.layout[i, N_CORNERS]):
+        v = bodies.layout[i, FIRST] + a
+        dx, dy = vertices[v, VERTEX_X] - bodies.row[j, X], vertices[v, VERTEX_Y] - bodies.row[j, Y]
+        if dx * dx + dy * dy > circle2:
+            continue
+        for b in range(bodies.layout[j, N_EDGES]):
+            e = bodies.layout[j, FIRST] + b
+            dx, dy = from_edge(local, vertices, v, e)
+            if dx * dx + dy * dy < far2:
+                near.key[n] = base + a * MAX_VERTICES + b
+                near.pair[n, VERTEX], near.pair[n, EDGE] = v, e
+                near.pair[n, VERTEX_BODY], near.pair[n, EDGE_BODY] = i, j
+                n += 1
+    return n
+
+
+@njit
+def carry_over(near, counts, books, kt):
+    """Slips from the previous list, by a merge of ascending keys.
+
+    A pair that touches is in both lists, except where a grain was dropped or a wall was taken
+    away: then friction takes what its spring held. kt: (grain-grain, grain-wall) [N/m].
+    """
+    c = 0
+    old = 0
+    while near.old_key[old] >= 0:
+        if near.old_slip[old] != 0.0:
+            while c < counts[NEAR] and near.key[c] < near.old_key[old]:
+                c += 1
+            if c < counts[NEAR] and near.key[c] == near.old_key[old]:
+                near.slip[c] = near.old_slip[old]
+            elif near.old_key[old] < _WALL_KEY:
+                books[GRAIN_GRAIN + FRICTION] += 0.5 * kt[0] * near.old_slip[old] ** 2
+            else:
+                books[GRAIN_WALL + FRICTION] += 0.5 * kt[1] * near.old_slip[old] ** 2
+        old += 1
+
+
+@njit
+def keep_close(near, close, counts):
+    """Write the slips of the close pairs back to the near list."""
+    for n in range(counts[CLOSE]):
+        near.slip[close.near[n]] = close.slip[n]
+    counts[GRAIN_CLOSE], counts[CLOSE] = 0, 0
+
+
+@njit
+def find_close(bodies, local, vertices, near, close, counts):
+    """Level 1: the near pairs that touch or nearly do, with what the force pass needs of them."""
+    n = np.int64(0)
+    n_grain = 0
+    for c in range(counts[NEAR]):
+        v, e = near.pair[c, VERTEX], near.pair[c, EDGE]
+        j, i = near.pair[c, VERTEX_BODY], near.pair[c, EDGE_BODY]
+        dx, dy = from_edge(local, vertices, v, e)
+        reach = bodies.size[i, SPHERORADIUS] + bodies.size[j, SPHERORADIUS]
+        distance2 = dx * dx + dy * dy
+        if distance2 >= (reach + CLOSE_SKIN) ** 2:
+            continue
+        if distance2 < ((1.0 - DEEPEST) * reach) ** 2:
+            return TOO_DEEP
+        close.near[n], close.vertex_body[n], close.edge_body[n] = c, j, i
+        close.slip[n] = near.slip[c]
+        set_constants(bodies, local, close, n, v, e)
+        n += 1
+        if c < counts[GRAIN_NEAR]:
+            n_grain = n
+    counts[GRAIN_CLOSE], counts[CLOSE] = n_grain, n
+    note_positions(bodies, counts, CLOSE_LIST)
+    counts[CLOSE_SEARCHES] += 1
+    return DONE
+
+
+@njit
+def set_constants(bodies, local, close, n, v, e):
+    """What does not change while a pair stays close: the vertex, the edge, mass and reach."""
+    j, i = close.vertex_body[n], close.edge_body[n]
+    close.vertex_x[n], close.vertex_y[n] = local[v, VERTEX_X], local[v, VERTEX_Y]
+    close.start_x[n], close.start_y[n] = local[e, VERTEX_X], local[e, VERTEX_Y]
+    close.edge_x[n], close.edge_y[n] = local[e, EDGE_X], local[e, EDGE_Y]
+    close.inv_length2[n] = local[e, INV_LENGTH2]
+    close.mass[n] = reduced_mass(bodies.row[j, INV_MASS], bodies.row[i, INV_MASS])
+    close.reach[n] = bodies.size[j, SPHERORADIUS] + bodies.size[i, SPHERORADIUS]
+    close.depth[n] = bodies.size[j, SPHERORADIUS]

@@ -1,0 +1,228 @@
+"""The only caller of the kernels: advances a world, reads, saves and restores its state."""
+
+import hashlib
+
+import numpy as np
+
+from contact.jit import njit
+from contact.laws import LinearLaw
+from silo2d import state
+from silo2d.forces import apply_forces, overlap_now
+from silo2d.integrate import kinetic_energy, move
+from silo2d.neighbours import CLOSE_SKIN, DONE, NEAR_FULL, NOT_FINITE, PAIRS_FULL, search
+from silo2d.state import World
+from silo2d.world import longer_lists, more_pairs
+
+
+class SimulationError(RuntimeError):
+    """The simulation failed; the message is one line with the time and what to try."""
+
+
+@njit
+def advance(world, n_steps):
+    """Take n_steps steps; returns how many were taken and the outcome of the last search."""
+    bodies, counts, books, dt = world.bodies, world.counts, world.books, world.time_step
+    for k in range(n_steps):
+        if counts[state.STALE] > 0:
+            outcome = search(world)
+            if outcome != DONE:
+                return k, outcome
+        apply_forces(
+            bodies.row, world.close, counts, books, world.grain_law, world.wall_law, dt
+        )
+        move(bodies, counts, books, world.gravity, dt, 0.5 * CLOSE_SKIN)
+    return n_steps, DONE
+
+
+@njit
+def energies(bodies, close, counts, grain_law, wall_law, gravity):
+    """Kinetic, potential, elastic normal, elastic tangential energy [J] of the live grains.
+
+    The overlaps are those of now, the tangential springs those of the last step.
+    """
+    kinetic, potential, normal, tangential = 0.0, 0.0, 0.0, 0.0
+    for k in range(counts[state.LIVE]):
+        row = bodies.row[bodies.live[k]]
+        kinetic += kinetic_energy(row)
+        potential += gravity * row[state.Y] / row[state.INV_MASS]
+    for n in range(counts[state.CLOSE]):
+        law = grain_law if n < counts[state.GRAIN_CLOSE] else wall_law
+        normal += 0.5 * law.kn * max(overlap_now(bodies.row, close, n), 0.0) ** 2
+        tangential += 0.5 * law.kt * close.slip[n] ** 2
+    return kinetic, potential, normal, tangential
+
+
+class Simulation:
+    """A world with a clock: run it, ask it, save and restore it."""
+
+    def __init__(self, world: World):
+        self.world = world
+        self._wall_steps = 0
+
+    @property
+    def n_grains(self) -> int:
+        """Number of grains, those that have left included."""
+        return len(self.world.bodies.live)
+
+    @property
+    def n_out(self) -> int:
+        """Number of grains whose centroid has passed y = 0."""
+        return int(self.world.counts[state.OUT])
+
+    @property
+    def steps(self) -> int:
+        """Steps since the phase began."""
+        return int(self.world.counts[state.STEP])
+
+    @property
+    def time(self) -> float:
+        """Seconds since the phase began."""
+        return self.steps * self.world.time_step
+
+    @property
+    def live(self) -> np.ndarray:
+        """Indices of the grains that are still simulated."""
+        return self.world.bodies.live[: self.world.counts[state.LIVE]]
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Rows of the grains (n_grains, 16), columns as in state.py."""
+        return self.world.bodies.row[: self.n_grains]
+
+    def run(self, n_steps: int) -> None:
+        """Advance by n_steps; lists that turn out too short are made longer.
+
+        Raises SimulationError where the state is no longer finite or a vertex is about to pass
+        through an edge.
+        """
+        left = n_steps
+        while left:
+            taken, outcome = advance(self.world, left)
+            left -= taken
+            self._wall_steps += taken
+            if outcome == PAIRS_FULL:
+                self.world = more_pairs(self.world)
+            elif outcome == NEAR_FULL:
+                self.world = longer_lists(self.world)
+            elif outcome == NOT_FINITE:
+                raise self.failure("a position is no longer a finite number")
+            elif outcome != DONE:
+                raise self.failure("an overlap reached half the sum of the spheroradii")
+        if not np.isfinite(self.rows[self.live]).all():
+            raise self.failure("the state is no longer finite")
+
+    def failure(self, what: str) -> SimulationError:
+        """An error that says what happened, when, and what to try."""
+        return SimulationError(
+            f"the simulation failed at t = {self.time:.6f} s: {what}; try a smaller time step "
+            f"(now {self.world.time_step * 1e6:g} us) or stiffer contacts"
+        )
+
+    def energies(self) -> dict[str, float]:
+        """Kinetic, potential and elastic energies, dissipation so far, carried out [J]."""
+        world = self.world
+        kinetic, potential, normal, tangential = energies(
+            world.bodies, world.close, world.counts, world.grain_law, world.wall_law, world.gravity
+        )
+        table = {
+            "kinetic": kinetic,
+            "potential": potential,
+            "elastic_normal": normal,
+            "elastic_tangential": tangential,
+            "carried_out": float(world.books[state.CARRIED_OUT]),
+        }
+        for first, pair in ((state.GRAIN_GRAIN, "grain_grain"), (state.GRAIN_WALL, "grain_wall")):
+            for entry, how in enumerate(("normal_damping", "tangential_damping", "friction")):
+                table[f"{how}_{pair}"] = float(world.books[first + entry])
+        return table
+
+    def wall_forces(self) -> np.ndarray:
+        """Mean force on each wall since last asked (n_walls, 2) [N]."""
+        load = self.world.bodies.row[self.n_grains :, state.FX : state.TORQUE + 1]
+        mean = load[:, :2] / max(self._wall_steps, 1)
+        load[:] = 0.0
+        self._wall_steps = 0
+        return mean
+
+    def remove_wall(self, index: int) -> None:
+        """Take a wall away (open a door)."""
+        self.world.bodies.layout[self.n_grains + index, [state.N_CORNERS, state.N_EDGES]] = 0
+        self.world.counts[state.STALE] = 3
+
+    def begin_phase(self, grain_law: LinearLaw, wall_law: LinearLaw, time_step: float) -> None:
+        """New laws and time step; the clock, the books and all slips start from zero."""
+        self.world = self.world._replace(
+            grain_law=grain_law, wall_law=wall_law, time_step=time_step
+        )
+        self.world.counts[[state.STEP, state.BODY_SEARCHES, state.NEAR_SEARCHES]] = 0
+        self.world.counts[state.CLOSE_SEARCHES] = 0
+        self.world.close.slip[:] = 0.0
+        self.world.near.slip[:] = 0.0
+        self.world.books[:] = 0.0
+        self.wall_forces()
+
+    def touching(self) -> np.ndarray:
+        """Indices in the close list of the pairs that touch now."""
+        row, close = self.world.bodies.row, self.world.close
+        return np.array(
+            [
+                n
+                for n in range(self.world.counts[state.CLOSE])
+                if overlap_now(row, close, n) > 0
+            ],
+            dtype=np.int64,
+        )
+
+    def coordination(self) -> float:
+        """Mean number of bodies (grains and walls) that a live grain touches."""
+        close, touching = self.world.close, self.touching()
+        pairs = np.stack([close.vertex_body[touching], close.edge_body[touching]], axis=1)
+        pairs = np.unique(np.sort(pairs, axis=1), axis=0)
+        return float((pairs < self.n_grains).sum() / max(len(self.live), 1))
+
+    def save(self) -> dict[str, np.ndarray]:
+        """All that is needed to go on with the same bits, as arrays.
+
+        Of the lists only the slips are kept: they are made anew in the same order.
+        """
+        world = self.world
+        close = slice(0, int(world.counts[state.CLOSE]))
+        return {
+            "row": world.bodies.row.copy(),
+            "layout": world.bodies.layout.copy(),
+            "out_time": world.bodies.out_time.copy(),
+            "live": self.live.copy(),
+            "key": world.near.key[world.close.near[close]],
+            "slip": world.close.slip[close].copy(),
+            "counts": world.counts.copy(),
+            "books": world.books.copy(),
+            "wall_steps": np.array([self._wall_steps]),
+        }
+
+    def restore(self, saved: dict[str, np.ndarray]) -> None:
+        """Put back what `save` gave."""
+        while len(self.world.near.key) < len(saved["key"]):
+            self.world = longer_lists(self.world)
+        world = self.world
+        world.bodies.row[:] = saved["row"]
+        world.bodies.layout[:] = saved["layout"]
+        world.bodies.out_time[:] = saved["out_time"]
+        world.bodies.live[: len(saved["live"])] = saved["live"]
+        world.counts[:] = saved["counts"]
+        world.books[:] = saved["books"]
+        n = len(saved["key"])
+        world.near.key[:n] = saved["key"]
+        world.near.slip[:n] = saved["slip"]
+        world.counts[[state.NEAR, state.CLOSE, state.STALE]] = n, 0, 3
+        self._wall_steps = int(saved["wall_steps"][0])
+
+    def state_digest(self) -> str:
+        """Hash of positions, orientations, velocities and the history of the contacts."""
+        close = slice(0, int(self.world.counts[state.CLOSE]))
+        slip = self.world.close.slip[close]
+        keys = self.world.near.key[self.world.close.near[close]]
+        moving = np.ascontiguousarray(self.rows[:, [*range(state.FX), state.ANGLE]])
+        text = hashlib.sha256(moving.tobytes())
+        text.update(self.world.bodies.out_time[: self.n_grains].tobytes())
+        text.update(keys[slip != 0].tobytes() + slip[slip != 0].tobytes())
+        return text.hexdigest()[:16]

@@ -1,0 +1,123 @@
+"""The arrays that the kernels work on: bodies, vertices, the three levels of lists, counters.
+
+Grains come first, walls after them: a wall is a body of zero inverse mass with one edge. What a
+contact needs from a body stands in one row of sixteen float64, two neighbouring cache lines.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.laws import LinearLaw
+
+# Columns of Bodies.row: position [m], direction, velocity half a step back and extrapolated to
+# now [m/s, rad/s], force [N], torque [N m], 1/mass [1/kg], 1/inertia [1/(kg m2)], angle [rad].
+X, Y, COS, SIN, VX, VY, SPIN, UX = range(8)
+UY, USPIN, FX, FY, TORQUE, INV_MASS, INV_INERTIA, ANGLE = range(8, 16)
+# Columns of Bodies.layout and Bodies.size.
+FIRST, N_CORNERS, N_EDGES = range(3)
+BOUNDING_RADIUS, SPHERORADIUS = range(2)
+# Columns of Bodies.listed: position and angle when each level of the lists was made.
+BODY_LIST, NEAR_LIST, CLOSE_LIST = 0, 3, 6
+# Columns of World.vertices and World.local: a vertex, the edge that leaves it counter-clockwise,
+# and 1/length^2 of that edge [1/m2].
+VERTEX_X, VERTEX_Y, EDGE_X, EDGE_Y, INV_LENGTH2 = range(5)
+# Columns of Near.pair.
+VERTEX, EDGE, VERTEX_BODY, EDGE_BODY = range(4)
+# Entries of World.counts. STALE: how many levels of the lists must be made anew, from below.
+STEP, LIVE, OUT, STALE = range(4)
+GRAIN_PAIRS, PAIRS, GRAIN_NEAR, NEAR, GRAIN_CLOSE, CLOSE = range(4, 10)
+BODY_SEARCHES, NEAR_SEARCHES, CLOSE_SEARCHES = range(10, 13)
+N_COUNTS = 13
+# Entries of World.books [J]: what was dissipated how, grain-grain and then grain-wall; and the
+# kinetic and potential energy of grains that were dropped.
+NORMAL_DAMPING, TANGENTIAL_DAMPING, FRICTION = range(3)
+GRAIN_GRAIN, GRAIN_WALL, CARRIED_OUT = 0, 3, 6
+N_BOOKS = 7
+
+MAX_VERTICES = 64  # of one shape: a contact's key has six bits for each
+
+
+class Bodies(NamedTuple):
+    """Grains 0 ... n_grains - 1, then walls."""
+
+    row: np.ndarray  # (n, 16) see above
+    layout: np.ndarray  # (n, 3) first vertex row; vertices that touch edges; edges
+    size: np.ndarray  # (n, 2) bounding radius, spheroradius included; spheroradius [m]
+    listed: np.ndarray  # (n, 9) see above
+    out_time: np.ndarray  # (n,) when the centroid passed y = 0 [s]; NaN before
+    live: np.ndarray  # (n_grains,) the grains that are still simulated, ascending
+
+
+class Near(NamedTuple):
+    """Vertex-edge pairs that can touch before the next search, in ascending order of key.
+
+    Grain-grain pairs come first, ordered by body, body, direction, vertex, edge. The order, and
+    with it every sum of forces, does not depend on when the lists were made.
+    """
+
+    key: np.ndarray  # (capacity,) int64
+    pair: np.ndarray  # (capacity, 4) uint32: vertex row, edge row, vertex's body, edge's body
+    slip: np.ndarray  # (capacity,) tangential displacement held by the spring [m]
+    old_key: np.ndarray  # (capacity + 1,) the previous list, while a new one is made
+    old_slip: np.ndarray  # (capacity,)
+
+
+class Close(NamedTuple):
+    """Vertex-edge pairs that touch or nearly do: what the force pass reads and writes.
+
+    One array a quantity, so that the pass can be vectorised; all (capacity,).
+    """
+
+    near: np.ndarray  # uint32, index in the near list
+    vertex_body: np.ndarray  # uint32
+    edge_body: np.ndarray  # uint32
+    vertex_x: np.ndarray  # the vertex in its body's frame [m]
+    vertex_y: np.ndarray
+    start_x: np.ndarray  # the edge in its body's frame: where it starts [m]
+    start_y: np.ndarray
+    edge_x: np.ndarray  # and where it goes [m]
+    edge_y: np.ndarray
+    inv_length2: np.ndarray  # [1/m2]
+    mass: np.ndarray  # reduced mass [kg]
+    reach: np.ndarray  # sum of the spheroradii [m]
+    depth: np.ndarray  # spheroradius of the vertex's body [m]
+    slip: np.ndarray  # tangential displacement held by the spring [m]
+    fx: np.ndarray  # force on the vertex's body [N]
+    fy: np.ndarray
+    torque_j: np.ndarray  # torque on the vertex's body [N m]
+    torque_i: np.ndarray  # torque on the edge's body [N m]
+    normal_power: np.ndarray  # dissipated by normal damping [W]
+    tangential_power: np.ndarray  # dissipated by tangential damping [W]
+    rubbed: np.ndarray  # dissipated by friction in this step [J]
+
+
+class Cells(NamedTuple):
+    """Square cells over the silo, and the pairs of bodies found with them."""
+
+    pairs: np.ndarray  # (capacity, 2) uint32: grain, grain or wall
+    start: np.ndarray  # (n_cells + 1,) grains of a cell, as a range of `grains`
+    grains: np.ndarray  # (n_grains,)
+    of_grain: np.ndarray  # (n_grains,) cell of a grain
+    size: float  # [m]
+    columns: int
+    rows: int
+    left: float  # [m]
+    bottom: float  # [m]
+
+
+class World(NamedTuple):
+    """Everything that the step loop works on."""
+
+    bodies: Bodies
+    local: np.ndarray  # (n_vertices, 5) vertices and edges in the frames of their bodies [m]
+    vertices: np.ndarray  # (n_vertices, 4) the same in the silo's frame [m]
+    cells: Cells
+    near: Near
+    close: Close
+    counts: np.ndarray  # (N_COUNTS,) int64
+    books: np.ndarray  # (N_BOOKS,) [J]
+    grain_law: LinearLaw
+    wall_law: LinearLaw
+    gravity: float  # [m/s2], downwards
+    time_step: float  # [s]
