@@ -108,11 +108,11 @@ def from_si(value: float, unit: str) -> str:
     """An SI number as text in `unit`, such as "120 mm"; to_si gives the same float back."""
     registry = _registry()
     factor = registry.Quantity(Decimal(1), _spelled_for_pint(unit)).to_base_units().magnitude
-    for digits in range(15, 29):  # 15 hold any text a person wrote, 17 any float in a decimal unit
-        number = Context(prec=digits).divide(Decimal(value), factor)
+    for digits in range(15, 29):  # 15 hold what a person wrote, 17 any float in a decimal unit
+        number = Context(prec=digits).divide(Decimal(float(value)), factor).normalize()
         if float(number * factor) == value:
             break
-    return f"{float(number):.15g} {unit}" if digits == 15 else f"{number} {unit}"
+    return f"{number:f} {unit}" if -5 < number.adjusted() < 15 else f"{number} {unit}"
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -1,14 +1,15 @@
 """Who can touch whom: three levels of lists, made anew when something has moved too far.
 
-Level 3: pairs of bodies whose bounding circles are closer than BODY_SKIN, from linked cells.
-Level 2: vertex-edge pairs closer than their reach plus NEAR_SKIN, from level 3.
-Level 1: those closer than their reach plus CLOSE_SKIN, from level 2; the force pass works on
+Level 3: pairs of bodies whose bounding circles are closer than the body skin, from linked cells.
+Level 2: vertex-edge pairs closer than their reach plus the near skin, from level 3.
+Level 1: those closer than their reach plus the close skin, from level 2; the force pass works on
          these alone.
 
 No point of a body may move farther than half of a level's skin before that level is made anew,
-less what the level below may still miss; so every pair that touches is in the list. All lists
-are in an order that does not depend on when they were made, and pairs that do not touch add
-exact zeros: the same bits follow, however often the lists are made.
+less what the level below may still miss; so every pair that touches is in the list. The near
+and close skins follow the fastest grain: wide in rain, narrow in a heap at rest. All lists are in
+an order that does not depend on when they were made, and pairs that do not touch add exact
+zeros: the same bits follow, whatever the skins.
 """
 
 import numpy as np
@@ -20,10 +21,12 @@ from silo2d.state import (
     ANGLE,
     BODY_LIST,
     BODY_SEARCHES,
+    BODY_SKIN,
     BOUNDING_RADIUS,
     CLOSE,
     CLOSE_LIST,
     CLOSE_SEARCHES,
+    CLOSE_SKIN,
     COS,
     EDGE,
     EDGE_BODY,
@@ -45,22 +48,26 @@ from silo2d.state import (
     NEAR,
     NEAR_LIST,
     NEAR_SEARCHES,
+    NEAR_SKIN,
     PAIRS,
     SIN,
     SPHERORADIUS,
+    SPIN,
     STALE,
     VERTEX,
     VERTEX_BODY,
     VERTEX_X,
     VERTEX_Y,
+    VX,
+    VY,
     X,
     Y,
 )
 
-# The fastest over an A4 discharge of what benchmarks/skins.py tries.
-BODY_SKIN = 6e-3  # [m]
-NEAR_SKIN = 0.8e-3  # [m]
-CLOSE_SKIN = 0.1e-3  # [m]
+# Steps that a level should last at the speed of the fastest grain, and the range of its skin [m];
+# what benchmarks/skins.py finds best over a filling and a discharge of A4.
+CLOSE_STEPS, CLOSE_NARROWEST = 10, 0.02e-3
+NEAR_STEPS, NEAR_NARROWEST, NEAR_WIDEST = 60, 0.4e-3, 3e-3
 DEEPEST = 0.5  # overlap over reach; much beyond it a vertex would pass through an edge
 
 # Outcomes of a search.
@@ -76,25 +83,51 @@ def search(world):
     A level whose grains have moved too far since it was made becomes stale as well.
     """
     bodies, local, vertices, counts = world.bodies, world.local, world.vertices, world.counts
+    skins = world.skins
     keep_close(world.near, world.close, counts)
-    if counts[STALE] < 2 and farthest(bodies, counts, NEAR_LIST) > 0.5 * (NEAR_SKIN - CLOSE_SKIN):
+    set_close_skin(bodies, counts, skins, world.time_step)
+    margin = 0.5 * (skins[NEAR_SKIN] - skins[CLOSE_SKIN])
+    if counts[STALE] < 2 and farthest(bodies, counts, NEAR_LIST) > margin:
         counts[STALE] = 2
-    if counts[STALE] == 2 and farthest(bodies, counts, BODY_LIST) > 0.5 * (BODY_SKIN - NEAR_SKIN):
+    if counts[STALE] >= 2:
+        set_near_skin(skins)
+    margin = 0.5 * (skins[BODY_SKIN] - skins[NEAR_SKIN])
+    if counts[STALE] == 2 and farthest(bodies, counts, BODY_LIST) > margin:
         counts[STALE] = 3
     outcome = DONE
     if counts[STALE] >= 3:
-        outcome = find_bodies(bodies, local, vertices, world.cells, counts)
+        outcome = find_bodies(bodies, local, vertices, world.cells, counts, skins)
     place_vertices(bodies, local, vertices, counts)
     if outcome == DONE and counts[STALE] >= 2:
         laws_kt = (world.grain_law.kt, world.wall_law.kt)
-        outcome = find_near(bodies, local, vertices, world.cells.pairs, world.near, counts)
+        outcome = find_near(bodies, local, vertices, world.cells.pairs, world.near, counts, skins)
         if outcome == DONE:
             carry_over(world.near, counts, world.books, laws_kt)
     if outcome == DONE:
-        outcome = find_close(bodies, local, vertices, world.near, world.close, counts)
+        outcome = find_close(bodies, local, vertices, world.near, world.close, counts, skins[CLOSE_SKIN])
     if outcome == DONE:
         counts[STALE] = 0
     return outcome
+
+
+@njit
+def set_close_skin(bodies, counts, skins, dt):
+    """The close skin for the speed of the fastest point of a live grain."""
+    fastest = 0.0
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        speed = np.hypot(bodies.row[i, VX], bodies.row[i, VY])
+        speed += bodies.size[i, BOUNDING_RADIUS] * abs(bodies.row[i, SPIN])
+        fastest = max(fastest, speed)
+    widest = NEAR_WIDEST * CLOSE_STEPS / NEAR_STEPS
+    skins[CLOSE_SKIN] = min(max(2.0 * CLOSE_STEPS * fastest * dt, CLOSE_NARROWEST), widest)
+
+
+@njit
+def set_near_skin(skins):
+    """The near skin that goes with a close skin."""
+    wide = skins[CLOSE_SKIN] * NEAR_STEPS / CLOSE_STEPS
+    skins[NEAR_SKIN] = min(max(wide, NEAR_NARROWEST), NEAR_WIDEST)
 
 
 @njit
@@ -144,13 +177,13 @@ def from_edge(local, vertices, v, e):
 
 
 @njit
-def find_bodies(bodies, local, vertices, cells, counts):
+def find_bodies(bodies, local, vertices, cells, counts, skins):
     """Level 3: grain-grain pairs in ascending order, then grain-wall pairs."""
     if not sort_into_cells(bodies, cells, counts):
         return NOT_FINITE
     n = np.int64(0)  # typed: numba would compile what takes it once more for a literal
     for k in range(counts[LIVE]):
-        n = find_grains_near(bodies, cells, bodies.live[k], n)
+        n = find_grains_near(bodies, cells, skins, bodies.live[k], n)
         if n < 0:
             return PAIRS_FULL
     counts[GRAIN_PAIRS] = n
@@ -159,7 +192,7 @@ def find_bodies(bodies, local, vertices, cells, counts):
         for wall in range(len(bodies.live), len(bodies.row)):
             if n == len(cells.pairs):
                 return PAIRS_FULL
-            if wall_is_near(bodies, local, vertices, i, wall):
+            if wall_is_near(bodies, local, vertices, skins, i, wall):
                 cells.pairs[n, 0], cells.pairs[n, 1] = i, wall
                 n += 1
     counts[PAIRS] = n
@@ -196,7 +229,7 @@ def sort_into_cells(bodies, cells, counts):
 
 
 @njit
-def find_grains_near(bodies, cells, i, n):
+def find_grains_near(bodies, cells, skins, i, n):
     """Append the pairs (i, j > i) from the 3 x 3 cells round i, j ascending; -1 where full."""
     row, pairs = bodies.row, cells.pairs
     cell_column, cell_row = cells.of_grain[i] % cells.columns, cells.of_grain[i] // cells.columns
@@ -206,7 +239,7 @@ def find_grains_near(bodies, cells, i, n):
         end = cells.start[r * cells.columns + min(cell_column + 2, cells.columns)]
         for c in range(begin, end):
             j = cells.grains[c]
-            far = bodies.size[i, BOUNDING_RADIUS] + bodies.size[j, BOUNDING_RADIUS] + BODY_SKIN
+            far = bodies.size[i, BOUNDING_RADIUS] + bodies.size[j, BOUNDING_RADIUS] + skins[BODY_SKIN]
             dx, dy = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
             if j <= i or dx * dx + dy * dy >= far * far:
                 continue
@@ -223,23 +256,24 @@ def find_grains_near(bodies, cells, i, n):
 
 
 @njit
-def wall_is_near(bodies, local, vertices, i, wall):
+def wall_is_near(bodies, local, vertices, skins, i, wall):
     """Whether the bounding circle of grain i is within the skin of a wall's segment."""
     if bodies.layout[wall, N_EDGES] == 0:
         return False
     v = bodies.layout[wall, FIRST]
     rx, ry = bodies.row[i, X] - vertices[v, VERTEX_X], bodies.row[i, Y] - vertices[v, VERTEX_Y]
     dx, dy = to_edge(rx, ry, vertices[v, EDGE_X], vertices[v, EDGE_Y], local[v, INV_LENGTH2])
-    far = bodies.size[i, BOUNDING_RADIUS] + BODY_SKIN
+    far = bodies.size[i, BOUNDING_RADIUS] + skins[BODY_SKIN]
     return dx * dx + dy * dy < far * far
 
 
 @njit
-def find_near(bodies, local, vertices, pairs, near, counts):
+def find_near(bodies, local, vertices, pairs, near, counts, skins):
     """Level 2: vertex-edge pairs of the pairs of bodies, both ways."""
     n_old = counts[NEAR]
     for c in range(n_old):
         near.old_key[c], near.old_slip[c] = near.key[c], near.slip[c]
+    skin = skins[NEAR_SKIN]
     n = np.int64(0)
     n_grain = 0
     for p in range(counts[PAIRS]):
@@ -253,8 +287,8 @@ def find_near(bodies, local, vertices, pairs, near, counts):
             for c in range(n_old):
                 near.key[c], near.slip[c] = near.old_key[c], near.old_slip[c]
             return NEAR_FULL
-        n = find_vertices_near(bodies, local, vertices, near, i, j, n)
-        n = find_vertices_near(bodies, local, vertices, near, j, i, n)
+        n = find_vertices_near(bodies, local, vertices, near, skin, i, j, n)
+        n = find_vertices_near(bodies, local, vertices, near, skin, j, i, n)
         if p < counts[GRAIN_PAIRS]:
             n_grain = n
     counts[GRAIN_NEAR], counts[NEAR] = n_grain, n
@@ -273,11 +307,11 @@ def dropped(bodies, i):
 
 
 @njit
-def find_vertices_near(bodies, local, vertices, near, i, j, n):
+def find_vertices_near(bodies, local, vertices, near, skin, i, j, n):
     """Append the pairs of a vertex of i and an edge of j; returns their new number."""
     radius_i, radius_j = bodies.size[i, SPHERORADIUS], bodies.size[j, SPHERORADIUS]
-    far2 = (radius_i + radius_j + NEAR_SKIN) ** 2
-    circle2 = (bodies.size[j, BOUNDING_RADIUS] + radius_i + NEAR_SKIN) ** 2
+    far2 = (radius_i + radius_j + skin) ** 2
+    circle2 = (bodies.size[j, BOUNDING_RADIUS] + radius_i + skin) ** 2
     low, high = np.int64(min(i, j)), np.int64(max(i, j))  # a key needs more than 32 bits
     base = ((low * len(bodies.row) + high) * 2 + (i > j)) * MAX_VERTICES * MAX_VERTICES
     if high >= len(bodies.live):
@@ -329,7 +363,7 @@ def keep_close(near, close, counts):
 
 
 @njit
-def find_close(bodies, local, vertices, near, close, counts):
+def find_close(bodies, local, vertices, near, close, counts, skin):
     """Level 1: the near pairs that touch or nearly do, with what the force pass needs of them."""
     n = np.int64(0)
     n_grain = 0
@@ -339,7 +373,7 @@ def find_close(bodies, local, vertices, near, close, counts):
         dx, dy = from_edge(local, vertices, v, e)
         reach = bodies.size[i, SPHERORADIUS] + bodies.size[j, SPHERORADIUS]
         distance2 = dx * dx + dy * dy
-        if distance2 >= (reach + CLOSE_SKIN) ** 2:
+        if distance2 >= (reach + skin) ** 2:
             continue
         if distance2 < ((1.0 - DEEPEST) * reach) ** 2:
             return TOO_DEEP

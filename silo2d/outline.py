@@ -206,11 +206,16 @@ def hopper(
     return outline_from_polygon([*right, *left], outlet, 0.0, name, name)
 
 
-def preset(name: str) -> Outline:
-    """One of the paper's silos, "A1" ... "D4"; InputError for another name."""
+def preset_sizes(name: str) -> tuple[float, float]:
+    """Hopper angle [rad] and outlet [m] of a preset; InputError for an unknown name."""
     if name not in PRESETS:
         raise InputError(f"silo = {name!r}: unknown; {nearest(name.upper(), PRESETS)}")
-    return hopper(math.radians(_ANGLES[name[0]]), _OUTLETS[name[1]], name=name)
+    return math.radians(_ANGLES[name[0]]), _OUTLETS[name[1]]
+
+
+def preset(name: str) -> Outline:
+    """One of the paper's silos, "A1" ... "D4"; InputError for another name."""
+    return hopper(*preset_sizes(name), name=name)
 
 
 def _check_positive(length: float, field: str) -> None:

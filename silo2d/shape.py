@@ -42,6 +42,13 @@ class Shape:
         """Radius [m] of the circle about the centroid that holds the rounded shape."""
         return float(np.hypot(*self.core.T).max()) + self.spheroradius
 
+    @property
+    def width(self) -> float:
+        """The smallest distance of two parallel lines that hold the shape between them [m]."""
+        _, _, normals = _edges(self.core)
+        heights = np.ptp(self.core @ normals.T, axis=0)
+        return float(heights.min()) + 2 * self.spheroradius
+
     def rounded_outline(self, points_per_corner: int = 5) -> Points:
         """Points (n * points_per_corner, 2) [m] on the rounded outline, for drawing.
 

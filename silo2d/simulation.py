@@ -9,7 +9,7 @@ from contact.laws import LinearLaw
 from silo2d import state
 from silo2d.forces import apply_forces, overlap_now
 from silo2d.integrate import kinetic_energy, move
-from silo2d.neighbours import CLOSE_SKIN, DONE, NEAR_FULL, NOT_FINITE, PAIRS_FULL, search
+from silo2d.neighbours import DONE, NEAR_FULL, NOT_FINITE, PAIRS_FULL, search
 from silo2d.state import World
 from silo2d.world import longer_lists, more_pairs
 
@@ -30,7 +30,7 @@ def advance(world, n_steps):
         apply_forces(
             bodies.row, world.close, counts, books, world.grain_law, world.wall_law, dt
         )
-        move(bodies, counts, books, world.gravity, dt, 0.5 * CLOSE_SKIN)
+        move(bodies, counts, books, world.gravity, dt, 0.5 * world.skins[state.CLOSE_SKIN])
     return n_steps, DONE
 
 
@@ -88,6 +88,10 @@ class Simulation:
     def rows(self) -> np.ndarray:
         """Rows of the grains (n_grains, 16), columns as in state.py."""
         return self.world.bodies.row[: self.n_grains]
+
+    def poses(self) -> np.ndarray:
+        """Position and angle of the grains (n_grains, 3) [m, rad], copied."""
+        return self.rows[:, [state.X, state.Y, state.ANGLE]]
 
     def run(self, n_steps: int) -> None:
         """Advance by n_steps; lists that turn out too short are made longer.

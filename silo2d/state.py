@@ -17,7 +17,9 @@ UY, USPIN, FX, FY, TORQUE, INV_MASS, INV_INERTIA, ANGLE = range(8, 16)
 # Columns of Bodies.layout and Bodies.size.
 FIRST, N_CORNERS, N_EDGES = range(3)
 BOUNDING_RADIUS, SPHERORADIUS = range(2)
-# Columns of Bodies.listed: position and angle when each level of the lists was made.
+# Entries of World.skins [m]: how far apart what a level lists may be. Columns of Bodies.listed:
+# position and angle when each level was made.
+BODY_SKIN, NEAR_SKIN, CLOSE_SKIN = range(3)
 BODY_LIST, NEAR_LIST, CLOSE_LIST = 0, 3, 6
 # Columns of World.vertices and World.local: a vertex, the edge that leaves it counter-clockwise,
 # and 1/length^2 of that edge [1/m2].
@@ -115,6 +117,7 @@ class World(NamedTuple):
     cells: Cells
     near: Near
     close: Close
+    skins: np.ndarray  # (3,) [m]
     counts: np.ndarray  # (N_COUNTS,) int64
     books: np.ndarray  # (N_BOOKS,) [J]
     grain_law: LinearLaw

@@ -7,10 +7,12 @@ import numpy as np
 
 from contact.laws import LinearLaw
 from silo2d import state
-from silo2d.neighbours import BODY_SKIN
 from silo2d.outline import Walls
 from silo2d.shape import Shape
 from silo2d.state import Bodies, Cells, Close, Near, World
+
+
+BODY_SKIN = 6e-3  # [m] of the list of bodies, see neighbours.py
 
 
 def build_world(
@@ -45,6 +47,7 @@ def build_world(
         cells=_cells(bodies, np.concatenate([poses[:, :2], walls.segments.reshape(-1, 2)])),
         near=_near(1024 + 16 * len(grains)),
         close=_close(1024 + 16 * len(grains)),
+        skins=np.array([BODY_SKIN, 0.0, 0.0]),
         counts=_counts(len(grains)),
         books=np.zeros(state.N_BOOKS),
         grain_law=grain_law,

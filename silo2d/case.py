@@ -1,0 +1,334 @@
+"""A silo case: settings resolved to shapes, outline, laws and time step; text to arrays."""
+
+import contextlib
+import copy
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from contact.datafile import data_file, data_names
+from contact.laws import LinearLaw
+from contact.material import Pair
+from contact.quantity import InputError, nearest, to_si
+from contact.restitution import damping_for_restitution, linear_restitution
+from contact.table import load_table
+from silo2d.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
+from silo2d.settings import Settings, Silo, check_settings, read_settings, to_toml
+from silo2d.shape import ShapeSet, load_shapes, vertex_list
+from silo2d.stability import largest_stable_step
+from silo2d.state import MAX_VERTICES
+
+GRAVITY = 9.81  # [m/s2]
+USUAL_TIME_STEP = 5e-6  # [s] discharge times do not change between 2 and 10 us
+# Pouring takes a quarter of the stiffness, and so twice the step, of the materials file.
+POUR_SOFTER = 4.0
+_MARGIN = 0.8  # of the largest stable step, where the usual one is too long
+
+
+@dataclass(frozen=True, eq=False)
+class SiloCase:
+    """Everything that a run needs to know, validated; SI."""
+
+    settings: Settings
+    outline: Outline
+    shapes: ShapeSet
+    surface_density: float  # density times prism length [kg/m2]
+    grain_law: LinearLaw
+    wall_law: LinearLaw
+    time_step: float  # [s]
+    time_step_reason: str
+    pour_laws: tuple[LinearLaw, LinearLaw]  # frictionless and soft
+    pour_time_step: float  # [s]
+    files: dict[str, str]  # name in the run folder -> text, of the shapes and materials used
+
+    @classmethod
+    def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "SiloCase":
+        """A preset ("A4") or a case file (TOML), with changes such as {"law.kn": "1e4 N/mm"}.
+
+        Raises InputError, one line that names file or option, key, value and what would do.
+        """
+        name = str(name_or_path)
+        path = Path(name)
+        if name in PRESETS:
+            document: dict[str, Any] = {"name": name, "silo": {"preset": name}}
+            return cls.resolve(_changed(document, changes), name, Path())
+        if not path.is_file():
+            known = [*PRESETS, *data_names("cases")]
+            shipped = data_file("cases", name)
+            if shipped is None:
+                raise InputError(f"case {name!r}: no such preset or file; {nearest(name, known)}")
+            path = shipped
+        return cls.resolve(_changed(read_settings(path), changes), str(path), path.parent)
+
+    @classmethod
+    def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "SiloCase":
+        """A case from the tables of a case file; files it names are looked for in `folder`."""
+        settings = check_settings(document, where)
+        shapes_file = _find(settings.particles.shapes, "shapes", folder)
+        table_file = _find(settings.particles.materials, "materials", folder)
+        outline = _outline(settings.silo, settings.name, where)
+        shapes = load_shapes(shapes_file)
+        _check_sizes(outline, shapes, settings, where)
+        table = load_table(table_file)
+        particles = settings.particles
+        material = table.material(particles.material)
+        if material.length is None:
+            raise InputError(
+                f"{table_file}: [material.{material.name}] length is missing; give the length of "
+                "the prisms, such as '120 mm'"
+            )
+        surface_density = material.density.value * material.length.value
+        pairs = (
+            table.pair(particles.material, particles.material),
+            table.pair(particles.material, particles.wall),
+        )
+        mean_mass = surface_density * shapes.mean_area
+        laws = _laws(settings, pairs, mean_mass, where)
+        limit, configuration = largest_stable_step(shapes, surface_density, *laws)
+        time_step, reason = _time_step(settings.run.time_step, limit, configuration, where)
+        pour_laws = _pour_laws(pairs)
+        pour_limit, _ = largest_stable_step(shapes, surface_density, *pour_laws)
+        files = {"shapes.toml": shapes_file, "materials.toml": table_file}
+        return cls(
+            settings, outline, shapes, surface_density, *laws, time_step, reason,
+            pour_laws, _chosen_step(2 * USUAL_TIME_STEP, pour_limit),
+            {name: Path(file).read_text(encoding="utf-8") for name, file in files.items()},
+        )  # fmt: skip
+
+    @property
+    def name(self) -> str:
+        """What the run folder is called after."""
+        return self.settings.name
+
+    @cached_property
+    def silo_name(self) -> str | None:
+        """The paper's silo that this outline is, or None."""
+        for name in PRESETS:
+            known = preset(name)
+            if (
+                known.polygon.shape == self.outline.polygon.shape
+                and abs(known.polygon - self.outline.polygon).max() < 1e-9
+                and math.isclose(known.outlet, self.outline.outlet)
+            ):
+                return name
+        return None
+
+    @property
+    def mean_mass(self) -> float:
+        """Of a grain of mean area [kg]."""
+        return self.surface_density * self.shapes.mean_area
+
+    def restitution(self) -> dict[str, dict[str, float]]:
+        """What follows from the laws for two grains of mean mass, and one against a wall.
+
+        Through one contact, and face to face: eight contacts in parallel, two at a wall.
+        """
+        result = {}
+        for pair, law, mass, faces in (
+            ("particle_particle", self.grain_law, self.mean_mass / 2, 8),
+            ("particle_wall", self.wall_law, self.mean_mass, 2),
+        ):
+            end = "overlap" if law.pulls else "force"
+            result[pair] = {
+                "one_contact": linear_restitution(law.gamma_n, law.kn, mass, end=end),
+                "face_to_face": linear_restitution(
+                    law.gamma_n, law.kn, mass, end=end, contacts=faces
+                ),
+            }
+        return result
+
+    def to_toml(self) -> str:
+        """The case as a file for the run folder, beside the copies of the files it names."""
+        particles = self.settings.particles.model_copy(
+            update={"shapes": "shapes.toml", "materials": "materials.toml"}
+        )
+        return to_toml(self.settings.model_copy(update={"particles": particles}))
+
+    def identity(self) -> dict[str, Any]:
+        """What a run's folder is named by: all that its answers depend on."""
+        return {
+            "settings": self.settings.model_dump(exclude={"name", "particles"}),
+            "polygon": self.outline.polygon,
+            "outlet": [self.outline.outlet, self.outline.outlet_centre],
+            "shapes": shapes_identity(self.shapes),
+            "surface_density": self.surface_density,
+            "laws": [list(self.grain_law), list(self.wall_law)],
+            "time_step": self.time_step,
+        }
+
+
+def shapes_identity(shapes: ShapeSet) -> list[Any]:
+    """The numbers of a shape set."""
+    rows = zip(shapes.shapes, shapes.shares, strict=True)
+    return [[shape.core, shape.spheroradius, share] for shape, share in rows]
+
+
+def _changed(document: dict[str, Any], changes: dict[str, Any] | None) -> dict[str, Any]:
+    """The document with some keys ("section.key") set."""
+    document = copy.deepcopy(document)
+    for place, value in (changes or {}).items():
+        section, key = place.split(".")
+        table = document.setdefault(section, {})
+        if isinstance(table, dict):
+            table[key] = value
+    return document
+
+
+def _find(name: str, kind: str, folder: Path) -> str | Path:
+    """A file beside the case, else a shipped one, else as it stands."""
+    if (folder / name).is_file():
+        return folder / name
+    return data_file(kind, name) or name
+
+
+def _outline(silo: Silo, name: str, where: str) -> Outline:
+    if silo.outline is not None:
+        given = [key for key in ("preset", "angle", "width", "height") if getattr(silo, key)]
+        if given:
+            raise InputError(
+                f"{where}: [silo] {given[0]} goes with a hopper, outline with any polygon; leave "
+                "one of them out"
+            )
+        field = f"{where}: [silo] outline"
+        unit = to_si(f"1 {silo.outline_unit}", "m", f"{where}: [silo] outline_unit")
+        points = vertex_list(silo.outline, field) * unit
+        return outline_from_polygon(points, silo.outlet, silo.outlet_centre, name, field)
+    with _located(f"{where}: [silo]"):
+        angle, outlet = preset_sizes(silo.preset) if silo.preset else (None, None)
+        angle = angle if silo.angle is None else silo.angle
+        outlet = silo.outlet or outlet
+        if angle is None or outlet is None:
+            raise InputError("needs a preset ('A4'), or angle and outlet, or an outline")
+        return hopper(angle, outlet, silo.width or 0.3, silo.height or 0.5, name)
+
+
+@contextlib.contextmanager
+def _located(where: str) -> Iterator[None]:
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{where} {error}") from None
+
+
+def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: str) -> None:
+    """What must hold between the silo, the particles and the fill level."""
+    narrowest = min(shape.width for shape in shapes.shapes)
+    if outline.outlet < narrowest:
+        raise InputError(
+            f"{where}: [silo] outlet = {outline.outlet * 1e3:g} mm: smaller than the narrowest "
+            f"particle, {narrowest * 1e3:.3g} mm; nothing would come out"
+        )
+    level, largest = settings.fill.level, 2 * shapes.bounding_radius
+    if not largest < level <= outline.height:
+        raise InputError(
+            f"{where}: [fill] level = {level * 1e3:g} mm: must be above the largest particle, "
+            f"{largest * 1e3:.3g} mm, and at most the silo's height, {outline.height * 1e3:g} mm"
+        )
+    too_many = next((s for s in shapes.shapes if len(s.core) > MAX_VERTICES), None)
+    if too_many:
+        raise InputError(
+            f"{shapes.name}: [shape {too_many.name}] has {len(too_many.core)} vertices; at most "
+            f"{MAX_VERTICES} are offered"
+        )
+
+
+def _laws(
+    settings: Settings, pairs: tuple[Pair, Pair], mean_mass: float, where: str
+) -> tuple[LinearLaw, LinearLaw]:
+    """Grain-grain and grain-wall laws: the materials file, then what the case changes."""
+    law = settings.law
+    friction = law.mu_particle, law.mu_wall
+    gammas = _gamma_overrides(settings, pairs)
+    laws = []
+    for pair, mu, gamma, mass in zip(
+        pairs, friction, gammas, (mean_mass / 2, mean_mass), strict=True
+    ):
+        if pair.linear is None:
+            raise InputError(
+                f"{settings.particles.materials}: [pair.{pair.first}-{pair.second}.linear] is "
+                "missing; give kn, kt, gamma_n and gamma_t"
+            )
+        known = pair.linear
+        kn = law.kn or known.kn.value
+        stiffer = kn / known.kn.value if law.keep_ratios else 1.0
+        kt = law.kt or known.kt.value * stiffer
+        if kt <= 0:
+            raise InputError(f"{where}: kt = {kt:g} N/m: must be above 0; for no friction, set mu")
+        gamma_n = known.gamma_n.value * math.sqrt(stiffer) if gamma is None else gamma
+        if law.damping == "restitution":
+            gamma_n = _gamma_from_restitution(settings, pair, kn, mass)
+        gamma_t = known.gamma_t.value if law.gamma_t is None else law.gamma_t
+        mu = pair.friction.value if mu is None else mu
+        laws.append(LinearLaw(kn, kt, mu, gamma_n, gamma_t, law.contact_end == "overlap"))
+    return laws[0], laws[1]
+
+
+def _pour_laws(pairs: tuple[Pair, Pair]) -> tuple[LinearLaw, LinearLaw]:
+    """Laws of the filling: no friction, so that no large voids form, and soft, to be quick.
+
+    They come from the materials file alone: what a case changes acts after the opening, and
+    cases that differ in it share a packing.
+    """
+    laws = []
+    for pair in pairs:
+        assert pair.linear is not None  # _laws has refused that
+        kn, kt = pair.linear.kn.value / POUR_SOFTER, pair.linear.kt.value / POUR_SOFTER
+        gamma_n = pair.linear.gamma_n.value / math.sqrt(POUR_SOFTER)
+        laws.append(LinearLaw(kn, kt, 0.0, gamma_n, pair.linear.gamma_t.value, True))
+    return laws[0], laws[1]
+
+
+def _gamma_overrides(
+    settings: Settings, pairs: tuple[Pair, Pair]
+) -> tuple[float | None, float | None]:
+    """gamma_n of the case for both pairs; the wall's scales with the particles' unless given."""
+    grain, wall = settings.law.gamma_n, settings.law.gamma_n_wall
+    first, second = pairs[0].linear, pairs[1].linear
+    if grain is not None and wall is None and first and second and first.gamma_n.value > 0:
+        wall = grain * second.gamma_n.value / first.gamma_n.value
+    return grain, wall
+
+
+def _gamma_from_restitution(settings: Settings, pair: Pair, kn: float, mass: float) -> float:
+    """The damping with which one contact of two grains of mean mass has the pair's restitution."""
+    if settings.law.gamma_n is not None or settings.law.gamma_n_wall is not None:
+        raise InputError(
+            "[law] gamma_n goes with damping = 'published'; with 'restitution' it follows from "
+            "the materials file: leave one of them out"
+        )
+    if pair.restitution is None:
+        raise InputError(
+            f"{settings.particles.materials}: [pair.{pair.first}-{pair.second}] restitution is "
+            "missing; damping = 'restitution' needs it"
+        )
+    return damping_for_restitution(
+        pair.restitution.value, kn, mass, end=settings.law.contact_end
+    )
+
+
+def _time_step(
+    wanted: float | None, limit: float, configuration: str, where: str
+) -> tuple[float, str]:
+    """The time step [s] and the reason for it; refused beyond the stable one."""
+    bound = f"stable up to {limit * 1e6:.3g} us ({configuration})"
+    if wanted is not None:
+        if wanted > limit:
+            raise InputError(
+                f"{where}: [run] time_step = {wanted * 1e6:g} us: not stable; at most "
+                f"{limit * 1e6:.3g} us ({configuration}); leave it out and one is chosen"
+            )
+        return wanted, f"as given; {bound}"
+    chosen = _chosen_step(USUAL_TIME_STEP, limit)
+    reason = "the usual one" if chosen == USUAL_TIME_STEP else f"{_MARGIN:g} of the largest stable"
+    return chosen, f"{reason}; {bound}"
+
+
+def _chosen_step(usual: float, limit: float) -> float:
+    """The usual time step [s], or a part of the limit rounded down to two digits."""
+    if limit >= usual:
+        return usual
+    exponent = math.floor(math.log10(_MARGIN * limit)) - 1
+    return math.floor(_MARGIN * limit / 10**exponent) * 10.0**exponent

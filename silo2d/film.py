@@ -1,0 +1,180 @@
+"""The film of a run: every stored frame, 25 a second, in a format that browsers play."""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaign.folder import write_atomic
+from silo2d.scene import GRAIN_EDGE, INK, PAPER, WALL, WOOD, Scene
+
+Image = NDArray[np.uint8]  # (height, width, 3), red green blue
+
+FPS = 25
+_LONGEST, _PIXELS = 860, 480 * 860  # of the picture, its heading left out
+_NARROWEST = 420  # room for the heading
+_HEADING, _MARGIN = 74, 16
+_SHIFT = 4  # OpenCV takes corners in sixteenths of a pixel
+
+
+def make_film(scene: Scene, folder: Path) -> Path:
+    """Write film.mp4 into a folder; its path.
+
+    H.264 where imageio-ffmpeg is installed (extra "pictures"), else VP9 where OpenCV can write
+    it, else film.gif. Raises FolderError when it cannot be written.
+    """
+    for ending, encode in (("mp4", _h264), ("mp4", _vp9), ("gif", _gif)):
+        with tempfile.TemporaryDirectory() as room:
+            unfinished = Path(room) / f"film.{ending}"
+            if encode(unfinished, film_frames(scene)):
+                write_atomic(folder / unfinished.name, unfinished.read_bytes())
+                return folder / unfinished.name
+    raise AssertionError("a GIF can always be written")
+
+
+def film_frames(scene: Scene) -> Iterator[Image]:
+    """One picture for each stored frame, all of one even size."""
+    canvas = _Canvas(scene)
+    for frame in range(len(scene.time)):
+        yield canvas.draw(frame)
+
+
+class _Canvas:
+    """What is the same in all pictures of a film, and the scale [px/m]."""
+
+    def __init__(self, scene: Scene) -> None:
+        import cv2
+
+        left, right, bottom, top = scene.window
+        wide, high = right - left, top - bottom
+        self.scale = min(_LONGEST / max(wide, high), np.sqrt(_PIXELS / (wide * high)))
+        width = max(int(wide * self.scale), _NARROWEST) + 2 * _MARGIN
+        height = int(high * self.scale) + _HEADING + _MARGIN
+        width, height = width + width % 2, height + height % 2  # video codecs want even sizes
+        centre = width / 2 - self.scale * (left + right) / 2
+        self.origin = np.array([centre, _HEADING + self.scale * top])
+        self.scene = scene
+        self.tone = scene.trajectory.static["layer"] % len(WOOD)
+        self.font = _font(17)
+        self.background = np.full((height, width, 3), _rgb(PAPER), dtype=np.uint8)
+        _write(self.background, scene.headline.partition(":")[0], _MARGIN, 12, _font(19, bold=True))
+        _write(self.background, _slow_motion(scene.time), width - _MARGIN, 14, _font(14), right=True)
+        cv2.polylines(self.background, list(self._pixels(scene.walls)), False, _rgb(WALL), 3,
+                      cv2.LINE_AA, _SHIFT)  # fmt: skip
+
+    def _pixels(self, points: NDArray) -> NDArray[np.int32]:
+        across = self.origin + self.scale * points * (1, -1)
+        # Pixel k reaches from k to k + 1 here, from k - 1/2 to k + 1/2 in OpenCV.
+        return np.rint((across - 0.5) * 2**_SHIFT).astype(np.int32)
+
+    def draw(self, frame: int) -> Image:
+        import cv2
+
+        image = self.background.copy()
+        by_tone: list[list[NDArray]] = [[] for _ in WOOD]
+        for grains, outlines in self.scene.outlines(frame):
+            for tone, outline in zip(self.tone[grains], self._pixels(outlines), strict=True):
+                by_tone[tone].append(outline)
+        for colour, outlines in zip(WOOD, by_tone, strict=True):
+            cv2.fillPoly(image, outlines, _rgb(colour), cv2.LINE_AA, _SHIFT)
+            cv2.polylines(image, outlines, True, _rgb(GRAIN_EDGE), 1, cv2.LINE_AA, _SHIFT)
+        n_out = self.scene.trajectory["n_out"][frame]
+        words = f"{self.scene.time[frame]:.2f} s     {n_out} of {self.scene.n_grains} out"
+        _write(image, words, _MARGIN, 40, self.font)
+        return image
+
+
+def _slow_motion(time: NDArray[np.float64]) -> str:
+    """How the film's time runs against that of the run."""
+    if len(time) < 2:
+        return ""
+    factor = 1 / (FPS * float(np.median(np.diff(time))))
+    if abs(factor - 1) < 0.05:
+        return "real time"
+    return f"{factor:.3g}x slower" if factor > 1 else f"{1 / factor:.3g}x faster"
+
+
+def _rgb(colour: str) -> tuple[int, int, int]:
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def _font(size: int, bold: bool = False):
+    from matplotlib import get_data_path
+    from PIL import ImageFont
+
+    name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
+    return ImageFont.truetype(str(Path(get_data_path()) / "fonts" / "ttf" / name), size)
+
+
+def _write(image: Image, words: str, x: int, y: int, font, right: bool = False) -> None:
+    """Write words into a picture, with their upper left or right corner at (x, y) [px].
+
+    Pillow draws them: OpenCV's own letters are strokes.
+    """
+    from PIL import Image as Picture
+    from PIL import ImageDraw
+
+    band = image[y : y + 2 * int(font.size)]
+    picture = Picture.fromarray(band)
+    ImageDraw.Draw(picture).text((x, 0), words, _rgb(INK), font, anchor="ra" if right else "la")
+    band[:] = np.asarray(picture)
+
+
+def _h264(path: Path, frames: Iterator[Image]) -> bool:
+    """Whether H.264 could be written: imageio-ffmpeg is there, with an ffmpeg that can."""
+    try:
+        import imageio_ffmpeg
+
+        imageio_ffmpeg.get_ffmpeg_exe()
+    except (ImportError, RuntimeError):
+        return False
+    first = next(frames)
+    writer = imageio_ffmpeg.write_frames(
+        str(path),
+        (first.shape[1], first.shape[0]),
+        fps=FPS,
+        codec="libx264",
+        quality=None,  # given below, finer
+        macro_block_size=2,
+        ffmpeg_log_level="quiet",
+        # The index comes first, so that a browser plays while it loads.
+        output_params=["-crf", "20", "-preset", "fast", "-movflags", "+faststart"],
+    )
+    writer.send(None)
+    try:
+        for image in chain([first], frames):
+            writer.send(image)
+    except OSError:  # the ffmpeg of a system may lack the encoder, and hangs up
+        return False
+    writer.close()
+    return path.exists() and path.stat().st_size > 0
+
+
+def _vp9(path: Path, frames: Iterator[Image]) -> bool:
+    """Whether VP9 could be written: OpenCV was built with it."""
+    # Read when OpenCV opens its first film; it would report codecs it lacks on the console.
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+    import cv2
+
+    first = next(frames)
+    size = (first.shape[1], first.shape[0])
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"vp09"), FPS, size)
+    if not writer.isOpened():
+        return False
+    writer.write(first[:, :, ::-1].copy())  # OpenCV's order is blue green red
+    for image in frames:
+        writer.write(image[:, :, ::-1].copy())
+    writer.release()
+    return True
+
+
+def _gif(path: Path, frames: Iterator[Image]) -> bool:
+    from PIL import Image as Picture
+
+    first, *rest = (Picture.fromarray(image).quantize(64) for image in frames)
+    first.save(path, save_all=True, append_images=rest, duration=1000 // FPS, loop=0)
+    return True

@@ -1,0 +1,141 @@
+"""Figures of a run, drawn from its folder: the silo sheet here, graphs and the film elsewhere."""
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from campaign.folder import RunFolder, write_atomic, writing
+from silo2d.charts import discharge_chart, energy_chart, force_chart
+from silo2d.film import make_film
+from silo2d.scene import GRAIN_EDGE, INK, PAPER, WALL, WOOD, Scene, read_scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_INTERVAL = 0.25  # s between panels, as in the paper's figures
+_MOST_PANELS = 8
+_DPI = 160
+_STYLE = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so pictures look alike everywhere
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": WALL,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": WALL,
+    "ytick.color": WALL,
+    "legend.frameon": True,
+    "legend.edgecolor": "none",
+    "legend.framealpha": 0.85,
+    "lines.linewidth": 1.4,
+}
+
+
+def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
+    """Draw a run, finished or not, into its folder figures/; the paths of the pictures.
+
+    silo.png         the painted layers every 0.25 s, or every multiple of it that fits
+    discharge.png    grains out against time, beside the published times
+    energy.png       where the energy went
+    forces.png       what the walls carried
+    film.mp4         all frames (see make_film); left out without `film`
+
+    Raises FolderError when the folder holds no frame yet or cannot be read or written.
+    """
+    from matplotlib import rc_context
+
+    scene = read_scene(run_folder)
+    folder = RunFolder(Path(run_folder)).figures
+    with writing(folder):
+        folder.mkdir(exist_ok=True)
+    sheets = {
+        "silo": silo_sheet,
+        "discharge": discharge_chart,
+        "energy": energy_chart,
+        "forces": force_chart,
+    }
+    paths = []
+    for name, draw in sheets.items():
+        image = io.BytesIO()
+        with rc_context(_STYLE):
+            draw(scene).savefig(image, format="png", dpi=_DPI)
+        paths.append(folder / f"{name}.png")
+        write_atomic(paths[-1], image.getvalue())
+    return [*paths, make_film(scene, folder)] if film else paths
+
+
+def silo_sheet(scene: Scene) -> "Figure":
+    """The silo with its painted layers at even times, at most eight of them."""
+    from matplotlib.figure import Figure
+
+    frames = panel_frames(scene.time)
+    rows = 1 if len(frames) <= 5 else 2
+    columns = -(-len(frames) // rows)
+    left, right, bottom, top = scene.window
+    width = 2.6
+    height = width * (top - bottom) / (right - left) + 0.35
+    size = (max(columns * width, 5.2), rows * height + 0.6)
+    figure = Figure(figsize=size, layout="constrained")
+    figure.suptitle(scene.headline, x=0.02, ha="left", fontsize=14, fontweight="bold")
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for panel, frame in zip(panels, frames, strict=False):
+        _draw_silo(panel, scene, frame)
+    for panel in panels[len(frames) :]:
+        panel.set_axis_off()
+    _scale_bar(panels[0], scene)
+    return figure
+
+
+def panel_frames(time: np.ndarray) -> list[int]:
+    """Frames (n,) nearest to the times of the panels, for frames at `time` (F,) [s].
+
+    The times are multiples of 0.25 s, or of the smallest multiple of it that gives no more than
+    eight panels; the last frame is one too where it comes at least half of that later.
+    """
+    end = time[-1] - time[0]
+    step = _INTERVAL * max(1, np.ceil(end / _INTERVAL / (_MOST_PANELS - 1) - 1e-9))
+    wanted = step * np.arange(int(end / step + 1e-9) + 1)
+    if end - wanted[-1] >= step / 2:
+        wanted = np.append(wanted, end)
+    return [int(np.abs(time - time[0] - t).argmin()) for t in wanted]
+
+
+def _draw_silo(panel: "Axes", scene: Scene, frame: int) -> None:
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    layer = scene.trajectory.static["layer"]
+    for grains, outlines in scene.outlines(frame):
+        colours = [WOOD[tone] for tone in layer[grains] % len(WOOD)]
+        panel.add_collection(
+            PolyCollection(
+                outlines, facecolors=colours, edgecolors=GRAIN_EDGE, linewidths=0.35
+            )
+        )
+    panel.add_collection(LineCollection(scene.walls, colors=WALL, linewidths=2, capstyle="round"))
+    (left, y), (right, _) = scene.trajectory.attributes["lips"]
+    panel.plot([left, right], [y, y], color=WALL, lw=0.7, ls=(0, (3, 3)))
+    n_out = scene.trajectory["n_out"][frame]
+    panel.set_title(f"{scene.time[frame]:.2f} s, {n_out} out", fontsize=10)
+    left, right, bottom, top = scene.window
+    edge = 0.02 * (right - left)
+    panel.set(xlim=(left - edge, right + edge), ylim=(bottom, top + edge), aspect="equal")
+    panel.set_axis_off()
+
+
+def _scale_bar(panel: "Axes", scene: Scene) -> None:
+    """A bar of about a third of the width, 1, 2 or 5 times a power of ten, below the silo."""
+    left, right, bottom, _ = scene.window
+    length = round_length((right - left) / 3)
+    y = bottom + 0.012 * (right - left)
+    panel.plot([left, left + length], [y, y], color=INK, lw=2.5, solid_capstyle="butt")
+    panel.annotate(f"{1e3 * length:g} mm", (left, y), (0, 4), textcoords="offset points")
+
+
+def round_length(length: float) -> float:
+    """The largest of 1, 2, 5, 10, ... times a power of ten that is not above a length."""
+    power = 10.0 ** np.floor(np.log10(length))
+    return float(max(k * power for k in (1, 2, 5) if k * power <= length * (1 + 1e-9)))

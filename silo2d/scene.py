@@ -1,0 +1,111 @@
+"""A run folder as pictures need it: grain outlines of a frame, walls, window, words, colours."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaign.folder import FolderError, RunFolder
+from campaign.trajectory import Trajectory, read_trajectory
+
+PAPER, INK, WALL = "#fbfaf7", "#2b2b2b", "#55504a"
+WOOD = "#ecd3a4", "#b5793f"  # of the painted layers, in turn; they differ in lightness too
+GRAIN_EDGE = "#4a3018"
+# Okabe and Ito's colours, which the colour-blind tell apart.
+BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
+SKY, PURPLE, GREY = "#56b4e9", "#cc79a7", "#8a8a8a"
+
+_BELOW = 0.2  # how much is shown of what falls below the outlet, in heights of the silo
+_OUTCOMES = {
+    "empty": "empty",
+    "dead_zones": "dead zones remain",
+    "clogged": "clogged",
+    "clogged_at_opening": "clogged at opening",
+    "time_limit": "stopped at the time limit",
+}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One run as it stands on disk, finished or not.
+
+    summary         as in summary.json; empty while the run goes on
+    wall_names      (w,), the door last
+    """
+
+    trajectory: Trajectory
+    summary: dict[str, Any]
+    wall_names: list[str]
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Of the frames (F,) [s], 0 at the opening."""
+        return self.trajectory["time"]
+
+    @property
+    def n_grains(self) -> int:
+        """Number of grains at the opening."""
+        return len(self.trajectory.static["kind"])
+
+    @property
+    def walls(self) -> NDArray[np.float64]:
+        """End points of the walls (w - 1, 2, 2) [m], without the door."""
+        return self.trajectory.static["wall_segments"][:-1]
+
+    @cached_property
+    def window(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top of what is worth showing [m]."""
+        left, bottom = self.walls.min(axis=(0, 1))
+        right, top = self.walls.max(axis=(0, 1))
+        inside, y = self.trajectory["inside"], self.trajectory["y"]
+        heap = y[0][inside[0]].max(initial=top)  # a filling may stand above the rim
+        lowest = y[inside].min(initial=bottom)
+        below = max(lowest, bottom - _BELOW * (top - bottom))
+        return float(left), float(right), float(below), float(max(top, heap))
+
+    @property
+    def headline(self) -> str:
+        """The silo and how its discharge ended, in one line."""
+        silo = f"Silo {self.trajectory.attributes['silo']}"
+        n_out = self.trajectory["n_out"][-1]
+        if not self.summary:
+            return f"{silo}: unfinished, {n_out} of {self.n_grains} out by {self.time[-1]:.2f} s"
+        outcome = self.summary["outcome"]
+        how = _OUTCOMES.get(outcome, outcome)
+        end = self.summary.get("discharge_time_s")
+        if end is None:
+            return f"{silo}: {how}, {n_out} of {self.n_grains} out"
+        last = "after" if outcome == "empty" else "; the last grain left at"
+        return f"{silo}: {how} {last} {end:.2f} s".replace(" ;", ";")
+
+    def outlines(self, frame: int) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
+        """Grains of one shape that are inside (k,), and their outlines (k, p, 2) [m]; all shapes.
+
+        Outlines that lie below the window are left out.
+        """
+        points, start = self.trajectory.static["shape_points"], self.trajectory.static["shape_start"]
+        x, y, angle = (self.trajectory[key][frame] for key in ("x", "y", "angle"))
+        kind = self.trajectory.static["kind"]
+        shown = self.trajectory["inside"][frame] & (y > self.window[2] - np.abs(points).max())
+        for shape in range(len(start) - 1):
+            which = np.flatnonzero(shown & (kind == shape))
+            px, py = points[start[shape] : start[shape + 1]].T
+            cos, sin = np.cos(angle[which, None]), np.sin(angle[which, None])
+            around = np.stack([px * cos - py * sin, px * sin + py * cos], axis=-1)
+            yield which, around + np.stack([x[which], y[which]], axis=-1)[:, None, :]
+
+
+def read_scene(run_folder: str | Path) -> Scene:
+    """The run in a folder; FolderError where it has no frame yet or cannot be read."""
+    run = RunFolder(Path(run_folder))
+    trajectory = read_trajectory(run.path)
+    if "time" not in trajectory or not trajectory.static:
+        raise FolderError(f"{run.path}: no frame yet; wait until the silo has opened")
+    names = trajectory.attributes["wall_names"]
+    names = json.loads(names) if isinstance(names, str) else [str(name) for name in names]
+    return Scene(trajectory, run.read_summary() if run.state == "finished" else {}, names)

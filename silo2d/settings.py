@@ -1,0 +1,207 @@
+"""What a case file may hold: sections, keys, units, ranges, defaults."""
+
+import reprlib
+import tomllib
+import typing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+
+from contact.quantity import InputError, nearest, to_si
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Marks a field that is written with a unit; its number is in this SI unit."""
+
+    name: str
+
+
+def _read(unit: str) -> BeforeValidator:
+    def read(value: object, info: ValidationInfo) -> float:
+        return to_si(value, unit, info.field_name or "value")
+
+    return BeforeValidator(read)
+
+
+Length = Annotated[float, _read("m"), Unit("m")]
+Size = Annotated[float, _read("m"), Unit("m"), Field(gt=0)]
+Time = Annotated[float, _read("s"), Unit("s"), Field(gt=0)]
+Angle = Annotated[float, _read("rad"), Unit("rad")]
+Stiffness = Annotated[float, _read("N/m"), Unit("N/m"), Field(gt=0)]
+Rate = Annotated[float, _read("1/s"), Unit("1/s"), Field(ge=0)]
+Number = Annotated[float, _read("1"), Field(ge=0)]
+
+
+class Section(BaseModel):
+    """A table of the case file; takes the keys of its class and no others."""
+
+    model_config = ConfigDict(frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_known_keys(cls, table: object) -> object:
+        if not isinstance(table, dict):
+            raise ValueError("expected a table of keys")
+        for key in table:
+            if key not in cls.model_fields:
+                raise ValueError(f"unknown key {key!r}; {nearest(key, cls.model_fields)}")
+        return table
+
+
+class Silo(Section):
+    """[silo]: a preset A1 ... D4, or a hopper, or a polygon."""
+
+    preset: str | None = None
+    angle: Angle | None = None  # hopper from the horizontal
+    outlet: Size | None = None
+    width: Size | None = None
+    height: Size | None = None
+    outline: list[list[float]] | None = None  # inside of the silo, counter-clockwise
+    outline_unit: str = "mm"
+    outlet_centre: Length | None = None
+
+
+class Particles(Section):
+    """[particles]: shapes, and what they and the walls are made of."""
+
+    shapes: str = "wood19"
+    materials: str = "wood"
+    material: str = "wood"
+    wall: str = "methacrylate"
+
+
+class Law(Section):
+    """[law]: the contact law; what is given here goes before the materials file."""
+
+    damping: Literal["published", "restitution"] = "published"
+    contact_end: Literal["overlap", "force"] = "overlap"
+    mu_particle: Number | None = None
+    mu_wall: Number | None = None
+    kn: Stiffness | None = None
+    kt: Stiffness | None = None
+    gamma_n: Rate | None = None
+    gamma_n_wall: Rate | None = None
+    gamma_t: Rate | None = None
+    keep_ratios: bool = False
+
+
+class Fill(Section):
+    """[fill]: how the silo is filled."""
+
+    level: Size = 0.475
+    pour_with: Literal["dem", "pymunk"] = "dem"
+    settled: Annotated[Number, Field(gt=0)] = 1e-4
+
+
+class Run(Section):
+    """[run]: seed, time step, and when the run ends."""
+
+    seed: Annotated[int, Field(ge=0, strict=True)] = 1
+    time_step: Time | None = None
+    max_time: Time = 6.0
+    at_rest: Annotated[Number, Field(gt=0)] = 1e-4
+    rest_time: Time = 0.15
+    opening_count: Annotated[int, Field(ge=0, strict=True)] = 5
+
+
+class Output(Section):
+    """[output]: what is kept."""
+
+    frame_interval: Time = 0.01
+    checkpoint_interval: Time = 0.1
+    layer_height: Size = 0.045
+
+
+class Settings(Section):
+    """A whole case file, but for its schema number."""
+
+    name: str = "silo"
+    silo: Silo
+    particles: Particles = Particles()
+    law: Law = Law()
+    fill: Fill = Fill()
+    run: Run = Run()
+    output: Output = Output()
+
+
+def read_settings(path: Path) -> dict[str, Any]:
+    """The tables of a case file as they are written; InputError if it is none."""
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
+    except ValueError as error:  # also bytes that are not text
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+    if "schema" not in document:
+        raise InputError(f"{path}: schema is missing; write schema = {SCHEMA} on the first line")
+    schema = document.pop("schema")
+    if type(schema) is not int or schema != SCHEMA:
+        raise InputError(f"{path}: schema = {schema!r}: unknown; this version reads {SCHEMA}")
+    document.setdefault("name", path.stem)
+    return document
+
+
+def check_settings(document: dict[str, Any], where: str) -> Settings:
+    """The settings of a document; InputError with one line for the first thing that is wrong."""
+    try:
+        return Settings.model_validate(document)
+    except ValidationError as error:
+        raise InputError(f"{where}: {_one_line(error)}") from None
+
+
+def _one_line(error: ValidationError) -> str:
+    problem = error.errors()[0]
+    place = [str(part) for part in problem["loc"]]
+    section = f"[{place[0]}] " if place and place[0] in Settings.model_fields else ""
+    if problem["type"] == "value_error":
+        return f"{section}{problem['ctx']['error']}"
+    if problem["type"] == "missing":
+        return f"[{place[0]}] is missing; write at least [silo] preset = 'A4'"
+    key = f"{section}{'.'.join(place[1:])}"
+    what = problem["msg"].lower().removeprefix("input should be ")
+    return f"{key} = {reprlib.repr(problem['input'])}: must be {what}"
+
+
+def to_toml(settings: Settings) -> str:
+    """The settings as a case file, all in SI."""
+    lines = [f"schema = {SCHEMA}", f"name = {_toml(settings.name)}"]
+    for section in type(settings).model_fields:
+        table = getattr(settings, section)
+        if isinstance(table, Section):
+            lines += ["", f"[{section}]"]
+            for key, field in type(table).model_fields.items():
+                value = getattr(table, key)
+                if value is not None:
+                    lines.append(f"{key} = {_toml(value, _unit(field))}")
+    return "\n".join(lines) + "\n"
+
+
+def _unit(field: Any) -> str:
+    """The SI unit of a field, or "1"."""
+    choices = typing.get_args(field.annotation)  # of "X | None"
+    metadata = [*field.metadata, *(m for c in choices for m in getattr(c, "__metadata__", ()))]
+    return next((m.name for m in metadata if isinstance(m, Unit)), "1")
+
+
+def _toml(value: Any, unit: str = "1") -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float) and unit != "1":
+        return f'"{value!r} {unit}"'
+    if isinstance(value, str):
+        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{escaped}"'
+    return repr(value)  # numbers, and lists of numbers, are written as in Python

@@ -1,0 +1,90 @@
+"""Closed forms that the tests compare with, each written once, with its source; SI units.
+
+An impact through linear springs and dashpots obeys d'' + gamma d' + omega0^2 d = 0, d(0) = 0,
+d'(0) = v, with b = gamma/2 and w = sqrt(omega0^2 - b^2). Where n contacts act in parallel,
+gamma and omega0^2 are n times those of one.
+"""
+
+import math
+
+import numpy as np
+
+
+def angular_frequency(kn, m, contacts=1):
+    """omega0 [rad/s] of a reduced mass m [kg] on equal springs kn [N/m] in parallel."""
+    return math.sqrt(contacts * kn / m)
+
+
+def damped(omega0, gamma, t):
+    """Displacement over initial velocity [s] and velocity over it [-] of a damped oscillator
+    that starts in its middle: exp(-b t) sin(w t)/w (any textbook)."""
+    b = gamma / 2
+    w = math.sqrt(omega0**2 - b**2)
+    decay = np.exp(-b * t)
+    return decay * np.sin(w * t) / w, decay * (np.cos(w * t) - b / w * np.sin(w * t))
+
+
+def restitution_at_zero_overlap(omega0, gamma):
+    """e = exp(-pi b/w), wood-silo paper eq. 3.8: damped() at t = pi/w."""
+    b = gamma / 2
+    return math.exp(-math.pi * b / math.sqrt(omega0**2 - b**2))
+
+
+def damping_of_restitution(omega0, e):
+    """gamma [1/s] for which a contact that ends at zero overlap gives e."""
+    return -2 * omega0 * math.log(e) / math.hypot(math.pi, math.log(e))
+
+
+def contact_time(omega0, gamma):
+    """pi/w [s] until the overlap is zero again."""
+    return math.pi / math.sqrt(omega0**2 - (gamma / 2) ** 2)
+
+
+def deepest_overlap(omega0, gamma, v):
+    """Overlap [m] where d' = 0, at tan(w t) = w/b: (v/omega0) exp(-(b/w) atan(w/b))."""
+    b = gamma / 2
+    w = math.sqrt(omega0**2 - b**2)
+    return v / omega0 * math.exp(-b / w * math.atan2(w, b))
+
+
+# Schwager and Poeschel 2007, Granular Matter 9, 465: restitution of a contact that ends at zero
+# force, for the damping that would give the key where it ends at zero overlap.
+ENDING_AT_ZERO_FORCE = {0.45: 0.511, 0.53: 0.575, 0.80: 0.808}
+
+# A disc of radius r, I = m r^2/2, on a plane. Its contact point slows by (1/m + r^2/I) J = 3 J/m
+# for a tangential impulse J, a sphere's by 7/2 (verification: Chung and Ooi 2011,
+# 10.1007/s10035-011-0277-0, with 3 in place of 7/2).
+
+
+def disc_after_gross_sliding(v_n, v_t, e, mu, r):
+    """(v_t', spin) of a disc without spin that slides through all of its impact on a wall:
+    the friction impulse is mu m (1 + e) v_n. Holds for v_t > 3 mu (1 + e) v_n."""
+    return v_t - mu * (1 + e) * v_n, 2 * mu * (1 + e) * v_n / r
+
+
+def disc_sliding_to_rolling(u0, mu, g):
+    """(time, velocity) when a disc launched without spin rolls: u0/(3 mu g), 2 u0/3."""
+    return u0 / (3 * mu * g), 2 * u0 / 3
+
+
+def disc_rolling_down(angle, g):
+    """Acceleration [m/s2] of a disc that rolls down, for mu > tan(angle)/3: (2/3) g sin."""
+    return 2 / 3 * g * math.sin(angle)
+
+
+def block_sliding_down(angle, mu, g):
+    """Acceleration [m/s2] of a block that slides down, for tan(angle) > mu (Coulomb)."""
+    return g * (math.sin(angle) - mu * math.cos(angle))
+
+
+def block_creeping_down(angle, mu, g, gamma_t, contacts, t):
+    """Velocity [m/s] of a block from rest, held back by tangential dashpots as well:
+    v0 (1 - exp(-n gamma_t t)), v0 = g (sin - mu cos)/(n gamma_t); the wood-silo paper's
+    eq. 3.11 with n vertex-edge pairs."""
+    rate = contacts * gamma_t
+    return block_sliding_down(angle, mu, g) / rate * -math.expm1(-rate * t)
+
+
+def bounce_height(h0, r, e, k):
+    """Centre height [m] after bounce k of a stiff ball dropped from h0 (MFiX DEM02)."""
+    return (h0 - r) * e ** (2 * k) + r
