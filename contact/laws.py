@@ -60,10 +60,12 @@ def tangential_force(law, m, overlap, slip, slip_step, slip_rate):
     """Tangential force [N], the slip that is kept [m], and what friction dissipates [J].
 
     slip: what the spring held before [m]; slip_step: displacement since then [m]; slip_rate:
-    velocity now [m/s]; all tuples in the tangent space. Friction takes the elastic energy
-    (1/2) kt s^2 that the spring loses by slipping.
+    velocity now [m/s]; all tuples in the tangent space. Friction takes the mean elastic force of
+    the step over the displacement that the spring did not follow, which is second order in the
+    step; the energy that the spring loses, (1/2) kt (trial^2 - held^2), would be first order.
     """
     trial = add(slip, slip_step)
     held = coulomb(trial, law.mu * law.kn / law.kt * overlap)
     force = add(scale(-law.kt, held), scale(-m * law.gamma_t, slip_rate))
-    return force, held, 0.5 * law.kt * (dot(trial, trial) - dot(held, held))
+    rubbed = 0.5 * law.kt * dot(add(slip, held), add(trial, scale(-1.0, held)))
+    return force, held, rubbed

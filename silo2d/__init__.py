@@ -1,0 +1,20 @@
+"""Discharge of angular particles from 2D silos: spheropolygons with the multi-contact law."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from silo2d.case import SiloCase
+    from silo2d.protocol import run
+    from silo2d.result import Result
+
+__all__ = ["Result", "SiloCase", "run"]
+
+
+def __getattr__(name: str):
+    # Imported when first asked for: --help must answer without numba.
+    import importlib
+
+    homes = {"Result": "result", "SiloCase": "case", "run": "protocol"}
+    if name not in homes:
+        raise AttributeError(f"module 'silo2d' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"silo2d.{homes[name]}"), name)

@@ -29,12 +29,13 @@ _MECHANISM_COLOURS = {
     "normal_damping_grain_wall": ORANGE,
     "tangential_damping_grain_wall": "#e6b8d0",
 }
+_SMOOTHED = 10  # frames
 _WALL_COLOURS = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, GREY]
 
 
 def discharge_chart(scene: Scene) -> "Figure":
     """Grains out against time, with T90 and the published discharge times where they exist."""
-    figure, (axes,) = _canvas(scene, [1], (7.5, 4.6))
+    figure, (axes,) = _canvas(scene, [1], (7.5, 4.8))
     times, count = discharge_curve(scene.trajectory)
     end = float(scene.time[-1])
     axes.step([0, *times, end], [0, *count, len(count)], where="post", color=INK, lw=1.8)
@@ -48,11 +49,11 @@ def discharge_chart(scene: Scene) -> "Figure":
     if t90 is not None:
         n90 = -(-9 * len(count) // 10)
         axes.plot([0, t90, t90], [n90, n90, 0], color=BLUE, lw=0.8, ls=(0, (2, 2)))
-        axes.plot(t90, n90, "o", color=BLUE, ms=6, label=f"90 % of them out: {t90:.3g} s", zorder=5)
-    axes.set_xlim(0, 1.04 * max(end, latest))
+        axes.plot(t90, n90, "o", color=BLUE, ms=6, label=f"T90: {t90:.2f} s", zorder=5)
+    axes.set_xlim(0, 1.04 * max(end, latest) or 1.0)
     _time_axis(axes)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="lower right")
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, borderaxespad=0.2)
     return figure
 
 
@@ -82,18 +83,18 @@ def _published_lines(axes: "Axes", scene: Scene) -> float:
 
 def energy_chart(scene: Scene) -> "Figure":
     """Energies of the grains inside, what each mechanism dissipated, and what is unaccounted."""
-    figure, (held, lost, rest) = _canvas(scene, [3, 3, 1.1], (7.5, 7.8))
+    figure, (held, lost, rest) = _canvas(scene, [3, 3, 1.1], (9.2, 7.6))
     traj, time = scene.trajectory, scene.time
     elastic = traj["elastic_normal"] + traj["elastic_tangential"]
     for label, energy, colour in (
         ("potential", traj["potential"], INK),
         ("kinetic", traj["kinetic"], VERMILION),
         ("elastic", elastic, GREEN),
-        ("carried out", traj["carried_out"] - traj["carried_out"][0], GREY),
+        ("carried out\nby grains that left", traj["carried_out"] - traj["carried_out"][0], GREY),
     ):
         held.plot(time, energy, color=colour, label=label)
-    held.set_ylabel("energy [J]")
-    held.legend(title="grains inside", alignment="left")
+    held.set_ylabel("grains inside [J]")
+    _legend(held)
 
     by = dissipated(traj)
     # Friction at the bottom, the grains' share first: the largest carries the others.
@@ -101,7 +102,7 @@ def energy_chart(scene: Scene) -> "Figure":
         time, *(by[name] for name in _MECHANISM_COLOURS), colors=list(_MECHANISM_COLOURS.values())
     )
     labels = [_words(name, by[name][-1]) for name in _MECHANISM_COLOURS]
-    lost.legend(stacked[::-1], labels[::-1], loc="upper left")
+    _legend(lost, stacked[::-1], labels[::-1])
     lost.set_ylabel("dissipated [J]")
 
     unaccounted, closure = energy_closure(traj)
@@ -116,12 +117,12 @@ def energy_chart(scene: Scene) -> "Figure":
 
 def _words(mechanism: str, energy: float) -> str:
     how, _, between = mechanism.partition("_grain_")
-    return f"{how.replace('_', ' ')}, grain\N{EN DASH}{between}: {energy:.3g} J"
+    return f"{how.replace('_', ' ')},\ngrain\N{EN DASH}{between}: {energy:.3g} J"
 
 
 def force_chart(scene: Scene) -> "Figure":
     """Vertical and normal force on each wall, means between frames."""
-    figure, (vertical, normal) = _canvas(scene, [1, 1], (7.5, 6.6))
+    figure, (vertical, normal) = _canvas(scene, [1, 1], (9.2, 6.6))
     force = scene.trajectory["wall_force"]
     first, second = scene.trajectory.static["wall_segments"].transpose(1, 0, 2)
     along = second - first
@@ -129,18 +130,30 @@ def force_chart(scene: Scene) -> "Figure":
     pressing = (force * outwards).sum(axis=2)
     styles = _wall_styles(scene.wall_names[:-1])
     for k, (name, style) in enumerate(styles.items()):
-        vertical.plot(scene.time[1:], -force[1:, k, 1], label=name, **style)
-        normal.plot(scene.time[1:], pressing[1:, k], label=name, **style)
-    total = -force[1:, :-1, 1].sum(axis=1)
-    vertical.plot(scene.time[1:], total, color=INK, lw=1.8, label="all walls")
+        _thin_and_thick(vertical, scene.time, -force[:, k, 1], label=name, **style)
+        _thin_and_thick(normal, scene.time, pressing[:, k], label=name, **style)
+    total = -force[:, :-1, 1].sum(axis=1)
+    _thin_and_thick(vertical, scene.time, total, label="all walls", color=INK)
     if np.isfinite(door := -force[0, -1, 1]) and door > 0:
-        label = f"door, until it opened: {door:.3g} N"
+        label = f"door, until it opened:\n{door:.3g} N"
         vertical.plot(0, door, "v", color=INK, ms=7, label=label, clip_on=False)
     vertical.set_ylabel("vertical force, downwards [N]")
     normal.set_ylabel("normal force, outwards [N]")
-    vertical.legend(ncols=2 if len(styles) > 4 else 1)
+    vertical.set_title(
+        f"thin: mean between frames, thick: over {_SMOOTHED} of them", loc="left", fontsize=9
+    )
+    _legend(vertical)
     _time_axis(normal)
     return figure
+
+
+def _thin_and_thick(axes: "Axes", time: np.ndarray, force: np.ndarray, label: str, **style) -> None:
+    """A force as it stands, and its running mean."""
+    axes.plot(time, force, color=style["color"], lw=0.5, alpha=0.5)
+    n = min(_SMOOTHED, len(time))
+    window = np.full(n, 1 / n)
+    smooth = np.convolve(force, window, "valid")
+    axes.plot(np.convolve(time, window, "valid"), smooth, label=label, **style)
 
 
 def _wall_styles(names: list[str]) -> dict[str, dict]:
@@ -150,7 +163,6 @@ def _wall_styles(names: list[str]) -> dict[str, dict]:
         name: {
             "color": _WALL_COLOURS[kinds.index(_kind(name)) % len(_WALL_COLOURS)],
             "ls": (0, (4, 1.5)) if "right" in name else "-",
-            "lw": 1.1,
         }
         for name in names
     }
@@ -173,6 +185,11 @@ def _canvas(
         axes.grid(axis="y", color="#e6e3dc", lw=0.7)
         axes.set_axisbelow(True)
     return figure, list(grid[:, 0])
+
+
+def _legend(axes: "Axes", *handles_and_labels: list) -> None:
+    """Beside the axes, where it hides nothing."""
+    axes.legend(*handles_and_labels, loc="upper left", bbox_to_anchor=(1, 1), labelspacing=0.6)
 
 
 def _time_axis(axes: "Axes") -> None:

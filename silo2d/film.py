@@ -15,7 +15,7 @@ from silo2d.scene import GRAIN_EDGE, INK, PAPER, WALL, WOOD, Scene
 Image = NDArray[np.uint8]  # (height, width, 3), red green blue
 
 FPS = 25
-_LONGEST, _PIXELS = 860, 480 * 860  # of the picture, its heading left out
+_LONGEST, _PIXELS = 780, 430 * 780  # of the window in a picture
 _NARROWEST = 420  # room for the heading
 _HEADING, _MARGIN = 74, 16
 _SHIFT = 4  # OpenCV takes corners in sixteenths of a pixel
@@ -59,6 +59,7 @@ class _Canvas:
         self.origin = np.array([centre, _HEADING + self.scale * top])
         self.scene = scene
         self.tone = scene.trajectory.static["layer"] % len(WOOD)
+        self.colours, self.edge = [_rgb(colour) for colour in WOOD], _rgb(GRAIN_EDGE)
         self.font = _font(17)
         self.background = np.full((height, width, 3), _rgb(PAPER), dtype=np.uint8)
         _write(self.background, scene.headline.partition(":")[0], _MARGIN, 12, _font(19, bold=True))
@@ -75,13 +76,11 @@ class _Canvas:
         import cv2
 
         image = self.background.copy()
-        by_tone: list[list[NDArray]] = [[] for _ in WOOD]
         for grains, outlines in self.scene.outlines(frame):
             for tone, outline in zip(self.tone[grains], self._pixels(outlines), strict=True):
-                by_tone[tone].append(outline)
-        for colour, outlines in zip(WOOD, by_tone, strict=True):
-            cv2.fillPoly(image, outlines, _rgb(colour), cv2.LINE_AA, _SHIFT)
-            cv2.polylines(image, outlines, True, _rgb(GRAIN_EDGE), 1, cv2.LINE_AA, _SHIFT)
+                # Not antialiased, which would take twice the time: the outline covers its rim.
+                cv2.fillConvexPoly(image, outline, self.colours[tone], cv2.LINE_8, _SHIFT)
+                cv2.polylines(image, [outline], True, self.edge, 1, cv2.LINE_AA, _SHIFT)
         n_out = self.scene.trajectory["n_out"][frame]
         words = f"{self.scene.time[frame]:.2f} s     {n_out} of {self.scene.n_grains} out"
         _write(image, words, _MARGIN, 40, self.font)
@@ -95,7 +94,7 @@ def _slow_motion(time: NDArray[np.float64]) -> str:
     factor = 1 / (FPS * float(np.median(np.diff(time))))
     if abs(factor - 1) < 0.05:
         return "real time"
-    return f"{factor:.3g}x slower" if factor > 1 else f"{1 / factor:.3g}x faster"
+    return f"{factor:.3g}\N{MULTIPLICATION SIGN} slower" if factor > 1 else f"{1 / factor:.3g}\N{MULTIPLICATION SIGN} faster"
 
 
 def _rgb(colour: str) -> tuple[int, int, int]:

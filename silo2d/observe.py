@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.datafile import data_file
-from silo2d.outline import PRESETS, preset
+from silo2d.outline import PRESETS, preset_sizes
 from silo2d.shape import Shape
 
 Series = NDArray[np.float64]
@@ -142,7 +142,7 @@ def _printed(which: str, silo_name: str) -> list[str]:
     path = data_file("published", f"silo_discharge_{which}")
     if path is None or silo_name not in PRESETS:
         return []
-    outlet_mm = round(1e3 * preset(silo_name).outlet)
+    outlet_mm = round(1e3 * preset_sizes(silo_name)[1])
     lines = path.read_text(encoding="utf-8").splitlines()
     rows = csv.DictReader(line for line in lines if not line.startswith("#"))
     return [

@@ -9,7 +9,7 @@ import numpy as np
 from campaign.folder import RunFolder, write_atomic, writing
 from silo2d.charts import discharge_chart, energy_chart, force_chart
 from silo2d.film import make_film
-from silo2d.scene import GRAIN_EDGE, INK, PAPER, WALL, WOOD, Scene, read_scene
+from silo2d.scene import GRAIN_EDGE, INK, WALL, WOOD, Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 _INTERVAL = 0.25  # s between panels, as in the paper's figures
 _MOST_PANELS = 8
 _DPI = 160
+_PANEL_WIDTH, _GAP, _TITLE, _HEADLINE, _NARROWEST = 2.5, 0.22, 0.36, 0.5, 6.0  # inches
 _STYLE = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so pictures look alike everywhere
     "font.size": 9,
@@ -28,9 +29,7 @@ _STYLE = {
     "text.color": INK,
     "xtick.color": WALL,
     "ytick.color": WALL,
-    "legend.frameon": True,
-    "legend.edgecolor": "none",
-    "legend.framealpha": 0.85,
+    "legend.frameon": False,
     "lines.linewidth": 1.4,
 }
 
@@ -76,17 +75,20 @@ def silo_sheet(scene: Scene) -> "Figure":
     rows = 1 if len(frames) <= 5 else 2
     columns = -(-len(frames) // rows)
     left, right, bottom, top = scene.window
-    width = 2.6
-    height = width * (top - bottom) / (right - left) + 0.35
-    size = (max(columns * width, 5.2), rows * height + 0.6)
-    figure = Figure(figsize=size, layout="constrained")
-    figure.suptitle(scene.headline, x=0.02, ha="left", fontsize=14, fontweight="bold")
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for panel, frame in zip(panels, frames, strict=False):
+    # All in inches: panels have the shape of the window, so that no room is left around them.
+    height = _PANEL_WIDTH * (top - bottom) / (right - left)
+    pitch = _PANEL_WIDTH + _GAP, height + _TITLE
+    width = max(columns * pitch[0] + _GAP, _NARROWEST)
+    total = _HEADLINE + rows * pitch[1] + _GAP
+    figure = Figure(figsize=(width, total))
+    figure.text(_GAP / width, 1 - 0.3 / total, scene.headline, size=14, weight="bold", va="center")
+    for k, frame in enumerate(frames):
+        row, column = divmod(k, columns)
+        x, y = _GAP + column * pitch[0], total - _HEADLINE - (row + 1) * pitch[1]
+        panel = figure.add_axes((x / width, y / total, _PANEL_WIDTH / width, height / total))
         _draw_silo(panel, scene, frame)
-    for panel in panels[len(frames) :]:
-        panel.set_axis_off()
-    _scale_bar(panels[0], scene)
+        if k == 0:
+            _scale_bar(panel, scene)
     return figure
 
 
@@ -115,14 +117,15 @@ def _draw_silo(panel: "Axes", scene: Scene, frame: int) -> None:
                 outlines, facecolors=colours, edgecolors=GRAIN_EDGE, linewidths=0.35
             )
         )
-    panel.add_collection(LineCollection(scene.walls, colors=WALL, linewidths=2, capstyle="round"))
+    panel.add_collection(
+        LineCollection(scene.walls, colors=WALL, linewidths=2, capstyle="round", clip_on=False)
+    )
     (left, y), (right, _) = scene.trajectory.attributes["lips"]
     panel.plot([left, right], [y, y], color=WALL, lw=0.7, ls=(0, (3, 3)))
     n_out = scene.trajectory["n_out"][frame]
     panel.set_title(f"{scene.time[frame]:.2f} s, {n_out} out", fontsize=10)
     left, right, bottom, top = scene.window
-    edge = 0.02 * (right - left)
-    panel.set(xlim=(left - edge, right + edge), ylim=(bottom, top + edge), aspect="equal")
+    panel.set(xlim=(left, right), ylim=(bottom, top))
     panel.set_axis_off()
 
 

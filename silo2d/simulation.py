@@ -104,16 +104,28 @@ class Simulation:
             taken, outcome = advance(self.world, left)
             left -= taken
             self._wall_steps += taken
-            if outcome == PAIRS_FULL:
-                self.world = more_pairs(self.world)
-            elif outcome == NEAR_FULL:
-                self.world = longer_lists(self.world)
-            elif outcome == NOT_FINITE:
-                raise self.failure("a position is no longer a finite number")
-            elif outcome != DONE:
-                raise self.failure("an overlap reached half the sum of the spheroradii")
+            if outcome != DONE:
+                self._answer(outcome)
         if not np.isfinite(self.rows[self.live]).all():
             raise self.failure("the state is no longer finite")
+
+    def refresh(self) -> None:
+        """Make stale lists anew now."""
+        while self.world.counts[state.STALE] > 0:
+            outcome = search(self.world)
+            if outcome != DONE:
+                self._answer(outcome)
+
+    def _answer(self, outcome: int) -> None:
+        """Give a search the room that it lacked, or raise what is wrong."""
+        if outcome == PAIRS_FULL:
+            self.world = more_pairs(self.world)
+        elif outcome == NEAR_FULL:
+            self.world = longer_lists(self.world)
+        elif outcome == NOT_FINITE:
+            raise self.failure("a position is no longer a finite number")
+        else:
+            raise self.failure("an overlap reached half the sum of the spheroradii")
 
     def failure(self, what: str) -> SimulationError:
         """An error that says what happened, when, and what to try."""
@@ -124,6 +136,7 @@ class Simulation:
 
     def energies(self) -> dict[str, float]:
         """Kinetic, potential and elastic energies, dissipation so far, carried out [J]."""
+        self.refresh()
         world = self.world
         kinetic, potential, normal, tangential = energies(
             world.bodies, world.close, world.counts, world.grain_law, world.wall_law, world.gravity

@@ -49,7 +49,7 @@ def deepest_overlap(omega0, gamma, v):
 
 # Schwager and Poeschel 2007, Granular Matter 9, 465: restitution of a contact that ends at zero
 # force, for the damping that would give the key where it ends at zero overlap.
-ENDING_AT_ZERO_FORCE = {0.45: 0.511, 0.53: 0.575, 0.80: 0.808}
+ENDING_AT_ZERO_FORCE = {0.45: 0.511, 0.53: 0.574, 0.80: 0.808}
 
 # A disc of radius r, I = m r^2/2, on a plane. Its contact point slows by (1/m + r^2/I) J = 3 J/m
 # for a tangential impulse J, a sphere's by 7/2 (verification: Chung and Ooi 2011,

@@ -1,0 +1,164 @@
+"""From the opening of the door to the end of the run: frames, checkpoints, when to stop."""
+
+import dataclasses
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from campaign.checkpoint import save_checkpoint
+from campaign.folder import RunFolder
+from campaign.trajectory import TrajectoryWriter
+from silo2d import state
+from silo2d.case import SiloCase
+from silo2d.observe import crosses_centre_line
+from silo2d.packing import Packing
+from silo2d.pour import agitation
+from silo2d.simulation import Simulation
+
+_LOOK = 0.01  # [s] between looks for the end of the run, whatever the output
+_BOOKS_OFF = 0.1  # energy from nowhere, over the dissipated: far beyond truncation, so a failure
+
+Progress = Callable[[float, str], None]  # fraction done (0 to 1), words
+
+
+class Stopped(Exception):
+    """The run was stopped and can go on; carries its folder."""
+
+    def __init__(self, folder: Path):
+        super().__init__(str(folder))
+        self.folder = folder
+
+
+@dataclass
+class Clock:
+    """What a run remembers besides the world: kept in the checkpoint."""
+
+    parts: int = 0  # files of the trajectory that belong to the checkpoint
+    cpu_s: float = 0.0  # CPU time of the discharge's step loop
+    filling_cpu_s: float = 0.0  # CPU time of filling and settling
+    starting_energy: float = 0.0  # kinetic, potential and elastic, at the opening [J]
+    quiet_since: float | None = None  # since when the grains lie still [s]
+    quiet_out: int = 0  # grains that were out by then
+
+
+def discharge(
+    sim: Simulation,
+    case: SiloCase,
+    packing: Packing,
+    folder: RunFolder,
+    writer: TrajectoryWriter,
+    clock: Clock,
+    progress: Progress,
+    stop: Callable[[], bool],
+) -> str:
+    """Run to the end and return the outcome: open the door first, unless going on.
+
+    Looks, frames and checkpoints come at fixed numbers of steps since the opening. Raises
+    Stopped when `stop` says so, and SimulationError; the state is kept before either.
+    """
+    if clock.parts == 0:
+        _open_door(sim, case, writer, clock)
+        _keep(sim, folder, writer, clock)
+    output = case.settings.output
+    intervals = (_LOOK, output.frame_interval, output.checkpoint_interval)
+    look, frame, keep = (max(round(interval / case.time_step), 1) for interval in intervals)
+    while True:
+        now = sim.steps
+        target = min(now - now % every + every for every in (look, frame, keep))
+        began = time.process_time()
+        sim.run(target - now)
+        clock.cpu_s += time.process_time() - began
+        outcome = _look(sim, case, packing, clock) if target % look == 0 else None
+        if target % frame == 0 or outcome:
+            writer.append(frame_of(sim, sim.wall_forces()))
+        if outcome:
+            return outcome
+        if target % keep == 0:
+            _keep(sim, folder, writer, clock)
+        _tell(sim, case, clock, progress)
+        if stop():
+            _keep(sim, folder, writer, clock)
+            raise Stopped(folder.path)
+
+
+def _open_door(sim: Simulation, case: SiloCase, writer: TrajectoryWriter, clock: Clock) -> None:
+    """t = 0: friction on, the door away; the first frame has the forces just before."""
+    forces = sim.wall_forces()
+    sim.begin_phase(case.grain_law, case.wall_law, case.time_step)
+    sim.remove_wall(len(case.outline.walls().names) - 1)
+    clock.starting_energy = _energy(sim.energies())
+    writer.append(frame_of(sim, forces))
+
+
+def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: Clock) -> None:
+    clock.parts = writer.flush()
+    save_checkpoint(folder.checkpoint, sim.save(), dataclasses.asdict(clock))
+
+
+def _tell(sim: Simulation, case: SiloCase, clock: Clock, progress: Progress) -> None:
+    settings = case.settings.run
+    fraction = max(sim.n_out / sim.n_grains, sim.time / settings.max_time)
+    if clock.quiet_since is not None:
+        fraction = max(fraction, (sim.time - clock.quiet_since) / settings.rest_time)
+    progress(fraction, f"t = {sim.time:.2f} s, {sim.n_out} of {sim.n_grains} out")
+
+
+def _look(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
+    """The outcome, once there is one. Raises SimulationError where the books are off."""
+    _check_books(sim, clock)
+    settings = case.settings.run
+    if sim.n_out == sim.n_grains:
+        return "empty"
+    still = agitation(sim, case.shapes) < settings.at_rest
+    if not still or clock.quiet_since is None or sim.n_out != clock.quiet_out:
+        clock.quiet_since, clock.quiet_out = (sim.time if still else None), sim.n_out
+    elif sim.time - clock.quiet_since >= settings.rest_time - 0.5 * case.time_step:
+        return _at_rest(sim, case, packing)
+    return "time_limit" if sim.time >= settings.max_time - 0.5 * case.time_step else None
+
+
+def _at_rest(sim: Simulation, case: SiloCase, packing: Packing) -> str:
+    """Clogged if the outline of a grain that stays crosses the centre line of the outlet."""
+    poses, kinds = sim.poses()[sim.live], packing.kinds[sim.live]
+    centre = case.outline.outlet_centre
+    if not crosses_centre_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, centre).any():
+        return "dead_zones"
+    return "clogged" if sim.n_out >= case.settings.run.opening_count else "clogged_at_opening"
+
+
+def _energy(table: dict[str, float]) -> float:
+    return sum(table[k] for k in ("kinetic", "potential", "elastic_normal", "elastic_tangential"))
+
+
+def _check_books(sim: Simulation, clock: Clock) -> None:
+    """Stop where energy comes from nowhere, as it does when the time step is too long."""
+    table = sim.energies()
+    held = _energy(table)
+    dissipated = float(sim.world.books[: state.CARRIED_OUT].sum())
+    gained = held + table["carried_out"] + dissipated - clock.starting_energy
+    if not gained < _BOOKS_OFF * max(dissipated, 0.01 * abs(clock.starting_energy)):
+        raise sim.failure(f"{gained:.3g} J of energy came from nowhere")
+
+
+def frame_of(sim: Simulation, wall_force: np.ndarray) -> dict[str, np.ndarray | float | int]:
+    """What is kept of a moment: grains (single precision will do), counts, energies, forces."""
+    rows = sim.rows.astype(np.float32)
+    inside = np.zeros(sim.n_grains, bool)
+    inside[sim.live] = True
+    columns = {
+        "x": state.X, "y": state.Y, "angle": state.ANGLE,
+        "vx": state.UX, "vy": state.UY, "spin": state.USPIN,
+    }  # fmt: skip
+    return {
+        "time": sim.time,
+        "steps": sim.steps,
+        "n_out": sim.n_out,
+        **{name: rows[:, column] for name, column in columns.items()},
+        "inside": inside,
+        "out_time": sim.world.bodies.out_time[: sim.n_grains],
+        "wall_force": wall_force,
+        **sim.energies(),
+    }

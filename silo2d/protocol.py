@@ -1,0 +1,174 @@
+"""A silo run: fill, settle, open, discharge; checkpoints, and going on from them."""
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from campaign.checkpoint import load_checkpoint
+from campaign.folder import FolderError, RunFolder, digest, open_run, write_atomic
+from campaign.provenance import provenance, source_digest
+from campaign.trajectory import TrajectoryWriter
+from silo2d import state
+from silo2d.case import GRAVITY, SiloCase
+from silo2d.discharge import Clock, Progress, discharge
+from silo2d.packing import Packing, load_packing, packing_digest, save_packing
+from silo2d.pour import agitation, pour
+from silo2d.result import Result, describe, summarise, write_records
+from silo2d.simulation import Simulation
+from silo2d.world import build_world
+
+PACKAGES = ["numpy", "numba", "llvmlite", "h5py", "shapely", "pymunk"]
+_SOURCES = [Path(__file__).parent, Path(__file__).parent.parent / "contact"]
+_SETTLE_FRAME = 1e-3  # [s] between looks at the kinetic energy before the opening
+_SETTLE_PATIENCE = 2.0  # [s]
+
+
+def run(
+    case: SiloCase,
+    *,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+    again: bool = False,
+    stop: Callable[[], bool] = lambda: False,
+) -> Result:
+    """Run a case in a folder below `out` ("runs"), or give the answer that stands there.
+
+    An unfinished run goes on from its checkpoint. `stop` is asked at every look and every
+    frame; when it says yes, the state is kept and Stopped is raised. Raises FolderError for
+    folders that cannot be used and SimulationError where the simulation fails.
+    """
+    root = Path(out or "runs")
+    folder = open_run(root, f"{case.name}-seed{case.settings.run.seed}", run_digest(case), again)
+    return run_in(folder, case, progress or (lambda fraction, text: None), stop)
+
+
+def run_digest(case: SiloCase) -> str:
+    """Names a run: its case, seed and engine."""
+    return digest({**case.identity(), "engine": "dem"})
+
+
+def run_in(
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool]
+) -> Result:
+    """Run a case in its folder; see `run`."""
+    with folder.lock():
+        if folder.state == "finished":
+            _warn_of_other_sources(folder)
+            return Result.read(folder, reused=True)
+        begun = time.perf_counter()
+        if folder.state == "new":
+            _begin_folder(folder, case)
+        sim, clock, packing = _start_or_resume(folder, case, progress)
+        static = describe(case, packing)
+        writer = TrajectoryWriter(folder.path, parts=clock.parts)
+        writer.write_static(*static)
+        outcome = discharge(sim, case, packing, folder, writer, clock, progress, stop)
+        writer.finish(*static)
+        write_records(folder)
+        summary = summarise(folder, case, sim, packing, clock, outcome)
+        folder.write_provenance(
+            {**folder.read_provenance(), "wall_s": time.perf_counter() - begun}
+        )
+        folder.write_summary(summary)
+        folder.checkpoint.unlink(missing_ok=True)
+        return Result.read(folder, reused=False)
+
+
+def _begin_folder(folder: RunFolder, case: SiloCase) -> None:
+    for name, text in case.files.items():
+        write_atomic(folder.path / name, text)
+    folder.write_provenance(
+        provenance(
+            command=sys.argv,
+            seed=case.settings.run.seed,
+            packages=PACKAGES,
+            sources=_SOURCES,
+        )
+    )
+    folder.write_case(case.to_toml())  # last: from here on the run counts as begun
+
+
+def _warn_of_other_sources(folder: RunFolder) -> None:
+    made = folder.read_provenance().get("source_digest")
+    if made != source_digest(_SOURCES):
+        print(
+            f"warning: {folder.path} was computed by another version of the sources ({made}); "
+            "--again computes it anew beside it",
+            file=sys.stderr,
+        )
+
+
+def _start_or_resume(
+    folder: RunFolder, case: SiloCase, progress: Progress
+) -> tuple[Simulation, Clock, Packing]:
+    resuming = folder.checkpoint.exists()
+    packing = get_packing(case, folder.path.parent, progress)
+    sim = Simulation(_world(case, packing))
+    if resuming:
+        saved, meta = load_checkpoint(folder.checkpoint)
+        sim.begin_phase(case.grain_law, case.wall_law, case.time_step)
+        try:
+            sim.restore(saved)
+            return sim, Clock(**meta), packing
+        except (KeyError, TypeError, ValueError) as error:
+            raise FolderError(
+                f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run "
+                "starts from its opening"
+            ) from None
+    begun = time.process_time()
+    settle_under_own_law(sim, case, progress)
+    clock = Clock(filling_cpu_s=packing.cpu_s + time.process_time() - begun)
+    return sim, clock, packing
+
+
+def get_packing(case: SiloCase, root: Path, progress: Progress) -> Packing:
+    """The packing of a case: kept under root/packings, or poured and kept now."""
+    seed = case.settings.run.seed
+    folder = root / "packings" / packing_digest(case, seed)
+    packing = load_packing(folder)
+    if packing is None:
+
+        def report(phase: str, fraction: float, text: str) -> None:
+            progress(fraction, f"{phase}, {text}")
+
+        if case.settings.fill.pour_with == "pymunk":
+            from silo2d.pour_pymunk import pour_with_pymunk
+
+            packing = pour_with_pymunk(case, seed, report)
+        else:
+            packing = pour(case, seed, report)
+        save_packing(packing, folder)
+    return packing
+
+
+def _world(case: SiloCase, packing: Packing) -> state.World:
+    """The packing behind the closed door, without friction."""
+    return build_world(
+        case.shapes.shapes,
+        packing.kinds,
+        packing.poses,
+        case.outline.walls(),
+        surface_density=case.surface_density,
+        grain_law=case.grain_law._replace(mu=0.0),
+        wall_law=case.wall_law._replace(mu=0.0),
+        gravity=GRAVITY,
+        time_step=case.time_step,
+    )
+
+
+def settle_under_own_law(sim: Simulation, case: SiloCase, progress: Progress) -> None:
+    """Let a packing that was poured softer come to rest; at least one look, at most 2 s."""
+    steps = max(round(_SETTLE_FRAME / case.time_step), 1)
+    while True:
+        sim.wall_forces()
+        sim.run(steps)
+        moving = agitation(sim, case.shapes)
+        if moving < case.settings.fill.settled:
+            return
+        progress(0.0, f"settling, t = {sim.time:.3f} s")
+        if sim.time > _SETTLE_PATIENCE:
+            raise sim.failure(
+                f"the packing did not come to rest under its own law (agitation {moving:.1e}, "
+                f"[fill] settled asks for {case.settings.fill.settled:g})"
+            )

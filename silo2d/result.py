@@ -1,0 +1,139 @@
+"""The answers of a run: what stands in summary.json, and what describes its trajectory."""
+
+import csv
+import dataclasses
+import io
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from campaign.folder import RunFolder, write_atomic
+from campaign.trajectory import read_trajectory
+from silo2d.case import SiloCase
+from silo2d.discharge import Clock
+from silo2d.observe import MECHANISMS, discharge_measures, energy_closure, published_times
+from silo2d.packing import Packing
+from silo2d.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run found; SI, None for what does not exist."""
+
+    silo: str
+    seed: int
+    engine: str
+    outcome: str  # empty, dead_zones, clogged, clogged_at_opening, time_limit
+    n_particles: int
+    n_out: int
+    mass_kg: float
+    mass_out_kg: float
+    discharge_time_s: float | None  # None if clogged
+    t90_s: float | None
+    mean_rate_per_s: float | None
+    mean_mass_flow_kg_per_s: float | None
+    packing_fraction: float
+    coordination: float
+    time_step_s: float
+    steps: int
+    simulated_s: float
+    cpu_us_per_step: float  # of the discharge
+    cpu_s: float  # of filling, settling and discharge
+    energy_closure: float | None  # unaccounted over dissipated, of the discharge
+    dissipated_j: dict[str, float]  # by mechanism and pair
+    restitution: dict[str, dict[str, float]]
+    published: dict[str, Any]
+    state_digest: str
+    reused: bool
+    run_folder: str
+
+    @classmethod
+    def read(cls, folder: RunFolder, *, reused: bool) -> "Result":
+        """The result kept in a finished run folder; FolderError where it is damaged."""
+        kept = folder.read_summary()
+        known = {field.name: kept.get(field.name) for field in dataclasses.fields(cls)}
+        return cls(**{**known, "reused": reused, "run_folder": str(folder.path)})
+
+
+def summarise(
+    folder: RunFolder,
+    case: SiloCase,
+    sim: Simulation,
+    packing: Packing,
+    clock: Clock,
+    outcome: str,
+) -> dict[str, Any]:
+    """The answers of a finished discharge, from its trajectory."""
+    frames = read_trajectory(folder.path)
+    mass, out_time = frames.static["mass"], frames["out_time"][-1]
+    measures = discharge_measures(out_time, mass)
+    stands = outcome.startswith("clogged")  # then the times of those that left mean nothing
+    _, closure = energy_closure(frames)
+    silo = case.silo_name or case.name
+    return {
+        "silo": silo,
+        "seed": case.settings.run.seed,
+        "engine": "dem",
+        "outcome": outcome,
+        "n_particles": sim.n_grains,
+        "n_out": sim.n_out,
+        "mass_kg": float(mass.sum()),
+        "mass_out_kg": float(mass[~np.isnan(out_time)].sum()),
+        "discharge_time_s": None if stands else measures["last_out_s"],
+        "t90_s": None if stands else measures["t90_s"],
+        "mean_rate_per_s": measures["mean_rate_per_s"],
+        "mean_mass_flow_kg_per_s": measures["mean_mass_flow_kg_per_s"],
+        "packing_fraction": packing.fraction,
+        "coordination": packing.coordination,
+        "time_step_s": case.time_step,
+        "steps": sim.steps,
+        "simulated_s": sim.time,
+        "cpu_us_per_step": 1e6 * clock.cpu_s / sim.steps,
+        "cpu_s": clock.cpu_s + clock.filling_cpu_s,
+        "energy_closure": closure,
+        "dissipated_j": {name: float(frames[name][-1]) for name in MECHANISMS},
+        "restitution": case.restitution(),
+        "published": published_times(silo),
+        "state_digest": sim.state_digest(),
+    }
+
+
+def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """What does not change from frame to frame, and the attributes, of a trajectory."""
+    walls = case.outline.walls()
+    outlines = [shape.rounded_outline() for shape in case.shapes.shapes]
+    areas = np.array([shape.area for shape in case.shapes.shapes])
+    layer = np.floor(packing.poses[:, 1] / case.settings.output.layer_height)
+    static = {
+        "kind": packing.kinds,
+        "mass": case.surface_density * areas[packing.kinds],
+        "layer": layer.astype(np.int64),
+        "shape_points": np.concatenate(outlines),
+        "shape_start": np.cumsum([0, *(len(outline) for outline in outlines)]),
+        "wall_segments": walls.segments,
+    }
+    attributes = {
+        "silo": case.silo_name or case.name,
+        "wall_names": json.dumps(walls.names),
+        "lips": np.array(case.outline.lips),
+        "level": case.settings.fill.level,
+    }
+    return static, attributes
+
+
+def write_records(folder: RunFolder) -> None:
+    """records.csv: time, grains out, energies and wall forces, a line a frame."""
+    frames = read_trajectory(folder.path)
+    names = json.loads(frames.attributes["wall_names"])
+    numbers = [k for k in frames if frames[k].ndim == 1]
+    columns = {k: frames[k] for k in numbers}
+    for w, name in enumerate(names):
+        for axis, letter in enumerate("xy"):
+            columns[f"force_{letter}_{name.replace(' ', '_')}"] = frames["wall_force"][:, w, axis]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+    write_atomic(folder.path / "records.csv", text.getvalue())
