@@ -49,6 +49,11 @@ def _cache_folder() -> str:
     return str(kernels / text.hexdigest()[:16])
 
 
+def already_compiled() -> bool:
+    """Whether kernels of these sources were compiled before, so that a start takes no time."""
+    return any(Path(_cache_folder()).rglob("*.nbc"))
+
+
 def _prune(kernels: Path) -> None:
     if not kernels.is_dir():
         return

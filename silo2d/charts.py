@@ -66,9 +66,7 @@ def _published_lines(axes: "Axes", scene: Scene) -> float:
     if mean is not None:
         spread = f" \N{PLUS-MINUS SIGN} {sd:.2f}" if sd is not None else ""
         axes.axvspan(mean - (sd or 0), mean + (sd or 0), color=GREEN, alpha=0.18, lw=0)
-        axes.axvline(
-            mean, color=GREEN, lw=1.4, label=f"experiment: {mean:.2f}{spread} s{remark}"
-        )
+        axes.axvline(mean, color=GREEN, lw=1.4, label=f"experiment: {mean:.2f}{spread} s{remark}")
     elif clogged:
         axes.plot([], [], " ", label=f"experiment{remark.replace(',', ':')}")
     simulated = known.get("simulation_s")

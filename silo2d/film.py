@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.folder import write_atomic
+from campaign.folder import write_atomic, writing
 from silo2d.scene import GRAIN_EDGE, INK, PAPER, WALL, WOOD, Scene
 
 Image = NDArray[np.uint8]  # (height, width, 3), red green blue
@@ -27,13 +27,13 @@ def make_film(scene: Scene, folder: Path) -> Path:
     H.264 where imageio-ffmpeg is installed (extra "pictures"), else VP9 where OpenCV can write
     it, else film.gif. Raises FolderError when it cannot be written.
     """
-    for ending, encode in (("mp4", _h264), ("mp4", _vp9), ("gif", _gif)):
-        with tempfile.TemporaryDirectory() as room:
-            unfinished = Path(room) / f"film.{ending}"
-            if encode(unfinished, film_frames(scene)):
-                write_atomic(folder / unfinished.name, unfinished.read_bytes())
-                return folder / unfinished.name
-    raise AssertionError("a GIF can always be written")
+    with tempfile.TemporaryDirectory() as room, writing(folder):
+        unfinished = Path(room) / "film.mp4"
+        if not (_h264(unfinished, film_frames(scene)) or _vp9(unfinished, film_frames(scene))):
+            unfinished = unfinished.with_suffix(".gif")
+            _gif(unfinished, film_frames(scene))
+        write_atomic(folder / unfinished.name, unfinished.read_bytes())
+    return folder / unfinished.name
 
 
 def film_frames(scene: Scene) -> Iterator[Image]:
@@ -63,7 +63,8 @@ class _Canvas:
         self.font = _font(17)
         self.background = np.full((height, width, 3), _rgb(PAPER), dtype=np.uint8)
         _write(self.background, scene.headline.partition(":")[0], _MARGIN, 12, _font(19, bold=True))
-        _write(self.background, _slow_motion(scene.time), width - _MARGIN, 14, _font(14), right=True)
+        pace, right_edge = _pace(scene.time), width - _MARGIN
+        _write(self.background, pace, right_edge, 14, _font(14), right=True)
         cv2.polylines(self.background, list(self._pixels(scene.walls)), False, _rgb(WALL), 3,
                       cv2.LINE_AA, _SHIFT)  # fmt: skip
 
@@ -87,14 +88,15 @@ class _Canvas:
         return image
 
 
-def _slow_motion(time: NDArray[np.float64]) -> str:
+def _pace(time: NDArray[np.float64]) -> str:
     """How the film's time runs against that of the run."""
     if len(time) < 2:
         return ""
     factor = 1 / (FPS * float(np.median(np.diff(time))))
     if abs(factor - 1) < 0.05:
         return "real time"
-    return f"{factor:.3g}\N{MULTIPLICATION SIGN} slower" if factor > 1 else f"{1 / factor:.3g}\N{MULTIPLICATION SIGN} faster"
+    how = "slower" if factor > 1 else "faster"
+    return f"{max(factor, 1 / factor):.3g}\N{MULTIPLICATION SIGN} {how}"
 
 
 def _rgb(colour: str) -> tuple[int, int, int]:
@@ -171,9 +173,8 @@ def _vp9(path: Path, frames: Iterator[Image]) -> bool:
     return True
 
 
-def _gif(path: Path, frames: Iterator[Image]) -> bool:
+def _gif(path: Path, frames: Iterator[Image]) -> None:
     from PIL import Image as Picture
 
     first, *rest = (Picture.fromarray(image).quantize(64) for image in frames)
     first.save(path, save_all=True, append_images=rest, duration=1000 // FPS, loop=0)
-    return True

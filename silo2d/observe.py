@@ -78,7 +78,7 @@ def energy_closure(trajectory: Mapping[str, np.ndarray]) -> tuple[Series, float 
     had of it is carried out. The second number is the last unaccounted energy over what was
     dissipated until then, None where nothing was.
     """
-    energy = sum(trajectory[name] for name in _HELD)
+    energy = np.sum([trajectory[name] for name in _HELD], axis=0)
     carried_out = trajectory["carried_out"] - trajectory["carried_out"][0]
     lost = np.sum(list(dissipated(trajectory).values()), axis=0)
     unaccounted = energy[0] - energy - carried_out - lost

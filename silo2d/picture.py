@@ -2,7 +2,7 @@
 
 import io
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,7 +19,7 @@ _INTERVAL = 0.25  # s between panels, as in the paper's figures
 _MOST_PANELS = 8
 _DPI = 160
 _PANEL_WIDTH, _GAP, _TITLE, _HEADLINE, _NARROWEST = 2.5, 0.22, 0.36, 0.5, 6.0  # inches
-_STYLE = {
+_STYLE: Any = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so pictures look alike everywhere
     "font.size": 9,
     "axes.spines.top": False,
@@ -114,11 +114,13 @@ def _draw_silo(panel: "Axes", scene: Scene, frame: int) -> None:
         colours = [WOOD[tone] for tone in layer[grains] % len(WOOD)]
         panel.add_collection(
             PolyCollection(
-                outlines, facecolors=colours, edgecolors=GRAIN_EDGE, linewidths=0.35
+                list(outlines), facecolors=colours, edgecolors=GRAIN_EDGE, linewidths=0.35
             )
         )
     panel.add_collection(
-        LineCollection(scene.walls, colors=WALL, linewidths=2, capstyle="round", clip_on=False)
+        LineCollection(
+            list(scene.walls), colors=WALL, linewidths=2, capstyle="round", clip_on=False
+        )
     )
     (left, y), (right, _) = scene.trajectory.attributes["lips"]
     panel.plot([left, right], [y, y], color=WALL, lw=0.7, ls=(0, (3, 3)))

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from campaign.checkpoint import load_checkpoint
-from campaign.folder import FolderError, RunFolder, digest, open_run, write_atomic
+from campaign.folder import FolderError, RunFolder, digest, open_run, resume_run, write_atomic
 from campaign.provenance import provenance, source_digest
 from campaign.trajectory import TrajectoryWriter
 from silo2d import state
 from silo2d.case import GRAVITY, SiloCase
-from silo2d.discharge import Clock, Progress, discharge
+from silo2d.discharge import Clock, Progress, Stopped, discharge
 from silo2d.packing import Packing, load_packing, packing_digest, save_packing
 from silo2d.pour import agitation, pour
 from silo2d.result import Result, describe, summarise, write_records
@@ -43,6 +43,18 @@ def run(
     return run_in(folder, case, progress or (lambda fraction, text: None), stop)
 
 
+def resume(
+    path: str | Path,
+    *,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] = lambda: False,
+) -> Result:
+    """Go on with the run in a folder; see `run`."""
+    folder = resume_run(path)
+    case = SiloCase.load(folder.path / "case.toml")
+    return run_in(folder, case, progress or (lambda fraction, text: None), stop)
+
+
 def run_digest(case: SiloCase) -> str:
     """Names a run: its case, seed and engine."""
     return digest({**case.identity(), "engine": "dem"})
@@ -59,7 +71,7 @@ def run_in(
         begun = time.perf_counter()
         if folder.state == "new":
             _begin_folder(folder, case)
-        sim, clock, packing = _start_or_resume(folder, case, progress)
+        sim, clock, packing = _start_or_resume(folder, case, progress, stop)
         static = describe(case, packing)
         writer = TrajectoryWriter(folder.path, parts=clock.parts)
         writer.write_static(*static)
@@ -100,10 +112,10 @@ def _warn_of_other_sources(folder: RunFolder) -> None:
 
 
 def _start_or_resume(
-    folder: RunFolder, case: SiloCase, progress: Progress
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool]
 ) -> tuple[Simulation, Clock, Packing]:
     resuming = folder.checkpoint.exists()
-    packing = get_packing(case, folder.path.parent, progress)
+    packing = get_packing(case, folder.path.parent, progress, stop)
     sim = Simulation(_world(case, packing))
     if resuming:
         saved, meta = load_checkpoint(folder.checkpoint)
@@ -122,8 +134,13 @@ def _start_or_resume(
     return sim, clock, packing
 
 
-def get_packing(case: SiloCase, root: Path, progress: Progress) -> Packing:
-    """The packing of a case: kept under root/packings, or poured and kept now."""
+def get_packing(
+    case: SiloCase, root: Path, progress: Progress, stop: Callable[[], bool] = lambda: False
+) -> Packing:
+    """The packing of a case: kept under root/packings, or poured and kept now.
+
+    A filling that is stopped is poured again from its seed the next time (raises Stopped).
+    """
     seed = case.settings.run.seed
     folder = root / "packings" / packing_digest(case, seed)
     packing = load_packing(folder)
@@ -131,6 +148,8 @@ def get_packing(case: SiloCase, root: Path, progress: Progress) -> Packing:
 
         def report(phase: str, fraction: float, text: str) -> None:
             progress(fraction, f"{phase}, {text}")
+            if stop():
+                raise Stopped(folder)
 
         if case.settings.fill.pour_with == "pymunk":
             from silo2d.pour_pymunk import pour_with_pymunk

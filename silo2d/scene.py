@@ -88,9 +88,9 @@ class Scene:
 
         Outlines that lie below the window are left out.
         """
-        points, start = self.trajectory.static["shape_points"], self.trajectory.static["shape_start"]
+        static = self.trajectory.static
+        points, start, kind = static["shape_points"], static["shape_start"], static["kind"]
         x, y, angle = (self.trajectory[key][frame] for key in ("x", "y", "angle"))
-        kind = self.trajectory.static["kind"]
         shown = self.trajectory["inside"][frame] & (y > self.window[2] - np.abs(points).max())
         for shape in range(len(start) - 1):
             which = np.flatnonzero(shown & (kind == shape))
@@ -106,6 +106,5 @@ def read_scene(run_folder: str | Path) -> Scene:
     trajectory = read_trajectory(run.path)
     if "time" not in trajectory or not trajectory.static:
         raise FolderError(f"{run.path}: no frame yet; wait until the silo has opened")
-    names = trajectory.attributes["wall_names"]
-    names = json.loads(names) if isinstance(names, str) else [str(name) for name in names]
-    return Scene(trajectory, run.read_summary() if run.state == "finished" else {}, names)
+    summary = run.read_summary() if run.state == "finished" else {}
+    return Scene(trajectory, summary, json.loads(trajectory.attributes["wall_names"]))

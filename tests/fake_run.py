@@ -1,5 +1,6 @@
 """A run folder made without a simulation: grains slide to the outlet on curves and fall."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -41,9 +42,13 @@ def write_fake_run(
         "wall_segments": walls.segments,
     }
     attributes = {
-        "silo": silo.name, "wall_names": walls.names, "lips": silo.lips, "level": start[:, 1].max()
+        "silo": silo.name,
+        "wall_names": json.dumps(walls.names),
+        "lips": silo.lips,
+        "level": start[:, 1].max(),
     }
-    frames = _frames(silo, start, mass, len(walls.names), n_frames, outcome, rng)
+    # Derivatives and rates need two frames; a run may have fewer.
+    frames = _frames(silo, start, mass, len(walls.names), max(n_frames, 2), outcome, rng)
     writer = TrajectoryWriter(folder)
     writer.write_static(static, attributes)
     for k in range(n_frames):

@@ -1,6 +1,7 @@
 """The film of a run: every frame, to scale, in what a browser plays."""
 
 import sys
+from unittest.mock import Mock
 
 import cv2
 import numpy as np
@@ -81,12 +82,9 @@ def test_film_is_a_gif_where_no_codec_is_found(scene, tmp_path, monkeypatch):
     """Bare installations still get a film."""
     from PIL import Image
 
-    class NoWriter(cv2.VideoWriter):
-        def isOpened(self):
-            return False
-
+    writer = Mock(**{"return_value.isOpened.return_value": False})  # no codec for that
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    monkeypatch.setattr(cv2, "VideoWriter", NoWriter)
+    monkeypatch.setattr(cv2, "VideoWriter", writer)
     path = make_film(scene, tmp_path)
     assert path == tmp_path / "film.gif"
     with Image.open(path) as film:

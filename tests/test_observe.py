@@ -22,6 +22,7 @@ from silo2d.outline import PRESETS
 from silo2d.shape import load_shapes
 
 NAN = math.nan
+SHAPES = load_shapes("wood19").shapes
 
 
 def test_t90_and_mean_rate_of_ten_grains():
@@ -65,7 +66,7 @@ def test_discharge_curve_agrees_with_the_counts_of_the_frames(tmp_path):
 
 
 def books(dissipated: float, lost: float) -> dict[str, np.ndarray]:
-    """Two frames: 100 J become heat, 30 J of energy held, 10 J carried out, and `lost`."""
+    """Two frames: `dissipated` J become heat, 10 J are carried out and `lost` J vanish."""
     share = dissipated / len(MECHANISMS)
     return {
         "kinetic": np.array([1.0, 5.0]),
@@ -94,18 +95,20 @@ def test_no_energy_closure_where_nothing_is_dissipated():
     st.lists(st.tuples(st.integers(0, 18), st.floats(-0.02, 0.02), st.floats(-9, 9)), max_size=9)
 )
 def test_centre_line_is_crossed_where_the_swept_core_meets_it(grains):
-    """Oracle: shapely's core, swept by the disc. Its disc is a 256-gon: off by 1e-4 of 1 mm."""
+    """Oracle: shapely's distance of the core from the line, less the spheroradius.
+
+    Grains that touch the line within 0.1 um are left to rounding.
+    """
     from shapely import LineString, Polygon
     from shapely.affinity import rotate, translate
 
-    shapes = load_shapes("wood19").shapes
     kind, x, angle = (np.array(column) for column in zip(*grains, strict=True)) if grains else (
         np.empty(0, int), np.empty(0), np.empty(0))  # fmt: skip
     centre = 0.003
     line = LineString([(centre, -1), (centre, 1)])
-    found = crosses_centre_line(x, angle, kind, shapes, centre)
+    found = crosses_centre_line(x, angle, kind, SHAPES, centre)
     assert found.shape == (len(grains),)
-    for k, shape in enumerate(shapes[i] for i in kind):
+    for k, shape in enumerate(SHAPES[i] for i in kind):
         turned = rotate(Polygon(shape.core), angle[k], origin=(0, 0), use_radians=True)
         gap = translate(turned, x[k]).distance(line) - shape.spheroradius
         if abs(gap) > 1e-7:

@@ -1,0 +1,122 @@
+"""What there is to run: presets, shipped files, packings and runs, in words for a person."""
+
+import tomllib
+from pathlib import Path
+
+from campaign.folder import FolderError, RunFolder
+from contact.datafile import data_file, data_names
+from contact.quantity import InputError, nearest
+from silo2d.outline import PRESETS
+
+
+def write_new(path: Path, text: str) -> None:
+    """Write a file that is not there yet; InputError where it is, or cannot be written."""
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(f"{path}: exists; give another name, nothing was written") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}); give another") from None
+
+
+def listing(root: Path) -> str:
+    """Presets, shapes, materials, and the packings and runs below a folder."""
+    lines = [
+        f"presets    {', '.join(PRESETS)}",
+        f"cases      {', '.join(data_names('cases'))}",
+        f"shapes     {', '.join(data_names('shapes'))}",
+        f"materials  {', '.join(data_names('materials'))}",
+    ]
+    for packing in sorted((root / "packings").glob("*/packing.h5")):
+        lines.append(f"packing    {packing.parent}  {_size(packing.parent)}")
+    for case in sorted(root.glob("*/case.toml")):
+        lines.append(f"run        {case.parent}  {_state(case.parent)}  {_size(case.parent)}")
+    return "\n".join(lines)
+
+
+def _state(folder: Path) -> str:
+    run = RunFolder(folder)
+    if run.state != "finished":
+        return "unfinished"
+    try:
+        return str(run.read_summary()["outcome"])
+    except (FolderError, KeyError):
+        return "damaged"
+
+
+def _size(folder: Path) -> str:
+    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    return f"{size / 1e6:.1f} MB"
+
+
+def description(name: str) -> str:
+    """A preset, case file, shape set, materials file or run folder in words and numbers."""
+    path = Path(name)
+    if path.is_dir():
+        return _run(path)
+    if name in PRESETS or name in data_names("cases"):
+        return _case(name)
+    if name in data_names("shapes"):
+        return _shapes(name)
+    file = path if path.is_file() else data_file("materials", name)
+    if file is None:
+        known = [*PRESETS, *(n for kind in ("cases", "shapes", "materials") for n in data_names(kind))]
+        raise InputError(f"{name!r}: no such preset, file or run; {nearest(name, known)}")
+    try:
+        document = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{file}: cannot be read ({error}); give a TOML file") from None
+    if "shape" in document:
+        return _shapes(str(file))
+    return _materials(str(file)) if "material" in document else _case(str(file))
+
+
+def _case(name: str) -> str:
+    from silo2d.case import SiloCase
+    from silo2d.report import echo
+
+    return echo(SiloCase.load(name), dry_run=True)
+
+
+def _run(folder: Path) -> str:
+    from silo2d.report import report
+    from silo2d.result import Result
+
+    run = RunFolder(folder)
+    if run.state == "new":
+        raise InputError(f"{folder}: not a run folder (it has no case.toml); give one")
+    if run.state == "unfinished":
+        return f"{folder}: unfinished; go on with: silo2d run --resume {folder}"
+    return report(Result.read(run, reused=False))
+
+
+def _shapes(name: str) -> str:
+    from silo2d.shape import load_shapes
+
+    shapes = load_shapes(name)
+    lines = [f"{shapes.name}: {len(shapes.shapes)} shapes, mean area {shapes.mean_area * 1e6:.1f} mm2"]
+    for shape, share in zip(shapes.shapes, shapes.shares, strict=True):
+        lines.append(
+            f"  {shape.name:4} {len(shape.core)} vertices, area {shape.area * 1e6:6.1f} mm2, width "
+            f"{shape.width * 1e3:5.2f} mm, share {share:.3f}"
+        )
+    return "\n".join(lines)
+
+
+def _materials(name: str) -> str:
+    from contact.table import load_table
+
+    table = load_table(name)
+    lines = [f"{table.path}"]
+    for material in table.materials.values():
+        lines.append(f"  {material.name}: density {material.density.value:g} kg/m3")
+    for pair in table.pairs.values():
+        parts = [f"friction {pair.friction.value:g}"]
+        if pair.restitution:
+            parts.append(f"restitution {pair.restitution.value:g}")
+        if pair.linear:
+            parts.append(f"kn {pair.linear.kn.value:g} N/m, kt {pair.linear.kt.value:g} N/m")
+            parts.append(f"gamma_n {pair.linear.gamma_n.value:g} 1/s")
+        lines.append(f"  {pair.first}-{pair.second}: {', '.join(parts)}")
+    return "\n".join(lines)

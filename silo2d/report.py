@@ -1,0 +1,123 @@
+"""What a person reads before and after a run."""
+
+import math
+
+from silo2d.case import SiloCase
+from silo2d.result import Result
+
+_OUTCOMES = {
+    "empty": "empty",
+    "dead_zones": "at rest, dead zones left beside the outlet",
+    "clogged": "clogged",
+    "clogged_at_opening": "clogged at the opening",
+    "time_limit": "stopped at the time limit",
+}
+_SECONDS_PER_GRAIN_STEP = 6e-8  # on one core of a current server, for the estimate of --dry-run
+
+
+def echo(case: SiloCase, dry_run: bool) -> str:
+    """The case in SI, the time step with its reason, the restitution that follows."""
+    outline, fill, run = case.outline, case.settings.fill, case.settings.run
+    n = round(outline.area_below(fill.level) * 0.88 / case.shapes.mean_area)
+    lines = [
+        f"{case.name}, seed {run.seed}",
+        f"  silo        {outline.width:g} m wide, {outline.height:g} m high, outlet "
+        f"{outline.outlet:g} m, filled to {fill.level:g} m (about {n} particles)",
+        f"  particles   {case.shapes.name}: {len(case.shapes.shapes)} shapes, mean area "
+        f"{case.shapes.mean_area:.4g} m2, {case.surface_density:g} kg/m2, mean mass "
+        f"{case.mean_mass:.4g} kg",
+    ]
+    for name, law in (("particles", case.grain_law), ("walls", case.wall_law)):
+        lines.append(
+            f"  law {name:9} kn {law.kn:g} N/m, kt {law.kt:g} N/m, mu {law.mu:g}, gamma_n "
+            f"{law.gamma_n:g} 1/s, gamma_t {law.gamma_t:g} 1/s"
+        )
+    lines += [
+        f"  contact     ends at zero {case.settings.law.contact_end}; damping: "
+        f"{case.settings.law.damping}",
+        f"  restitution {_restitution(case)}",
+        f"  time step   {case.time_step:g} s: {case.time_step_reason}",
+        f"  ends        empty; or at rest: agitation below {run.at_rest:g} and none out for "
+        f"{run.rest_time:g} s; or after {run.max_time:g} s",
+        "              agitation: kinetic energy over what lifts each particle by its size; at "
+        "rest, clogged if",
+        "              an outline crosses the outlet's centre line (at the opening: fewer than "
+        f"{run.opening_count} out), else dead zones",
+    ]
+    if dry_run:
+        lines.append(f"  expected    {_expected(case, n)}")
+    return "\n".join(lines)
+
+
+def _restitution(case: SiloCase) -> str:
+    parts = [
+        f"{pair.replace('_', '-')} {values['one_contact']:.2f} for one contact, "
+        f"{values['face_to_face']:.2f} face to face"
+        for pair, values in case.restitution().items()
+    ]
+    return "; ".join(parts)
+
+
+def _expected(case: SiloCase, n: int) -> str:
+    filling = 1.1 / case.pour_time_step
+    discharge = 1.5 / case.time_step  # half of the grains, on average, are still inside
+    seconds = _SECONDS_PER_GRAIN_STEP * n * (1.5 * filling + discharge / 2)
+    return (
+        f"about {max(seconds / 60, 0.1):.1g} min, if filling takes 1.1 s and the discharge 1.5 s "
+        f"of simulated time; at most {run_steps(case):,} steps of discharge"
+    )
+
+
+def run_steps(case: SiloCase) -> int:
+    """Steps that the time limit allows."""
+    return math.ceil(case.settings.run.max_time / case.time_step)
+
+
+def report(result: Result) -> str:
+    """The answers of a run beside the published values."""
+    out = f"{result.n_out} of {result.n_particles} particles out"
+    lines = [f"{result.silo}, seed {result.seed}: {_OUTCOMES[result.outcome]}, {out}"]
+    lines.append(f"  discharge time   {_time(result.discharge_time_s)}   {_published(result)}")
+    lines.append(f"  T90              {_time(result.t90_s)}")
+    if result.mean_rate_per_s is not None and result.mean_mass_flow_kg_per_s is not None:
+        lines.append(
+            f"  mean rate        {result.mean_rate_per_s:.0f} particles/s, "
+            f"{result.mean_mass_flow_kg_per_s:.2f} kg/s"
+        )
+    lines += [
+        f"  packing          fraction {result.packing_fraction:.3f}, coordination "
+        f"{result.coordination:.2f}",
+        f"  energy           {sum(result.dissipated_j.values()):.3f} J dissipated, books closed to "
+        f"{_percent(result.energy_closure)} of it (at 5 us, 1 % is expected)",
+        f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} steps, "
+        f"{result.cpu_s:.1f} s in all",
+        f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
+    ]
+    return "\n".join(lines)
+
+
+def _time(seconds: float | None) -> str:
+    return "none" if seconds is None else f"{seconds:.3f} s"
+
+
+def _percent(part: float | None) -> str:
+    return "nothing" if part is None else f"{100 * abs(part):.2g} %"
+
+
+def _published(result: Result) -> str:
+    known = result.published
+    parts = []
+    if known.get("experiment_mean_s") is not None:
+        spread = known.get("experiment_sd_s")
+        parts.append(
+            f"experiment {known['experiment_mean_s']:.2f}"
+            + (f" +- {spread:.2f}" if spread is not None else "")
+            + " s"
+        )
+    if known.get("experiment_clogged"):
+        parts.append(f"experiment clogged {known['experiment_clogged']} of {known['experiment_n']}")
+    if known.get("simulation_s") is not None:
+        parts.append(f"SPOLY {known['simulation_s']:.2f} s")
+    elif known.get("simulation_clogged"):
+        parts.append("SPOLY clogged")
+    return f"({', '.join(parts)})" if parts else "(nothing published)"
