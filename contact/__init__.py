@@ -1,5 +1,6 @@
 """Contact parameters and laws: the layer that every simulator and every measurement shares."""
 
+import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -11,10 +12,7 @@ __all__ = ["Material", "Pair", "load_pairs", "load_table", "write_table"]
 
 def __getattr__(name: str):
     # Imported when first asked for: commands must answer --help without pydantic and pint.
-    if name in ("Material", "Pair"):
-        from contact import material as module
-    elif name in __all__:
-        from contact import table as module
-    else:
+    if name not in __all__:
         raise AttributeError(f"module 'contact' has no attribute {name!r}")
-    return getattr(module, name)
+    home = "material" if name in ("Material", "Pair") else "table"
+    return getattr(importlib.import_module(f"contact.{home}"), name)

@@ -1,5 +1,6 @@
 """Discharge of angular particles from 2D silos: spheropolygons with the multi-contact law."""
 
+import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -12,8 +13,6 @@ __all__ = ["Result", "SiloCase", "run"]
 
 def __getattr__(name: str):
     # Imported when first asked for: --help must answer without numba.
-    import importlib
-
     homes = {"Result": "result", "SiloCase": "case", "run": "protocol"}
     if name not in homes:
         raise AttributeError(f"module 'silo2d' has no attribute {name!r}")

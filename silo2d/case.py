@@ -131,7 +131,7 @@ class SiloCase:
             ("particle_particle", self.grain_law, self.mean_mass / 2, 8),
             ("particle_wall", self.wall_law, self.mean_mass, 2),
         ):
-            end = "overlap" if law.pulls else "force"
+            end = self.settings.law.contact_end
             result[pair] = {
                 "one_contact": linear_restitution(law.gamma_n, law.kn, mass, end=end),
                 "face_to_face": linear_restitution(
@@ -304,9 +304,7 @@ def _gamma_from_restitution(settings: Settings, pair: Pair, kn: float, mass: flo
             f"{settings.particles.materials}: [pair.{pair.first}-{pair.second}] restitution is "
             "missing; damping = 'restitution' needs it"
         )
-    return damping_for_restitution(
-        pair.restitution.value, kn, mass, end=settings.law.contact_end
-    )
+    return damping_for_restitution(pair.restitution.value, kn, mass, end=settings.law.contact_end)
 
 
 def _time_step(

@@ -113,9 +113,7 @@ def run(
     click.echo(_as_json(result) if as_json else report(result))
 
 
-def _computed(
-    case: "SiloCase", out: str, resume: str | None, again: bool, quiet: bool
-) -> "Result":
+def _computed(case: "SiloCase", out: str, resume: str | None, again: bool, quiet: bool) -> "Result":
     """The result of a case, with a bar on stderr; Ctrl-C stops at the next frame."""
     from campaign.terminal import Progress, StopRequest
     from silo2d import protocol

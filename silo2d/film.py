@@ -1,6 +1,5 @@
 """The film of a run: every stored frame, 25 a second, in a format that browsers play."""
 
-import os
 import tempfile
 from collections.abc import Iterator
 from itertools import chain
@@ -157,13 +156,14 @@ def _h264(path: Path, frames: Iterator[Image]) -> bool:
 
 def _vp9(path: Path, frames: Iterator[Image]) -> bool:
     """Whether VP9 could be written: OpenCV was built with it."""
-    # Read when OpenCV opens its first film; it would report codecs it lacks on the console.
-    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     import cv2
 
     first = next(frames)
     size = (first.shape[1], first.shape[0])
+    level = cv2.utils.logging.getLogLevel()
+    cv2.utils.logging.setLogLevel(0)  # it would report a codec that it lacks on the console
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"vp09"), FPS, size)
+    cv2.utils.logging.setLogLevel(level)
     if not writer.isOpened():
         return False
     writer.write(first[:, :, ::-1].copy())  # OpenCV's order is blue green red

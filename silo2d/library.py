@@ -61,7 +61,10 @@ def description(name: str) -> str:
         return _shapes(name)
     file = path if path.is_file() else data_file("materials", name)
     if file is None:
-        known = [*PRESETS, *(n for kind in ("cases", "shapes", "materials") for n in data_names(kind))]
+        known = [
+            *PRESETS,
+            *(n for kind in ("cases", "shapes", "materials") for n in data_names(kind)),
+        ]
         raise InputError(f"{name!r}: no such preset, file or run; {nearest(name, known)}")
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -95,7 +98,9 @@ def _shapes(name: str) -> str:
     from silo2d.shape import load_shapes
 
     shapes = load_shapes(name)
-    lines = [f"{shapes.name}: {len(shapes.shapes)} shapes, mean area {shapes.mean_area * 1e6:.1f} mm2"]
+    lines = [
+        f"{shapes.name}: {len(shapes.shapes)} shapes, mean area {shapes.mean_area * 1e6:.1f} mm2"
+    ]
     for shape, share in zip(shapes.shapes, shapes.shares, strict=True):
         lines.append(
             f"  {shape.name:4} {len(shape.core)} vertices, area {shape.area * 1e6:6.1f} mm2, width "

@@ -28,8 +28,6 @@ from silo2d.state import (
     CLOSE_SEARCHES,
     CLOSE_SKIN,
     COS,
-    EDGE,
-    EDGE_BODY,
     EDGE_X,
     EDGE_Y,
     FIRST,
@@ -54,8 +52,6 @@ from silo2d.state import (
     SPHERORADIUS,
     SPIN,
     STALE,
-    VERTEX,
-    VERTEX_BODY,
     VERTEX_X,
     VERTEX_Y,
     VX,
@@ -104,8 +100,10 @@ def search(world):
         if outcome == DONE:
             carry_over(world.near, counts, world.books, laws_kt)
     if outcome == DONE:
-        outcome = find_close(bodies, local, vertices, world.near, world.close, counts, skins[CLOSE_SKIN])
+        measure_distances(local, vertices, world.near, counts)
+        outcome = find_close(local, world.near, world.close, counts, skins[CLOSE_SKIN])
     if outcome == DONE:
+        note_positions(bodies, counts, CLOSE_LIST)
         counts[STALE] = 0
     return outcome
 
@@ -116,7 +114,7 @@ def set_close_skin(bodies, counts, skins, dt):
     fastest = 0.0
     for k in range(counts[LIVE]):
         i = bodies.live[k]
-        speed = np.hypot(bodies.row[i, VX], bodies.row[i, VY])
+        speed = abs(bodies.row[i, VX]) + abs(bodies.row[i, VY])
         speed += bodies.size[i, BOUNDING_RADIUS] * abs(bodies.row[i, SPIN])
         fastest = max(fastest, speed)
     widest = NEAR_WIDEST * CLOSE_STEPS / NEAR_STEPS
@@ -137,7 +135,7 @@ def farthest(bodies, counts, level):
     most = 0.0
     for k in range(counts[LIVE]):
         i = bodies.live[k]
-        far = np.hypot(row[i, X] - listed[i, level], row[i, Y] - listed[i, level + 1])
+        far = abs(row[i, X] - listed[i, level]) + abs(row[i, Y] - listed[i, level + 1])
         far += bodies.size[i, BOUNDING_RADIUS] * abs(row[i, ANGLE] - listed[i, level + 2])
         if not np.isfinite(far):
             return np.inf
@@ -161,10 +159,15 @@ def place_vertices(bodies, local, vertices, counts):
     for k in range(counts[LIVE]):
         i = bodies.live[k]
         cos, sin = bodies.row[i, COS], bodies.row[i, SIN]
-        for v in range(bodies.layout[i, FIRST], bodies.layout[i, FIRST] + bodies.layout[i, N_EDGES]):
+        for v in range(
+            bodies.layout[i, FIRST], bodies.layout[i, FIRST] + bodies.layout[i, N_EDGES]
+        ):
             dx, dy = turned(cos, sin, (local[v, VERTEX_X], local[v, VERTEX_Y]))
             ex, ey = turned(cos, sin, (local[v, EDGE_X], local[v, EDGE_Y]))
-            vertices[v, VERTEX_X], vertices[v, VERTEX_Y] = bodies.row[i, X] + dx, bodies.row[i, Y] + dy
+            vertices[v, VERTEX_X], vertices[v, VERTEX_Y] = (
+                bodies.row[i, X] + dx,
+                bodies.row[i, Y] + dy,
+            )
             vertices[v, EDGE_X], vertices[v, EDGE_Y] = ex, ey
 
 
@@ -239,7 +242,9 @@ def find_grains_near(bodies, cells, skins, i, n):
         end = cells.start[r * cells.columns + min(cell_column + 2, cells.columns)]
         for c in range(begin, end):
             j = cells.grains[c]
-            far = bodies.size[i, BOUNDING_RADIUS] + bodies.size[j, BOUNDING_RADIUS] + skins[BODY_SKIN]
+            far = (
+                bodies.size[i, BOUNDING_RADIUS] + bodies.size[j, BOUNDING_RADIUS] + skins[BODY_SKIN]
+            )
             dx, dy = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
             if j <= i or dx * dx + dy * dy >= far * far:
                 continue
@@ -282,7 +287,7 @@ def find_near(bodies, local, vertices, pairs, near, counts, skins):
             continue
         most = bodies.layout[i, N_CORNERS] * bodies.layout[j, N_EDGES]
         most += bodies.layout[j, N_CORNERS] * bodies.layout[i, N_EDGES]
-        if n + most > len(near.key):
+        if n + most >= len(near.key):
             # The old list goes back, so that the search can be made again with more room.
             for c in range(n_old):
                 near.key[c], near.slip[c] = near.old_key[c], near.old_slip[c]
@@ -312,6 +317,7 @@ def find_vertices_near(bodies, local, vertices, near, skin, i, j, n):
     radius_i, radius_j = bodies.size[i, SPHERORADIUS], bodies.size[j, SPHERORADIUS]
     far2 = (radius_i + radius_j + skin) ** 2
     circle2 = (bodies.size[j, BOUNDING_RADIUS] + radius_i + skin) ** 2
+    mass = reduced_mass(bodies.row[i, INV_MASS], bodies.row[j, INV_MASS])
     low, high = np.int64(min(i, j)), np.int64(max(i, j))  # a key needs more than 32 bits
     base = ((low * len(bodies.row) + high) * 2 + (i > j)) * MAX_VERTICES * MAX_VERTICES
     if high >= len(bodies.live):
@@ -326,8 +332,9 @@ def find_vertices_near(bodies, local, vertices, near, skin, i, j, n):
             dx, dy = from_edge(local, vertices, v, e)
             if dx * dx + dy * dy < far2:
                 near.key[n] = base + a * MAX_VERTICES + b
-                near.pair[n, VERTEX], near.pair[n, EDGE] = v, e
-                near.pair[n, VERTEX_BODY], near.pair[n, EDGE_BODY] = i, j
+                near.vertex[n], near.edge[n] = v, e
+                near.vertex_body[n], near.edge_body[n] = i, j
+                near.mass[n], near.reach[n], near.depth[n] = mass, radius_i + radius_j, radius_i
                 n += 1
     return n
 
@@ -363,40 +370,35 @@ def keep_close(near, close, counts):
 
 
 @njit
-def find_close(bodies, local, vertices, near, close, counts, skin):
+def measure_distances(local, vertices, near, counts):
+    """Squared distances of all near pairs: no branch, so that the compiler vectorises it."""
+    for c in range(np.uintp(counts[NEAR])):
+        dx, dy = from_edge(local, vertices, near.vertex[c], near.edge[c])
+        near.distance2[c] = dx * dx + dy * dy
+
+
+@njit
+def find_close(local, near, close, counts, skin):
     """Level 1: the near pairs that touch or nearly do, with what the force pass needs of them."""
     n = np.int64(0)
     n_grain = 0
     for c in range(counts[NEAR]):
-        v, e = near.pair[c, VERTEX], near.pair[c, EDGE]
-        j, i = near.pair[c, VERTEX_BODY], near.pair[c, EDGE_BODY]
-        dx, dy = from_edge(local, vertices, v, e)
-        reach = bodies.size[i, SPHERORADIUS] + bodies.size[j, SPHERORADIUS]
-        distance2 = dx * dx + dy * dy
-        if distance2 >= (reach + skin) ** 2:
+        distance2, reach = near.distance2[c], near.reach[c]
+        if distance2 >= (reach + skin) * (reach + skin):
             continue
-        if distance2 < ((1.0 - DEEPEST) * reach) ** 2:
+        if distance2 < (1.0 - DEEPEST) * (1.0 - DEEPEST) * reach * reach:
             return TOO_DEEP
-        close.near[n], close.vertex_body[n], close.edge_body[n] = c, j, i
-        close.slip[n] = near.slip[c]
-        set_constants(bodies, local, close, n, v, e)
+        v, e = near.vertex[c], near.edge[c]
+        close.near[n] = c
+        close.vertex_body[n], close.edge_body[n] = near.vertex_body[c], near.edge_body[c]
+        close.vertex_x[n], close.vertex_y[n] = local[v, VERTEX_X], local[v, VERTEX_Y]
+        close.start_x[n], close.start_y[n] = local[e, VERTEX_X], local[e, VERTEX_Y]
+        close.edge_x[n], close.edge_y[n] = local[e, EDGE_X], local[e, EDGE_Y]
+        close.inv_length2[n], close.slip[n] = local[e, INV_LENGTH2], near.slip[c]
+        close.mass[n], close.reach[n], close.depth[n] = near.mass[c], reach, near.depth[c]
         n += 1
         if c < counts[GRAIN_NEAR]:
             n_grain = n
     counts[GRAIN_CLOSE], counts[CLOSE] = n_grain, n
-    note_positions(bodies, counts, CLOSE_LIST)
     counts[CLOSE_SEARCHES] += 1
     return DONE
-
-
-@njit
-def set_constants(bodies, local, close, n, v, e):
-    """What does not change while a pair stays close: the vertex, the edge, mass and reach."""
-    j, i = close.vertex_body[n], close.edge_body[n]
-    close.vertex_x[n], close.vertex_y[n] = local[v, VERTEX_X], local[v, VERTEX_Y]
-    close.start_x[n], close.start_y[n] = local[e, VERTEX_X], local[e, VERTEX_Y]
-    close.edge_x[n], close.edge_y[n] = local[e, EDGE_X], local[e, EDGE_Y]
-    close.inv_length2[n] = local[e, INV_LENGTH2]
-    close.mass[n] = reduced_mass(bodies.row[j, INV_MASS], bodies.row[i, INV_MASS])
-    close.reach[n] = bodies.size[j, SPHERORADIUS] + bodies.size[i, SPHERORADIUS]
-    close.depth[n] = bodies.size[j, SPHERORADIUS]

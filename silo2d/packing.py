@@ -57,9 +57,7 @@ def save_packing(packing: Packing, folder: Path) -> None:
         "poured_with": packing.poured_with,
         "cpu_s": packing.cpu_s,
     }
-    save_checkpoint(
-        folder / "packing.h5", {"kinds": packing.kinds, "poses": packing.poses}, meta
-    )
+    save_checkpoint(folder / "packing.h5", {"kinds": packing.kinds, "poses": packing.poses}, meta)
 
 
 def load_packing(folder: Path) -> Packing | None:

@@ -79,9 +79,7 @@ def run_in(
         writer.finish(*static)
         write_records(folder)
         summary = summarise(folder, case, sim, packing, clock, outcome)
-        folder.write_provenance(
-            {**folder.read_provenance(), "wall_s": time.perf_counter() - begun}
-        )
+        folder.write_provenance({**folder.read_provenance(), "wall_s": time.perf_counter() - begun})
         folder.write_summary(summary)
         folder.checkpoint.unlink(missing_ok=True)
         return Result.read(folder, reused=False)

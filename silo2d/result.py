@@ -53,8 +53,8 @@ class Result:
     def read(cls, folder: RunFolder, *, reused: bool) -> "Result":
         """The result kept in a finished run folder; FolderError where it is damaged."""
         kept = folder.read_summary()
-        known = {field.name: kept.get(field.name) for field in dataclasses.fields(cls)}
-        return cls(**{**known, "reused": reused, "run_folder": str(folder.path)})
+        known: dict[str, Any] = {f.name: kept.get(f.name) for f in dataclasses.fields(cls)}
+        return cls(**known | {"reused": reused, "run_folder": str(folder.path)})
 
 
 def summarise(

@@ -20,7 +20,7 @@ GRAIN_EDGE = "#4a3018"
 BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
 SKY, PURPLE, GREY = "#56b4e9", "#cc79a7", "#8a8a8a"
 
-_BELOW = 0.2  # how much is shown of what falls below the outlet, in heights of the silo
+_BELOW = 0.08, 0.2  # what is shown below the outlet, at least and at most, in silo heights
 _OUTCOMES = {
     "empty": "empty",
     "dead_zones": "dead zones remain",
@@ -63,10 +63,16 @@ class Scene:
         left, bottom = self.walls.min(axis=(0, 1))
         right, top = self.walls.max(axis=(0, 1))
         inside, y = self.trajectory["inside"], self.trajectory["y"]
-        heap = y[0][inside[0]].max(initial=top)  # a filling may stand above the rim
-        lowest = y[inside].min(initial=bottom)
-        below = max(lowest, bottom - _BELOW * (top - bottom))
+        heap = y[0][inside[0]].max(initial=bottom) + self._reach  # may stand above the rim
+        fall = bottom - y[inside].min(initial=bottom) + self._reach
+        least, most = (share * (top - bottom) for share in _BELOW)
+        below = bottom - min(max(fall, least), most)
         return float(left), float(right), float(below), float(max(top, heap))
+
+    @property
+    def _reach(self) -> float:
+        """How far an outline lies from its centroid at most [m]."""
+        return float(np.hypot(*self.trajectory.static["shape_points"].T).max())
 
     @property
     def headline(self) -> str:
@@ -80,8 +86,8 @@ class Scene:
         end = self.summary.get("discharge_time_s")
         if end is None:
             return f"{silo}: {how}, {n_out} of {self.n_grains} out"
-        last = "after" if outcome == "empty" else "; the last grain left at"
-        return f"{silo}: {how} {last} {end:.2f} s".replace(" ;", ";")
+        last = " after" if outcome == "empty" else "; the last grain left at"
+        return f"{silo}: {how}{last} {end:.2f} s"
 
     def outlines(self, frame: int) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
         """Grains of one shape that are inside (k,), and their outlines (k, p, 2) [m]; all shapes.
@@ -91,7 +97,7 @@ class Scene:
         static = self.trajectory.static
         points, start, kind = static["shape_points"], static["shape_start"], static["kind"]
         x, y, angle = (self.trajectory[key][frame] for key in ("x", "y", "angle"))
-        shown = self.trajectory["inside"][frame] & (y > self.window[2] - np.abs(points).max())
+        shown = self.trajectory["inside"][frame] & (y > self.window[2] - self._reach)
         for shape in range(len(start) - 1):
             which = np.flatnonzero(shown & (kind == shape))
             px, py = points[start[shape] : start[shape + 1]].T

@@ -27,9 +27,7 @@ def advance(world, n_steps):
             outcome = search(world)
             if outcome != DONE:
                 return k, outcome
-        apply_forces(
-            bodies.row, world.close, counts, books, world.grain_law, world.wall_law, dt
-        )
+        apply_forces(bodies.row, world.close, counts, books, world.grain_law, world.wall_law, dt)
         move(bodies, counts, books, world.gravity, dt, 0.5 * world.skins[state.CLOSE_SKIN])
     return n_steps, DONE
 
@@ -182,11 +180,7 @@ class Simulation:
         """Indices in the close list of the pairs that touch now."""
         row, close = self.world.bodies.row, self.world.close
         return np.array(
-            [
-                n
-                for n in range(self.world.counts[state.CLOSE])
-                if overlap_now(row, close, n) > 0
-            ],
+            [n for n in range(self.world.counts[state.CLOSE]) if overlap_now(row, close, n) > 0],
             dtype=np.int64,
         )
 

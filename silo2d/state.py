@@ -24,8 +24,6 @@ BODY_LIST, NEAR_LIST, CLOSE_LIST = 0, 3, 6
 # Columns of World.vertices and World.local: a vertex, the edge that leaves it counter-clockwise,
 # and 1/length^2 of that edge [1/m2].
 VERTEX_X, VERTEX_Y, EDGE_X, EDGE_Y, INV_LENGTH2 = range(5)
-# Columns of Near.pair.
-VERTEX, EDGE, VERTEX_BODY, EDGE_BODY = range(4)
 # Entries of World.counts. STALE: how many levels of the lists must be made anew, from below.
 STEP, LIVE, OUT, STALE = range(4)
 GRAIN_PAIRS, PAIRS, GRAIN_NEAR, NEAR, GRAIN_CLOSE, CLOSE = range(4, 10)
@@ -59,9 +57,16 @@ class Near(NamedTuple):
     """
 
     key: np.ndarray  # (capacity,) int64
-    pair: np.ndarray  # (capacity, 4) uint32: vertex row, edge row, vertex's body, edge's body
+    vertex: np.ndarray  # (capacity,) uint32, row of the vertex
+    edge: np.ndarray  # (capacity,) uint32, row of the edge
+    vertex_body: np.ndarray  # (capacity,) uint32
+    edge_body: np.ndarray  # (capacity,) uint32
+    mass: np.ndarray  # (capacity,) reduced mass [kg]
+    reach: np.ndarray  # (capacity,) sum of the spheroradii [m]
+    depth: np.ndarray  # (capacity,) spheroradius of the vertex's body [m]
+    distance2: np.ndarray  # (capacity,) squared distance of vertex and edge [m2]
     slip: np.ndarray  # (capacity,) tangential displacement held by the spring [m]
-    old_key: np.ndarray  # (capacity + 1,) the previous list, while a new one is made
+    old_key: np.ndarray  # (capacity,) the previous list, while a new one is made
     old_slip: np.ndarray  # (capacity,)
 
 

@@ -11,7 +11,6 @@ from silo2d.outline import Walls
 from silo2d.shape import Shape
 from silo2d.state import Bodies, Cells, Close, Near, World
 
-
 BODY_SKIN = 6e-3  # [m] of the list of bodies, see neighbours.py
 
 
@@ -102,13 +101,10 @@ def _cells(bodies: Bodies, points: np.ndarray) -> Cells:
 
 
 def _near(capacity: int) -> Near:
-    return Near(
-        key=np.zeros(capacity, np.int64),
-        pair=np.zeros((capacity, 4), np.uint32),
-        slip=np.zeros(capacity),
-        old_key=np.zeros(capacity + 1, np.int64),
-        old_slip=np.zeros(capacity),
-    )
+    kinds = dict.fromkeys(("vertex", "edge", "vertex_body", "edge_body"), np.uint32)
+    kinds |= dict.fromkeys(("key", "old_key"), np.int64)
+    # One more than can be listed: the end of the previous list is marked behind it.
+    return Near(*(np.zeros(capacity + 1, kinds.get(field, float)) for field in Near._fields))
 
 
 def _close(capacity: int) -> Close:
@@ -141,6 +137,7 @@ def more_pairs(world: World) -> World:
 
 def longer_lists(world: World) -> World:
     """The same world with room for twice as many vertex-edge pairs, the slips kept."""
-    near, n = _near(2 * len(world.near.key)), int(world.counts[state.NEAR])
+    capacity, n = 2 * len(world.near.key), int(world.counts[state.NEAR])
+    near = _near(capacity)
     near.key[:n], near.slip[:n] = world.near.key[:n], world.near.slip[:n]
-    return world._replace(near=near, close=_close(len(near.key)))
+    return world._replace(near=near, close=_close(capacity))

@@ -16,14 +16,13 @@ from scenes import (
     block,
     block_on_wall,
     corner_on_face,
-    disc,
     inertia,
     launch,
     mass,
     position,
     simulation_of,
-    squeezed,
     velocity,
+    wall,
 )
 
 from silo2d import state
@@ -34,10 +33,11 @@ KITE = shape_from_outline(
 )
 SHAPES = [block(20e-3, 10e-3), KITE]
 STEP = 2e-7  # [s]
+G = 9.81
 MODES = ("normal_damping", "tangential_damping", "friction")
 
 
-def encounter(law, impact_parameter=3e-3, spins=(200.0, -80.0), turn=0.0, drift=(0.0, 0.0)):
+def encounter(law, impact_parameter=3e-3, spins=(200.0, -80.0), turn=0.0, drift=(0.0, 0.0), step=STEP):
     """A block and a kite that meet with speeds of some m/s and spin, in a frame that is turned
     [rad] and drifts [m/s]."""
     cos, sin = math.cos(turn), math.sin(turn)
@@ -46,7 +46,7 @@ def encounter(law, impact_parameter=3e-3, spins=(200.0, -80.0), turn=0.0, drift=
     places = middle + np.array([[-13e-3, 0.0], [13e-3, impact_parameter]]) @ turned.T
     velocities = np.array([[2.0, 0.5], [-1.5, -0.2]]) @ turned.T + drift
     poses = [(*places[0], 0.4 + turn), (*places[1], -0.7 + turn)]
-    simulation = simulation_of(SHAPES, poses, law=law, time_step=STEP)
+    simulation = simulation_of(SHAPES, poses, law=law, time_step=step)
     for grain in (0, 1):
         launch(simulation, grain, *velocities[grain], spins[grain])
     return simulation
@@ -79,23 +79,24 @@ def total_energy(simulation):
 def test_oblique_encounter_keeps_momentum(impact_parameter, spins, mu, pulls):
     """Forces of a pair are opposite and act at one point, so that the arms add up to the
     distance of the centres: linear and angular momentum stay, with friction and both dashpots.
-    Tolerance: 1e-12 of the momentum of one body."""
+    Tolerance: 1e-12 of one body's momentum, and of that at a lever of 0.1 m, the height of the
+    scene: 20000 roundings of positions there add up to some 1e-15 m."""
     law = WOOD._replace(mu=mu, gamma_t=300.0, pulls=pulls)
     simulation = encounter(law, impact_parameter, spins)
     before = momenta(simulation)
-    simulation.run(40000)
-    p = mass(simulation) * 2.0
-    assert_allclose(momenta(simulation), before, rtol=0, atol=1e-12 * p * np.array([1, 1, 10e-3]))
+    simulation.run(20000)
+    units = mass(simulation) * 2.0 * np.array([1.0, 1.0, LEVEL])
+    assert_allclose(momenta(simulation) / units, before / units, rtol=0, atol=1e-12)
 
 
 def test_the_encounter_is_one():
-    """The scene of this file does collide, at several pairs, turns the bodies and takes energy."""
+    """The scene of this file does collide, turns the bodies and takes energy in every way."""
     simulation = encounter(WOOD)
     before = velocity(simulation, 0).copy()
-    simulation.run(40000)
+    simulation.run(20000)
     after = velocity(simulation, 0)
-    assert abs(after[0] - before[0]) > 1.0
-    assert abs(after[2] - before[2]) > 50.0
+    assert abs(after[0] - before[0]) > 0.5
+    assert abs(after[2] - before[2]) > 10.0
     assert all(simulation.energies()[f"{mode}_grain_grain"] > 0 for mode in MODES)
 
 
@@ -107,7 +108,7 @@ def test_turned_frame(turn_deg):
     here, there = encounter(WOOD), encounter(WOOD, turn=turn)
     cos, sin = math.cos(turn), math.sin(turn)
     for simulation in (here, there):
-        simulation.run(40000)
+        simulation.run(20000)
     for grain in (0, 1):
         vx, vy, spin = velocity(here, grain)
         expected = cos * vx - sin * vy, sin * vx + cos * vy, spin
@@ -119,25 +120,140 @@ def test_drifting_frame(drift):
     """Galilei: laws see relative velocities alone. Tolerance: as for the turned frame."""
     here, there = encounter(WOOD), encounter(WOOD, drift=drift)
     for simulation in (here, there):
-        simulation.run(40000)
+        simulation.run(20000)
     for grain in (0, 1):
         expected = velocity(here, grain) + (*drift, 0.0)
         assert_allclose(velocity(there, grain), expected, rtol=1e-8, atol=1e-9)
 
 
-def test_a_turning_pair_does_not_slip():
-    """Two discs pressed together by their spin about each other as one rigid body would: the
-    slip is measured along the turning tangent, and none arises. Tolerance: slip of one step."""
-    r, rate, law = 5e-3, 50.0, WOOD._replace(mu=1e3, gamma_t=0.0, gamma_n=0.0)
-    # Pulled apart by m rate^2 r, they are held together by a third body's place: two walls are
-    # none here, so the discs fly apart and must do so without torque.
-    simulation = simulation_of(
-        [disc(r), disc(r)],
-        [(-r + 1e-6, LEVEL, 0.0), (r - 1e-6, LEVEL, 0.0)],
-        law=law,
-        time_step=1e-8,
+def test_normal_damping_alone():
+    """It takes (1 - e^2) m v^2/2 from a head-on impact, with the reduced mass; nothing else is
+    booked. Tolerance: the dashpot's jumps, gamma dt, and the leapfrog's (omega0 dt)^2."""
+    e, v = 0.6, 1.0
+    m = 1 / (1 / mass(corner_on_face(WOOD, 1.0)) + 1 / mass(corner_on_face(WOOD, 1.0), 1))
+    omega0 = angular_frequency(WOOD.kn, m)
+    gamma = damping_of_restitution(omega0, e)
+    simulation = corner_on_face(ELASTIC._replace(gamma_n=gamma), STEP)
+    launch(simulation, vy=-v)
+    simulation.run(4000)
+    assert_booked(
+        simulation,
+        "normal_damping_grain_grain",
+        (1 - e**2) * m * v**2 / 2,
+        rel=gamma * STEP + (omega0 * STEP) ** 2,
     )
-    launch(simulation, 0, vy=-rate * (r - 1e-6), spin=rate)
-    launch(simulation, 1, vy=rate * (r - 1e-6), spin=rate)
-    simulation.run(10000)
-    assert_allclose([velocity(simulation, k)[2] for k in (0, 1)], rate, rtol=1e-6)
+
+
+def test_tangential_damping_alone():
+    """On a floor without friction both pairs of a block brake it, v = v0 exp(-2 gamma_t t).
+    Tolerance: it rocks under the brakes, by some 1e-5 of its way."""
+    v, gamma_t = 0.3, 4.0  # slow enough not to tip the block over
+    simulation = resting_block(ELASTIC._replace(gamma_t=gamma_t))
+    launch(simulation, vx=v)
+    simulation.run(20000)
+    lost = 0.5 * mass(simulation) * v**2 * -math.expm1(-4 * gamma_t * simulation.time)
+    assert_booked(simulation, "tangential_damping_grain_wall", lost, rel=1e-4)
+
+
+def test_friction_alone():
+    """A block that slides a way s on a floor: m g mu s. Tolerance: until the springs are wound up
+    the block slides some hundred times less far than s."""
+    mu = 0.4
+    simulation = resting_block(ELASTIC._replace(mu=mu))
+    launch(simulation, vx=0.3)
+    simulation.run(20000)
+    way = position(simulation)[0]
+    assert_booked(simulation, "friction_grain_wall", mu * mass(simulation) * G * way, rel=1e-4)
+
+
+def resting_block(law):
+    """A block that lies on a floor under its weight."""
+    shape = block(20e-3, 10e-3)
+    overlap = SURFACE_DENSITY * shape.area * G / (2 * law.kn)
+    return block_on_wall(shape, law, 1e-6, overlap=overlap, gravity=G)
+
+
+def assert_booked(simulation, entry, expected, rel):
+    """One entry of the dissipation is as expected, all others are zero."""
+    energies = simulation.energies()
+    assert energies[entry] == pytest.approx(expected, rel=rel)
+    for mode in MODES:
+        for pair in ("grain_grain", "grain_wall"):
+            if f"{mode}_{pair}" != entry:
+                assert energies[f"{mode}_{pair}"] == 0.0
+
+
+LAWS = {
+    "springs": ELASTIC,
+    "normal damping": ELASTIC._replace(gamma_n=6085.0),
+    "tangential damping": ELASTIC._replace(gamma_t=3000.0),
+    "friction": ELASTIC._replace(mu=0.38),
+    "all": WOOD._replace(gamma_t=300.0),
+    "no tension": WOOD._replace(gamma_t=300.0, pulls=False),
+}
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_energy_books_close_with_the_square_of_the_step(law):
+    """What is in motion, in springs and dissipated adds up; what is missing comes from the steps
+    that contacts begin and end in, so it scatters: the root mean square over many encounters.
+    A quarter of the step leaves a sixteenth; tolerance: the scatter of such a mean."""
+    missing = []
+    for step in (4e-7, 1e-7):
+        errors = []
+        for impact_parameter in np.linspace(-9e-3, 9e-3, 40):
+            simulation = encounter(law, impact_parameter, step=step)
+            before = total_energy(simulation)
+            simulation.run(round(4e-3 / step))
+            while len(simulation.touching()):  # amid a contact the books lag by half a step
+                simulation.run(10)
+            errors.append((total_energy(simulation) - before) / before)
+        missing.append(math.sqrt(np.mean(np.square(errors))))
+    assert missing[0] < 1e-3
+    assert 9 < missing[0] / missing[1] < 28
+
+
+def test_a_discharged_grain_takes_its_energy_along():
+    """A grain that falls out is out at sqrt(2 h/g), and what it had is carried out."""
+    h, step = 0.05, 1e-5
+    simulation = simulation_of([KITE], [(0.0, h, 0.3)], time_step=step, gravity=G)
+    launch(simulation, vy=0.5 * G * step)  # half a step back
+    simulation.run(1)
+    before = total_energy(simulation)
+    while len(simulation.live):
+        simulation.run(100)
+        assert total_energy(simulation) == pytest.approx(before, rel=1e-12)
+    assert simulation.n_out == 1
+    assert simulation.energies()["carried_out"] == pytest.approx(before, rel=1e-12)
+    out = simulation.world.bodies.out_time[0]
+    assert out == pytest.approx(math.sqrt(2 * h / G), abs=step**2 * G)
+
+
+@settings(deadline=None, max_examples=30)
+@given(
+    angle=st.floats(0, 2 * math.pi),
+    vx=st.floats(-2, 2),
+    spin=st.floats(-300, 300),
+    mu=st.sampled_from([0.05, 0.38, 1.0, 5.0]),
+    kt_over_kn=st.sampled_from([0.065, 2 / 7, 1.0]),
+)
+def test_a_thrown_block_gains_no_energy(angle, vx, spin, mu, kt_over_kn):
+    """However a block hits a floor, with whatever friction: kinetic and elastic energy never
+    rise. Tolerance: the leapfrog's (omega dt)^2 with the four pairs and the rocking of a face."""
+    law = ELASTIC._replace(mu=mu, kt=kt_over_kn * ELASTIC.kn)
+    simulation = simulation_of(
+        [KITE], [(0.0, LEVEL + 0.016, angle)], walls=[wall()], law=law, time_step=STEP
+    )
+    launch(simulation, vx=vx, vy=-1.0, spin=spin)
+    now = mechanical_energy(simulation)
+    allowed = 16 * law.kn / mass(simulation) * STEP**2 * now
+    for _ in range(40):
+        simulation.run(1500)
+        before, now = now, mechanical_energy(simulation)
+        assert now <= before + allowed
+
+
+def mechanical_energy(simulation):
+    """Kinetic and elastic energy [J]."""
+    energies = simulation.energies()
+    return energies["kinetic"] + energies["elastic_normal"] + energies["elastic_tangential"]

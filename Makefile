@@ -1,0 +1,39 @@
+# Set-up and daily commands; the README has the same in plain pip lines.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+RUNS ?= runs
+
+.PHONY: demo test lint bench validate wheel clean
+.DELETE_ON_ERROR:
+
+demo: $(VENV)/installed ## discharge silo A4: a number and pictures
+	$(BIN)/silo2d run A4 --out $(RUNS)
+
+test: $(VENV)/installed ## all tests but the long comparisons
+	$(BIN)/python -m pytest -m "not validation"
+
+lint: $(VENV)/installed ## style, types, import order
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(VENV)/installed ## cost a step, absolute and against a reference kernel
+	$(BIN)/python benchmarks/cost.py
+
+validate: $(VENV)/installed ## comparisons with published results (minutes)
+	$(BIN)/python -m pytest -m validation
+
+wheel: $(VENV)/installed
+	$(BIN)/python -m pip wheel --no-deps --wheel-dir dist .
+
+clean:
+	rm -rf $(VENV) dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+
+# One file says that the environment is whole; it is made anew when what it follows from changes.
+$(VENV)/installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--constraint constraints.txt --editable ".[pictures,tests]"
+	touch $@
