@@ -53,13 +53,12 @@ def rotated(cos, sin, turn):
 
 
 @njit
-def move(bodies, counts, books, gravity, dt, free_path):
+def move(bodies, counts, books, gravity, dt):
     """One step of all live grains; wipes their loads.
 
-    The lists are marked stale where any point of a grain may be farther than `free_path` [m]
-    from where it was when the list of close pairs was made.
+    The list of close pairs is marked stale where a point of a grain may have left its room.
     """
-    row, listed, size = bodies.row, bodies.listed, bodies.size
+    row, listed, room, size = bodies.row, bodies.listed, bodies.room, bodies.size
     any_far = False
     any_low = False
     for k in range(counts[LIVE]):
@@ -75,9 +74,9 @@ def move(bodies, counts, books, gravity, dt, free_path):
         row[i, UX], row[i, UY], row[i, USPIN] = vx + 0.5 * dvx, vy + 0.5 * dvy, spin + 0.5 * dspin
         row[i, FX], row[i, FY], row[i, TORQUE] = 0.0, 0.0, 0.0
         # No point of the grain is farther than this from where it was listed.
-        far = abs(x - listed[i, CLOSE_LIST]) + abs(y - listed[i, CLOSE_LIST + 1])
-        far += size[i, BOUNDING_RADIUS] * abs(angle - listed[i, CLOSE_LIST + 2])
-        any_far |= not far <= free_path  # true for NaN as well
+        far = abs(x - listed[i, 3 * CLOSE_LIST]) + abs(y - listed[i, 3 * CLOSE_LIST + 1])
+        far += size[i, BOUNDING_RADIUS] * abs(angle - listed[i, 3 * CLOSE_LIST + 2])
+        any_far |= not far <= room[i, CLOSE_LIST]  # true for NaN as well
         any_low |= y < 0.0
     counts[STEP] += 1
     if any_far:

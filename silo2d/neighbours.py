@@ -1,15 +1,15 @@
 """Who can touch whom: three levels of lists, made anew when something has moved too far.
 
-Level 3: pairs of bodies whose bounding circles are closer than the body skin, from linked cells.
-Level 2: vertex-edge pairs closer than their reach plus the near skin, from level 3.
-Level 1: those closer than their reach plus the close skin, from level 2; the force pass works on
-         these alone.
+Level 3: pairs of bodies whose bounding circles are near, from linked cells.
+Level 2: vertex-edge pairs that are near, from level 3.
+Level 1: vertex-edge pairs that touch or nearly do, from level 2; the force pass works on these.
 
-No point of a body may move farther than half of a level's skin before that level is made anew,
-less what the level below may still miss; so every pair that touches is in the list. The near
-and close skins follow the fastest grain: wide in rain, narrow in a heap at rest. All lists are in
-an order that does not depend on when they were made, and pairs that do not touch add exact
-zeros: the same bits follow, whatever the skins.
+At each level every grain has room to move: pairs are listed that are closer than their reach
+plus the room of both bodies, and no point of a grain may leave its room before the level is made
+anew. So every pair that touches is in the list. The room follows the grain's speed: those that
+fall get much, those that rest get little. All lists are in an order that does not depend on when
+they were made, and pairs that do not touch add exact zeros: the same bits follow, whatever the
+rooms.
 """
 
 import numpy as np
@@ -21,12 +21,10 @@ from silo2d.state import (
     ANGLE,
     BODY_LIST,
     BODY_SEARCHES,
-    BODY_SKIN,
     BOUNDING_RADIUS,
     CLOSE,
     CLOSE_LIST,
     CLOSE_SEARCHES,
-    CLOSE_SKIN,
     COS,
     EDGE_X,
     EDGE_Y,
@@ -46,7 +44,6 @@ from silo2d.state import (
     NEAR,
     NEAR_LIST,
     NEAR_SEARCHES,
-    NEAR_SKIN,
     PAIRS,
     SIN,
     SPHERORADIUS,
@@ -60,10 +57,12 @@ from silo2d.state import (
     Y,
 )
 
-# Steps that a level should last at the speed of the fastest grain, and the range of its skin [m];
-# what benchmarks/skins.py finds best over a filling and a discharge of A4.
-CLOSE_STEPS, CLOSE_NARROWEST = 10, 0.02e-3
-NEAR_STEPS, NEAR_NARROWEST, NEAR_WIDEST = 60, 0.4e-3, 3e-3
+# Steps that a level should last, least room, and room for what the fastest grain may hand on to
+# another, as a part of its speed: what benchmarks/rooms.py finds fastest for filling and
+# discharging A4.
+CLOSE_STEPS, CLOSE_LEAST = 12, 4e-6  # [m]
+NEAR_STEPS, NEAR_LEAST, NEAR_MOST = 80, 0.05e-3, 1.5e-3  # [m]
+HANDED_ON = 0.1
 DEEPEST = 0.5  # overlap over reach; much beyond it a vertex would pass through an edge
 
 # Outcomes of a search.
@@ -79,29 +78,26 @@ def search(world):
     A level whose grains have moved too far since it was made becomes stale as well.
     """
     bodies, local, vertices, counts = world.bodies, world.local, world.vertices, world.counts
-    skins = world.skins
     keep_close(world.near, world.close, counts)
-    set_close_skin(bodies, counts, skins, world.time_step)
-    margin = 0.5 * (skins[NEAR_SKIN] - skins[CLOSE_SKIN])
-    if counts[STALE] < 2 and farthest(bodies, counts, NEAR_LIST) > margin:
+    give_room(bodies, counts, world.time_step)
+    if counts[STALE] < 2 and outgrown(bodies, counts, NEAR_LIST):
         counts[STALE] = 2
     if counts[STALE] >= 2:
-        set_near_skin(skins)
-    margin = 0.5 * (skins[BODY_SKIN] - skins[NEAR_SKIN])
-    if counts[STALE] == 2 and farthest(bodies, counts, BODY_LIST) > margin:
+        give_near_room(bodies, counts)
+    if counts[STALE] == 2 and outgrown(bodies, counts, BODY_LIST):
         counts[STALE] = 3
     outcome = DONE
     if counts[STALE] >= 3:
-        outcome = find_bodies(bodies, local, vertices, world.cells, counts, skins)
+        outcome = find_bodies(bodies, local, vertices, world.cells, counts)
     place_vertices(bodies, local, vertices, counts)
     if outcome == DONE and counts[STALE] >= 2:
         laws_kt = (world.grain_law.kt, world.wall_law.kt)
-        outcome = find_near(bodies, local, vertices, world.cells.pairs, world.near, counts, skins)
+        outcome = find_near(bodies, local, vertices, world.cells.pairs, world.near, counts)
         if outcome == DONE:
             carry_over(world.near, counts, world.books, laws_kt)
     if outcome == DONE:
         measure_distances(local, vertices, world.near, counts)
-        outcome = find_close(local, world.near, world.close, counts, skins[CLOSE_SKIN])
+        outcome = find_close(bodies.room, local, world.near, world.close, counts)
     if outcome == DONE:
         note_positions(bodies, counts, CLOSE_LIST)
         counts[STALE] = 0
@@ -109,38 +105,45 @@ def search(world):
 
 
 @njit
-def set_close_skin(bodies, counts, skins, dt):
-    """The close skin for the speed of the fastest point of a live grain."""
+def give_room(bodies, counts, dt):
+    """Room at the level of close pairs [m], by the speed of each grain's fastest point."""
+    row, room = bodies.row, bodies.room
     fastest = 0.0
     for k in range(counts[LIVE]):
         i = bodies.live[k]
-        speed = abs(bodies.row[i, VX]) + abs(bodies.row[i, VY])
-        speed += bodies.size[i, BOUNDING_RADIUS] * abs(bodies.row[i, SPIN])
+        speed = abs(row[i, VX]) + abs(row[i, VY])
+        speed += bodies.size[i, BOUNDING_RADIUS] * abs(row[i, SPIN])
+        room[i, CLOSE_LIST] = speed
         fastest = max(fastest, speed)
-    widest = NEAR_WIDEST * CLOSE_STEPS / NEAR_STEPS
-    skins[CLOSE_SKIN] = min(max(2.0 * CLOSE_STEPS * fastest * dt, CLOSE_NARROWEST), widest)
-
-
-@njit
-def set_near_skin(skins):
-    """The near skin that goes with a close skin."""
-    wide = skins[CLOSE_SKIN] * NEAR_STEPS / CLOSE_STEPS
-    skins[NEAR_SKIN] = min(max(wide, NEAR_NARROWEST), NEAR_WIDEST)
-
-
-@njit
-def farthest(bodies, counts, level):
-    """How far any point of a live grain can have moved since a level was made [m]."""
-    row, listed = bodies.row, bodies.listed
-    most = 0.0
+    most = NEAR_MOST * CLOSE_STEPS / NEAR_STEPS
     for k in range(counts[LIVE]):
         i = bodies.live[k]
-        far = abs(row[i, X] - listed[i, level]) + abs(row[i, Y] - listed[i, level + 1])
-        far += bodies.size[i, BOUNDING_RADIUS] * abs(row[i, ANGLE] - listed[i, level + 2])
-        if not np.isfinite(far):
-            return np.inf
-        most = max(most, far)
-    return most
+        path = CLOSE_STEPS * dt * (room[i, CLOSE_LIST] + HANDED_ON * fastest)
+        room[i, CLOSE_LIST] = min(path + CLOSE_LEAST, most)
+
+
+@njit
+def give_near_room(bodies, counts):
+    """Room at the level of near pairs [m], for as many more steps."""
+    room = bodies.room
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        path = room[i, CLOSE_LIST] * NEAR_STEPS / CLOSE_STEPS
+        room[i, NEAR_LIST] = min(path + NEAR_LEAST, NEAR_MOST)
+
+
+@njit
+def outgrown(bodies, counts, level):
+    """Whether the room that a level has left is less than the level below it needs."""
+    row, listed, room = bodies.row, bodies.listed, bodies.room
+    for k in range(counts[LIVE]):
+        i = bodies.live[k]
+        at = 3 * level
+        far = abs(row[i, X] - listed[i, at]) + abs(row[i, Y] - listed[i, at + 1])
+        far += bodies.size[i, BOUNDING_RADIUS] * abs(row[i, ANGLE] - listed[i, at + 2])
+        if not far + room[i, level + 1] <= room[i, level]:  # true for NaN as well
+            return True
+    return False
 
 
 @njit
@@ -148,9 +151,9 @@ def note_positions(bodies, counts, level):
     """Note where the live grains are, now that a level is made."""
     for k in range(counts[LIVE]):
         i = bodies.live[k]
-        bodies.listed[i, level] = bodies.row[i, X]
-        bodies.listed[i, level + 1] = bodies.row[i, Y]
-        bodies.listed[i, level + 2] = bodies.row[i, ANGLE]
+        bodies.listed[i, 3 * level] = bodies.row[i, X]
+        bodies.listed[i, 3 * level + 1] = bodies.row[i, Y]
+        bodies.listed[i, 3 * level + 2] = bodies.row[i, ANGLE]
 
 
 @njit
@@ -180,13 +183,13 @@ def from_edge(local, vertices, v, e):
 
 
 @njit
-def find_bodies(bodies, local, vertices, cells, counts, skins):
+def find_bodies(bodies, local, vertices, cells, counts):
     """Level 3: grain-grain pairs in ascending order, then grain-wall pairs."""
     if not sort_into_cells(bodies, cells, counts):
         return NOT_FINITE
     n = np.int64(0)  # typed: numba would compile what takes it once more for a literal
     for k in range(counts[LIVE]):
-        n = find_grains_near(bodies, cells, skins, bodies.live[k], n)
+        n = find_grains_near(bodies, cells, bodies.live[k], n)
         if n < 0:
             return PAIRS_FULL
     counts[GRAIN_PAIRS] = n
@@ -195,7 +198,7 @@ def find_bodies(bodies, local, vertices, cells, counts, skins):
         for wall in range(len(bodies.live), len(bodies.row)):
             if n == len(cells.pairs):
                 return PAIRS_FULL
-            if wall_is_near(bodies, local, vertices, skins, i, wall):
+            if wall_is_near(bodies, local, vertices, i, wall):
                 cells.pairs[n, 0], cells.pairs[n, 1] = i, wall
                 n += 1
     counts[PAIRS] = n
@@ -232,7 +235,7 @@ def sort_into_cells(bodies, cells, counts):
 
 
 @njit
-def find_grains_near(bodies, cells, skins, i, n):
+def find_grains_near(bodies, cells, i, n):
     """Append the pairs (i, j > i) from the 3 x 3 cells round i, j ascending; -1 where full."""
     row, pairs = bodies.row, cells.pairs
     cell_column, cell_row = cells.of_grain[i] % cells.columns, cells.of_grain[i] // cells.columns
@@ -242,9 +245,8 @@ def find_grains_near(bodies, cells, skins, i, n):
         end = cells.start[r * cells.columns + min(cell_column + 2, cells.columns)]
         for c in range(begin, end):
             j = cells.grains[c]
-            far = (
-                bodies.size[i, BOUNDING_RADIUS] + bodies.size[j, BOUNDING_RADIUS] + skins[BODY_SKIN]
-            )
+            far = bodies.size[i, BOUNDING_RADIUS] + bodies.size[j, BOUNDING_RADIUS]
+            far += bodies.room[i, BODY_LIST] + bodies.room[j, BODY_LIST]
             dx, dy = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
             if j <= i or dx * dx + dy * dy >= far * far:
                 continue
@@ -261,24 +263,23 @@ def find_grains_near(bodies, cells, skins, i, n):
 
 
 @njit
-def wall_is_near(bodies, local, vertices, skins, i, wall):
-    """Whether the bounding circle of grain i is within the skin of a wall's segment."""
+def wall_is_near(bodies, local, vertices, i, wall):
+    """Whether the bounding circle of grain i is near a wall's segment."""
     if bodies.layout[wall, N_EDGES] == 0:
         return False
     v = bodies.layout[wall, FIRST]
     rx, ry = bodies.row[i, X] - vertices[v, VERTEX_X], bodies.row[i, Y] - vertices[v, VERTEX_Y]
     dx, dy = to_edge(rx, ry, vertices[v, EDGE_X], vertices[v, EDGE_Y], local[v, INV_LENGTH2])
-    far = bodies.size[i, BOUNDING_RADIUS] + skins[BODY_SKIN]
+    far = bodies.size[i, BOUNDING_RADIUS] + bodies.room[i, BODY_LIST]
     return dx * dx + dy * dy < far * far
 
 
 @njit
-def find_near(bodies, local, vertices, pairs, near, counts, skins):
+def find_near(bodies, local, vertices, pairs, near, counts):
     """Level 2: vertex-edge pairs of the pairs of bodies, both ways."""
     n_old = counts[NEAR]
     for c in range(n_old):
         near.old_key[c], near.old_slip[c] = near.key[c], near.slip[c]
-    skin = skins[NEAR_SKIN]
     n = np.int64(0)
     n_grain = 0
     for p in range(counts[PAIRS]):
@@ -292,8 +293,8 @@ def find_near(bodies, local, vertices, pairs, near, counts, skins):
             for c in range(n_old):
                 near.key[c], near.slip[c] = near.old_key[c], near.old_slip[c]
             return NEAR_FULL
-        n = find_vertices_near(bodies, local, vertices, near, skin, i, j, n)
-        n = find_vertices_near(bodies, local, vertices, near, skin, j, i, n)
+        n = find_vertices_near(bodies, local, vertices, near, i, j, n)
+        n = find_vertices_near(bodies, local, vertices, near, j, i, n)
         if p < counts[GRAIN_PAIRS]:
             n_grain = n
     counts[GRAIN_NEAR], counts[NEAR] = n_grain, n
@@ -312,11 +313,12 @@ def dropped(bodies, i):
 
 
 @njit
-def find_vertices_near(bodies, local, vertices, near, skin, i, j, n):
+def find_vertices_near(bodies, local, vertices, near, i, j, n):
     """Append the pairs of a vertex of i and an edge of j; returns their new number."""
     radius_i, radius_j = bodies.size[i, SPHERORADIUS], bodies.size[j, SPHERORADIUS]
-    far2 = (radius_i + radius_j + skin) ** 2
-    circle2 = (bodies.size[j, BOUNDING_RADIUS] + radius_i + skin) ** 2
+    room = bodies.room[i, NEAR_LIST] + bodies.room[j, NEAR_LIST]
+    far2 = (radius_i + radius_j + room) ** 2
+    circle2 = (bodies.size[j, BOUNDING_RADIUS] + radius_i + room) ** 2
     mass = reduced_mass(bodies.row[i, INV_MASS], bodies.row[j, INV_MASS])
     low, high = np.int64(min(i, j)), np.int64(max(i, j))  # a key needs more than 32 bits
     base = ((low * len(bodies.row) + high) * 2 + (i > j)) * MAX_VERTICES * MAX_VERTICES
@@ -378,19 +380,21 @@ def measure_distances(local, vertices, near, counts):
 
 
 @njit
-def find_close(local, near, close, counts, skin):
+def find_close(room, local, near, close, counts):
     """Level 1: the near pairs that touch or nearly do, with what the force pass needs of them."""
     n = np.int64(0)
     n_grain = 0
     for c in range(counts[NEAR]):
         distance2, reach = near.distance2[c], near.reach[c]
-        if distance2 >= (reach + skin) * (reach + skin):
+        j, i = near.vertex_body[c], near.edge_body[c]
+        far = reach + room[j, CLOSE_LIST] + room[i, CLOSE_LIST]
+        if distance2 >= far * far:
             continue
         if distance2 < (1.0 - DEEPEST) * (1.0 - DEEPEST) * reach * reach:
             return TOO_DEEP
         v, e = near.vertex[c], near.edge[c]
         close.near[n] = c
-        close.vertex_body[n], close.edge_body[n] = near.vertex_body[c], near.edge_body[c]
+        close.vertex_body[n], close.edge_body[n] = j, i
         close.vertex_x[n], close.vertex_y[n] = local[v, VERTEX_X], local[v, VERTEX_Y]
         close.start_x[n], close.start_y[n] = local[e, VERTEX_X], local[e, VERTEX_Y]
         close.edge_x[n], close.edge_y[n] = local[e, EDGE_X], local[e, EDGE_Y]

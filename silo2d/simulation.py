@@ -28,7 +28,7 @@ def advance(world, n_steps):
             if outcome != DONE:
                 return k, outcome
         apply_forces(bodies.row, world.close, counts, books, world.grain_law, world.wall_law, dt)
-        move(bodies, counts, books, world.gravity, dt, 0.5 * world.skins[state.CLOSE_SKIN])
+        move(bodies, counts, books, world.gravity, dt)
     return n_steps, DONE
 
 

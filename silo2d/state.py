@@ -17,10 +17,8 @@ UY, USPIN, FX, FY, TORQUE, INV_MASS, INV_INERTIA, ANGLE = range(8, 16)
 # Columns of Bodies.layout and Bodies.size.
 FIRST, N_CORNERS, N_EDGES = range(3)
 BOUNDING_RADIUS, SPHERORADIUS = range(2)
-# Entries of World.skins [m]: how far apart what a level lists may be. Columns of Bodies.listed:
-# position and angle when each level was made.
-BODY_SKIN, NEAR_SKIN, CLOSE_SKIN = range(3)
-BODY_LIST, NEAR_LIST, CLOSE_LIST = 0, 3, 6
+# Levels of the lists, see neighbours.py: columns of Bodies.room and, times three, of Bodies.listed.
+BODY_LIST, NEAR_LIST, CLOSE_LIST = range(3)
 # Columns of World.vertices and World.local: a vertex, the edge that leaves it counter-clockwise,
 # and 1/length^2 of that edge [1/m2].
 VERTEX_X, VERTEX_Y, EDGE_X, EDGE_Y, INV_LENGTH2 = range(5)
@@ -44,7 +42,8 @@ class Bodies(NamedTuple):
     row: np.ndarray  # (n, 16) see above
     layout: np.ndarray  # (n, 3) first vertex row; vertices that touch edges; edges
     size: np.ndarray  # (n, 2) bounding radius, spheroradius included; spheroradius [m]
-    listed: np.ndarray  # (n, 9) see above
+    listed: np.ndarray  # (n, 9) position and angle when each level of the lists was made
+    room: np.ndarray  # (n, 3) how far any point may move until a level is made anew [m]
     out_time: np.ndarray  # (n,) when the centroid passed y = 0 [s]; NaN before
     live: np.ndarray  # (n_grains,) the grains that are still simulated, ascending
 
@@ -122,7 +121,6 @@ class World(NamedTuple):
     cells: Cells
     near: Near
     close: Close
-    skins: np.ndarray  # (3,) [m]
     counts: np.ndarray  # (N_COUNTS,) int64
     books: np.ndarray  # (N_BOOKS,) [J]
     grain_law: LinearLaw

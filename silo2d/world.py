@@ -11,7 +11,7 @@ from silo2d.outline import Walls
 from silo2d.shape import Shape
 from silo2d.state import Bodies, Cells, Close, Near, World
 
-BODY_SKIN = 6e-3  # [m] of the list of bodies, see neighbours.py
+BODY_ROOM = 3e-3  # [m] at the level of bodies, see neighbours.py; walls need none
 
 
 def build_world(
@@ -46,7 +46,6 @@ def build_world(
         cells=_cells(bodies, np.concatenate([poses[:, :2], walls.segments.reshape(-1, 2)])),
         near=_near(1024 + 16 * len(grains)),
         close=_close(1024 + 16 * len(grains)),
-        skins=np.array([BODY_SKIN, 0.0, 0.0]),
         counts=_counts(len(grains)),
         books=np.zeros(state.N_BOOKS),
         grain_law=grain_law,
@@ -73,7 +72,10 @@ def _bodies(grains, poses, walls, middles, cores, surface_density) -> Bodies:
         size[i] = grain.bounding_radius, grain.spheroradius
     lengths = np.linalg.norm(walls.segments[:, 1] - walls.segments[:, 0], axis=1)
     size[n_grains:, state.BOUNDING_RADIUS] = lengths / 2
-    return Bodies(row, layout, size, np.zeros((n, 9)), np.full(n, np.nan), np.arange(n_grains))
+    room = np.zeros((n, 3))
+    room[:n_grains, state.BODY_LIST] = BODY_ROOM
+    out_time = np.full(n, np.nan)
+    return Bodies(row, layout, size, np.zeros((n, 9)), room, out_time, np.arange(n_grains))
 
 
 def _local(cores) -> np.ndarray:
@@ -84,7 +86,7 @@ def _local(cores) -> np.ndarray:
 
 def _cells(bodies: Bodies, points: np.ndarray) -> Cells:
     n_grains = len(bodies.live)
-    size = 2 * bodies.size[:n_grains, state.BOUNDING_RADIUS].max(initial=0.0) + BODY_SKIN
+    size = 2 * bodies.size[:n_grains, state.BOUNDING_RADIUS].max(initial=0.0) + 2 * BODY_ROOM
     low, high = points.min(axis=0) - size, points.max(axis=0) + size
     columns, rows = (math.ceil(extent / size) for extent in high - low)
     return Cells(

@@ -37,7 +37,9 @@ G = 9.81
 MODES = ("normal_damping", "tangential_damping", "friction")
 
 
-def encounter(law, impact_parameter=3e-3, spins=(200.0, -80.0), turn=0.0, drift=(0.0, 0.0), step=STEP):
+def encounter(
+    law, impact_parameter=3e-3, spins=(200.0, -80.0), turn=0.0, drift=(0.0, 0.0), step=STEP
+):
     """A block and a kite that meet with speeds of some m/s and spin, in a frame that is turned
     [rad] and drifts [m/s]."""
     cos, sin = math.cos(turn), math.sin(turn)
@@ -64,6 +66,13 @@ def momenta(simulation):
     return total
 
 
+def part(simulation):
+    """Run on until nothing touches: amid a contact the books lag by half a step."""
+    while len(simulation.touching()):
+        simulation.run(20)
+    simulation.run(1)
+
+
 def total_energy(simulation):
     """All that the books know of [J]."""
     return math.fsum(simulation.energies().values())
@@ -80,11 +89,11 @@ def test_oblique_encounter_keeps_momentum(impact_parameter, spins, mu, pulls):
     """Forces of a pair are opposite and act at one point, so that the arms add up to the
     distance of the centres: linear and angular momentum stay, with friction and both dashpots.
     Tolerance: 1e-12 of one body's momentum, and of that at a lever of 0.1 m, the height of the
-    scene: 20000 roundings of positions there add up to some 1e-15 m."""
+    scene: 8000 roundings of positions there, 1e-17 m each, need not average out."""
     law = WOOD._replace(mu=mu, gamma_t=300.0, pulls=pulls)
-    simulation = encounter(law, impact_parameter, spins)
+    simulation = encounter(law, impact_parameter, spins, step=5e-7)
     before = momenta(simulation)
-    simulation.run(20000)
+    simulation.run(8000)
     units = mass(simulation) * 2.0 * np.array([1.0, 1.0, LEVEL])
     assert_allclose(momenta(simulation) / units, before / units, rtol=0, atol=1e-12)
 
@@ -122,7 +131,7 @@ def test_drifting_frame(drift):
     for simulation in (here, there):
         simulation.run(20000)
     for grain in (0, 1):
-        expected = velocity(here, grain) + (*drift, 0.0)
+        expected = velocity(here, grain) + np.array([*drift, 0.0])
         assert_allclose(velocity(there, grain), expected, rtol=1e-8, atol=1e-9)
 
 
@@ -199,18 +208,17 @@ def test_energy_books_close_with_the_square_of_the_step(law):
     that contacts begin and end in, so it scatters: the root mean square over many encounters.
     A quarter of the step leaves a sixteenth; tolerance: the scatter of such a mean."""
     missing = []
-    for step in (4e-7, 1e-7):
+    for step in (8e-7, 2e-7):
         errors = []
         for impact_parameter in np.linspace(-9e-3, 9e-3, 40):
             simulation = encounter(law, impact_parameter, step=step)
             before = total_energy(simulation)
             simulation.run(round(4e-3 / step))
-            while len(simulation.touching()):  # amid a contact the books lag by half a step
-                simulation.run(10)
+            part(simulation)
             errors.append((total_energy(simulation) - before) / before)
         missing.append(math.sqrt(np.mean(np.square(errors))))
     assert missing[0] < 1e-3
-    assert 9 < missing[0] / missing[1] < 28
+    assert 12 < missing[0] / missing[1] < 22
 
 
 def test_a_discharged_grain_takes_its_energy_along():
@@ -238,22 +246,17 @@ def test_a_discharged_grain_takes_its_energy_along():
     kt_over_kn=st.sampled_from([0.065, 2 / 7, 1.0]),
 )
 def test_a_thrown_block_gains_no_energy(angle, vx, spin, mu, kt_over_kn):
-    """However a block hits a floor, with whatever friction: kinetic and elastic energy never
-    rise. Tolerance: the leapfrog's (omega dt)^2 with the four pairs and the rocking of a face."""
+    """However a block hits a floor, with whatever friction: from flight to flight kinetic
+    energy never rises. Tolerance: the leapfrog's (omega dt)^2, where a face of four pairs rocks."""
     law = ELASTIC._replace(mu=mu, kt=kt_over_kn * ELASTIC.kn)
     simulation = simulation_of(
         [KITE], [(0.0, LEVEL + 0.016, angle)], walls=[wall()], law=law, time_step=STEP
     )
     launch(simulation, vx=vx, vy=-1.0, spin=spin)
-    now = mechanical_energy(simulation)
+    now = simulation.energies()["kinetic"]
     allowed = 16 * law.kn / mass(simulation) * STEP**2 * now
-    for _ in range(40):
-        simulation.run(1500)
-        before, now = now, mechanical_energy(simulation)
+    for _ in range(10):
+        simulation.run(6000)
+        part(simulation)
+        before, now = now, simulation.energies()["kinetic"]
         assert now <= before + allowed
-
-
-def mechanical_energy(simulation):
-    """Kinetic and elastic energy [J]."""
-    energies = simulation.energies()
-    return energies["kinetic"] + energies["elastic_normal"] + energies["elastic_tangential"]

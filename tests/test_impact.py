@@ -44,8 +44,8 @@ def collide(scene, law, speed, contacts=1):
     simulation, step = in_steps(scene, law, contacts)
     launch(simulation, vy=-speed)
     start = position(simulation)[1] - other_height(simulation)
-    deepest, touching, most_pairs = 0.0, 0, 0
-    while touching < 10 or pairs:
+    deepest, touching, most_pairs, pairs = 0.0, 0, 0, 1
+    while pairs or not touching:
         simulation.run(1)
         pairs = len(simulation.touching())
         touching += pairs > 0

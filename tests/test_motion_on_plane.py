@@ -1,4 +1,4 @@
-"""Bodies on a plane: sliding, rolling, resting, toppling, bouncing; on an incline the wall leans."""
+"""Bodies on a plane and on an incline: sliding, rolling, resting, toppling, bouncing."""
 
 import math
 

@@ -100,7 +100,12 @@ def test_parallel_contacts_are_one_with_all_their_constants(gamma, end, n):
 
 @pytest.mark.parametrize(
     ("gamma", "contacts", "reduced_masses", "e"),
-    [(6085.0, 1, 0.5, 0.80), (6085.0, 8, 0.5, 0.53), (4303.0, 1, 1.0, 0.80), (4303.0, 2, 1.0, 0.73)],
+    [
+        (6085.0, 1, 0.5, 0.80),
+        (6085.0, 8, 0.5, 0.53),
+        (4303.0, 1, 1.0, 0.80),
+        (4303.0, 2, 1.0, 0.73),
+    ],
 )
 def test_published_dampings(gamma, contacts, reduced_masses, e):
     """The wood-silo paper's gamma_n with its 10 mm x 20 mm x 120 mm particles of 10.8 g: one

@@ -1,0 +1,134 @@
+"""Filling with pymunk: the rain of pour.py falls in an impulse engine, then rests under the law.
+
+The impulses of a step are worked out by a few iterations, which do not carry the weight of a
+whole heap: its grains sink into each other. So each falls with a skin round it, and the sinking
+uses up the skin. What is left of it, and the overlaps that went through it, disappear when the
+grains come to rest once more under the contact law of the filling.
+"""
+
+import math
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from silo2d.case import GRAVITY, SiloCase
+from silo2d.outline import Outline
+from silo2d.packing import Packing
+from silo2d.pour import Report, level_off, packed, pouring, rain, settle
+from silo2d.simulation import SimulationError
+
+if TYPE_CHECKING:
+    import pymunk
+
+# Lengths go with the spheroradius, as the deepest overlap that the law can undo does.
+SKIN = 0.1  # of a falling grain, over the spheroradius
+# Overlap that pymunk leaves alone, over the spheroradius: the skin at a wall, half of both skins
+# between grains. A heap whose every overlap is pushed apart does not stop trembling.
+SLOP = 0.1
+# Step over sqrt(spheroradius/g): 1/2000 s for 1 mm. Each layer of a heap sinks by some g step^2.
+STEP = 0.05
+ITERATIONS = 10  # of the impulses, a step
+# Agitation (as in pour.py) at which the law takes over. It needs no damping of the motion: the
+# impacts are plastic, so that nothing bounces.
+CALM = 1e-3
+_STEPS = 10  # between looks at the kinetic energy
+_PATIENCE = 6.0  # [s] of simulated time; a heap is calm long before
+
+
+def pour_with_pymunk(case: SiloCase, seed: int, report: Report) -> Packing:
+    """Fill the silo with pymunk, and let the grains rest under the law of the filling.
+
+    Raises SimulationError where grains are lost or too deep in each other, or do not come to rest.
+    """
+    begun = time.process_time()
+    kinds, poses, above = rain(case, np.random.default_rng(seed))
+    outline = case.outline.raised(above)
+    sim = pouring(case, kinds, fall(case, kinds, poses, outline, report), outline)
+    settle(sim, case, report, "relaxing")
+    kinds, poses = level_off(case, kinds, sim.poses())
+    sim = pouring(case, kinds, poses, case.outline)
+    settle(sim, case, report, "levelling")
+    return packed(case, sim, kinds, "pymunk", time.process_time() - begun)
+
+
+def fall(
+    case: SiloCase, kinds: np.ndarray, poses: np.ndarray, outline: Outline, report: Report
+) -> np.ndarray:
+    """Poses (n, 3) [m, rad] of the rain once it has fallen to a calm heap behind the closed door.
+
+    Raises SimulationError where a grain has passed through a wall, or the heap does not calm.
+    """
+    spheroradius = min(shape.spheroradius for shape in case.shapes.shapes)
+    space = _silo(outline, SLOP * spheroradius)
+    grains = [
+        _grain(space, case, kind, pose, SKIN * spheroradius)
+        for kind, pose in zip(kinds, poses.tolist(), strict=True)
+    ]
+    step = STEP * math.sqrt(spheroradius / GRAVITY)
+    now, start, moving = 0.0, 0.0, math.inf
+    while moving > CALM:
+        if now > _PATIENCE:
+            raise SimulationError(f"the heap did not calm within {_PATIENCE:g} s; {_WAY_OUT}")
+        for _ in range(_STEPS):
+            space.step(step)
+        now += _STEPS * step
+        moving = _agitation(grains, case)
+        start = max(start, moving)
+        report("pouring", math.log(start / moving) / math.log(start / CALM), f"t = {now:.2f} s")
+    fallen = np.array([(*grain.position, grain.angle) for grain in grains])
+    _check_inside(fallen, outline)
+    return fallen
+
+
+_WAY_OUT = "pour with [fill] pour_with = 'dem'"
+
+
+def _silo(outline: Outline, slop: float) -> "pymunk.Space":
+    """An empty silo: smooth walls without thickness."""
+    import pymunk
+
+    space = pymunk.Space()
+    space.gravity = 0.0, -GRAVITY
+    space.iterations = ITERATIONS
+    space.collision_slop = slop
+    for start, end in outline.walls().segments.tolist():
+        wall = pymunk.Segment(space.static_body, start, end, radius=0.0)
+        wall.friction = wall.elasticity = 0.0
+        space.add(wall)
+    return space
+
+
+def _grain(
+    space: "pymunk.Space", case: SiloCase, kind: int, pose: list[float], skin: float
+) -> "pymunk.Body":
+    """A smooth grain at x, y [m], angle [rad]; the skin [m] adds to its size, not to its mass."""
+    import pymunk
+
+    shape = case.shapes.shapes[kind]
+    mass, moment = case.surface_density * shape.area, case.surface_density * shape.polar_moment
+    body = pymunk.Body(mass, moment)
+    body.position, body.angle = (pose[0], pose[1]), pose[2]
+    poly = pymunk.Poly(body, shape.core.tolist(), radius=shape.spheroradius + skin)
+    poly.friction = poly.elasticity = 0.0
+    space.add(body, poly)
+    return body
+
+
+def _agitation(grains: list["pymunk.Body"], case: SiloCase) -> float:
+    """Kinetic energy over the energy that lifts each grain by the root of the mean area [-]."""
+    # Not Body.kinetic_energy, which leaves out the factor 1/2.
+    kinetic = 0.5 * sum(
+        g.mass * g.velocity.get_length_sqrd() + g.moment * g.angular_velocity**2 for g in grains
+    )
+    weight = GRAVITY * sum(g.mass for g in grains)
+    return kinetic / (weight * math.sqrt(case.shapes.mean_area))
+
+
+def _check_inside(poses: np.ndarray, outline: Outline) -> None:
+    """Refuse a heap from which a grain has gone through a wall, as a fast one can in one step."""
+    from shapely import Polygon, contains_xy
+
+    lost = int((~contains_xy(Polygon(outline.polygon), poses[:, 0], poses[:, 1])).sum())
+    if lost:
+        raise SimulationError(f"pymunk lost {lost} of {len(poses)} grains; {_WAY_OUT}")
