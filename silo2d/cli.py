@@ -41,8 +41,7 @@ def _case_options(command: Callable[..., Any]) -> Callable[..., Any]:
     command = click.option(
         "--keep-ratios", is_flag=True, help="kt goes with kn, and gamma_n with its root."
     )(command)
-    command = click.option("--seed", metavar="1", help="Seed of the filling [default: 1].")(command)
-    return command
+    return click.option("--seed", metavar="1", help="Seed of the filling [default: 1].")(command)
 
 
 def _changes(seed: str | None, mu: str | None, keep_ratios: bool, options: dict) -> dict[str, Any]:

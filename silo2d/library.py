@@ -28,10 +28,10 @@ def listing(root: Path) -> str:
         f"shapes     {', '.join(data_names('shapes'))}",
         f"materials  {', '.join(data_names('materials'))}",
     ]
-    for packing in sorted((root / "packings").glob("*/packing.h5")):
-        lines.append(f"packing    {packing.parent}  {_size(packing.parent)}")
-    for case in sorted(root.glob("*/case.toml")):
-        lines.append(f"run        {case.parent}  {_state(case.parent)}  {_size(case.parent)}")
+    packings = sorted((root / "packings").glob("*/packing.h5"))
+    runs = sorted(root.glob("*/case.toml"))
+    lines += [f"packing    {path.parent}  {_size(path.parent)}" for path in packings]
+    lines += [f"run        {p.parent}  {_state(p.parent)}  {_size(p.parent)}" for p in runs]
     return "\n".join(lines)
 
 
@@ -114,8 +114,7 @@ def _materials(name: str) -> str:
 
     table = load_table(name)
     lines = [f"{table.path}"]
-    for material in table.materials.values():
-        lines.append(f"  {material.name}: density {material.density.value:g} kg/m3")
+    lines += [f"  {m.name}: density {m.density.value:g} kg/m3" for m in table.materials.values()]
     for pair in table.pairs.values():
         parts = [f"friction {pair.friction.value:g}"]
         if pair.restitution:

@@ -1,4 +1,4 @@
-"""A filled silo: where its grains are; kept on disk, because filling costs more than discharging."""
+"""A filled silo: where its grains are; kept, because filling costs more than discharging."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -114,7 +114,7 @@ def _start_or_resume(
 ) -> tuple[Simulation, Clock, Packing]:
     resuming = folder.checkpoint.exists()
     packing = get_packing(case, folder.path.parent, progress, stop)
-    sim = Simulation(_world(case, packing))
+    sim = Simulation(world_behind_door(case, packing))
     if resuming:
         saved, meta = load_checkpoint(folder.checkpoint)
         sim.begin_phase(case.grain_law, case.wall_law, case.time_step)
@@ -159,7 +159,7 @@ def get_packing(
     return packing
 
 
-def _world(case: SiloCase, packing: Packing) -> state.World:
+def world_behind_door(case: SiloCase, packing: Packing) -> state.World:
     """The packing behind the closed door, without friction."""
     return build_world(
         case.shapes.shapes,

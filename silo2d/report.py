@@ -89,8 +89,8 @@ def report(result: Result) -> str:
         f"{result.coordination:.2f}",
         f"  energy           {sum(result.dissipated_j.values()):.3f} J dissipated, books closed to "
         f"{_percent(result.energy_closure)} of it (at 5 us, 1 % is expected)",
-        f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} steps, "
-        f"{result.cpu_s:.1f} s in all",
+        f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
+        f"steps; {result.cpu_s:.1f} s in all",
         f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
     ]
     return "\n".join(lines)

@@ -1,0 +1,140 @@
+"""What a step costs: door closed, over a discharge, filling, and against the number of grains.
+
+Run as `make bench`, on a machine with nothing else to do. Every figure stands beside the
+reference kernel, timed in the same run, so that machines (and their moods) can be compared.
+"""
+
+import argparse
+import platform
+import time
+from collections.abc import Callable
+
+import numpy as np
+from reference import reference_ns
+
+from campaign.provenance import cpu_model
+from silo2d.case import GRAVITY, SiloCase
+from silo2d.outline import hopper
+from silo2d.packing import Packing, in_rows
+from silo2d.pour import pour
+from silo2d.protocol import settle_under_own_law, world_behind_door
+from silo2d.simulation import Simulation
+from silo2d.world import build_world
+
+
+def quiet(*_: object) -> None:
+    """A report that says nothing."""
+
+
+def cpu_us(run: Callable[[], int]) -> float:
+    """CPU time of a step [us]; `run` returns the steps that it took."""
+    began = time.process_time()
+    steps = run()
+    return 1e6 * (time.process_time() - began) / steps
+
+
+def row(what: str, us: float, reference: float, remark: str = "") -> None:
+    """One line of the table."""
+    print(f"{what:34} {us:9.2f} us {1e3 * us / reference:9.0f} x   {remark}", flush=True)
+
+
+def opened(case: SiloCase, packing: Packing) -> Simulation:
+    """The packing under its own law with friction, at t = 0, the door still closed."""
+    sim = Simulation(world_behind_door(case, packing))
+    settle_under_own_law(sim, case, quiet)
+    sim.begin_phase(case.grain_law, case.wall_law, case.time_step)
+    return sim
+
+
+def closed(sim: Simulation) -> float:
+    """A step with the door closed [us]; the best of ten stretches of 500."""
+
+    def stretch() -> int:
+        sim.run(500)
+        return 500
+
+    return min(cpu_us(stretch) for _ in range(10))
+
+
+def emptied(sim: Simulation, case: SiloCase) -> float:
+    """A step averaged over the whole discharge [us]."""
+    sim.remove_wall(len(case.outline.walls().names) - 1)
+
+    def discharge() -> int:
+        while sim.n_out < sim.n_grains and sim.time < 3.0:
+            sim.run(2000)
+        return sim.steps
+
+    return cpu_us(discharge)
+
+
+def side_by_side(case: SiloCase, packing: Packing, copies: int) -> Simulation:
+    """Copies of a packing of a flat-bottomed silo in one wide silo, door closed."""
+    width = case.outline.width
+    shifts = (np.arange(copies) - (copies - 1) / 2) * width
+    poses = np.concatenate([packing.poses + np.array([shift, 0.0, 0.0]) for shift in shifts])
+    kinds = np.tile(packing.kinds, copies)
+    kinds, poses = in_rows(kinds, poses, 2 * case.shapes.bounding_radius)
+    wide = hopper(0.0, case.outline.outlet, width * copies, case.outline.height)
+    world = build_world(
+        case.shapes.shapes, kinds, poses, wide.walls(),
+        surface_density=case.surface_density, grain_law=case.grain_law, wall_law=case.wall_law,
+        gravity=GRAVITY, time_step=case.time_step,
+    )  # fmt: skip
+    return Simulation(world)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--largest", type=int, default=20_000, help="grains of the largest heap")
+    largest = parser.parse_args().largest
+    case = SiloCase.load("A4")
+    Simulation(world_behind_door(case, pour_small(case))).run(1)  # compiles
+    before = reference_ns()
+    print(f"{cpu_model()}, Python {platform.python_version()}, one core")
+    print(f"reference kernel {before:.2f} ns a pair; the last column is in pairs of it\n")
+
+    packing = pour(case, 1, quiet)
+    began = time.process_time()
+    sim = opened(case, packing)
+    settling = time.process_time() - began
+    closed_us = closed(sim)
+    sim = opened(case, packing)
+    began = time.process_time()
+    average_us = emptied(sim, case)
+    discharging = time.process_time() - began
+    reference = (before + reference_ns()) / 2
+    n = sim.n_grains
+    row(f"A4, {n} grains, door closed", closed_us, reference, "a step of 5 us")
+    row("A4, averaged over the discharge", average_us, reference, f"{sim.steps:,} steps")
+    total = packing.cpu_s + settling + discharging
+    print(
+        f"filling {packing.cpu_s:.2f} s, settling {settling:.2f} s, discharge {discharging:.2f} s "
+        f"of CPU: {total:.2f} s in all, {1e-6 * 1e9 * total / reference:.0f} million pairs\n"
+    )
+
+    flat = SiloCase.load("D4")
+    packing = pour(flat, 1, quiet)
+    print("cost against number of grains (a flat-bottomed heap, copied side by side, door closed)")
+    copies = 1
+    while copies * len(packing.kinds) <= largest * 1.05:
+        reference = reference_ns()
+        sim = side_by_side(flat, packing, copies)
+        sim.run(200)
+        us = closed(sim)
+        row(
+            f"  {sim.n_grains} grains", us, (reference + reference_ns()) / 2,
+            f"{1e3 * us / sim.n_grains:.1f} ns a grain and step",
+        )  # fmt: skip
+        copies *= 2
+
+
+def pour_small(case: SiloCase) -> Packing:
+    """A few grains far apart: enough to compile the kernels."""
+    poses = np.array([[0.0, 0.1, 0.0], [0.0, 0.15, 0.0]])
+    return Packing(np.zeros(2, int), poses, 0.0, 0.0, "dem", 0.0)
+
+
+if __name__ == "__main__":
+    main()
