@@ -67,18 +67,19 @@ def fall(
         for kind, pose in zip(kinds, poses.tolist(), strict=True)
     ]
     step = STEP * math.sqrt(spheroradius / GRAVITY)
-    now, start, moving = 0.0, 0.0, math.inf
-    while moving > CALM:
-        if now > _PATIENCE:
-            raise SimulationError(f"the heap did not calm within {_PATIENCE:g} s; {_WAY_OUT}")
+    now, start = 0.0, 0.0
+    while True:
         for _ in range(_STEPS):
             space.step(step)
         now += _STEPS * step
         _check_inside(grains, outline)
         moving = _agitation(grains, case)
         start = max(start, moving)
+        if moving < CALM:
+            return np.array([(*grain.position, grain.angle) for grain in grains])
         report("pouring", math.log(start / moving) / math.log(start / CALM), f"t = {now:.2f} s")
-    return np.array([(*grain.position, grain.angle) for grain in grains])
+        if now > _PATIENCE:
+            raise SimulationError(f"the heap did not calm within {_PATIENCE:g} s; {_WAY_OUT}")
 
 
 def _silo(outline: Outline, slop: float) -> "pymunk.Space":

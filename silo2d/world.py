@@ -103,8 +103,8 @@ def _cells(bodies: Bodies, points: np.ndarray) -> Cells:
 
 
 def _near(capacity: int) -> Near:
-    kinds = dict.fromkeys(("vertex", "edge", "vertex_body", "edge_body"), np.uint32)
-    kinds |= dict.fromkeys(("key", "old_key"), np.int64)
+    kinds: dict[str, type] = {"key": np.int64, "old_key": np.int64}
+    kinds |= dict.fromkeys(("vertex", "edge", "vertex_body", "edge_body"), np.uint32)
     # One more than can be listed: the end of the previous list is marked behind it.
     return Near(*(np.zeros(capacity + 1, kinds.get(field, float)) for field in Near._fields))
 

@@ -66,7 +66,7 @@ def momenta(simulation):
     return total
 
 
-def part(simulation):
+def separate(simulation):
     """Run on until nothing touches: amid a contact the books lag by half a step."""
     while len(simulation.touching()):
         simulation.run(20)
@@ -214,7 +214,7 @@ def test_energy_books_close_with_the_square_of_the_step(law):
             simulation = encounter(law, impact_parameter, step=step)
             before = total_energy(simulation)
             simulation.run(round(4e-3 / step))
-            part(simulation)
+            separate(simulation)
             errors.append((total_energy(simulation) - before) / before)
         missing.append(math.sqrt(np.mean(np.square(errors))))
     assert missing[0] < 1e-3
@@ -257,6 +257,6 @@ def test_a_thrown_block_gains_no_energy(angle, vx, spin, mu, kt_over_kn):
     allowed = 16 * law.kn / mass(simulation) * STEP**2 * now
     for _ in range(10):
         simulation.run(6000)
-        part(simulation)
+        separate(simulation)
         before, now = now, simulation.energies()["kinetic"]
         assert now <= before + allowed

@@ -34,7 +34,7 @@ G = 9.81
 STEP = 4e-6  # [s]
 RADIUS = 5e-3  # of the disc [m]
 FLAT = block(20e-3, 10e-3)
-# Hard enough that a body sinks in by less than a millionth of its size, damped enough that its
+# Hard enough that a body sinks in by 1e-5 of its size, damped enough that its
 # springs come to rest in a few milliseconds.
 LAW = WOOD._replace(kn=1e6, kt=1e6, gamma_n=3000.0, gamma_t=0.0)
 
