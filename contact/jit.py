@@ -12,6 +12,7 @@ import hashlib
 import os
 import platform
 import shutil
+import tempfile
 from functools import cache
 from pathlib import Path
 
@@ -43,8 +44,14 @@ def _cache_folder() -> str:
         for path in sorted((root / package).glob("*.py")):
             text.update(path.read_bytes())
     base = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
-    home = Path(base) if base else Path.home() / ".cache"
-    kernels = home / "granulab-kernels"
+    kernels = (Path(base) if base else Path.home() / ".cache") / "granulab-kernels"
+    try:
+        kernels.mkdir(parents=True, exist_ok=True)
+        writable = os.access(kernels, os.W_OK)
+    except OSError:
+        writable = False
+    if not writable:  # no home, or not ours: compile into a folder that the system will clear
+        kernels = Path(tempfile.gettempdir()) / "granulab-kernels"
     _prune(kernels)
     return str(kernels / text.hexdigest()[:16])
 
