@@ -63,7 +63,8 @@ def contact_forces(row, close, law, begin, end, dt):
         distance = np.sqrt(dx * dx + dy * dy)
         touches = 1.0 if distance < close.reach[n] else 0.0
         overlap = max(close.reach[n] - distance, 0.0)
-        nx, ny = dx / distance, dy / distance
+        shrink = 1.0 / distance  # one division for two: they cost as much as the root
+        nx, ny = shrink * dx, shrink * dy
         depth = close.depth[n] - 0.5 * overlap
         arm_j = arm_v[0] - depth * nx, arm_v[1] - depth * ny
         arm_i = between[0] + arm_j[0], between[1] + arm_j[1]

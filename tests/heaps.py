@@ -70,6 +70,20 @@ def wall_overlaps(case: SiloCase, kinds: np.ndarray, poses: np.ndarray) -> np.nd
     )
 
 
+def solid_fraction(case: SiloCase, packing: Packing) -> float:
+    """Area of grains over area of silo under the level less one largest grain, cut exactly [-].
+
+    Packing.fraction counts whole grains, of which there are too few here.
+    """
+    from shapely import Polygon, box
+
+    line = case.settings.fill.level - 2 * case.shapes.bounding_radius
+    below = Polygon(case.outline.polygon).intersection(box(-1, 0, 1, line))
+    radius = case.shapes.shapes[0].spheroradius
+    grains = (Polygon(core).buffer(radius) for core in cores(case, packing.kinds, packing.poses))
+    return sum(grain.intersection(below).area for grain in grains) / below.area
+
+
 def assert_filled_to_the_level(case: SiloCase, packing: Packing) -> None:
     """No hole as large as a grain under the level, in any third of the width."""
     largest = 2 * case.shapes.bounding_radius

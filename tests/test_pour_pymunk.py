@@ -9,6 +9,7 @@ from heaps import (
     grain_overlaps,
     silent,
     small_case,
+    solid_fraction,
     wall_overlaps,
     weight,
 )
@@ -41,7 +42,7 @@ def test_pymunk_leaves_overlaps_less_deep_than_the_skins(case):
     skin = SKIN * case.shapes.shapes[0].spheroradius
     assert wall_overlaps(case, kinds, heap).max() < skin
     assert grain_overlaps(case, kinds, heap).max() < 2 * skin
-    assert heap[:, 1].max() < poses[:, 1].max() / 1.5  # it has fallen
+    assert heap[:, 1].max() < case.outline.height < poses[:, 1].max()  # it has fallen
 
 
 def test_grains_lie_in_the_silo_and_beside_each_other(case, packings):
@@ -67,15 +68,15 @@ def test_same_seed_pours_the_same_bits(case, packings):
 
 
 def test_packs_as_densely_as_the_rain_under_the_contact_law(case, packings):
-    """Both ways lead to a frictionless heap at rest: the means agree within three standard errors.
+    """Both ways lead to a frictionless heap at rest.
 
-    With six fillings each of forty grains that is some 0.03.
+    24 fillings each of this silo spread by 0.010 about 0.858 and 0.854; the means of six agree
+    within three standard errors of their difference. With its skins a heap would be 0.02 looser.
     """
-    ours = np.array([packing.fraction for packing in packings])
-    law = np.array([pour(case, seed, silent).fraction for seed in range(1, 7)])
-    error = math.hypot(ours.std(ddof=1), law.std(ddof=1)) / math.sqrt(len(ours))
-    assert error < 0.015
-    assert ours.mean() == pytest.approx(law.mean(), abs=3 * error)
+    ours = np.mean([solid_fraction(case, packing) for packing in packings])
+    seeds = range(1, len(packings) + 1)
+    law = np.mean([solid_fraction(case, pour(case, seed, silent)) for seed in seeds])
+    assert ours == pytest.approx(law, abs=3 * 0.010 * math.sqrt(2 / len(packings)))
 
 
 def test_grains_outside_the_silo_are_an_error(case):
