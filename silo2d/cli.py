@@ -1,5 +1,6 @@
 """The command silo2d. What a command needs is imported in it: --help answers at once."""
 
+import contextlib
 import json
 import sys
 from collections.abc import Callable
@@ -52,8 +53,9 @@ def _changes(seed: str | None, mu: str | None, keep_ratios: bool, options: dict)
     if keep_ratios:
         changes["law.keep_ratios"] = True
     if seed is not None:
-        # A number where it is one; what is none is refused by the case, like any other key.
-        changes["run.seed"] = int(seed) if seed.lstrip("-").isdigit() else seed
+        changes["run.seed"] = seed
+        with contextlib.suppress(ValueError):  # no number: the case refuses it as any other key
+            changes["run.seed"] = int(seed)
     return changes
 
 
@@ -64,14 +66,20 @@ _quiet = click.option("--quiet", is_flag=True, help="Print nothing but the answe
 _json = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.group(
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(package_name="granulab")
-def app() -> None:
+@click.pass_context
+def app(context: click.Context) -> None:
     """Discharge of angular particles from 2D silos.
 
     A case is a preset (A1 ... D4: hopper of 60, 45, 30, 0 degrees; outlet of 40, 60, 100,
     150 mm) or a TOML file; `silo2d init my_silo.toml` writes one with a comment on every key.
     """
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
 
 
 @app.command()
@@ -98,14 +106,16 @@ def run(
         raise click.UsageError("give a case (A4, or a TOML file), or --resume DIR, one of them")
     if resume and (changes or again):
         raise click.UsageError("--resume goes on with a case as it is; leave other options out")
+    from campaign.folder import resume_run
     from silo2d.case import SiloCase
-    from silo2d.report import echo, report
+    from silo2d.report import echo, plan, report
 
-    loaded = SiloCase.load(Path(resume) / "case.toml" if resume else str(case), changes)
-    if not quiet or dry_run:
-        click.echo(echo(loaded, dry_run), err=not dry_run)
+    loaded = SiloCase.load(resume_run(resume).path / "case.toml" if resume else str(case), changes)
     if dry_run:
+        click.echo(json.dumps(plan(loaded), indent=2) if as_json else echo(loaded, dry_run=True))
         return
+    if not quiet:
+        click.echo(echo(loaded, dry_run=False), err=True)
     result = _computed(loaded, out, resume, again, quiet)
     if not no_figures:
         _draw(result.run_folder, quiet, anew=not result.reused)
@@ -247,7 +257,7 @@ def main() -> None:
         if type(error).__name__ == "SimulationError":
             _fail(str(error), 3)
         if type(error).__name__ == "Stopped":
-            _fail(f"stopped; go on with: silo2d run --resume {error}", 130)
+            _fail(f"stopped; {error}", 130)
         raise
 
 

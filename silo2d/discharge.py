@@ -1,10 +1,10 @@
 """From the opening of the door to the end of the run: frames, checkpoints, when to stop."""
 
 import dataclasses
+import shlex
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -25,11 +25,7 @@ Progress = Callable[[float, str], None]  # fraction done (0 to 1), words
 
 
 class Stopped(Exception):
-    """The run was stopped and can go on; carries its folder."""
-
-    def __init__(self, folder: Path):
-        super().__init__(str(folder))
-        self.folder = folder
+    """The run was stopped and can go on; the message says how."""
 
 
 @dataclass
@@ -81,7 +77,7 @@ def discharge(
         _tell(sim, case, clock, progress)
         if stop():
             _keep(sim, folder, writer, clock)
-            raise Stopped(folder.path)
+            raise Stopped(f"go on with: silo2d run --resume {shlex.quote(str(folder.path))}")
 
 
 def _open_door(sim: Simulation, case: SiloCase, writer: TrajectoryWriter, clock: Clock) -> None:

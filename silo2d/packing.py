@@ -62,10 +62,16 @@ def save_packing(packing: Packing, folder: Path) -> None:
 
 def load_packing(folder: Path) -> Packing | None:
     """The packing kept in a folder, None where there is none; FolderError where it is damaged."""
-    if not (folder / "packing.h5").exists():
+    file = folder / "packing.h5"
+    if not file.exists():
         return None
-    arrays, meta = load_checkpoint(folder / "packing.h5")
-    return Packing(arrays["kinds"], arrays["poses"], **meta)
+    try:
+        arrays, meta = load_checkpoint(file)
+        return Packing(arrays["kinds"], arrays["poses"], **meta)
+    except (FolderError, KeyError, TypeError):
+        raise FolderError(
+            f"{file}: damaged, or of another version; delete it and the silo is filled anew"
+        ) from None
 
 
 def packing_fraction(

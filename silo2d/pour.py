@@ -69,7 +69,7 @@ def pour(case: SiloCase, seed: int, report: Report) -> Packing:
     begun = time.process_time()
     kinds, poses, above = rain(case, np.random.default_rng(seed))
     sim = pouring(case, kinds, poses, case.outline.raised(above))
-    settle(sim, case, report, "pouring")
+    settle(sim, case, report, "pouring", down_at(case, poses))
     kinds, poses = level_off(case, kinds, sim.poses())
     sim = pouring(case, kinds, poses, case.outline)
     settle(sim, case, report, "levelling")
@@ -111,10 +111,19 @@ def packed(
     return Packing(kinds, poses, fraction, sim.coordination(), poured_with, cpu_s)
 
 
-def settle(sim: Simulation, case: SiloCase, report: Report, phase: str) -> None:
+def down_at(case: SiloCase, poses: np.ndarray) -> float:
+    """When the highest grain of the rain can have fallen to the fill level, at the soonest [s]."""
+    drop = max(poses[:, 1].max() - case.settings.fill.level, 0.0)
+    return math.sqrt(2 * drop / GRAVITY)
+
+
+def settle(
+    sim: Simulation, case: SiloCase, report: Report, phase: str, soonest: float = 0.0
+) -> None:
     """Run until the kinetic energy is a small part of what lifts every grain by its own size.
 
-    Raises SimulationError if it does not come to rest in a long time.
+    Not before `soonest` [s]: rain that has just begun to fall is slow as well. Raises
+    SimulationError if it does not come to rest in a long time.
     """
     steps = max(round(_FRAME / sim.world.time_step), 1)
     start = None
@@ -122,7 +131,7 @@ def settle(sim: Simulation, case: SiloCase, report: Report, phase: str) -> None:
         sim.run(steps)
         moving = agitation(sim, case.shapes)
         start = max(start or 0.0, moving)
-        if moving < case.settings.fill.settled:
+        if moving < case.settings.fill.settled and sim.time >= soonest:
             return
         # Once the rain is down, the energy decays exponentially, more or less.
         done = math.log(start / moving) / math.log(start / case.settings.fill.settled)

@@ -6,7 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 from campaign.checkpoint import load_checkpoint
-from campaign.folder import FolderError, RunFolder, digest, open_run, resume_run, write_atomic
+from campaign.folder import (
+    FolderError,
+    RunFolder,
+    digest,
+    open_run,
+    resume_run,
+    write_atomic,
+    writing,
+)
 from campaign.provenance import provenance, source_digest
 from campaign.trajectory import TrajectoryWriter
 from silo2d import state
@@ -65,12 +73,13 @@ def run_in(
 ) -> Result:
     """Run a case in its folder; see `run`."""
     with folder.lock():
-        if folder.state == "finished":
-            _warn_of_other_sources(folder)
-            return Result.read(folder, reused=True)
         begun = time.perf_counter()
         if folder.state == "new":
             _begin_folder(folder, case)
+        else:
+            _warn_of_other_sources(folder)
+        if folder.state == "finished":
+            return Result.read(folder, reused=True)
         sim, clock, packing = _start_or_resume(folder, case, progress, stop)
         static = describe(case, packing)
         writer = TrajectoryWriter(folder.path, parts=clock.parts)
@@ -103,7 +112,7 @@ def _warn_of_other_sources(folder: RunFolder) -> None:
     made = folder.read_provenance().get("source_digest")
     if made != source_digest(_SOURCES):
         print(
-            f"warning: {folder.path} was computed by another version of the sources ({made}); "
+            f"warning: {folder.path} was begun by another version of the sources ({made}); "
             "--again computes it anew beside it",
             file=sys.stderr,
         )
@@ -113,7 +122,7 @@ def _start_or_resume(
     folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool]
 ) -> tuple[Simulation, Clock, Packing]:
     resuming = folder.checkpoint.exists()
-    packing = get_packing(case, folder.path.parent, progress, stop)
+    packing = get_packing(case, folder.path.resolve().parent, progress, stop)
     sim = Simulation(world_behind_door(case, packing))
     if resuming:
         saved, meta = load_checkpoint(folder.checkpoint)
@@ -138,16 +147,19 @@ def get_packing(
     """The packing of a case: kept under root/packings, or poured and kept now.
 
     A filling that is stopped is poured again from its seed the next time (raises Stopped).
+    Raises FolderError where a packing is damaged, or could not be written.
     """
     seed = case.settings.run.seed
     folder = root / "packings" / packing_digest(case, seed)
     packing = load_packing(folder)
     if packing is None:
+        with writing(folder):  # before the work of filling, not after it
+            folder.mkdir(parents=True, exist_ok=True)
 
         def report(phase: str, fraction: float, text: str) -> None:
             progress(fraction, f"{phase}, {text}")
             if stop():
-                raise Stopped(folder)
+                raise Stopped("the same command fills the silo anew, from its seed")
 
         if case.settings.fill.pour_with == "pymunk":
             from silo2d.pour_pymunk import pour_with_pymunk

@@ -1,6 +1,7 @@
 """What a person reads before and after a run."""
 
 import math
+from typing import Any
 
 from silo2d.case import SiloCase
 from silo2d.result import Result
@@ -12,17 +13,22 @@ _OUTCOMES = {
     "clogged_at_opening": "clogged at the opening",
     "time_limit": "stopped at the time limit",
 }
-_SECONDS_PER_GRAIN_STEP = 6e-8  # on one core of a current server, for the estimate of --dry-run
+
+# What --dry-run reckons with.
+_SECONDS_PER_GRAIN_STEP = 6e-8  # on one core of a current server
+_USUAL_FRACTION = 0.88  # packing fraction
+_FILLING, _DISCHARGE = 1.1, 1.5  # [s] of simulated time
 
 
 def echo(case: SiloCase, dry_run: bool) -> str:
     """The case in SI, the time step with its reason, the restitution that follows."""
     outline, fill, run = case.outline, case.settings.fill, case.settings.run
-    n = round(outline.area_below(fill.level) * 0.88 / case.shapes.mean_area)
+    expected = plan(case)
     lines = [
         f"{case.name}, seed {run.seed}",
         f"  silo        {outline.width:g} m wide, {outline.height:g} m high, outlet "
-        f"{outline.outlet:g} m, filled to {fill.level:g} m (about {n} particles)",
+        f"{outline.outlet:g} m, filled to {fill.level:g} m (about {expected['n_particles']} "
+        "particles)",
         f"  particles   {case.shapes.name}: {len(case.shapes.shapes)} shapes, mean area "
         f"{case.shapes.mean_area:.4g} m2, {case.surface_density:g} kg/m2, mean mass "
         f"{case.mean_mass:.4g} kg",
@@ -45,7 +51,11 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         f"{run.opening_count} out), else dead zones",
     ]
     if dry_run:
-        lines.append(f"  expected    {_expected(case, n)}")
+        lines.append(
+            f"  expected    about {max(expected['expected_min'], 0.1):.1g} min, if filling takes "
+            f"{_FILLING:g} s and the discharge {_DISCHARGE:g} s of simulated time; at most "
+            f"{expected['steps_at_most']:,} steps of discharge"
+        )
     return "\n".join(lines)
 
 
@@ -58,19 +68,22 @@ def _restitution(case: SiloCase) -> str:
     return "; ".join(parts)
 
 
-def _expected(case: SiloCase, n: int) -> str:
-    filling = 1.1 / case.pour_time_step
-    discharge = 1.5 / case.time_step  # half of the grains, on average, are still inside
-    seconds = _SECONDS_PER_GRAIN_STEP * n * (1.5 * filling + discharge / 2)
-    return (
-        f"about {max(seconds / 60, 0.1):.1g} min, if filling takes 1.1 s and the discharge 1.5 s "
-        f"of simulated time; at most {run_steps(case):,} steps of discharge"
-    )
-
-
-def run_steps(case: SiloCase) -> int:
-    """Steps that the time limit allows."""
-    return math.ceil(case.settings.run.max_time / case.time_step)
+def plan(case: SiloCase) -> dict[str, Any]:
+    """What a run of a case would be, before it is filled: particles, steps, CPU time [min]."""
+    area = case.outline.area_below(case.settings.fill.level)
+    n = round(area * _USUAL_FRACTION / case.shapes.mean_area)
+    filling = 1.5 * _FILLING / case.pour_time_step
+    discharge = 0.5 * _DISCHARGE / case.time_step  # half of the grains, on average, are inside
+    return {
+        "silo": case.silo_name or case.name,
+        "seed": case.settings.run.seed,
+        "n_particles": n,
+        "time_step_s": case.time_step,
+        "time_step_reason": case.time_step_reason,
+        "restitution": case.restitution(),
+        "steps_at_most": math.ceil(case.settings.run.max_time / case.time_step),
+        "expected_min": _SECONDS_PER_GRAIN_STEP * n * (filling + discharge) / 60,
+    }
 
 
 def report(result: Result) -> str:

@@ -1,15 +1,15 @@
 """The answers of a run: what stands in summary.json, and what describes its trajectory."""
 
 import csv
-import dataclasses
 import io
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from pydantic import TypeAdapter, ValidationError
 
-from campaign.folder import RunFolder, write_atomic
+from campaign.folder import FolderError, RunFolder, write_atomic
 from campaign.trajectory import read_trajectory
 from silo2d.case import SiloCase
 from silo2d.discharge import Clock
@@ -25,12 +25,12 @@ class Result:
     silo: str
     seed: int
     engine: str
-    outcome: str  # empty, dead_zones, clogged, clogged_at_opening, time_limit
+    outcome: Literal["empty", "dead_zones", "clogged", "clogged_at_opening", "time_limit"]
     n_particles: int
     n_out: int
     mass_kg: float
     mass_out_kg: float
-    discharge_time_s: float | None  # None if clogged
+    discharge_time_s: float | None  # None if clogged, or cut off by the time limit
     t90_s: float | None
     mean_rate_per_s: float | None
     mean_mass_flow_kg_per_s: float | None
@@ -52,9 +52,15 @@ class Result:
     @classmethod
     def read(cls, folder: RunFolder, *, reused: bool) -> "Result":
         """The result kept in a finished run folder; FolderError where it is damaged."""
-        kept = folder.read_summary()
-        known: dict[str, Any] = {f.name: kept.get(f.name) for f in dataclasses.fields(cls)}
-        return cls(**known | {"reused": reused, "run_folder": str(folder.path)})
+        kept = {**folder.read_summary(), "reused": reused, "run_folder": str(folder.path)}
+        try:
+            return TypeAdapter(cls).validate_python(kept)
+        except ValidationError as error:
+            problem = error.errors()[0]
+            raise FolderError(
+                f"{folder.path / 'summary.json'}: damaged ({problem['loc'][0]}: "
+                f"{problem['msg'].lower()}); use --again to compute the run anew"
+            ) from None
 
 
 def summarise(
@@ -69,7 +75,8 @@ def summarise(
     frames = read_trajectory(folder.path)
     mass, out_time = frames.static["mass"], frames["out_time"][-1]
     measures = discharge_measures(out_time, mass)
-    stands = outcome.startswith("clogged")  # then the times of those that left mean nothing
+    # Where the flow was cut off, the times of those that left before mean nothing.
+    stands = outcome not in ("empty", "dead_zones")
     _, closure = energy_closure(frames)
     silo = case.silo_name or case.name
     return {

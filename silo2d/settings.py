@@ -1,5 +1,6 @@
 """What a case file may hold: sections, keys, units, ranges, defaults."""
 
+import json
 import reprlib
 import tomllib
 import typing
@@ -8,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -43,6 +45,14 @@ Angle = Annotated[float, _read("rad"), Unit("rad")]
 Stiffness = Annotated[float, _read("N/m"), Unit("N/m"), Field(gt=0)]
 Rate = Annotated[float, _read("1/s"), Unit("1/s"), Field(ge=0)]
 Number = Annotated[float, _read("1"), Field(ge=0)]
+
+
+def _folder_name(name: str) -> str:
+    if not name or not name.isprintable() or "/" in name or "\\" in name:
+        raise ValueError(
+            f"name = {name!r}: the run folder is called after it; give letters, digits, '-', '_'"
+        )
+    return name
 
 
 class Section(BaseModel):
@@ -128,13 +138,16 @@ class Output(Section):
 class Settings(Section):
     """A whole case file, but for its schema number."""
 
-    name: str = "silo"
+    name: Annotated[str, AfterValidator(_folder_name)] = "silo"
     silo: Silo
     particles: Particles = Particles()
     law: Law = Law()
     fill: Fill = Fill()
     run: Run = Run()
     output: Output = Output()
+
+
+_TABLES = [name for name in Settings.model_fields if name != "name"]
 
 
 def read_settings(path: Path) -> dict[str, Any]:
@@ -165,12 +178,12 @@ def check_settings(document: dict[str, Any], where: str) -> Settings:
 def _one_line(error: ValidationError) -> str:
     problem = error.errors()[0]
     place = [str(part) for part in problem["loc"]]
-    section = f"[{place[0]}] " if place and place[0] in Settings.model_fields else ""
+    section = f"[{place[0]}] " if place and place[0] in _TABLES else ""
     if problem["type"] == "value_error":
         return f"{section}{problem['ctx']['error']}"
     if problem["type"] == "missing":
         return f"[{place[0]}] is missing; write at least [silo] preset = 'A4'"
-    key = f"{section}{'.'.join(place[1:])}"
+    key = f"{section}{'.'.join(place[1:] if section else place)}"
     what = problem["msg"].lower().removeprefix("input should be ")
     return f"{key} = {reprlib.repr(problem['input'])}: must be {what}"
 
@@ -202,6 +215,6 @@ def _toml(value: Any, unit: str = "1") -> str:
     if isinstance(value, float) and unit != "1":
         return f'"{value!r} {unit}"'
     if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
+        # JSON's escapes are TOML's, except that TOML wants DEL escaped too.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(value)  # numbers, and lists of numbers, are written as in Python

@@ -19,11 +19,11 @@ level = "100 mm"
 """
 
 
-def small_case(folder: Path) -> SiloCase:
+def small_case(folder: Path, changes: dict[str, float] | None = None) -> SiloCase:
     """About 40 grains in a hopper; a convex outline, which `wall_overlaps` needs."""
     file = folder / "small.toml"
     file.write_text(CASE, encoding="utf-8")
-    return SiloCase.load(file)
+    return SiloCase.load(file, changes)
 
 
 def silent(phase: str, fraction: float, text: str) -> None:

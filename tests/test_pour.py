@@ -120,6 +120,12 @@ def test_levelling_keeps_what_lies_under_the_level_and_numbers_it_in_rows(case):
     assert (np.diff(placed[:, 0])[np.diff(rows) == 0] >= 0).all()
 
 
+def test_rain_that_has_just_begun_to_fall_does_not_count_as_settled(tmp_path):
+    """Agitation after 5 ms of free fall, (g t)^2/(2 g d): 0.009, less than is allowed here."""
+    case = small_case(tmp_path, {"fill.settled": 0.05})
+    assert_filled_to_the_level(case, pour(case, 1, silent))
+
+
 def test_grains_that_do_not_come_to_rest_are_an_error(case, monkeypatch):
     """The message names what was going on and the setting that asks for less."""
     monkeypatch.setattr(pour_module, "_PATIENCE", 0.01)

@@ -31,18 +31,20 @@ def packings(case):
     return [pour_with_pymunk(case, seed, silent) for seed in range(1, 7)]
 
 
-def test_pymunk_leaves_overlaps_less_deep_than_the_skins(case):
-    """What sinks through the skins is less than the skins: the law takes it over without a bang.
+def test_pymunk_leaves_overlaps_less_deep_than_a_skin():
+    """In a heap as high as the paper's; seeds 1 to 4 of A4, C4, D4 and A1 leave at most @ mm.
 
-    It could undo five times as much: half of the reach.
+    The law can undo half of the reach: five skins at a wall, ten between grains.
     """
+    case = SiloCase.load("A4")
     kinds, poses, above = rain(case, np.random.default_rng(1))
-    outline = case.outline.raised(above)
-    heap = fall(case, kinds, poses, outline, silent)
+    heap = fall(case, kinds, poses, case.outline.raised(above), silent)
     skin = SKIN * case.shapes.shapes[0].spheroradius
     assert wall_overlaps(case, kinds, heap).max() < skin
-    assert grain_overlaps(case, kinds, heap).max() < 2 * skin
-    assert heap[:, 1].max() < case.outline.height < poses[:, 1].max()  # it has fallen
+    assert grain_overlaps(case, kinds, heap).max(initial=0.0) < skin
+    # It has fallen: even as loose as 0.75 it would not reach higher.
+    areas = np.array([shape.area for shape in case.shapes.shapes])[kinds]
+    assert case.outline.area_below(heap[:, 1].max()) < areas.sum() / 0.75
 
 
 def test_grains_lie_in_the_silo_and_beside_each_other(case, packings):

@@ -1,0 +1,37 @@
+"""Runs of the small silo that several test files look at; the kernels are compiled here once."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from small_silo import silo2d, the_run, write_case
+
+from campaign.folder import RunFolder
+
+
+@pytest.fixture(scope="session")
+def _finished_root(tmp_path_factory) -> Path:
+    root = tmp_path_factory.mktemp("reference")
+    answer = silo2d("run", write_case(root), "-o", root / "runs", "--no-figures", "--quiet")
+    assert answer.code == 0, answer.err
+    return root
+
+
+@pytest.fixture(scope="session")
+def reference(_finished_root) -> RunFolder:
+    """The finished run of the small silo, seed 1, never interrupted; to be read only."""
+    return the_run(_finished_root / "runs")
+
+
+@pytest.fixture
+def runs(_finished_root, tmp_path) -> Path:
+    """A folder for runs that has the packing of the small silo already."""
+    shutil.copytree(_finished_root / "runs" / "packings", tmp_path / "runs" / "packings")
+    return tmp_path / "runs"
+
+
+@pytest.fixture
+def finished(_finished_root, tmp_path) -> Path:
+    """A copy, to be damaged, of the folder with the finished run of the small silo."""
+    shutil.copytree(_finished_root / "runs", tmp_path / "finished")
+    return tmp_path / "finished"
