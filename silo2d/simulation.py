@@ -107,6 +107,11 @@ class Simulation:
         if not np.isfinite(self.rows[self.live]).all():
             raise self.failure("the state is no longer finite")
 
+    def compile(self) -> None:
+        """Compile or load the kernels now, so that their time is not taken for a step's."""
+        self.run(0)
+        self.energies()
+
     def refresh(self) -> None:
         """Make stale lists anew now."""
         while self.world.counts[state.STALE] > 0:

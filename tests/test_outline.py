@@ -152,7 +152,7 @@ def test_hopper_may_reach_the_top_but_not_pass_it(outlet):
 
 
 def test_unknown_preset_names_the_nearest():
-    with pytest.raises(InputError, match=r"^silo = 'a4': unknown; did you mean 'A4'\? known: A1"):
+    with pytest.raises(InputError, match=r"^preset = 'a4': unknown; did you mean 'A4'\? known: A1"):
         preset("a4")
 
 

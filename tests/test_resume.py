@@ -228,3 +228,15 @@ def test_a_second_process_is_kept_off_a_run(runs, tmp_path):
     first = finish(process)
     assert first.code == 0
     assert json.loads(first.out)["outcome"] == "empty"
+
+
+def test_a_case_changed_under_an_unfinished_run_is_refused(finished):
+    """The bits promised for a run are those of the case that it began with."""
+    folder = the_run(finished)
+    (folder.path / "summary.json").unlink()  # unfinished again
+    case = folder.path / "case.toml"
+    case.write_text(case.read_text().replace("mu_wall = 0.2", "mu_wall = 0.3"))
+    answer = silo2d("run", "--resume", folder.path, "--quiet")
+    assert answer.code == 2
+    assert "changed since the run began" in answer.err
+    assert answer.err.count("\n") == 1
