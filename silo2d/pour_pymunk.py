@@ -26,9 +26,9 @@ SKIN = 0.1  # of a falling grain, over the spheroradius
 # Overlap that pymunk leaves alone, over the spheroradius: the skin at a wall, half of both skins
 # between grains. A heap whose every overlap is pushed apart does not stop trembling.
 SLOP = 0.1
-# Part of the overlap beyond the slop that is pushed apart in a step: six times pymunk's usual, with
-# which the weight wins and a heap sinks through its skins.
-PUSH = 0.01
+# Part of the overlap beyond the slop that is pushed apart in a step: six times pymunk's usual, at
+# which a heap of half a metre sinks through its skins and deeper all the time.
+PUSH = 0.02
 # Step over sqrt(spheroradius/g): 1/2000 s for 1 mm. A layer of the heap sinks by g step^2 in it.
 STEP = 0.05
 ITERATIONS = 10  # of the impulses, a step
