@@ -9,6 +9,8 @@ import time
 import numba
 import numpy as np
 
+import contact.jit  # noqa: F401  its compiler settings count from the first decorator on
+
 
 @numba.njit(error_model="numpy")
 def _pass(rows, pairs):

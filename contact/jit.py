@@ -13,6 +13,7 @@ import os
 import platform
 import shutil
 import tempfile
+import warnings
 from functools import cache
 from pathlib import Path
 
@@ -20,6 +21,7 @@ import llvmlite.binding
 import numba
 from numba.core.cpu import CPUTargetOptions
 from numba.core.options import TargetOptions
+from numba.core.registry import cpu_target
 
 # numba knows this flag of its compiler but offers no option for it: arguments do not alias.
 # LLVM then keeps values in registers across stores and vectorises; arrays that a kernel takes
@@ -31,6 +33,12 @@ CPUTargetOptions.noalias = TargetOptions.Mapping("noalias")
 if numba.config.CPU_FEATURES is None and platform.machine() in ("x86_64", "AMD64"):
     _host = llvmlite.binding.get_host_cpu_features().flatten()
     numba.config.CPU_FEATURES = f"{_host},+prefer-no-gather,-prefer-256-bit"
+    if "_toplevel_target_context" in vars(cpu_target):  # made at the first use of numba.njit
+        warnings.warn(
+            "numba was used before GranuLab was imported, and GranuLab's kernels will be up to 3 "
+            "times slower: import contact or silo2d.simulation first",
+            stacklevel=2,
+        )
 
 _PACKAGES = ("contact", "silo2d", "damper3d")
 _KEPT_FOLDERS = 4  # older ones are pruned

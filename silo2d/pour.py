@@ -134,14 +134,23 @@ def settle(
         start = max(start or 0.0, moving)
         if moving < case.settings.fill.settled and sim.time >= soonest:
             return
-        # Once the rain is down, the energy decays exponentially, more or less.
-        done = math.log(start / moving) / math.log(start / case.settings.fill.settled)
+        done = part_settled(start, moving, case.settings.fill.settled)
         report(phase, done, f"t = {sim.time:.2f} s")
         if sim.time > _PATIENCE:
             raise SimulationError(
                 f"the {phase} did not come to rest within {_PATIENCE:g} s; allow more motion with "
                 f"[fill] settled (now {case.settings.fill.settled:g})"
             )
+
+
+def part_settled(start: float, moving: float, enough: float) -> float:
+    """How far an agitation has come down from `start` to `enough` (0 to 1).
+
+    Once the rain is down it decays exponentially, more or less.
+    """
+    if start <= enough:
+        return 0.0
+    return min(math.log(start / moving) / math.log(start / enough), 1.0)
 
 
 def agitation(sim: Simulation, shapes: ShapeSet) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from silo2d.case import GRAVITY, SiloCase
 from silo2d.outline import Outline
 from silo2d.packing import Packing
-from silo2d.pour import Report, down_at, level_off, packed, pouring, rain, settle
+from silo2d.pour import Report, down_at, level_off, packed, part_settled, pouring, rain, settle
 from silo2d.simulation import SimulationError
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def fall(
         start = max(start, moving)
         if moving < CALM and now >= soonest:
             return np.array([(*grain.position, grain.angle) for grain in grains])
-        report("pouring", math.log(start / moving) / math.log(start / CALM), f"t = {now:.2f} s")
+        report("pouring", part_settled(start, moving, CALM), f"t = {now:.2f} s")
         if now > _PATIENCE:
             raise SimulationError(f"the heap did not calm within {_PATIENCE:g} s; {_WAY_OUT}")
 

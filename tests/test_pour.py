@@ -123,7 +123,10 @@ def test_levelling_keeps_what_lies_under_the_level_and_numbers_it_in_rows(case):
 def test_rain_that_has_just_begun_to_fall_does_not_count_as_settled(tmp_path):
     """Agitation after 5 ms of free fall, (g t)^2/(2 g d): 0.009, less than is allowed here."""
     case = small_case(tmp_path, {"fill.settled": 0.05})
-    assert_filled_to_the_level(case, pour(case, 1, silent))
+    told: list[float] = []
+    packing = pour(case, 1, lambda phase, fraction, text: told.append(fraction))
+    assert_filled_to_the_level(case, packing)
+    assert 0 <= min(told) <= max(told) <= 1
 
 
 def test_grains_that_do_not_come_to_rest_are_an_error(case, monkeypatch):
