@@ -14,6 +14,8 @@ from contact.jit import njit
 from contact.laws import normal_force, tangential_force
 from silo2d.geometry import cross, point_velocity, to_edge, turned
 from silo2d.state import (
+    BLOCK,
+    CARRIED_OUT,
     CLOSE,
     COS,
     FRICTION,
@@ -38,24 +40,32 @@ from silo2d.state import (
 
 
 @njit
-def apply_forces(row, close, counts, books, grain_law, wall_law, dt):
+def apply_forces(row, close, forces, counts, books, grain_law, wall_law, dt):
     """All contact forces of this step, added to the bodies, and the books of dissipation."""
     # Typed numbers: numba would compile the passes once more for each literal.
     first, middle, last = np.int64(0), counts[GRAIN_CLOSE], counts[CLOSE]
-    contact_forces(row, close, grain_law, first, middle, dt)
-    contact_forces(row, close, wall_law, middle, last, dt)
-    add_to_bodies(row, close, first, middle, books[GRAIN_GRAIN : GRAIN_GRAIN + 3], dt)
-    add_to_bodies(row, close, middle, last, books[GRAIN_WALL : GRAIN_WALL + 3], dt)
+    apply_class(row, close, forces, grain_law, first, middle, books[GRAIN_GRAIN:GRAIN_WALL], dt)
+    apply_class(row, close, forces, wall_law, middle, last, books[GRAIN_WALL:CARRIED_OUT], dt)
 
 
 @njit
-def contact_forces(row, close, law, begin, end, dt):
-    """Force, torques, slip and dissipation of the pairs begin ... end - 1.
+def apply_class(row, close, forces, law, first, last, book, dt):
+    """Contact forces of the pairs first ... last - 1, which obey one law, block by block."""
+    for begin in range(first, last, BLOCK):
+        n = min(last - begin, BLOCK)
+        contact_forces(row, close, forces, law, begin, n, dt)
+        add_to_bodies(row, close, forces, begin, n, book, dt)
+
+
+@njit
+def contact_forces(row, close, forces, law, begin, n_pairs, dt):
+    """Force, torques, slip and dissipation of n_pairs close pairs from `begin` on.
 
     Slip grows with the displacement really taken since the last step (velocity half a step
     back); damping and its power take the velocity extrapolated to now.
     """
-    for n in range(np.uintp(begin), np.uintp(end)):
+    for k in range(np.uintp(n_pairs)):  # unsigned: numba then need not look for negative ones
+        n = np.uintp(begin) + k
         j, i = close.vertex_body[n], close.edge_body[n]
         between = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
         arm_v = turned(row[j, COS], row[j, SIN], (close.vertex_x[n], close.vertex_y[n]))
@@ -85,11 +95,11 @@ def contact_forces(row, close, law, begin, end, dt):
         )
         fx, fy = f_n * nx - f_t * ny, f_n * ny + f_t * nx
         close.slip[n] = held
-        close.fx[n], close.fy[n] = fx, fy
-        close.torque_j[n], close.torque_i[n] = cross(arm_j, (fx, fy)), -cross(arm_i, (fx, fy))
-        close.normal_power[n] = damping * overlap_rate
-        close.tangential_power[n] = m * law.gamma_t * slip_rate * slip_rate
-        close.rubbed[n] = rubbed
+        forces.fx[k], forces.fy[k] = fx, fy
+        forces.torque_j[k], forces.torque_i[k] = cross(arm_j, (fx, fy)), -cross(arm_i, (fx, fy))
+        forces.normal_power[k] = damping * overlap_rate
+        forces.tangential_power[k] = m * law.gamma_t * slip_rate * slip_rate
+        forces.rubbed[k] = rubbed
 
 
 @njit
@@ -117,20 +127,21 @@ def overlap_now(row, close, n):
 
 
 @njit
-def add_to_bodies(row, close, begin, end, book, dt):
-    """Add the forces of the pairs to their bodies, and what they dissipate to the book."""
+def add_to_bodies(row, close, forces, begin, n_pairs, book, dt):
+    """Add the forces of a block to its bodies, and what they dissipate to the book."""
     normal, tangential, rubbed = 0.0, 0.0, 0.0
-    for n in range(np.uintp(begin), np.uintp(end)):
+    for k in range(np.uintp(n_pairs)):
+        n = np.uintp(begin) + k
         j, i = close.vertex_body[n], close.edge_body[n]
-        row[j, FX] += close.fx[n]
-        row[j, FY] += close.fy[n]
-        row[j, TORQUE] += close.torque_j[n]
-        row[i, FX] -= close.fx[n]
-        row[i, FY] -= close.fy[n]
-        row[i, TORQUE] += close.torque_i[n]
-        normal += close.normal_power[n]
-        tangential += close.tangential_power[n]
-        rubbed += close.rubbed[n]
+        row[j, FX] += forces.fx[k]
+        row[j, FY] += forces.fy[k]
+        row[j, TORQUE] += forces.torque_j[k]
+        row[i, FX] -= forces.fx[k]
+        row[i, FY] -= forces.fy[k]
+        row[i, TORQUE] += forces.torque_i[k]
+        normal += forces.normal_power[k]
+        tangential += forces.tangential_power[k]
+        rubbed += forces.rubbed[k]
     book[NORMAL_DAMPING] += normal * dt
     book[TANGENTIAL_DAMPING] += tangential * dt
     book[FRICTION] += rubbed

@@ -22,12 +22,13 @@ class SimulationError(RuntimeError):
 def advance(world, n_steps):
     """Take n_steps steps; returns how many were taken and the outcome of the last search."""
     bodies, counts, books, dt = world.bodies, world.counts, world.books, world.time_step
+    close, forces, laws = world.close, world.forces, (world.grain_law, world.wall_law)
     for k in range(n_steps):
         if counts[state.STALE] > 0:
             outcome = search(world)
             if outcome != DONE:
                 return k, outcome
-        apply_forces(bodies.row, world.close, counts, books, world.grain_law, world.wall_law, dt)
+        apply_forces(bodies.row, close, forces, counts, books, laws[0], laws[1], dt)
         move(bodies, counts, books, world.gravity, dt)
     return n_steps, DONE
 

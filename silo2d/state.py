@@ -33,6 +33,7 @@ NORMAL_DAMPING, TANGENTIAL_DAMPING, FRICTION = range(3)
 GRAIN_GRAIN, GRAIN_WALL, CARRIED_OUT = 0, 3, 6
 N_BOOKS = 7
 
+BLOCK = 256  # close pairs that the force pass works on at once: their forces fill half of a cache
 MAX_VERTICES = 64  # of one shape: a contact's key has six bits for each
 
 
@@ -70,7 +71,7 @@ class Near(NamedTuple):
 
 
 class Close(NamedTuple):
-    """Vertex-edge pairs that touch or nearly do: what the force pass reads and writes.
+    """Vertex-edge pairs that touch or nearly do: what the force pass reads of them.
 
     One array a quantity, so that the pass can be vectorised; all (capacity,).
     """
@@ -89,6 +90,11 @@ class Close(NamedTuple):
     reach: np.ndarray  # sum of the spheroradii [m]
     depth: np.ndarray  # spheroradius of the vertex's body [m]
     slip: np.ndarray  # tangential displacement held by the spring [m]
+
+
+class Forces(NamedTuple):
+    """What the force pass finds for one block of close pairs; all (BLOCK,), and so in cache."""
+
     fx: np.ndarray  # force on the vertex's body [N]
     fy: np.ndarray
     torque_j: np.ndarray  # torque on the vertex's body [N m]
@@ -121,6 +127,7 @@ class World(NamedTuple):
     cells: Cells
     near: Near
     close: Close
+    forces: Forces
     counts: np.ndarray  # (N_COUNTS,) int64
     books: np.ndarray  # (N_BOOKS,) [J]
     grain_law: LinearLaw

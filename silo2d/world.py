@@ -9,7 +9,7 @@ from contact.laws import LinearLaw
 from silo2d import state
 from silo2d.outline import Walls
 from silo2d.shape import Shape
-from silo2d.state import Bodies, Cells, Close, Near, World
+from silo2d.state import Bodies, Cells, Close, Forces, Near, World
 
 BODY_ROOM = 3e-3  # [m] at the level of bodies, see neighbours.py; walls need none
 
@@ -46,6 +46,7 @@ def build_world(
         cells=_cells(bodies, np.concatenate([poses[:, :2], walls.segments.reshape(-1, 2)])),
         near=_near(1024 + 16 * len(grains)),
         close=_close(1024 + 16 * len(grains)),
+        forces=Forces(*(np.zeros(state.BLOCK) for _ in Forces._fields)),
         counts=_counts(len(grains)),
         books=np.zeros(state.N_BOOKS),
         grain_law=grain_law,
