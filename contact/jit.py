@@ -8,6 +8,7 @@ an edit anywhere compiles anew, and an unchanged tree starts at once.
 in the inner loop); the step loop checks for non-finite states itself.
 """
 
+import atexit
 import hashlib
 import os
 import platform
@@ -58,10 +59,14 @@ def _cache_folder() -> str:
         writable = os.access(kernels, os.W_OK)
     except OSError:
         writable = False
-    if not writable:  # no home, or not ours: compile into a folder that the system will clear
-        kernels = Path(tempfile.gettempdir()) / "granulab-kernels"
-    _prune(kernels)
-    return str(kernels / text.hexdigest()[:16])
+    if not writable:  # no home, or not ours: compile for this process alone, in a folder of its own
+        kernels = Path(tempfile.mkdtemp(prefix="granulab-kernels-"))
+        atexit.register(shutil.rmtree, kernels, ignore_errors=True)
+    folder = kernels / text.hexdigest()[:16]
+    folder.mkdir(exist_ok=True)
+    folder.touch()  # in use: the youngest are kept
+    _prune(kernels, folder)
+    return str(folder)
 
 
 def already_compiled() -> bool:
@@ -69,10 +74,9 @@ def already_compiled() -> bool:
     return any(Path(_cache_folder()).rglob("*.nbc"))
 
 
-def _prune(kernels: Path) -> None:
-    if not kernels.is_dir():
-        return
-    newest_first = sorted(kernels.iterdir(), key=lambda p: p.stat().st_mtime, reverse=True)
+def _prune(kernels: Path, current: Path) -> None:
+    others = [path for path in kernels.iterdir() if path != current]
+    newest_first = sorted(others, key=lambda path: path.stat().st_mtime, reverse=True)
     for old in newest_first[_KEPT_FOLDERS:]:
         shutil.rmtree(old, ignore_errors=True)
 

@@ -20,7 +20,7 @@ from contact.table import load_table
 from silo2d.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
 from silo2d.settings import Settings, Silo, check_settings, read_settings, to_toml
 from silo2d.shape import ShapeSet, load_shapes, vertex_list
-from silo2d.stability import largest_stable_step
+from silo2d.stability import largest_stable_step, step_for_held_grains
 from silo2d.state import MAX_VERTICES
 
 GRAVITY = 9.81  # [m/s2]
@@ -91,6 +91,8 @@ class SiloCase:
         laws = _laws(settings, pairs, mean_mass, where)
         limit, configuration = largest_stable_step(shapes, surface_density, *laws)
         time_step, reason = _time_step(settings.run.time_step, limit, configuration, where)
+        held = step_for_held_grains(shapes, surface_density, laws[0])
+        reason += f"; {held * 1e6:.3g} us would cover a grain held on all faces"
         pour_laws = _pour_laws(pairs)
         pour_limit, _ = largest_stable_step(shapes, surface_density, *pour_laws)
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}
@@ -118,6 +120,13 @@ class SiloCase:
             ):
                 return name
         return None
+
+    @property
+    def label(self) -> str:
+        """What people call the silo: the paper's name for the paper's outlines alone."""
+        if self.silo_name:
+            return self.silo_name
+        return f"{self.name} (changed)" if self.name in PRESETS else self.name
 
     @property
     def mean_mass(self) -> float:
@@ -160,6 +169,8 @@ class SiloCase:
             "surface_density": self.surface_density,
             "laws": [list(self.grain_law), list(self.wall_law)],
             "time_step": self.time_step,
+            "pour_laws": [list(law) for law in self.pour_laws],
+            "pour_time_step": self.pour_time_step,
         }
 
 
@@ -189,7 +200,9 @@ def _find(name: str, kind: str, folder: Path) -> str | Path:
 
 def _outline(silo: Silo, name: str, where: str) -> Outline:
     if silo.outline is not None:
-        given = [key for key in ("preset", "angle", "width", "height") if getattr(silo, key)]
+        given = [
+            key for key in ("preset", "angle", "width", "height") if getattr(silo, key) is not None
+        ]
         if given:
             raise InputError(
                 f"{where}: [silo] {given[0]} goes with a hopper, outline with any polygon; leave "

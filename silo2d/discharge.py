@@ -19,7 +19,9 @@ from silo2d.pour import agitation
 from silo2d.simulation import Simulation
 
 _LOOK = 0.01  # [s] between looks for the end of the run, whatever the output
-_BOOKS_OFF = 0.1  # energy from nowhere, over the dissipated: far beyond truncation, so a failure
+# Energy that may be unaccounted for, over the dissipated: at 5 us the published runs leave 0.2 to
+# 0.4 %, and more means that the step is too long for what happens.
+BOOKS_OFF = 0.05
 
 Progress = Callable[[float, str], None]  # fraction done (0 to 1), words
 
@@ -130,13 +132,15 @@ def _energy(table: dict[str, float]) -> float:
 
 
 def _check_books(sim: Simulation, clock: Clock) -> None:
-    """Stop where energy comes from nowhere, as it does when the time step is too long."""
+    """Stop where the books do not balance, as when the time step is too long."""
     table = sim.energies()
     held = _energy(table)
     dissipated = float(sim.world.books[: state.CARRIED_OUT].sum())
     gained = held + table["carried_out"] + dissipated - clock.starting_energy
-    if not gained < _BOOKS_OFF * max(dissipated, 0.01 * abs(clock.starting_energy)):
-        raise sim.failure(f"{gained:.3g} J of energy came from nowhere")
+    # While next to nothing is dissipated, a part of what there is to dissipate is the measure.
+    if not abs(gained) < BOOKS_OFF * max(dissipated, 0.01 * abs(clock.starting_energy)):
+        whither = "came from nowhere" if gained > 0 else "went nowhere"
+        raise sim.failure(f"{abs(gained):.3g} J of energy {whither}")
 
 
 def frame_of(sim: Simulation, wall_force: np.ndarray) -> dict[str, np.ndarray | float | int]:

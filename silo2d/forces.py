@@ -69,7 +69,7 @@ def contact_forces(row, close, forces, law, begin, n_pairs, dt):
         j, i = close.vertex_body[n], close.edge_body[n]
         between = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
         arm_v = turned(row[j, COS], row[j, SIN], (close.vertex_x[n], close.vertex_y[n]))
-        dx, dy = from_edge(row, close, n, between, arm_v)
+        dx, dy = edge_to_vertex(row, close, n, between, arm_v)
         distance = np.sqrt(dx * dx + dy * dy)
         touches = 1.0 if distance < close.reach[n] else 0.0
         overlap = max(close.reach[n] - distance, 0.0)
@@ -103,7 +103,7 @@ def contact_forces(row, close, forces, law, begin, n_pairs, dt):
 
 
 @njit
-def from_edge(row, close, n, between, arm_v):
+def edge_to_vertex(row, close, n, between, arm_v):
     """Vector to the vertex of pair n from the closest point of its edge [m].
 
     between: from the centroid of the edge's body to that of the vertex's body; arm_v: from the
@@ -122,7 +122,7 @@ def overlap_now(row, close, n):
     j, i = close.vertex_body[n], close.edge_body[n]
     between = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
     arm_v = turned(row[j, COS], row[j, SIN], (close.vertex_x[n], close.vertex_y[n]))
-    dx, dy = from_edge(row, close, n, between, arm_v)
+    dx, dy = edge_to_vertex(row, close, n, between, arm_v)
     return close.reach[n] - np.sqrt(dx * dx + dy * dy)
 
 

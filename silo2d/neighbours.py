@@ -86,17 +86,18 @@ def search(world):
         give_near_room(bodies, counts)
     if counts[STALE] == 2 and outgrown(bodies, counts, BODY_LIST):
         counts[STALE] = 3
+    laws_kt = (world.grain_law.kt, world.wall_law.kt)
     outcome = DONE
     if counts[STALE] >= 3:
         outcome = find_bodies(bodies, local, vertices, world.cells, counts)
     place_vertices(bodies, local, vertices, counts)
     if outcome == DONE and counts[STALE] >= 2:
-        laws_kt = (world.grain_law.kt, world.wall_law.kt)
         outcome = find_near(bodies, local, vertices, world.cells.pairs, world.near, counts)
         if outcome == DONE:
             carry_over(world.near, counts, world.books, laws_kt)
     if outcome == DONE:
         measure_distances(local, vertices, world.near, counts)
+        let_go(bodies.room, world.near, counts, world.books, laws_kt)
         outcome = find_close(bodies.room, local, world.near, world.close, counts)
     if outcome == DONE:
         note_positions(bodies, counts, CLOSE_LIST)
@@ -377,6 +378,23 @@ def measure_distances(local, vertices, near, counts):
     for c in range(np.uintp(counts[NEAR])):
         dx, dy = from_edge(local, vertices, near.vertex[c], near.edge[c])
         near.distance2[c] = dx * dx + dy * dy
+
+
+@njit
+def let_go(room, near, counts, books, kt):
+    """Springs of pairs that are not close any more: friction takes what they held.
+
+    That happens only to a pair that comes apart by more than its room within one step.
+    kt: (grain-grain, grain-wall) [N/m].
+    """
+    for c in range(counts[NEAR]):
+        far = near.reach[c] + room[near.vertex_body[c], CLOSE_LIST]
+        far += room[near.edge_body[c], CLOSE_LIST]
+        if near.slip[c] != 0.0 and near.distance2[c] >= far * far:
+            wall = c >= counts[GRAIN_NEAR]
+            book = (GRAIN_WALL if wall else GRAIN_GRAIN) + FRICTION
+            books[book] += 0.5 * (kt[1] if wall else kt[0]) * near.slip[c] ** 2
+            near.slip[c] = 0.0
 
 
 @njit

@@ -22,6 +22,7 @@ class Packing:
     coordination: float  # bodies that a grain touches, mean [-]
     poured_with: str
     cpu_s: float  # CPU time that the filling took [s]
+    sources: str = ""  # digest of the sources that made it
 
 
 def packing_digest(case: SiloCase, seed: int) -> str:
@@ -56,6 +57,7 @@ def save_packing(packing: Packing, folder: Path) -> None:
         "coordination": packing.coordination,
         "poured_with": packing.poured_with,
         "cpu_s": packing.cpu_s,
+        "sources": packing.sources,
     }
     save_checkpoint(folder / "packing.h5", {"kinds": packing.kinds, "poses": packing.poses}, meta)
 

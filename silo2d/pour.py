@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from contact.quantity import InputError
 from silo2d.case import GRAVITY, SiloCase
 from silo2d.outline import Outline
 from silo2d.packing import Packing, in_rows, packing_fraction
@@ -40,7 +41,7 @@ def rain(case: SiloCase, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarr
     n = math.ceil(case.outline.area_below(case.settings.fill.level) * LOOSE / case.shapes.mean_area)
     high = case.outline.raised(n * pitch)  # more than enough: one grain a row
     room = Polygon(high.polygon).buffer(-1.02 * radius)
-    left, bottom, right, top = room.bounds
+    left, bottom, right, top = room.bounds if not room.is_empty else (0.0, 0.0, 0.0, 0.0)
     places: list[tuple[float, float]] = []
     y = bottom + 1e-3 * pitch
     staggered = False
@@ -59,6 +60,11 @@ def rain(case: SiloCase, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarr
         y += math.sqrt(0.75) * pitch
         staggered = not staggered
     n = len(places)
+    if not n:
+        raise InputError(
+            f"{case.name}: the silo has no room for its particles: it must be wider than "
+            f"{2.04e3 * radius:.3g} mm somewhere, a largest particle and a little more"
+        )
     kinds = rng.choice(len(case.shapes.shapes), size=n, p=case.shapes.shares)
     poses = np.column_stack([places, rng.uniform(0, 2 * math.pi, n)])
     return kinds, poses, max(y - case.outline.height, 0.0) + pitch
@@ -90,7 +96,7 @@ def pouring(case: SiloCase, kinds: np.ndarray, poses: np.ndarray, outline: Outli
         gravity=GRAVITY,
         time_step=case.pour_time_step,
     )
-    return Simulation(world)
+    return Simulation(world, "fill to a lower level, or with a stiffer materials file")
 
 
 def level_off(

@@ -1,5 +1,6 @@
 """A silo run: fill, settle, open, discharge; checkpoints, and going on from them."""
 
+import dataclasses
 import sys
 import time
 from collections.abc import Callable
@@ -30,6 +31,7 @@ PACKAGES = ["numpy", "numba", "llvmlite", "h5py", "shapely", "pymunk"]
 _SOURCES = [Path(__file__).parent, Path(__file__).parent.parent / "contact"]
 _SETTLE_FRAME = 1e-3  # [s] between looks at the kinetic energy before the opening
 _SETTLE_PATIENCE = 2.0  # [s]
+_QUIET_LOOKS = 5  # one may fall on a moment when the energy is elastic
 
 
 def run(
@@ -138,7 +140,7 @@ def _start_or_resume(
             ) from None
     sim.compile()
     begun = time.process_time()
-    settle_under_own_law(sim, case, progress)
+    settle_under_own_law(sim, case, progress, stop)
     clock = Clock(filling_cpu_s=packing.cpu_s + time.process_time() - begun)
     return sim, clock, packing
 
@@ -169,7 +171,14 @@ def get_packing(
             packing = pour_with_pymunk(case, seed, report)
         else:
             packing = pour(case, seed, report)
+        packing = dataclasses.replace(packing, sources=source_digest(_SOURCES))
         save_packing(packing, folder)
+    elif packing.sources != source_digest(_SOURCES):
+        print(
+            f"warning: {folder} was filled by another version of the sources "
+            f"({packing.sources}); delete it and it is filled anew",
+            file=sys.stderr,
+        )
     return packing
 
 
@@ -188,15 +197,27 @@ def world_behind_door(case: SiloCase, packing: Packing) -> state.World:
     )
 
 
-def settle_under_own_law(sim: Simulation, case: SiloCase, progress: Progress) -> None:
-    """Let a packing that was poured softer come to rest; at least one look, at most 2 s."""
+def settle_under_own_law(
+    sim: Simulation,
+    case: SiloCase,
+    progress: Progress,
+    stop: Callable[[], bool] = lambda: False,
+) -> None:
+    """Let a packing that was poured softer come to rest, which several looks in a row must find.
+
+    Raises Stopped, and SimulationError where it takes more than 2 s of simulated time.
+    """
     steps = max(round(_SETTLE_FRAME / case.time_step), 1)
+    quiet_looks = 0
     while True:
         sim.wall_forces()
         sim.run(steps)
         moving = agitation(sim, case.shapes)
-        if moving < case.settings.fill.settled:
+        quiet_looks = quiet_looks + 1 if moving < case.settings.fill.settled else 0
+        if quiet_looks == _QUIET_LOOKS:
             return
+        if stop():
+            raise Stopped("the same command goes on from the packing")
         progress(0.0, f"settling, t = {sim.time:.3f} s")
         if sim.time > _SETTLE_PATIENCE:
             raise sim.failure(

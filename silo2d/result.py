@@ -76,11 +76,10 @@ def summarise(
     mass, out_time = frames.static["mass"], frames["out_time"][-1]
     measures = discharge_measures(out_time, mass)
     # Where the flow was cut off, the times of those that left before mean nothing.
-    stands = outcome not in ("empty", "dead_zones")
+    cut_off = outcome not in ("empty", "dead_zones")
     _, closure = energy_closure(frames)
-    silo = case.silo_name or case.name
     return {
-        "silo": silo,
+        "silo": case.label,
         "seed": case.settings.run.seed,
         "engine": "dem",
         "outcome": outcome,
@@ -88,8 +87,8 @@ def summarise(
         "n_out": sim.n_out,
         "mass_kg": float(mass.sum()),
         "mass_out_kg": float(mass[~np.isnan(out_time)].sum()),
-        "discharge_time_s": None if stands else measures["last_out_s"],
-        "t90_s": None if stands else measures["t90_s"],
+        "discharge_time_s": None if cut_off else measures["last_out_s"],
+        "t90_s": None if cut_off else measures["t90_s"],
         "mean_rate_per_s": measures["mean_rate_per_s"],
         "mean_mass_flow_kg_per_s": measures["mean_mass_flow_kg_per_s"],
         "packing_fraction": packing.fraction,
@@ -102,7 +101,7 @@ def summarise(
         "energy_closure": closure,
         "dissipated_j": {name: float(frames[name][-1]) for name in MECHANISMS},
         "restitution": case.restitution(),
-        "published": published_times(silo),
+        "published": published_times(case.silo_name or ""),
         "state_digest": sim.state_digest(),
     }
 
@@ -122,7 +121,7 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
         "wall_segments": walls.segments,
     }
     attributes = {
-        "silo": case.silo_name or case.name,
+        "silo": case.label,
         "wall_names": json.dumps(walls.names),
         "lips": np.array(case.outline.lips),
         "level": case.settings.fill.level,

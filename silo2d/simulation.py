@@ -29,7 +29,7 @@ def advance(world, n_steps):
             if outcome != DONE:
                 return k, outcome
         apply_forces(bodies.row, close, forces, counts, books, laws[0], laws[1], dt)
-        move(bodies, counts, books, world.gravity, dt)
+        move(world)
     return n_steps, DONE
 
 
@@ -54,8 +54,9 @@ def energies(bodies, close, counts, grain_law, wall_law, gravity):
 class Simulation:
     """A world with a clock: run it, ask it, save and restore it."""
 
-    def __init__(self, world: World):
+    def __init__(self, world: World, advice: str = "try a smaller time step or stiffer contacts"):
         self.world = world
+        self._advice = advice  # for the one whose simulation fails
         self._wall_steps = 0
 
     @property
@@ -134,8 +135,8 @@ class Simulation:
     def failure(self, what: str) -> SimulationError:
         """An error that says what happened, when, and what to try."""
         return SimulationError(
-            f"the simulation failed at t = {self.time:.6f} s: {what}; try a smaller time step "
-            f"(now {self.world.time_step * 1e6:g} us) or stiffer contacts"
+            f"the simulation failed at t = {self.time:.6f} s, in steps of "
+            f"{self.world.time_step * 1e6:g} us: {what}; {self._advice}"
         )
 
     def energies(self) -> dict[str, float]:
@@ -218,7 +219,7 @@ class Simulation:
 
     def restore(self, saved: dict[str, np.ndarray]) -> None:
         """Put back what `save` gave."""
-        while len(self.world.near.key) < len(saved["key"]):
+        while len(self.world.near.key) <= len(saved["key"]):
             self.world = longer_lists(self.world)
         world = self.world
         world.bodies.row[:] = saved["row"]

@@ -6,6 +6,7 @@ import io
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,21 @@ CASE: dict[str, Any] = {
     "run.rest_time": "50 ms",
     "output.checkpoint_interval": "20 ms",
 }
+
+
+class DischargeStop:
+    """A stop that asks `decide` at each look, but only once the door is open."""
+
+    def __init__(self, decide: Callable[[], bool]):
+        self._decide = decide
+        self._is_open = False
+
+    def progress(self, fraction: float, text: str) -> None:
+        """To be given as progress: its words tell the phase."""
+        self._is_open = text.endswith(" out")
+
+    def __call__(self) -> bool:
+        return self._is_open and self._decide()
 
 
 def write_case(folder: Path, changes: dict[str, Any] | None = None, name: str = "small") -> Path:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from small_silo import NARROWEST, Answer, contents, silo2d, the_run, write_case
+from small_silo import NARROWEST, Answer, DischargeStop, contents, silo2d, the_run, write_case
 
 from campaign.checkpoint import load_checkpoint, save_checkpoint
 from contact.datafile import data_file
@@ -250,8 +250,10 @@ DAMAGES = {
 def unfinished(runs, tmp_path) -> Path:
     """The folder of a run that was stopped at the second look."""
     looks = iter([False, True])
+    stop = DischargeStop(lambda: next(looks, True))
+    case = SiloCase.load(write_case(tmp_path))
     with pytest.raises(Stopped):
-        protocol.run(SiloCase.load(write_case(tmp_path)), out=runs, stop=lambda: next(looks, True))
+        protocol.run(case, out=runs, progress=stop.progress, stop=stop)
     return the_run(runs).path
 
 
@@ -372,6 +374,6 @@ def test_a_state_that_is_no_longer_possible(unfinished, column, value):
     save_checkpoint(checkpoint, arrays, meta)
     before = contents(unfinished)
     answer = silo2d("run", "--resume", unfinished, "--quiet", "--no-figures")
-    words = ["the simulation failed at t = 0.0", "try a smaller time step (now 10 us)"]
+    words = ["the simulation failed at t = 0.0", "in steps of 10 us"]
     assert_refused(answer, *words, code=3)
     assert contents(unfinished) == before

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_silo import finish, silo2d, start, the_run, write_case
+from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
 
 from campaign.folder import RunFolder
 from campaign.trajectory import read_trajectory
@@ -108,9 +108,10 @@ def test_a_run_stopped_many_times_ends_with_the_same_bits(reference, runs, tmp_p
     """Gone on from every third checkpoint or so: the lists are made anew in the same order."""
     case = SiloCase.load(write_case(tmp_path))
     chance, stops, result = random.Random(3), 0, None
+    stop = DischargeStop(lambda: chance.random() < 0.3)
     while result is None:
         try:
-            result = protocol.run(case, out=runs, stop=lambda: chance.random() < 0.3)
+            result = protocol.run(case, out=runs, progress=stop.progress, stop=stop)
         except Stopped:
             stops += 1
     assert stops >= 5
@@ -204,8 +205,9 @@ def test_ctrl_c_while_filling_says_that_the_silo_is_filled_anew(reference, tmp_p
 def test_resume_works_inside_the_folder_and_finds_the_packing(runs, tmp_path, monkeypatch):
     """`--resume .`: the packings are beside the folder, whatever it is called from within."""
     case = SiloCase.load(write_case(tmp_path))
+    stop = DischargeStop(lambda: True)
     with pytest.raises(Stopped, match="go on with: silo2d run --resume"):
-        protocol.run(case, out=runs, stop=lambda: True)
+        protocol.run(case, out=runs, progress=stop.progress, stop=stop)
     monkeypatch.setattr("silo2d.protocol.pour", None)
     monkeypatch.chdir(the_run(runs).path)
     assert silo2d("run", "--resume", ".", "--no-figures", "--json", "--quiet").json["n_out"] > 60

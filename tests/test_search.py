@@ -258,7 +258,9 @@ def test_too_deep_an_overlap_is_an_error():
     """A grain that is pressed through a wall is not let through in silence."""
     simulation = crowd(3)
     launch(simulation, 0, vx=0.0, vy=-3000.0)
-    with pytest.raises(SimulationError, match=r"failed at t = .* s: .*; try a smaller time step"):
+    with pytest.raises(
+        SimulationError, match=r"failed at t = .* s, in steps of .*: .*; try a smaller time step"
+    ):
         simulation.run(1000)
 
 
