@@ -1,6 +1,10 @@
-"""Where the shipped data files are: in a checkout, or in an installed package."""
+"""Data files: where the shipped ones are, in a checkout or installed, and reading TOML."""
 
+import tomllib
 from pathlib import Path
+from typing import Any
+
+from contact.quantity import InputError, nearest
 
 _ROOT = Path(__file__).resolve().parent.parent
 
@@ -19,3 +23,26 @@ def data_names(kind: str) -> list[str]:
 def data_file(kind: str, name: str) -> Path | None:
     """Path of the shipped file `name` of a kind (without its ending), or None."""
     return next((p for p in sorted((data_root() / kind).glob("*.*")) if p.stem == name), None)
+
+
+def read_toml(path: Path, kind: str, schema: int) -> dict[str, Any]:
+    """The tables of a TOML file of a kind, its schema number checked and taken out.
+
+    Raises InputError, one line that names the file, where it is missing, cannot be read, is no
+    TOML, or is of another schema.
+    """
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        hint = nearest(str(path), data_names(kind))
+        raise InputError(f"{path}: no such {kind} file, nor a shipped one; {hint}") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
+    except ValueError as error:  # also bytes that are not text
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+    if "schema" not in document:
+        raise InputError(f"{path}: schema is missing; write schema = {schema} on the first line")
+    found = document.pop("schema")
+    if type(found) is not int or found != schema:
+        raise InputError(f"{path}: schema = {found!r}: unknown; this version reads {schema}")
+    return document

@@ -2,13 +2,12 @@
 
 import datetime
 import reprlib
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
-from contact.datafile import data_names
+from contact.datafile import read_toml
 from contact.material import PROPERTIES
 from contact.quantity import InputError, nearest
 
@@ -84,28 +83,9 @@ class File(Table):
 def read_file(path: Path) -> File:
     """The tables of a TOML file as they are written; InputError for a wrong key or structure."""
     try:
-        return File.model_validate(_document(path))
+        return File.model_validate(read_toml(path, "materials", SCHEMA))
     except ValidationError as error:
         raise InputError(f"{path}: {_one_line(error)}") from None
-
-
-def _document(path: Path) -> dict[str, Any]:
-    """The TOML of a materials file, its schema number checked and taken out."""
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        hint = nearest(str(path), data_names("materials"))
-        raise InputError(f"{path}: no such materials file, nor a shipped one; {hint}") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
-    except ValueError as error:  # also bytes that are not text
-        raise InputError(f"{path}: not valid TOML: {error}") from None
-    if "schema" not in document:
-        raise InputError(f"{path}: schema is missing; write schema = {SCHEMA} on the first line")
-    schema = document.pop("schema")
-    if type(schema) is not int or schema != SCHEMA:
-        raise InputError(f"{path}: schema = {schema!r}: unknown; this version reads {SCHEMA}")
-    return document
 
 
 def _one_line(error: ValidationError) -> str:

@@ -2,7 +2,6 @@
 
 import json
 import reprlib
-import tomllib
 import typing
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from pydantic import (
     model_validator,
 )
 
+from contact.datafile import read_toml
 from contact.quantity import InputError, nearest, to_si
 
 SCHEMA = 1
@@ -152,17 +152,7 @@ _TABLES = [name for name in Settings.model_fields if name != "name"]
 
 def read_settings(path: Path) -> dict[str, Any]:
     """The tables of a case file as they are written; InputError if it is none."""
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
-    except ValueError as error:  # also bytes that are not text
-        raise InputError(f"{path}: not valid TOML: {error}") from None
-    if "schema" not in document:
-        raise InputError(f"{path}: schema is missing; write schema = {SCHEMA} on the first line")
-    schema = document.pop("schema")
-    if type(schema) is not int or schema != SCHEMA:
-        raise InputError(f"{path}: schema = {schema!r}: unknown; this version reads {SCHEMA}")
+    document = read_toml(path, "cases", SCHEMA)
     document.setdefault("name", path.stem)
     return document
 

@@ -1,7 +1,6 @@
 """Grain cross sections: an outline with rounded corners, its mass integrals, and shape files."""
 
 import math
-import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.datafile import data_file, data_names
+from contact.datafile import data_file, read_toml
 from contact.quantity import InputError, nearest, to_si
 
 Points = NDArray[np.float64]
@@ -268,19 +267,8 @@ def load_shapes(name_or_path: str | Path) -> ShapeSet:
     Raises InputError, "FILE: [shape NAME] ...", for whatever is missing, unknown or impossible.
     """
     path = data_file("shapes", str(name_or_path)) or Path(name_or_path)
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        hint = nearest(str(name_or_path), data_names("shapes"))
-        raise InputError(f"{path}: no such shape file, nor a shipped set; {hint}") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
-    except ValueError as error:  # also bytes that are not text
-        raise InputError(f"{path}: not valid TOML: {error}") from None
-
-    _check_keys(table, str(path), required=("schema", "spheroradius", "unit", "shape"))
-    if table["schema"] != 1:
-        raise InputError(f"{path}: schema = {table['schema']!r}: unknown; this version reads 1")
+    table = read_toml(path, "shapes", 1)
+    _check_keys(table, str(path), required=("spheroradius", "unit", "shape"))
     unit = table["unit"]
     if not (isinstance(unit, str) and unit.isalpha()):
         raise InputError(f"{path}: unit = {unit!r}: expected a unit of length, such as 'mm'")

@@ -111,8 +111,9 @@ class Simulation:
 
     def compile(self) -> None:
         """Compile or load the kernels now, so that their time is not taken for a step's."""
-        self.run(0)
+        advance(self.world, 0)
         self.energies()
+        self.touching()
 
     def refresh(self) -> None:
         """Make stale lists anew now."""

@@ -277,7 +277,7 @@ def test_bad_shape_files_are_refused_in_one_line(tmp_path, old, new, complaint):
 
 
 def test_missing_shape_files_are_named(tmp_path):
-    with pytest.raises(InputError, match=r"wood91: no such shape file.*did you mean 'wood19'"):
+    with pytest.raises(InputError, match=r"wood91: no such shapes file.*did you mean 'wood19'"):
         load_shapes("wood91")
     with pytest.raises(InputError, match="cannot be read"):
         load_shapes(tmp_path)
