@@ -1,10 +1,11 @@
 """Quantities as people write them ("1.0e4 N/mm", "475mm", "6 %") to SI numbers and back."""
 
+import contextlib
 import difflib
 import math
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from decimal import Context, Decimal
 from functools import cache
 
@@ -122,3 +123,12 @@ def nearest(name: str, known: Iterable[str]) -> str:
     close = same or difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     hint = f"did you mean {close[0]!r}? " if close else ""
     return f"{hint}known: {', '.join(names) or 'none'}"
+
+
+@contextlib.contextmanager
+def located(where: str) -> Iterator[None]:
+    """Put the place in front of the line of an InputError that comes from within."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{where} {error}") from None

@@ -4,12 +4,11 @@ import contextlib
 import dataclasses
 import json
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
 from contact.datafile import data_file
 from contact.material import PROPERTIES, LinearParameters, Material, Measured, Pair, Property
-from contact.quantity import InputError, from_si, nearest, to_si
+from contact.quantity import InputError, from_si, located, nearest, to_si
 from contact.schema import SCHEMA, Entry, PairTable, Table, read_file, section
 
 
@@ -26,7 +25,7 @@ class ContactTable:
 
     def __post_init__(self) -> None:
         for first, second in self.pairs:
-            with _located(f"{self._name}[pair.{first}-{second}]"):
+            with located(f"{self._name}[pair.{first}-{second}]"):
                 for name in (first, second):
                     if name not in self.materials:
                         hint = nearest(name, self.materials)
@@ -68,25 +67,16 @@ def load_table(name_or_path: str | Path) -> ContactTable:
     file = read_file(path)
     materials = {}
     for name, written in file.material.items():
-        with _located(f"{path}: {section('material', name)}"):
+        with located(f"{path}: {section('material', name)}"):
             materials[name] = Material(name, **_quantities(written))
     pairs = [_pair(path, names, written) for names, written in file.pair.items()]
     return ContactTable(materials, {(p.first, p.second): p for p in pairs}, path)
 
 
-@contextlib.contextmanager
-def _located(where: str) -> Iterator[None]:
-    """Put the place in front of the line of an InputError."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{where} {error}") from None
-
-
 def _pair(path: Path, names: str, written: PairTable) -> Pair:
-    with _located(f"{path}: {section('pair', names, 'linear')}"):
+    with located(f"{path}: {section('pair', names, 'linear')}"):
         linear = LinearParameters(**_quantities(written.linear)) if written.linear else None
-    with _located(f"{path}: {section('pair', names)}"):
+    with located(f"{path}: {section('pair', names)}"):
         first, _, second = names.partition("-")
         if not second or "-" in second:
             raise InputError("a pair is named by two materials and a hyphen, such as wood-steel")

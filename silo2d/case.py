@@ -1,9 +1,7 @@
 """A silo case: settings resolved to shapes, outline, laws and time step; text to arrays."""
 
-import contextlib
 import copy
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,21 +11,16 @@ import numpy as np
 
 from contact.datafile import data_file, data_names
 from contact.laws import LinearLaw
-from contact.material import Pair
-from contact.quantity import InputError, nearest, to_si
-from contact.restitution import damping_for_restitution, linear_restitution
+from contact.quantity import InputError, located, nearest, to_si
+from contact.restitution import linear_restitution
 from contact.table import load_table
 from silo2d.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
+from silo2d.parameters import contact_laws, filling_laws, filling_time_step, time_step_of
 from silo2d.settings import Settings, Silo, check_settings, read_settings, to_toml
 from silo2d.shape import ShapeSet, load_shapes, vertex_list
-from silo2d.stability import largest_stable_step, step_for_held_grains
 from silo2d.state import MAX_VERTICES
 
 GRAVITY = 9.81  # [m/s2]
-USUAL_TIME_STEP = 5e-6  # [s] discharge times do not change between 2 and 10 us
-# Pouring takes a quarter of the stiffness, and so twice the step, of the materials file.
-POUR_SOFTER = 4.0
-_MARGIN = 0.8  # of the largest stable step, where the usual one is too long
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,17 +81,15 @@ class SiloCase:
             table.pair(particles.material, particles.wall),
         )
         mean_mass = surface_density * shapes.mean_area
-        laws = _laws(settings, pairs, mean_mass, where)
-        limit, configuration = largest_stable_step(shapes, surface_density, *laws)
-        time_step, reason = _time_step(settings.run.time_step, limit, configuration, where)
-        held = step_for_held_grains(shapes, surface_density, laws[0])
-        reason += f"; {held * 1e6:.3g} us would cover a grain held on all faces"
-        pour_laws = _pour_laws(pairs)
-        pour_limit, _ = largest_stable_step(shapes, surface_density, *pour_laws)
+        laws = contact_laws(settings, pairs, mean_mass, where)
+        time_step, reason = time_step_of(
+            settings.run.time_step, shapes, surface_density, laws, where
+        )
+        pour_laws = filling_laws(pairs)
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}
         return cls(
             settings, outline, shapes, surface_density, *laws, time_step, reason,
-            pour_laws, _chosen_step(2 * USUAL_TIME_STEP, pour_limit),
+            pour_laws, filling_time_step(shapes, surface_density, pour_laws),
             {name: Path(file).read_text(encoding="utf-8") for name, file in files.items()},
         )  # fmt: skip
 
@@ -212,21 +203,13 @@ def _outline(silo: Silo, name: str, where: str) -> Outline:
         unit = to_si(f"1 {silo.outline_unit}", "m", f"{where}: [silo] outline_unit")
         points = vertex_list(silo.outline, field) * unit
         return outline_from_polygon(points, silo.outlet, silo.outlet_centre, name, field)
-    with _located(f"{where}: [silo]"):
+    with located(f"{where}: [silo]"):
         angle, outlet = preset_sizes(silo.preset) if silo.preset else (None, None)
         angle = angle if silo.angle is None else silo.angle
         outlet = silo.outlet or outlet
         if angle is None or outlet is None:
             raise InputError("needs a preset ('A4'), or angle and outlet, or an outline")
         return hopper(angle, outlet, silo.width or 0.3, silo.height or 0.5, name)
-
-
-@contextlib.contextmanager
-def _located(where: str) -> Iterator[None]:
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{where} {error}") from None
 
 
 def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: str) -> None:
@@ -249,102 +232,3 @@ def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: 
             f"{shapes.name}: [shape {too_many.name}] has {len(too_many.core)} vertices; at most "
             f"{MAX_VERTICES} are offered"
         )
-
-
-def _laws(
-    settings: Settings, pairs: tuple[Pair, Pair], mean_mass: float, where: str
-) -> tuple[LinearLaw, LinearLaw]:
-    """Grain-grain and grain-wall laws: the materials file, then what the case changes."""
-    law = settings.law
-    friction = law.mu_particle, law.mu_wall
-    gammas = _gamma_overrides(settings, pairs)
-    laws = []
-    for pair, mu, gamma, mass in zip(
-        pairs, friction, gammas, (mean_mass / 2, mean_mass), strict=True
-    ):
-        if pair.linear is None:
-            raise InputError(
-                f"{settings.particles.materials}: [pair.{pair.first}-{pair.second}.linear] is "
-                "missing; give kn, kt, gamma_n and gamma_t"
-            )
-        known = pair.linear
-        kn = law.kn or known.kn.value
-        stiffer = kn / known.kn.value if law.keep_ratios else 1.0
-        kt = law.kt or known.kt.value * stiffer
-        if kt <= 0:
-            raise InputError(f"{where}: kt = {kt:g} N/m: must be above 0; for no friction, set mu")
-        gamma_n = known.gamma_n.value * math.sqrt(stiffer) if gamma is None else gamma
-        if law.damping == "restitution":
-            gamma_n = _gamma_from_restitution(settings, pair, kn, mass, where)
-        gamma_t = known.gamma_t.value if law.gamma_t is None else law.gamma_t
-        mu = pair.friction.value if mu is None else mu
-        laws.append(LinearLaw(kn, kt, mu, gamma_n, gamma_t, law.contact_end == "overlap"))
-    return laws[0], laws[1]
-
-
-def _pour_laws(pairs: tuple[Pair, Pair]) -> tuple[LinearLaw, LinearLaw]:
-    """Laws of the filling: no friction, so that no large voids form, and soft, to be quick.
-
-    They come from the materials file alone: what a case changes acts after the opening, and
-    cases that differ in it share a packing.
-    """
-    laws = []
-    for pair in pairs:
-        assert pair.linear is not None  # _laws has refused that
-        kn, kt = pair.linear.kn.value / POUR_SOFTER, pair.linear.kt.value / POUR_SOFTER
-        gamma_n = pair.linear.gamma_n.value / math.sqrt(POUR_SOFTER)
-        laws.append(LinearLaw(kn, kt, 0.0, gamma_n, pair.linear.gamma_t.value, True))
-    return laws[0], laws[1]
-
-
-def _gamma_overrides(
-    settings: Settings, pairs: tuple[Pair, Pair]
-) -> tuple[float | None, float | None]:
-    """gamma_n of the case for both pairs; the wall's scales with the particles' unless given."""
-    grain, wall = settings.law.gamma_n, settings.law.gamma_n_wall
-    first, second = pairs[0].linear, pairs[1].linear
-    if grain is not None and wall is None and first and second and first.gamma_n.value > 0:
-        wall = grain * second.gamma_n.value / first.gamma_n.value
-    return grain, wall
-
-
-def _gamma_from_restitution(
-    settings: Settings, pair: Pair, kn: float, mass: float, where: str
-) -> float:
-    """The damping with which one contact of two grains of mean mass has the pair's restitution."""
-    if settings.law.gamma_n is not None or settings.law.gamma_n_wall is not None:
-        raise InputError(
-            f"{where}: [law] gamma_n goes with damping = 'published'; with 'restitution' it "
-            "follows from the materials file: leave one of them out"
-        )
-    if pair.restitution is None:
-        raise InputError(
-            f"{settings.particles.materials}: [pair.{pair.first}-{pair.second}] restitution is "
-            "missing; damping = 'restitution' needs it"
-        )
-    return damping_for_restitution(pair.restitution.value, kn, mass, end=settings.law.contact_end)
-
-
-def _time_step(
-    wanted: float | None, limit: float, configuration: str, where: str
-) -> tuple[float, str]:
-    """The time step [s] and the reason for it; refused beyond the stable one."""
-    bound = f"stable up to {limit * 1e6:.3g} us ({configuration})"
-    if wanted is not None:
-        if wanted > limit:
-            raise InputError(
-                f"{where}: [run] time_step = {wanted * 1e6:g} us: not stable; at most "
-                f"{limit * 1e6:.3g} us ({configuration}); leave it out and one is chosen"
-            )
-        return wanted, f"as given; {bound}"
-    chosen = _chosen_step(USUAL_TIME_STEP, limit)
-    reason = "the usual one" if chosen == USUAL_TIME_STEP else f"{_MARGIN:g} of the largest stable"
-    return chosen, f"{reason}; {bound}"
-
-
-def _chosen_step(usual: float, limit: float) -> float:
-    """The usual time step [s], or a part of the limit rounded down to two digits."""
-    if limit >= usual:
-        return usual
-    exponent = math.floor(math.log10(_MARGIN * limit)) - 1
-    return math.floor(_MARGIN * limit / 10**exponent) * 10.0**exponent

@@ -9,17 +9,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
     ValidationError,
     ValidationInfo,
-    model_validator,
 )
 
 from contact.datafile import read_toml
-from contact.quantity import InputError, nearest, to_si
+from contact.quantity import InputError, to_si
+from contact.schema import Table
 
 SCHEMA = 1
 
@@ -55,20 +54,10 @@ def _folder_name(name: str) -> str:
     return name
 
 
-class Section(BaseModel):
+class Section(Table):
     """A table of the case file; takes the keys of its class and no others."""
 
-    model_config = ConfigDict(frozen=True)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _only_known_keys(cls, table: object) -> object:
-        if not isinstance(table, dict):
-            raise ValueError("expected a table of keys")
-        for key in table:
-            if key not in cls.model_fields:
-                raise ValueError(f"unknown key {key!r}; {nearest(key, cls.model_fields)}")
-        return table
+    model_config = ConfigDict(frozen=True, strict=False)
 
 
 class Silo(Section):

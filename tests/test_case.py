@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from small_silo import write_case
 
 from contact.quantity import InputError
-from silo2d.case import USUAL_TIME_STEP, SiloCase
+from silo2d.case import SiloCase
 from silo2d.outline import PRESETS
 from silo2d.packing import packing_digest
+from silo2d.parameters import USUAL_TIME_STEP
 from silo2d.protocol import run_digest
 from silo2d.settings import Settings, check_settings, to_toml
 from silo2d.stability import largest_stable_step
