@@ -1,6 +1,7 @@
 """A silo case: settings resolved to shapes, outline, laws and time step; text to arrays."""
 
 import copy
+import dataclasses
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +17,7 @@ from contact.restitution import linear_restitution
 from contact.table import load_table
 from silo2d.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
 from silo2d.parameters import contact_laws, filling_laws, filling_time_step, time_step_of
-from silo2d.settings import Settings, Silo, check_settings, read_settings, to_toml
+from silo2d.settings import Fill, Settings, Silo, check_settings, known_keys, read_settings, to_toml
 from silo2d.shape import ShapeSet, load_shapes, vertex_list
 from silo2d.state import MAX_VERTICES
 
@@ -53,6 +54,8 @@ class SiloCase:
         if not path.is_file():
             known = [*PRESETS, *data_names("cases")]
             shipped = data_file("cases", name)
+            if shipped is None and path.with_suffix(".toml").is_file():
+                raise InputError(f"case {name!r}: no such preset; did you mean '{name}.toml'?")
             if shipped is None:
                 raise InputError(f"case {name!r}: no such preset or file; {nearest(name, known)}")
             path = shipped
@@ -114,10 +117,34 @@ class SiloCase:
 
     @property
     def label(self) -> str:
-        """What people call the silo: the paper's name for the paper's outlines alone."""
-        if self.silo_name:
-            return self.silo_name
-        return f"{self.name} (changed)" if self.name in PRESETS else self.name
+        """What people call the silo: the paper's name, marked where anything is not the paper's."""
+        if self.published_name and self._acts_as(SiloCase.load(self.published_name)):
+            return self.published_name
+        name = self.silo_name or self.name
+        return f"{name} (changed)" if name in PRESETS else name
+
+    @property
+    def published_name(self) -> str | None:
+        """The paper's silo whose printed times this case may be set beside, or None.
+
+        Outline and fill level are the paper's; particles and law may differ, as in its own study
+        of sensitivity.
+        """
+        usual = math.isclose(self.settings.fill.level, Fill().level)
+        return self.silo_name if usual else None
+
+    def _acts_as(self, other: "SiloCase") -> bool:
+        """Whether particles and laws are those of another case."""
+        mine, theirs = (
+            (
+                case.grain_law,
+                case.wall_law,
+                case.surface_density,
+                [s.area for s in case.shapes.shapes],
+            )
+            for case in (self, other)
+        )
+        return mine == theirs
 
     @property
     def mean_mass(self) -> float:
@@ -175,7 +202,11 @@ def _changed(document: dict[str, Any], changes: dict[str, Any] | None) -> dict[s
     """The document with some keys ("section.key") set."""
     document = copy.deepcopy(document)
     for place, value in (changes or {}).items():
-        section, key = place.split(".")
+        section, dot, key = place.partition(".")
+        if not dot:
+            known = [f"{s}.{k}" for s, keys in known_keys().items() for k in keys]
+            close = [name for name in known if name.endswith(f".{place}")] or known
+            raise InputError(f"change {place!r}: write section.key; {nearest(place, close)}")
         table = document.setdefault(section, {})
         if isinstance(table, dict):
             table[key] = value
@@ -209,7 +240,8 @@ def _outline(silo: Silo, name: str, where: str) -> Outline:
         outlet = silo.outlet or outlet
         if angle is None or outlet is None:
             raise InputError("needs a preset ('A4'), or angle and outlet, or an outline")
-        return hopper(angle, outlet, silo.width or 0.3, silo.height or 0.5, name)
+        size = silo.width or 0.3, silo.height or 0.5
+        return dataclasses.replace(hopper(angle, outlet, *size, "hopper"), name=name)
 
 
 def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: str) -> None:

@@ -96,14 +96,16 @@ def panel_frames(time: np.ndarray) -> list[int]:
     """Frames (n,) nearest to the times of the panels, for frames at `time` (F,) [s].
 
     The times are multiples of 0.25 s, or of the smallest multiple of it that gives no more than
-    eight panels; the last frame is one too where it comes at least half of that later.
+    eight panels. The last frame is always one, in place of a panel that comes less than a quarter
+    of a step before it.
     """
     end = time[-1] - time[0]
     step = _INTERVAL * max(1, np.ceil(end / _INTERVAL / (_MOST_PANELS - 1) - 1e-9))
     wanted = step * np.arange(int(end / step + 1e-9) + 1)
-    if end - wanted[-1] >= step / 2:
-        wanted = np.append(wanted, end)
-    return [int(np.abs(time - time[0] - t).argmin()) for t in wanted]
+    if len(wanted) > 1 and end - wanted[-1] < step / 4:
+        wanted = wanted[:-1]
+    frames = [int(np.abs(time - time[0] - t).argmin()) for t in [*wanted, end]]
+    return list(dict.fromkeys(frames))
 
 
 def _draw_silo(panel: "Axes", scene: Scene, frame: int) -> None:

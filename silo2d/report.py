@@ -122,7 +122,7 @@ def _percent(part: float | None) -> str:
 
 def _published(result: Result) -> str:
     known = result.published
-    parts = []
+    parts = ["the paper's own"] if result.silo.endswith("(changed)") else []
     if known.get("experiment_mean_s") is not None:
         spread = known.get("experiment_sd_s")
         parts.append(
@@ -136,4 +136,5 @@ def _published(result: Result) -> str:
         parts.append(f"SPOLY {known['simulation_s']:.2f} s")
     elif known.get("simulation_clogged"):
         parts.append("SPOLY clogged")
-    return f"({', '.join(parts)})" if parts else "(nothing published)"
+    nothing = all(known.get(k) is None for k in ("experiment_n", "simulation_s"))
+    return "(nothing published)" if nothing else f"({', '.join(parts)})"

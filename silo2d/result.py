@@ -89,8 +89,8 @@ def summarise(
         "mass_out_kg": float(mass[~np.isnan(out_time)].sum()),
         "discharge_time_s": None if cut_off else measures["last_out_s"],
         "t90_s": None if cut_off else measures["t90_s"],
-        "mean_rate_per_s": measures["mean_rate_per_s"],
-        "mean_mass_flow_kg_per_s": measures["mean_mass_flow_kg_per_s"],
+        "mean_rate_per_s": None if cut_off else measures["mean_rate_per_s"],
+        "mean_mass_flow_kg_per_s": None if cut_off else measures["mean_mass_flow_kg_per_s"],
         "packing_fraction": packing.fraction,
         "coordination": packing.coordination,
         "time_step_s": case.time_step,
@@ -101,7 +101,7 @@ def summarise(
         "energy_closure": closure,
         "dissipated_j": {name: float(frames[name][-1]) for name in MECHANISMS},
         "restitution": case.restitution(),
-        "published": published_times(case.silo_name or ""),
+        "published": published_times(case.published_name or ""),
         "state_digest": sim.state_digest(),
     }
 

@@ -139,6 +139,16 @@ class Settings(Section):
 _TABLES = [name for name in Settings.model_fields if name != "name"]
 
 
+def known_keys() -> dict[str, list[str]]:
+    """The keys of each section of a case file."""
+    sections = {key: field.annotation for key, field in Settings.model_fields.items()}
+    return {
+        key: list(section.model_fields)
+        for key, section in sections.items()
+        if isinstance(section, type) and issubclass(section, Section)
+    }
+
+
 def read_settings(path: Path) -> dict[str, Any]:
     """The tables of a case file as they are written; InputError if it is none."""
     document = read_toml(path, "cases", SCHEMA)

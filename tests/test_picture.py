@@ -53,17 +53,17 @@ def test_outlines_have_the_grains_area_and_place(run):
 @pytest.mark.parametrize(
     ("end", "times"),
     [
-        (1.06, [0, 0.25, 0.5, 0.75, 1.0]),
+        (1.06, [0, 0.25, 0.5, 0.75, 1.06]),
         (1.15, [0, 0.25, 0.5, 0.75, 1.0, 1.15]),
         (1.75, [0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75]),
         (2.4, [0, 0.5, 1.0, 1.5, 2.0, 2.4]),
         (6.0, [0, 1, 2, 3, 4, 5, 6]),
         (0.0, [0]),
-        (0.1, [0]),
+        (0.1, [0, 0.1]),
     ],
 )
 def test_panels_stand_at_even_times(end, times):
-    """0.25 s as in the paper, or the smallest multiple of it that gives at most eight."""
+    """0.25 s as in the paper, or a multiple of it that gives at most eight; and the end."""
     frames = panel_frames(np.arange(round(100 * end) + 1) / 100)
     assert [k / 100 for k in frames] == times
 
@@ -83,7 +83,7 @@ def test_silo_sheet_is_to_scale_and_tells_time_and_count(run):
     figure.draw_without_rendering()
     n_out = scene.trajectory["n_out"]
     assert [panel.get_title() for panel in figure.axes] == [
-        f"{0.25 * k:.2f} s, {n_out[25 * k]} out" for k in range(5)
+        f"{k / 100:.2f} s, {n_out[k]} out" for k in (0, 25, 50, 75, 105)
     ]
     for panel in figure.axes:
         (x0, y0), (x1, y1) = panel.transData.transform([(0, 0), (0.1, 0.1)])
