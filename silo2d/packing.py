@@ -45,13 +45,7 @@ def packing_digest(case: SiloCase, seed: int) -> str:
 
 
 def save_packing(packing: Packing, folder: Path) -> None:
-    """Keep a packing in its folder; FolderError where it cannot be written."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FolderError(
-            f"{folder}: cannot be made ({error.strerror}); give another folder with --out"
-        ) from None
+    """Keep a packing in its folder, which is there; FolderError where it cannot be written."""
     meta = {
         "fraction": packing.fraction,
         "coordination": packing.coordination,

@@ -84,7 +84,9 @@ def run_in(
         if folder.state == "new":
             _begin_folder(folder, case)
         else:
-            _warn_of_other_sources(folder)
+            made = folder.read_provenance().get("source_digest")
+            cure = "--again computes it anew beside it"
+            _warn_of_other_sources(f"{folder.path} was begun", made, cure)
         if folder.state == "finished":
             return Result.read(folder, reused=True)
         sim, clock, packing = _start_or_resume(folder, case, progress, stop)
@@ -111,14 +113,11 @@ def _begin_folder(folder: RunFolder, case: SiloCase) -> None:
     folder.write_case(case.to_toml())  # last: from here on the run counts as begun
 
 
-def _warn_of_other_sources(folder: RunFolder) -> None:
-    made = folder.read_provenance().get("source_digest")
+def _warn_of_other_sources(what: str, made: str | None, cure: str) -> None:
+    """A line on stderr where `made`, a digest of sources, is not that of these."""
     if made != source_digest(_SOURCES):
-        print(
-            f"warning: {folder.path} was begun by another version of the sources ({made}); "
-            "--again computes it anew beside it",
-            file=sys.stderr,
-        )
+        line = f"warning: {what} by another version of the sources ({made}); {cure}"
+        print(line, file=sys.stderr)
 
 
 def _start_or_resume(
@@ -173,12 +172,9 @@ def get_packing(
             packing = pour(case, seed, report)
         packing = dataclasses.replace(packing, sources=source_digest(_SOURCES))
         save_packing(packing, folder)
-    elif packing.sources != source_digest(_SOURCES):
-        print(
-            f"warning: {folder} was filled by another version of the sources "
-            f"({packing.sources}); delete it and it is filled anew",
-            file=sys.stderr,
-        )
+    else:
+        cure = "delete it and it is filled anew"
+        _warn_of_other_sources(f"{folder} was filled", packing.sources, cure)
     return packing
 
 
