@@ -206,6 +206,36 @@ def render(folder: str, no_film: bool) -> None:
 
 
 @app.command()
+@click.argument("folder")
+@click.argument("what", required=False)
+@click.option("--no-figures", is_flag=True, help="Print the numbers only.")
+@_json
+def observe(folder: str, what: str | None, no_figures: bool, as_json: bool) -> None:
+    """Measure something of a run: numbers on stdout, a picture in figures/.
+
+    Without WHAT it says what can be measured.
+    """
+    from campaign.folder import resume_run
+    from silo2d.measures import MEASURES, find
+    from silo2d.sheet import write_figure
+
+    if what is None:
+        click.echo("\n".join(f"{name:15} {text}" for name, (_, text) in MEASURES.items()))
+        return
+    found, path = find(what), resume_run(folder).path
+    numbers = found.measure(path)
+    if as_json:
+        click.echo(json.dumps(numbers, indent=2))
+    else:
+        lines = (f"{k:32} {v:.4g}" if isinstance(v, float) else f"{k:32} {v}"
+                 for k, v in numbers.items() if not isinstance(v, (list, dict)))  # fmt: skip
+        click.echo("\n".join(lines))
+    if not no_figures:
+        picture = write_figure(path / "figures" / f"{what}.png", lambda: found.draw(path))
+        click.echo(picture, err=True)
+
+
+@app.command()
 @click.argument("file")
 def init(file: str) -> None:
     """Write a case file with a comment on every key."""

@@ -1,15 +1,16 @@
 """Figures of a run, drawn from its folder: the silo sheet here, graphs and the film elsewhere."""
 
-import io
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from campaign.folder import RunFolder, write_atomic, writing
+from campaign.folder import RunFolder
 from silo2d.charts import discharge_chart, energy_chart, force_chart
 from silo2d.film import make_film
 from silo2d.scene import GRAIN_EDGE, INK, WALL, WOOD, Scene, read_scene
+from silo2d.sheet import write_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,21 +18,7 @@ if TYPE_CHECKING:
 
 _INTERVAL = 0.25  # s between panels, as in the paper's figures
 _MOST_PANELS = 8
-_DPI = 160
 _PANEL_WIDTH, _GAP, _TITLE, _HEADLINE, _NARROWEST = 2.5, 0.22, 0.36, 0.5, 6.0  # inches
-_STYLE: Any = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib, so pictures look alike everywhere
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": WALL,
-    "axes.labelcolor": INK,
-    "text.color": INK,
-    "xtick.color": WALL,
-    "ytick.color": WALL,
-    "legend.frameon": False,
-    "lines.linewidth": 1.4,
-}
 
 
 def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
@@ -45,25 +32,17 @@ def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
 
     Raises FolderError when the folder holds no frame yet or cannot be read or written.
     """
-    from matplotlib import rc_context
-
     scene = read_scene(run_folder)
     folder = RunFolder(Path(run_folder)).figures
-    with writing(folder):
-        folder.mkdir(exist_ok=True)
     sheets = {
         "silo": silo_sheet,
         "discharge": discharge_chart,
         "energy": energy_chart,
         "forces": force_chart,
     }
-    paths = []
-    for name, draw in sheets.items():
-        image = io.BytesIO()
-        with rc_context(_STYLE):
-            draw(scene).savefig(image, format="png", dpi=_DPI)
-        paths.append(folder / f"{name}.png")
-        write_atomic(paths[-1], image.getvalue())
+    paths = [
+        write_figure(folder / f"{name}.png", partial(draw, scene)) for name, draw in sheets.items()
+    ]
     return [*paths, make_film(scene, folder)] if film else paths
 
 

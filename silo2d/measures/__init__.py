@@ -1,0 +1,38 @@
+"""What can be observed of a finished run: a table of names, each a module of this package.
+
+A measure is a module with two functions of a run folder:
+
+    measure(folder) -> dict            numbers and series in SI, ready for JSON
+    draw(folder) -> Figure             the same as a matplotlib figure
+
+Measures read run folders and never the live world.
+"""
+
+import importlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+from contact.quantity import InputError, nearest
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# name as in `silo2d observe RUN WHAT`: module of this package, what it tells
+MEASURES: dict[str, tuple[str, str]] = {}
+
+
+class Measure(Protocol):
+    """What a module of this package offers."""
+
+    def measure(self, folder: Path) -> dict[str, Any]:
+        """Numbers and series in SI."""
+
+    def draw(self, folder: Path) -> "Figure":
+        """The measure as a picture."""
+
+
+def find(name: str) -> Measure:
+    """The measure of a name; InputError with the names there are."""
+    if name not in MEASURES:
+        raise InputError(f"observe {name!r}: {nearest(name, list(MEASURES))}")
+    return cast(Measure, importlib.import_module(f"silo2d.measures.{MEASURES[name][0]}"))
