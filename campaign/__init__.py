@@ -6,6 +6,7 @@ The names load on first use, so that a command which only prints its help stays 
 from importlib import import_module
 
 _HOME = {
+    "EngineError": "engine",
     "FolderError": "folder",
     "Progress": "terminal",
     "RunFolder": "folder",
@@ -17,6 +18,7 @@ _HOME = {
     "open_run": "folder",
     "read_trajectory": "trajectory",
     "resume_run": "folder",
+    "run_tasks": "engine",
     "save_checkpoint": "checkpoint",
 }
 

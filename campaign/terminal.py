@@ -16,8 +16,9 @@ class Progress:
     `with Progress("A4") as progress: progress.update(0.42, "t = 1.2 s")`. Quiet prints nothing.
     """
 
-    def __init__(self, title: str, quiet: bool = False) -> None:
+    def __init__(self, title: str, quiet: bool = False, memory: float = 30.0) -> None:
         self._title = title
+        self._memory = memory  # [s] over which the speed is taken that gives the time left
         self._quiet = quiet
         self._bar: Any = None
         self._started = 0.0
@@ -26,7 +27,7 @@ class Progress:
     def __enter__(self) -> Self:
         self._started = monotonic()
         if not self._quiet and sys.stderr.isatty():
-            self._bar = _bar()
+            self._bar = _bar(self._memory)
             self._task = self._bar.add_task(self._title, total=1.0, text="")
             self._bar.start()
         return self
@@ -47,7 +48,7 @@ class Progress:
             print(line, file=sys.stderr, flush=True)
 
 
-def _bar():
+def _bar(memory: float):
     from rich import progress
     from rich.console import Console
 
@@ -58,6 +59,7 @@ def _bar():
         progress.TimeRemainingColumn(),
         progress.TextColumn("{task.fields[text]}", markup=False),
         console=Console(stderr=True),
+        speed_estimate_period=memory,
         redirect_stdout=False,  # the answer of --json must not end up on stderr
     )
 

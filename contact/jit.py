@@ -46,7 +46,8 @@ _KEPT_FOLDERS = 4  # older ones are pruned
 
 
 @cache
-def _cache_folder() -> str:
+def cache_folder() -> str:
+    """Where the kernels of these sources are kept."""
     root = Path(__file__).resolve().parent.parent
     text = hashlib.sha256(numba.__version__.encode())
     for package in _PACKAGES:
@@ -71,7 +72,7 @@ def _cache_folder() -> str:
 
 def already_compiled() -> bool:
     """Whether kernels of these sources were compiled before, so that a start takes no time."""
-    return any(Path(_cache_folder()).rglob("*.nbc"))
+    return any(Path(cache_folder()).rglob("*.nbc"))
 
 
 def _prune(kernels: Path, current: Path) -> None:
@@ -84,7 +85,7 @@ def _prune(kernels: Path, current: Path) -> None:
 def njit(function):
     """numba.njit with the project's cache folder and options."""
     usual = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = _cache_folder()  # read by numba when it decorates
+    numba.config.CACHE_DIR = cache_folder()  # read by numba when it decorates
     try:
         return numba.njit(cache=True, error_model="numpy", nogil=True, noalias=True)(function)
     finally:

@@ -268,6 +268,7 @@ def show(name: str) -> None:
 
 def main() -> None:
     """Run the command; one line on stderr and an exit code for whatever goes wrong."""
+    from campaign.engine import EngineError
     from campaign.folder import FolderError
     from contact.quantity import InputError
 
@@ -275,7 +276,7 @@ def main() -> None:
         app(standalone_mode=False, prog_name="silo2d")
     except click.ClickException as error:
         _fail(error.format_message().replace("\n", " "), 2)
-    except (InputError, FolderError) as error:
+    except (InputError, FolderError, EngineError) as error:
         _fail(str(error), 2)
     except (KeyboardInterrupt, click.Abort):
         _fail("interrupted; the same command goes on from the last checkpoint", 130)

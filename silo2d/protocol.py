@@ -3,7 +3,8 @@
 import dataclasses
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from campaign.checkpoint import load_checkpoint
@@ -152,29 +153,52 @@ def get_packing(
     A filling that is stopped is poured again from its seed the next time (raises Stopped).
     Raises FolderError where a packing is damaged, or could not be written.
     """
-    seed = case.settings.run.seed
-    folder = root / "packings" / packing_digest(case, seed)
+    folder = root / "packings" / packing_digest(case, case.settings.run.seed)
     packing = load_packing(folder)
     if packing is None:
         with writing(folder):  # before the work of filling, not after it
             folder.mkdir(parents=True, exist_ok=True)
+        with filling_alone(folder, stop):
+            return load_packing(folder) or _fill(case, folder, progress, stop)
+    cure = "delete it and it is filled anew"
+    _warn_of_other_sources(f"{folder} was filled", packing.sources, cure)
+    return packing
 
-        def report(phase: str, fraction: float, text: str) -> None:
-            progress(fraction, f"{phase}, {text}")
-            if stop():
-                raise Stopped("the same command fills the silo anew, from its seed")
 
-        if case.settings.fill.pour_with == "pymunk":
-            from silo2d.pour_pymunk import pour_with_pymunk
+@contextmanager
+def filling_alone(folder: Path, stop: Callable[[], bool]) -> Iterator[None]:
+    """Wait until no other process fills this packing; a killed one leaves no lock behind."""
+    from filelock import FileLock, Timeout
 
-            packing = pour_with_pymunk(case, seed, report)
-        else:
-            packing = pour(case, seed, report)
-        packing = dataclasses.replace(packing, sources=source_digest(_SOURCES))
-        save_packing(packing, folder)
+    lock = FileLock(folder.with_name(f".{folder.name}.lock"))
+    while not lock.is_locked:
+        with writing(folder):
+            try:
+                lock.acquire(timeout=0.5)
+            except Timeout:
+                if stop():
+                    raise Stopped("the same command goes on from there") from None
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Callable[[], bool]) -> Packing:
+    def report(phase: str, fraction: float, text: str) -> None:
+        progress(fraction, f"{phase}, {text}")
+        if stop():
+            raise Stopped("the same command fills the silo anew, from its seed")
+
+    seed = case.settings.run.seed
+    if case.settings.fill.pour_with == "pymunk":
+        from silo2d.pour_pymunk import pour_with_pymunk
+
+        packing = pour_with_pymunk(case, seed, report)
     else:
-        cure = "delete it and it is filled anew"
-        _warn_of_other_sources(f"{folder} was filled", packing.sources, cure)
+        packing = pour(case, seed, report)
+    packing = dataclasses.replace(packing, sources=source_digest(_SOURCES))
+    save_packing(packing, folder)
     return packing
 
 

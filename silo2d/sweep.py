@@ -1,0 +1,153 @@
+"""Many cases on many cores: each packing filled once, each run in its own folder, one row each."""
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from campaign.engine import Failed, Interrupted, Outcome, Stop, Tally, run_tasks
+from campaign.folder import FolderError, RunFolder, open_run
+from campaign.terminal import Progress
+from contact.quantity import InputError
+from silo2d import protocol
+from silo2d.case import SiloCase
+from silo2d.discharge import Stopped
+from silo2d.packing import packing_digest
+from silo2d.result import Result
+from silo2d.simulation import SimulationError
+from silo2d.warm import compile_kernels
+
+_MEMORY = 3600.0  # [s] over which the speed is taken that gives the time left
+
+Labels = dict[str, Any]
+
+
+class _Task(NamedTuple):
+    """What a worker is given."""
+
+    case: SiloCase
+    out: Path
+    fill_only: bool  # the packing alone, which several runs wait for
+
+
+def run_cases(
+    cases: Sequence[tuple[Labels, SiloCase]],
+    *,
+    out: Path,
+    engine: str = "processes",
+    workers: int | None = None,
+    scheduler: str | None = None,
+    quiet: bool = False,
+) -> list[dict[str, Any]]:
+    """Run labelled cases and return a row for each, in their order.
+
+    A row holds the labels, the fields of Result (nested ones as "dissipated_j.name"; a label of
+    the same name goes before a field), "state" ("done", "failed" or "interrupted") and "reason"
+    (one line, or ""). A run that is finished below `out` is read, not done again; one that is not
+    goes on. After Ctrl-C the runs keep their state and rows that lack are "interrupted".
+    Raises EngineError where the engine cannot start and FolderError where `out` cannot be used.
+    """
+    out = Path(out).resolve()
+    folders = [_folder(case, out) for _, case in cases]
+    ended: dict[Path, Outcome] = {}
+    missing: dict[Path, SiloCase] = {}
+    for folder, (_, case) in zip(folders, cases, strict=True):
+        if folder.state == "finished":
+            ended[folder.path] = _read(folder)
+        else:
+            missing[folder.path] = case
+    if missing:
+        tasks, needs = _tasks(list(missing.values()), out)
+        before = len(ended)
+        with Progress("sweep", quiet=quiet, memory=_MEMORY) as bar:
+            outcomes = run_tasks(
+                run_task, tasks, needs=needs, engine=engine, workers=workers,
+                scheduler=scheduler, report=lambda tally: bar.update(*_words(tally, before)),
+            )  # fmt: skip
+        runs = (o for o, task in zip(outcomes, tasks, strict=True) if not task.fill_only)
+        ended |= dict(zip(missing, runs, strict=True))
+    return [
+        _row(labels, folder.path, ended[folder.path])
+        for folder, (labels, _) in zip(folders, cases, strict=True)
+    ]
+
+
+def run_task(task: _Task, stop: Stop) -> Result | None:
+    """Run a case, or fill its packing; in a worker."""
+    compile_kernels()
+    try:
+        if task.fill_only:
+            protocol.get_packing(task.case, task.out, lambda fraction, text: None, stop)
+            return None
+        return protocol.run(task.case, out=task.out, stop=stop)
+    except Stopped as error:
+        raise Interrupted(str(error)) from None
+    except (InputError, FolderError, SimulationError) as error:
+        raise Failed(_without_again(str(error))) from None
+
+
+def _folder(case: SiloCase, out: Path) -> RunFolder:
+    name = f"{case.name}-seed{case.settings.run.seed}"
+    return open_run(out, name, protocol.run_digest(case))
+
+
+def _read(folder: RunFolder) -> Outcome:
+    """What a finished run found; damaged, it is refused and left as it is."""
+    try:
+        return Outcome("done", Result.read(folder, reused=True))
+    except FolderError as error:
+        return Outcome("failed", reason=_without_again(str(error), folder.path))
+
+
+def _without_again(line: str, folder: Path | None = None) -> str:
+    """An error line for a sweep, which has no --again."""
+    what, again, _ = line.partition("; use --again")
+    if not again:
+        return line
+    place = f"the folder {folder}" if folder else "the folder of the run"
+    return f"{what}; delete {place} and the same command does it again"
+
+
+def _tasks(cases: list[SiloCase], out: Path) -> tuple[list[_Task], dict[int, int]]:
+    """Runs in their order; in front of those that share a missing packing, its filling.
+
+    The dictionary gives the index of the filling by the index of the run that needs it.
+    """
+    names = [packing_digest(case, case.settings.run.seed) for case in cases]
+    tasks: list[_Task] = []
+    needs: dict[int, int] = {}
+    fillings: dict[str, int] = {}
+    for name, case in zip(names, cases, strict=True):
+        is_there = (out / "packings" / name / "packing.h5").exists()
+        if names.count(name) > 1 and not is_there:
+            if name not in fillings:
+                fillings[name] = len(tasks)
+                tasks.append(_Task(case, out, fill_only=True))
+            needs[len(tasks)] = fillings[name]
+        tasks.append(_Task(case, out, fill_only=False))
+    return tasks, needs
+
+
+def _words(tally: Tally, before: int) -> tuple[float, str]:
+    """How far a sweep is, and the same in words."""
+    ended = tally.done + tally.failed
+    there = f" and {before} before" if before else ""
+    return (
+        ended / tally.total,
+        f"{tally.done} done{there}, {tally.running} running, {tally.failed} failed, "
+        f"{tally.total - ended - tally.running} waiting",
+    )
+
+
+def _row(labels: Labels, folder: Path, outcome: Outcome) -> dict[str, Any]:
+    fields = dict(_flat(dataclasses.asdict(outcome.value))) if outcome.value else {}
+    state = {"state": outcome.state, "reason": outcome.reason}
+    return {**fields, "run_folder": str(folder), **labels, **state}
+
+
+def _flat(table: dict[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{before}{key}.")
+        else:
+            yield f"{before}{key}", value
