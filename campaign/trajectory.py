@@ -3,21 +3,27 @@
     parts/static.h5, parts/00000.h5, parts/00001.h5, ...   ->   trajectory.h5
 
 Every file appears whole or not at all, and parts go only after trajectory.h5 stands, so a run
-killed at any moment can be read. HDF5 files are made in memory and then written as bytes: HDF5
+killed at any moment can be read. A frame may bring tables of any length (contacts); they stand in
+the same files and share their fate. HDF5 files are made in memory and then written as bytes: HDF5
 that meets a full disk itself ends the process.
 """
 
 import io
 import shutil
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
 
+from campaign import tables as ragged
 from campaign.folder import SCHEMA, FolderError, write_atomic, writing
+from campaign.tables import Columns, Tables, joined, laid_end_to_end
+
+T = TypeVar("T")
 
 _CHUNK_BYTES = 2**19  # half the chunk cache of HDF5: a chunk is compressed once
 
@@ -53,8 +59,11 @@ class TrajectoryWriter:
         self._merged = Path(folder) / "trajectory.h5"
         self._folder = Path(folder) / "parts"
         self._n_parts = parts
+        self._n_frames = 0  # that were flushed
         self._pending: list[dict[str, np.ndarray]] = []
+        self._pending_tables: dict[str, dict[int, dict[str, np.ndarray]]] = {}
         self._layout: dict[str, str] | None = None
+        self._tables_layout: dict[str, str] = {}
         with writing(self._folder):
             if parts == 0:
                 self._merged.unlink(missing_ok=True)
@@ -72,10 +81,17 @@ class TrajectoryWriter:
                     f"{self._folder}: {len(known.part_frames)} parts where the checkpoint knows "
                     f"{parts}; use --again to compute the run anew"
                 )
+            self._n_frames = sum(known.part_frames)
             self._layout = _layout({key: known[key][-1] for key in known})
+            stored = _read_tables(_part_paths(self._folder))
+            self._tables_layout = ragged.layout({k: t.columns for k, t in stored.items()})
 
-    def append(self, frame: Mapping[str, Any]) -> None:
-        """Take a copy of one frame: numbers or arrays, of the same keys and shapes every time."""
+    def append(self, frame: Mapping[str, Any], tables: Mapping[str, Columns] | None = None) -> None:
+        """Take a copy of one frame: numbers or arrays, of the same keys and shapes every time.
+
+        `tables` are those that come with this frame: columns of one length each, whose names and
+        types are the same every time.
+        """
         copied = {key: np.array(value) for key, value in frame.items()}
         layout = _layout(copied)
         if self._layout is None:
@@ -85,14 +101,34 @@ class TrajectoryWriter:
                 f"{self._folder}: a frame of {layout} after frames of {self._layout}; "
                 "use --again to compute the run anew"
             )
+        self._take_tables(tables or {})
         self._pending.append(copied)
+
+    def _take_tables(self, tables: Mapping[str, Columns]) -> None:
+        layout = ragged.layout(tables)
+        known = {k: v for k, v in self._tables_layout.items() if k.partition(".")[0] in tables}
+        if known and layout != known:
+            raise FolderError(
+                f"{self._folder}: tables of {layout} after tables of {known}; "
+                "use --again to compute the run anew"
+            )
+        self._tables_layout |= layout
+        for name, columns in tables.items():
+            copied = {key: np.array(column) for key, column in columns.items()}
+            self._pending_tables.setdefault(name, {})[self._n_frames + len(self._pending)] = copied
 
     def flush(self) -> int:
         """Write the frames taken since the last flush as the next part; the number of parts."""
         if self._pending:
             frames = {key: np.stack([f[key] for f in self._pending]) for key in self._pending[0]}
-            _save(_part(self._folder, self._n_parts), frames=frames)
+            tables = {
+                name: laid_end_to_end(list(taken), list(taken.values()))
+                for name, taken in self._pending_tables.items()
+            }
+            _save(_part(self._folder, self._n_parts), frames=frames, tables=tables)
+            self._n_frames += len(self._pending)
             self._pending.clear()
+            self._pending_tables.clear()
             self._n_parts += 1
         return self._n_parts
 
@@ -111,6 +147,7 @@ class TrajectoryWriter:
             static=whole.static,
             attributes=whole.attributes,
             part_frames=whole.part_frames,
+            tables=_read_tables(_part_paths(self._folder)),
         )
         # What cannot be removed does no harm: trajectory.h5 is read first.
         shutil.rmtree(self._folder, ignore_errors=True)
@@ -118,13 +155,15 @@ class TrajectoryWriter:
 
     def _take_apart(self) -> None:
         """Undo finish(): the run was cut off after it and before its summary."""
-        whole = _read([self._merged])
+        whole, tables = _read([self._merged]), _read_tables([self._merged])
         self.write_static(whole.static, whole.attributes)
         start = 0
         for k, n_frames in enumerate(whole.part_frames):
-            frames = {key: whole[key][start : start + n_frames] for key in whole}
-            _save(_part(self._folder, k), frames=frames)
-            start += n_frames
+            end = start + n_frames
+            frames = {key: whole[key][start:end] for key in whole}
+            pieces = {name: table.of_frames(start, end) for name, table in tables.items()}
+            _save(_part(self._folder, k), frames=frames, tables=pieces)
+            start = end
         self._merged.unlink()
 
 
@@ -133,10 +172,29 @@ def read_trajectory(folder: str | Path) -> Trajectory:
 
     Raises FolderError when there are none, or when a file is damaged.
     """
-    merged, parts = Path(folder) / "trajectory.h5", Path(folder) / "parts"
+    return _from_run(Path(folder), _read)
+
+
+def read_tables(folder: str | Path, name: str) -> Tables:
+    """The tables of a name that came with some of the frames of a run, finished or not.
+
+    Raises FolderError as read_trajectory does, and where the run holds no such tables.
+    """
+    tables = _from_run(Path(folder), _read_tables)
+    if name not in tables:
+        raise FolderError(
+            f"{folder}: holds no {name}; it was made by an earlier version, compute it anew "
+            "with --again"
+        )
+    return tables[name]
+
+
+def _from_run(folder: Path, read: Callable[[list[Path]], T]) -> T:
+    """What `read` finds in the files of a run: the parts while it goes on, else the whole."""
+    merged, parts = folder / "trajectory.h5", folder / "parts"
     if not merged.exists() and parts.is_dir():
         try:
-            unfinished = _read_parts(parts)
+            unfinished = read(_part_paths(parts))
         except FileNotFoundError as error:
             if not merged.exists():
                 raise FolderError(f"{parts}: changed while it was read; try again") from error
@@ -145,7 +203,7 @@ def read_trajectory(folder: str | Path) -> Trajectory:
                 return unfinished
     if not merged.exists():
         raise FolderError(f"{folder}: no trajectory here; give the folder of a run")
-    return _read([merged])
+    return read([merged])
 
 
 def _part(folder: Path, k: int) -> Path:
@@ -157,35 +215,57 @@ def _part_files(folder: Path) -> list[Path]:
 
 
 def _read_parts(folder: Path) -> Trajectory:
+    return _read(_part_paths(folder))
+
+
+def _part_paths(folder: Path) -> list[Path]:
+    """The parts in turn, and what does not change; FolderError where one is missing."""
     parts = _part_files(folder)
     for k, path in enumerate(parts):
         if path != _part(folder, k):
             raise FolderError(f"{_part(folder, k)}: missing; use --again to compute the run anew")
     static = folder / "static.h5"
-    return _read([*parts, static] if static.exists() else parts)
+    return [*parts, static] if static.exists() else parts
 
 
 def _read(paths: Iterable[Path]) -> Trajectory:
     pieces: dict[str, list[np.ndarray]] = {}
     whole = Trajectory({}, {}, {}, [])
     for path in paths:
-        try:
-            with h5py.File(path) as file:
-                attributes = dict(file.attrs)
-                _check_schema(path, attributes.pop("schema"))
-                whole.part_frames.extend(map(int, attributes.pop("part_frames")))
-                whole.attributes.update(attributes)
-                for key, dataset in file["frames"].items():
-                    pieces.setdefault(key, []).append(dataset[()])
-                whole.static.update({k: data[()] for k, data in file["static"].items()})
-        except (FileNotFoundError, FolderError):
-            raise
-        except Exception as error:  # HDF5 raises many kinds for a damaged file
-            raise FolderError(
-                f"{path}: damaged or no trajectory; use --again to compute the run anew"
-            ) from error
+        with _opened(path) as file:
+            attributes = dict(file.attrs)
+            del attributes["schema"]
+            whole.part_frames.extend(map(int, attributes.pop("part_frames")))
+            whole.attributes.update(attributes)
+            for key, dataset in file["frames"].items():
+                pieces.setdefault(key, []).append(dataset[()])
+            whole.static.update({k: data[()] for k, data in file["static"].items()})
     whole.frames.update({key: np.concatenate(pieces[key]) for key in pieces})
     return whole
+
+
+def _read_tables(paths: Iterable[Path]) -> dict[str, Tables]:
+    pieces: dict[str, list[Tables]] = {}
+    for path in paths:
+        with _opened(path) as file:
+            for name, group in file.get("tables", {}).items():
+                pieces.setdefault(name, []).append(ragged.read(group))
+    return {name: joined(found) for name, found in pieces.items()}
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[h5py.File]:
+    """An HDF5 file of this schema, to be read; FolderError where it is damaged or another's."""
+    try:
+        with h5py.File(path) as file:
+            _check_schema(path, file.attrs["schema"])
+            yield file
+    except (FileNotFoundError, FolderError):
+        raise
+    except Exception as error:  # HDF5 raises many kinds for a damaged file
+        raise FolderError(
+            f"{path}: damaged or no trajectory; use --again to compute the run anew"
+        ) from error
 
 
 def _check_schema(path: Path, schema: int) -> None:
@@ -203,21 +283,28 @@ def _save(
     static: Mapping[str, Any] | None = None,
     attributes: Mapping[str, Any] | None = None,
     part_frames: list[int] | None = None,
+    tables: Mapping[str, Tables] | None = None,
 ) -> None:
     """Write one file; `part_frames` is given for the whole trajectory, which is compressed."""
     image = io.BytesIO()
     with h5py.File(image, "w") as file:
         file.attrs.update(attributes or {})
         moving, constant = file.create_group("frames"), file.create_group("static")
+        storage = _compressed if part_frames else _plain
         for key, array in (frames or {}).items():
-            storage = _compressed(array) if part_frames else {}
-            moving.create_dataset(key, data=array, **storage)
+            moving.create_dataset(key, data=array, **storage(array))
+        for name, table in (tables or {}).items():
+            ragged.write(file.create_group(f"tables/{name}"), table, storage)
         for key, value in (static or {}).items():
             constant.create_dataset(key, data=value)
         n_frames = [len(array) for array in (frames or {}).values()][:1]
         file.attrs["part_frames"] = np.array(part_frames or n_frames, dtype=np.int64)
         file.attrs["schema"] = SCHEMA
     write_atomic(path, image.getvalue())
+
+
+def _plain(array: np.ndarray) -> dict[str, Any]:
+    return {}
 
 
 def _compressed(array: np.ndarray) -> dict[str, Any]:

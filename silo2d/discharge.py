@@ -54,8 +54,9 @@ def discharge(
 ) -> str:
     """Run to the end and return the outcome: open the door first, unless going on.
 
-    Looks, frames and checkpoints come at fixed numbers of steps since the opening. Raises
-    Stopped when `stop` says so, and SimulationError; the state is kept before either.
+    Looks, frames and checkpoints come at fixed numbers of steps since the opening; the first and
+    the last frame bring the contacts, and of those between every so many. Raises Stopped when
+    `stop` says so, and SimulationError; the state is kept before either.
     """
     if clock.parts == 0:
         _open_door(sim, case, writer, clock)
@@ -63,6 +64,7 @@ def discharge(
     output = case.settings.output
     intervals = (_LOOK, output.frame_interval, output.checkpoint_interval)
     look, frame, keep = (max(round(interval / case.time_step), 1) for interval in intervals)
+    contacts = frame * max(round(output.contact_interval / output.frame_interval), 1)
     while True:
         now = sim.steps
         target = min(now - now % every + every for every in (look, frame, keep))
@@ -71,7 +73,8 @@ def discharge(
         clock.cpu_s += time.process_time() - began
         outcome = _look(sim, case, packing, clock) if target % look == 0 else None
         if target % frame == 0 or outcome:
-            writer.append(frame_of(sim, sim.wall_forces()))
+            touches = contacts_of(sim) if target % contacts == 0 or outcome else {}
+            writer.append(frame_of(sim, sim.wall_forces()), touches)
         if outcome:
             return outcome
         if target % keep == 0:
@@ -84,11 +87,11 @@ def discharge(
 
 def _open_door(sim: Simulation, case: SiloCase, writer: TrajectoryWriter, clock: Clock) -> None:
     """t = 0: friction on, the door away; the first frame has the forces just before."""
-    forces = sim.wall_forces()
+    forces, touches = sim.wall_forces(), contacts_of(sim)
     sim.begin_phase(case.grain_law, case.wall_law, case.time_step)
     sim.remove_wall(len(case.outline.walls().names) - 1)
     clock.starting_energy = _energy(sim.energies())
-    writer.append(frame_of(sim, forces))
+    writer.append(frame_of(sim, forces), touches)
 
 
 def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: Clock) -> None:
@@ -141,6 +144,13 @@ def _check_books(sim: Simulation, clock: Clock) -> None:
     if not abs(gained) < BOOKS_OFF * max(dissipated, 0.01 * abs(clock.starting_energy)):
         whither = "came from nowhere" if gained > 0 else "went nowhere"
         raise sim.failure(f"{abs(gained):.3g} J of energy {whither}")
+
+
+def contacts_of(sim: Simulation) -> dict[str, dict[str, np.ndarray]]:
+    """The table of a moment's contacts as it is kept, in single precision."""
+    contacts = sim.contacts()
+    single = {k: contacts[k].astype(np.float32) for k in ("point", "force", "normal", "overlap")}
+    return {"contacts": {"bodies": contacts["bodies"], **single, "slides": contacts["slides"]}}
 
 
 def frame_of(sim: Simulation, wall_force: np.ndarray) -> dict[str, np.ndarray | float | int]:

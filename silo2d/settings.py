@@ -120,6 +120,7 @@ class Output(Section):
     """[output]: what is kept."""
 
     frame_interval: Time = 0.01
+    contact_interval: Time = 0.05  # rounded to whole frames
     checkpoint_interval: Time = 0.1
     layer_height: Size = 0.045
 

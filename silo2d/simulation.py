@@ -11,6 +11,17 @@ from silo2d.forces import apply_forces, overlap_now
 from silo2d.integrate import kinetic_energy, move
 from silo2d.neighbours import DONE, NEAR_FULL, NOT_FINITE, PAIRS_FULL, search
 from silo2d.state import World
+from silo2d.touch import (
+    FORCE_X,
+    FORCE_Y,
+    NORMAL_X,
+    NORMAL_Y,
+    OVERLAP,
+    POINT_X,
+    POINT_Y,
+    SLIDES,
+    list_contacts,
+)
 from silo2d.world import longer_lists, more_pairs
 
 
@@ -114,6 +125,7 @@ class Simulation:
         advance(self.world, 0)
         self.energies()
         self.touching()
+        self.contacts()
 
     def refresh(self) -> None:
         """Make stale lists anew now."""
@@ -191,6 +203,33 @@ class Simulation:
             [n for n in range(self.world.counts[state.CLOSE]) if overlap_now(row, close, n) > 0],
             dtype=np.int64,
         )
+
+    def contacts(self) -> dict[str, np.ndarray]:
+        """The n vertex-edge contacts of now, with the forces that the next step will apply.
+
+        bodies     (n, 2) grains, then walls; ascending in each contact
+        point      (n, 2) where the force acts [m]
+        force      (n, 2) on the second body, damping included [N]; the first takes its opposite
+        normal     (n, 2) unit vector towards the second body
+        overlap    (n,) [m]
+        slides     (n,) whether the tangential spring is at its Coulomb limit
+        """
+        self.refresh()
+        world = self.world
+        most = int(world.counts[state.CLOSE])
+        bodies, numbers = np.zeros((most, 2), np.uint32), np.zeros((most, 8))
+        n = list_contacts(
+            world.bodies.row, world.close, world.forces, world.counts,
+            (world.grain_law, world.wall_law), world.time_step, bodies, numbers,
+        )  # fmt: skip
+        return {
+            "bodies": bodies[:n],
+            "point": numbers[:n, [POINT_X, POINT_Y]],
+            "force": numbers[:n, [FORCE_X, FORCE_Y]],
+            "normal": numbers[:n, [NORMAL_X, NORMAL_Y]],
+            "overlap": numbers[:n, OVERLAP],
+            "slides": numbers[:n, SLIDES] > 0,
+        }
 
     def coordination(self) -> float:
         """Mean number of bodies (grains and walls) that a live grain touches."""

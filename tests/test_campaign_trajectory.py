@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from campaign.folder import SCHEMA, FolderError
-from campaign.trajectory import TrajectoryWriter, read_trajectory
+from campaign.trajectory import TrajectoryWriter, read_tables, read_trajectory
 
 STATIC = {"radius": np.array([1.0, 2.0]), "n_corners": np.array([3, 4])}
 ATTRIBUTES = {"unit": "SI", "frame_step": 0.01}
@@ -25,9 +25,15 @@ def frame(k: int) -> dict:
     return {"time": 0.01 * k, "x": x, "inside": np.array([k % 2 == 0, True])}
 
 
+def touches(k: int) -> dict:
+    """Table of frame k: of every third frame, k % 4 rows long (none at all for frame 12)."""
+    rows = np.arange(2.0 * (k % 4)).reshape(-1, 2).astype(np.float32) + k
+    return {"contacts": {"force": rows, "body": np.full(k % 4, k)}} if k % 3 == 0 else {}
+
+
 def write(writer: TrajectoryWriter, frames: range) -> int:
     for k in frames:
-        writer.append(frame(k))
+        writer.append(frame(k), touches(k))
     return writer.flush()
 
 
@@ -40,6 +46,12 @@ def holds(folder: Path, n_frames: int) -> None:
         assert array.dtype == expected.dtype
         assert array.shape == expected.shape
         assert array.tobytes() == expected.tobytes()
+    tables = read_tables(folder, "contacts")
+    np.testing.assert_array_equal(tables.frame, np.arange(0, n_frames, 3))
+    for k, number in enumerate(tables.frame):
+        for column, rows in touches(int(number))["contacts"].items():
+            assert tables.at(k)[column].dtype == rows.dtype
+            np.testing.assert_array_equal(tables.at(k)[column], rows)
 
 
 def test_finished_trajectory_is_one_compressed_file(tmp_path):
@@ -48,7 +60,7 @@ def test_finished_trajectory_is_one_compressed_file(tmp_path):
     assert write(writer, range(0, 4)) == 1
     assert writer.flush() == 1  # nothing new, no part
     assert write(writer, range(4, 7)) == 2
-    writer.append(frame(7))  # finish() flushes
+    writer.append(frame(7), touches(7))  # finish() flushes
     assert writer.finish(STATIC, ATTRIBUTES) == tmp_path / "trajectory.h5"
     assert [path.name for path in tmp_path.iterdir()] == ["trajectory.h5"]
     holds(tmp_path, 8)
@@ -91,7 +103,7 @@ def test_unfinished_run_can_be_drawn(tmp_path):
     writer.write_static(STATIC, ATTRIBUTES)
     assert len(read_trajectory(tmp_path)) == 0
     write(writer, range(0, 3))
-    writer.append(frame(3))
+    writer.append(frame(3), touches(3))
     holds(tmp_path, 3)
     trajectory = read_trajectory(tmp_path)
     assert trajectory.attributes == ATTRIBUTES
@@ -144,6 +156,20 @@ def test_run_without_frames_still_has_its_shapes(tmp_path):
     assert trajectory.static.keys() == STATIC.keys()
 
 
+def test_tables_may_be_rare_and_empty(tmp_path):
+    """A part may have none, a table no rows, and a run none at all, which one line says."""
+    writer = TrajectoryWriter(tmp_path)
+    for k in range(14):
+        write(writer, range(k, k + 1))
+    holds(tmp_path, 14)
+    writer = TrajectoryWriter(tmp_path, parts=11)
+    write(writer, range(11, 20))
+    writer.finish(STATIC, ATTRIBUTES)
+    holds(tmp_path, 20)
+    assert len(read_tables(tmp_path, "contacts").at(-1)["body"]) == 18 % 4
+    refused(lambda: read_tables(tmp_path, "walls"), str(tmp_path), "no walls", "--again")
+
+
 def refused(call, *words: str) -> None:
     with pytest.raises(FolderError) as error:
         call()
@@ -160,6 +186,8 @@ def test_frames_of_another_kind_are_refused(tmp_path):
     resumed = TrajectoryWriter(tmp_path, parts=1)
     refused(lambda: resumed.append({**frame(2), "omega": 0.0}), "omega", "--again")
     resumed.append(frame(2))
+    other = {"contacts": {**touches(3)["contacts"], "overlap": np.zeros(3)}}
+    refused(lambda: resumed.append(frame(3), other), "contacts.overlap", "--again")
 
 
 def test_missing_parts_are_refused(tmp_path):
@@ -205,7 +233,7 @@ writer = TrajectoryWriter(folder, parts)
 k = 3 * parts
 while True:
     for _ in range(3):
-        writer.append(frame(k))
+        writer.append(frame(k), touches(k))
         k += 1
     print(writer.flush(), flush=True)
 """

@@ -14,7 +14,7 @@ import pytest
 from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
 
 from campaign.folder import RunFolder
-from campaign.trajectory import read_trajectory
+from campaign.trajectory import read_tables, read_trajectory
 from silo2d import protocol
 from silo2d.case import SiloCase
 from silo2d.discharge import Stopped
@@ -22,7 +22,11 @@ from silo2d.discharge import Stopped
 # Of the machine, not of the grains.
 COSTS = {"cpu_s", "cpu_us_per_step"}
 # More steps, and some thirty checkpoints: more time to be killed in.
-SLOW = {"run.time_step": "4 us", "output.checkpoint_interval": "10 ms"}
+SLOW = {
+    "run.time_step": "4 us",
+    "output.checkpoint_interval": "10 ms",
+    "output.contact_interval": "20 ms",  # in one part of two, and after every checkpoint
+}
 # Python for a process that kills itself at its N-th write, the new file written but not in place.
 KILLED_AT_WRITE = """
 import os, signal
@@ -49,6 +53,11 @@ def assert_same_run(run: RunFolder, other: RunFolder) -> None:
         assert frames[0][name].tobytes() == frames[1][name].tobytes(), name
     for name, array in frames[0].static.items():
         np.testing.assert_array_equal(array, frames[1].static[name], err_msg=name)
+    contacts = [read_tables(folder.path, "contacts") for folder in (run, other)]
+    assert contacts[0].frame.tobytes() == contacts[1].frame.tobytes()
+    assert contacts[0].length.tobytes() == contacts[1].length.tobytes()
+    for name, column in contacts[0].columns.items():
+        assert column.tobytes() == contacts[1].columns[name].tobytes(), name
     tables = [(folder.path / "records.csv").read_bytes() for folder in (run, other)]
     assert tables[0] == tables[1]
 
@@ -91,7 +100,12 @@ def test_the_same_case_and_seed_give_the_same_bits(reference, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "output", [{"output.frame_interval": "3.3 ms"}, {"output.checkpoint_interval": "0.3 s"}]
+    "output",
+    [
+        {"output.frame_interval": "3.3 ms"},
+        {"output.checkpoint_interval": "0.3 s"},
+        {"output.contact_interval": "10 ms"},
+    ],
 )
 def test_how_often_a_run_is_looked_at_does_not_change_it(reference, runs, tmp_path, output):
     """Frames and checkpoints come between the same steps: only how many there are changes."""
@@ -149,7 +163,11 @@ def test_a_run_killed_while_it_writes_ends_with_the_same_bits(runs, tmp_path):
     What is written: case, frames, checkpoints, the merged trajectory, the table, the summary.
     The last process is not killed.
     """
-    brief = {"run.max_time": "20 ms", "output.checkpoint_interval": "10 ms"}
+    brief = {
+        "run.max_time": "20 ms",
+        "output.checkpoint_interval": "10 ms",
+        "output.contact_interval": "10 ms",
+    }
     case = write_case(tmp_path, brief)
     codes = []
     for write in (1, 3, *range(5, 20)):
