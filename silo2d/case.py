@@ -15,6 +15,7 @@ from contact.laws import LinearLaw
 from contact.quantity import InputError, located, nearest, to_si
 from contact.restitution import linear_restitution
 from contact.table import load_table
+from silo2d.impulses import Impulses, impulses_of
 from silo2d.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
 from silo2d.parameters import contact_laws, filling_laws, filling_time_step, time_step_of
 from silo2d.settings import Fill, Settings, Silo, check_settings, known_keys, read_settings, to_toml
@@ -39,6 +40,7 @@ class SiloCase:
     pour_laws: tuple[LinearLaw, LinearLaw]  # frictionless and soft
     pour_time_step: float  # [s]
     files: dict[str, str]  # name in the run folder -> text, of the shapes and materials used
+    impulses: Impulses | None = None  # what pymunk is told, for a case that it runs
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "SiloCase":
@@ -94,6 +96,9 @@ class SiloCase:
             settings, outline, shapes, surface_density, *laws, time_step, reason,
             pour_laws, filling_time_step(shapes, surface_density, pour_laws),
             {name: Path(file).read_text(encoding="utf-8") for name, file in files.items()},
+            impulses_of(
+                settings, pairs, laws, shapes, math.sqrt(2 * GRAVITY * outline.height), where
+            ),
         )  # fmt: skip
 
     @property
@@ -154,8 +159,15 @@ class SiloCase:
     def restitution(self) -> dict[str, dict[str, float]]:
         """What follows from the laws for two grains of mean mass, and one against a wall.
 
-        Through one contact, and face to face: eight contacts in parallel, two at a wall.
+        Through one contact, and face to face: eight contacts in parallel, two at a wall. Impulses
+        give both what they are told.
         """
+        if self.impulses:
+            names = ("particle_particle", "particle_wall")
+            return {
+                name: {"one_contact": value, "face_to_face": value}
+                for name, value in zip(names, self.impulses.restitution, strict=True)
+            }
         result = {}
         for pair, law, mass, faces in (
             ("particle_particle", self.grain_law, self.mean_mass / 2, 8),
@@ -180,7 +192,9 @@ class SiloCase:
     def identity(self) -> dict[str, Any]:
         """What a run's folder is named by: all that its answers depend on."""
         return {
-            "settings": self.settings.model_dump(exclude={"name", "particles"}),
+            "settings": self.settings.model_dump(
+                exclude={"name": True, "particles": True, "pymunk": True, "run": {"engine"}}
+            ),
             "polygon": self.outline.polygon,
             "outlet": [self.outline.outlet, self.outline.outlet_centre],
             "shapes": shapes_identity(self.shapes),

@@ -80,7 +80,12 @@ def _published_lines(axes: "Axes", scene: Scene) -> float:
 
 
 def energy_chart(scene: Scene) -> "Figure":
-    """Energies of the grains inside, what each mechanism dissipated, and what is unaccounted."""
+    """Energies of the grains inside, what each mechanism dissipated, and what is unaccounted.
+
+    Where the engine keeps no books, what was lost is one number.
+    """
+    if any(name not in scene.trajectory for name in _MECHANISM_COLOURS):
+        return _energy_without_books(scene)
     figure, (held, lost, rest) = _canvas(scene, [3, 3, 1.1], (9.2, 7.6))
     traj, time = scene.trajectory, scene.time
     elastic = traj["elastic_normal"] + traj["elastic_tangential"]
@@ -110,6 +115,28 @@ def energy_chart(scene: Scene) -> "Figure":
     share = "nothing dissipated yet" if closure is None else f"{100 * closure:.2g} % of dissipated"
     rest.set_title(f"unaccounted at the end: {share}", loc="left", fontsize=9, color=PURPLE)
     _time_axis(rest)
+    return figure
+
+
+def _energy_without_books(scene: Scene) -> "Figure":
+    """Energies of the grains inside, and what was lost by difference."""
+    figure, (held, lost) = _canvas(scene, [3, 2], (9.2, 5.6))
+    traj, time = scene.trajectory, scene.time
+    carried_out = traj["carried_out"] - traj["carried_out"][0]
+    for label, energy, colour in (
+        ("potential", traj["potential"], INK),
+        ("kinetic", traj["kinetic"], VERMILION),
+        ("carried out\nby grains that left", carried_out, GREY),
+    ):
+        held.plot(time, energy, color=colour, label=label)
+    held.set_ylabel("grains inside [J]")
+    _legend(held)
+    energy = traj["potential"] + traj["kinetic"] + carried_out
+    lost.plot(time, energy[0] - energy, color=BLUE)
+    lost.set_ylabel("lost [J]")
+    remark = "by difference: impulses tell neither the mechanisms nor how well the books close"
+    lost.set_title(remark, loc="left", fontsize=9)
+    _time_axis(lost)
     return figure
 
 

@@ -34,6 +34,9 @@ _CASE_OPTIONS = [
     ("--shapes", "particles.shapes", "FILE", "Shape set: a shipped name or a TOML file."),
     ("--materials", "particles.materials", "FILE", "Materials: a shipped name or a TOML file."),
     ("--pour-with", "fill.pour_with", "dem|pymunk", "What fills the silo."),
+    ("--engine", "run.engine", "dem|pymunk", "What moves the particles."),
+    ("--iterations", "pymunk.iterations", "30", "Of pymunk, a step."),
+    ("--pymunk-time-step", "pymunk.time_step", '"0.25 ms"', "Of pymunk."),
 ]
 
 

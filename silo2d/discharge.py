@@ -5,6 +5,7 @@ import shlex
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from silo2d.packing import Packing
 from silo2d.pour import agitation
 from silo2d.simulation import Simulation
 
-_LOOK = 0.01  # [s] between looks for the end of the run, whatever the output
+LOOK = 0.01  # [s] between looks for the end of the run, whatever the output
 # Energy that may be unaccounted for, over the dissipated: at 5 us the published runs leave 0.2 to
 # 0.4 %, and more means that the step is too long for what happens.
 BOOKS_OFF = 0.05
@@ -42,6 +43,20 @@ class Clock:
     quiet_out: int = 0  # grains that were out by then
 
 
+class Flow(Protocol):
+    """What the end of a run is judged by, whichever engine moves the grains."""
+
+    @property
+    def n_grains(self) -> int: ...
+    @property
+    def n_out(self) -> int: ...
+    @property
+    def time(self) -> float: ...
+    @property
+    def live(self) -> np.ndarray: ...
+    def poses(self) -> np.ndarray: ...
+
+
 def discharge(
     sim: Simulation,
     case: SiloCase,
@@ -62,7 +77,7 @@ def discharge(
         _open_door(sim, case, writer, clock)
         _keep(sim, folder, writer, clock)
     output = case.settings.output
-    intervals = (_LOOK, output.frame_interval, output.checkpoint_interval)
+    intervals = (LOOK, output.frame_interval, output.checkpoint_interval)
     look, frame, keep = (max(round(interval / case.time_step), 1) for interval in intervals)
     contacts = frame * max(round(output.contact_interval / output.frame_interval), 1)
     while True:
@@ -79,7 +94,7 @@ def discharge(
             return outcome
         if target % keep == 0:
             _keep(sim, folder, writer, clock)
-        _tell(sim, case, clock, progress)
+        tell(sim, case, clock, progress)
         if stop():
             _keep(sim, folder, writer, clock)
             raise Stopped(f"go on with: silo2d run --resume {shlex.quote(str(folder.path))}")
@@ -99,7 +114,8 @@ def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: C
     save_checkpoint(folder.checkpoint, sim.save(), dataclasses.asdict(clock))
 
 
-def _tell(sim: Simulation, case: SiloCase, clock: Clock, progress: Progress) -> None:
+def tell(sim: Flow, case: SiloCase, clock: Clock, progress: Progress) -> None:
+    """Say how far a discharge is."""
     settings = case.settings.run
     fraction = max(sim.n_out / sim.n_grains, sim.time / settings.max_time)
     if clock.quiet_since is not None:
@@ -110,10 +126,15 @@ def _tell(sim: Simulation, case: SiloCase, clock: Clock, progress: Progress) -> 
 def _look(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
     """The outcome, once there is one. Raises SimulationError where the books are off."""
     _check_books(sim, clock)
+    return ending(sim, agitation(sim, case.shapes), case, packing, clock)
+
+
+def ending(sim: Flow, moving: float, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
+    """The outcome, once there is one, for grains of an agitation (see pour.py)."""
     settings = case.settings.run
     if sim.n_out == sim.n_grains:
         return "empty"
-    still = agitation(sim, case.shapes) < settings.at_rest
+    still = moving < settings.at_rest
     if not still or clock.quiet_since is None or sim.n_out != clock.quiet_out:
         clock.quiet_since, clock.quiet_out = (sim.time if still else None), sim.n_out
     elif sim.time - clock.quiet_since >= settings.rest_time - 0.5 * case.time_step:
@@ -121,7 +142,7 @@ def _look(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -> st
     return "time_limit" if sim.time >= settings.max_time - 0.5 * case.time_step else None
 
 
-def _at_rest(sim: Simulation, case: SiloCase, packing: Packing) -> str:
+def _at_rest(sim: Flow, case: SiloCase, packing: Packing) -> str:
     """Clogged if the outline of a grain that stays crosses the centre line of the outlet."""
     poses, kinds = sim.poses()[sim.live], packing.kinds[sim.live]
     centre = case.outline.outlet_centre

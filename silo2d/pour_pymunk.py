@@ -16,6 +16,7 @@ from silo2d.case import GRAVITY, SiloCase
 from silo2d.outline import Outline
 from silo2d.packing import Packing
 from silo2d.pour import Report, down_at, level_off, packed, part_settled, pouring, rain, settle
+from silo2d.pymunk_space import SMOOTH, add_grain, add_walls, empty_space, strays
 from silo2d.simulation import SimulationError
 
 if TYPE_CHECKING:
@@ -65,10 +66,12 @@ def fall(
     """
     spheroradius = min(shape.spheroradius for shape in case.shapes.shapes)
     step = STEP * math.sqrt(spheroradius / GRAVITY)
-    space = _silo(outline, SLOP * spheroradius)
+    space = empty_space(ITERATIONS, SLOP * spheroradius)
     space.collision_bias = (1 - PUSH) ** (1 / step)  # what is left of an overlap after a second
+    add_walls(space, outline, SMOOTH)
+    shapes, density, skin = case.shapes.shapes, case.surface_density, SKIN * spheroradius
     grains = [
-        _grain(space, case, kind, pose, SKIN * spheroradius)
+        add_grain(space, shapes[kind], density, pose, SMOOTH, skin).body
         for kind, pose in zip(kinds, poses.tolist(), strict=True)
     ]
     soonest = down_at(case, poses)
@@ -87,37 +90,6 @@ def fall(
             raise SimulationError(f"the heap did not calm within {_PATIENCE:g} s; {_WAY_OUT}")
 
 
-def _silo(outline: Outline, slop: float) -> "pymunk.Space":
-    """An empty silo: smooth walls without thickness."""
-    import pymunk
-
-    space = pymunk.Space()
-    space.gravity = 0.0, -GRAVITY
-    space.iterations = ITERATIONS
-    space.collision_slop = slop
-    for start, end in outline.walls().segments.tolist():
-        wall = pymunk.Segment(space.static_body, start, end, radius=0.0)
-        wall.friction = wall.elasticity = 0.0
-        space.add(wall)
-    return space
-
-
-def _grain(
-    space: "pymunk.Space", case: SiloCase, kind: int, pose: list[float], skin: float
-) -> "pymunk.Body":
-    """A smooth grain at x, y [m], angle [rad]; the skin [m] adds to its size, not to its mass."""
-    import pymunk
-
-    shape = case.shapes.shapes[kind]
-    mass, moment = case.surface_density * shape.area, case.surface_density * shape.polar_moment
-    body = pymunk.Body(mass, moment)
-    body.position, body.angle = (pose[0], pose[1]), pose[2]
-    poly = pymunk.Poly(body, shape.core.tolist(), radius=shape.spheroradius + skin)
-    poly.friction = poly.elasticity = 0.0
-    space.add(body, poly)
-    return body
-
-
 def _agitation(grains: list["pymunk.Body"], case: SiloCase) -> float:
     """Kinetic energy over the energy that lifts each grain by the root of the mean area [-]."""
     # Not Body.kinetic_energy, which leaves out the factor 1/2.
@@ -130,9 +102,6 @@ def _agitation(grains: list["pymunk.Body"], case: SiloCase) -> float:
 
 def _check_inside(grains: list["pymunk.Body"], outline: Outline) -> None:
     """Refuse to go on without a grain that has passed a wall: within one step a fast one can."""
-    from shapely import Polygon, contains_xy
-
-    inside = contains_xy(Polygon(outline.polygon), [tuple(grain.position) for grain in grains])
-    if not inside.all():
-        lost = len(inside) - inside.sum()
+    lost = strays(outline, np.array([grain.position for grain in grains]))
+    if lost:
         raise SimulationError(f"pymunk lost {lost} of {len(grains)} grains; {_WAY_OUT}")

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from campaign.checkpoint import load_checkpoint
 from campaign.folder import (
@@ -24,6 +25,7 @@ from silo2d.case import GRAVITY, SiloCase
 from silo2d.discharge import Clock, Progress, Stopped, discharge
 from silo2d.packing import Packing, load_packing, packing_digest, save_packing
 from silo2d.pour import agitation, pour
+from silo2d.pymunk_baseline import Baseline, discharge_by_impulses
 from silo2d.result import Result, describe, summarise, write_records
 from silo2d.simulation import Simulation
 from silo2d.world import build_world
@@ -73,7 +75,10 @@ def resume(
 
 def run_digest(case: SiloCase) -> str:
     """Names a run: its case, seed and engine."""
-    return digest({**case.identity(), "engine": "dem"})
+    engine: dict[str, Any] = {"engine": case.settings.run.engine}
+    if case.impulses:
+        engine["impulses"] = dataclasses.asdict(case.impulses)
+    return digest({**case.identity(), **engine})
 
 
 def run_in(
@@ -90,6 +95,9 @@ def run_in(
             _warn_of_other_sources(f"{folder.path} was begun", made, cure)
         if folder.state == "finished":
             return Result.read(folder, reused=True)
+        if case.impulses:
+            summary = _by_pymunk(folder, case, progress, stop)
+            return _finish(folder, summary, begun)
         sim, clock, packing = _start_or_resume(folder, case, progress, stop)
         static = describe(case, packing)
         writer = TrajectoryWriter(folder.path, parts=clock.parts)
@@ -98,10 +106,32 @@ def run_in(
         writer.finish(*static)
         write_records(folder)
         summary = summarise(folder, case, sim, packing, clock, outcome)
-        folder.write_provenance({**folder.read_provenance(), "wall_s": time.perf_counter() - begun})
-        folder.write_summary(summary)
-        folder.checkpoint.unlink(missing_ok=True)
-        return Result.read(folder, reused=False)
+        return _finish(folder, summary, begun)
+
+
+def _finish(folder: RunFolder, summary: dict[str, Any], begun: float) -> Result:
+    """Keep the answers and the wall time since `begun`."""
+    folder.write_provenance({**folder.read_provenance(), "wall_s": time.perf_counter() - begun})
+    folder.write_summary(summary)
+    folder.checkpoint.unlink(missing_ok=True)
+    return Result.read(folder, reused=False)
+
+
+def _by_pymunk(
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool]
+) -> dict[str, Any]:
+    """The answers of a discharge by pymunk; its frames are in the folder."""
+    packing = get_packing(case, folder.path.resolve().parent, progress, stop)
+    static, attributes = describe(case, packing)
+    attributes["engine"] = "pymunk"
+    clock = Clock(filling_cpu_s=packing.cpu_s)
+    writer = TrajectoryWriter(folder.path)
+    writer.write_static(static, attributes)
+    sim = Baseline(case, packing)
+    outcome = discharge_by_impulses(sim, case, packing, writer, clock, progress, stop)
+    writer.finish(static, attributes)
+    write_records(folder)
+    return summarise(folder, case, sim, packing, clock, outcome)
 
 
 def _begin_folder(folder: RunFolder, case: SiloCase) -> None:

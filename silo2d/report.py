@@ -17,6 +17,7 @@ _OUTCOMES = {
 
 # What --dry-run reckons with.
 _SECONDS_PER_GRAIN_STEP = 6e-8  # on one core of a current server
+_SECONDS_PER_GRAIN_IMPULSES = 6e-7, 4e-8  # of pymunk: a step, and an iteration in it
 _USUAL_FRACTION = 0.88  # packing fraction
 _FILLING, _DISCHARGE = 1.1, 1.5  # [s] of simulated time
 
@@ -45,7 +46,7 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         f"  restitution {_restitution(case)}",
         f"  filling     with {fill.pour_with}, without friction, kn {case.pour_laws[0].kn:g} N/m, "
         f"in steps of {case.pour_time_step:g} s, until agitation is below {fill.settled:g}",
-        f"  time step   {case.time_step:g} s: {case.time_step_reason}",
+        *_engine(case),
         f"  ends        empty; or at rest: agitation below {run.at_rest:g} and none out for "
         f"{run.rest_time:g} s; or after {run.max_time:g} s",
         "              agitation: kinetic energy over what lifts each particle by its size; at "
@@ -62,6 +63,19 @@ def echo(case: SiloCase, dry_run: bool) -> str:
     return "\n".join(lines)
 
 
+def _engine(case: SiloCase) -> list[str]:
+    """What moves the grains, after the filling, in which steps."""
+    told = case.impulses
+    if told is None:
+        return [f"  time step   {case.time_step:g} s: {case.time_step_reason}"]
+    return [
+        f"  engine      pymunk: {told.iterations} iterations in steps of {told.time_step:g} s; "
+        f"overlaps of {told.slop:g} m are left alone;",
+        "              of the law it takes the friction alone, and the restitution instead of kn, "
+        "kt, gamma",
+    ]
+
+
 def _restitution(case: SiloCase) -> str:
     parts = [
         f"{pair.replace('_', '-')} {values['one_contact']:.2f} for one contact, "
@@ -73,14 +87,16 @@ def _restitution(case: SiloCase) -> str:
 
 def plan(case: SiloCase) -> dict[str, Any]:
     """What a run of a case would be, before it is filled: particles, steps, CPU time [min]."""
+    step = case.impulses.time_step if case.impulses else case.time_step
     return {
         "silo": case.silo_name or case.name,
         "seed": case.settings.run.seed,
+        "engine": case.settings.run.engine,
         "n_particles": expected_particles(case),
-        "time_step_s": case.time_step,
-        "time_step_reason": case.time_step_reason,
+        "time_step_s": step,
+        "time_step_reason": "as given" if case.impulses else case.time_step_reason,
         "restitution": case.restitution(),
-        "steps_at_most": math.ceil(case.settings.run.max_time / case.time_step),
+        "steps_at_most": math.ceil(case.settings.run.max_time / step),
         "expected_min": sum(expected_cpu_s(case)) / 60,
     }
 
@@ -93,10 +109,13 @@ def expected_particles(case: SiloCase) -> int:
 
 def expected_cpu_s(case: SiloCase) -> tuple[float, float]:
     """About what the filling and the discharge of a case cost [s of CPU]."""
-    a_step = _SECONDS_PER_GRAIN_STEP * expected_particles(case)
-    filling = 1.5 * _FILLING / case.pour_time_step
-    discharge = 0.5 * _DISCHARGE / case.time_step  # half of the grains, on average, are inside
-    return a_step * filling, a_step * discharge
+    n, cost, step = expected_particles(case), _SECONDS_PER_GRAIN_STEP, case.time_step
+    filling = 1.5 * cost * _FILLING / case.pour_time_step
+    if case.impulses:
+        a_step, an_iteration = _SECONDS_PER_GRAIN_IMPULSES
+        cost, step = a_step + an_iteration * case.impulses.iterations, case.impulses.time_step
+    discharge = 0.5 * cost * _DISCHARGE / step  # half of the grains, on average, are inside
+    return n * filling, n * discharge
 
 
 def report(result: Result) -> str:
@@ -113,8 +132,7 @@ def report(result: Result) -> str:
     lines += [
         f"  packing          fraction {result.packing_fraction:.3f}, coordination "
         f"{result.coordination:.2f}",
-        f"  energy           {sum(result.dissipated_j.values()):.3f} J dissipated, books closed to "
-        f"{_percent(result.energy_closure)} of it (tolerance: {100 * BOOKS_OFF:g} %)",
+        f"  energy           {_books(result)}",
         f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
         f"steps; {result.cpu_s:.1f} s in all",
         f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
@@ -124,6 +142,16 @@ def report(result: Result) -> str:
 
 def _time(seconds: float | None) -> str:
     return "none" if seconds is None else f"{seconds:.3f} s"
+
+
+def _books(result: Result) -> str:
+    parts = [part for part in result.dissipated_j.values() if part is not None]
+    if not parts:
+        return "not known by mechanism: impulses have no books"
+    return (
+        f"{sum(parts):.3f} J dissipated, books closed to {_percent(result.energy_closure)} of it "
+        f"(tolerance: {100 * BOOKS_OFF:g} %)"
+    )
 
 
 def _percent(part: float | None) -> str:

@@ -15,6 +15,7 @@ from silo2d.case import SiloCase
 from silo2d.discharge import Clock
 from silo2d.observe import MECHANISMS, discharge_measures, energy_closure, published_times
 from silo2d.packing import Packing
+from silo2d.pymunk_baseline import Baseline
 from silo2d.simulation import Simulation
 
 
@@ -41,8 +42,8 @@ class Result:
     simulated_s: float
     cpu_us_per_step: float  # of the discharge
     cpu_s: float  # of filling, settling and discharge
-    energy_closure: float | None  # unaccounted over dissipated, of the discharge
-    dissipated_j: dict[str, float]  # by mechanism and pair
+    energy_closure: float | None  # unaccounted over dissipated, of the discharge; None: not known
+    dissipated_j: dict[str, float | None]  # by mechanism and pair; None: the engine cannot tell
     restitution: dict[str, dict[str, float]]
     published: dict[str, Any]
     state_digest: str
@@ -66,7 +67,7 @@ class Result:
 def summarise(
     folder: RunFolder,
     case: SiloCase,
-    sim: Simulation,
+    sim: Simulation | Baseline,
     packing: Packing,
     clock: Clock,
     outcome: str,
@@ -77,11 +78,11 @@ def summarise(
     measures = discharge_measures(out_time, mass)
     # Where the flow was cut off, the times of those that left before mean nothing.
     cut_off = outcome not in ("empty", "dead_zones")
-    _, closure = energy_closure(frames)
+    by_mechanism = all(name in frames for name in MECHANISMS)
     return {
         "silo": case.label,
         "seed": case.settings.run.seed,
-        "engine": "dem",
+        "engine": case.settings.run.engine,
         "outcome": outcome,
         "n_particles": sim.n_grains,
         "n_out": sim.n_out,
@@ -93,13 +94,15 @@ def summarise(
         "mean_mass_flow_kg_per_s": None if cut_off else measures["mean_mass_flow_kg_per_s"],
         "packing_fraction": packing.fraction,
         "coordination": packing.coordination,
-        "time_step_s": case.time_step,
+        "time_step_s": case.impulses.time_step if case.impulses else case.time_step,
         "steps": sim.steps,
         "simulated_s": sim.time,
         "cpu_us_per_step": 1e6 * clock.cpu_s / sim.steps,
         "cpu_s": clock.cpu_s + clock.filling_cpu_s,
-        "energy_closure": closure,
-        "dissipated_j": {name: float(frames[name][-1]) for name in MECHANISMS},
+        "energy_closure": energy_closure(frames)[1] if by_mechanism else None,
+        "dissipated_j": {
+            name: float(frames[name][-1]) if by_mechanism else None for name in MECHANISMS
+        },
         "restitution": case.restitution(),
         "published": published_times(case.published_name or ""),
         "state_digest": sim.state_digest(),

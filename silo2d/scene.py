@@ -78,6 +78,8 @@ class Scene:
     def headline(self) -> str:
         """The silo and how its discharge ended, in one line."""
         silo = f"Silo {self.trajectory.attributes['silo']}"
+        if engine := self.trajectory.attributes.get("engine"):  # another than the contact law
+            silo += f", {engine}"
         n_out = self.trajectory["n_out"][-1]
         if not self.summary:
             return f"{silo}: unfinished, {n_out} of {self.n_grains} out by {self.time[-1]:.2f} s"

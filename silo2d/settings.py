@@ -106,14 +106,23 @@ class Fill(Section):
 
 
 class Run(Section):
-    """[run]: seed, time step, and when the run ends."""
+    """[run]: seed, engine, time step, and when the run ends."""
 
     seed: Annotated[int, Field(ge=0, strict=True)] = 1
+    engine: Literal["dem", "pymunk"] = "dem"
     time_step: Time | None = None
     max_time: Time = 6.0
     at_rest: Annotated[Number, Field(gt=0)] = 1e-4
     rest_time: Time = 0.15
     opening_count: Annotated[int, Field(ge=0, strict=True)] = 5
+
+
+class Pymunk(Section):
+    """[pymunk]: how the impulse engine is run; see impulses.py."""
+
+    iterations: Annotated[int, Field(ge=1, le=10_000)] = 30
+    time_step: Time = 2.5e-4
+    restitution: Literal["measured", "none"] = "measured"
 
 
 class Output(Section):
@@ -134,6 +143,7 @@ class Settings(Section):
     law: Law = Law()
     fill: Fill = Fill()
     run: Run = Run()
+    pymunk: Pymunk = Pymunk()
     output: Output = Output()
 
 
