@@ -15,9 +15,17 @@ from contact.laws import LinearLaw
 from contact.quantity import InputError, located, nearest, to_si
 from contact.restitution import linear_restitution
 from contact.table import load_table
+from silo2d.disorder import Spread, drawn_laws, spreads, stiffest
 from silo2d.impulses import Impulses, impulses_of
 from silo2d.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
-from silo2d.parameters import contact_laws, filling_laws, filling_time_step, time_step_of
+from silo2d.pair_law import Law
+from silo2d.parameters import (
+    contact_laws,
+    filling_friction,
+    filling_laws,
+    filling_time_step,
+    time_step_of,
+)
 from silo2d.settings import Fill, Settings, Silo, check_settings, known_keys, read_settings, to_toml
 from silo2d.shape import ShapeSet, load_shapes, vertex_list
 from silo2d.state import MAX_VERTICES
@@ -35,9 +43,10 @@ class SiloCase:
     surface_density: float  # density times prism length [kg/m2]
     grain_law: LinearLaw
     wall_law: LinearLaw
+    disorder: tuple[Spread, Spread] | None  # grain-grain, grain-wall, about these laws
     time_step: float  # [s]
     time_step_reason: str
-    pour_laws: tuple[LinearLaw, LinearLaw]  # frictionless and soft
+    pour_laws: tuple[LinearLaw, LinearLaw]  # soft, and without friction unless asked
     pour_time_step: float  # [s]
     files: dict[str, str]  # name in the run folder -> text, of the shapes and materials used
     impulses: Impulses | None = None  # what pymunk is told, for a case that it runs
@@ -87,13 +96,15 @@ class SiloCase:
         )
         mean_mass = surface_density * shapes.mean_area
         laws = contact_laws(settings, pairs, mean_mass, where)
+        disorder = spreads(settings, pairs, laws, where)
+        bounds = stiffest(laws, disorder, settings.law.contact_end)
         time_step, reason = time_step_of(
-            settings.run.time_step, shapes, surface_density, laws, where
+            settings.run.time_step, shapes, surface_density, bounds, where
         )
-        pour_laws = filling_laws(pairs)
+        pour_laws = filling_laws(pairs, filling_friction(settings, laws, where))
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}
         return cls(
-            settings, outline, shapes, surface_density, *laws, time_step, reason,
+            settings, outline, shapes, surface_density, *laws, disorder, time_step, reason,
             pour_laws, filling_time_step(shapes, surface_density, pour_laws),
             {name: Path(file).read_text(encoding="utf-8") for name, file in files.items()},
             impulses_of(
@@ -139,11 +150,14 @@ class SiloCase:
         return self.silo_name if usual else None
 
     def _acts_as(self, other: "SiloCase") -> bool:
-        """Whether particles and laws are those of another case."""
+        """Whether particles, laws, filling and door are those of another case."""
         mine, theirs = (
             (
                 case.grain_law,
                 case.wall_law,
+                case.disorder,
+                [case.settings.disorder.per, case.settings.run.door_speed],
+                [case.settings.fill.friction, case.settings.fill.layer],
                 case.surface_density,
                 [s.area for s in case.shapes.shapes],
             )
@@ -155,6 +169,13 @@ class SiloCase:
     def mean_mass(self) -> float:
         """Of a grain of mean area [kg]."""
         return self.surface_density * self.shapes.mean_area
+
+    def laws(self, n_grains: int) -> tuple[Law, Law]:
+        """What the grain-grain and grain-wall pairs of a world of n_grains obey."""
+        shared = self.grain_law, self.wall_law
+        if self.disorder is None:
+            return shared
+        return drawn_laws(shared, self.disorder, self.settings, n_grains)
 
     def restitution(self) -> dict[str, dict[str, float]]:
         """What follows from the laws for two grains of mean mass, and one against a wall.
@@ -192,9 +213,8 @@ class SiloCase:
     def identity(self) -> dict[str, Any]:
         """What a run's folder is named by: all that its answers depend on."""
         return {
-            "settings": self.settings.model_dump(
-                exclude={"name": True, "particles": True, "pymunk": True, "run": {"engine"}}
-            ),
+            "settings": _acting(self.settings),
+            **({"disorder": self.disorder} if self.disorder else {}),
             "polygon": self.outline.polygon,
             "outlet": [self.outline.outlet, self.outline.outlet_centre],
             "shapes": shapes_identity(self.shapes),
@@ -204,6 +224,24 @@ class SiloCase:
             "pour_laws": [list(law) for law in self.pour_laws],
             "pour_time_step": self.pour_time_step,
         }
+
+
+# Keys that a packing or a run is not named by while they are off: folders made before there were
+# such keys keep their names.
+_OFF = {("fill", "friction"): False, ("fill", "layer"): None, ("run", "door_speed"): None}
+
+
+def _acting(settings: Settings) -> dict[str, Any]:
+    """The settings that answers depend on, but for the engine, which names a run by itself."""
+    tables = settings.model_dump(
+        exclude={"name": True, "particles": True, "pymunk": True, "run": {"engine"}}
+    )
+    if settings.disorder.per == "none":
+        del tables["disorder"]
+    for (section, key), off in _OFF.items():
+        if tables[section][key] == off:
+            del tables[section][key]
+    return tables
 
 
 def shapes_identity(shapes: ShapeSet) -> list[Any]:

@@ -103,7 +103,8 @@ def discharge(
 def _open_door(sim: Simulation, case: SiloCase, writer: TrajectoryWriter, clock: Clock) -> None:
     """t = 0: friction on, the door away; the first frame has the forces just before."""
     forces, touches = sim.wall_forces(), contacts_of(sim)
-    sim.begin_phase(case.grain_law, case.wall_law, case.time_step)
+    held = bool(case.settings.fill.friction)
+    sim.begin_phase(*case.laws(sim.n_grains), case.time_step, keep_slips=held)
     sim.remove_wall(len(case.outline.walls().names) - 1)
     clock.starting_energy = _energy(sim.energies())
     writer.append(frame_of(sim, forces), touches)

@@ -13,6 +13,7 @@ import numpy as np
 from contact.jit import njit
 from contact.laws import normal_force, tangential_force
 from silo2d.geometry import cross, point_velocity, to_edge, turned
+from silo2d.pair_law import law_of
 from silo2d.state import (
     BLOCK,
     CARRIED_OUT,
@@ -66,6 +67,7 @@ def contact_forces(row, close, forces, law, begin, n_pairs, dt):
     """
     for k in range(np.uintp(n_pairs)):  # unsigned: numba then need not look for negative ones
         n = np.uintp(begin) + k
+        own = law_of(law, n)
         j, i = close.vertex_body[n], close.edge_body[n]
         between = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
         arm_v = turned(row[j, COS], row[j, SIN], (close.vertex_x[n], close.vertex_y[n]))
@@ -89,16 +91,16 @@ def contact_forces(row, close, forces, law, begin, n_pairs, dt):
         overlap_rate = -((uxj - uxi) * nx + (uyj - uyi) * ny)
 
         m = touches * close.mass[n]
-        f_n, damping = normal_force(law, m, overlap, overlap_rate)
+        f_n, damping = normal_force(own, m, overlap, overlap_rate)
         (f_t,), (held,), rubbed = tangential_force(
-            law, m, overlap, (close.slip[n],), (slip_step,), (slip_rate,)
+            own, m, overlap, (close.slip[n],), (slip_step,), (slip_rate,)
         )
         fx, fy = f_n * nx - f_t * ny, f_n * ny + f_t * nx
         close.slip[n] = held
         forces.fx[k], forces.fy[k] = fx, fy
         forces.torque_j[k], forces.torque_i[k] = cross(arm_j, (fx, fy)), -cross(arm_i, (fx, fy))
         forces.normal_power[k] = damping * overlap_rate
-        forces.tangential_power[k] = m * law.gamma_t * slip_rate * slip_rate
+        forces.tangential_power[k] = m * own.gamma_t * slip_rate * slip_rate
         forces.rubbed[k] = rubbed
 
 

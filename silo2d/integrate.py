@@ -11,6 +11,7 @@ import numpy as np
 
 from contact.jit import njit
 from silo2d.forces import overlap_now
+from silo2d.pair_law import law_of
 from silo2d.state import (
     ANGLE,
     BOUNDING_RADIUS,
@@ -125,8 +126,8 @@ def held_by_contacts(world, i):
     energy = 0.0
     for n in range(counts[CLOSE]):
         if close.vertex_body[n] == i or close.edge_body[n] == i:
-            kn = world.grain_law.kn if n < counts[GRAIN_CLOSE] else world.wall_law.kn
-            energy += 0.5 * kn * max(overlap_now(world.bodies.row, close, n), 0.0) ** 2
+            law = law_of(world.grain_law if n < counts[GRAIN_CLOSE] else world.wall_law, n)
+            energy += 0.5 * law.kn * max(overlap_now(world.bodies.row, close, n), 0.0) ** 2
     return energy
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from contact.jit import njit
 from contact.reduced import reduced_mass
 from silo2d.geometry import to_edge, turned
+from silo2d.pair_law import draw_near, hand_on, near_kt
 from silo2d.state import (
     ANGLE,
     BODY_LIST,
@@ -53,6 +54,7 @@ from silo2d.state import (
     VERTEX_Y,
     VX,
     VY,
+    WALL_KEY,
     X,
     Y,
 )
@@ -67,8 +69,6 @@ DEEPEST = 0.5  # overlap over reach; much beyond it a vertex would pass through 
 
 # Outcomes of a search.
 DONE, PAIRS_FULL, NEAR_FULL, NOT_FINITE, TOO_DEEP = range(5)
-
-_WALL_KEY = 1 << 62  # grain-wall keys come after all grain-grain keys
 
 
 @njit
@@ -86,7 +86,7 @@ def search(world):
         give_near_room(bodies, counts)
     if counts[STALE] == 2 and outgrown(bodies, counts, BODY_LIST):
         counts[STALE] = 3
-    laws_kt = (world.grain_law.kt, world.wall_law.kt)
+    laws = (world.grain_law, world.wall_law)
     outcome = DONE
     if counts[STALE] >= 3:
         outcome = find_bodies(bodies, local, vertices, world.cells, counts)
@@ -94,12 +94,14 @@ def search(world):
     if outcome == DONE and counts[STALE] >= 2:
         outcome = find_near(bodies, local, vertices, world.cells.pairs, world.near, counts)
         if outcome == DONE:
-            carry_over(world.near, counts, world.books, laws_kt)
+            carry_over(world.near, counts, world.books, laws)
+            draw_near(laws[0], laws[1], world.near, counts, len(bodies.row))
     if outcome == DONE:
         measure_distances(local, vertices, world.near, counts)
-        let_go(bodies.room, world.near, counts, world.books, laws_kt)
+        let_go(bodies.room, world.near, counts, world.books, laws)
         outcome = find_close(bodies.room, local, world.near, world.close, counts)
     if outcome == DONE:
+        hand_on(laws[0], world.close, counts)
         note_positions(bodies, counts, CLOSE_LIST)
         counts[STALE] = 0
     return outcome
@@ -324,7 +326,7 @@ def find_vertices_near(bodies, local, vertices, near, i, j, n):
     low, high = np.int64(min(i, j)), np.int64(max(i, j))  # a key needs more than 32 bits
     base = ((low * len(bodies.row) + high) * 2 + (i > j)) * MAX_VERTICES * MAX_VERTICES
     if high >= len(bodies.live):
-        base += _WALL_KEY
+        base += WALL_KEY
     for a in range(bodies.layout[i, N_CORNERS]):
         v = bodies.layout[i, FIRST] + a
         dx, dy = vertices[v, VERTEX_X] - bodies.row[j, X], vertices[v, VERTEX_Y] - bodies.row[j, Y]
@@ -343,11 +345,11 @@ def find_vertices_near(bodies, local, vertices, near, i, j, n):
 
 
 @njit
-def carry_over(near, counts, books, kt):
+def carry_over(near, counts, books, laws):
     """Slips from the previous list, by a merge of ascending keys.
 
     A pair that touches is in both lists, except where a grain was dropped or a wall was taken
-    away: then friction takes what its spring held. kt: (grain-grain, grain-wall) [N/m].
+    away: then friction takes what its spring held. laws: (grain-grain, grain-wall).
     """
     c = 0
     old = 0
@@ -357,10 +359,14 @@ def carry_over(near, counts, books, kt):
                 c += 1
             if c < counts[NEAR] and near.key[c] == near.old_key[old]:
                 near.slip[c] = near.old_slip[old]
-            elif near.old_key[old] < _WALL_KEY:
-                books[GRAIN_GRAIN + FRICTION] += 0.5 * kt[0] * near.old_slip[old] ** 2
+            elif near.old_key[old] < WALL_KEY:
+                books[GRAIN_GRAIN + FRICTION] += (
+                    0.5 * near_kt(laws[0], old) * near.old_slip[old] ** 2
+                )
             else:
-                books[GRAIN_WALL + FRICTION] += 0.5 * kt[1] * near.old_slip[old] ** 2
+                books[GRAIN_WALL + FRICTION] += (
+                    0.5 * near_kt(laws[1], old) * near.old_slip[old] ** 2
+                )
         old += 1
 
 
@@ -381,11 +387,11 @@ def measure_distances(local, vertices, near, counts):
 
 
 @njit
-def let_go(room, near, counts, books, kt):
+def let_go(room, near, counts, books, laws):
     """Springs of pairs that are not close any more: friction takes what they held.
 
     That happens only to a pair that comes apart by more than its room within one step.
-    kt: (grain-grain, grain-wall) [N/m].
+    laws: (grain-grain, grain-wall).
     """
     for c in range(counts[NEAR]):
         far = near.reach[c] + room[near.vertex_body[c], CLOSE_LIST]
@@ -393,7 +399,8 @@ def let_go(room, near, counts, books, kt):
         if near.slip[c] != 0.0 and near.distance2[c] >= far * far:
             wall = c >= counts[GRAIN_NEAR]
             book = (GRAIN_WALL if wall else GRAIN_GRAIN) + FRICTION
-            books[book] += 0.5 * (kt[1] if wall else kt[0]) * near.slip[c] ** 2
+            kt = near_kt(laws[1], c) if wall else near_kt(laws[0], c)
+            books[book] += 0.5 * kt * near.slip[c] ** 2
             near.slip[c] = 0.0
 
 

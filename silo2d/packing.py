@@ -40,6 +40,7 @@ def packing_digest(case: SiloCase, seed: int) -> str:
             "laws": [list(law) for law in case.pour_laws],
             "time_step": case.pour_time_step,
             "seed": seed,
+            **({} if fill.layer is None else {"layer": fill.layer}),
         }
     )
 

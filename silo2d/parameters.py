@@ -47,19 +47,37 @@ def contact_laws(
     return laws[0], laws[1]
 
 
-def filling_laws(pairs: tuple[Pair, Pair]) -> tuple[LinearLaw, LinearLaw]:
-    """Laws of the filling: no friction, so that no large voids form, and soft, to be quick.
+def filling_laws(
+    pairs: tuple[Pair, Pair], friction: tuple[float, float]
+) -> tuple[LinearLaw, LinearLaw]:
+    """Laws of the filling: soft, to be quick, and with a friction of its own.
 
-    They come from the materials file alone: what a case changes acts after the opening, and
+    The rest comes from the materials file alone: what a case changes acts after the opening, and
     cases that differ in it share a packing.
     """
     laws = []
-    for pair in pairs:
+    for pair, mu in zip(pairs, friction, strict=True):
         assert pair.linear is not None  # contact_laws has refused that
         kn, kt = pair.linear.kn.value / POUR_SOFTER, pair.linear.kt.value / POUR_SOFTER
         gamma_n = pair.linear.gamma_n.value / math.sqrt(POUR_SOFTER)
-        laws.append(LinearLaw(kn, kt, 0.0, gamma_n, pair.linear.gamma_t.value, True))
+        laws.append(LinearLaw(kn, kt, mu, gamma_n, pair.linear.gamma_t.value, True))
     return laws[0], laws[1]
+
+
+def filling_friction(
+    settings: Settings, laws: tuple[LinearLaw, LinearLaw], where: str
+) -> tuple[float, float]:
+    """Friction of the filling, grain-grain and grain-wall: none, that of the laws, or one given."""
+    fill = settings.fill
+    if fill.pour_with == "pymunk" and (fill.friction or fill.layer is not None):
+        key = "friction" if fill.friction else "layer"
+        raise InputError(
+            f"{where}: [fill] {key} goes with pour_with = 'dem'; pymunk pours all at once and "
+            "without friction"
+        )
+    if fill.friction is True:
+        return laws[0].mu, laws[1].mu
+    return float(fill.friction), float(fill.friction)
 
 
 def _gamma_overrides(
@@ -97,7 +115,10 @@ def time_step_of(
     laws: tuple[LinearLaw, LinearLaw],
     where: str,
 ) -> tuple[float, str]:
-    """The time step [s] and the reason for it; InputError for one beyond the stable one."""
+    """The time step [s] and the reason for it; InputError for one beyond the stable one.
+
+    laws: the stiffest that a pair of grains, and a grain and a wall, can have.
+    """
     limit, configuration = largest_stable_step(shapes, surface_density, *laws)
     held = step_for_held_grains(shapes, surface_density, laws[0])
     bound = (

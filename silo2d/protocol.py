@@ -23,6 +23,7 @@ from campaign.trajectory import TrajectoryWriter
 from silo2d import state
 from silo2d.case import GRAVITY, SiloCase
 from silo2d.discharge import Clock, Progress, Stopped, discharge
+from silo2d.disorder import with_friction
 from silo2d.packing import Packing, load_packing, packing_digest, save_packing
 from silo2d.pour import agitation, pour
 from silo2d.pymunk_baseline import Baseline, discharge_by_impulses
@@ -159,7 +160,7 @@ def _start_or_resume(
     sim = Simulation(world_behind_door(case, packing))
     if resuming:
         saved, meta = load_checkpoint(folder.checkpoint)
-        sim.begin_phase(case.grain_law, case.wall_law, case.time_step)
+        sim.begin_phase(*case.laws(sim.n_grains), case.time_step)
         try:
             sim.restore(saved)
             return sim, Clock(**meta), packing
@@ -233,15 +234,20 @@ def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Callable[[], b
 
 
 def world_behind_door(case: SiloCase, packing: Packing) -> state.World:
-    """The packing behind the closed door, without friction."""
+    """The packing behind the closed door, with the friction that it was poured with."""
+    grain_law, wall_law = case.laws(len(packing.kinds))
+    if case.settings.fill.friction is not True:
+        poured = case.pour_laws
+        grain_law = with_friction(grain_law, poured[0].mu)
+        wall_law = with_friction(wall_law, poured[1].mu)
     return build_world(
         case.shapes.shapes,
         packing.kinds,
         packing.poses,
         case.outline.walls(),
         surface_density=case.surface_density,
-        grain_law=case.grain_law._replace(mu=0.0),
-        wall_law=case.wall_law._replace(mu=0.0),
+        grain_law=grain_law,
+        wall_law=wall_law,
         gravity=GRAVITY,
         time_step=case.time_step,
     )

@@ -13,6 +13,7 @@ from campaign.folder import FolderError, RunFolder, write_atomic
 from campaign.trajectory import read_trajectory
 from silo2d.case import SiloCase
 from silo2d.discharge import Clock
+from silo2d.disorder import QUANTITIES, scores
 from silo2d.observe import MECHANISMS, discharge_measures, energy_closure, published_times
 from silo2d.packing import Packing
 from silo2d.pymunk_baseline import Baseline
@@ -123,6 +124,9 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
         "shape_start": np.cumsum([0, *(len(outline) for outline in outlines)]),
         "wall_segments": walls.segments,
     }
+    if case.settings.disorder.per == "particle":
+        drawn = scores(case.settings.run.seed, len(packing.kinds))
+        static |= {f"score_{name}": own for name, own in zip(QUANTITIES, drawn, strict=True)}
     attributes = {
         "silo": case.label,
         "wall_names": json.dumps(walls.names),

@@ -44,6 +44,15 @@ Angle = Annotated[float, _read("rad"), Unit("rad")]
 Stiffness = Annotated[float, _read("N/m"), Unit("N/m"), Field(gt=0)]
 Rate = Annotated[float, _read("1/s"), Unit("1/s"), Field(ge=0)]
 Number = Annotated[float, _read("1"), Field(ge=0)]
+Speed = Annotated[float, _read("m/s"), Unit("m/s"), Field(gt=0)]
+
+
+def _yes_or_number(value: object, info: ValidationInfo) -> object:
+    return value if isinstance(value, bool) else to_si(value, "1", info.field_name or "value")
+
+
+# Yes, no, or a number that stands for yes.
+YesOrNumber = Annotated[bool | float, BeforeValidator(_yes_or_number), Field(ge=0)]
 
 
 def _folder_name(name: str) -> str:
@@ -97,11 +106,22 @@ class Law(Section):
     keep_ratios: bool = False
 
 
+class Disorder(Section):
+    """[disorder]: contact parameters that differ from pair to pair."""
+
+    per: Literal["none", "particle", "pair"] = "none"
+    friction: YesOrNumber = True
+    stiffness: YesOrNumber = True
+    restitution: YesOrNumber = True
+
+
 class Fill(Section):
     """[fill]: how the silo is filled."""
 
     level: Size = 0.475
     pour_with: Literal["dem", "pymunk"] = "dem"
+    friction: YesOrNumber = False
+    layer: Size | None = None
     settled: Annotated[Number, Field(gt=0)] = 1e-4
 
 
@@ -111,6 +131,7 @@ class Run(Section):
     seed: Annotated[int, Field(ge=0, strict=True)] = 1
     engine: Literal["dem", "pymunk"] = "dem"
     time_step: Time | None = None
+    door_speed: Speed | None = None
     max_time: Time = 6.0
     at_rest: Annotated[Number, Field(gt=0)] = 1e-4
     rest_time: Time = 0.15
@@ -141,6 +162,7 @@ class Settings(Section):
     silo: Silo
     particles: Particles = Particles()
     law: Law = Law()
+    disorder: Disorder = Disorder()
     fill: Fill = Fill()
     run: Run = Run()
     pymunk: Pymunk = Pymunk()

@@ -5,11 +5,11 @@ import hashlib
 import numpy as np
 
 from contact.jit import njit
-from contact.laws import LinearLaw
 from silo2d import state
 from silo2d.forces import apply_forces, overlap_now
 from silo2d.integrate import kinetic_energy, move
 from silo2d.neighbours import DONE, NEAR_FULL, NOT_FINITE, PAIRS_FULL, search
+from silo2d.pair_law import Law, law_of
 from silo2d.state import World
 from silo2d.touch import (
     FORCE_X,
@@ -22,7 +22,7 @@ from silo2d.touch import (
     SLIDES,
     list_contacts,
 )
-from silo2d.world import longer_lists, more_pairs
+from silo2d.world import longer_lists, more_pairs, with_laws
 
 
 class SimulationError(RuntimeError):
@@ -56,7 +56,7 @@ def energies(bodies, close, counts, grain_law, wall_law, gravity):
         kinetic += kinetic_energy(row)
         potential += gravity * row[state.Y] / row[state.INV_MASS]
     for n in range(counts[state.CLOSE]):
-        law = grain_law if n < counts[state.GRAIN_CLOSE] else wall_law
+        law = law_of(grain_law if n < counts[state.GRAIN_CLOSE] else wall_law, n)
         normal += 0.5 * law.kn * max(overlap_now(bodies.row, close, n), 0.0) ** 2
         tangential += 0.5 * law.kt * close.slip[n] ** 2
     return kinetic, potential, normal, tangential
@@ -184,15 +184,19 @@ class Simulation:
         self.world.bodies.layout[self.n_grains + index, [state.N_CORNERS, state.N_EDGES]] = 0
         self.world.counts[state.STALE] = 3
 
-    def begin_phase(self, grain_law: LinearLaw, wall_law: LinearLaw, time_step: float) -> None:
-        """New laws and time step; the clock, the books and all slips start from zero."""
-        self.world = self.world._replace(
-            grain_law=grain_law, wall_law=wall_law, time_step=time_step
-        )
+    def begin_phase(
+        self, grain_law: Law, wall_law: Law, time_step: float, keep_slips: bool = False
+    ) -> None:
+        """New laws and time step; clock and books start from zero, and slips unless they are kept.
+
+        Slips are kept where friction holds the grains already.
+        """
+        self.world = with_laws(self.world, grain_law, wall_law)._replace(time_step=time_step)
         self.world.counts[[state.STEP, state.BODY_SEARCHES, state.NEAR_SEARCHES]] = 0
         self.world.counts[state.CLOSE_SEARCHES] = 0
-        self.world.close.slip[:] = 0.0
-        self.world.near.slip[:] = 0.0
+        if not keep_slips:
+            self.world.close.slip[:] = 0.0
+            self.world.near.slip[:] = 0.0
         self.world.books[:] = 0.0
         self.wall_forces()
 
@@ -272,6 +276,7 @@ class Simulation:
         world.near.key[:n] = saved["key"]
         world.near.slip[:n] = saved["slip"]
         world.counts[[state.NEAR, state.CLOSE, state.STALE]] = n, 0, 3
+        self.world = with_laws(world, world.grain_law, world.wall_law)
         self._wall_steps = int(saved["wall_steps"][0])
 
     def state_digest(self) -> str:

@@ -4,11 +4,9 @@ Grains come first, walls after them: a wall is a body of zero inverse mass with 
 contact needs from a body stands in one row of sixteen float64, two neighbouring cache lines.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-
-from contact.laws import LinearLaw
 
 # Columns of Bodies.row: position [m], direction, velocity half a step back and extrapolated to
 # now [m/s, rad/s], force [N], torque [N m], 1/mass [1/kg], 1/inertia [1/(kg m2)], angle [rad].
@@ -35,6 +33,7 @@ N_BOOKS = 7
 
 BLOCK = 256  # close pairs that the force pass works on at once: their forces fill half of a cache
 MAX_VERTICES = 64  # of one shape: a contact's key has six bits for each
+WALL_KEY = 1 << 62  # grain-wall keys come after all grain-grain keys
 
 
 class Bodies(NamedTuple):
@@ -130,7 +129,7 @@ class World(NamedTuple):
     forces: Forces
     counts: np.ndarray  # (N_COUNTS,) int64
     books: np.ndarray  # (N_BOOKS,) [J]
-    grain_law: LinearLaw
-    wall_law: LinearLaw
+    grain_law: Any  # LinearLaw, or DrawnLaw of pair_law.py; both laws are of one type
+    wall_law: Any
     gravity: float  # [m/s2], downwards
     time_step: float  # [s]

@@ -5,6 +5,7 @@ import numpy as np
 from contact.jit import njit
 from silo2d.forces import contact_forces, edge_to_vertex, overlap_now
 from silo2d.geometry import turned
+from silo2d.pair_law import law_of
 from silo2d.state import BLOCK, CLOSE, COS, GRAIN_CLOSE, SIN, X, Y
 
 # Columns of what list_contacts gives.
@@ -27,7 +28,7 @@ def list_contacts(row, close, forces, counts, laws, dt, bodies, numbers):
 
 @njit
 def list_class(row, close, forces, law, first, last, dt, bodies, numbers, found):
-    """Append the contacts of the pairs first ... last - 1, which obey one law."""
+    """Append the contacts of the pairs first ... last - 1, which are of one class."""
     for begin in range(first, last, BLOCK):
         n_pairs = min(last - begin, BLOCK)
         before = close.slip[begin : begin + n_pairs].copy()
@@ -37,7 +38,8 @@ def list_class(row, close, forces, law, first, last, dt, bodies, numbers, found)
             overlap = overlap_now(row, close, n)
             if overlap > 0.0:
                 list_contact(row, close, n, overlap, bodies[found], numbers[found])
-                limit = law.mu * law.kn / law.kt * overlap
+                own = law_of(law, n)
+                limit = own.mu * own.kn / own.kt * overlap
                 slides = abs(close.slip[n]) >= (1.0 - 1e-9) * limit  # but for rounding
                 turn = 1.0 if close.edge_body[n] < close.vertex_body[n] else -1.0
                 numbers[found, FORCE_X] = turn * forces.fx[k]

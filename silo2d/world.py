@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contact.laws import LinearLaw
 from silo2d import state
 from silo2d.outline import Walls
+from silo2d.pair_law import DrawnLaw, Law, PairConstants, draw_lists
 from silo2d.shape import Shape
 from silo2d.state import Bodies, Cells, Close, Forces, Near, World
 
@@ -21,12 +21,12 @@ def build_world(
     walls: Walls,
     *,
     surface_density: float,
-    grain_law: LinearLaw,
-    wall_law: LinearLaw,
+    grain_law: Law,
+    wall_law: Law,
     gravity: float,
     time_step: float,
 ) -> World:
-    """A world of grains at rest.
+    """A world of grains at rest; its two laws are of one kind, shared or drawn.
 
     kinds (n,) indices in `shapes`; poses (n, 3) x, y [m], angle [rad]; surface_density [kg/m2]
     is density times prism length.
@@ -39,7 +39,7 @@ def build_world(
     vertices = local[:, : state.EDGE_Y + 1].copy()
     of_walls = slice(bodies.layout[len(grains), state.FIRST] if len(middles) else None, None)
     vertices[of_walls, :2] += np.repeat(middles, 2, axis=0) if len(middles) else 0.0
-    return World(
+    world = World(
         bodies=bodies,
         local=local,
         vertices=vertices,
@@ -54,6 +54,20 @@ def build_world(
         gravity=gravity,
         time_step=time_step,
     )
+    return with_laws(world, grain_law, wall_law)
+
+
+def with_laws(world: World, grain_law: Law, wall_law: Law) -> World:
+    """The same world with other laws; pairs that draw their constants have drawn them."""
+    if isinstance(grain_law, DrawnLaw) and isinstance(wall_law, DrawnLaw):
+        n, capacity = len(PairConstants._fields), len(world.near.key)
+        near = PairConstants(*np.zeros((n, capacity)))
+        close = PairConstants(*_apart(n, capacity, behind=len(Close._fields)))
+        grain_law = grain_law._replace(near=near, close=close)
+        wall_law = wall_law._replace(near=near, close=close)
+        n_bodies = len(world.bodies.row)
+        draw_lists(grain_law, wall_law, world.near, world.close, world.counts, n_bodies)
+    return world._replace(grain_law=grain_law, wall_law=wall_law)
 
 
 def _bodies(grains, poses, walls, middles, cores, surface_density) -> Bodies:
@@ -111,12 +125,7 @@ def _near(capacity: int) -> Near:
 
 
 def _close(capacity: int) -> Close:
-    # Arrays of one size would all start at the same place of a memory page, and the force pass,
-    # which reads all of them at once, would wait for cache lines that displace each other: shift
-    # each by three cache lines against the one before.
-    page, shift = 512, 24
-    length = -(-capacity // page) * page + shift
-    lines = np.zeros((len(Close._fields), length))
+    lines = _apart(len(Close._fields), capacity)
     integers = ("near", "vertex_body", "edge_body")
     return Close(
         *(
@@ -124,6 +133,17 @@ def _close(capacity: int) -> Close:
             for field, line in zip(Close._fields, lines, strict=True)
         )
     )
+
+
+def _apart(n: int, capacity: int, behind: int = 0) -> list[np.ndarray]:
+    """Arrays of at least `capacity` for the force pass, n of them, read beside `behind` others."""
+    # Arrays of one size would all start at the same place of a memory page, and the force pass,
+    # which reads all of them at once, would wait for cache lines that displace each other: shift
+    # each by three cache lines against the one before.
+    page, shift = 512, 24
+    length = -(-capacity // page) * page + shift
+    lines = np.zeros((n, length + behind * shift))
+    return [line[behind * shift :] for line in lines]
 
 
 def _counts(n_grains: int) -> np.ndarray:
@@ -143,4 +163,5 @@ def longer_lists(world: World) -> World:
     capacity, n = 2 * len(world.near.key), int(world.counts[state.NEAR])
     near = _near(capacity)
     near.key[:n], near.slip[:n] = world.near.key[:n], world.near.slip[:n]
-    return world._replace(near=near, close=_close(capacity))
+    longer = world._replace(near=near, close=_close(capacity))
+    return with_laws(longer, world.grain_law, world.wall_law)
