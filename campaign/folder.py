@@ -146,11 +146,21 @@ class RunFolder:
 
 
 def open_run(root: str | Path, name: str, digest: str, again: bool = False) -> RunFolder:
-    """The folder root/<name>-<digest> of a run, made where it does not exist.
+    """The folder root/<name>-<digest> of a run (see find_run), made where it does not exist.
 
-    With `again` a run that was begun is left alone and -2, -3, ... is made beside it. Without,
-    the newest finished one is given, else the newest unfinished one, else a new one.
     Raises FolderError when no folder can be made there.
+    """
+    run = find_run(root, name, digest, again)
+    with writing(run.path):
+        run.path.mkdir(parents=True, exist_ok=True)
+    return run
+
+
+def find_run(root: str | Path, name: str, digest: str, again: bool = False) -> RunFolder:
+    """The folder root/<name>-<digest> of a run; it may not exist yet.
+
+    With `again` a run that was begun is left alone and -2, -3, ... goes beside it. Without, the
+    newest finished one is given, else the newest unfinished one, else a new one.
     """
     if Path(name).name != name:
         raise FolderError(f"run name {name!r}: it names a folder; leave out the slashes")
@@ -165,7 +175,6 @@ def open_run(root: str | Path, name: str, digest: str, again: bool = False) -> R
             run = RunFolder(first.with_name(f"{first.name}-{k}"))
         if begun and not again:
             run = next((r for r in reversed(begun) if r.state == "finished"), begun[-1])
-        run.path.mkdir(parents=True, exist_ok=True)
     return run
 
 

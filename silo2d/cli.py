@@ -199,6 +199,49 @@ def packing(
 
 
 @app.command()
+@click.argument("study")
+@_out
+@click.option("--workers", type=int, metavar="N", help="Processes [default: one per core].")
+@click.option(
+    "--engine",
+    type=click.Choice(["processes", "dask"]),
+    default="processes",
+    help="Where the runs go [default: processes of this machine].",
+)
+@click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster: tcp://127.0.0.1:8786")
+@click.option("--dry-run", is_flag=True, help="Say what would be run, and end.")
+@_quiet
+@_json
+def sweep(
+    study: str, out: str, workers: int | None, engine: str, scheduler: str | None, dry_run: bool,
+    quiet: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Run a study: cases over lists, ranges and distributions, times seeds.
+
+    `silo2d init --study my_study.toml` writes a study file with a comment on every key. Runs that
+    are finished are not done again: the same command goes on after whatever stopped it.
+    """
+    from silo2d.overview import as_text, plan, plan_as_text, summary
+    from silo2d.study import load_study, run_study
+
+    loaded = load_study(study)
+    if dry_run:
+        planned = plan(loaded, Path(out))
+        click.echo(json.dumps(planned, indent=2) if as_json else plan_as_text(loaded, planned))
+        return
+    _announce_compilation(quiet)
+    folder, rows = run_study(
+        loaded, out=Path(out), engine=engine, workers=workers, scheduler=scheduler, quiet=quiet
+    )
+    table = summary(loaded, folder, rows)
+    click.echo(json.dumps(table, indent=2) if as_json else as_text(table))
+    if table["interrupted"]:
+        _fail(f"{table['why_interrupted']}; the same command goes on from there", 130)
+    if table["failed"]:
+        _fail(f"{table['failed']} of {table['runs']} runs failed; see {table['table']}", 3)
+
+
+@app.command()
 @click.argument("folder")
 @click.option("--no-film", is_flag=True, help="Make the pictures only.")
 def render(folder: str, no_film: bool) -> None:
@@ -242,15 +285,16 @@ def observe(folder: str, what: str | None, no_figures: bool, as_json: bool) -> N
 
 @app.command()
 @click.argument("file")
-def init(file: str) -> None:
+@click.option("--study", is_flag=True, help="Write a study file instead.")
+def init(file: str, study: bool) -> None:
     """Write a case file with a comment on every key."""
     from contact.datafile import data_file
     from silo2d.library import write_new
 
-    template = data_file("cases", "example")
+    template = data_file(*(("studies", "friction") if study else ("cases", "example")))
     assert template is not None  # shipped
     write_new(Path(file), template.read_text(encoding="utf-8"))
-    click.echo(f"wrote {file}; run it with: silo2d run {file}")
+    click.echo(f"wrote {file}; run it with: silo2d {'sweep' if study else 'run'} {file}")
 
 
 @app.command("list")
@@ -278,13 +322,14 @@ def main() -> None:
     """Run the command; one line on stderr and an exit code for whatever goes wrong."""
     from campaign.engine import EngineError
     from campaign.folder import FolderError
+    from campaign.study import StudyError
     from contact.quantity import InputError
 
     try:
         app(standalone_mode=False, prog_name="silo2d")
     except click.ClickException as error:
         _fail(error.format_message().replace("\n", " "), 2)
-    except (InputError, FolderError, EngineError) as error:
+    except (InputError, FolderError, EngineError, StudyError) as error:
         _fail(str(error), 2)
     except (KeyboardInterrupt, click.Abort):
         _fail("interrupted; the same command goes on from the last checkpoint", 130)

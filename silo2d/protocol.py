@@ -32,7 +32,7 @@ from silo2d.simulation import Simulation
 from silo2d.world import build_world
 
 PACKAGES = ["numpy", "numba", "llvmlite", "h5py", "shapely", "pymunk"]
-_SOURCES = [Path(__file__).parent, Path(__file__).parent.parent / "contact"]
+SOURCES = [Path(__file__).parent, Path(__file__).parent.parent / "contact"]
 _SETTLE_FRAME = 1e-3  # [s] between looks at the kinetic energy before the opening
 _SETTLE_PATIENCE = 2.0  # [s]
 _QUIET_LOOKS = 5  # one may fall on a moment when the energy is elastic
@@ -139,7 +139,7 @@ def _begin_folder(folder: RunFolder, case: SiloCase) -> None:
     for name, text in case.files.items():
         write_atomic(folder.path / name, text)
     origin = provenance(
-        command=sys.argv, seed=case.settings.run.seed, packages=PACKAGES, sources=_SOURCES
+        command=sys.argv, seed=case.settings.run.seed, packages=PACKAGES, sources=SOURCES
     )
     folder.write_provenance({**origin, "run_digest": run_digest(case)})
     folder.write_case(case.to_toml())  # last: from here on the run counts as begun
@@ -147,7 +147,7 @@ def _begin_folder(folder: RunFolder, case: SiloCase) -> None:
 
 def _warn_of_other_sources(what: str, made: str | None, cure: str) -> None:
     """A line on stderr where `made`, a digest of sources, is not that of these."""
-    if made != source_digest(_SOURCES):
+    if made != source_digest(SOURCES):
         line = f"warning: {what} by another version of the sources ({made}); {cure}"
         print(line, file=sys.stderr)
 
@@ -228,7 +228,7 @@ def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Callable[[], b
         packing = pour_with_pymunk(case, seed, report)
     else:
         packing = pour(case, seed, report)
-    packing = dataclasses.replace(packing, sources=source_digest(_SOURCES))
+    packing = dataclasses.replace(packing, sources=source_digest(SOURCES))
     save_packing(packing, folder)
     return packing
 

@@ -220,11 +220,11 @@ def to_toml(settings: Settings) -> str:
             for key, field in type(table).model_fields.items():
                 value = getattr(table, key)
                 if value is not None:
-                    lines.append(f"{key} = {_toml(value, _unit(field))}")
+                    lines.append(f"{key} = {_toml(value, unit_of(field))}")
     return "\n".join(lines) + "\n"
 
 
-def _unit(field: Any) -> str:
+def unit_of(field: Any) -> str:
     """The SI unit of a field, or "1"."""
     choices = typing.get_args(field.annotation)  # of "X | None"
     metadata = [*field.metadata, *(m for c in choices for m in getattr(c, "__metadata__", ()))]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from campaign.engine import Failed, Interrupted, Outcome, Stop, Tally, run_tasks
-from campaign.folder import FolderError, RunFolder, open_run
+from campaign.folder import FolderError, RunFolder, find_run
 from campaign.terminal import Progress
 from contact.quantity import InputError
 from silo2d import protocol
@@ -48,7 +48,7 @@ def run_cases(
     Raises EngineError where the engine cannot start and FolderError where `out` cannot be used.
     """
     out = Path(out).resolve()
-    folders = [_folder(case, out) for _, case in cases]
+    folders = [run_folder(case, out) for _, case in cases]
     ended: dict[Path, Outcome] = {}
     missing: dict[Path, SiloCase] = {}
     for folder, (_, case) in zip(folders, cases, strict=True):
@@ -86,9 +86,10 @@ def run_task(task: _Task, stop: Stop) -> Result | None:
         raise Failed(_without_again(str(error))) from None
 
 
-def _folder(case: SiloCase, out: Path) -> RunFolder:
+def run_folder(case: SiloCase, out: Path) -> RunFolder:
+    """Where a case is run, which a single run finds too; it may not exist yet."""
     name = f"{case.name}-seed{case.settings.run.seed}"
-    return open_run(out, name, protocol.run_digest(case))
+    return find_run(out, name, protocol.run_digest(case))
 
 
 def _read(folder: RunFolder) -> Outcome:

@@ -1,0 +1,144 @@
+"""What a person reads of a study: what would be run, and means over seeds of what came out."""
+
+import math
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from silo2d.packing import packing_digest
+from silo2d.study import SiloStudy, study_folder
+from silo2d.sweep import run_folder
+
+Rows = list[dict[str, Any]]
+_MEANS = ("discharge_time_s", "t90_s", "mean_rate_per_s")
+
+
+def plan(loaded: SiloStudy, out: Path) -> dict[str, Any]:
+    """What running a study would do; nothing is written."""
+    folders = [run_folder(case, out) for _, case in loaded.cases]
+    todo = {
+        folder.path: case
+        for folder, (_, case) in zip(folders, loaded.cases, strict=True)
+        if folder.state != "finished"
+    }
+    packings = {packing_digest(case, case.settings.run.seed) for case in todo.values()}
+    return {
+        "study": loaded.study.name,
+        "folder": str(study_folder(loaded, out).path),
+        "runs": len(loaded.cases),
+        "finished": sum(folder.state == "finished" for folder in folders),
+        "packings_to_fill": sum(
+            not (out / "packings" / name / "packing.h5").exists() for name in packings
+        ),
+        "rows": [
+            {**labels, "run_folder": str(folder.path), "state": folder.state}
+            for folder, (labels, _) in zip(folders, loaded.cases, strict=True)
+        ],
+    }
+
+
+def plan_as_text(loaded: SiloStudy, planned: dict[str, Any]) -> str:
+    """A plan in words: a line for every combination."""
+    columns = loaded.columns
+    combinations = {_key(columns, row): row for row in planned["rows"]}
+    cells = [[_number(row[name]) for name in columns] for row in combinations.values()]
+    return "\n".join(
+        [
+            f"{planned['study']}: {planned['runs']} runs, {planned['finished']} of them finished; "
+            f"{planned['packings_to_fill']} packings to fill",
+            f"each with {_plural(len(loaded.study.seeds), 'seed')}:",
+            *_aligned([list(columns), *cells]),
+            f"table       {planned['folder']}/table.csv",
+        ]
+    )
+
+
+def summary(loaded: SiloStudy, folder: Path, rows: Rows) -> dict[str, Any]:
+    """What came of a study: counts, and for each combination means and deviations over seeds."""
+    groups: dict[tuple[Any, ...], Rows] = {}
+    for row in rows:
+        groups.setdefault(_key(loaded.columns, row), []).append(row)
+    states = Counter(row["state"] for row in rows)
+    failures = [f"{_labels(loaded, row)}: {row['reason']}" for row in _of(rows, "failed")]
+    reasons = [row["reason"] for row in _of(rows, "interrupted")]
+    return {
+        "study": loaded.study.name,
+        "folder": str(folder),
+        "table": str(folder / "table.csv"),
+        "runs": len(rows),
+        "done": states["done"],
+        "reused": sum(row.get("reused", False) for row in rows),
+        "failed": states["failed"],
+        "interrupted": states["interrupted"],
+        "why_interrupted": "stopped" if "not started" in reasons or not reasons else reasons[0],
+        "failures": failures,
+        "combinations": [
+            {**dict(zip(loaded.columns, key, strict=True)), **_means(group)}
+            for key, group in groups.items()
+        ],
+    }
+
+
+def _means(rows: Rows) -> dict[str, Any]:
+    """Over the runs that are done: how they ended, mean and standard deviation; None for none."""
+    done = _of(rows, "done")
+    table: dict[str, Any] = {
+        "runs": len(done),
+        "clogged": sum(row["outcome"].startswith("clogged") for row in done),
+    }
+    for name in _MEANS:
+        values = [row[name] for row in done if row[name] is not None]
+        mean = math.fsum(values) / len(values) if values else None
+        table[f"{name}.mean"] = mean
+        table[f"{name}.sd"] = (
+            math.sqrt(math.fsum((v - mean) ** 2 for v in values) / (len(values) - 1))
+            if mean is not None and len(values) > 1
+            else None
+        )
+    return table
+
+
+def as_text(table: dict[str, Any]) -> str:
+    """A summary in words: a line for every combination."""
+    rows = table["combinations"]
+    cells = [[_number(value) for value in row.values()] for row in rows]
+    counts = ", ".join(f"{table[name]} {name}" for name in ("done", "failed", "interrupted"))
+    return "\n".join(
+        [
+            *_aligned([list(rows[0]), *cells]),
+            *(f"failed: {line}" for line in table["failures"]),
+            f"{table['study']}: {_plural(table['runs'], 'run')}: {counts} ({table['reused']} were "
+            "there before)",
+            f"table       {table['table']}",
+        ]
+    )
+
+
+def _key(columns: tuple[str, ...], row: dict[str, Any]) -> tuple[Any, ...]:
+    return tuple(repr(row[name]) if isinstance(row[name], list) else row[name] for name in columns)
+
+
+def _of(rows: Rows, state: str) -> Rows:
+    return [row for row in rows if row["state"] == state]
+
+
+def _labels(loaded: SiloStudy, row: dict[str, Any]) -> str:
+    return ", ".join(f"{name} {_number(row[name])}" for name in (*loaded.columns, "seed"))
+
+
+def _number(value: Any) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _plural(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def _aligned(rows: list[list[str]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
