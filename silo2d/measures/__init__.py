@@ -18,7 +18,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # name as in `silo2d observe RUN WHAT`: module of this package, what it tells
-MEASURES: dict[str, tuple[str, str]] = {}
+MEASURES: dict[str, tuple[str, str]] = {
+    "arch": ("arch", "the arch that a clogged run stands on: grains, span, rise, load"),
+    "fields": ("fields", "packing fraction and velocity, coarse-grained over the flow"),
+    "janssen": ("janssen", "wall pressure and vertical stress against Janssen's law"),
+    "network": ("network", "contact network: coordination, sliding, force distribution"),
+    "stress": ("stress", "stress field before the opening and during the flow"),
+}
 
 
 class Measure(Protocol):

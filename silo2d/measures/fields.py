@@ -1,0 +1,227 @@
+"""Packing fraction and velocity in the flow: coarse-grained grains, mean over a time window.
+
+    rho(r) = sum m phi(r - x),   p(r) = sum m v phi(r - x),   V = <p>/<rho>
+
+over the grains in the silo (centroid above the outlet); <> is the mean over the frames while a
+tenth to a half of the grains that leave were out. The integral of rho over the plane is their
+mass and that of p their momentum, exactly; rho and p obey d(rho)/dt + div p = 0 but for grains
+that pass the outlet.
+
+At walls a part of each kernel lies outside. rho and p keep it (so they conserve); the packing
+fraction, sum A phi(r - x) over the part of phi(r - .) that lies inside the silo, does not miss
+it: a uniform field is uniform up to the walls. In V = <p>/<rho> it cancels. The silo goes on
+upwards beyond its open top and ends at the outlet.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaign.folder import FolderError
+from silo2d.measures.coarse import Grid, grid_round, part_inside
+from silo2d.measures.contacts import flowing
+from silo2d.measures.maps import draw_map
+from silo2d.measures.silo import areas, inside_mask, inside_polygon, typical_size
+from silo2d.scene import BLUE, GREEN, GREY, ORANGE, Scene, read_scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+HEIGHTS = 0.2, 0.4, 0.6  # of the profiles, over the fill level
+_LEAST_DENSITY = 0.02  # of the largest: where there is less, no velocity is given
+
+
+@dataclass(frozen=True, eq=False)
+class FlowField:
+    """Means over frames, on a grid.
+
+    density     (j, i) [kg/m2]
+    momentum    (2, j, i) [kg/(m s)]
+    solid       (j, i) area of grains over area of the silo's inside [-]
+    frames      (f,) over which the mean is
+    """
+
+    grid: Grid
+    density: Floats
+    momentum: Floats
+    solid: Floats
+    frames: NDArray[np.int64]
+
+    @property
+    def velocity(self) -> Floats:
+        """(2, j, i) [m/s]; NaN where there is next to nothing."""
+        some = self.density > _LEAST_DENSITY * self.density.max()
+        return np.where(some, self.momentum / np.where(some, self.density, 1.0), np.nan)
+
+
+def field_of(scene: Scene, frames: NDArray[np.int64], width: float | None = None) -> FlowField:
+    """Mean fields of some frames, on a grid over the silo and six widths round it.
+
+    width of the Gaussian [m]; one typical grain size (root of the mean area) unless given.
+    """
+    polygon = inside_polygon(scene)
+    grid = grid_round(polygon.min(axis=0), polygon.max(axis=0), width or typical_size(scene))
+    size = areas(scene)
+    sums = np.zeros((4, len(grid.y), len(grid.x)))
+    for frame in frames:
+        which = in_silo(scene, frame)
+        place, velocity = _vectors(scene, frame, which, "x", "y", "vx", "vy")
+        mass = scene.trajectory.static["mass"][which, None]
+        sums += grid.deposit(place, np.hstack([mass, mass * velocity, size[which, None]]))
+    sums /= len(frames)
+    part = part_inside(grid, polygon)
+    solid = np.where(inside_mask(polygon, grid), sums[3] / np.maximum(part, 0.05), np.nan)
+    return FlowField(grid, sums[0], sums[1:3], solid, frames)
+
+
+def in_silo(scene: Scene, frame: int) -> NDArray[np.bool_]:
+    """Grains with their centroid above the outlet (n,)."""
+    return scene.trajectory["inside"][frame] & (scene.trajectory["y"][frame] >= 0)
+
+
+def _vectors(scene: Scene, frame: int, which: NDArray, *keys: str) -> tuple[Floats, Floats]:
+    columns = [scene.trajectory[key][frame][which].astype(np.float64) for key in keys]
+    return np.column_stack(columns[:2]), np.column_stack(columns[2:])
+
+
+def flow_frames(scene: Scene) -> NDArray[np.int64]:
+    """Frames while a tenth to a half of the leavers were out (f,)."""
+    first, last = flowing(scene)
+    frames = np.flatnonzero((scene.time >= first) & (scene.time <= last))
+    if not len(frames):
+        raise FolderError("no frame while the silo flowed; keep more with [output] frame_interval")
+    return frames
+
+
+def profile(field: FlowField, height: float) -> tuple[Floats, Floats]:
+    """Vertical velocity [m/s] and momentum density [kg/(m s)] over x at a height [m]."""
+    j = int(np.abs(field.grid.y - height).argmin())
+    return field.velocity[1, j], field.momentum[1, j]
+
+
+def measure(folder: Path) -> dict[str, Any]:
+    """Numbers, profiles and fields of the flow.
+
+    width_m                       of the Gaussian
+    from_s, until_s, frames       the window
+    mass_in_silo_kg               integral of the density over the plane, mean over the window
+    bulk_fraction                 mean packing fraction between the lowest and highest profile,
+                                  where 0.99 of the kernel is inside
+    profiles                      for each height: height_m, x_m, velocity_m_per_s (downwards is
+                                  negative; None outside), mass_flow_kg_per_s through it
+    fields                        x_m, y_m, packing fraction, velocity_x, velocity_y (j, i)
+
+    Raises FolderError for a run of which fewer than twenty grains left.
+    """
+    scene = read_scene(folder)
+    field = field_of(scene, flow_frames(scene))
+    grid, time = field.grid, scene.time[field.frames]
+    names = {"packing_fraction": field.solid, "velocity_x": field.velocity[0],
+             "velocity_y": field.velocity[1]}  # fmt: skip
+    return {
+        "width_m": grid.width,
+        "from_s": float(time[0]),
+        "until_s": float(time[-1]),
+        "frames": len(field.frames),
+        "mass_in_silo_kg": float(grid.integral(field.density)),
+        "bulk_fraction": _bulk_fraction(scene, field),
+        "profiles": [_profile_numbers(scene, field, height) for height in _heights(scene)],
+        "fields": {
+            "x_m": grid.x.tolist(),
+            "y_m": grid.y.tolist(),
+            **{name: _listed(values) for name, values in names.items()},
+        },
+    }
+
+
+def _heights(scene: Scene) -> list[float]:
+    return [part * float(scene.trajectory.attributes["level"]) for part in HEIGHTS]
+
+
+def _bulk_fraction(scene: Scene, field: FlowField) -> float | None:
+    low, *_, high = _heights(scene)
+    part = part_inside(field.grid, inside_polygon(scene))
+    level = (field.grid.y >= low) & (field.grid.y <= high)
+    bulk = field.solid[(part > 0.99) & level[:, None]]
+    return float(bulk.mean()) if len(bulk) else None
+
+
+def _profile_numbers(scene: Scene, field: FlowField, height: float) -> dict[str, Any]:
+    velocity, momentum = profile(field, height)
+    step = field.grid.x[1] - field.grid.x[0]
+    inside = _inside_at(scene, field, height)
+    return {
+        "height_m": height,
+        "x_m": field.grid.x.tolist(),
+        "velocity_m_per_s": _listed(np.where(inside, velocity, np.nan)),
+        "mass_flow_kg_per_s": float(-momentum.sum() * step),
+    }
+
+
+def _inside_at(scene: Scene, field: FlowField, height: float) -> NDArray[np.bool_]:
+    j = int(np.abs(field.grid.y - height).argmin())
+    return inside_mask(inside_polygon(scene), field.grid)[j]
+
+
+def _listed(values: Floats) -> list[Any]:
+    """As lists for JSON, None where there is no number."""
+    rounded = np.round(values, 6).astype(object)
+    rounded[~np.isfinite(values)] = None
+    return rounded.tolist()
+
+
+def draw(folder: Path) -> "Figure":
+    """Maps of packing fraction and speed, and profiles of the vertical velocity."""
+    from matplotlib.figure import Figure
+
+    scene = read_scene(folder)
+    field = field_of(scene, flow_frames(scene))
+    time = scene.time[field.frames]
+    figure = Figure(figsize=(14, 5.8), layout="constrained")
+    figure.suptitle(
+        f"{scene.headline}; mean from {time[0]:.2f} to {time[-1]:.2f} s",
+        x=0.01, ha="left", fontsize=13, fontweight="bold",
+    )  # fmt: skip
+    solid, speed, lines = figure.subplots(1, 3, width_ratios=[1, 1, 1.1])
+    draw_map(solid, scene, field.grid, np.nan_to_num(_filled(field.solid)), "packing fraction",
+             cmap="YlOrBr", vmin=0.4, vmax=0.95)  # fmt: skip
+    magnitude = np.hypot(*field.velocity)
+    inside = inside_mask(inside_polygon(scene), field.grid)
+    draw_map(speed, scene, field.grid, np.nan_to_num(magnitude), "speed [m/s]",
+             cmap="YlGnBu", vmin=0, vmax=np.nanmax(magnitude[inside]))  # fmt: skip
+    _arrows(speed, field, inside)
+    _draw_profiles(lines, scene, field)
+    return figure
+
+
+def _filled(values: Floats) -> Floats:
+    """Points outside the silo with the nearest value inside, so that colours reach the walls."""
+    from scipy.ndimage import distance_transform_edt
+
+    nearest = distance_transform_edt(np.isnan(values), return_distances=False, return_indices=True)
+    return values[tuple(nearest)]
+
+
+def _arrows(axes: "Axes", field: FlowField, inside: NDArray[np.bool_]) -> None:
+    step = 4
+    chosen = inside[::step, ::step] & np.isfinite(field.velocity[0, ::step, ::step])
+    x, y = np.meshgrid(field.grid.x[::step], field.grid.y[::step])
+    u, v = field.velocity[:, ::step, ::step]
+    axes.quiver(x[chosen], y[chosen], u[chosen], v[chosen], color="#2b2b2b", width=4e-3)
+
+
+def _draw_profiles(axes: "Axes", scene: Scene, field: FlowField) -> None:
+    for height, colour in zip(_heights(scene), (BLUE, GREEN, ORANGE), strict=True):
+        velocity, _ = profile(field, height)
+        inside = _inside_at(scene, field, height)
+        axes.plot(field.grid.x[inside], velocity[inside], color=colour,
+                  label=f"{1e3 * height:.0f} mm over the outlet")  # fmt: skip
+    axes.axhline(0, color=GREY, lw=0.6)
+    axes.set(xlabel="x [m]", ylabel="vertical velocity [m/s]")
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1))

@@ -1,0 +1,315 @@
+"""Wall pressure and vertical stress against Janssen's law, before the opening and in the flow.
+
+Between two vertical walls a distance W apart, where the horizontal stress is K times the vertical
+one and the walls bear mu_m times what presses them, a slice of bulk density rho_b (per area of the
+plane) is balanced by
+
+    d sigma/dz = rho_b g - 2 mu_m K sigma/W
+    sigma(z) = rho_b g lambda (1 - exp(-z/lambda)),   lambda = W/(2 mu_m K)
+
+(Janssen 1895; the plane's form: two walls instead of a perimeter over an area). Without friction
+at the walls, as in the paper's filling, lambda is infinite and the law is hydrostatic, rho_b g z.
+
+Nothing is fitted to the law: K is the ratio of wall pressure to vertical stress and mu_m that of
+shear to pressure at the walls, each summed over the vertical part, and depth is measured by the
+weight above, rho_b g z = (weight above)/W. A silo that discharges accelerates and its hopper
+carries what its outlet lets go: the law is drawn beside it for orientation only.
+
+Stresses and tractions are of the plane [N/m]: divide by the prisms' length for pascals.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contact.quantity import InputError
+from silo2d.measures.coarse import Floats
+from silo2d.measures.contacts import GRAVITY, Moment, read_moments
+from silo2d.measures.silo import outwards, sides, typical_size
+from silo2d.measures.stress import branches, flow_moments
+from silo2d.scene import BLUE, GREY, INK, VERMILION, Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_BIN = 2.5  # typical grain sizes that a stretch of wall is long, at least
+_TRACTIONS = {"normal": "pressure on the walls", "shear": "traction down the walls"}
+_FRICTIONLESS = 1e-3  # mobilised friction: below it the walls bear next to nothing
+_VERTICAL = 1e-6  # run over length of a wall that counts as vertical, at most
+
+
+@dataclass(frozen=True, eq=False)
+class Tractions:
+    """What grains do to one wall, by stretches of even length; means over moments.
+
+    name       of the wall
+    height     of the middles of its stretches (b,) [m]
+    normal     pressure outwards (b,) [N/m]
+    shear      traction down the wall (b,) [N/m]
+    length     of a stretch [m]
+    """
+
+    name: str
+    height: Floats
+    normal: Floats
+    shear: Floats
+    length: float
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """The vertical part of a silo in slabs of even height, from above; means over moments.
+
+    height      of the middles of the slabs (b,) [m]
+    vertical    mean vertical contact stress in each (b,) [N/m]
+    weight      weight above, mean over each slab, over the width (b,) [N/m]
+    pressure    mean pressure on the two walls at each (b,) [N/m]
+    shear       mean traction on them, downwards (b,) [N/m]
+    density     weight per area of the plane [N/m2], rho_b g
+    width       W [m]
+    """
+
+    height: Floats
+    vertical: Floats
+    weight: Floats
+    pressure: Floats
+    shear: Floats
+    density: float
+    width: float
+
+    @property
+    def stress_ratio(self) -> float:
+        """K: wall pressure over vertical stress."""
+        return float(self.pressure.sum() / self.vertical.sum())
+
+    @property
+    def friction(self) -> float:
+        """mu_m, mobilised at the walls: shear over pressure, positive where they bear weight."""
+        return float(self.shear.sum() / self.pressure.sum())
+
+    def janssen(self) -> Floats:
+        """The law at the same depths (b,) [N/m]."""
+        depth = self.weight / self.density
+        return janssen_stress(depth, self.density, self.friction * self.stress_ratio, self.width)
+
+
+def janssen_stress(depth: Floats, density: float, friction_times_ratio: float, width: float):
+    """rho_b g lambda (1 - exp(-z/lambda)) [N/m], lambda = W/(2 mu_m K).
+
+    depth z [m]; density rho_b g [N/m2]; mu_m K [-], 0 for the hydrostatic limit; width W [m].
+    """
+    if friction_times_ratio == 0:
+        return density * depth
+    length = width / (2 * friction_times_ratio)
+    return -density * length * np.expm1(-depth / length)
+
+
+def tractions(moments: list[Moment]) -> list[Tractions]:
+    """Means over moments of what grains do to each wall but the door."""
+    scene = moments[0].scene
+    segments = scene.walls
+    stretch = _BIN * typical_size(scene)
+    found = []
+    for k, (start, end) in enumerate(segments):
+        length = float(np.hypot(*(end - start)))
+        n = max(int(length / stretch), 1)
+        out, down = outwards(segments)[k], _down(scene, start, end)
+        sums = np.zeros((2, n))
+        for moment in moments:
+            here = moment.bodies[:, 1] == scene.n_grains + k
+            along = (moment.point[here] - start) @ (end - start) / length**2
+            which = np.clip((along * n).astype(int), 0, n - 1)
+            for row, direction in enumerate((out, down)):
+                np.add.at(sums[row], which, moment.force[here] @ direction)
+        middles = start[1] + (np.arange(n) + 0.5) / n * (end[1] - start[1])
+        normal, shear = sums / len(moments) / (length / n)
+        found.append(Tractions(scene.wall_names[k], middles, normal, shear, length / n))
+    return found
+
+
+def _down(scene: Scene, start: Floats, end: Floats) -> Floats:
+    """Unit vector down a wall; on a level floor towards the outlet."""
+    along = (end - start) / np.hypot(*(end - start))
+    (left, _), (right, _) = scene.trajectory.attributes["lips"]
+    falls = -along[1] or along[0] * np.sign((left + right) / 2 - start[0])
+    return along if falls > 0 else -along
+
+
+def column(moments: list[Moment]) -> Column:
+    """The part between the topmost vertical walls, below the highest grain of the first frame.
+
+    Raises InputError for a silo without a vertical wall on each side.
+    """
+    scene = moments[0].scene
+    walls = _vertical_walls(scene)
+    segments = scene.walls[walls]
+    low, width = segments[:, :, 1].min(axis=1).max(), float(np.ptp(segments[:, :, 0]))
+    top = float(scene.trajectory["y"][0][scene.trajectory["inside"][0]].max())
+    n = max(int((top - low) / (_BIN * typical_size(scene))), 1)
+    levels = np.linspace(top, low, n + 1)
+    slabs = np.column_stack([levels[1:], levels[:-1]])
+    means = np.mean([_slabs(m, slabs, width, walls) for m in moments], axis=0)
+    first = moments[0].centres[moments[0].inside, 1]
+    mass = moments[0].scene.trajectory.static["mass"][moments[0].inside]
+    full = levels[min(1, n - 1)]  # the uppermost slab holds the rough surface
+    counted = (first >= low) & (first < full) if n > 1 else first >= low
+    density = GRAVITY * mass[counted].sum() / (width * (full - low))
+    vertical, weight, pressure, shear = means
+    middles = slabs.mean(axis=1)
+    return Column(middles, vertical, weight, pressure, shear, float(density), width)
+
+
+def _vertical_walls(scene: Scene) -> list[int]:
+    """The topmost vertical wall of each side, left and right."""
+    run, rise = np.abs(scene.walls[:, 1] - scene.walls[:, 0]).T
+    vertical = run <= _VERTICAL * rise
+    found = []
+    for side in (-1, 1):
+        here = np.flatnonzero(vertical & (sides(scene)[:-1] == side))
+        if not len(here):
+            raise InputError("Janssen's law needs a vertical wall on each side of the silo")
+        found.append(int(here[scene.walls[here, :, 1].max(axis=1).argmax()]))
+    return found
+
+
+def _slabs(moment: Moment, slabs: Floats, width: float, walls: list[int]) -> Floats:
+    """Vertical stress, weight above, wall pressure and shear of slabs (b, 2): (4, b) [N/m].
+
+    Means over each slab, exact: of a branch, the part that lies in the slab counts.
+    """
+    low, high = slabs[:, :1], slabs[:, 1:]
+    thick = (high - low)[:, 0]
+    start, end, force = branches(moment)
+    part = np.clip(end[:, 1], low, high) - np.clip(start[:, 1], low, high)
+    vertical = -(part @ force[:, 1]) / (width * thick)
+    y = moment.centres[moment.inside, 1]
+    weight = GRAVITY * moment.scene.trajectory.static["mass"][moment.inside]
+    above = np.clip(y - low, 0.0, high - low) @ weight / (width * thick)
+    pressure, shear = np.zeros((2, len(slabs)))
+    for wall in walls:
+        here = moment.bodies[:, 1] == moment.scene.n_grains + wall
+        inside = (moment.point[here, 1] >= low) & (moment.point[here, 1] < high)
+        out = outwards(moment.scene.walls)[wall]
+        pressure += inside @ (moment.force[here] @ out) / (2 * thick)
+        shear += inside @ -moment.force[here, 1] / (2 * thick)
+    return np.array([vertical, above, pressure, shear])
+
+
+def measure(folder: Path) -> dict[str, Any]:
+    """Numbers and profiles before the opening, and of the mean over the flow.
+
+    ..._stress_ratio            K; ..._wall_friction mu_m, both as they fall out
+    ..._janssen_length_m        lambda; None where mu_m is below 0.001
+    ..._bottom_vertical_n_per_m vertical stress in the lowest slab of the vertical part, and
+    ..._bottom_janssen_..., ..._bottom_hydrostatic_...   the law there, and the weight above
+    ..._rms_over_janssen        rms of stress less law over the slabs, over the law's rms
+    profiles                    the column and the tractions on each wall, see Column and Tractions
+
+    The flow's keys are None for a run of which fewer than twenty grains left. Raises InputError
+    for a silo without vertical walls.
+    """
+    moments = read_moments(folder)
+    chosen = {"before_opening": moments[:1]}
+    if moments[0].scene.trajectory["n_out"][-1] >= 20:
+        chosen["flow"] = flow_moments(moments)
+    numbers: dict[str, Any] = {}
+    profiles: dict[str, Any] = {}
+    for name in ("before_opening", "flow"):
+        of = dict.fromkeys(_KEYS)
+        if name in chosen:
+            found = column(chosen[name])
+            of = _numbers(found, len(chosen[name]))
+            walls = [_as_lists(wall) for wall in tractions(chosen[name])]
+            profiles[name] = {"column": _as_lists(found), "walls": walls}
+        numbers |= {f"{name}_{key}": value for key, value in of.items()}
+    return {**numbers, "profiles": profiles}
+
+
+_KEYS = ("moments", "stress_ratio", "wall_friction", "janssen_length_m",
+         "bottom_vertical_n_per_m", "bottom_janssen_n_per_m", "bottom_hydrostatic_n_per_m",
+         "rms_over_janssen")  # fmt: skip
+
+
+def _numbers(found: Column, n_moments: int) -> dict[str, Any]:
+    law, product = found.janssen(), found.friction * found.stress_ratio
+    values = (
+        n_moments,
+        found.stress_ratio,
+        found.friction,
+        found.width / (2 * product) if abs(found.friction) >= _FRICTIONLESS else None,
+        float(found.vertical[-1]),
+        float(law[-1]),
+        float(found.weight[-1]),
+        float(np.sqrt(((found.vertical - law) ** 2).mean() / (law**2).mean())),
+    )
+    return dict(zip(_KEYS, values, strict=True))
+
+
+def _as_lists(profile: Column | Tractions) -> dict[str, Any]:
+    values = vars(profile).items()
+    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values}
+
+
+def draw(folder: Path) -> "Figure":
+    """Vertical stress with the law, and tractions on the walls, before the opening and in flow."""
+    from matplotlib.figure import Figure
+
+    moments = read_moments(folder)
+    scene = moments[0].scene
+    rows = {"just before the opening": moments[:1]}
+    if scene.trajectory["n_out"][-1] >= 20:
+        flow = flow_moments(moments)
+        rows[f"flow, mean of {len(flow)} moments from {flow[0].time:.2f} to "
+             f"{flow[-1].time:.2f} s"] = flow  # fmt: skip
+    figure = Figure(figsize=(11, 4.6 * len(rows)), layout="constrained")
+    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    for axes, (words, chosen) in zip(
+        figure.subplots(len(rows), 3, squeeze=False, sharey=True), rows.items(), strict=True
+    ):
+        _draw_column(axes[0], column(chosen), words)
+        walls = tractions(chosen)
+        for panel, kind in zip(axes[1:], ("normal", "shear"), strict=True):
+            _draw_tractions(panel, walls, kind)
+    return figure
+
+
+def _draw_column(axes: "Axes", found: Column, words: str) -> None:
+    depths = np.linspace(0, found.weight.max() / found.density, 60)
+    product = found.friction * found.stress_ratio
+    top = found.height[-1] + found.weight[-1] / found.density
+    law = janssen_stress(depths, found.density, product, found.width)
+    axes.plot(found.density * depths, top - depths, color=GREY, lw=1, label="hydrostatic")
+    mobilised = 0.0 if abs(found.friction) < _FRICTIONLESS else found.friction
+    label = f"Janssen, K = {found.stress_ratio:.2f},\n$\\mu_m$ = {mobilised:.2f}"
+    axes.plot(law, top - depths, color=BLUE, label=label)
+    axes.plot(found.vertical, found.height, "o", ms=4, color=INK, label="contacts")
+    axes.set(xlabel="vertical stress [N/m]", ylabel="height over the outlet [m]")
+    axes.set_title(f"{words}\n{_in_words(found)}", loc="left", fontsize=9)
+    axes.legend(loc="upper right")
+
+
+def _in_words(found: Column) -> str:
+    if abs(found.friction) < _FRICTIONLESS:
+        return "frictionless filling: Janssen's law is hydrostatic"
+    missing = 100 * (1 - found.vertical[-1] / found.weight[-1])
+    return f"lowest slab carries {missing:.0f} % less than the weight above"
+
+
+def _draw_tractions(axes: "Axes", walls: list[Tractions], kind: str) -> None:
+    for wall in walls:
+        colour = VERMILION if "right" in wall.name else BLUE
+        kinds = "hopper", "floor"
+        style = "--" if any(word in wall.name for word in kinds) else "-"
+        axes.plot(getattr(wall, kind), wall.height, style, marker="o", ms=3, color=colour,
+                  label=wall.name)  # fmt: skip
+    axes.axvline(0, color=GREY, lw=0.6)
+    axes.set_xlabel(f"{_TRACTIONS[kind]} [N/m]")
+    # Not narrower than a tenth of the pressure: what is next to nothing shall look so.
+    reach = 0.1 * max(wall.normal.max() for wall in walls)
+    low, high = axes.get_xlim()
+    axes.set_xlim(min(low, -reach), max(high, reach))
+    if kind == "normal":
+        axes.legend(loc="upper right")

@@ -1,0 +1,216 @@
+"""The contact network before the opening and at the end, and how its forces are distributed.
+
+Forces are those between two bodies: the normal forces of their vertex-edge contacts, added up.
+The distribution P(f/<f>) of the forces that press has an exponential tail in many packings,
+P ~ exp(-beta f/<f>) (Mueth, Jaeger, Nagel 1998, Phys. Rev. E 57, 3164); beta is fitted to the
+forces above the mean by the maximum of likelihood: 1/beta is the mean of their excess over <f>,
+in units of <f>, with a relative error of 1/sqrt(n).
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from silo2d.measures.contacts import Moment, read_moments
+from silo2d.scene import BLUE, GREEN, GREY, INK, VERMILION, WALL, Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_FEWEST = 20  # forces in a tail that is fitted
+_WIDEST = 5.0  # line of a force of six times the mean [points]
+_PALE = "#f0e6d2", "#c9b79a"  # of grains under a network: face, edge
+
+
+@dataclass(frozen=True)
+class Tail:
+    """P(f/<f>) ~ exp(-beta f/<f>) above the mean: beta, its standard error, forces used."""
+
+    beta: float
+    error: float
+    n: int
+
+
+def measure(folder: Path) -> dict[str, Any]:
+    """Numbers of the network before the opening and at the last frame.
+
+    contacts, pairs           vertex-edge contacts; pairs of bodies that touch
+    coordination              bodies that a grain inside touches, mean
+    touching_nothing          part of the grains inside
+    sliding                   part of the contacts at their Coulomb limit; all without friction
+    mean_normal_force_n       over the pairs
+    pulling                   part of the pairs whose normal force pulls (law of the paper)
+    tail_beta, ..._error      of P(f/<f>); None with fewer than 20 forces above the mean
+    """
+    moments = read_moments(folder)
+    named = {"before_opening": moments[0], "end": moments[-1]}
+    numbers = {
+        f"{name}_{key}": value for name, m in named.items() for key, value in numbers_of(m).items()
+    }
+    series = {
+        "time_s": [m.time for m in moments],
+        "coordination": [numbers_of(m)["coordination"] for m in moments],
+        "sliding": [numbers_of(m)["sliding"] for m in moments],
+    }
+    return {**numbers, "series": series}
+
+
+def numbers_of(moment: Moment) -> dict[str, Any]:
+    """The numbers of one moment, see `measure`."""
+    pairs, force = moment.pairs
+    n_inside = int(moment.inside.sum())
+    touched = np.unique(pairs[pairs < moment.scene.n_grains])
+    tail = exponential_tail(force)
+    return {
+        "time_s": moment.time,
+        "grains": n_inside,
+        "contacts": len(moment.bodies),
+        "pairs": len(pairs),
+        "coordination": coordination(moment),
+        "touching_nothing": float(1 - len(touched) / n_inside) if n_inside else None,
+        "sliding": float(moment.slides.mean()) if len(pairs) else None,
+        "mean_normal_force_n": float(force.mean()) if len(pairs) else None,
+        "pulling": float((force < 0).mean()) if len(pairs) else None,
+        "tail_beta": tail.beta if tail else None,
+        "tail_beta_error": tail.error if tail else None,
+        "tail_forces": tail.n if tail else None,
+    }
+
+
+def coordination(moment: Moment) -> float | None:
+    """Bodies, grains and walls, that a grain inside touches, mean; None without grains."""
+    n_inside = int(moment.inside.sum())
+    pairs, _ = moment.pairs
+    return float((pairs < moment.scene.n_grains).sum() / n_inside) if n_inside else None
+
+
+def exponential_tail(force: NDArray[np.float64]) -> Tail | None:
+    """Fit to the forces above the mean of those that press; None where they are too few."""
+    pressing = force[force > 0]
+    if not len(pressing):
+        return None
+    excess = pressing / pressing.mean() - 1
+    excess = excess[excess > 0]
+    if len(excess) < _FEWEST:
+        return None
+    beta = float(1 / excess.mean())
+    return Tail(beta, beta / np.sqrt(len(excess)), len(excess))
+
+
+def draw(folder: Path) -> "Figure":
+    """The network over the grains at both moments, and the distributions of forces.
+
+    Where no contact is left at the end, the moment is shown when half of the leavers were out.
+    """
+    from matplotlib.figure import Figure
+
+    moments = read_moments(folder)
+    scene = moments[0].scene
+    figure = Figure(figsize=(11.5, 6.2), layout="constrained")
+    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    panels = figure.subplots(1, 3, width_ratios=[1, 1, 1.25])
+    before, end = moments[0], _last_shown(moments)
+    scale = before.pairs[1]
+    unit = float(scale[scale > 0].mean()) if (scale > 0).any() else 1.0
+    for panel, moment, words in ((panels[0], before, "just before the opening"),
+                                 (panels[1], end, f"{end.time:.2f} s")):  # fmt: skip
+        draw_grains(panel, scene, moment.frame)
+        draw_network(panel, moment, unit)
+        panel.set_title(f"{words}\n{_in_words(moment)}", fontsize=10)
+    words = f"lines: normal forces, {_WIDEST / 6:.1f} points wide for {unit:.3g} N; red pulls"
+    figure.text(0.01, 0.01, words, fontsize=8, color=WALL)
+    _draw_distribution(
+        panels[2], {"before the opening": (before, BLUE), f"{end.time:.2f} s": (end, GREEN)}
+    )
+    return figure
+
+
+def _last_shown(moments: list[Moment]) -> Moment:
+    """The last moment, or where it has no contact the one at which half of the leavers are out."""
+    if len(moments[-1].bodies):
+        return moments[-1]
+    n_out = moments[-1].scene.trajectory["n_out"]
+    return min(moments, key=lambda m: abs(n_out[m.frame] - n_out[-1] / 2))
+
+
+def _in_words(moment: Moment) -> str:
+    numbers = numbers_of(moment)
+    if not numbers["pairs"]:
+        return "no contacts"
+    sliding = numbers["sliding"]
+    how = "frictionless" if sliding == 1 else f"{100 * sliding:.0f} % of contacts slide"
+    return f"{numbers['coordination']:.2f} neighbours, {how}"
+
+
+def draw_grains(axes: "Axes", scene: Scene, frame: int) -> None:
+    """Grains in pale colours, walls, and the window of the silo."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    for _, outlines in scene.outlines(frame):
+        axes.add_collection(
+            PolyCollection(list(outlines), facecolors=_PALE[0], edgecolors=_PALE[1], linewidths=0.4)
+        )
+    axes.add_collection(
+        LineCollection(list(scene.walls), colors=WALL, linewidths=2, capstyle="round")
+    )
+    left, right, bottom, top = scene.window
+    pad = 0.01 * (right - left)
+    axes.set(xlim=(left - pad, right + pad), ylim=(bottom, top), aspect="equal")
+    axes.set_axis_off()
+
+
+def draw_network(axes: "Axes", moment: Moment, unit: float) -> None:
+    """Lines from centroid through contact point to centroid, as wide as the normal force.
+
+    unit: the force [N] of a line of a sixth of the widest, whose width is then the limit.
+    """
+    from matplotlib.collections import LineCollection
+
+    force = (moment.force * moment.normal).sum(axis=1)
+    first, second = moment.bodies.T
+    n = moment.scene.n_grains
+    ends = np.where(
+        moment.at_wall[:, None], moment.point, moment.centres[np.minimum(second, n - 1)]
+    )
+    lines = np.stack([moment.centres[first], moment.point, ends], axis=1)
+    width = np.minimum(np.abs(force) / unit, 6) * _WIDEST / 6
+    colours = np.where(force < 0, VERMILION, BLUE)
+    axes.add_collection(
+        LineCollection(
+            list(lines), linewidths=width, colors=list(colours), capstyle="round", joinstyle="round"
+        )
+    )
+
+
+def _draw_distribution(axes: "Axes", moments: dict[str, tuple[Moment, str]]) -> None:
+    for label, (moment, colour) in moments.items():
+        force = moment.pairs[1]
+        pressing = force[force > 0]
+        if len(pressing) < _FEWEST:
+            axes.plot([], [], " ", label=f"{label}: {len(pressing)} forces only")
+            continue
+        scaled = pressing / pressing.mean()
+        edges = np.linspace(0, scaled.max() * 1.0001, max(8, round(len(scaled) ** 0.4) * 2))
+        count, _ = np.histogram(scaled, edges)
+        density = count / len(scaled) / np.diff(edges)
+        some = count > 0
+        middle = (edges[1:] + edges[:-1]) / 2
+        error = density[some] / np.sqrt(count[some])
+        words = f"{label}: {len(scaled)} pairs"
+        axes.errorbar(middle[some], density[some], error, fmt="o", ms=4, lw=0.8, color=colour,
+                      label=words)  # fmt: skip
+        tail = exponential_tail(force)
+        if tail:
+            x = np.array([1.0, edges[-1]])
+            height = tail.n / len(scaled) * tail.beta
+            axes.plot(x, height * np.exp(-tail.beta * (x - 1)), color=colour,
+                      label=f"$\\beta$ = {tail.beta:.2f} $\\pm$ {tail.error:.2f}")  # fmt: skip
+    axes.set_yscale("log")
+    axes.axvline(1, color=GREY, lw=0.6)
+    axes.set(xlabel="normal force over its mean, $f/\\langle f\\rangle$",
+             ylabel="$P(f/\\langle f\\rangle)$")  # fmt: skip
+    axes.legend(loc="upper right", labelcolor=INK)

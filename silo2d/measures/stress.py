@@ -1,0 +1,226 @@
+"""The stress field, coarse-grained from the contacts: before the opening, and in the mean flow.
+
+    sigma(r) = - sum_k f_k (x) b_k  int_0^1 phi(r - x_k - s b_k) ds             contact part
+               + sum_i m_i (v_i - V(r)) (x) (v_i - V(r)) phi(r - x_i)           kinetic part
+
+over all pairs k of a grain and a contact it has: f the force on the grain, b the branch from its
+centroid x to the contact point; V is the momentum density over the mass density (Goldhirsch 2010,
+Granular Matter 12, 239; with contact points and walls Weinhart et al. 2012, Granular Matter 14,
+289). Pressure is positive. As d/ds phi(r - x - s b) = -b . grad phi,
+
+    sum_i m_i a_i phi(r - x_i) = rho g - div sigma + sum over walls of f phi(r - point)
+
+holds at every point, with the contact part alone and the accelerations a of the same forces; the
+last sum is what the walls push back with, spread by the same Gaussian. The integral of the
+contact part over the plane is the virial sum - sum f (x) b, exactly.
+
+Stresses are of the plane [N/m]: divide by the prisms' length for pascals. Within two widths of a
+wall they are smeared over it, not corrected: a correction would break the balance of momentum.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from silo2d.measures.coarse import Grid, along_branches, grid_round
+from silo2d.measures.contacts import Moment, flowing, read_moments
+from silo2d.measures.maps import draw_map
+from silo2d.measures.silo import inside_mask, inside_polygon, typical_size
+from silo2d.scene import INK, Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class StressField:
+    """Stress on a grid, or its mean over moments; pressure positive [N/m].
+
+    contact, kinetic    (2, 2, j, i): force (momentum) component, direction of the branch
+    moments             over how many moments the mean is
+    """
+
+    grid: Grid
+    contact: Floats
+    kinetic: Floats
+    moments: int
+
+    @property
+    def total(self) -> Floats:
+        """Both parts (2, 2, j, i)."""
+        return self.contact + self.kinetic
+
+    @property
+    def pressure(self) -> Floats:
+        """Half the trace (j, i)."""
+        return (self.total[0, 0] + self.total[1, 1]) / 2
+
+    def principal(self) -> tuple[Floats, Floats, Floats]:
+        """Larger and smaller principal stress (j, i), and the angle of the larger from x [rad]."""
+        (xx, xy), (yx, yy) = self.total
+        shear = (xy + yx) / 2
+        radius = np.hypot((xx - yy) / 2, shear)
+        return (
+            self.pressure + radius,
+            self.pressure - radius,
+            np.arctan2(2 * shear, xx - yy) / 2,
+        )
+
+
+def branches(moment: Moment) -> tuple[Floats, Floats, Floats]:
+    """Start and end (k, 2) [m] of the branch of each grain at each contact, and force on it [N].
+
+    A contact of two grains has two branches, one with a wall the grain's alone.
+    """
+    first, second = moment.bodies.T
+    grain = ~moment.at_wall
+    start = np.concatenate([moment.centres[first], moment.centres[second[grain]]])
+    end = np.concatenate([moment.point, moment.point[grain]])
+    return start, end, np.concatenate([-moment.force, moment.force[grain]])
+
+
+def virial(moment: Moment) -> Floats:
+    """- sum f (x) b over all branches (2, 2) [N m]: the integral of the contact stress."""
+    start, end, force = branches(moment)
+    return -force.T @ (end - start)
+
+
+def contact_stress(moment: Moment, grid: Grid) -> Floats:
+    """The contact part (2, 2, j, i) [N/m]."""
+    start, end, force = branches(moment)
+    points, weights = along_branches(start, end)
+    each = -force[:, :, None] * (end - start)[:, None, :]
+    per_branch = len(points) // max(len(start), 1)
+    spread = np.repeat(each.reshape(-1, 4), per_branch, axis=0) * weights
+    return grid.deposit(points, spread).reshape(2, 2, len(grid.y), len(grid.x))
+
+
+def kinetic_stress(scene: Scene, frame: int, grid: Grid) -> Floats:
+    """The kinetic part (2, 2, j, i) [N/m]: sum m v (x) v phi less rho V (x) V."""
+    mass, place, velocity = moving(scene, frame)
+    products = velocity[:, :, None] * velocity[:, None, :]
+    density = grid.deposit(place, mass[:, None])[0]
+    momentum = grid.deposit(place, mass[:, None] * velocity)
+    total = grid.deposit(place, mass[:, None] * products.reshape(-1, 4))
+    mean = momentum[:, None] * momentum[None] / np.maximum(density, np.finfo(float).tiny)
+    return total.reshape(mean.shape) - mean
+
+
+def moving(scene: Scene, frame: int) -> tuple[Floats, Floats, Floats]:
+    """Mass (n,) [kg], centroid (n, 2) [m] and velocity (n, 2) [m/s] of the grains inside."""
+    frames, inside = scene.trajectory, scene.trajectory["inside"][frame]
+    x, y, vx, vy = (frames[key][frame][inside].astype(float) for key in ("x", "y", "vx", "vy"))
+    mass = frames.static["mass"][inside]
+    return mass, np.column_stack([x, y]), np.column_stack([vx, vy])
+
+
+def stress_of(moments: list[Moment], width: float | None = None) -> StressField:
+    """Mean stress of moments, on a grid over the silo and six widths round it.
+
+    width of the Gaussian [m]; one typical grain size (root of the mean area) unless given.
+    """
+    scene = moments[0].scene
+    corners = scene.walls.reshape(-1, 2)
+    grid = grid_round(corners.min(axis=0), corners.max(axis=0), width or typical_size(scene))
+    contact = np.mean([contact_stress(m, grid) for m in moments], axis=0)
+    kinetic = np.mean([kinetic_stress(scene, m.frame, grid) for m in moments], axis=0)
+    return StressField(grid, contact, kinetic, len(moments))
+
+
+def flow_moments(moments: list[Moment]) -> list[Moment]:
+    """Those while a tenth to a half of the leavers were out; FolderError where there are none."""
+    first, last = flowing(moments[0].scene)
+    return [m for m in moments if first <= m.time <= last] or moments[1:2]
+
+
+def measure(folder: Path) -> dict[str, Any]:
+    """Numbers and fields of the stress before the opening, and of its mean over the flow.
+
+    ..._virial_n_m               integral of the contact stress over the plane [[xx, xy], [yx, yy]]
+    ..._max_pressure_n_per_m     largest mean of the principal stresses
+    ..._kinetic_share            integral of the kinetic part's trace over that of the total
+    ..._anisotropy               mean of (s1 - s2)/(s1 + s2), weighted by the pressure
+    fields                       x_m, y_m, and the total stress xx, xy, yx, yy (j, i) [N/m]
+
+    The flow's keys are None for a run that did not flow.
+    """
+    moments = read_moments(folder)
+    fields = {"before_opening": stress_of(moments[:1])}
+    numbers: dict[str, Any] = {"width_m": typical_size(moments[0].scene)}
+    if moments[0].scene.trajectory["n_out"][-1] >= 20:
+        fields["flow"] = stress_of(flow_moments(moments))
+    for name in ("before_opening", "flow"):
+        of = _numbers(fields[name]) if name in fields else dict.fromkeys(_KEYS)
+        numbers |= {f"{name}_{key}": value for key, value in of.items()}
+    return {**numbers, "fields": {name: _as_lists(field) for name, field in fields.items()}}
+
+
+_KEYS = ("moments", "virial_n_m", "max_pressure_n_per_m", "kinetic_share", "anisotropy")
+
+
+def _numbers(field: StressField) -> dict[str, Any]:
+    larger, smaller, _ = field.principal()
+    traces = [np.trace(field.grid.integral(part)) for part in (field.kinetic, field.total)]
+    values = (
+        field.moments,
+        field.grid.integral(field.contact).tolist(),
+        float(field.pressure.max()),
+        float(traces[0] / traces[1]),
+        float((larger - smaller).sum() / (larger + smaller).sum()),
+    )
+    return dict(zip(_KEYS, values, strict=True))
+
+
+def _as_lists(field: StressField) -> dict[str, Any]:
+    parts = {f"{a}{b}": field.total[i, j] for i, a in enumerate("xy") for j, b in enumerate("xy")}
+    grid = {"x_m": field.grid.x.tolist(), "y_m": field.grid.y.tolist()}
+    return {**grid, **{name: np.round(part, 4).tolist() for name, part in parts.items()}}
+
+
+def draw(folder: Path) -> "Figure":
+    """Pressure as colour, principal directions as crosses, before the opening and in the flow."""
+    from matplotlib.figure import Figure
+
+    moments = read_moments(folder)
+    scene = moments[0].scene
+    panels = {"just before the opening": stress_of(moments[:1])}
+    if scene.trajectory["n_out"][-1] >= 20:
+        chosen = flow_moments(moments)
+        words = (
+            f"flow, mean of {len(chosen)} moments\n{chosen[0].time:.2f} to {chosen[-1].time:.2f} s"
+        )
+        panels[words] = stress_of(chosen)
+    figure = Figure(figsize=(5.3 * len(panels), 6.6), layout="constrained")
+    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    grid = figure.subplots(1, len(panels), squeeze=False)[0]
+    for axes, (words, field) in zip(grid, panels.items(), strict=True):
+        _draw_field(axes, scene, field)
+        axes.set_title(words, fontsize=10)
+    return figure
+
+
+def _draw_field(axes: "Axes", scene: Scene, field: StressField) -> None:
+    draw_map(axes, scene, field.grid, field.pressure, "pressure [N/m]", cmap="YlGnBu", vmin=0)
+    _draw_crosses(axes, field, inside_mask(inside_polygon(scene), field.grid))
+
+
+def _draw_crosses(axes: "Axes", field: StressField, inside: NDArray[np.bool_]) -> None:
+    """Both principal stresses as lines in their directions, every third point."""
+    larger, smaller, angle = field.principal()
+    step = 3
+    chosen = np.zeros_like(inside)
+    chosen[::step, ::step] = True
+    j, i = np.nonzero(chosen & inside)
+    longest = larger[j, i].max(initial=1e-12)
+    half = 0.55 * step * (field.grid.x[1] - field.grid.x[0])
+    for stress, turn in ((larger, 0.0), (smaller, np.pi / 2)):
+        length = half * stress[j, i] / longest
+        dx, dy = length * np.cos(angle[j, i] + turn), length * np.sin(angle[j, i] + turn)
+        x, y = field.grid.x[i], field.grid.y[j]
+        axes.plot(np.stack([x - dx, x + dx]), np.stack([y - dy, y + dy]), color=INK, lw=0.9)
