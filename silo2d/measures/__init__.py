@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # name as in `silo2d observe RUN WHAT`: module of this package, what it tells
-MEASURES: dict[str, tuple[str, str]] = {}
+MEASURES: dict[str, tuple[str, str]] = {
+    "profile": ("profile", "lines of the painted layers every 0.25 s, V depth and V width"),
+    "residence": ("residence", "when grains leave, by starting level and place"),
+}
 
 
 class Measure(Protocol):

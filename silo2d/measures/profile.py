@@ -1,0 +1,149 @@
+"""Displacement profile of the painted layers: their lines every 0.25 s, V depth and V width.
+
+The line of layer k at a time t, over columns j about two grains wide (by where grains are at t):
+
+    y_k(j) = <y(0)>_k + <y(t) - y(0)>_kj
+
+with the mean starting height of all the layer's grains, and the mean displacement of those in
+column j that have not left, at least two of them. Heights at the start scatter by 45 mm/sqrt(12)
+within a layer; the displacement does not, so the line is smoother than the mean of y(t).
+
+The paper shows such pictures and no numbers (Granular Matter 15 (2013) 811, sec. 4.2.1, Figs. 14
+and 15); depth and width are ours:
+
+    depth    mean of the line's outermost columns, left and right, less the column at the outlet
+    width    between the two places where the line stands half the depth above that column
+
+A layer whose column at the outlet is empty while others are not is pierced: it has no depth.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from silo2d.measures.grains import (
+    Series,
+    column_edges,
+    grain_size,
+    in_silo,
+    numbers,
+    outlet_centre,
+    start_height,
+)
+from silo2d.scene import Scene, read_scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INTERVAL = 0.25  # s, as in the paper's figures
+_FEWEST = 2  # grains that make a mean
+_SHALLOW = 0.5  # grain sizes: a V less deep has no width
+
+
+def measure(folder: Path, interval: float = INTERVAL) -> dict[str, Any]:
+    """Lines [m], V depth and V width [m] of each layer at multiples of `interval` [s]."""
+    scene = read_scene(folder)
+    frames = profile_frames(scene.time, interval)
+    lines, counts = layer_lines(scene, frames)
+    depth, width, pierced = v_shapes(scene, lines)
+    names = np.unique(scene.trajectory.static["layer"])
+    deepest = np.nanmax(depth) if np.isfinite(depth).any() else None
+    edges = column_edges(scene)
+    return {
+        "interval_s": interval,
+        "column_width_m": float(edges[1] - edges[0]),
+        "deepest_v_m": None if deepest is None else float(deepest),
+        "column_edges_m": edges.tolist(),
+        "times_s": scene.time[frames].tolist(),
+        "layers": [
+            {
+                "layer": int(name),
+                "lines_m": numbers(lines[k]),
+                "grains": counts[k].tolist(),
+                "depth_m": numbers(depth[k]),
+                "width_m": numbers(width[k]),
+                "pierced": pierced[k].tolist(),
+            }
+            for k, name in enumerate(names)
+        ],
+    }
+
+
+def profile_frames(time: Series, interval: float = INTERVAL) -> list[int]:
+    """Frames nearest to the multiples of `interval` [s] within the run, for frames at `time`."""
+    wanted = interval * np.arange(int(time[-1] / interval + 1e-9) + 1)
+    return [int(np.abs(time - t).argmin()) for t in wanted]
+
+
+def layer_lines(scene: Scene, frames: Sequence[int]) -> tuple[Series, np.ndarray]:
+    """Lines of the layers (l, f, c) [m], NaN where there is none, and their grains (l, f, c)."""
+    names, layer = np.unique(scene.trajectory.static["layer"], return_inverse=True)
+    edges, start = column_edges(scene), start_height(scene)
+    level = np.bincount(layer, start) / np.bincount(layer)
+    inside = in_silo(scene)
+    shape = len(names), len(frames), len(edges) - 1
+    lines, counts = np.full(shape, np.nan), np.zeros(shape, dtype=np.int64)
+    for f, frame in enumerate(frames):
+        fallen = scene.trajectory["y"][frame] - start
+        column = np.digitize(scene.trajectory["x"][frame], edges[1:-1])
+        here = inside[frame]
+        cell = (layer * shape[2] + column)[here]
+        n = np.bincount(cell, minlength=shape[0] * shape[2]).reshape(shape[0], shape[2])
+        total = np.bincount(cell, fallen[here], minlength=n.size).reshape(n.shape)
+        enough = n >= _FEWEST
+        lines[:, f][enough] = (level[:, None] + total / np.maximum(n, 1))[enough]
+        counts[:, f] = n
+    return lines, counts
+
+
+def v_shapes(scene: Scene, lines: Series) -> tuple[Series, Series, np.ndarray]:
+    """V depth and V width of lines (l, f, c) [m], and which are pierced, (l, f) each."""
+    edges = column_edges(scene)
+    middle = int(np.digitize(outlet_centre(scene), edges[1:-1]))
+    x = (edges[:-1] + edges[1:]) / 2
+    depth, width = np.full(lines.shape[:2], np.nan), np.full(lines.shape[:2], np.nan)
+    pierced = np.zeros(lines.shape[:2], dtype=bool)
+    for place in np.ndindex(lines.shape[:2]):
+        line = lines[place]
+        filled = np.flatnonzero(np.isfinite(line))
+        pierced[place] = len(filled) > 0 and np.isnan(line[middle])
+        if len(filled) == 0 or not filled[0] < middle < filled[-1] or pierced[place]:
+            continue
+        deep = float(line[filled[[0, -1]]].mean() - line[middle])
+        depth[place] = deep
+        if deep > _SHALLOW * grain_size(scene):
+            at = int(np.searchsorted(filled, middle))
+            width[place] = _width_at(x[filled], line[filled], at, deep / 2)
+    return depth, width, pierced
+
+
+def _width_at(x: Series, line: Series, middle: int, above: float) -> float:
+    """Between the first places left and right of x[middle] where a line is so far above it.
+
+    Straight between columns; NaN where one side does not reach so high.
+    """
+    height = line - line[middle] - above
+    left, right = slice(middle, None, -1), slice(middle, None)
+    return _crossing(x[right], height[right]) - _crossing(x[left], height[left])
+
+
+def _crossing(x: Series, height: Series) -> float:
+    """Where heights that begin below zero first reach it, straight between points; or NaN."""
+    over = np.flatnonzero(height >= 0)
+    if len(over) == 0:
+        return np.nan
+    k = over[0]
+    part = height[k - 1] / (height[k - 1] - height[k])
+    return float(x[k - 1] + part * (x[k] - x[k - 1]))
+
+
+def draw(folder: Path) -> "Figure":
+    """The lines of all layers in the silo, over its grains, every 0.25 s."""
+    from silo2d.measures.profile_chart import profile_sheet
+
+    scene = read_scene(folder)
+    frames = profile_frames(scene.time)
+    lines, _ = layer_lines(scene, frames)
+    return profile_sheet(scene, frames, lines, v_shapes(scene, lines)[0])
