@@ -19,8 +19,11 @@ if TYPE_CHECKING:
 
 # name as in `silo2d observe RUN WHAT`: module of this package, what it tells
 MEASURES: dict[str, tuple[str, str]] = {
+    "curve": ("curve", "discharge curve and rate, and the part where the flow is steady"),
+    "massflow": ("massflow", "mass flow index: velocity at the walls over that at the centre"),
     "profile": ("profile", "lines of the painted layers every 0.25 s, V depth and V width"),
     "residence": ("residence", "when grains leave, by starting level and place"),
+    "stickslip": ("stickslip", "grains that stick to the walls, slip along them, and how long"),
 }
 
 
