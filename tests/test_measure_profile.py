@@ -81,6 +81,18 @@ def test_a_layer_whose_middle_has_left_is_pierced(tmp_path):
     np.testing.assert_array_equal(np.isnan(layers_at(tmp_path, 0.25, "depth_m")), pierced)
 
 
+def test_scatter_is_that_of_the_displacements_about_their_line(tmp_path):
+    """Falls of 0.2 m/s with an sd of 0.02 m/s: 10 mm after 0.5 s, none at the start.
+
+    A layer of some 60 grains knows an sd to 1/sqrt(120) = 9 %; four of these allowed.
+    """
+    speed = lambda s: FALL + 0.02 * np.random.default_rng(5).standard_normal(len(s))  # noqa: E731
+    write_moved_run(tmp_path, lambda s, t: falling(s, t, speed(s)), silo=WIDE)
+    full = np.arange(3, 10)
+    np.testing.assert_allclose(layers_at(tmp_path, 0.5, "scatter_m")[full], 0.01, rtol=0.36)
+    np.testing.assert_allclose(layers_at(tmp_path, 0.0, "scatter_m"), 0.0, atol=1e-9)
+
+
 @pytest.mark.parametrize("end", [0.0, 0.24, 0.25, 0.6])
 def test_frames_stand_at_the_paper_s_times(end):
     """Every 0.25 s from the opening, none beyond the end."""

@@ -14,7 +14,9 @@ and 15); depth and width are ours:
     depth    mean of the line's outermost columns, left and right, less the column at the outlet
     width    between the two places where the line stands half the depth above that column
 
-A layer whose column at the outlet is empty while others are not is pierced: it has no depth.
+A layer whose column at the outlet is empty while others are not is pierced: it has no depth. How
+far the grains of a layer have mixed is told by the scatter: the standard deviation of the
+displacements about their column's mean (in a column two grains wide it holds some shear as well).
 """
 
 from collections.abc import Sequence
@@ -46,7 +48,7 @@ def measure(folder: Path, interval: float = INTERVAL) -> dict[str, Any]:
     """Lines [m], V depth and V width [m] of each layer at multiples of `interval` [s]."""
     scene = read_scene(folder)
     frames = profile_frames(scene.time, interval)
-    lines, counts = layer_lines(scene, frames)
+    lines, counts, scatter = layer_lines(scene, frames)
     depth, width, pierced = v_shapes(scene, lines)
     names = np.unique(scene.trajectory.static["layer"])
     deepest = np.nanmax(depth) if np.isfinite(depth).any() else None
@@ -65,6 +67,7 @@ def measure(folder: Path, interval: float = INTERVAL) -> dict[str, Any]:
                 "depth_m": numbers(depth[k]),
                 "width_m": numbers(width[k]),
                 "pierced": pierced[k].tolist(),
+                "scatter_m": numbers(scatter[k]),
             }
             for k, name in enumerate(names)
         ],
@@ -77,25 +80,42 @@ def profile_frames(time: Series, interval: float = INTERVAL) -> list[int]:
     return [int(np.abs(time - t).argmin()) for t in wanted]
 
 
-def layer_lines(scene: Scene, frames: Sequence[int]) -> tuple[Series, np.ndarray]:
-    """Lines of the layers (l, f, c) [m], NaN where there is none, and their grains (l, f, c)."""
+def layer_lines(scene: Scene, frames: Sequence[int]) -> tuple[Series, np.ndarray, Series]:
+    """Lines of the layers (l, f, c) [m], their grains (l, f, c), and their scatter (l, f) [m].
+
+    NaN where a column has too few grains, and where no column of a layer has enough.
+    """
     names, layer = np.unique(scene.trajectory.static["layer"], return_inverse=True)
     edges, start = column_edges(scene), start_height(scene)
     level = np.bincount(layer, start) / np.bincount(layer)
     inside = in_silo(scene)
     shape = len(names), len(frames), len(edges) - 1
     lines, counts = np.full(shape, np.nan), np.zeros(shape, dtype=np.int64)
+    scatter = np.full(shape[:2], np.nan)
     for f, frame in enumerate(frames):
-        fallen = scene.trajectory["y"][frame] - start
+        fallen = start - scene.trajectory["y"][frame]
         column = np.digitize(scene.trajectory["x"][frame], edges[1:-1])
         here = inside[frame]
-        cell = (layer * shape[2] + column)[here]
-        n = np.bincount(cell, minlength=shape[0] * shape[2]).reshape(shape[0], shape[2])
-        total = np.bincount(cell, fallen[here], minlength=n.size).reshape(n.shape)
+        n, mean, squares = _cells(layer[here], column[here], fallen[here], (shape[0], shape[2]))
         enough = n >= _FEWEST
-        lines[:, f][enough] = (level[:, None] + total / np.maximum(n, 1))[enough]
+        lines[:, f] = np.where(enough, level[:, None] - mean, np.nan)
         counts[:, f] = n
-    return lines, counts
+        freedom = np.where(enough, n - 1, 0).sum(axis=1)
+        about = np.where(enough, squares, 0.0).sum(axis=1)
+        np.sqrt(about / np.maximum(freedom, 1), out=scatter[:, f], where=freedom > 0)
+    return lines, counts, scatter
+
+
+def _cells(
+    layer: np.ndarray, column: np.ndarray, value: Series, shape: tuple[int, int]
+) -> tuple[np.ndarray, Series, Series]:
+    """Number, mean, and sum of squares about the mean of values in cells (l, c)."""
+    cell = layer * shape[1] + column
+    size = shape[0] * shape[1]
+    n = np.bincount(cell, minlength=size)
+    mean: Series = np.bincount(cell, value, minlength=size) / np.maximum(n, 1)
+    squares = np.bincount(cell, np.square(value - mean[cell]), minlength=size).astype(float)
+    return n.reshape(shape), mean.reshape(shape), squares.reshape(shape)
 
 
 def v_shapes(scene: Scene, lines: Series) -> tuple[Series, Series, np.ndarray]:
@@ -145,5 +165,5 @@ def draw(folder: Path) -> "Figure":
 
     scene = read_scene(folder)
     frames = profile_frames(scene.time)
-    lines, _ = layer_lines(scene, frames)
+    lines, _, _ = layer_lines(scene, frames)
     return profile_sheet(scene, frames, lines, v_shapes(scene, lines)[0])
