@@ -24,8 +24,10 @@ Row = dict[str, Any]
 
 # name as in `silo2d reproduce TABLE`: module of this package, what it shows
 TABLES: dict[str, tuple[str, str]] = {
+    "beverloo": ("beverloo", "flow rate against the outlet, here and in a wide silo"),
     "clogging": ("clogging", "how often 40, 60 and 100 mm clog (paper's Table 5)"),
     "discharge": ("discharge", "discharge times of the sixteen silos (paper's Tables 5 and 6)"),
+    "displacement": ("displacement", "profiles of the painted layers in A4 and D4"),
     "sensitivity": ("sensitivity", "A4's time against each parameter (paper's Tables 7 to 11)"),
 }
 

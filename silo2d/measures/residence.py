@@ -1,0 +1,129 @@
+"""Residence time: when grains leave, by the level and the place across the silo they start at.
+
+Residence time is from the opening to the passing of y = 0, of the grains that leave; those that
+stay are counted. Levels are the painted layers, places are columns about two grains wide. The
+order of leaving against starting height is Spearman's rank correlation: 1 where the lowest leave
+first (first in, first out, if the silo was filled from below), -1 where the highest do.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from silo2d.measures.grains import Series, column_edges, start_height
+from silo2d.scene import BLUE, GREY, INK, WALL, Scene, read_scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_COLOURS = "viridis_r"
+
+
+def measure(folder: Path) -> dict[str, Any]:
+    """Mean and standard deviation [s] by layer and by column, order of leaving, who stays."""
+    scene = read_scene(folder)
+    static, times = scene.trajectory.static, scene.trajectory["out_time"][-1]
+    names, layer = np.unique(static["layer"], return_inverse=True)
+    edges = column_edges(scene)
+    column = np.digitize(scene.trajectory["x"][0], edges[1:-1])
+    left = times[~np.isnan(times)]
+    return {
+        "n_out": len(left),
+        "n_staying": int(np.isnan(times).sum()),
+        "mean_s": float(left.mean()) if len(left) else None,
+        "sd_s": float(left.std(ddof=1)) if len(left) > 1 else None,
+        "order_by_height": order_of_leaving(start_height(scene), times),
+        "by_layer": [
+            {"layer": int(name), **_of(times[layer == k])} for k, name in enumerate(names)
+        ],
+        "by_column": [
+            {"left_m": float(edges[k]), "right_m": float(edges[k + 1]), **_of(times[column == k])}
+            for k in range(len(edges) - 1)
+        ],
+    }
+
+
+def order_of_leaving(height: Series, times: Series) -> float | None:
+    """Spearman's rank correlation of starting heights (n,) and times of leaving (n,), NaN: stays.
+
+    None for fewer than three leavers.
+    """
+    from scipy.stats import spearmanr
+
+    leaves = ~np.isnan(times)
+    if leaves.sum() < 3:
+        return None
+    return float(spearmanr(height[leaves], times[leaves]).statistic)
+
+
+def _of(times: Series) -> dict[str, Any]:
+    """Number, mean and spread [s] of the leavers of a group, and how many stay."""
+    left = times[~np.isnan(times)]
+    return {
+        "n_out": len(left),
+        "n_staying": len(times) - len(left),
+        "mean_s": float(left.mean()) if len(left) else None,
+        "sd_s": float(left.std(ddof=1)) if len(left) > 1 else None,
+    }
+
+
+def draw(folder: Path) -> "Figure":
+    """Grains where they start, coloured by when they leave; means by layer and by column."""
+    from matplotlib.figure import Figure
+
+    scene, numbers = read_scene(folder), measure(folder)
+    figure = Figure(figsize=(9.2, 5.2), layout="constrained")
+    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    grid = figure.add_gridspec(2, 2, width_ratios=[1.25, 1])
+    _starting_places(figure, figure.add_subplot(grid[:, 0]), scene)
+    levels, places = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+    _means(levels, [row["layer"] + 1 for row in numbers["by_layer"]], numbers["by_layer"])
+    levels.set_xlabel("painted layer, from the bottom")
+    middles = [500 * (row["left_m"] + row["right_m"]) for row in numbers["by_column"]]
+    _means(places, middles, numbers["by_column"])
+    places.set_xlabel("starting place across the silo [mm]")
+    order = numbers["order_by_height"]
+    if order is not None:
+        levels.set_title(f"order by height (Spearman): {order:.2f}", loc="left", fontsize=9)
+    places.set_title("bars: one standard deviation", loc="left", fontsize=9)
+    return figure
+
+
+def _starting_places(figure: "Figure", panel: "Axes", scene: Scene) -> None:
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.colors import Normalize
+
+    times = scene.trajectory["out_time"][-1]
+    colour = ScalarMappable(Normalize(0, np.nanmax(times, initial=1e-9)), colormaps[_COLOURS])
+    for grains, outlines in scene.outlines(0):
+        fills = colour.to_rgba(times[grains])
+        fills[np.isnan(times[grains])] = (0.86, 0.86, 0.86, 1)
+        panel.add_collection(
+            PolyCollection(list(outlines), facecolors=fills, edgecolors=INK, linewidths=0.3)
+        )
+    panel.add_collection(LineCollection(list(scene.walls), colors=WALL, linewidths=2))
+    left, right, bottom, top = scene.window
+    bottom = scene.walls[..., 1].min() - 0.01 * (top - bottom)
+    panel.set(xlim=(left - 0.004, right + 0.004), ylim=(bottom, top), aspect="equal")
+    panel.set_axis_off()
+    staying = int(np.isnan(times).sum())
+    panel.set_title(f"at the opening; grey: {staying} stay" if staying else "at the opening",
+                    loc="left", fontsize=9)  # fmt: skip
+    figure.colorbar(colour, ax=panel, label="leaves after [s]", shrink=0.7, pad=0.02)
+
+
+def _means(axes: "Axes", x: list, rows: list[dict]) -> None:
+    found = [(at, row) for at, row in zip(x, rows, strict=True) if row["mean_s"] is not None]
+    axes.errorbar(
+        [at for at, _ in found],
+        [row["mean_s"] for _, row in found],
+        [row["sd_s"] or 0.0 for _, row in found],
+        fmt="o-", color=BLUE, ecolor=GREY, ms=4, capsize=2,
+    )  # fmt: skip
+    axes.set_ylabel("residence time [s]")
+    axes.set_ylim(bottom=0)
+    axes.grid(axis="y", color="#e6e3dc", lw=0.7)

@@ -1,0 +1,143 @@
+"""Rates against outlet as a table and a picture, with Beverloo's law fitted to them."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from silo2d.reproduce.beverloo_law import Fit, fit_law
+from silo2d.scene import BLUE, GREEN, VERMILION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Row = dict[str, Any]
+
+_COLOURS = {"A": BLUE, "D": VERMILION, "wide": GREEN}
+_NAMES = {"A": "silo A, 60 deg", "D": "silo D, flat", "wide": "wide silo, 5 mm grains"}
+
+_NOTE = """\
+W = rho_b sqrt(g) C (D - k d)^1.5 (Beverloo 1961, for a slot); W is the mass flow of the steady part
+of the discharge, +- its standard error; d is the diameter of the disc of the mean area, rho_b the
+surface density of the packing; intervals of 95 % from a bootstrap over the runs.
+Silos A and D are OUTSIDE the law's range (300 mm wide, 6 to 13 grains an outlet, no long steady
+flow, A no flat floor): there the law is a way to interpolate, and C and k mean little. In the wide
+silo (210 mm, 5 to 10 grains an outlet, rate between 10 and 40 % out) it should hold."""
+
+
+def known(rows: Sequence[Row]) -> list[Row]:
+    """The rows that have a rate."""
+    return [row for row in rows if row["state"] == "done" and row["rate_kg_per_s"] is not None]
+
+
+def fits(rows: Sequence[Row]) -> dict[str, Fit | None]:
+    """The law fitted to each silo's runs; None where there are too few outlets."""
+    found: dict[str, Fit | None] = {}
+    for silo in dict.fromkeys(row["silo"] for row in rows):
+        own = [row for row in known(rows) if row["silo"] == silo]
+        found[silo] = _fit(own) if own else None
+    return found
+
+
+def _fit(rows: Sequence[Row]) -> Fit | None:
+    columns = (
+        np.array([row[key] for row in rows], dtype=float)
+        for key in ("outlet_mm", "rate_kg_per_s", "bulk_density_kg_per_m2", "error_kg_per_s")
+    )
+    outlet, rate, density, error = columns
+    return fit_law(1e-3 * outlet, rate, density, rows[0]["grain_diameter_m"], error)
+
+
+def report(rows: Sequence[Row]) -> str:
+    """A block a silo: its runs by outlet, and its fit."""
+    blocks = []
+    for silo, fit in fits(rows).items():
+        own = [row for row in rows if row["silo"] == silo]
+        lines = [_NAMES[silo], f"  {'outlet':>7}  {'D/d':>5}  {'runs':>4}  rate"]
+        lines += [_line(outlet, own) for outlet in sorted({row["outlet_mm"] for row in own})]
+        blocks.append("\n".join([*lines, f"  {_constants(fit)}"]))
+    failed = [
+        f"{row['state']}: {row['silo']} {row['outlet_mm']} mm, seed {row['seed']}: {row['reason']}"
+        for row in rows
+        if row["state"] != "done"
+    ]
+    return "\n\n".join(filter(None, [*blocks, _NOTE, "\n".join(failed)]))
+
+
+def _line(outlet: int, rows: Sequence[Row]) -> str:
+    at = [row for row in rows if row["outlet_mm"] == outlet and row["state"] == "done"]
+    flowing = known(at)
+    if not flowing:
+        size = f"{1e-3 * outlet / at[0]['grain_diameter_m']:5.1f}" if at else "     "
+        return f"  {outlet:4} mm  {size}  {len(at):4}  no steady flow{_clogged(at)}"
+    flow = [row["rate_kg_per_s"] for row in flowing]
+    grains = np.mean([row["rate_per_s"] for row in flowing])
+    if len(flow) > 1:
+        error = np.std(flow, ddof=1) / np.sqrt(len(flow))
+    else:
+        error = flowing[0]["error_kg_per_s"]
+    size = 1e-3 * outlet / flowing[0]["grain_diameter_m"]
+    return (
+        f"  {outlet:4} mm  {size:5.1f}  {len(flow):4}  {np.mean(flow):.3f} +- {error:.3f} kg/s, "
+        f"{grains:.0f} grains/s{_clogged(at)}"
+    )
+
+
+def _clogged(rows: Sequence[Row]) -> str:
+    n = sum("clogged" in row["outcome"] for row in rows)
+    return f"; {n} of {len(rows)} clogged" if n else ""
+
+
+def _constants(fit: Fit | None) -> str:
+    if fit is None:
+        return "fewer than three outlets: no fit"
+    low, high = fit.c_interval
+    least, most = fit.k_interval
+    return (
+        f"C = {fit.c:.2f} [{low:.2f}, {high:.2f}], k = {fit.k:.2f} [{least:.2f}, {most:.2f}]; "
+        f"d = {1e3 * fit.size:.1f} mm, rho_b = {fit.density:.1f} kg/m2; "
+        f"rates off the law by {100 * fit.residual:.1f} % (rms)"
+    )
+
+
+def sheet(rows: Sequence[Row]) -> "Figure":
+    """The paper's silos on the left, labelled as outside the range; the wide one on the right."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.6, 4.6), layout="constrained")
+    narrow, wide = figure.subplots(1, 2)
+    found = fits(rows)
+    for silo, fit in found.items():
+        axes = wide if silo == "wide" else narrow
+        _draw(axes, silo, [row for row in known(rows) if row["silo"] == silo], fit)
+    narrow.set_title("paper's silos, outlets added: outside the law's range", fontsize=9,
+                     loc="left")  # fmt: skip
+    wide.set_title("wide silo of small grains: within it", fontsize=9, loc="left")
+    for axes in (narrow, wide):
+        axes.set_xlabel("outlet D [mm]")
+        axes.set_ylabel("mass flow W [kg/s]")
+        axes.set_xlim(left=0)
+        axes.set_ylim(bottom=0)
+        axes.grid(color="#e6e3dc", lw=0.7)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="upper left", fontsize=8)
+    return figure
+
+
+def _draw(axes: "Axes", silo: str, rows: Sequence[Row], fit: Fit | None) -> None:
+    colour = _COLOURS[silo]
+    outlet = np.array([row["outlet_mm"] for row in rows], dtype=float)
+    rate, error = (
+        np.array([row[key] for row in rows], dtype=float)
+        for key in ("rate_kg_per_s", "error_kg_per_s")
+    )
+    axes.errorbar(outlet, rate, error, fmt="o", color=colour, ms=4, capsize=2)
+    label = _NAMES[silo]
+    if fit is not None:
+        width = np.linspace(fit.k * fit.size, 1.05e-3 * outlet.max(), 200)
+        axes.fill_between(1e3 * width, *fit.band(width), color=colour, alpha=0.18, lw=0)
+        axes.plot(1e3 * width, fit.rate(width), color=colour, lw=1.3,
+                  label=f"{label}: C = {fit.c:.2f}, k = {fit.k:.2f}")  # fmt: skip
+    else:
+        axes.plot([], [], "o", color=colour, label=label)
