@@ -284,6 +284,62 @@ def observe(folder: str, what: str | None, no_figures: bool, as_json: bool) -> N
 
 
 @app.command()
+@click.argument("runs_or_case", metavar="RUN RUN | CASE", nargs=-1, required=True)
+@click.option("--engines", metavar="dem,pymunk", help="Run a case by both, and compare these runs.")
+@click.option("--seeds", type=click.IntRange(1), metavar="3", help="With --engines: seeds 1 to N.")
+@_case_options
+@_out
+@click.option("--no-figures", is_flag=True, help="Make no picture.")
+@_quiet
+@_json
+def compare(
+    runs_or_case: tuple[str, ...], engines: str | None, seeds: int | None, seed: str | None,
+    mu: str | None, keep_ratios: bool, out: str, no_figures: bool, quiet: bool, as_json: bool,
+    **options: str | None,
+) -> None:  # fmt: skip
+    """Set two runs side by side: times, curves, cost.
+
+    For example: silo2d compare --engines dem,pymunk A4
+    """
+    from silo2d import compare as comparison
+    from silo2d.sheet import write_figure
+
+    changes = _changes(seed, mu, keep_ratios, options)
+    if engines is None and (len(runs_or_case) != 2 or changes or seeds):
+        raise click.UsageError("give two run folders; or --engines dem,pymunk, a case and options")
+    if engines is not None and len(runs_or_case) != 1:
+        raise click.UsageError("--engines compares the runs of one case; give one")
+    if engines is None:
+        pairs = [comparison.compare(*runs_or_case)]
+        second = Path(pairs[0]["runs"][1]["run_folder"]).resolve()
+        path = Path(runs_or_case[0]) / "figures" / f"beside-{second.name}.png"
+    else:
+        folders = _by_engines(runs_or_case[0], engines, seeds, changes, Path(out), quiet)
+        pairs = [comparison.compare(*pair) for pair in folders]
+        path = Path(folders[0][0]) / "figures" / f"beside-{Path(folders[0][1]).name}.png"
+    answer = {"pairs": pairs, "mean_curve": comparison.mean_distance(pairs)}
+    click.echo(json.dumps(answer, indent=2) if as_json else comparison.table(pairs))
+    if not no_figures:
+        click.echo(write_figure(path, lambda: comparison.draw(pairs)), err=True)
+
+
+def _by_engines(
+    case: str, engines: str, seeds: int | None, changes: dict[str, Any], out: Path, quiet: bool
+) -> list[list[str]]:
+    """The folders of a case's runs by two engines, a pair a seed."""
+    from campaign.terminal import Progress, StopRequest
+    from silo2d.engines import engine_pair, run_engines
+
+    if "run.engine" in changes or (seeds and "run.seed" in changes):
+        raise click.UsageError("--engines and --seeds say this; leave --engine and --seed out")
+    chosen = range(1, seeds + 1) if seeds else [changes.get("run.seed", 1)]
+    pair = engine_pair(engines)
+    _announce_compilation(quiet)
+    with StopRequest() as stop, Progress(case, quiet=quiet) as bar:
+        return run_engines(case, changes, pair, chosen, out, bar.update, lambda: stop.requested)
+
+
+@app.command()
 @click.argument("file")
 @click.option("--study", is_flag=True, help="Write a study file instead.")
 def init(file: str, study: bool) -> None:
