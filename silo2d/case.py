@@ -99,7 +99,7 @@ class SiloCase:
         disorder = spreads(settings, pairs, laws, where)
         bounds = stiffest(laws, disorder, settings.law.contact_end)
         time_step, reason = time_step_of(
-            settings.run.time_step, shapes, surface_density, bounds, where
+            settings.run.time_step, shapes, surface_density, bounds, disorder is not None, where
         )
         pour_laws = filling_laws(pairs, filling_friction(settings, laws, where))
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}

@@ -23,7 +23,7 @@ from contact.laws import LinearLaw
 from contact.material import Measured, Pair
 from contact.quantity import InputError
 from contact.restitution import ContactEnd, damping_for_restitution
-from silo2d.pair_law import LEVELS, DrawnLaw, Law, PairConstants, draw_pair
+from silo2d.pair_law import LEVELS, DrawnLaw, Law, PairConstants, draw_pairs
 from silo2d.settings import Settings
 
 CUT = 2.5  # standard deviations of the normal distribution that is cut
@@ -75,7 +75,7 @@ def _spread(settings: Settings, pair: Pair, law: LinearLaw, where: str) -> Sprea
         raise InputError(
             f"{where}: [disorder] restitution: up to {e.value * (1 + FARTHEST * restitution):.3g} "
             f"would be drawn about {e.value:g}; it must stay below 1: give a standard deviation of "
-            f"less than {100 * (1 / e.value - 1) / FARTHEST:.3g} %"
+            f"less than {math.floor(1000 * (1 / e.value - 1) / FARTHEST) / 10:g} %"
         )
     return Spread(friction, stiffness, restitution, e.value if restitution else 1.0)
 
@@ -197,5 +197,7 @@ def pair_constants(
     first, second (n,): numbers of the bodies in either order, the walls' after the grains'; the
     law is that of their class.
     """
-    pairs = np.sort(np.column_stack([first, second]), axis=1).tolist()
-    return np.array([draw_pair(law, low, high, high >= n_grains) for low, high in pairs])
+    pairs = np.sort(np.column_stack([first, second]).astype(np.int64), axis=1)
+    constants = np.empty((len(pairs), 4))
+    draw_pairs(law, pairs, n_grains, constants)
+    return constants

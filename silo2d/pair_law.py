@@ -92,6 +92,15 @@ def draw_pair(law, low, high, is_wall):
 
 
 @njit
+def draw_pairs(law, pairs, n_grains, constants):
+    """Constants (n, 4) of pairs of bodies (n, 2), the lower number first; walls after grains."""
+    for p in range(len(pairs)):
+        low, high = pairs[p, 0], pairs[p, 1]
+        kn, kt, mu, gamma_n = draw_pair(law, low, high, high >= n_grains)
+        constants[p, 0], constants[p, 1], constants[p, 2], constants[p, 3] = kn, kt, mu, gamma_n
+
+
+@njit
 def draw_for_near(grain_law, wall_law, near, counts, n_bodies):
     """Constants of all near pairs, from their keys: one draw for each pair of bodies."""
     of = grain_law.near

@@ -113,13 +113,16 @@ def time_step_of(
     shapes: ShapeSet,
     surface_density: float,
     laws: tuple[LinearLaw, LinearLaw],
+    drawn: bool,
     where: str,
 ) -> tuple[float, str]:
     """The time step [s] and the reason for it; InputError for one beyond the stable one.
 
-    laws: the stiffest that a pair of grains, and a grain and a wall, can have.
+    laws: the stiffest that a pair of grains, and a grain and a wall, can have; drawn: whether
+    others have softer ones.
     """
     limit, configuration = largest_stable_step(shapes, surface_density, *laws)
+    configuration += " with the stiffest pair that can be drawn" if drawn else ""
     held = step_for_held_grains(shapes, surface_density, laws[0])
     bound = (
         f"stable up to {limit * 1e6:.3g} us ({configuration}); {held * 1e6:.3g} us would cover a "

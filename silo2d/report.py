@@ -5,6 +5,7 @@ from typing import Any
 
 from silo2d.case import SiloCase
 from silo2d.discharge import BOOKS_OFF
+from silo2d.disorder import QUANTITIES
 from silo2d.result import Result
 
 _OUTCOMES = {
@@ -44,8 +45,10 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         f"  contact     ends at zero {case.settings.law.contact_end}; damping: "
         f"{case.settings.law.damping}",
         f"  restitution {_restitution(case)}",
-        f"  filling     with {fill.pour_with}, without friction, kn {case.pour_laws[0].kn:g} N/m, "
+        *_disorder(case),
+        f"  filling     with {fill.pour_with}, {_pouring(case)}, kn {case.pour_laws[0].kn:g} N/m, "
         f"in steps of {case.pour_time_step:g} s, until agitation is below {fill.settled:g}",
+        *_door(case),
         *_engine(case),
         f"  ends        empty; or at rest: agitation below {run.at_rest:g} and none out for "
         f"{run.rest_time:g} s; or after {run.max_time:g} s",
@@ -83,6 +86,41 @@ def _restitution(case: SiloCase) -> str:
         for pair, values in case.restitution().items()
     ]
     return "; ".join(parts)
+
+
+def _disorder(case: SiloCase) -> list[str]:
+    """What is drawn how widely, where anything is."""
+    if case.disorder is None:
+        return []
+    grains, walls = (
+        ", ".join(
+            f"{name} {100 * getattr(found, name):.3g} %"
+            for name in QUANTITIES
+            if getattr(found, name)
+        )
+        for found in case.disorder
+    )
+    return [
+        f"  disorder    per {case.settings.disorder.per}, standard deviations: between particles "
+        f"{grains or 'none'}; at walls {walls or 'none'}"
+    ]
+
+
+def _pouring(case: SiloCase) -> str:
+    fill, (grains, walls) = case.settings.fill, case.pour_laws
+    friction = f"mu {grains.mu:g} and {walls.mu:g}" if fill.friction else "without friction"
+    return friction + (f", layers of {fill.layer:g} m" if fill.layer is not None else "")
+
+
+def _door(case: SiloCase) -> list[str]:
+    """How the door opens, where it does not at once."""
+    speed = case.settings.run.door_speed
+    if speed is None:
+        return []
+    return [
+        f"  door        drawn to the right at {speed:g} m/s, away after "
+        f"{case.outline.outlet / speed:g} s; times count from the start of its motion"
+    ]
 
 
 def plan(case: SiloCase) -> dict[str, Any]:
