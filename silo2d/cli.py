@@ -241,6 +241,19 @@ def observe(folder: str, what: str | None, no_figures: bool, as_json: bool) -> N
 
 
 @app.command()
+@click.argument("folder")
+@click.option("--to", required=True, metavar="vtkhdf|csv", help="The format.")
+@click.option("-o", "--output", metavar="PATH", help="File (vtkhdf) or folder for tables (csv).")
+def export(folder: str, to: str, output: str | None) -> None:
+    """Write a run for other programs: ParaView (vtkhdf) or tables (csv)."""
+    from campaign.folder import resume_run
+    from silo2d.export import export as write
+
+    for path in write(resume_run(folder).path, to, output):
+        click.echo(path)
+
+
+@app.command()
 @click.argument("file")
 def init(file: str) -> None:
     """Write a case file with a comment on every key."""
