@@ -342,6 +342,19 @@ def _by_engines(
 
 
 @app.command()
+@click.argument("folder")
+@click.option("--to", required=True, metavar="vtkhdf|csv", help="The format.")
+@click.option("-o", "--output", metavar="PATH", help="File (vtkhdf) or folder for tables (csv).")
+def export(folder: str, to: str, output: str | None) -> None:
+    """Write a run for other programs: ParaView (vtkhdf) or tables (csv)."""
+    from campaign.folder import resume_run
+    from silo2d.export import export as write
+
+    for path in write(resume_run(folder).path, to, output):
+        click.echo(path)
+
+
+@app.command()
 @click.argument("file")
 @click.option("--study", is_flag=True, help="Write a study file instead.")
 def init(file: str, study: bool) -> None:

@@ -96,12 +96,19 @@ class Scene:
 
         Outlines that lie below the window are left out.
         """
+        y = self.trajectory["y"][frame]
+        shown = self.trajectory["inside"][frame] & (y > self.window[2] - self._reach)
+        return self.placed(frame, np.flatnonzero(shown))
+
+    def placed(
+        self, frame: int, grains: NDArray[np.int64]
+    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
+        """The given grains, shape by shape (k,), and their outlines (k, p, 2) [m]."""
         static = self.trajectory.static
         points, start, kind = static["shape_points"], static["shape_start"], static["kind"]
         x, y, angle = (self.trajectory[key][frame] for key in ("x", "y", "angle"))
-        shown = self.trajectory["inside"][frame] & (y > self.window[2] - self._reach)
         for shape in range(len(start) - 1):
-            which = np.flatnonzero(shown & (kind == shape))
+            which = grains[kind[grains] == shape]
             px, py = points[start[shape] : start[shape + 1]].T
             cos, sin = np.cos(angle[which, None]), np.sin(angle[which, None])
             around = np.stack([px * cos - py * sin, px * sin + py * cos], axis=-1)

@@ -1,0 +1,107 @@
+"""A run for other programs: one VTKHDF file for ParaView (see vtkhdf.py), or CSV tables."""
+
+import io
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from campaign.folder import FolderError, RunFolder, write_atomic, writing
+from contact.quantity import InputError, nearest
+from silo2d.scene import Scene, read_scene
+from silo2d.vtkhdf import vtkhdf
+
+_SUFFIX = ".vtkhdf"  # by which ParaView and vtkHDFReader know the format
+_MOVING = {  # columns of frames.csv that stand in the trajectory, and what is kept of each
+    "x_m": "x", "y_m": "y", "angle_rad": "angle",
+    "vx_m_per_s": "vx", "vy_m_per_s": "vy", "spin_rad_per_s": "spin",
+}  # fmt: skip
+
+
+def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> list[Path]:
+    """Write a run, finished or not, in a format ("vtkhdf" or "csv"); the paths of the files.
+
+    `path` is the file (vtkhdf) or the folder for the tables (csv); export/ in the run folder
+    where it is not given. What stands there is replaced, each file at once.
+    Raises InputError for another format or suffix, FolderError where the run cannot be read or
+    the files cannot be written.
+    """
+    if to not in FORMATS:
+        raise InputError(f"--to {to!r}: {nearest(to, list(FORMATS))}")
+    scene = read_scene(run_folder)
+    own = RunFolder(Path(run_folder)).path / "export"
+    return FORMATS[to](scene, own, None if path is None else Path(path))
+
+
+def _to_vtkhdf(scene: Scene, own: Path, path: Path | None) -> list[Path]:
+    path = path or own / f"run{_SUFFIX}"
+    if path.suffix != _SUFFIX:
+        raise InputError(f"--output {path}: ParaView knows the format by {_SUFFIX}; add that")
+    return [_write(path, vtkhdf(scene))]
+
+
+def _to_csv(scene: Scene, own: Path, path: Path | None) -> list[Path]:
+    folder = path or own
+    tables = {"frames": _frames_csv, "grains": _grains_csv, "walls": _walls_csv}
+    return [_write(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
+
+
+FORMATS: dict[str, Callable[[Scene, Path, Path | None], list[Path]]] = {
+    "vtkhdf": _to_vtkhdf,
+    "csv": _to_csv,
+}
+
+
+def _write(path: Path, content: bytes) -> Path:
+    try:
+        with writing(path.parent):
+            path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomic(path, content)
+    except FolderError as error:
+        reason = getattr(error.__cause__, "strerror", None) or "no reason given"
+        raise FolderError(
+            f"{path}: cannot be written ({reason}); make room there, or choose another place "
+            "with --output"
+        ) from error
+    return path
+
+
+def _frames_csv(scene: Scene) -> bytes:
+    """One row for each frame and grain that is still simulated."""
+    names = ["frame", "time_s", "id", *_MOVING, "inside"]
+    shape = ["%d", "%.9g", "%d", *["%.9g"] * len(_MOVING), "%d"]
+    return _table(names, shape, (_rows(scene, frame) for frame in range(len(scene.time))))
+
+
+def _rows(scene: Scene, frame: int) -> np.ndarray:
+    grains = np.flatnonzero(scene.trajectory["inside"][frame])
+    moving = [scene.trajectory[key][frame][grains] for key in _MOVING.values()]
+    inside = np.isnan(scene.trajectory["out_time"][frame][grains])
+    same = np.ones(len(grains))
+    return np.column_stack([frame * same, scene.time[frame] * same, grains, *moving, inside])
+
+
+def _grains_csv(scene: Scene) -> bytes:
+    """What does not change of each grain; out_time_s is empty for those that have not left."""
+    static = scene.trajectory.static
+    out_time = scene.trajectory["out_time"][-1]
+    rows = [np.arange(scene.n_grains), static["kind"], static["mass"], static["layer"], out_time]
+    shape = ["%d", "%d", "%.9g", "%d", "%.9g"]
+    table = _table(["id", "kind", "mass_kg", "layer", "out_time_s"], shape, [np.stack(rows, 1)])
+    return table.replace(b"nan", b"")
+
+
+def _walls_csv(scene: Scene) -> bytes:
+    """The walls without the door, in the order of the ids -1, -2, ... of the VTKHDF file."""
+    lines = ["name,x1_m,y1_m,x2_m,y2_m"]
+    for name, ends in zip(scene.wall_names, scene.walls.reshape(-1, 4), strict=False):
+        lines.append(",".join([name, *(f"{value:.9g}" for value in ends)]))
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _table(names: list[str], shape: list[str], parts: Iterator[np.ndarray] | list) -> bytes:
+    text = io.BytesIO()
+    text.write((",".join(names) + "\n").encode())
+    for rows in parts:
+        np.savetxt(text, rows, fmt=shape, delimiter=",")
+    return text.getvalue()

@@ -1,0 +1,253 @@
+"""A run read back as ParaView reads it and from CSV: the same grains, outlines and motion."""
+
+import csv
+import resource
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fake_run import write_fake_run
+from small_silo import contents, silo2d
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOHDF import vtkHDFReader
+
+from campaign.trajectory import read_trajectory
+from silo2d.case import SiloCase
+from silo2d.export import export
+from silo2d.scene import read_scene
+from silo2d.shape import load_shapes, turn_angles
+from silo2d.vtkhdf import vtkhdf
+
+SINGLE = np.finfo(np.float32).eps / 2  # relative rounding of what is kept in single precision
+
+
+class Film:
+    """A VTKHDF file as VTK's own reader gives it."""
+
+    def __init__(self, path: Path) -> None:
+        self.reader = vtkHDFReader()
+        self.reader.SetFileName(str(path))
+        self.reader.UpdateInformation()
+        self.n_steps = self.reader.GetNumberOfSteps()
+
+    def step(self, index: int):
+        """The vtkPolyData of a step."""
+        self.reader.SetStep(index)
+        self.reader.Update()
+        return self.reader.GetOutput()
+
+
+def cell_points(mesh, index: int) -> np.ndarray:
+    """Points (p, 3) of a cell, in its order."""
+    return vtk_to_numpy(mesh.GetCell(index).GetPoints().GetData())
+
+
+def arrays(mesh) -> dict[str, np.ndarray]:
+    cells = mesh.GetCellData()
+    return {
+        cells.GetArrayName(k): vtk_to_numpy(cells.GetArray(k))
+        for k in range(cells.GetNumberOfArrays())
+    }
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory) -> Path:
+    return write_fake_run(tmp_path_factory.mktemp("run"), n_frames=31).path
+
+
+@pytest.fixture(scope="module")
+def film(run) -> Film:
+    (path,) = export(run, "vtkhdf")
+    return Film(path)
+
+
+def test_each_stored_frame_is_a_time_step(run, film):
+    time = read_trajectory(run)["time"]
+    assert film.n_steps == len(time)
+    times = []
+    for k in range(film.n_steps):
+        film.step(k)
+        times.append(film.reader.GetTimeValue())
+    np.testing.assert_array_equal(times, time)
+
+
+@pytest.mark.parametrize("frame", [0, 1, 17, 30])
+def test_cells_are_the_walls_and_then_the_grains_that_are_simulated(run, film, frame):
+    """Points are the outlines at the frame's poses, turned and moved, to single precision."""
+    scene, mesh = read_scene(run), film.step(frame)
+    static, n_walls = scene.trajectory.static, len(scene.walls)
+    grains = np.flatnonzero(scene.trajectory["inside"][frame])
+    assert (mesh.GetNumberOfLines(), mesh.GetNumberOfPolys()) == (n_walls, len(grains))
+    assert mesh.GetNumberOfCells() == n_walls + len(grains)
+    for wall, ends in enumerate(scene.walls):
+        np.testing.assert_allclose(cell_points(mesh, wall)[:, :2], ends, rtol=SINGLE)
+    for cell, grain in enumerate(grains, start=n_walls):
+        x, y, angle = (scene.trajectory[key][frame][grain] for key in ("x", "y", "angle"))
+        first = static["kind"][grain]
+        local = static["shape_points"][slice(*static["shape_start"][first : first + 2])]
+        axes = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        points = cell_points(mesh, cell)
+        # Single precision of an angle of some radians turns a point 20 mm away by some nm.
+        np.testing.assert_allclose(points[:, :2], local @ axes + [x, y], atol=2e-8)
+        assert (points[:, 2] == 0).all()
+
+
+@pytest.mark.parametrize("frame", [0, 17, 30])
+def test_each_cell_carries_what_the_run_knows_of_its_grain(run, film, frame):
+    """Walls have ids below 0 and nothing of a grain."""
+    trajectory, found = read_trajectory(run), arrays(film.step(frame))
+    grains = np.flatnonzero(trajectory["inside"][frame])
+    walls = len(trajectory.static["wall_segments"]) - 1
+    expected = {
+        "id": grains,
+        "kind": trajectory.static["kind"][grains],
+        "layer": trajectory.static["layer"][grains],
+        "inside": np.isnan(trajectory["out_time"][frame][grains]),
+        "spin": trajectory["spin"][frame][grains],
+    }
+    for name, values in expected.items():
+        np.testing.assert_array_equal(found[name][walls:], values, err_msg=name)
+    for axis, name in enumerate(("vx", "vy")):
+        np.testing.assert_array_equal(
+            found["velocity"][walls:, axis], trajectory[name][frame][grains]
+        )
+    np.testing.assert_array_equal(found["id"][:walls], -1 - np.arange(walls))
+    for name in ("kind", "layer", "inside"):
+        assert (found[name][:walls] == -1).all()
+    assert (found["velocity"][:walls] == 0).all()
+
+
+def test_polygons_miss_what_lies_between_chords_and_arcs(run, film):
+    """An arc of turn t and radius r cut into m chords loses r^2/2 (t - m sin(t/m)) of area."""
+    scene, mesh = read_scene(run), film.step(0)
+    shapes = load_shapes("wood19").shapes
+    kind, chords = scene.trajectory.static["kind"], 4
+    for cell in range(len(scene.walls), mesh.GetNumberOfCells(), 5):
+        shape = shapes[kind[arrays(mesh)["id"][cell]]]
+        turns = turn_angles(shape.core)
+        lost = 0.5 * shape.spheroradius**2 * (turns - chords * np.sin(turns / chords)).sum()
+        x, y, _ = cell_points(mesh, cell).astype(float).T
+        x, y = x - x.mean(), y - y.mean()
+        area = 0.5 * (x * np.roll(y, -1) - y * np.roll(x, -1)).sum()
+        # Points rounded by 3e-8 m (single precision at 0.5 m) along a perimeter below 0.1 m.
+        assert area == pytest.approx(shape.area - lost, abs=3e-9)
+        assert lost < 6e-4 * shape.area
+
+
+def test_an_unfinished_run(tmp_path):
+    """What is there is written."""
+    run = write_fake_run(tmp_path / "run", n_frames=7, finished=False).path
+    film = Film(export(run, "vtkhdf", tmp_path / "part.vtkhdf")[0])
+    assert film.n_steps == 7
+    assert film.step(6).GetNumberOfPolys() > 0
+
+
+def test_an_emptied_silo_is_its_walls(run, tmp_path):
+    """The last steps of a discharge hold no polygon."""
+    scene, path = read_scene(run), tmp_path / "empty.vtkhdf"
+    scene.trajectory["inside"][-2:] = False
+    path.write_bytes(vtkhdf(scene))
+    film = Film(path)
+    n_walls = len(scene.walls)
+    for step, n_grains in ((-3, scene.trajectory["inside"][-3].sum()), (-2, 0), (-1, 0)):
+        mesh = film.step(film.n_steps + step)
+        assert (mesh.GetNumberOfPolys(), mesh.GetNumberOfLines()) == (n_grains, n_walls)
+
+
+def read_csv(path: Path) -> dict[str, np.ndarray]:
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {key: np.array([row[key] for row in rows]) for key in rows[0]}
+
+
+def test_tables_hold_the_motion_of_every_grain_in_every_frame(run, tmp_path):
+    """Each number as it was stored, one row for a grain and frame."""
+    paths = export(run, "csv", tmp_path / "tables")
+    assert [path.name for path in paths] == ["frames.csv", "grains.csv", "walls.csv"]
+    trajectory, table = read_trajectory(run), read_csv(paths[0])
+    frame, grain = np.nonzero(trajectory["inside"])
+    np.testing.assert_array_equal(table["frame"].astype(int), frame)
+    np.testing.assert_array_equal(table["id"].astype(int), grain)
+    np.testing.assert_allclose(table["time_s"].astype(float), trajectory["time"][frame], rtol=1e-8)
+    columns = {"x_m": "x", "y_m": "y", "angle_rad": "angle", "vx_m_per_s": "vx",
+               "vy_m_per_s": "vy", "spin_rad_per_s": "spin"}  # fmt: skip
+    for name, key in columns.items():
+        stored = trajectory[key][frame, grain]
+        np.testing.assert_array_equal(table[name].astype(np.float32), stored)
+    is_inside = np.isnan(trajectory["out_time"][frame, grain])
+    np.testing.assert_array_equal(table["inside"].astype(int), is_inside)
+
+
+def test_kinetic_energy_from_the_tables_is_that_of_the_books(reference, tmp_path):
+    """sum of m v^2/2 + I w^2/2 over the rows of a frame, m from grains.csv and I/m from shapes."""
+    frames, grains, _ = map(read_csv, export(reference.path, "csv", tmp_path / "tables"))
+    trajectory = read_trajectory(reference.path)
+    shapes = SiloCase.load(reference.path / "case.toml").shapes.shapes
+    gyration2 = np.array([shape.polar_moment / shape.area for shape in shapes])
+    mass, kind = grains["mass_kg"].astype(float), grains["kind"].astype(int)
+    for k in (3, len(trajectory["time"]) // 2):
+        now = frames["frame"].astype(int) == k
+        who = frames["id"][now].astype(int)
+        vx, vy, spin = (
+            frames[name][now].astype(float)
+            for name in ("vx_m_per_s", "vy_m_per_s", "spin_rad_per_s")
+        )
+        kinetic = 0.5 * mass[who] @ (vx**2 + vy**2 + gyration2[kind[who]] * spin**2)
+        # Squares of numbers in single precision; the masses are printed with nine digits.
+        assert kinetic == pytest.approx(trajectory["kinetic"][k], rel=float(3 * SINGLE) + 1e-8)
+
+
+def test_grains_that_stay_have_no_time_of_leaving(tmp_path):
+    run = write_fake_run(tmp_path / "run", outcome="clogged").path
+    grains = read_csv(export(run, "csv")[1])
+    out_time = read_trajectory(run)["out_time"][-1]
+    assert (run / "export" / "grains.csv").is_file()
+    np.testing.assert_array_equal(grains["out_time_s"] == "", np.isnan(out_time))
+
+
+def test_exported_twice_it_is_the_same_file(run, tmp_path):
+    first = export(run, "vtkhdf", tmp_path / "run.vtkhdf")[0].read_bytes()
+    assert export(run, "vtkhdf", tmp_path / "run.vtkhdf")[0].read_bytes() == first
+
+
+def test_the_command_says_which_files_it_wrote(run, tmp_path):
+    answer = silo2d("export", run, "--to", "csv", "-o", tmp_path)
+    names = ["frames.csv", "grains.csv", "walls.csv"]
+    assert answer.code == 0
+    assert answer.out.split() == [str(tmp_path / name) for name in names]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--to", "vtk"], ["'vtk'", "did you mean 'vtkhdf'"]),
+        (["--to", "vtkhdf", "-o", "run.vtk"], ["run.vtk", ".vtkhdf"]),
+        (["--to", "vtkhdf", "-o", "a file/run.vtkhdf"], ["cannot be written", "--output"]),
+        (["--to", "csv", "-o", "a file"], ["cannot be written", "--output"]),
+        ([], ["--to"]),
+    ],
+)
+def test_what_cannot_be_written_is_refused(run, tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    Path("a file").touch()
+    answer = silo2d("export", run, *arguments)
+    assert (answer.code, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert all(word in answer.err for word in words), answer.err
+    assert list(tmp_path.iterdir()) == [tmp_path / "a file"]
+
+
+def test_a_full_disk_keeps_what_stood_there(run, tmp_path):
+    """A write that breaks off, here at a file size limit, leaves the old file and no rest."""
+    target = tmp_path / "run.vtkhdf"
+    export(run, "vtkhdf", target)
+    before = contents(tmp_path)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+    try:
+        answer = silo2d("export", run, "--to", "vtkhdf", "-o", target)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert "run.vtkhdf: cannot be written" in answer.err
+    assert "make room there" in answer.err
+    assert contents(tmp_path) == before
