@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from silo2d.reproduce.command import reproduce
+
 if TYPE_CHECKING:
     from silo2d.case import SiloCase
     from silo2d.result import Result
@@ -308,6 +310,9 @@ def show(name: str) -> None:
     from silo2d.library import description
 
     click.echo(description(name))
+
+
+app.add_command(reproduce)
 
 
 def main() -> None:

@@ -73,20 +73,30 @@ def _restitution(case: SiloCase) -> str:
 
 def plan(case: SiloCase) -> dict[str, Any]:
     """What a run of a case would be, before it is filled: particles, steps, CPU time [min]."""
-    area = case.outline.area_below(case.settings.fill.level)
-    n = round(area * _USUAL_FRACTION / case.shapes.mean_area)
-    filling = 1.5 * _FILLING / case.pour_time_step
-    discharge = 0.5 * _DISCHARGE / case.time_step  # half of the grains, on average, are inside
     return {
         "silo": case.silo_name or case.name,
         "seed": case.settings.run.seed,
-        "n_particles": n,
+        "n_particles": expected_particles(case),
         "time_step_s": case.time_step,
         "time_step_reason": case.time_step_reason,
         "restitution": case.restitution(),
         "steps_at_most": math.ceil(case.settings.run.max_time / case.time_step),
-        "expected_min": _SECONDS_PER_GRAIN_STEP * n * (filling + discharge) / 60,
+        "expected_min": sum(expected_cpu_s(case)) / 60,
     }
+
+
+def expected_particles(case: SiloCase) -> int:
+    """About how many particles fill the silo to its level."""
+    area = case.outline.area_below(case.settings.fill.level)
+    return round(area * _USUAL_FRACTION / case.shapes.mean_area)
+
+
+def expected_cpu_s(case: SiloCase) -> tuple[float, float]:
+    """About what the filling and the discharge of a case cost [s of CPU]."""
+    a_step = _SECONDS_PER_GRAIN_STEP * expected_particles(case)
+    filling = 1.5 * _FILLING / case.pour_time_step
+    discharge = 0.5 * _DISCHARGE / case.time_step  # half of the grains, on average, are inside
+    return a_step * filling, a_step * discharge
 
 
 def report(result: Result) -> str:

@@ -1,0 +1,124 @@
+"""How often the silos with outlets of 40, 60 and 100 mm clog, beside the experiment's counts."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from silo2d.outline import PRESETS
+from silo2d.reproduce.layout import (
+    by_silo,
+    columns,
+    not_done,
+    outcome_word,
+    outcomes,
+    share,
+    unfinished,
+)
+from silo2d.reproduce.published import trials
+from silo2d.reproduce.statistics import wilson
+from silo2d.scene import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from silo2d.reproduce import Row
+
+SEEDS = 20
+
+_SILOS = [name for name in PRESETS if name[1] != "4"]
+_OUTLETS = {"1": "40 mm", "2": "60 mm", "3": "100 mm"}
+_ANGLES = {"A": "A, 60 deg", "B": "B, 45 deg", "C": "C, 30 deg", "D": "D, 0 deg"}
+_COLOURS = {"A": BLUE, "B": VERMILION, "C": ORANGE, "D": PURPLE}
+
+_CRITERION = """\
+clogged: at rest with a grain across the outlet's centre line, of all runs that ended before the
+  time limit, with Wilson's 95 % interval; at opening: with fewer grains out than [run]
+  opening_count, of the same runs; later: the others, of those that did not stick at the opening.
+outcome: "agrees" where the interval of ours and that of the experiment overlap: a single trial
+  that clogs is compatible with any share above 0.21."""
+
+
+def run(
+    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
+) -> "list[Row]":
+    """The twelve silos with the smaller outlets, each with all seeds."""
+    from silo2d.case import SiloCase
+    from silo2d.reproduce.runs import over_seeds, run_all
+
+    cases = [c for s in _SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
+    return run_all(cases, out=out, workers=workers, quiet=quiet, **engine)
+
+
+def report(rows: "list[Row]") -> str:
+    """A line a silo: shares with their intervals, and whether the experiment's fits."""
+    header = ["silo", "outlet", "experiment clogged", "ours clogged", "at opening", "later",
+              "outcome"]  # fmt: skip
+    silos = by_silo(rows)
+    words = {silo: _word(silo, own) for silo, own in silos.items()}
+    judged = [word for word in words.values() if word != "-"]
+    summary = f"{judged.count('agrees')} of {len(judged)} silos agree with the experiment"
+    lines = [_line(silo, own, words[silo]) for silo, own in silos.items()]
+    failed = "\n".join(not_done(rows, ["silo", "seed"]))
+    return "\n\n".join(filter(None, [columns(header, lines), summary, _CRITERION, failed]))
+
+
+def _word(silo: str, rows: "list[Row]") -> str:
+    k, _, n = outcomes(rows)
+    return outcome_word(trials(silo), k, n)
+
+
+def _line(silo: str, rows: "list[Row]", word: str) -> list[str]:
+    known, (k, at_opening, n) = trials(silo), outcomes(rows)
+    return [
+        silo,
+        _OUTLETS[silo[1]],
+        share(known.clogged, known.n),
+        share(k, n) + unfinished(rows, n),
+        share(at_opening, n),
+        share(k - at_opening, n - at_opening),
+        word,
+    ]
+
+
+def draw(rows: "list[Row]") -> "Figure":
+    """Shares with intervals against the outlet, a colour a hopper; what clogged at the opening."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.4, 4.4), layout="constrained")
+    axes = figure.subplots()
+    silos = by_silo(rows)
+    for silo, own in silos.items():
+        _draw_silo(axes, silo, own)
+    for label, style in (
+        ("experiment", {"marker": "s", "color": GREEN}),
+        ("ours, of these at the opening", {"marker": "_", "color": GREY, "mew": 2, "ms": 9}),
+    ):
+        axes.plot([], [], ls="", label=label, **style)
+    axes.set_xticks(range(3), [f"{outlet} ({number})" for number, outlet in _OUTLETS.items()])
+    axes.set_xlim(-0.5, 2.5)
+    axes.set_ylim(-0.03, 1.03)
+    axes.set_xlabel("outlet (number of the silo)")
+    axes.set_ylabel("clogged, share of runs (95 % interval)")
+    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.set_axisbelow(True)
+    named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    axes.legend(named.values(), named.keys(), loc="upper left", bbox_to_anchor=(1, 1))
+    return figure
+
+
+def _draw_silo(axes: "Axes", silo: str, rows: "list[Row]") -> None:
+    (k, at_opening, n), known = outcomes(rows), trials(silo)
+    hopper = "ABCD".index(silo[0])
+    place = int(silo[1]) - 1 + 0.2 * (hopper - 1.5)
+    if n:
+        low, high = wilson(k, n)
+        bars = [[k / n - low], [high - k / n]]
+        axes.errorbar(place, k / n, bars, fmt="o", color=_COLOURS[silo[0]], capsize=3,
+                      label=f"ours, {_ANGLES[silo[0]]}")  # fmt: skip
+        axes.plot(place, at_opening / n, "_", color=GREY, ms=9, mew=2)
+    if known.n:
+        low, high = wilson(known.clogged, known.n)
+        found = known.clogged / known.n
+        axes.errorbar(place + 0.07, found, [[found - low], [high - found]], fmt="s", ms=4,
+                      color=GREEN, lw=0.8)  # fmt: skip

@@ -1,0 +1,165 @@
+"""Discharge times and outcomes of the sixteen silos beside the experiment's and SPOLY's."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from silo2d.outline import PRESETS
+from silo2d.reproduce.layout import (
+    by_silo,
+    columns,
+    done,
+    not_done,
+    outcome_word,
+    outcomes,
+    percent,
+    seconds,
+    share,
+    unfinished,
+    verdict,
+)
+from silo2d.reproduce.published import Trials, trials
+from silo2d.reproduce.statistics import Sample, mean_sd
+from silo2d.scene import BLUE, GREEN, GREY, SKY, VERMILION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from silo2d.reproduce import Row
+
+SEEDS = 5
+
+_CRITERION = """\
+time: mean +- standard deviation (number) of the runs and trials that did not clog. "agrees" where
+  |ours - experiment| is within the 95 % interval of a difference of two means with unlike spreads,
+  t sqrt(s1^2/n1 + s2^2/n2) (Welch), which stands in brackets as a part of the experiment's mean;
+  it needs two times on either side. T90: when 90 % of those that leave are out.
+outcome: clogged of all, with Wilson's 95 % interval; "agrees" where the two intervals overlap.
+  40 and 60 mm were tried once each: 1 of 1 is compatible with any share above 0.21."""
+
+
+def run(
+    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
+) -> "list[Row]":
+    """The sixteen silos, each with all seeds."""
+    from silo2d.case import SiloCase
+    from silo2d.reproduce.runs import over_seeds, run_all
+
+    cases = [c for s in PRESETS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
+    return run_all(cases, out=out, workers=workers, quiet=quiet, **engine)
+
+
+def report(rows: "list[Row]") -> str:
+    """A line a silo, what agrees, and the mean deviation next to SPOLY's own."""
+    header = ["silo", "experiment [s]", "SPOLY [s]", "ours [s]", "T90 [s]", "time",
+              "clogged there", "clogged here (at opening)", "outcome"]  # fmt: skip
+    silos = by_silo(rows)
+    lines = [_line(silo, own) for silo, own in silos.items()]
+    summary, failed = "\n".join(_summary(silos)), "\n".join(not_done(rows, ["silo", "seed"]))
+    return "\n\n".join(filter(None, [columns(header, lines), summary, _CRITERION, failed]))
+
+
+def _times(rows: "Sequence[Row]", key: str = "discharge_time_s") -> Sample:
+    return mean_sd([row[key] for row in done(rows) if row[key] is not None])
+
+
+def _line(silo: str, rows: "list[Row]") -> list[str]:
+    known, ours = trials(silo), _times(rows)
+    k, at_opening, n = outcomes(rows)
+    spoly = "clogged" if known.spoly_clogged else "-"
+    return [
+        silo,
+        seconds(known.time, 2),
+        spoly if known.spoly_s is None else f"{known.spoly_s:.2f}",
+        seconds(ours),
+        seconds(_times(rows, "t90_s")),
+        verdict(ours, known.time),
+        share(known.clogged, known.n),
+        f"{share(k, n)} ({at_opening}){unfinished(rows, n)}",
+        outcome_word(known, k, n),
+    ]
+
+
+def _summary(silos: "dict[str, list[Row]]") -> list[str]:
+    times, words = {}, []
+    for silo, rows in silos.items():
+        known, ours = trials(silo), _times(rows)
+        k, _, n = outcomes(rows)
+        words.append(outcome_word(known, k, n))
+        if ours.mean is not None and known.time.mean is not None:
+            times[silo] = ours, known
+    judged = [verdict(ours, known.time) for ours, known in times.values()]
+    agree = sum(word.startswith("agrees") for word in judged)
+    few = sum(word.endswith("too few to judge") for word in judged)
+    lines = [
+        f"times: {agree} of {len(judged)} silos agree within noise, {len(judged) - agree - few} "
+        f"do not, {few} have too few times to judge; outcomes: {words.count('agrees')} of "
+        f"{len(words) - words.count('-')} agree"
+    ]
+    if times:
+        lines.append(f"mean |deviation| from the experiment: {_deviation(times)}")
+    both = {s: pair for s, pair in times.items() if pair[1].spoly_s is not None}
+    if both:
+        spoly = mean_sd([abs(_off(known.spoly_s, known)) for _, known in both.values()])
+        assert spoly.mean is not None
+        lines.append(
+            f"of these with a time of SPOLY ({', '.join(both)}): ours "
+            f"{_deviation(both)}, SPOLY's own {percent(spoly.mean)}"
+        )
+    return lines
+
+
+def _off(time: float | None, known: Trials) -> float:
+    assert time is not None
+    assert known.time.mean is not None
+    return time / known.time.mean - 1
+
+
+def _deviation(times: dict[str, tuple[Sample, Trials]]) -> str:
+    off = mean_sd([abs(_off(ours.mean, known)) for ours, known in times.values()])
+    assert off.mean is not None
+    return f"{percent(off.mean)} over {off.n} silos"
+
+
+def draw(rows: "list[Row]") -> "Figure":
+    """Times of the silos that have one, experiment, SPOLY and ours side by side."""
+    from matplotlib.figure import Figure
+
+    silos = {
+        silo: own
+        for silo, own in by_silo(rows).items()
+        if _times(own).n or trials(silo).time.n or trials(silo).spoly_s
+    }
+    figure = Figure(figsize=(8.4, 4.8), layout="constrained")
+    axes = figure.subplots()
+    for place, (silo, own) in enumerate(silos.items()):
+        _draw_silo(axes, place, own, trials(silo))
+    axes.set_xticks(range(len(silos)), [_tick(silo, own) for silo, own in silos.items()])
+    axes.set_ylabel("discharge time [s]")
+    axes.set_ylim(bottom=0)
+    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.set_axisbelow(True)
+    named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    axes.legend(named.values(), named.keys(), loc="lower left", bbox_to_anchor=(0, 1), ncols=4)
+    return figure
+
+
+def _draw_silo(axes: "Axes", place: int, rows: "list[Row]", known: Trials) -> None:
+    ours, t90 = _times(rows), _times(rows, "t90_s")
+    single = [row["discharge_time_s"] for row in done(rows) if row["discharge_time_s"] is not None]
+    axes.plot([place + 0.2] * len(single), single, "_", color=SKY, ms=7, mew=1.2)
+    for shift, sample, style in (
+        (-0.2, known.time, {"fmt": "s", "color": GREEN, "label": "experiment, mean and sd"}),
+        (0.2, ours, {"fmt": "o", "color": BLUE, "label": "ours, mean and sd (bars: each run)"}),
+        (0.36, t90, {"fmt": "o", "color": GREY, "mfc": "white", "ms": 4, "label": "ours, T90"}),
+    ):
+        if sample.mean is not None:
+            axes.errorbar(place + shift, sample.mean, sample.sd or 0, capsize=3, **style)
+    if known.spoly_s is not None:
+        axes.plot(place, known.spoly_s, "D", color=VERMILION, ms=5, label="SPOLY")
+
+
+def _tick(silo: str, rows: "list[Row]") -> str:
+    known, (k, _, n) = trials(silo), outcomes(rows)
+    return f"{silo}\nclogged\n{known.clogged}/{known.n} | {k}/{n}"

@@ -1,0 +1,106 @@
+"""Columns of text, and how numbers and runs that failed are written in them."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from silo2d.reproduce.published import Trials
+from silo2d.reproduce.statistics import Sample, noise_of_difference, overlap, wilson
+
+if TYPE_CHECKING:
+    from silo2d.reproduce import Row
+
+
+def columns(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    """A table of text, each column as wide as its longest entry."""
+    table = [list(header), *map(list, lines)]
+    widths = [max(len(line[k]) for line in table) for k in range(len(header))]
+    rows = (
+        "  ".join(f"{cell:{w}}" for cell, w in zip(line, widths, strict=True)) for line in table
+    )
+    return "\n".join(row.rstrip() for row in rows)
+
+
+def seconds(sample: Sample, digits: int = 3) -> str:
+    """ "1.234 +- 0.012 (3)": mean, standard deviation, number."""
+    if sample.mean is None:
+        return "-"
+    spread = "" if sample.sd is None else f" +- {sample.sd:.{digits}f}"
+    return f"{sample.mean:.{digits}f}{spread} ({sample.n})"
+
+
+def percent(part: float) -> str:
+    """A part, to a digit where it is small."""
+    return f"{100 * part:.1f} %" if abs(part) < 0.0995 else f"{100 * part:.0f} %"
+
+
+def signed(change: float) -> str:
+    """A change with its sign."""
+    return f"{'+' if change >= 0 else ''}{percent(change)}"
+
+
+def verdict(ours: Sample, theirs: Sample) -> str:
+    """Whether two means agree within noise, else by how much ours is high or low."""
+    if ours.mean is None or theirs.mean is None:
+        return "-"
+    off = ours.mean / theirs.mean - 1
+    noise = noise_of_difference(ours, theirs)
+    if noise is None:
+        return f"{signed(off)}, too few to judge"
+    allowed = f"(+- {percent(noise / theirs.mean)})"
+    if abs(ours.mean - theirs.mean) <= noise:
+        return f"agrees {signed(off)} {allowed}"
+    return f"{'high' if off > 0 else 'low'} by {percent(abs(off))} {allowed}"
+
+
+def done(rows: "Sequence[Row]") -> "list[Row]":
+    """The rows of runs that came to an end; only they enter a statistic."""
+    return [row for row in rows if row["state"] == "done"]
+
+
+def not_done(rows: "Sequence[Row]", labels: Sequence[str]) -> list[str]:
+    """A line for each run that failed or was cut off, with its reason."""
+    return [
+        f"{row['state']}: {', '.join(f'{k} {row[k]}' for k in labels)}: {row['reason']}"
+        for row in rows
+        if row["state"] != "done"
+    ]
+
+
+def outcomes(rows: "Sequence[Row]") -> tuple[int, int, int]:
+    """How many runs clogged, of these at the opening, of how many that flowed to an end or clogged.
+
+    A run that the time limit cut off is in neither number.
+    """
+    ended = [row["outcome"] for row in done(rows) if row["outcome"] != "time_limit"]
+    at_opening = ended.count("clogged_at_opening")
+    return ended.count("clogged") + at_opening, at_opening, len(ended)
+
+
+def by_silo(rows: "Sequence[Row]") -> "dict[str, list[Row]]":
+    """The rows of each silo, in their order."""
+    silos = dict.fromkeys(row["silo"] for row in rows)
+    return {silo: [row for row in rows if row["silo"] == silo] for silo in silos}
+
+
+def share(k: int, n: int) -> str:
+    """ "1 of 5 [0.04, 0.62]", with Wilson's interval."""
+    low, high = wilson(k, n)
+    return f"{k} of {n} [{low:.2f}, {high:.2f}]" if n else "-"
+
+
+def unfinished(rows: "Sequence[Row]", n: int) -> str:
+    """What else there is than n runs that flowed to an end or clogged."""
+    n_done = len(done(rows))
+    cut_off, failed = n_done - n, len(rows) - n_done
+    return (f", {cut_off} at the time limit" if cut_off else "") + (
+        f", {failed} failed" if failed else ""
+    )
+
+
+def outcome_word(known: Trials, k: int, n: int) -> str:
+    """Whether k of n clogged runs are compatible with the experiment: their intervals overlap."""
+    if not known.n or not n:
+        return "-"
+    if overlap(wilson(known.clogged, known.n), wilson(k, n)):
+        return "agrees"
+    return f"clogs {'more' if k / n > known.clogged / known.n else 'less'} often"

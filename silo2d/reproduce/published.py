@@ -1,0 +1,61 @@
+"""The published tables that ours stand beside, with the errata taken in.
+
+Source: Alonso-Marroquin et al., Granular Matter 15 (2013) 811, doi 10.1007/s10035-013-0443-7.
+"""
+
+import csv
+from dataclasses import dataclass
+
+from contact.datafile import data_file
+from silo2d.observe import published_times
+from silo2d.reproduce.statistics import Sample
+
+ROUNDING = 0.01  # [s] of all printed times
+
+
+@dataclass(frozen=True)
+class Trials:
+    """What was published for a silo: the experiment's trials, and SPOLY's one run."""
+
+    time: Sample  # of the trials that did not clog [s]
+    n: int  # trials, 0 where the silo is not the paper's
+    clogged: int
+    spoly_s: float | None  # None where it clogged, or where no time was printed
+    spoly_clogged: bool | None  # None where nothing was printed
+
+
+@dataclass(frozen=True)
+class Point:
+    """A line of Tables 7 to 11: A4's discharge time at one value of one parameter."""
+
+    parameter: str  # kn, kt, mu, gamma_n or gamma_t
+    value: float
+    unit: str
+    restitution: float | None  # as printed; holds for a reduced mass of 92 g only
+    time_s: float
+
+
+def trials(silo: str) -> Trials:
+    """The experiment (Table 5; A3's trial 5 is 2.07 s) and SPOLY (Table 6, Fig. 13) of a silo."""
+    known = published_times(silo)
+    n, clogged = int(known["experiment_n"] or 0), int(known["experiment_clogged"] or 0)
+    time = Sample(n - clogged, known["experiment_mean_s"], known["experiment_sd_s"])
+    spoly = known["simulation_clogged"]
+    return Trials(time, n, clogged, known["simulation_s"], None if spoly is None else bool(spoly))
+
+
+def sensitivity() -> list[Point]:
+    """Tables 7 to 11, the first kn being 6.25e2 N/mm."""
+    path = data_file("published", "silo_sensitivity")
+    assert path is not None  # shipped
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [
+        Point(
+            row["parameter"],
+            float(row["value"]),
+            row["unit"],
+            float(row["restitution"]) if row["restitution"] else None,
+            float(row["time_s"]),
+        )
+        for row in csv.DictReader(line for line in lines if not line.startswith("#"))
+    ]

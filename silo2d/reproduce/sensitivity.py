@@ -1,0 +1,232 @@
+"""A4's discharge time against each contact parameter, from two baselines, beside SPOLY's."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from silo2d.reproduce.layout import columns, done, not_done, outcomes, percent, seconds, signed
+from silo2d.reproduce.parameters import BASELINES, Pairs
+from silo2d.reproduce.published import ROUNDING, Point, sensitivity
+from silo2d.reproduce.statistics import (
+    Sample,
+    mean_sd,
+    noise_of_one_more,
+    pooled_sd,
+)
+from silo2d.reproduce.trend import Trend
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from silo2d.reproduce import Row
+
+SEEDS = 3
+
+# Parameter and pairs of contacts, in the order of the paper's tables: a heading each.
+SERIES: dict[tuple[str, Pairs], str] = {
+    ("kn", "both"): "kn [N/mm] of all contacts, kt/kn and gamma_n/omega_0 held (Table 7)",
+    ("kt", "both"): "kt [N/mm] of all contacts (Table 8)",
+    ("mu", "both"): "mu of all contacts (Table 9)",
+    ("mu", "particle"): "mu between particles alone (not published)",
+    ("mu", "wall"): "mu at the walls alone (not published)",
+    ("gamma_n", "both"): "gamma_n [1/s] of all contacts (Table 10)",
+    ("gamma_t", "both"): "gamma_t [1/s] of all contacts (Table 11)",
+}
+_CRITERION = """\
+eps: printed; then of ours, as it follows from the mean grain's mass, between particles through one
+  contact / face to face (8 pairs). Times: mean +- standard deviation (number of runs that emptied).
+row: SPOLY's is one run. "agrees" where it lies within the 95 % interval of one more run about our
+  mean, t s sqrt(1 + 1/n), with s pooled over all rows of the baseline.
+trend: least-squares slope, against the logarithm of kn, kt, gamma_n and against mu and gamma_t
+  themselves, over the table's range and as a part of the mean time, with its 95 % interval. Rises
+  or falls where the interval leaves out 0. "agrees" where the slopes differ by less than the 95 %
+  interval of their difference (Welch); the printed times scatter at least by their rounding.
+baselines: Table 4: kn 1e4, kt 650 N/mm, mu 0.38 and 0.44 (wall), gamma_n 6085 and 4303 (wall),
+  gamma_t 3 1/s. implied, by the rows of 0.99 s: kt 1000 N/mm, mu 0.40 and gamma_n 4000 1/s of all
+  contacts, the rest as in Table 4."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """The runs of one parameter from one baseline."""
+
+    parameter: str
+    pairs: str
+    baseline: str
+    rows: "list[Row]"
+
+    @cached_property
+    def values(self) -> list[float]:
+        """Of the parameter, as they come."""
+        return list(dict.fromkeys(row["value"] for row in self.rows))
+
+    def at(self, value: float) -> "list[Row]":
+        """The runs at one value."""
+        return [row for row in self.rows if row["value"] == value]
+
+    def time(self, value: float) -> Sample:
+        """Of the runs at one value that emptied [s]."""
+        return mean_sd([time for _, time in _points(self.at(value))])
+
+    @cached_property
+    def trend(self) -> Trend | None:
+        """Of all runs that emptied."""
+        points = _points(self.rows)
+        return Trend.of(self.parameter, [v for v, _ in points], [t for _, t in points], 0.0)
+
+
+def run(
+    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
+) -> "list[Row]":
+    """Every row of Tables 7 to 11 from both baselines; what two rows share is run once."""
+    from silo2d.case import SiloCase
+    from silo2d.reproduce.runs import over_seeds, run_all
+
+    wanted = list(_wanted())
+    laws = [tuple(sorted(changes.items())) for _, changes in wanted]
+    cases = {law: SiloCase.load("A4", dict(law)) for law in dict.fromkeys(laws)}
+    distinct = [c for case in cases.values() for c in over_seeds({}, case, seeds)]
+    found = run_all(distinct, out=out, workers=workers, quiet=quiet, **engine)
+    n = len(seeds)
+    of_law = {law: found[n * k : n * (k + 1)] for k, law in enumerate(cases)}
+    return [
+        {**labels, **row}
+        for (labels, _), law in zip(wanted, laws, strict=True)
+        for row in of_law[law]
+    ]
+
+
+def _wanted():
+    """The labels, and the changes of the case, of each row of the tables."""
+    for name, baseline in BASELINES.items():
+        for parameter, pairs in SERIES:
+            for point in _published(parameter):
+                changed = baseline.varied(parameter, point.value, pairs)
+                labels = {"baseline": name, "parameter": parameter, "pairs": pairs}
+                yield labels | {"value": point.value, "unit": point.unit}, changed.changes()
+
+
+def _published(parameter: str) -> list[Point]:
+    return [point for point in sensitivity() if point.parameter == parameter]
+
+
+def series_of(rows: "list[Row]") -> dict[tuple[str, str], dict[str, Series]]:
+    """The series there are, by parameter and pairs, then by baseline."""
+    found: dict[tuple[str, str], dict[str, list[Row]]] = {}
+    for row in rows:
+        one = found.setdefault((row["parameter"], row["pairs"]), {})
+        one.setdefault(row["baseline"], []).append(row)
+    return {
+        key: {name: Series(*key, name, own) for name, own in one.items()}
+        for key, one in found.items()
+    }
+
+
+def _points(rows: "list[Row]") -> list[tuple[float, float]]:
+    return [
+        (row["value"], row["discharge_time_s"])
+        for row in done(rows)
+        if row["discharge_time_s"] is not None
+    ]
+
+
+def report(rows: "list[Row]") -> str:
+    """A table a parameter, with the trends in words."""
+    series = series_of(rows)
+    spread = {name: _spread(name, series) for name in BASELINES}
+    parts = [
+        f"{heading}\n{_table(series[key], spread)}\n{_trends(series[key])}"
+        for key, heading in SERIES.items()
+        if key in series
+    ]
+    scatter = "scatter of a run, pooled: " + "; ".join(
+        f"{name} " + (f"{known[0]:.3f} s ({known[1]} degrees of freedom)" if known else "unknown")
+        for name, known in spread.items()
+    )
+    labels = ["baseline", "parameter", "pairs", "value", "seed"]
+    failed = "\n".join(not_done(rows, labels))
+    return "\n\n".join(filter(None, [*parts, scatter, _CRITERION, failed]))
+
+
+def _spread(
+    baseline: str, series: dict[tuple[str, str], dict[str, Series]]
+) -> tuple[float, int] | None:
+    """The standard deviation of a run about the mean of its row, and its degrees of freedom."""
+    own = [one[baseline] for one in series.values() if baseline in one]
+    distinct = {
+        tuple(row["state_digest"] for row in done(s.at(value))): s.time(value)
+        for s in own
+        for value in s.values
+    }
+    return pooled_sd(list(distinct.values()))
+
+
+def _table(one: dict[str, Series], spread: dict[str, tuple[float, int] | None]) -> str:
+    parameter, pairs = next((s.parameter, s.pairs) for s in one.values())
+    header = ["  value", "SPOLY [s]", "eps"]
+    for name in one:
+        header += [f"{name}: [s]", "row", "eps"]
+    lines = []
+    for point in _published(parameter):
+        printed = point.time_s if pairs == "both" else None
+        eps = "-" if point.restitution is None else f"{point.restitution:g}"
+        line = [f"  {point.value:g}", "-" if printed is None else f"{printed:.2f}", eps]
+        for name, own in one.items():
+            line += _cells(own, point.value, printed, spread[name])
+        lines.append(line)
+    return columns(header, lines)
+
+
+def _cells(
+    own: Series, value: float, printed: float | None, spread: tuple[float, int] | None
+) -> list[str]:
+    rows, time = own.at(value), own.time(value)
+    clogged, _, _ = outcomes(rows)
+    remark = f", {clogged} clogged" if clogged else ""
+    remark += (
+        f", {len(rows) - time.n - clogged} without a time" if len(rows) > time.n + clogged else ""
+    )
+    eps = next((_restitution(row) for row in done(rows)), "-")
+    return [seconds(time) + remark, _row_word(time, printed, spread), eps]
+
+
+def _restitution(row: "Row") -> str:
+    pair = "restitution.particle_particle"
+    return f"{row[f'{pair}.one_contact']:.2f} / {row[f'{pair}.face_to_face']:.2f}"
+
+
+def _row_word(time: Sample, printed: float | None, spread: tuple[float, int] | None) -> str:
+    if printed is None or time.mean is None:
+        return "-"
+    off = time.mean / printed - 1
+    if spread is None:
+        return f"{signed(off)}, too few to judge"
+    if abs(time.mean - printed) <= noise_of_one_more(time.n, *spread):
+        return "agrees"
+    return f"{'high' if off > 0 else 'low'} by {percent(abs(off))}"
+
+
+def _trends(one: dict[str, Series]) -> str:
+    parameter, pairs = next((s.parameter, s.pairs) for s in one.values())
+    points = _published(parameter)
+    published = Trend.of(parameter, [p.value for p in points], [p.time_s for p in points], ROUNDING)
+    lines = []
+    if pairs == "both" and published:
+        lines.append(f"  SPOLY {published.words()}")
+    for name, own in one.items():
+        if own.trend is None:
+            lines.append(f"  {name}: too few runs for a trend")
+            continue
+        beside = f": {own.trend.beside(published)}" if pairs == "both" and published else ""
+        lines.append(f"  {name}: {own.trend.words()}{beside}")
+    return "\n".join(lines)
+
+
+def draw(rows: "list[Row]") -> "Figure":
+    """Five panels, a parameter each; see silo2d.reproduce.panels."""
+    from silo2d.reproduce.panels import sensitivity_panels
+
+    published = {p: _published(p) for p in dict.fromkeys(key for key, _ in SERIES)}
+    return sensitivity_panels(series_of(rows), published)

@@ -1,0 +1,119 @@
+"""Means, spreads and shares of a few runs, and when two of them differ by more than noise.
+
+All intervals are of 95 % confidence. Times are taken as normally distributed about their mean,
+trials that clog as independent draws.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Sample:
+    """How many values there are, their mean, and their sample standard deviation."""
+
+    n: int
+    mean: float | None  # None where there is no value
+    sd: float | None  # of n - 1; None where there are fewer than two
+
+
+def mean_sd(values: Sequence[float]) -> Sample:
+    """Mean and sample standard deviation of values."""
+    n = len(values)
+    if n == 0:
+        return Sample(0, None, None)
+    mean = math.fsum(values) / n
+    if n == 1:
+        return Sample(1, mean, None)
+    return Sample(n, mean, math.sqrt(math.fsum((v - mean) ** 2 for v in values) / (n - 1)))
+
+
+def wilson(k: int, n: int) -> tuple[float, float]:
+    """Wilson's score interval of a share of which k of n trials were seen; (0, 1) for no trial."""
+    from scipy.stats import binomtest
+
+    if n == 0:
+        return 0.0, 1.0
+    low, high = binomtest(k, n).proportion_ci(CONFIDENCE, method="wilson")
+    return float(low), float(high)
+
+
+def quantile(freedom: float) -> float:
+    """Student's t that |t| stays below with the confidence, for degrees of freedom > 0."""
+    from scipy.stats import t
+
+    return float(t.ppf(0.5 + CONFIDENCE / 2, freedom))
+
+
+def noise_of_difference(first: Sample, second: Sample) -> float | None:
+    """Half width of the confidence interval of the difference of two means; Welch (1947).
+
+    t sqrt(s1^2/n1 + s2^2/n2), with the degrees of freedom of Welch and Satterthwaite. None where
+    either has no standard deviation.
+    """
+    if first.sd is None or second.sd is None:
+        return None
+    errors = [first.sd**2 / first.n, second.sd**2 / second.n]
+    return welch_half_width(errors, [first.n - 1, second.n - 1])
+
+
+def welch_half_width(variances: Sequence[float], freedoms: Sequence[float]) -> float:
+    """t times the root of a sum of squared standard errors, each with its degrees of freedom."""
+    total = sum(variances)
+    if total == 0:
+        return 0.0
+    spread = sum(v**2 / f for v, f in zip(variances, freedoms, strict=True))
+    return quantile(total**2 / spread) * math.sqrt(total)
+
+
+def pooled_sd(samples: Sequence[Sample]) -> tuple[float, int] | None:
+    """The standard deviation that samples of unlike means share, and its degrees of freedom."""
+    known = [(s.sd, s.n - 1) for s in samples if s.sd is not None]
+    freedom = sum(f for _, f in known)
+    if not freedom:
+        return None
+    return math.sqrt(sum(f * sd**2 for sd, f in known) / freedom), freedom
+
+
+def noise_of_one_more(n: int, sd: float, freedom: float) -> float:
+    """How far one more value may lie from the mean of n: t sd sqrt(1 + 1/n)."""
+    return quantile(freedom) * sd * math.sqrt(1 + 1 / n)
+
+
+def overlap(first: tuple[float, float], second: tuple[float, float]) -> bool:
+    """Whether two intervals have a point in common."""
+    return first[0] <= second[1] and second[0] <= first[1]
+
+
+@dataclass(frozen=True)
+class Slope:
+    """A straight line's slope from n points, and its standard error."""
+
+    value: float
+    error: float
+    freedom: int  # n - 2
+
+    @property
+    def half_width(self) -> float:
+        """Of its confidence interval."""
+        return quantile(self.freedom) * self.error
+
+
+def slope(x: Sequence[float], y: Sequence[float], rounding: float = 0.0) -> Slope | None:
+    """The least-squares slope of y(x); None for fewer than three points or one x.
+
+    `rounding` is the unit to which y is printed: its standard deviation, rounding/sqrt(12), is
+    the least scatter about the line that is believed.
+    """
+    from scipy.stats import linregress
+
+    n = len(x)
+    if n < 3 or len(set(x)) < 2:
+        return None
+    fit = linregress(x, y)
+    mean = math.fsum(x) / n
+    width = math.sqrt(math.fsum((a - mean) ** 2 for a in x))
+    return Slope(float(fit.slope), max(float(fit.stderr), rounding / math.sqrt(12) / width), n - 2)
