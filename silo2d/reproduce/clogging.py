@@ -16,7 +16,7 @@ from silo2d.reproduce.layout import (
 )
 from silo2d.reproduce.published import trials
 from silo2d.reproduce.statistics import wilson
-from silo2d.scene import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from silo2d.scene import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +29,7 @@ SEEDS = 20
 _SILOS = [name for name in PRESETS if name[1] != "4"]
 _OUTLETS = {"1": "40 mm", "2": "60 mm", "3": "100 mm"}
 _ANGLES = {"A": "A, 60 deg", "B": "B, 45 deg", "C": "C, 30 deg", "D": "D, 0 deg"}
-_COLOURS = {"A": BLUE, "B": VERMILION, "C": ORANGE, "D": PURPLE}
+_COLOURS = {"A": BLUE, "B": SKY, "C": ORANGE, "D": PURPLE}
 
 _CRITERION = """\
 clogged: at rest with a grain across the outlet's centre line, of all runs that ended before the

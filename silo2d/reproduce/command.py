@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from silo2d.reproduce import PublishedTable
+    from silo2d.reproduce import PublishedTable, Row
 
 
 @click.command()
@@ -45,6 +45,7 @@ def reproduce(
         **_engine(table, found, engine, scheduler),
     )  # fmt: skip
     text = found.report(rows)
+    _stop_unless_whole(rows, text)
     lines = origin(f"silo2d reproduce {table} --seeds {len(numbers)}")
     files = write_results(
         Path(write or out), f"reproduce-{table}", rows, lines, text, lambda: found.draw(rows)
@@ -59,6 +60,16 @@ def _numbers(seeds: int | None, workers: int | None, found: "PublishedTable") ->
         if number is not None and number < 1:
             raise click.UsageError(f"{name} = {number}: must be at least 1")
     return range(1, (seeds or found.SEEDS) + 1)
+
+
+def _stop_unless_whole(rows: "list[Row]", text: str) -> None:
+    """Where Ctrl-C cut the runs off: print what there is, write nothing over earlier results."""
+    missing = sum(row["state"] == "interrupted" for row in rows)
+    if missing:
+        from silo2d.discharge import Stopped
+
+        click.echo(text)
+        raise Stopped(f"{missing} of {len(rows)} runs are missing; the same command goes on")
 
 
 def _engine(

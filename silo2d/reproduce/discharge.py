@@ -136,6 +136,7 @@ def draw(rows: "list[Row]") -> "Figure":
     for place, (silo, own) in enumerate(silos.items()):
         _draw_silo(axes, place, own, trials(silo))
     axes.set_xticks(range(len(silos)), [_tick(silo, own) for silo, own in silos.items()])
+    axes.set_xlabel("silo, and how many clogged: experiment | ours")
     axes.set_ylabel("discharge time [s]")
     axes.set_ylim(bottom=0)
     axes.grid(axis="y", color="#e6e3dc", lw=0.7)
@@ -162,4 +163,4 @@ def _draw_silo(axes: "Axes", place: int, rows: "list[Row]", known: Trials) -> No
 
 def _tick(silo: str, rows: "list[Row]") -> str:
     known, (k, _, n) = trials(silo), outcomes(rows)
-    return f"{silo}\nclogged\n{known.clogged}/{known.n} | {k}/{n}"
+    return f"{silo}\n{known.clogged}/{known.n} | {k}/{n}"

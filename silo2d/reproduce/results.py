@@ -79,7 +79,7 @@ def read_results(path: Path) -> "tuple[dict[str, str], list[Row]]":
         ) from None
     head = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
     table = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-    if not table or any("state" not in row or None in row.values() for row in table):
+    if not table or any("state" not in row or None in row or None in row.values() for row in table):
         raise FolderError(f"{path}: not a table of silo2d reproduce, or cut short; make it again")
     rows = [{key: _value(key, text) for key, text in row.items()} for row in table]
     return {word: text for word, _, text in head}, rows

@@ -9,6 +9,7 @@ import click
 
 from silo2d.case import SiloCase
 from silo2d.packing import packing_digest
+from silo2d.protocol import run_digest
 from silo2d.report import expected_cpu_s
 
 Labelled = tuple[dict[str, Any], SiloCase]
@@ -44,15 +45,16 @@ def run_all(
 
 def cost(cases: Sequence[Labelled]) -> str:
     """What cases will cost if nothing of them is there, in words."""
+    distinct = {run_digest(case): case for _, case in cases}
     fillings: dict[str, float] = {}
     discharges = 0.0
-    for labels, case in cases:
+    for case in distinct.values():
         filling, discharge = expected_cpu_s(case)
-        fillings[packing_digest(case, labels["seed"])] = filling
+        fillings[packing_digest(case, case.settings.run.seed)] = filling
         discharges += discharge
     minutes = (sum(fillings.values()) + discharges) / 60
-    shortest = min(case.time_step for _, case in cases)
+    shortest = min(case.time_step for case in distinct.values())
     return (
-        f"{len(cases)} runs of {len(fillings)} packings, about {minutes:.0f} min of CPU time if "
+        f"{len(distinct)} runs of {len(fillings)} packings, about {minutes:.0f} min of CPU time if "
         f"none is there yet; the shortest time step is {shortest * 1e6:.2g} us"
     )

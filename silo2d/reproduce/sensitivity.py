@@ -1,6 +1,6 @@
 """A4's discharge time against each contact parameter, from two baselines, beside SPOLY's."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -80,25 +80,20 @@ class Series:
 def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
-    """Every row of Tables 7 to 11 from both baselines; what two rows share is run once."""
+    """Every row of Tables 7 to 11 from both baselines; a case that two rows share runs once."""
     from silo2d.case import SiloCase
-    from silo2d.reproduce.runs import over_seeds, run_all
+    from silo2d.reproduce.runs import Labelled, over_seeds, run_all
 
-    wanted = list(_wanted())
-    laws = [tuple(sorted(changes.items())) for _, changes in wanted]
-    cases = {law: SiloCase.load("A4", dict(law)) for law in dict.fromkeys(laws)}
-    distinct = [c for case in cases.values() for c in over_seeds({}, case, seeds)]
-    found = run_all(distinct, out=out, workers=workers, quiet=quiet, **engine)
-    n = len(seeds)
-    of_law = {law: found[n * k : n * (k + 1)] for k, law in enumerate(cases)}
-    return [
-        {**labels, **row}
-        for (labels, _), law in zip(wanted, laws, strict=True)
-        for row in of_law[law]
-    ]
+    loaded: dict[tuple, SiloCase] = {}
+    cases: list[Labelled] = []
+    for labels, changes in _wanted():
+        law = tuple(changes.items())
+        loaded[law] = loaded.get(law) or SiloCase.load("A4", changes)
+        cases += over_seeds(labels, loaded[law], seeds)
+    return run_all(cases, out=out, workers=workers, quiet=quiet, **engine)
 
 
-def _wanted():
+def _wanted() -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
     """The labels, and the changes of the case, of each row of the tables."""
     for name, baseline in BASELINES.items():
         for parameter, pairs in SERIES:
@@ -185,9 +180,8 @@ def _cells(
     rows, time = own.at(value), own.time(value)
     clogged, _, _ = outcomes(rows)
     remark = f", {clogged} clogged" if clogged else ""
-    remark += (
-        f", {len(rows) - time.n - clogged} without a time" if len(rows) > time.n + clogged else ""
-    )
+    rest = len(rows) - time.n - clogged
+    remark += f", {rest} failed or cut off" if rest else ""
     eps = next((_restitution(row) for row in done(rows)), "-")
     return [seconds(time) + remark, _row_word(time, printed, spread), eps]
 
