@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RUNS ?= runs
 
-.PHONY: demo test lint bench validate wheel clean
+.PHONY: demo test lint bench validate reproduce wheel clean
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/installed ## discharge silo A4: a number and pictures
@@ -24,6 +24,11 @@ bench: $(VENV)/installed ## cost a step, absolute and against a reference kernel
 
 validate: $(VENV)/installed ## comparisons with published results (minutes)
 	$(BIN)/python -m pytest -m validation
+
+reproduce: $(VENV)/installed ## every published table beside ours, into docs/results (hours)
+	for table in $$($(BIN)/silo2d reproduce | cut -d' ' -f1); do \
+		$(BIN)/silo2d reproduce $$table --out $(RUNS) --write docs/results || exit 1; \
+	done
 
 wheel: $(VENV)/installed
 	$(BIN)/python -m pip wheel --no-deps --wheel-dir dist .

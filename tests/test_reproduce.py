@@ -198,6 +198,23 @@ def test_json_has_the_rows(asked, tmp_path):
     assert "16 runs of 16 packings" in answer.err
 
 
+def test_runs_cut_off_leave_earlier_results_alone(monkeypatch, tmp_path):
+    """After Ctrl-C: what there is on stdout, one line, exit code 130, no file written."""
+    from silo2d import sweep
+
+    def run_cases(cases, **how):
+        rows = [ended("clogged", **labels) for labels, _ in cases[:-1]]
+        return [*rows, {**cases[-1][0], "state": "interrupted", "reason": "stopped"}]
+
+    monkeypatch.setattr(sweep, "run_cases", run_cases)
+    answer = silo2d("reproduce", "clogging", "--seeds", 1, "-o", tmp_path / "runs", "--quiet")
+    assert answer.code == 130
+    assert answer.err.count("\n") == 1
+    assert "1 of 12 runs are missing" in answer.err
+    assert "interrupted: silo D3, seed 1: stopped" in answer.out
+    assert not (tmp_path / "runs").exists()
+
+
 def test_without_a_table_it_lists_them():
     answer = silo2d("reproduce")
     assert answer.code == 0
