@@ -35,6 +35,7 @@ def clogged(
 
 
 def line_of(text: str, start: str) -> str:
-    """The one line of a report that begins so."""
-    (line,) = (line for line in text.splitlines() if line.split()[:1] == [start])
-    return line
+    """What the tables of a report say in their lines that begin so, one after the other."""
+    lines = [line for line in text.splitlines() if line.split()[:1] == [start]]
+    assert lines, text
+    return "  ".join(lines)

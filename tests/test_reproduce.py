@@ -50,8 +50,7 @@ def test_clogged_runs_have_no_time_and_are_counted():
     line = line_of(discharge.report(rows), "A3")
     assert "(4)" in line
     assert line.count("1 of 5 [0.04, 0.62]") == 2  # there and here
-    assert "(1)" in line
-    assert line.endswith("agrees")
+    assert line.split()[-2:] == ["1", "agrees"]
 
 
 def test_a_silo_that_clogs_there_and_flows_here_differs_once_there_are_enough_runs():
@@ -179,16 +178,15 @@ def test_a_damaged_table_is_named(text, tmp_path):
         read_results(path)
 
 
-@pytest.mark.parametrize("table", ["clogging", "sensitivity"])
-def test_the_command_prints_the_table_and_writes_its_files(table, asked, tmp_path, monkeypatch):
+def test_the_command_prints_the_table_and_writes_its_files(asked, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    answer = silo2d("reproduce", table, "--seeds", 1, "--quiet", "--write", "kept")
+    answer = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", "--write", "kept")
     assert (answer.code, answer.err) == (0, "")
     assert "clogged" in answer.out
-    head, rows = read_results(tmp_path / "kept" / f"reproduce-{table}.csv")
-    assert head["command"] == f"silo2d reproduce {table} --seeds 1"
+    head, rows = read_results(tmp_path / "kept" / "reproduce-clogging.csv")
+    assert head["command"] == "silo2d reproduce clogging --seeds 1"
     assert set(head) == {"command", "versions", "date", "machine"}
-    assert answer.out.strip() in (tmp_path / "kept" / f"reproduce-{table}.txt").read_text("utf-8")
+    assert answer.out.strip() in (tmp_path / "kept" / "reproduce-clogging.txt").read_text("utf-8")
     assert all(row["state"] == "done" for row in rows)
 
 

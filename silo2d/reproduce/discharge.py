@@ -51,32 +51,50 @@ def run(
 
 
 def report(rows: "list[Row]") -> str:
-    """A line a silo, what agrees, and the mean deviation next to SPOLY's own."""
-    header = ["silo", "experiment [s]", "SPOLY [s]", "ours [s]", "T90 [s]", "time",
-              "clogged there", "clogged here (at opening)", "outcome"]  # fmt: skip
+    """Times, outcomes, what agrees, and the mean deviation next to SPOLY's own."""
     silos = by_silo(rows)
-    lines = [_line(silo, own) for silo, own in silos.items()]
+    timed = {silo: own for silo, own in silos.items() if _has_time(silo, own)}
+    times = columns(
+        ["silo", "experiment [s]", "SPOLY [s]", "ours [s]", "time", "T90 [s]"],
+        [_time_line(silo, own) for silo, own in timed.items()],
+    )
+    ends = columns(
+        ["silo", "experiment clogged", "SPOLY", "ours clogged", "at opening", "outcome"],
+        [_outcome_line(silo, own) for silo, own in silos.items()],
+    )
     summary, failed = "\n".join(_summary(silos)), "\n".join(not_done(rows, ["silo", "seed"]))
-    return "\n\n".join(filter(None, [columns(header, lines), summary, _CRITERION, failed]))
+    return "\n\n".join(filter(None, [times, ends, summary, _CRITERION, failed]))
+
+
+def _has_time(silo: str, rows: "list[Row]") -> bool:
+    known = trials(silo)
+    return bool(_times(rows).n or known.time.n or known.spoly_s)
 
 
 def _times(rows: "Sequence[Row]", key: str = "discharge_time_s") -> Sample:
     return mean_sd([row[key] for row in done(rows) if row[key] is not None])
 
 
-def _line(silo: str, rows: "list[Row]") -> list[str]:
+def _time_line(silo: str, rows: "list[Row]") -> list[str]:
     known, ours = trials(silo), _times(rows)
-    k, at_opening, n = outcomes(rows)
-    spoly = "clogged" if known.spoly_clogged else "-"
     return [
         silo,
         seconds(known.time, 2),
-        spoly if known.spoly_s is None else f"{known.spoly_s:.2f}",
+        "-" if known.spoly_s is None else f"{known.spoly_s:.2f}",
         seconds(ours),
-        seconds(_times(rows, "t90_s")),
         verdict(ours, known.time),
+        seconds(_times(rows, "t90_s")),
+    ]
+
+
+def _outcome_line(silo: str, rows: "list[Row]") -> list[str]:
+    known, (k, at_opening, n) = trials(silo), outcomes(rows)
+    return [
+        silo,
         share(known.clogged, known.n),
-        f"{share(k, n)} ({at_opening}){unfinished(rows, n)}",
+        {True: "clogged", False: "flows", None: "-"}[known.spoly_clogged],
+        share(k, n) + unfinished(rows, n),
+        str(at_opening),
         outcome_word(known, k, n),
     ]
 
@@ -126,11 +144,7 @@ def draw(rows: "list[Row]") -> "Figure":
     """Times of the silos that have one, experiment, SPOLY and ours side by side."""
     from matplotlib.figure import Figure
 
-    silos = {
-        silo: own
-        for silo, own in by_silo(rows).items()
-        if _times(own).n or trials(silo).time.n or trials(silo).spoly_s
-    }
+    silos = {silo: own for silo, own in by_silo(rows).items() if _has_time(silo, own)}
     figure = Figure(figsize=(8.4, 4.8), layout="constrained")
     axes = figure.subplots()
     for place, (silo, own) in enumerate(silos.items()):
