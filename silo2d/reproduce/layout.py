@@ -90,11 +90,10 @@ def share(k: int, n: int) -> str:
 
 def unfinished(rows: "Sequence[Row]", n: int) -> str:
     """What else there is than n runs that flowed to an end or clogged."""
-    n_done = len(done(rows))
-    cut_off, failed = n_done - n, len(rows) - n_done
-    return (f", {cut_off} at the time limit" if cut_off else "") + (
-        f", {failed} failed" if failed else ""
-    )
+    counts = {"at the time limit": len(done(rows)) - n}
+    for state in ("failed", "interrupted"):
+        counts[state] = sum(row["state"] == state for row in rows)
+    return "".join(f", {count} {what}" for what, count in counts.items() if count)
 
 
 def outcome_word(known: Trials, k: int, n: int) -> str:

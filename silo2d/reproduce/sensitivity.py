@@ -160,16 +160,19 @@ def _spread(
 
 def _table(one: dict[str, Series], spread: dict[str, tuple[float, int] | None]) -> str:
     parameter, pairs = next((s.parameter, s.pairs) for s in one.values())
-    header = ["  value", "SPOLY [s]", "eps"]
+    points = _published(parameter)
+    with_eps = any(point.restitution is not None for point in points)
+    header = ["  value", "SPOLY [s]", *(["eps"] if with_eps else [])]
     for name in one:
-        header += [f"{name}: [s]", "row", "eps"]
+        header += [f"{name}: [s]", "row", *(["eps"] if with_eps else [])]
     lines = []
-    for point in _published(parameter):
+    for point in points:
         printed = point.time_s if pairs == "both" else None
-        eps = "-" if point.restitution is None else f"{point.restitution:g}"
-        line = [f"  {point.value:g}", "-" if printed is None else f"{printed:.2f}", eps]
+        line = [f"  {point.value:g}", "-" if printed is None else f"{printed:.2f}"]
+        line += [f"{point.restitution:g}"] if with_eps else []
         for name, own in one.items():
             line += _cells(own, point.value, printed, spread[name])
+            line += [_restitution(own.at(point.value))] if with_eps else []
         lines.append(line)
     return columns(header, lines)
 
@@ -179,16 +182,17 @@ def _cells(
 ) -> list[str]:
     rows, time = own.at(value), own.time(value)
     clogged, _, _ = outcomes(rows)
-    remark = f", {clogged} clogged" if clogged else ""
     rest = len(rows) - time.n - clogged
+    remark = f", {clogged} clogged" if clogged else ""
     remark += f", {rest} failed or cut off" if rest else ""
-    eps = next((_restitution(row) for row in done(rows)), "-")
-    return [seconds(time) + remark, _row_word(time, printed, spread), eps]
+    return [seconds(time) + remark, _row_word(time, printed, spread)]
 
 
-def _restitution(row: "Row") -> str:
-    pair = "restitution.particle_particle"
-    return f"{row[f'{pair}.one_contact']:.2f} / {row[f'{pair}.face_to_face']:.2f}"
+def _restitution(rows: "list[Row]") -> str:
+    """Between particles, through one contact and face to face; the same for all seeds."""
+    names = [f"restitution.particle_particle.{how}" for how in ("one_contact", "face_to_face")]
+    values = next(([row[name] for name in names] for row in done(rows)), None)
+    return " / ".join(f"{value:.2f}" for value in values) if values else "-"
 
 
 def _row_word(time: Sample, printed: float | None, spread: tuple[float, int] | None) -> str:
