@@ -79,11 +79,14 @@ def test_a_run_at_the_time_limit_is_neither_clogged_nor_emptied():
     assert ", 1 at the time limit" in line
 
 
-def test_all_runs_of_a_table_may_fail():
+def test_all_runs_of_a_table_may_fail(tmp_path):
     rows = [failed("no space left", silo=silo, seed=1) for silo in ("A1", "A4")]
     text = discharge.report(rows)
     assert text.count("no space left") == 2
     assert clogging.report(rows[:1]).count("no space left") == 1
+    head = ["command: x"]
+    for table, own in ((discharge, rows), (discharge, rows[:1]), (clogging, rows[:1])):
+        write_results(tmp_path, "failed", own, head, "", lambda t=table, r=own: t.draw(r))
 
 
 def test_summary_counts_and_sets_the_deviation_beside_spolys():
@@ -211,6 +214,15 @@ def test_runs_cut_off_leave_earlier_results_alone(monkeypatch, tmp_path):
     assert "1 of 12 runs are missing" in answer.err
     assert "interrupted: silo D3, seed 1: stopped" in answer.out
     assert not (tmp_path / "runs").exists()
+
+
+def test_the_answer_is_printed_even_where_no_file_can_be_written(asked, tmp_path):
+    """Hours of work are not lost: the runs stand below --out, the words on stdout."""
+    (tmp_path / "file").write_text("in the way")
+    answer = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", "-o", tmp_path / "file")
+    assert answer.code == 2
+    assert answer.err.count("\n") == 1
+    assert "of 12 silos agree with the experiment" in answer.out
 
 
 def test_without_a_table_it_lists_them():

@@ -175,6 +175,17 @@ def test_what_is_not_published_has_no_word_and_failures_are_named():
     assert "failed: baseline Table 4, parameter mu, pairs particle, value 0.1, seed 4: lost" in text
 
 
+def test_a_series_whose_runs_all_failed_has_no_trend(tmp_path):
+    from silo2d.sheet import write_figure
+
+    labels = {"baseline": "implied", "parameter": "kt", "pairs": "both", "unit": "N/mm"}
+    rows = [failed("lost", **labels, value=value, seed=1) for value in (500, 750)]
+    text = sensitivity.report(rows)
+    assert "implied: too few runs for a trend" in text
+    assert "-, 1 failed or cut off" in words(text, "500")
+    write_figure(tmp_path / "failed.png", lambda: sensitivity.draw(rows))
+
+
 def test_a_flat_series_is_flat_within_noise():
     trend = Trend.of("kn", [1, 10, 100, 1000], [1.0, 1.01, 0.99, 1.0], 0.01)
     assert trend is not None

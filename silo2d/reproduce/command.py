@@ -46,11 +46,11 @@ def reproduce(
     )  # fmt: skip
     text = found.report(rows)
     _stop_unless_whole(rows, text)
+    click.echo(json.dumps({"table": table, "rows": rows}, indent=2) if as_json else text)
     lines = origin(f"silo2d reproduce {table} --seeds {len(numbers)}")
     files = write_results(
         Path(write or out), f"reproduce-{table}", rows, lines, text, lambda: found.draw(rows)
     )
-    click.echo(json.dumps({"table": table, "rows": rows}, indent=2) if as_json else text)
     if not quiet:
         click.echo("\n".join(map(str, files)), err=True)
 

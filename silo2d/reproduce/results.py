@@ -86,7 +86,7 @@ def read_results(path: Path) -> "tuple[dict[str, str], list[Row]]":
 
 
 def _value(key: str, text: str) -> Any:
-    if key in ("reason", "state_digest"):
+    if key in ("reason", "state_digest", "unit"):
         return text
     if text in ("", "True", "False"):
         return {"": None, "True": True, "False": False}[text]
