@@ -216,6 +216,23 @@ def test_runs_cut_off_leave_earlier_results_alone(monkeypatch, tmp_path):
     assert not (tmp_path / "runs").exists()
 
 
+def test_failed_runs_give_exit_code_3_and_the_table(monkeypatch, tmp_path):
+    """As `silo2d sweep` does: what there is, one line, 3."""
+    from silo2d import sweep
+
+    def run_cases(cases, **how):
+        rows = [ended("clogged", **labels) for labels, _ in cases[:-1]]
+        return [*rows, failed("no space left", **cases[-1][0])]
+
+    monkeypatch.setattr(sweep, "run_cases", run_cases)
+    answer = silo2d("reproduce", "clogging", "--seeds", 1, "-o", tmp_path, "--quiet")
+    assert answer.code == 3
+    assert answer.err.count("\n") == 1
+    assert "1 of 12 rows are failed runs" in answer.err
+    _, rows = read_results(tmp_path / "reproduce-clogging.csv")
+    assert [row["reason"] for row in rows if row["state"] == "failed"] == ["no space left"]
+
+
 def test_the_answer_is_printed_even_where_no_file_can_be_written(asked, tmp_path):
     """Hours of work are not lost: the runs stand below --out, the words on stdout."""
     (tmp_path / "file").write_text("in the way")

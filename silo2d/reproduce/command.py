@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -53,6 +54,11 @@ def reproduce(
     )
     if not quiet:
         click.echo("\n".join(map(str, files)), err=True)
+    failed = sum(row["state"] == "failed" for row in rows)
+    if failed:
+        line = f"{failed} of {len(rows)} rows are failed runs; their reasons stand in {files[0]}"
+        click.echo(f"silo2d: {line}", err=True)
+        sys.exit(3)
 
 
 def _numbers(seeds: int | None, workers: int | None, found: "PublishedTable") -> Sequence[int]:

@@ -7,8 +7,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import contact
-import silo2d
 from campaign.folder import FolderError, write_atomic, writing
 from silo2d.sheet import write_figure
 
@@ -17,7 +15,6 @@ if TYPE_CHECKING:
 
     from silo2d.reproduce import Row
 
-_SOURCES = [Path(silo2d.__file__).parent, Path(contact.__file__).parent]
 # Columns that tell of this computer's folders, or stand in data/published.
 _LEFT_OUT = ("run_folder", "reused", "published.", "dissipated_j.")
 
@@ -25,9 +22,9 @@ _LEFT_OUT = ("run_folder", "reused", "published.", "dissipated_j.")
 def origin(command: str) -> list[str]:
     """Lines that say which command, versions and machine made a table, and when."""
     from campaign.provenance import provenance
-    from silo2d.protocol import PACKAGES
+    from silo2d.protocol import PACKAGES, SOURCES
 
-    known = provenance(command=sys.argv, seed=0, packages=PACKAGES, sources=_SOURCES)
+    known = provenance(command=sys.argv, seed=0, packages=PACKAGES, sources=SOURCES)
     versions = ", ".join(f"{name} {number}" for name, number in known["versions"].items())
     machine = known["machine"]
     return [
