@@ -56,3 +56,8 @@ def logged(task: tuple[Path, str], stop: Stop) -> None:
     file, word = task
     with file.open("a") as log:
         log.write(f"{word} ")
+
+
+def either(task: int | tuple[Path, float], stop: Stop) -> int | str:
+    """A number is squared, another task is a patient one."""
+    return square(task, stop) if isinstance(task, int) else patient(task, stop)
