@@ -131,7 +131,8 @@ sys.path.insert(0, "tests")
 import fake_tasks
 from campaign.engine import run_tasks
 if __name__ == "__main__":
-    run_tasks(getattr(fake_tasks, sys.argv[2]), [(Path(sys.argv[1]) / name, 60.0) for name in "ab"], workers=2)
+    tasks = [(Path(sys.argv[1]) / name, 60.0) for name in "ab"]
+    run_tasks(getattr(fake_tasks, sys.argv[2]), tasks, workers=2)
 """
 
 
