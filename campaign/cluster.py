@@ -1,16 +1,18 @@
 """A Dask cluster as the place where tasks run; the extra `cluster` installs what it needs."""
 
 import logging
+import socket
 import time
 from collections.abc import Iterator
 from concurrent.futures import Future
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from typing import Any, Self
+from urllib.parse import urlsplit
 from uuid import uuid4
 
 from campaign.engine import EngineError, Failed, Function, Outcome, call
 
-_PATIENCE = "10s"  # for a scheduler that does not answer
+_PATIENCE = 10.0  # [s] for a scheduler that does not answer
 _ASK_AGAIN = 2.0  # [s] workers that come late are asked to stop too
 
 _stopping: set[str] = set()  # in a worker: the sweeps that are asked to stop
@@ -84,14 +86,24 @@ def _connect(scheduler: str, stack: ExitStack) -> Any:
         ) from None
     stack.enter_context(_silence())
     try:
+        # A look first: a client that cannot connect leaves a traceback on stderr when it goes.
+        place = urlsplit(scheduler if "://" in scheduler else f"tcp://{scheduler}")
+        if place.scheme not in ("tcp", "tls") or place.hostname is None or place.port is None:
+            raise ValueError(scheduler)
+        socket.create_connection((place.hostname, place.port), _PATIENCE).close()
         client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError, AssertionError):  # the last for an unknown kind of address
+    except (OSError, ValueError):
         raise EngineError(
             f"scheduler {scheduler}: does not answer; start one with: dask scheduler, and give "
             "the address that it prints, such as tcp://127.0.0.1:8786"
         ) from None
-    stack.callback(client.close, timeout=2)
+    stack.callback(_close, client)
     return client
+
+
+def _close(client: Any) -> None:
+    with suppress(OSError):  # of a scheduler that is gone
+        client.close(timeout=_PATIENCE)
 
 
 @contextmanager
@@ -108,7 +120,7 @@ def _silence() -> Iterator[None]:
             logger.setLevel(level)
 
 
-def _ask(name: str) -> None:
+async def _ask(name: str) -> None:
     _stopping.add(name)
 
 

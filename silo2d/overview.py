@@ -60,7 +60,7 @@ def summary(loaded: SiloStudy, folder: Path, rows: Rows) -> dict[str, Any]:
         groups.setdefault(_key(loaded.columns, row), []).append(row)
     states = Counter(row["state"] for row in rows)
     failures = [f"{_labels(loaded, row)}: {row['reason']}" for row in _of(rows, "failed")]
-    reasons = [row["reason"] for row in _of(rows, "interrupted")]
+    lost = (r["reason"] for r in _of(rows, "interrupted") if r["reason"].endswith("went away"))
     return {
         "study": loaded.study.name,
         "folder": str(folder),
@@ -70,7 +70,7 @@ def summary(loaded: SiloStudy, folder: Path, rows: Rows) -> dict[str, Any]:
         "reused": sum(row.get("reused", False) for row in rows),
         "failed": states["failed"],
         "interrupted": states["interrupted"],
-        "why_interrupted": "stopped" if "not started" in reasons or not reasons else reasons[0],
+        "why_interrupted": next(lost, "stopped"),
         "failures": failures,
         "combinations": [
             {**dict(zip(loaded.columns, key, strict=True)), **_means(group)}

@@ -1,6 +1,7 @@
 """Many cases on many cores: each packing filled once, each run in its own folder, one row each."""
 
 import dataclasses
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -115,12 +116,13 @@ def _tasks(cases: list[SiloCase], out: Path) -> tuple[list[_Task], dict[int, int
     The dictionary gives the index of the filling by the index of the run that needs it.
     """
     names = [packing_digest(case, case.settings.run.seed) for case in cases]
+    times = Counter(names)
     tasks: list[_Task] = []
     needs: dict[int, int] = {}
     fillings: dict[str, int] = {}
     for name, case in zip(names, cases, strict=True):
         is_there = (out / "packings" / name / "packing.h5").exists()
-        if names.count(name) > 1 and not is_there:
+        if times[name] > 1 and not is_there:
             if name not in fillings:
                 fillings[name] = len(tasks)
                 tasks.append(_Task(case, out, fill_only=True))

@@ -1,6 +1,8 @@
 """Runs of the small silo that several test files look at; the kernels are compiled here once."""
 
+import logging
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -35,3 +37,15 @@ def finished(_finished_root, tmp_path) -> Path:
     """A copy, to be damaged, of the folder with the finished run of the small silo."""
     shutil.copytree(_finished_root / "runs", tmp_path / "finished")
     return tmp_path / "finished"
+
+
+@pytest.fixture(scope="session")
+def cluster() -> Iterator[str]:
+    """A scheduler and two workers as threads of this process; the address."""
+    from distributed import LocalCluster
+
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None,
+        protocol="tcp://", host="127.0.0.1", silence_logs=logging.CRITICAL,
+    ) as local:  # fmt: skip
+        yield local.scheduler_address

@@ -56,3 +56,13 @@ def logged(task: tuple[Path, str], stop: Stop) -> None:
     file, word = task
     with file.open("a") as log:
         log.write(f"{word} ")
+
+
+def either(task: int | tuple[Path, float], stop: Stop) -> int | str:
+    """A number is squared, another task is a patient one."""
+    return square(task, stop) if isinstance(task, int) else patient(task, stop)
+
+
+def deaf(task: tuple[Path, float], stop: Stop) -> str:
+    """A patient task that never asks whether it is to stop."""
+    return patient(task, lambda: False)

@@ -128,18 +128,20 @@ PROGRAM = """
 import sys
 from pathlib import Path
 sys.path.insert(0, "tests")
-from fake_tasks import patient
+import fake_tasks
 from campaign.engine import run_tasks
 if __name__ == "__main__":
-    run_tasks(patient, [(Path(sys.argv[1]) / name, 60.0) for name in "ab"], workers=2)
+    tasks = [(Path(sys.argv[1]) / name, 60.0) for name in "ab"]
+    run_tasks(getattr(fake_tasks, sys.argv[2]), tasks, workers=2)
 """
 
 
 @pytest.fixture
-def sweep(tmp_path):
+def sweep(tmp_path, request):
     """A process of its own that runs two patient tasks, and the process numbers of its workers."""
+    task = getattr(request, "param", "patient")
     process = subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, str(tmp_path)],
+        [sys.executable, "-c", PROGRAM, str(tmp_path), task],
         stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
     files = [tmp_path / name for name in "ab"]
@@ -165,6 +167,18 @@ def test_ctrl_c_at_a_terminal_reaches_all_processes_and_only_the_sweep_heeds_it(
     assert process.wait(20) == 0
     assert process.stderr.read() == ""
     assert len(list(tmp_path.glob("*.kept"))) == 2
+    assert not any(map(is_alive, workers))
+
+
+@pytest.mark.parametrize("sweep", ["deaf"], indirect=True)
+def test_a_second_ctrl_c_ends_everything_at_once(sweep):
+    """Also tasks that do not listen."""
+    process, workers = sweep
+    process.send_signal(signal.SIGINT)
+    time.sleep(0.5)
+    assert all(map(is_alive, workers))
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == -signal.SIGINT  # KeyboardInterrupt, which nobody catches here
     assert not any(map(is_alive, workers))
 
 
