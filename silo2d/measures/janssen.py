@@ -82,18 +82,25 @@ class Column:
 
     @property
     def stress_ratio(self) -> float:
-        """K: wall pressure over vertical stress."""
-        return float(self.pressure.sum() / self.vertical.sum())
+        """K: wall pressure over vertical stress; 0 where nothing is stressed."""
+        return _over(self.pressure.sum(), self.vertical.sum())
 
     @property
     def friction(self) -> float:
-        """mu_m, mobilised at the walls: shear over pressure, positive where they bear weight."""
-        return float(self.shear.sum() / self.pressure.sum())
+        """mu_m, mobilised at the walls: shear over pressure, positive where they bear weight.
+
+        0 where nothing presses the walls.
+        """
+        return _over(self.shear.sum(), self.pressure.sum())
 
     def janssen(self) -> Floats:
         """The law at the same depths (b,) [N/m]."""
         depth = self.weight / self.density
         return janssen_stress(depth, self.density, self.friction * self.stress_ratio, self.width)
+
+
+def _over(part: float, whole: float) -> float:
+    return float(part / whole) if whole else 0.0
 
 
 def janssen_stress(depth: Floats, density: float, friction_times_ratio: float, width: float):
@@ -243,7 +250,7 @@ def _numbers(found: Column, n_moments: int) -> dict[str, Any]:
         float(found.vertical[-1]),
         float(law[-1]),
         float(found.weight[-1]),
-        float(np.sqrt(((found.vertical - law) ** 2).mean() / (law**2).mean())),
+        float(np.sqrt(((found.vertical - law) ** 2).sum() / (law**2).sum())) if law.any() else None,
     )
     return dict(zip(_KEYS, values, strict=True))
 
