@@ -15,6 +15,7 @@ from silo2d.measures import janssen
 from silo2d.measures.coarse import Grid, along_branches, grid_round
 from silo2d.measures.contacts import read_moments
 from silo2d.measures.stress import contact_stress, kinetic_stress, moving, stress_of, virial
+from silo2d.measures.tractions import tractions
 from silo2d.outline import hopper
 
 BLOCK = scenes.block(20e-3, 10e-3)
@@ -243,7 +244,7 @@ def test_tractions_add_up_to_the_forces_on_the_walls(flow):
     scene, walls = flow.scene, flow.scene.walls
     total = np.zeros((len(walls) + 1, 2))
     np.add.at(total, flow.bodies[flow.at_wall, 1] - scene.n_grains, flow.force[flow.at_wall])
-    for k, found in enumerate(janssen.tractions([flow])):
+    for k, found in enumerate(tractions([flow])):
         along = (walls[k, 1] - walls[k, 0]) / np.hypot(*(walls[k, 1] - walls[k, 0]))
         out = np.array([along[1], -along[0]])
         assert found.normal.sum() * found.length == pytest.approx(total[k] @ out, abs=1e-9)
