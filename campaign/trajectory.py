@@ -178,8 +178,8 @@ def read_tables(folder: str | Path, name: str) -> Tables:
     tables = _from_run(Path(folder), _read_tables)
     if name not in tables:
         raise FolderError(
-            f"{folder}: holds no {name}; it was made by an earlier version, compute it anew "
-            "with --again"
+            f"{folder}: holds no {name}, as an earlier version or an engine without them made it; "
+            "--again computes a run anew"
         )
     return tables[name]
 
