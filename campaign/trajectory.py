@@ -4,28 +4,23 @@
 
 Every file appears whole or not at all, and parts go only after trajectory.h5 stands, so a run
 killed at any moment can be read. A frame may bring tables of any length (contacts); they stand in
-the same files and share their fate. HDF5 files are made in memory and then written as bytes: HDF5
-that meets a full disk itself ends the process.
+the same files and share their fate.
 """
 
-import io
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-import h5py
 import numpy as np
 
 from campaign import tables as ragged
-from campaign.folder import SCHEMA, FolderError, write_atomic, writing
+from campaign.folder import FolderError, writing
+from campaign.h5file import opened, save
 from campaign.tables import Columns, Tables, joined, laid_end_to_end
 
 T = TypeVar("T")
-
-_CHUNK_BYTES = 2**19  # half the chunk cache of HDF5: a chunk is compressed once
 
 
 @dataclass(frozen=True)
@@ -125,7 +120,7 @@ class TrajectoryWriter:
                 name: laid_end_to_end(list(taken), list(taken.values()))
                 for name, taken in self._pending_tables.items()
             }
-            _save(_part(self._folder, self._n_parts), frames=frames, tables=tables)
+            save(_part(self._folder, self._n_parts), frames=frames, tables=tables)
             self._n_frames += len(self._pending)
             self._pending.clear()
             self._pending_tables.clear()
@@ -134,14 +129,14 @@ class TrajectoryWriter:
 
     def write_static(self, static: Mapping[str, Any], attributes: Mapping[str, Any]) -> None:
         """Keep what does not change, so that an unfinished run can be drawn too."""
-        _save(self._folder / "static.h5", static=static, attributes=attributes)
+        save(self._folder / "static.h5", static=static, attributes=attributes)
 
     def finish(self, static: Mapping[str, Any], attributes: Mapping[str, Any]) -> Path:
         """Merge all parts into trajectory.h5 and remove them; the path of the file."""
         self.flush()
         self.write_static(static, attributes)
         whole = _read_parts(self._folder)
-        _save(
+        save(
             self._merged,
             frames=whole.frames,
             static=whole.static,
@@ -162,7 +157,7 @@ class TrajectoryWriter:
             end = start + n_frames
             frames = {key: whole[key][start:end] for key in whole}
             pieces = {name: table.of_frames(start, end) for name, table in tables.items()}
-            _save(_part(self._folder, k), frames=frames, tables=pieces)
+            save(_part(self._folder, k), frames=frames, tables=pieces)
             start = end
         self._merged.unlink()
 
@@ -183,8 +178,8 @@ def read_tables(folder: str | Path, name: str) -> Tables:
     tables = _from_run(Path(folder), _read_tables)
     if name not in tables:
         raise FolderError(
-            f"{folder}: holds no {name}; it was made by an earlier version, compute it anew "
-            "with --again"
+            f"{folder}: holds no {name}, as an earlier version or an engine without them made it; "
+            "--again computes a run anew"
         )
     return tables[name]
 
@@ -232,7 +227,7 @@ def _read(paths: Iterable[Path]) -> Trajectory:
     pieces: dict[str, list[np.ndarray]] = {}
     whole = Trajectory({}, {}, {}, [])
     for path in paths:
-        with _opened(path) as file:
+        with opened(path) as file:
             attributes = dict(file.attrs)
             del attributes["schema"]
             whole.part_frames.extend(map(int, attributes.pop("part_frames")))
@@ -247,73 +242,10 @@ def _read(paths: Iterable[Path]) -> Trajectory:
 def _read_tables(paths: Iterable[Path]) -> dict[str, Tables]:
     pieces: dict[str, list[Tables]] = {}
     for path in paths:
-        with _opened(path) as file:
+        with opened(path) as file:
             for name, group in file.get("tables", {}).items():
                 pieces.setdefault(name, []).append(ragged.read(group))
     return {name: joined(found) for name, found in pieces.items()}
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[h5py.File]:
-    """An HDF5 file of this schema, to be read; FolderError where it is damaged or another's."""
-    try:
-        with h5py.File(path) as file:
-            _check_schema(path, file.attrs["schema"])
-            yield file
-    except (FileNotFoundError, FolderError):
-        raise
-    except Exception as error:  # HDF5 raises many kinds for a damaged file
-        raise FolderError(
-            f"{path}: damaged or no trajectory; use --again to compute the run anew"
-        ) from error
-
-
-def _check_schema(path: Path, schema: int) -> None:
-    if schema != SCHEMA:
-        raise FolderError(
-            f"{path}: schema {schema} of another version (this one reads {SCHEMA}); "
-            "use --again to compute the run anew"
-        )
-
-
-def _save(
-    path: Path,
-    *,
-    frames: Mapping[str, np.ndarray] | None = None,
-    static: Mapping[str, Any] | None = None,
-    attributes: Mapping[str, Any] | None = None,
-    part_frames: list[int] | None = None,
-    tables: Mapping[str, Tables] | None = None,
-) -> None:
-    """Write one file; `part_frames` is given for the whole trajectory, which is compressed."""
-    image = io.BytesIO()
-    with h5py.File(image, "w") as file:
-        file.attrs.update(attributes or {})
-        moving, constant = file.create_group("frames"), file.create_group("static")
-        storage = _compressed if part_frames else _plain
-        for key, array in (frames or {}).items():
-            moving.create_dataset(key, data=array, **storage(array))
-        for name, table in (tables or {}).items():
-            ragged.write(file.create_group(f"tables/{name}"), table, storage)
-        for key, value in (static or {}).items():
-            constant.create_dataset(key, data=value)
-        n_frames = [len(array) for array in (frames or {}).values()][:1]
-        file.attrs["part_frames"] = np.array(part_frames or n_frames, dtype=np.int64)
-        file.attrs["schema"] = SCHEMA
-    write_atomic(path, image.getvalue())
-
-
-def _plain(array: np.ndarray) -> dict[str, Any]:
-    return {}
-
-
-def _compressed(array: np.ndarray) -> dict[str, Any]:
-    """Storage of whole frames per chunk, since both films and time series read whole frames."""
-    if array.size == 0:  # HDF5 has no chunks of nothing
-        return {}
-    frame_bytes = array[0].nbytes
-    n_frames = min(max(_CHUNK_BYTES // frame_bytes, 1), len(array))
-    return {"chunks": (n_frames, *array.shape[1:]), "compression": "gzip", "shuffle": True}
 
 
 def _layout(frame: Mapping[str, Any]) -> dict[str, str]:

@@ -88,3 +88,22 @@ def block_creeping_down(angle, mu, g, gamma_t, contacts, t):
 def bounce_height(h0, r, e, k):
     """Centre height [m] after bounce k of a stiff ball dropped from h0 (MFiX DEM02)."""
     return (h0 - r) * e ** (2 * k) + r
+
+
+def janssen(z, rho_g, mu, K, width):
+    """Vertical stress [N/m] at depth z between two walls `width` apart: a slice of thickness dz
+    weighs rho_g width dz, is pressed by K sigma from each wall and held by mu times that, so
+    d sigma/dz = rho_g - (2 mu K/width) sigma, sigma(0) = 0 (Janssen 1895, in the plane)."""
+    if mu * K == 0:
+        return rho_g * z
+    length = width / (2 * mu * K)
+    return rho_g * length * (1 - np.exp(-z / length))
+
+
+def gaussian_on_segment(dx, dy, bx, by, w):
+    """int_0^1 phi(d - s b) ds, phi the Gaussian of the plane of width w: along b a difference of
+    error functions, across it a Gaussian of the line."""
+    length = math.hypot(bx, by)
+    along, across = (dx * bx + dy * by) / length, (dx * by - dy * bx) / length
+    part = math.erf(along / (w * math.sqrt(2))) - math.erf((along - length) / (w * math.sqrt(2)))
+    return math.exp(-0.5 * (across / w) ** 2) / (math.sqrt(2 * math.pi) * w) * part / (2 * length)

@@ -13,6 +13,8 @@ from silo2d.scene import Scene, read_scene
 
 Floats = NDArray[np.float64]
 GRAVITY = 9.81  # [m/s2]
+STATES = "before_opening", "flow", "end"
+FEWEST_OUT = 20  # grains that leave, for a mean over the flow
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,13 +115,38 @@ def flowing(scene: Scene, share: tuple[float, float] = (0.1, 0.5)) -> tuple[floa
     """From when to when [s] these parts of the grains that leave had left.
 
     The first tenth starts the flow; after the half the silo is rather empty. Raises FolderError
-    where fewer than twenty grains left.
+    where fewer than FEWEST_OUT grains left.
     """
     times = scene.trajectory["out_time"][-1]
     times = np.sort(times[~np.isnan(times)])
-    if len(times) < 20:
+    if len(times) < FEWEST_OUT:
         raise FolderError(
             f"{len(times)} grains left: too few for a mean over the flow; take a run that flows"
         )
     first, last = (times[int(part * len(times))] for part in share)
     return float(first), float(last)
+
+
+def states(moments: list[Moment]) -> dict[str, list[Moment]]:
+    """The moments of each state that a run has: "before_opening", "flow" and "end".
+
+    There is a flow where twenty grains left, and an end worth a look where the run clogged.
+    """
+    scene = moments[0].scene
+    found = {"before_opening": moments[:1]}
+    if scene.trajectory["n_out"][-1] >= FEWEST_OUT:
+        first, last = flowing(scene)
+        found["flow"] = [m for m in moments if first <= m.time <= last] or moments[1:2]
+    if scene.summary.get("outcome") in ("clogged", "clogged_at_opening"):
+        found["end"] = moments[-1:]
+    return found
+
+
+def in_words(name: str, moments: list[Moment]) -> str:
+    """A title for the moments of a state."""
+    if name == "before_opening":
+        return "just before the opening"
+    if name == "end":
+        return f"clogged, {moments[0].time:.2f} s"
+    span = f"{moments[0].time:.2f} to {moments[-1].time:.2f} s"
+    return f"flow, mean of {len(moments)} moments, {span}"

@@ -26,37 +26,19 @@ import numpy as np
 
 from contact.quantity import InputError
 from silo2d.measures.coarse import Floats
-from silo2d.measures.contacts import GRAVITY, Moment, read_moments
+from silo2d.measures.contacts import GRAVITY, STATES, Moment, in_words, read_moments, states
 from silo2d.measures.silo import outwards, sides, typical_size
-from silo2d.measures.stress import branches, flow_moments
+from silo2d.measures.stress import branches
+from silo2d.measures.tractions import STRETCH, Tractions, tractions
 from silo2d.scene import BLUE, GREY, INK, VERMILION, Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_BIN = 2.5  # typical grain sizes that a stretch of wall is long, at least
 _TRACTIONS = {"normal": "pressure on the walls", "shear": "traction down the walls"}
 _FRICTIONLESS = 1e-3  # mobilised friction: below it the walls bear next to nothing
 _VERTICAL = 1e-6  # run over length of a wall that counts as vertical, at most
-
-
-@dataclass(frozen=True, eq=False)
-class Tractions:
-    """What grains do to one wall, by stretches of even length; means over moments.
-
-    name       of the wall
-    height     of the middles of its stretches (b,) [m]
-    normal     pressure outwards (b,) [N/m]
-    shear      traction down the wall (b,) [N/m]
-    length     of a stretch [m]
-    """
-
-    name: str
-    height: Floats
-    normal: Floats
-    shear: Floats
-    length: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,18 +64,25 @@ class Column:
 
     @property
     def stress_ratio(self) -> float:
-        """K: wall pressure over vertical stress."""
-        return float(self.pressure.sum() / self.vertical.sum())
+        """K: wall pressure over vertical stress; 0 where nothing is stressed."""
+        return _over(self.pressure.sum(), self.vertical.sum())
 
     @property
     def friction(self) -> float:
-        """mu_m, mobilised at the walls: shear over pressure, positive where they bear weight."""
-        return float(self.shear.sum() / self.pressure.sum())
+        """mu_m, mobilised at the walls: shear over pressure, positive where they bear weight.
+
+        0 where nothing presses the walls.
+        """
+        return _over(self.shear.sum(), self.pressure.sum())
 
     def janssen(self) -> Floats:
         """The law at the same depths (b,) [N/m]."""
         depth = self.weight / self.density
         return janssen_stress(depth, self.density, self.friction * self.stress_ratio, self.width)
+
+
+def _over(part: float, whole: float) -> float:
+    return float(part / whole) if whole else 0.0
 
 
 def janssen_stress(depth: Floats, density: float, friction_times_ratio: float, width: float):
@@ -107,37 +96,6 @@ def janssen_stress(depth: Floats, density: float, friction_times_ratio: float, w
     return -density * length * np.expm1(-depth / length)
 
 
-def tractions(moments: list[Moment]) -> list[Tractions]:
-    """Means over moments of what grains do to each wall but the door."""
-    scene = moments[0].scene
-    segments = scene.walls
-    stretch = _BIN * typical_size(scene)
-    found = []
-    for k, (start, end) in enumerate(segments):
-        length = float(np.hypot(*(end - start)))
-        n = max(int(length / stretch), 1)
-        out, down = outwards(segments)[k], _down(scene, start, end)
-        sums = np.zeros((2, n))
-        for moment in moments:
-            here = moment.bodies[:, 1] == scene.n_grains + k
-            along = (moment.point[here] - start) @ (end - start) / length**2
-            which = np.clip((along * n).astype(int), 0, n - 1)
-            for row, direction in enumerate((out, down)):
-                np.add.at(sums[row], which, moment.force[here] @ direction)
-        middles = start[1] + (np.arange(n) + 0.5) / n * (end[1] - start[1])
-        normal, shear = sums / len(moments) / (length / n)
-        found.append(Tractions(scene.wall_names[k], middles, normal, shear, length / n))
-    return found
-
-
-def _down(scene: Scene, start: Floats, end: Floats) -> Floats:
-    """Unit vector down a wall; on a level floor towards the outlet."""
-    along = (end - start) / np.hypot(*(end - start))
-    (left, _), (right, _) = scene.trajectory.attributes["lips"]
-    falls = -along[1] or along[0] * np.sign((left + right) / 2 - start[0])
-    return along if falls > 0 else -along
-
-
 def column(moments: list[Moment]) -> Column:
     """The part between the topmost vertical walls, below the highest grain of the first frame.
 
@@ -148,7 +106,7 @@ def column(moments: list[Moment]) -> Column:
     segments = scene.walls[walls]
     low, width = segments[:, :, 1].min(axis=1).max(), float(np.ptp(segments[:, :, 0]))
     top = float(scene.trajectory["y"][0][scene.trajectory["inside"][0]].max())
-    n = max(int((top - low) / (_BIN * typical_size(scene))), 1)
+    n = max(int((top - low) / (STRETCH * typical_size(scene))), 1)
     levels = np.linspace(top, low, n + 1)
     slabs = np.column_stack([levels[1:], levels[:-1]])
     means = np.mean([_slabs(m, slabs, width, walls) for m in moments], axis=0)
@@ -199,7 +157,7 @@ def _slabs(moment: Moment, slabs: Floats, width: float, walls: list[int]) -> Flo
 
 
 def measure(folder: Path) -> dict[str, Any]:
-    """Numbers and profiles before the opening, and of the mean over the flow.
+    """Numbers and profiles before the opening, in the mean flow, and at the end.
 
     ..._stress_ratio            K; ..._wall_friction mu_m, both as they fall out
     ..._janssen_length_m        lambda; None where mu_m is below 0.001
@@ -208,16 +166,15 @@ def measure(folder: Path) -> dict[str, Any]:
     ..._rms_over_janssen        rms of stress less law over the slabs, over the law's rms
     profiles                    the column and the tractions on each wall, see Column and Tractions
 
-    The flow's keys are None for a run of which fewer than twenty grains left. Raises InputError
+    Keys begin with before_opening, flow or end; those of a flow are None for a run of which
+    fewer than twenty grains left, those of the end for one that did not clog. Raises InputError
     for a silo without vertical walls.
     """
     moments = read_moments(folder)
-    chosen = {"before_opening": moments[:1]}
-    if moments[0].scene.trajectory["n_out"][-1] >= 20:
-        chosen["flow"] = flow_moments(moments)
+    chosen = states(moments)
     numbers: dict[str, Any] = {}
     profiles: dict[str, Any] = {}
-    for name in ("before_opening", "flow"):
+    for name in STATES:
         of = dict.fromkeys(_KEYS)
         if name in chosen:
             found = column(chosen[name])
@@ -243,7 +200,7 @@ def _numbers(found: Column, n_moments: int) -> dict[str, Any]:
         float(found.vertical[-1]),
         float(law[-1]),
         float(found.weight[-1]),
-        float(np.sqrt(((found.vertical - law) ** 2).mean() / (law**2).mean())),
+        float(np.sqrt(((found.vertical - law) ** 2).sum() / (law**2).sum())) if law.any() else None,
     )
     return dict(zip(_KEYS, values, strict=True))
 
@@ -254,16 +211,12 @@ def _as_lists(profile: Column | Tractions) -> dict[str, Any]:
 
 
 def draw(folder: Path) -> "Figure":
-    """Vertical stress with the law, and tractions on the walls, before the opening and in flow."""
+    """Vertical stress with the law, and tractions on the walls, in each state of the run."""
     from matplotlib.figure import Figure
 
     moments = read_moments(folder)
     scene = moments[0].scene
-    rows = {"just before the opening": moments[:1]}
-    if scene.trajectory["n_out"][-1] >= 20:
-        flow = flow_moments(moments)
-        rows[f"flow, mean of {len(flow)} moments from {flow[0].time:.2f} to "
-             f"{flow[-1].time:.2f} s"] = flow  # fmt: skip
+    rows = {in_words(name, chosen): chosen for name, chosen in states(moments).items()}
     figure = Figure(figsize=(11, 4.6 * len(rows)), layout="constrained")
     figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
     for axes, (words, chosen) in zip(

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from silo2d.measures.coarse import Grid, along_branches, grid_round
-from silo2d.measures.contacts import Moment, flowing, read_moments
+from silo2d.measures.contacts import STATES, Moment, in_words, read_moments, states
 from silo2d.measures.maps import draw_map
 from silo2d.measures.silo import inside_mask, inside_polygon, typical_size
 from silo2d.scene import INK, Scene
@@ -133,14 +133,8 @@ def stress_of(moments: list[Moment], width: float | None = None) -> StressField:
     return StressField(grid, contact, kinetic, len(moments))
 
 
-def flow_moments(moments: list[Moment]) -> list[Moment]:
-    """Those while a tenth to a half of the leavers were out; FolderError where there are none."""
-    first, last = flowing(moments[0].scene)
-    return [m for m in moments if first <= m.time <= last] or moments[1:2]
-
-
 def measure(folder: Path) -> dict[str, Any]:
-    """Numbers and fields of the stress before the opening, and of its mean over the flow.
+    """Numbers and fields of the stress before the opening, in the mean flow, and at the end.
 
     ..._virial_n_m               integral of the contact stress over the plane [[xx, xy], [yx, yy]]
     ..._max_pressure_n_per_m     largest mean of the principal stresses
@@ -148,14 +142,13 @@ def measure(folder: Path) -> dict[str, Any]:
     ..._anisotropy               mean of (s1 - s2)/(s1 + s2), weighted by the pressure
     fields                       x_m, y_m, and the total stress xx, xy, yx, yy (j, i) [N/m]
 
-    The flow's keys are None for a run that did not flow.
+    Keys begin with before_opening, flow or end; those of a flow are None for a run of which
+    fewer than twenty grains left, those of the end for one that did not clog.
     """
     moments = read_moments(folder)
-    fields = {"before_opening": stress_of(moments[:1])}
+    fields = {name: stress_of(chosen) for name, chosen in states(moments).items()}
     numbers: dict[str, Any] = {"width_m": typical_size(moments[0].scene)}
-    if moments[0].scene.trajectory["n_out"][-1] >= 20:
-        fields["flow"] = stress_of(flow_moments(moments))
-    for name in ("before_opening", "flow"):
+    for name in STATES:
         of = _numbers(fields[name]) if name in fields else dict.fromkeys(_KEYS)
         numbers |= {f"{name}_{key}": value for key, value in of.items()}
     return {**numbers, "fields": {name: _as_lists(field) for name, field in fields.items()}}
@@ -184,18 +177,12 @@ def _as_lists(field: StressField) -> dict[str, Any]:
 
 
 def draw(folder: Path) -> "Figure":
-    """Pressure as colour, principal directions as crosses, before the opening and in the flow."""
+    """Pressure as colour, principal directions as crosses, in each state of the run."""
     from matplotlib.figure import Figure
 
     moments = read_moments(folder)
     scene = moments[0].scene
-    panels = {"just before the opening": stress_of(moments[:1])}
-    if scene.trajectory["n_out"][-1] >= 20:
-        chosen = flow_moments(moments)
-        words = (
-            f"flow, mean of {len(chosen)} moments\n{chosen[0].time:.2f} to {chosen[-1].time:.2f} s"
-        )
-        panels[words] = stress_of(chosen)
+    panels = {in_words(k, chosen): stress_of(chosen) for k, chosen in states(moments).items()}
     figure = Figure(figsize=(5.3 * len(panels), 6.6), layout="constrained")
     figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
     grid = figure.subplots(1, len(panels), squeeze=False)[0]
