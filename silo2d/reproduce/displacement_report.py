@@ -162,7 +162,7 @@ def sheet(rows: Sequence[Row]) -> "Figure":
 
     silos = _by(done(rows), "silo")
     times = sorted({row["time_s"] for row in done(rows)})
-    figure = Figure(figsize=(1.75 * max(len(times), 1) + 0.4, 3.3 * max(len(silos), 1)),
+    figure = Figure(figsize=(1.4 * max(len(times), 1) + 0.3, 2.6 * max(len(silos), 1)),
                     layout="constrained")  # fmt: skip
     panels = figure.subplots(max(len(silos), 1), max(len(times), 1), squeeze=False)
     for panel in panels.flat:
