@@ -124,3 +124,19 @@ def test_row_of_a_run(reference):
     wide = beverloo.row_of({**one, "silo": "wide"}, case)
     share = wide["rate_per_s"] * (wide["until_s"] - wide["from_s"]) / one["n_particles"]
     assert share == pytest.approx(0.2, abs=2 / one["n_particles"])
+
+
+def test_every_run_is_asked_for_and_none_needs_to_come(monkeypatch, tmp_path):
+    """The cases that the sweep is asked for; rows, report and picture where it did none of them."""
+    sweep = pytest.importorskip("silo2d.sweep")
+    asked = []
+
+    def run_cases(cases, **options):
+        asked.extend(cases)
+        return [{**labels, "state": "interrupted", "reason": "Ctrl-C"} for labels, _ in cases]
+
+    monkeypatch.setattr(sweep, "run_cases", run_cases)
+    rows = beverloo.run(out=tmp_path, seeds=[1], workers=1, quiet=True)
+    assert len(rows) == len(asked) == 2 * len(beverloo.OUTLETS) + len(beverloo.WIDE)
+    assert "interrupted: wide 28 mm, seed 1: Ctrl-C" in beverloo.report(rows)
+    assert write_figure(tmp_path / "b.png", lambda: beverloo.draw(rows)).exists()
