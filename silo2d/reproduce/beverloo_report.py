@@ -20,7 +20,7 @@ _NAMES = {"A": "silo A, 60 deg", "D": "silo D, flat", "wide": "wide silo, 5 mm g
 _NOTE = """\
 W = rho_b sqrt(g) C (D - k d)^1.5 (Beverloo 1961, for a slot); W is the mass flow of the steady part
 of the discharge, +- its standard error; d is the diameter of the disc of the mean area, rho_b the
-surface density of the packing; intervals of 95 % from a bootstrap over the runs.
+surface density of the packing; intervals of 95 % from a bootstrap about the fit.
 Silos A and D are OUTSIDE the law's range (300 mm wide, 6 to 13 grains an outlet, no long steady
 flow, A no flat floor): there the law is a way to interpolate, and C and k mean little. In the wide
 silo (210 mm, 5 to 10 grains an outlet, rate between 10 and 30 % out) it should hold."""
@@ -97,7 +97,7 @@ def _constants(fit: Fit | None) -> str:
     return (
         f"C = {fit.c:.2f} [{low:.2f}, {high:.2f}], k = {fit.k:.2f} [{least:.2f}, {most:.2f}]; "
         f"d = {1e3 * fit.size:.1f} mm, rho_b = {fit.density:.1f} kg/m2; "
-        f"rates off the law by {100 * fit.residual:.1f} % (rms)"
+        f"rates scatter about it by {100 * fit.scatter:.1f} % (rms)"
     )
 
 
