@@ -111,6 +111,11 @@ def sheet(rows: Sequence[Row]) -> "Figure":
     for silo, fit in found.items():
         axes = wide if silo == "wide" else narrow
         _draw(axes, silo, [row for row in known(rows) if row["silo"] == silo], fit)
+        clogged = [r["outlet_mm"] for r in rows
+                   if r["silo"] == silo and "clogged" in str(r["outcome"])]  # fmt: skip
+        if clogged:
+            axes.plot(clogged, [0] * len(clogged), "x", color=_COLOURS[silo], clip_on=False,
+                      label=f"silo {silo}, clogged")  # fmt: skip
     narrow.set_title("paper's silos, outlets added: outside the law's range", fontsize=9,
                      loc="left")  # fmt: skip
     wide.set_title("wide silo of small grains: within it", fontsize=9, loc="left")
