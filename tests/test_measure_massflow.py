@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from moved_run import falling, write_moved_run
 
 from silo2d.measures import find, massflow
@@ -92,6 +94,32 @@ def test_the_error_is_that_of_the_parts_of_the_window():
     index, error = massflow.index_and_error(wall, centre)
     np.testing.assert_allclose(index, [3.0, np.nan, 1.0])
     np.testing.assert_allclose(error, [np.sqrt(0.5), np.nan, np.nan])
+
+
+@pytest.fixture(scope="module")
+def steep(tmp_path_factory):
+    """A scene of the steep hopper."""
+    folder = tmp_path_factory.mktemp("steep")
+    write_moved_run(folder, lambda s, t: falling(s, t, 0.0), silo=STEEP, n_frames=2, spacing=0.03)
+    return read_scene(folder)
+
+
+@given(st.floats(-0.2, 0.2), st.floats(-0.05, 0.6))
+def test_nearest_wall_is_shapely_s(steep, x, y):
+    """Oracle: shapely's distance to each wall; the direction is a unit vector down along it."""
+    from shapely import LineString, Point
+
+    distance, along = massflow.nearest_wall(steep, np.array([x]), np.array([y]))
+    lengths = [LineString(wall).distance(Point(x, y)) for wall in steep.walls]
+    assert distance[0] == pytest.approx(min(lengths), abs=1e-12)
+    assert along[0, 1] < 0
+    assert np.hypot(*along[0]) == pytest.approx(1.0)
+    nearest = [
+        np.cross(np.append(wall[1] - wall[0], 0), np.append(along[0], 0))[2]
+        for wall, length in zip(steep.walls, lengths, strict=True)
+        if length < min(lengths) + 1e-12
+    ]
+    assert min(map(abs, nearest)) < 1e-12  # parallel to one of the nearest: ties at a corner
 
 
 def test_massflow_of_a_run_is_json_and_a_picture(reference, tmp_path):

@@ -23,32 +23,32 @@ def test_law_of_one_outlet_by_hand():
 def test_fit_gives_back_the_constants_of_exact_data():
     """No noise: C and k come back, and the band has no width, to the search's tolerance."""
     rates = law(OUTLETS, C, K, DENSITY, SIZE)
-    fit = fit_law(OUTLETS, rates, DENSITY, SIZE, 0.02 * rates)
+    fit = fit_law(OUTLETS, rates, DENSITY, SIZE, 1e-6 * rates)
     assert (fit.c, fit.k) == pytest.approx((C, K), rel=1e-4)
     low, high = fit.band(np.array([0.04]))
     assert high[0] - low[0] < 1e-4 * fit.rate(0.04)
-    assert fit.residual < 1e-4
+    assert fit.scatter < 1e-4
 
 
 def test_intervals_hold_the_constants_as_often_as_they_say():
     """Noise of 3 %: of 50 made studies, 95 % hold each constant in their interval.
 
-    A bootstrap of 18 runs is known to be too narrow, by about a tenth; 85 % and more is asked for,
-    which 50 draws of 92 % fail with a probability of 3 % for each constant, and the seed is fixed.
+    Of 50 draws of 95 %, 44 and more are there with a probability of 97 %; the seed is fixed. The
+    errors that the runs state are half of what they scatter by: the scatter must be noticed.
     """
     rng = np.random.default_rng(11)
     exact = law(OUTLETS, C, K, DENSITY, SIZE)
     held = np.zeros((50, 3), dtype=bool)
     for study in range(50):
         rates = exact * (1 + 0.03 * rng.standard_normal(len(exact)))
-        fit = fit_law(OUTLETS, rates, DENSITY, SIZE, 0.03 * exact, draws=100)
+        fit = fit_law(OUTLETS, rates, DENSITY, SIZE, 0.015 * exact, draws=100)
         low, high = fit.band(np.array([0.045]))
         held[study] = (
             fit.c_interval[0] <= C <= fit.c_interval[1],
             fit.k_interval[0] <= K <= fit.k_interval[1],
             low[0] <= law(0.045, C, K, DENSITY, SIZE) <= high[0],
         )
-    assert (held.mean(axis=0) >= 0.85).all()
+    assert (held.mean(axis=0) >= 0.88).all()
     assert not held.all()  # nor are the intervals so wide that they always hold
 
 
@@ -120,7 +120,23 @@ def test_row_of_a_run(reference):
     assert row["rate_kg_per_s"] == pytest.approx(one["mean_mass_flow_kg_per_s"], rel=0.3)
     assert row["bulk_density_kg_per_m2"] == pytest.approx(54 * one["packing_fraction"])
     assert beverloo.row_of({**one, "outcome": "clogged"}, case)["rate_kg_per_s"] is None
-    # Of the wide silo the part from 10 to 40 % out counts.
+    # Of the wide silo the part from 10 to 30 % out counts.
     wide = beverloo.row_of({**one, "silo": "wide"}, case)
     share = wide["rate_per_s"] * (wide["until_s"] - wide["from_s"]) / one["n_particles"]
-    assert share == pytest.approx(0.3, abs=2 / one["n_particles"])
+    assert share == pytest.approx(0.2, abs=2 / one["n_particles"])
+
+
+def test_every_run_is_asked_for_and_none_needs_to_come(monkeypatch, tmp_path):
+    """The cases that the sweep is asked for; rows, report and picture where it did none of them."""
+    sweep = pytest.importorskip("silo2d.sweep")
+    asked = []
+
+    def run_cases(cases, **options):
+        asked.extend(cases)
+        return [{**labels, "state": "interrupted", "reason": "Ctrl-C"} for labels, _ in cases]
+
+    monkeypatch.setattr(sweep, "run_cases", run_cases)
+    rows = beverloo.run(out=tmp_path, seeds=[1], workers=1, quiet=True)
+    assert len(rows) == len(asked) == 2 * len(beverloo.OUTLETS) + len(beverloo.WIDE)
+    assert "interrupted: wide 28 mm, seed 1: Ctrl-C" in beverloo.report(rows)
+    assert write_figure(tmp_path / "b.png", lambda: beverloo.draw(rows)).exists()

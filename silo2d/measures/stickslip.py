@@ -9,8 +9,9 @@ and slips otherwise. Both numbers are arguments.
 An event is a row of frames in which a touching grain only sticks, or only slips. Those that a frame
 of the other state bounds at both ends are complete, and have a duration (frames times the frame
 interval); the others began or ended with the contact or the window. What changes faster than the
-frames is not seen: with 10 ms frames sticks and slips of less than some 20 ms are missed or merged.
-How much that matters is told by the same count from every second frame.
+frames is not seen. The same count from every second frame tells how much that matters: where it is
+about half, the events are shorter than the frames resolve, and their number and duration say more
+about the frames than about the flow. The sticking fraction does not suffer from that.
 
 The window is from the first frame after the opening to the last grain that leaves.
 """

@@ -30,7 +30,7 @@ class Fit:
 
     c, k          fitted; c_interval and k_interval of 95 % confidence
     draws         (draws, 2) constants C and k of the bootstrap
-    residual      root mean square of rate over law less one [-]
+    scatter       of the runs about the law: rms of rate over law less one, n - 2 free [-]
     """
 
     c: float
@@ -38,7 +38,7 @@ class Fit:
     c_interval: tuple[float, float]
     k_interval: tuple[float, float]
     draws: Series
-    residual: float
+    scatter: float
     density: float  # bulk surface density, mean of the runs [kg/m2]
     size: float  # d [m]
 
@@ -70,30 +70,29 @@ def fit_law(
 ) -> Fit | None:
     """Fit C and k to runs (n,): outlets [m], rates [kg/s] with standard errors, bulk densities.
 
-    Least squares weighted by the errors. The intervals come from a bootstrap over runs: `draws`
-    times as many runs are drawn with repetition and fitted; draws of fewer than three outlets are
-    left out.
-    That holds what one run differs from another by, whatever its own error says. None for fewer
-    than three outlets.
+    Least squares weighted by the errors. The intervals come from a parametric bootstrap: rates are
+    drawn `draws` times about the fitted law and fitted again. A run scatters by its own standard
+    error, or by what the runs scatter about the law where that is more (root mean square of rate
+    over law less one, for n - 2 degrees of freedom): what one filling differs from the next by is
+    not in its own error. Drawing whole runs would not do for one or two at each outlet. None for
+    fewer than three outlets.
     """
     rows = np.array([*np.broadcast_arrays(outlet, rate, density, error)], dtype=float)
     if len(np.unique(rows[0])) < _FEWEST_OUTLETS:
         return None
     c, k = _least_squares(rows, size)
+    fitted = law(rows[0], c, k, rows[2], size)
+    off = rows[1] / fitted - 1
+    scatter = np.sqrt((off**2).sum() / (len(off) - 2))
+    spread = np.maximum(rows[3], scatter * fitted)
     rng = np.random.default_rng(seed)
-    fitted: list[tuple[float, float]] = []
-    while len(fitted) < draws:
-        drawn = rows[:, rng.integers(rows.shape[1], size=rows.shape[1])]
-        if len(np.unique(drawn[0])) >= _FEWEST_OUTLETS:
-            fitted.append(_least_squares(drawn, size))
-    found = np.array(fitted)
-    intervals = np.quantile(found, _tails(), axis=0).T
-    off = rows[1] / law(rows[0], c, k, rows[2], size) - 1
-    return Fit(
-        c, k, (float(intervals[0, 0]), float(intervals[0, 1])),
-        (float(intervals[1, 0]), float(intervals[1, 1])), found,
-        float(np.sqrt(np.mean(off**2))), float(rows[2].mean()), size,
-    )  # fmt: skip
+    found = np.array([
+        _least_squares(np.array([rows[0], rng.normal(fitted, spread), *rows[2:]]), size)
+        for _ in range(draws)
+    ])  # fmt: skip
+    (c_low, k_low), (c_high, k_high) = np.quantile(found, _tails(), axis=0).tolist()
+    return Fit(c, k, (c_low, c_high), (k_low, k_high), found, float(scatter),
+               float(rows[2].mean()), size)  # fmt: skip
 
 
 def _tails() -> list[float]:
@@ -106,7 +105,7 @@ def _least_squares(rows: Series, size: float) -> tuple[float, float]:
     outlet, rate, density, error = rows
     model: Callable[..., Series] = lambda x, c, k: law(x, c, k, density, size)  # noqa: E731
     # (W/(rho_b sqrt(g)))^(2/3) is a straight line in D: that is where the search starts.
-    slope, start = np.polyfit(outlet, (rate / (density * np.sqrt(GRAVITY))) ** (2 / 3), 1)
+    slope, start = np.polyfit(outlet, (np.abs(rate) / (density * np.sqrt(GRAVITY))) ** (2 / 3), 1)
     guess = max(slope, 1e-3) ** 1.5, -start / max(slope, 1e-3) / size
     (c, k), _ = curve_fit(model, outlet, rate, p0=guess, sigma=error)
     return float(c), float(k)

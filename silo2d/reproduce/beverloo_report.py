@@ -20,10 +20,10 @@ _NAMES = {"A": "silo A, 60 deg", "D": "silo D, flat", "wide": "wide silo, 5 mm g
 _NOTE = """\
 W = rho_b sqrt(g) C (D - k d)^1.5 (Beverloo 1961, for a slot); W is the mass flow of the steady part
 of the discharge, +- its standard error; d is the diameter of the disc of the mean area, rho_b the
-surface density of the packing; intervals of 95 % from a bootstrap over the runs.
+surface density of the packing; intervals of 95 % from a bootstrap about the fit.
 Silos A and D are OUTSIDE the law's range (300 mm wide, 6 to 13 grains an outlet, no long steady
 flow, A no flat floor): there the law is a way to interpolate, and C and k mean little. In the wide
-silo (210 mm, 5 to 10 grains an outlet, rate between 10 and 40 % out) it should hold."""
+silo (210 mm, 5 to 10 grains an outlet, rate between 10 and 30 % out) it should hold."""
 
 
 def known(rows: Sequence[Row]) -> list[Row]:
@@ -97,7 +97,7 @@ def _constants(fit: Fit | None) -> str:
     return (
         f"C = {fit.c:.2f} [{low:.2f}, {high:.2f}], k = {fit.k:.2f} [{least:.2f}, {most:.2f}]; "
         f"d = {1e3 * fit.size:.1f} mm, rho_b = {fit.density:.1f} kg/m2; "
-        f"rates off the law by {100 * fit.residual:.1f} % (rms)"
+        f"rates scatter about it by {100 * fit.scatter:.1f} % (rms)"
     )
 
 
@@ -111,6 +111,11 @@ def sheet(rows: Sequence[Row]) -> "Figure":
     for silo, fit in found.items():
         axes = wide if silo == "wide" else narrow
         _draw(axes, silo, [row for row in known(rows) if row["silo"] == silo], fit)
+        clogged = [r["outlet_mm"] for r in rows
+                   if r["silo"] == silo and "clogged" in str(r["outcome"])]  # fmt: skip
+        if clogged:
+            axes.plot(clogged, [0] * len(clogged), "x", color=_COLOURS[silo], clip_on=False,
+                      label=f"silo {silo}, clogged")  # fmt: skip
     narrow.set_title("paper's silos, outlets added: outside the law's range", fontsize=9,
                      loc="left")  # fmt: skip
     wide.set_title("wide silo of small grains: within it", fontsize=9, loc="left")

@@ -162,12 +162,12 @@ def sheet(rows: Sequence[Row]) -> "Figure":
 
     silos = _by(done(rows), "silo")
     times = sorted({row["time_s"] for row in done(rows)})
-    figure = Figure(figsize=(1.75 * max(len(times), 1) + 0.4, 3.3 * max(len(silos), 1)),
+    figure = Figure(figsize=(1.4 * max(len(times), 1) + 0.3, 2.6 * max(len(silos), 1)),
                     layout="constrained")  # fmt: skip
     panels = figure.subplots(max(len(silos), 1), max(len(times), 1), squeeze=False)
     for panel in panels.flat:
         panel.set_axis_off()
-    for line, (silo, own) in zip(panels, silos.items(), strict=True):
+    for line, (silo, own) in zip(panels, silos.items(), strict=False):  # none where all failed
         at = _by(own, "time_s")
         for panel, time in zip(line, times, strict=True):
             _panel(panel, silo, at.get(time, []))
