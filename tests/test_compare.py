@@ -32,7 +32,7 @@ def test_a_curve_that_is_slower_by_a_factor():
 
 def test_early_and_late_do_not_cancel_in_the_distance():
     """They do in the lag."""
-    found = curve_distance(TIMES, TIMES + [0.02, -0.02, 0.02, -0.02])
+    found = curve_distance(TIMES, TIMES + 0.02 * np.array([1, -1, 1, -1]))
     assert found["mean_s"] == pytest.approx(0.02)
     assert found["later_s"] == pytest.approx(0.0, abs=1e-15)
 
