@@ -23,7 +23,6 @@ CASES = [("A4", 1), ("A4", 2), ("A4", 3), *((silo, 1) for silo in ("C4", "D4", "
 SETTINGS = [
     *product((10, 30), ("0.5 ms", "0.25 ms"), ("measured",)),
     (30, "0.25 ms", "none"),
-    (100, "0.1 ms", "measured"),
 ]
 COLUMNS = ["silo", "seed", "engine", "iterations", "time_step_s", "restitution", "outcome", "n_out",
            "n_particles", "discharge_time_s", "t90_s", "curve_mean_s", "curve_max_s",

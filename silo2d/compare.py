@@ -115,8 +115,8 @@ def mean_distance(pairs: Sequence[dict[str, Any]]) -> dict[str, float] | None:
 def table(pairs: Sequence[dict[str, Any]]) -> str:
     """Pairs of runs for a person to read."""
     width = max(len(row["label"]) for pair in pairs for row in pair["runs"])
-    lines = [f"{'':{width}}  seed  outcome             out      time     T90      rate     CPU    "
-             "wall"]  # fmt: skip
+    heading = f"{'seed':>4}  {'outcome':18}  {'out':>7}  {'time':>8}  {'T90':>8}  {'rate':>8}"
+    lines = [f"{'':{width}}  {heading}  {'CPU':>8}  {'wall':>8}"]
     for pair in pairs:
         lines += [_line(row, width) for row in pair["runs"]]
         lines.append(f"{'':{width}}  {_distance(pair['curve'])}")
@@ -136,7 +136,7 @@ def _line(row: dict[str, Any], width: int) -> str:
 
 
 def _number(value: float | None, digits: str, unit: str) -> str:
-    return "   none" if value is None else f"{f'{value:{digits}} {unit}':>7}"
+    return f"{'none' if value is None else f'{value:{digits}} {unit}':>8}"
 
 
 def _distance(curve: dict[str, float] | None) -> str:
@@ -158,6 +158,7 @@ def draw(pairs: Sequence[dict[str, Any]]) -> "Figure":
     labels = _legend_labels(pairs[0]["runs"])
     silos = dict.fromkeys(row["silo"] for pair in pairs for row in pair["runs"])
     title = f"Silo {', '.join(silos)}: {labels[0]} and {labels[1]}"
+    title += f", {len(pairs)} seeds" if len(pairs) > 1 else ""
     figure.suptitle(title, x=0.01, ha="left", fontsize=13, fontweight="bold")
     for number, pair in enumerate(pairs):
         times = [discharge_curve(read_trajectory(row["run_folder"]))[0] for row in pair["runs"]]

@@ -68,7 +68,7 @@ def fall(
     step = STEP * math.sqrt(spheroradius / GRAVITY)
     space = empty_space(ITERATIONS, SLOP * spheroradius)
     space.collision_bias = (1 - PUSH) ** (1 / step)  # what is left of an overlap after a second
-    add_walls(space, outline, SMOOTH)
+    add_walls(space, outline.walls().segments, SMOOTH)
     shapes, density, skin = case.shapes.shapes, case.surface_density, SKIN * spheroradius
     grains = [
         add_grain(space, shapes[kind], density, pose, SMOOTH, skin).body

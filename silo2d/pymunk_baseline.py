@@ -50,8 +50,12 @@ class Baseline:
         self._lowest = -np.array([shape.bounding_radius for shape in shapes])
         self._lift = np.sqrt(case.shapes.mean_area)
         self._space = empty_space(self._told.iterations, self._told.slop)
+        # Of a contact that has parted nothing is kept: pymunk would go on telling its last impulse
+        # for three steps, and the walls' loads would not add up to the momentum given to them.
+        self._space.collision_persistence = 1
         elasticity = factors(*self._told.restitution)
-        self._walls = add_walls(self._space, case.outline, Surface(0.0, elasticity[1]))
+        segments = case.outline.walls().segments
+        self._walls = add_walls(self._space, segments, Surface(0.0, elasticity[1]))
         self._grains = [
             add_grain(self._space, shape, case.surface_density, pose, Surface(0.0, elasticity[0]))
             for shape, pose in zip(shapes, packing.poses.tolist(), strict=True)
@@ -186,7 +190,10 @@ class _Readings:
         self._batch.get_space_bodies(self._space, fields, self._bodies)
         found = np.frombuffer(self._bodies.int_buf(), dtype=np.uintp).tolist()
         place = {body: k for k, body in enumerate(found)}
-        self._order = np.array([place[grain.body.id] for grain in grains], dtype=np.intp)
+        ids = np.array([grain.body.id for grain in grains], dtype=np.uintp)
+        self._order = np.array([place[body] for body in ids.tolist()], dtype=np.intp)
+        self._number = np.argsort(ids)
+        self._ids = ids[self._number]
 
     def motion(self) -> np.ndarray:
         """x, y, angle, vx, vy, spin of the grains (n, 6)."""
@@ -197,30 +204,31 @@ class _Readings:
         return np.frombuffer(self._bodies.float_buf()).reshape(-1, 6)[self._order]
 
     def wall_impulses(self) -> np.ndarray:
-        """What each wall was given in the last step (n_walls, 2) [N s].
-
-        The impulse of a contact is that on its first body.
-        """
+        """What each wall was given in the last step (n_walls, 2) [N s]."""
         fields = self._batch.ArbiterFields
         wanted = fields.BODY_A_ID | fields.BODY_B_ID | fields.TOTAL_IMPULSE
         self._contacts.clear()
         self._batch.get_space_arbiters(self._space, wanted, self._contacts)
-        bodies = np.frombuffer(self._contacts.int_buf(), dtype=np.uintp).reshape(-1, 2)
+        contacts = np.frombuffer(self._contacts.int_buf(), dtype=np.uintp).reshape(-1, 2)
         impulses = np.frombuffer(self._contacts.float_buf()).reshape(-1, 2)
-        return _of_walls(bodies, impulses, self._walls)
+        return _of_walls(contacts, impulses, self._walls, self._ids, self._number)
 
 
 @njit
-def _of_walls(bodies, impulses, walls):
-    """The sum (n_walls, 2) of the impulses on each wall."""
-    total = np.zeros((len(walls), 2))
-    for n in range(len(bodies)):
+def _of_walls(contacts, impulses, walls, ids, number):
+    """The sum (n_walls, 2) of the impulses on each wall.
+
+    The impulse of a contact is that on its first body. pymunk gives the contacts in the order of
+    addresses in memory, so the impulses are added in the order of the grains.
+    """
+    load = np.zeros((len(walls), len(ids), 2))
+    for n in range(len(contacts)):
         for w in range(len(walls)):
-            if bodies[n, 0] == walls[w]:
-                total[w] += impulses[n]
-            elif bodies[n, 1] == walls[w]:
-                total[w] -= impulses[n]
-    return total
+            if contacts[n, 0] == walls[w]:
+                load[w, number[np.searchsorted(ids, contacts[n, 1])]] = impulses[n]
+            elif contacts[n, 1] == walls[w]:
+                load[w, number[np.searchsorted(ids, contacts[n, 0])]] = -impulses[n]
+    return load.sum(axis=1)
 
 
 def discharge_by_impulses(

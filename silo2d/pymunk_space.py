@@ -40,12 +40,12 @@ def empty_space(iterations: int, slop: float) -> "pymunk.Space":
     return space
 
 
-def add_walls(space: "pymunk.Space", outline: Outline, surface: Surface) -> list[Placed]:
-    """The walls and the door as segments without thickness, each on a body of its own."""
+def add_walls(space: "pymunk.Space", segments: np.ndarray, surface: Surface) -> list[Placed]:
+    """Walls with end points (w, 2, 2) [m], without thickness, each on a body of its own."""
     import pymunk
 
     walls = []
-    for start, end in outline.walls().segments.tolist():
+    for start, end in segments.tolist():
         body = pymunk.Body(body_type=pymunk.Body.STATIC)
         wall = pymunk.Segment(body, start, end, radius=0.0)
         wall.friction, wall.elasticity = surface
