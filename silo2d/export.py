@@ -9,7 +9,7 @@ import numpy as np
 
 from campaign.folder import FolderError, write_atomic, writing
 from campaign.tables import Tables
-from campaign.trajectory import read_tables
+from campaign.trajectory import stored_tables
 from contact.quantity import InputError, nearest
 from silo2d.grain_stress import grain_stress
 from silo2d.scene import Scene, read_scene
@@ -32,7 +32,7 @@ def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> l
     """
     if to not in FORMATS:
         raise InputError(f"--to {to!r}: {nearest(to, list(FORMATS))}")
-    run = Run(Path(run_folder), read_scene(run_folder), _contacts(run_folder))
+    run = Run(Path(run_folder), read_scene(run_folder), stored_tables(run_folder).get("contacts"))
     return FORMATS[to](run, None if path is None else Path(path))
 
 
@@ -41,20 +41,12 @@ class Run(NamedTuple):
 
     folder: Path
     scene: Scene
-    contacts: Tables | None
+    contacts: Tables | None  # None: its folder holds none
 
     @property
     def place(self) -> Path:
         """Where the files go unless told."""
         return self.folder / "export"
-
-
-def _contacts(run_folder: str | Path) -> Tables | None:
-    """The contacts of a run; None where its folder, which can be read, holds none."""
-    try:
-        return read_tables(run_folder, "contacts")
-    except FolderError:
-        return None
 
 
 def _to_vtkhdf(run: Run, path: Path | None) -> list[Path]:
