@@ -15,6 +15,7 @@ from contact.datafile import data_file
 from silo2d import protocol, state
 from silo2d.case import SiloCase
 from silo2d.discharge import Stopped
+from silo2d.measures import MEASURES
 
 
 def assert_refused(answer: Answer, *words: str, code: int = 2) -> None:
@@ -418,6 +419,24 @@ def test_a_finished_run_without_its_summary_counts_as_unfinished(finished, tmp_p
     (folder / "summary.json").unlink()
     assert silo2d("export", folder, "--to", "csv").code == 0
     assert "unfinished" in silo2d("show", folder).out
+
+
+def test_nothing_is_measured_of_a_damaged_run(finished):
+    """Each measure refuses it in one line, and makes no picture."""
+    trajectory = the_run(finished).path / "trajectory.h5"
+    whole = trajectory.read_bytes()
+    for harm, words in HARMS[:3]:
+        trajectory.write_bytes(whole)
+        with h5py.File(trajectory, "r+") as file:
+            harm(file)
+        for what in MEASURES:
+            answer = silo2d("observe", trajectory.parent, what)
+            assert_refused(answer, str(trajectory.parent), *words, "--again")
+    trajectory.write_bytes(_truncated(whole))
+    for what in MEASURES:
+        answer = silo2d("observe", trajectory.parent, what)
+        assert_refused(answer, str(trajectory), "damaged", "--again")
+    assert not (trajectory.parent / "figures").exists()
 
 
 @pytest.mark.parametrize(
