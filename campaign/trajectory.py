@@ -175,13 +175,18 @@ def read_tables(folder: str | Path, name: str) -> Tables:
 
     Raises FolderError as read_trajectory does, and where the run holds no such tables.
     """
-    tables = _from_run(Path(folder), _read_tables)
+    tables = stored_tables(folder)
     if name not in tables:
         raise FolderError(
             f"{folder}: holds no {name}, as an earlier version or an engine without them made it; "
             "--again computes a run anew"
         )
     return tables[name]
+
+
+def stored_tables(folder: str | Path) -> dict[str, Tables]:
+    """All tables of a run, finished or not, by name; FolderError as read_trajectory."""
+    return _from_run(Path(folder), _read_tables)
 
 
 def _from_run(folder: Path, read: Callable[[list[Path]], T]) -> T:

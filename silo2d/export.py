@@ -3,11 +3,15 @@
 import io
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from campaign.folder import FolderError, RunFolder, write_atomic, writing
+from campaign.folder import FolderError, write_atomic, writing
+from campaign.tables import Tables
+from campaign.trajectory import stored_tables
 from contact.quantity import InputError, nearest
+from silo2d.grain_stress import grain_stress
 from silo2d.scene import Scene, read_scene
 from silo2d.vtkhdf import vtkhdf
 
@@ -28,25 +32,40 @@ def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> l
     """
     if to not in FORMATS:
         raise InputError(f"--to {to!r}: {nearest(to, list(FORMATS))}")
-    scene = read_scene(run_folder)
-    own = RunFolder(Path(run_folder)).path / "export"
-    return FORMATS[to](scene, own, None if path is None else Path(path))
+    run = Run(Path(run_folder), read_scene(run_folder), stored_tables(run_folder).get("contacts"))
+    return FORMATS[to](run, None if path is None else Path(path))
 
 
-def _to_vtkhdf(scene: Scene, own: Path, path: Path | None) -> list[Path]:
-    path = path or own / f"run{_SUFFIX}"
+class Run(NamedTuple):
+    """What is exported."""
+
+    folder: Path
+    scene: Scene
+    contacts: Tables | None  # None: its folder holds none
+
+    @property
+    def place(self) -> Path:
+        """Where the files go unless told."""
+        return self.folder / "export"
+
+
+def _to_vtkhdf(run: Run, path: Path | None) -> list[Path]:
+    path = path or run.place / f"run{_SUFFIX}"
     if path.suffix != _SUFFIX:
         raise InputError(f"--output {path}: ParaView knows the format by {_SUFFIX}; add that")
-    return [_write(path, vtkhdf(scene))]
+    return [_write(path, vtkhdf(run.scene, run.contacts))]
 
 
-def _to_csv(scene: Scene, own: Path, path: Path | None) -> list[Path]:
-    folder = path or own
+def _to_csv(run: Run, path: Path | None) -> list[Path]:
+    folder, scene = path or run.place, run.scene
     tables = {"frames": _frames_csv, "grains": _grains_csv, "walls": _walls_csv}
-    return [_write(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
+    paths = [_write(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
+    if run.contacts is not None:
+        paths.append(_write(folder / "stress.csv", _stress_csv(scene, run.contacts)))
+    return paths
 
 
-FORMATS: dict[str, Callable[[Scene, Path, Path | None], list[Path]]] = {
+FORMATS: dict[str, Callable[[Run, Path | None], list[Path]]] = {
     "vtkhdf": _to_vtkhdf,
     "csv": _to_csv,
 }
@@ -97,6 +116,20 @@ def _walls_csv(scene: Scene) -> bytes:
     for name, ends in zip(scene.wall_names, scene.walls.reshape(-1, 4), strict=False):
         lines.append(",".join([name, *(f"{value:.9g}" for value in ends)]))
     return ("\n".join(lines) + "\n").encode()
+
+
+def _stress_csv(scene: Scene, contacts: Tables) -> bytes:
+    """One row for each grain that is still simulated in the frames that have contacts."""
+    names = ["frame", "time_s", "id", *(f"stress_{axes}_n_per_m" for axes in ("xx", "yy", "xy"))]
+    parts = []
+    for frame in contacts.frame[contacts.frame < len(scene.time)]:
+        stress = grain_stress(scene, contacts, int(frame))
+        assert stress is not None  # these frames have contacts
+        grains = np.flatnonzero(scene.trajectory["inside"][frame])
+        same = np.ones(len(grains))
+        of_plane = [stress[grains, row, column] for row, column in ((0, 0), (1, 1), (0, 1))]
+        parts.append(np.column_stack([frame * same, scene.time[frame] * same, grains, *of_plane]))
+    return _table(names, ["%d", "%.9g", "%d", "%.6g", "%.6g", "%.6g"], parts)
 
 
 def _table(names: list[str], shape: list[str], parts: Iterator[np.ndarray] | list) -> bytes:

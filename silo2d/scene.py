@@ -20,6 +20,11 @@ GRAIN_EDGE = "#4a3018"
 BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
 SKY, PURPLE, GREY = "#56b4e9", "#cc79a7", "#8a8a8a"
 
+# What the pictures of a run need of its trajectory.
+_STATIC = ["kind", "mass", "layer", "shape_points", "shape_start", "wall_segments"]
+_OF_GRAINS = ["x", "y", "angle", "vx", "vy", "spin", "inside", "out_time"]
+_ATTRIBUTES = ["silo", "wall_names"]
+
 _BELOW = 0.08, 0.2  # what is shown below the outlet, at least and at most, in silo heights
 _OUTCOMES = {
     "empty": "empty",
@@ -116,10 +121,26 @@ class Scene:
 
 
 def read_scene(run_folder: str | Path) -> Scene:
-    """The run in a folder; FolderError where it has no frame yet or cannot be read."""
+    """The run in a folder; FolderError where it has no frame yet, is damaged or cannot be read."""
     run = RunFolder(Path(run_folder))
     trajectory = read_trajectory(run.path)
     if "time" not in trajectory or not trajectory.static:
         raise FolderError(f"{run.path}: no frame yet; wait until the silo has opened")
+    if wrong := _wrong(trajectory):
+        cure = "use --again to compute the run anew"
+        raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {cure}")
     summary = run.read_summary() if run.state == "finished" else {}
+    if summary and not isinstance(summary.get("outcome"), str):
+        cure = "use --again to compute the run anew"
+        raise FolderError(f"{run.path / 'summary.json'}: damaged (no outcome); {cure}")
     return Scene(trajectory, summary, json.loads(trajectory.attributes["wall_names"]))
+
+
+def _wrong(trajectory: Trajectory) -> str:
+    """What a scene needs and a trajectory lacks, in words; "" where all is there."""
+    kept = [*trajectory.static, *trajectory, *trajectory.attributes]
+    if missing := [key for key in (*_STATIC, *_OF_GRAINS, *_ATTRIBUTES) if key not in kept]:
+        return f"no {', '.join(missing)}"
+    shape = len(trajectory["time"]), len(trajectory.static["kind"])
+    odd = [key for key in _OF_GRAINS if trajectory[key].shape != shape]
+    return f"{odd[0]} is not of {shape[0]} frames and {shape[1]} grains" if odd else ""

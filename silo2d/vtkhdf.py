@@ -5,9 +5,12 @@ the grains that are still simulated as polygons, in ascending order. Their array
 
     velocity (3) [m/s]   spin [rad/s]   kind, layer   inside: 1 until the centroid passes y = 0
     id: of a grain from 0 on; of the walls -1, -2, ... in the order of the run folder
+    stress (6: xx, yy, zz, xy, yz, xz) [N/m], see grain_stress.py; NaN in frames without contacts,
+        left out where the run folder keeps none
 
-A wall has kind, layer and inside -1 and no velocity. Polygons are the outlines that the run folder
-keeps: chords of m pieces to an arc of turn t and radius r lie r (1 - cos(t/2m)) inside it at most.
+A wall has kind, layer and inside -1, no velocity and stress NaN. Polygons are the outlines that
+the run folder keeps: chords of m pieces to an arc of turn t and radius r lie r (1 - cos(t/2m))
+inside it at most.
 """
 
 import io
@@ -16,6 +19,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from campaign.tables import Tables
+from silo2d.grain_stress import grain_stress
 from silo2d.scene import Scene
 
 _CHUNK_BYTES = 2**18
@@ -23,8 +28,8 @@ _KINDS_OF_CELLS = ["Vertices", "Lines", "Polygons", "Strips"]
 _LINES = 1
 
 
-def vtkhdf(scene: Scene) -> bytes:
-    """The run as a VTKHDF file.
+def vtkhdf(scene: Scene, contacts: Tables | None = None) -> bytes:
+    """The run as a VTKHDF file, with stresses where its contacts are given.
 
     The file is made in memory, compressed frame by frame: HDF5 that meets a full disk itself
     ends the process.
@@ -36,7 +41,10 @@ def vtkhdf(scene: Scene) -> bytes:
         root.attrs["Type"] = np.bytes_("PolyData")  # the format asks for ASCII of fixed length
         writer = _StepWriter(root)
         for frame, time in enumerate(scene.time):
-            writer.append(float(time), *_cells(scene, frame))
+            points, n_lines, sizes, arrays = _cells(scene, frame)
+            if contacts is not None:
+                arrays["stress"] = _stress(scene, contacts, frame, arrays["id"])
+            writer.append(float(time), points, n_lines, sizes, arrays)
         writer.finish()
     return image.getvalue()
 
@@ -66,6 +74,19 @@ def _cells(
     }
     sizes = np.array([len(outlines[grain]) for grain in grains], dtype=np.int64)
     return points, len(walls), sizes, arrays
+
+
+def _stress(
+    scene: Scene, contacts: Tables, frame: int, ids: NDArray[np.int32]
+) -> NDArray[np.float32]:
+    """Of the cells (c, 6), in VTK's order of a symmetric tensor."""
+    stress = np.full((len(ids), 6), np.nan, dtype=np.float32)
+    found = grain_stress(scene, contacts, frame)
+    if found is not None:
+        stress[ids >= 0] = 0.0
+        for component, (row, column) in ((0, (0, 0)), (1, (1, 1)), (3, (0, 1))):
+            stress[ids >= 0, component] = found[ids[ids >= 0], row, column]
+    return stress
 
 
 class _StepWriter:

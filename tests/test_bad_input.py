@@ -2,9 +2,11 @@
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import pytest
 from small_silo import NARROWEST, Answer, DischargeStop, contents, silo2d, the_run, write_case
 
@@ -13,6 +15,7 @@ from contact.datafile import data_file
 from silo2d import protocol, state
 from silo2d.case import SiloCase
 from silo2d.discharge import Stopped
+from silo2d.measures import MEASURES
 
 
 def assert_refused(answer: Answer, *words: str, code: int = 2) -> None:
@@ -346,12 +349,113 @@ def test_the_cure_for_a_damaged_summary_works(finished, tmp_path):
     assert (table["state_digest"], table["reused"]) == (digest, False)
 
 
-def test_a_damaged_trajectory_cannot_be_drawn(finished):
+def _without(name: str) -> Callable[[h5py.File], None]:
+    def harm(file: h5py.File) -> None:
+        del file[name]
+
+    return harm
+
+
+def _of_a_later_schema(file: h5py.File) -> None:
+    file.attrs["schema"] = 9
+
+
+def _nameless(file: h5py.File) -> None:
+    del file.attrs["wall_names"]
+
+
+def _with_a_grain_less(file: h5py.File) -> None:
+    angle = file["frames/angle"][:, :-1]
+    del file["frames/angle"]
+    file["frames/angle"] = angle
+
+
+HARMS: list[tuple[Callable[[h5py.File], None], list[str]]] = [
+    (_of_a_later_schema, ["trajectory.h5", "schema 9 of another version"]),
+    (_without("frames/spin"), ["damaged (no spin)"]),
+    (_without("static/kind"), ["damaged (no kind)"]),
+    (_without("frames"), ["trajectory.h5", "damaged"]),
+    (_with_a_grain_less, ["damaged (angle is not of"]),
+    (_nameless, ["damaged (no wall_names)"]),
+]
+
+
+@pytest.mark.parametrize(("harm", "words"), HARMS)
+def test_a_trajectory_that_lacks_something(finished, tmp_path, harm, words):
+    """Neither drawn nor exported."""
+    folder = the_run(finished).path
+    with h5py.File(folder / "trajectory.h5", "r+") as file:
+        harm(file)
+    before = contents(finished)
+    for command in (["render", folder, "--no-film"], ["export", folder, "--to", "vtkhdf"]):
+        assert_refused(silo2d(*command), str(folder), *words, "--again")
+    assert contents(finished) == before
+
+
+def test_damaged_contacts_are_not_taken_for_none(finished):
+    folder = the_run(finished).path
+    with h5py.File(folder / "trajectory.h5", "r+") as file:
+        del file["tables/contacts/length"]
+    for to in ("vtkhdf", "csv"):
+        answer = silo2d("export", folder, "--to", to)
+        assert_refused(answer, "trajectory.h5", "damaged", "--again")
+    assert not (folder / "export").exists()
+
+
+@pytest.mark.parametrize("command", [["render"], ["export", "--to", "csv"]])
+def test_a_damaged_summary_is_neither_drawn_nor_exported(finished, command):
+    folder = the_run(finished).path
+    for text in ("{", '{"schema": 1, "n_out": 3}', '{"schema": 1, "outcome": 3}'):
+        (folder / "summary.json").write_text(text, encoding="utf-8")
+        answer = silo2d(command[0], folder, *command[1:])
+        assert_refused(answer, "summary.json", "damaged", "--again")
+    assert not (folder / "figures").exists()
+    assert not (folder / "export").exists()
+
+
+def test_a_finished_run_without_its_summary_counts_as_unfinished(finished, tmp_path):
+    """What is there is exported; the same command would go on with it."""
+    folder = the_run(finished).path
+    (folder / "summary.json").unlink()
+    assert silo2d("export", folder, "--to", "csv").code == 0
+    assert "unfinished" in silo2d("show", folder).out
+
+
+def test_nothing_is_measured_of_a_damaged_run(finished):
+    """Each measure refuses it in one line, and makes no picture."""
+    trajectory = the_run(finished).path / "trajectory.h5"
+    whole = trajectory.read_bytes()
+    for harm, words in HARMS[:3]:
+        trajectory.write_bytes(whole)
+        with h5py.File(trajectory, "r+") as file:
+            harm(file)
+        for what in MEASURES:
+            answer = silo2d("observe", trajectory.parent, what)
+            assert_refused(answer, str(trajectory.parent), *words, "--again")
+    trajectory.write_bytes(_truncated(whole))
+    for what in MEASURES:
+        answer = silo2d("observe", trajectory.parent, what)
+        assert_refused(answer, str(trajectory), "damaged", "--again")
+    assert not (trajectory.parent / "figures").exists()
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        (["render"], ["damaged", "--again"]),
+        (["export", "--to", "vtkhdf"], ["damaged", "--again"]),
+        (["export", "--to", "csv"], ["damaged", "--again"]),
+    ],
+)
+def test_a_truncated_trajectory(finished, command, words):
     folder = the_run(finished).path
     trajectory = folder / "trajectory.h5"
     trajectory.write_bytes(_truncated(trajectory.read_bytes()))
-    assert_refused(silo2d("render", folder), str(trajectory), "damaged", "--again")
+    assert_refused(silo2d(command[0], folder, *command[1:]), str(trajectory), *words)
+    trajectory.unlink()
+    assert_refused(silo2d(command[0], folder, *command[1:]), "no trajectory here")
     shutil.rmtree(folder)
+    assert_refused(silo2d(command[0], folder, *command[1:]), "not a run folder")
     assert_refused(silo2d("show", folder), "no such preset, file or run")
 
 

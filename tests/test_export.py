@@ -11,13 +11,16 @@ from small_silo import contents, silo2d
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
-from campaign.trajectory import read_trajectory
+from campaign.tables import Tables
+from campaign.trajectory import read_tables, read_trajectory
 from silo2d.case import SiloCase
 from silo2d.export import export
+from silo2d.grain_stress import grain_stress
 from silo2d.scene import read_scene
 from silo2d.shape import load_shapes, turn_angles
 from silo2d.vtkhdf import vtkhdf
 
+AXES = ["xx", "yy", "xy"]
 SINGLE = np.finfo(np.float32).eps / 2  # relative rounding of what is kept in single precision
 
 
@@ -180,7 +183,7 @@ def test_tables_hold_the_motion_of_every_grain_in_every_frame(run, tmp_path):
 
 def test_kinetic_energy_from_the_tables_is_that_of_the_books(reference, tmp_path):
     """sum of m v^2/2 + I w^2/2 over the rows of a frame, m from grains.csv and I/m from shapes."""
-    frames, grains, _ = map(read_csv, export(reference.path, "csv", tmp_path / "tables"))
+    frames, grains, *_ = map(read_csv, export(reference.path, "csv", tmp_path / "tables"))
     trajectory = read_trajectory(reference.path)
     shapes = SiloCase.load(reference.path / "case.toml").shapes.shapes
     gyration2 = np.array([shape.polar_moment / shape.area for shape in shapes])
@@ -195,6 +198,84 @@ def test_kinetic_energy_from_the_tables_is_that_of_the_books(reference, tmp_path
         kinetic = 0.5 * mass[who] @ (vx**2 + vy**2 + gyration2[kind[who]] * spin**2)
         # Squares of numbers in single precision; the masses are printed with nine digits.
         assert kinetic == pytest.approx(trajectory["kinetic"][k], rel=float(3 * SINGLE) + 1e-8)
+
+
+def test_stress_of_a_grain_between_two_forces(run):
+    """Two forces F that press at a distance D on each other's line: F D/A along it, else 0."""
+    scene = read_scene(run)
+    centre = np.array([scene.trajectory[key][5][3] for key in ("x", "y")], dtype=float)
+    reach, press, wall = 4e-3, 7.0, scene.n_grains
+    direction = np.array([0.6, 0.8])
+    ends = np.array([1, -1])[:, None] * direction
+    contacts = Tables(
+        frame=np.array([5]),
+        length=np.array([2]),
+        columns={
+            "bodies": np.array([[3, wall], [3, wall + 1]]),  # the force is that on the wall
+            "point": centre + reach * ends,
+            "force": press * ends,
+        },
+    )
+    shape = load_shapes("wood19").shapes[scene.trajectory.static["kind"][3]]
+    expected = press * 2 * reach / shape.area * np.outer(direction, direction)
+    stress = grain_stress(scene, contacts, 5)
+    np.testing.assert_allclose(stress[3], expected, rtol=6e-4)  # the outline's area, see above
+    assert (np.delete(stress, 3, axis=0) == 0).all()
+    assert grain_stress(scene, contacts, 6) is None
+
+
+def test_stresses_add_up_to_the_virial(reference, tmp_path):
+    """sum A sigma = sum over grains of x (x) F - sum over walls of p (x) f: inner contacts cancel.
+
+    F is the whole contact force on a grain, f that of a wall on a grain at p. At rest F is the
+    weight, but a packing that hardly moves is accelerated by its vibrations as much as by gravity.
+    """
+    _, grains, _, table = map(read_csv, export(reference.path, "csv", tmp_path / "tables"))
+    scene, contacts = read_scene(reference.path), read_tables(reference.path, "contacts")
+    surface_density = SiloCase.load(reference.path / "case.toml").surface_density
+    area = grains["mass_kg"].astype(float) / surface_density
+    first = table["frame"] == "0"
+    stress = np.stack([table[f"stress_{axes}_n_per_m"][first].astype(float) for axes in AXES])
+    found = stress @ area[table["id"][first].astype(int)]
+    now = contacts.at(0)
+    of_grain, force = np.zeros((scene.n_grains, 2)), now["force"].astype(float)
+    walls = now["bodies"][:, 1] >= scene.n_grains
+    np.add.at(of_grain, now["bodies"][:, 0], -force)
+    np.add.at(of_grain, now["bodies"][~walls, 1], force[~walls])
+    centre = np.column_stack([scene.trajectory["x"][0], scene.trajectory["y"][0]]).astype(float)
+    virial = centre.T @ of_grain + now["point"][walls].astype(float).T @ force[walls]
+    expected = virial[0, 0], virial[1, 1], (virial[0, 1] + virial[1, 0]) / 2
+    # The outline's area is at most 6e-4 small, for each grain (as above).
+    np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
+    assert found[1] > 0  # it is pressed
+
+
+def test_stress_in_the_film_is_that_of_the_tables(reference, tmp_path):
+    """Of the same frame; NaN where the run kept no contacts, and at the walls."""
+    film = Film(export(reference.path, "vtkhdf", tmp_path / "run.vtkhdf")[0])
+    table = read_csv(export(reference.path, "csv", tmp_path)[3])
+    frames = sorted(set(table["frame"].astype(int)))
+    assert 1 < len(frames) < film.n_steps
+    for frame in range(film.n_steps):
+        found = arrays(film.step(frame))
+        of_walls = found["id"] < 0
+        assert np.isnan(found["stress"][of_walls]).all()
+        if frame not in frames:
+            assert np.isnan(found["stress"]).all()
+            continue
+        now = table["frame"].astype(int) == frame
+        np.testing.assert_array_equal(found["id"][~of_walls], table["id"][now].astype(int))
+        for component, axes in ((0, "xx"), (1, "yy"), (3, "xy")):
+            expected = table[f"stress_{axes}_n_per_m"][now].astype(float)
+            np.testing.assert_allclose(
+                found["stress"][~of_walls, component], expected, rtol=1e-5, atol=1e-12
+            )
+        assert (found["stress"][~of_walls][:, [2, 4, 5]] == 0).all()
+
+
+def test_a_run_without_contacts_has_no_stress(run, film, tmp_path):
+    assert "stress" not in arrays(film.step(0))
+    assert len(export(run, "csv", tmp_path)) == 3
 
 
 def test_grains_that_stay_have_no_time_of_leaving(tmp_path):
