@@ -25,10 +25,12 @@ def row(seed: int, time: float | None, outcome: str = "empty", **labels: str) ->
     }  # fmt: skip
 
 
-def arm(shift: float, clogged: int = 0, at_opening: int = 0, **labels: str) -> list[dict[str, Any]]:
+def arm(
+    shift: float, clogged: int = 0, at_opening: int = 0, noise: int = 2, **labels: str
+) -> list[dict[str, Any]]:
     """Twenty seeds whose times scatter alike in each arm; the first ones clog."""
     times = 1.9 + 0.1 * np.random.default_rng(1).standard_normal(20)
-    own = 1e-3 * np.random.default_rng(abs(hash(tuple(labels))) % 97).standard_normal(20)
+    own = 1e-3 * np.random.default_rng(noise).standard_normal(20)
     ends = [OPENING] * at_opening + ["clogged"] * clogged
     return [
         row(k + 1, None if k < len(ends) else float(times[k] + shift + own[k]),
@@ -68,7 +70,7 @@ def test_the_fillings_have_a_packing_each_for_both_doors():
 
 def test_times_are_compared_seed_by_seed():
     """Student's paired t: the interval just excludes zero where p is 0.05."""
-    first, other = arm(0.0, disorder="none"), arm(0.002, disorder="pair", pair="")
+    first, other = arm(0.0, disorder="none"), arm(0.002, noise=3, disorder="pair")
     sample, half = paired(other, first, "discharge_time_s")
     assert half is not None
     assert sample.mean is not None
@@ -98,7 +100,9 @@ def test_counts_are_compared_by_fishers_test():
 def study_rows() -> list[dict[str, Any]]:
     kinds = {"none": (0.0, 1), "particle": (0.0, 2), "pair": (0.05, 9)}
     return [
-        r for per, (shift, k) in kinds.items() for r in arm(shift, clogged=k, disorder=per)
+        r
+        for noise, (per, (shift, k)) in enumerate(kinds.items())
+        for r in arm(shift, clogged=k, noise=noise, disorder=per)
     ]  # fmt: skip
 
 
