@@ -310,6 +310,12 @@ def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: 
             f"{where}: [fill] level = {level * 1e3:g} mm: must be above the largest particle, "
             f"{largest * 1e3:.3g} mm, and at most the silo's height, {outline.height * 1e3:g} mm"
         )
+    layer = settings.fill.layer
+    if layer is not None and layer < narrowest:
+        raise InputError(
+            f"{where}: [fill] layer = {layer * 1e3:g} mm: thinner than the narrowest particle, "
+            f"{narrowest * 1e3:.3g} mm; give a thicker one"
+        )
     too_many = next((s for s in shapes.shapes if len(s.core) > MAX_VERTICES), None)
     if too_many:
         raise InputError(

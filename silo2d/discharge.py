@@ -1,6 +1,7 @@
 """From the opening of the door to the end of the run: frames, checkpoints, when to stop."""
 
 import dataclasses
+import math
 import shlex
 import time
 from collections.abc import Callable
@@ -101,11 +102,15 @@ def discharge(
 
 
 def _open_door(sim: Simulation, case: SiloCase, writer: TrajectoryWriter, clock: Clock) -> None:
-    """t = 0: friction on, the door away; the first frame has the forces just before."""
+    """t = 0: friction on, the door away or on its way; the first frame has the forces before."""
     forces, touches = sim.wall_forces(), contacts_of(sim)
     held = bool(case.settings.fill.friction)
     sim.begin_phase(*case.laws(sim.n_grains), case.time_step, keep_slips=held)
-    sim.remove_wall(len(case.outline.walls().names) - 1)
+    door, speed = len(case.outline.walls().names) - 1, case.settings.run.door_speed
+    if speed is None:
+        sim.remove_wall(door)
+    else:
+        sim.draw_door(door, speed)
     clock.starting_energy = _energy(sim.energies())
     writer.append(frame_of(sim, forces), touches)
 
@@ -127,7 +132,9 @@ def tell(sim: Flow, case: SiloCase, clock: Clock, progress: Progress) -> None:
 def _look(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
     """The outcome, once there is one. Raises SimulationError where the books are off."""
     _check_books(sim, clock)
-    return ending(sim, agitation(sim, case.shapes), case, packing, clock)
+    # Nothing is at rest while the door moves, however slow the grains are.
+    moving = math.inf if sim.door_moves else agitation(sim, case.shapes)
+    return ending(sim, moving, case, packing, clock)
 
 
 def ending(sim: Flow, moving: float, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
@@ -161,7 +168,8 @@ def _check_books(sim: Simulation, clock: Clock) -> None:
     table = sim.energies()
     held = _energy(table)
     dissipated = float(sim.world.books[: state.CARRIED_OUT].sum())
-    gained = held + table["carried_out"] + dissipated - clock.starting_energy
+    gone = table["carried_out"] + table["given_to_door"]
+    gained = held + gone + dissipated - clock.starting_energy
     # While next to nothing is dissipated, a part of what there is to dissipate is the measure.
     if not abs(gained) < BOOKS_OFF * max(dissipated, 0.01 * abs(clock.starting_energy)):
         whither = "came from nowhere" if gained > 0 else "went nowhere"

@@ -46,6 +46,13 @@ def impulses_of(
     """
     if settings.run.engine != "pymunk":
         return None
+    for what, asked in (
+        ("[disorder] per", settings.disorder.per != "none"),
+        ("[run] door_speed", settings.run.door_speed is not None),
+        ("[fill] friction", bool(settings.fill.friction)),
+    ):
+        if asked:
+            raise InputError(f"{where}: {what} goes with engine = 'dem'; leave one of them out")
     given = settings.pymunk
     longest = _LONGEST_MOVE * min(shape.width for shape in shapes.shapes) / fall
     if given.time_step > longest:

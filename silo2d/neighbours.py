@@ -16,6 +16,7 @@ import numpy as np
 
 from contact.jit import njit
 from contact.reduced import reduced_mass
+from silo2d.door import give_door_room, place_door
 from silo2d.geometry import to_edge, turned
 from silo2d.pair_law import draw_near, hand_on, near_kt
 from silo2d.state import (
@@ -27,6 +28,7 @@ from silo2d.state import (
     CLOSE_LIST,
     CLOSE_SEARCHES,
     COS,
+    DOOR,
     EDGE_X,
     EDGE_Y,
     FIRST,
@@ -80,6 +82,8 @@ def search(world):
     bodies, local, vertices, counts = world.bodies, world.local, world.vertices, world.counts
     keep_close(world.near, world.close, counts)
     give_room(bodies, counts, world.time_step)
+    steps = (np.float64(CLOSE_STEPS), np.float64(NEAR_STEPS))
+    give_door_room(bodies, counts, world.time_step, steps, CLOSE_LEAST)
     if counts[STALE] < 2 and outgrown(bodies, counts, NEAR_LIST):
         counts[STALE] = 2
     if counts[STALE] >= 2:
@@ -91,6 +95,8 @@ def search(world):
     if counts[STALE] >= 3:
         outcome = find_bodies(bodies, local, vertices, world.cells, counts)
     place_vertices(bodies, local, vertices, counts)
+    if counts[DOOR] > 0:
+        place_door(world)
     if outcome == DONE and counts[STALE] >= 2:
         outcome = find_near(bodies, local, vertices, world.cells.pairs, world.near, counts)
         if outcome == DONE:
@@ -146,6 +152,10 @@ def outgrown(bodies, counts, level):
         far += bodies.size[i, BOUNDING_RADIUS] * abs(row[i, ANGLE] - listed[i, at + 2])
         if not far + room[i, level + 1] <= room[i, level]:  # true for NaN as well
             return True
+    door = counts[DOOR]
+    if door > 0 and level == NEAR_LIST:  # it leaves no list of bodies
+        far = row[door, X] - listed[door, 3 * level]
+        return far + room[door, level + 1] > room[door, level]
     return False
 
 
@@ -157,6 +167,8 @@ def note_positions(bodies, counts, level):
         bodies.listed[i, 3 * level] = bodies.row[i, X]
         bodies.listed[i, 3 * level + 1] = bodies.row[i, Y]
         bodies.listed[i, 3 * level + 2] = bodies.row[i, ANGLE]
+    if counts[DOOR] > 0:
+        bodies.listed[counts[DOOR], 3 * level] = bodies.row[counts[DOOR], X]
 
 
 @njit

@@ -75,11 +75,13 @@ def energy_closure(trajectory: Mapping[str, np.ndarray]) -> tuple[Series, float 
 
     It is E(0) - E(t) - carried out - dissipated: positive where energy was lost. E is the
     kinetic, potential and elastic energy of the grains inside; what grains that were dropped
-    had of it is carried out. The second number is the last unaccounted energy over what was
-    dissipated until then, None where nothing was.
+    had of it is carried out, and so is what a moving door took. The second number is the last
+    unaccounted energy over what was dissipated until then, None where nothing was.
     """
     energy = np.sum([trajectory[name] for name in _HELD], axis=0)
     carried_out = trajectory["carried_out"] - trajectory["carried_out"][0]
+    if "given_to_door" in trajectory:  # older runs know no moving door
+        carried_out = carried_out + trajectory["given_to_door"] - trajectory["given_to_door"][0]
     lost = np.sum(list(dissipated(trajectory).values()), axis=0)
     unaccounted = energy[0] - energy - carried_out - lost
     return unaccounted, float(unaccounted[-1] / lost[-1]) if lost[-1] > 0 else None

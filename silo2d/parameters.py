@@ -122,7 +122,7 @@ def time_step_of(
     others have softer ones.
     """
     limit, configuration = largest_stable_step(shapes, surface_density, *laws)
-    configuration += " with the stiffest pair that can be drawn" if drawn else ""
+    configuration += ", the stiffest pair that can be drawn" if drawn else ""
     held = step_for_held_grains(shapes, surface_density, laws[0])
     bound = (
         f"stable up to {limit * 1e6:.3g} us ({configuration}); {held * 1e6:.3g} us would cover a "

@@ -1,6 +1,7 @@
-"""Filling by rain: grains without friction fall on a closed door until they lie still.
+"""Filling by rain: grains fall on a closed door until they lie still.
 
-Friction would leave large voids (the paper pours without it). The contacts are a quarter as
+All at once and without friction, which would leave large voids (the paper pours without it); or
+with friction, or layer by layer, where the case asks for that. The contacts are a quarter as
 stiff as the materials file says, which allows twice the time step; the run lets the packing
 settle once more under its own law before friction is switched on.
 """
@@ -8,6 +9,7 @@ settle once more under its own law before friction is switched on.
 import math
 import time
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,34 +29,46 @@ _PATIENCE = 6.0  # [s] of simulated time; a filling has settled long before
 Report = Callable[[str, float, str], None]  # phase, fraction done (0 to 1), words
 
 
-def rain(case: SiloCase, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, float]:
-    """Kinds (n,) and poses (n, 3) of enough grains to fill the silo, none touching another.
+class Layer(NamedTuple):
+    """What is poured at once: from a height to a height, over what lies there already [m]."""
 
-    They stand in staggered rows from the door up, in the silo and above it, each turned at
-    random; the lower they start, the sooner they lie still. Also returns how far [m] the side
-    walls must be prolonged to hold them.
+    begin: float
+    end: float
+    above: float  # how high what lies there reaches, bounding circles included; 0 for nothing
+
+
+def rain(
+    case: SiloCase, rng: np.random.Generator, layer: Layer | None = None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Kinds (n,) and poses (n, 3) of enough grains for a layer, none touching another.
+
+    They stand in staggered rows from the door up, or above what lies there, in the silo and over
+    it, each turned at random; the lower they start, the sooner they lie still. Also returns how
+    far [m] the side walls must be prolonged to hold them. Without a layer it is the whole filling.
     """
     from shapely import LineString, Polygon
 
     radius = case.shapes.bounding_radius
     pitch = 2.05 * radius
-    n = math.ceil(case.outline.area_below(case.settings.fill.level) * LOOSE / case.shapes.mean_area)
-    high = case.outline.raised(n * pitch)  # more than enough: one grain a row
+    begin, end, above = layer or Layer(0.0, case.settings.fill.level, 0.0)
+    area = case.outline.area_below(end) - (case.outline.area_below(begin) if begin else 0.0)
+    n = math.ceil(area * LOOSE / case.shapes.mean_area)
+    high = case.outline.raised(above + n * pitch)  # more than enough: one grain a row
     room = Polygon(high.polygon).buffer(-1.02 * radius)
     left, bottom, right, top = room.bounds if not room.is_empty else (0.0, 0.0, 0.0, 0.0)
     places: list[tuple[float, float]] = []
-    y = bottom + 1e-3 * pitch
+    y = max(bottom, above + radius if above else bottom) + 1e-3 * pitch
     staggered = False
     while len(places) < n and y < top:
         stretch = room.intersection(LineString([(left - 1, y), (right + 1, y)]))
         for line in getattr(stretch, "geoms", [stretch]):
             if line.is_empty:
                 continue
-            begin, _, end, _ = line.bounds
+            left_end, _, right_end, _ = line.bounds
             # Every second row stands over the gaps of the one below.
             first = left + (pitch / 2 if staggered else 0.0)
             columns = range(
-                math.ceil((begin - first) / pitch), math.floor((end - first) / pitch) + 1
+                math.ceil((left_end - first) / pitch), math.floor((right_end - first) / pitch) + 1
             )
             places += [(first + k * pitch, y) for k in columns]
         y += math.sqrt(0.75) * pitch
@@ -72,19 +86,42 @@ def rain(case: SiloCase, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarr
 
 def pour(case: SiloCase, seed: int, report: Report) -> Packing:
     """Fill the silo with the case's own engine."""
+    if case.settings.fill.layer is not None:
+        return pour_in_layers(case, seed, case.settings.fill.layer, report)
     kinds, poses, above = rain(case, np.random.default_rng(seed))
     sim = pouring(case, kinds, poses, case.outline.raised(above))
     sim.compile()
     begun = time.process_time()
-    settle(sim, case, report, "pouring", down_at(case, poses))
+    settle(sim, case, report, "pouring", down_at(poses, case.settings.fill.level))
     kinds, poses = level_off(case, kinds, sim.poses())
     sim = pouring(case, kinds, poses, case.outline)
     settle(sim, case, report, "levelling")
     return packed(case, sim, kinds, "dem", time.process_time() - begun)
 
 
+def pour_in_layers(case: SiloCase, seed: int, height: float, report: Report) -> Packing:
+    """Fill the silo by layers of a height [m]: each falls on those below, settles, is levelled."""
+    begun = time.process_time()
+    rng, level = np.random.default_rng(seed), case.settings.fill.level
+    kinds, poses = np.zeros(0, np.int64), np.zeros((0, 3))
+    n_layers = max(math.ceil(level / height - 1e-9), 1)
+    for k in range(n_layers):
+        top = (poses[:, 1].max() + case.shapes.bounding_radius) if len(poses) else 0.0
+        layer = Layer(k * height, min((k + 1) * height, level), top)
+        more, places, above = rain(case, rng, layer)
+        kinds, poses = np.concatenate([kinds, more]), np.concatenate([poses, places])
+        sim = pouring(case, kinds, poses, case.outline.raised(above))
+        phase = f"layer {k + 1} of {n_layers}"
+        settle(sim, case, report, phase, down_at(places, layer.end))
+        kinds, poses = level_off(case, kinds, sim.poses(), layer.end)
+        sim = pouring(case, kinds, poses, case.outline)
+        settle(sim, case, report, phase)
+        poses = sim.poses()
+    return packed(case, sim, kinds, "dem", time.process_time() - begun)
+
+
 def pouring(case: SiloCase, kinds: np.ndarray, poses: np.ndarray, outline: Outline) -> Simulation:
-    """A simulation of the filling, without friction, the door closed."""
+    """A simulation of the filling under its own laws, the door closed."""
     world = build_world(
         case.shapes.shapes,
         kinds,
@@ -100,10 +137,10 @@ def pouring(case: SiloCase, kinds: np.ndarray, poses: np.ndarray, outline: Outli
 
 
 def level_off(
-    case: SiloCase, kinds: np.ndarray, poses: np.ndarray
+    case: SiloCase, kinds: np.ndarray, poses: np.ndarray, level: float | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The grains up to the fill level, numbered in rows."""
-    below = poses[:, 1] <= case.settings.fill.level
+    """The grains up to a level [m], that of the filling if none is given, numbered in rows."""
+    below = poses[:, 1] <= (case.settings.fill.level if level is None else level)
     return in_rows(kinds[below], poses[below], 2 * case.shapes.bounding_radius)
 
 
@@ -118,9 +155,9 @@ def packed(
     return Packing(kinds, poses, fraction, sim.coordination(), poured_with, cpu_s)
 
 
-def down_at(case: SiloCase, poses: np.ndarray) -> float:
-    """When the highest grain of the rain can have fallen to the fill level, at the soonest [s]."""
-    drop = max(poses[:, 1].max() - case.settings.fill.level, 0.0)
+def down_at(poses: np.ndarray, level: float) -> float:
+    """When the highest grain of the rain can have fallen to a level [m], at the soonest [s]."""
+    drop = max(poses[:, 1].max() - level, 0.0)
     return math.sqrt(2 * drop / GRAVITY)
 
 

@@ -74,7 +74,7 @@ def fall(
         add_grain(space, shapes[kind], density, pose, SMOOTH, skin).body
         for kind, pose in zip(kinds, poses.tolist(), strict=True)
     ]
-    soonest = down_at(case, poses)
+    soonest = down_at(poses, case.settings.fill.level)
     now, start = 0.0, 0.0
     while True:
         for _ in range(_STEPS):

@@ -6,6 +6,7 @@ import numpy as np
 
 from contact.jit import njit
 from silo2d import state
+from silo2d.door import draw_on
 from silo2d.forces import apply_forces, overlap_now
 from silo2d.integrate import kinetic_energy, move
 from silo2d.neighbours import DONE, NEAR_FULL, NOT_FINITE, PAIRS_FULL, search
@@ -39,8 +40,14 @@ def advance(world, n_steps):
             outcome = search(world)
             if outcome != DONE:
                 return k, outcome
+        door = counts[state.DOOR]
+        load = bodies.row[door, state.FX]
+        if door > 0:
+            bodies.row[door, state.FX] = 0.0  # the force of this step alone does work
         apply_forces(bodies.row, close, forces, counts, books, laws[0], laws[1], dt)
         move(world)
+        if door > 0:
+            draw_on(world, load)
     return n_steps, DONE
 
 
@@ -79,6 +86,11 @@ class Simulation:
     def n_out(self) -> int:
         """Number of grains whose centroid has passed y = 0."""
         return int(self.world.counts[state.OUT])
+
+    @property
+    def door_moves(self) -> bool:
+        """Whether a door is being drawn."""
+        return bool(self.world.counts[state.DOOR])
 
     @property
     def steps(self) -> int:
@@ -153,7 +165,10 @@ class Simulation:
         )
 
     def energies(self) -> dict[str, float]:
-        """Kinetic, potential and elastic energies, dissipation so far, carried out [J]."""
+        """Kinetic, potential and elastic energies, dissipation so far, carried out [J].
+
+        With what a moving door took of them; they add up to a constant.
+        """
         self.refresh()
         world = self.world
         kinetic, potential, normal, tangential = energies(
@@ -165,6 +180,7 @@ class Simulation:
             "elastic_normal": normal,
             "elastic_tangential": tangential,
             "carried_out": float(world.books[state.CARRIED_OUT]),
+            "given_to_door": float(world.books[state.GIVEN_TO_DOOR]),
         }
         for first, pair in ((state.GRAIN_GRAIN, "grain_grain"), (state.GRAIN_WALL, "grain_wall")):
             for entry, how in enumerate(("normal_damping", "tangential_damping", "friction")):
@@ -183,6 +199,15 @@ class Simulation:
         """Take a wall away (open a door)."""
         self.world.bodies.layout[self.n_grains + index, [state.N_CORNERS, state.N_EDGES]] = 0
         self.world.counts[state.STALE] = 3
+
+    def draw_door(self, index: int, speed: float) -> None:
+        """Begin to draw a level wall to the right [m/s]; it ends at its right end and is gone."""
+        world, door = self.world, self.n_grains + index
+        start = world.vertices[world.bodies.layout[door, state.FIRST]]
+        world.bodies.row[door, [state.X, state.Y]] = start[[state.VERTEX_X, state.VERTEX_Y]]
+        world.bodies.row[door, [state.VX, state.UX]] = speed
+        world.bodies.layout[door, state.N_CORNERS] = 1
+        world.counts[[state.DOOR, state.STALE]] = door, 3
 
     def begin_phase(
         self, grain_law: Law, wall_law: Law, time_step: float, keep_slips: bool = False

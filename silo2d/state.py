@@ -24,12 +24,13 @@ VERTEX_X, VERTEX_Y, EDGE_X, EDGE_Y, INV_LENGTH2 = range(5)
 STEP, LIVE, OUT, STALE = range(4)
 GRAIN_PAIRS, PAIRS, GRAIN_NEAR, NEAR, GRAIN_CLOSE, CLOSE = range(4, 10)
 BODY_SEARCHES, NEAR_SEARCHES, CLOSE_SEARCHES = range(10, 13)
-N_COUNTS = 13
-# Entries of World.books [J]: what was dissipated how, grain-grain and then grain-wall; and the
-# kinetic and potential energy of grains that were dropped.
+DOOR = 13  # which body is a door that is being drawn; 0, a grain: none
+N_COUNTS = 14
+# Entries of World.books [J]: what was dissipated how, grain-grain and then grain-wall; the
+# energy of grains that were dropped; and what a moving door took, mostly less than nothing.
 NORMAL_DAMPING, TANGENTIAL_DAMPING, FRICTION = range(3)
-GRAIN_GRAIN, GRAIN_WALL, CARRIED_OUT = 0, 3, 6
-N_BOOKS = 7
+GRAIN_GRAIN, GRAIN_WALL, CARRIED_OUT, GIVEN_TO_DOOR = 0, 3, 6, 7
+N_BOOKS = 8
 
 BLOCK = 256  # close pairs that the force pass works on at once: their forces fill half of a cache
 MAX_VERTICES = 64  # of one shape: a contact's key has six bits for each

@@ -27,7 +27,9 @@ TABLES: dict[str, tuple[str, str]] = {
     "beverloo": ("beverloo", "flow rate against the outlet, here and in a wide silo"),
     "clogging": ("clogging", "how often 40, 60 and 100 mm clog (paper's Table 5)"),
     "discharge": ("discharge", "discharge times of the sixteen silos (paper's Tables 5 and 6)"),
+    "disorder": ("disorder", "A4 and A3 with parameters drawn from pair to pair"),
     "displacement": ("displacement", "profiles of the painted layers in A4 and D4"),
+    "filling": ("filling", "A3 and B3 poured in three ways, opened in two"),
     "sensitivity": ("sensitivity", "A4's time against each parameter (paper's Tables 7 to 11)"),
 }
 
