@@ -60,7 +60,10 @@ def run_cases(
     if missing:
         tasks, needs = _tasks(list(missing.values()), out)
         before = len(ended)
-        with Progress("sweep", quiet=quiet, memory=_MEMORY) as bar:
+        title = f"{len(missing)} runs"
+        if len(tasks) > len(missing):
+            title += f", {len(tasks) - len(missing)} packings"
+        with Progress(title, quiet=quiet, memory=_MEMORY) as bar:
             outcomes = run_tasks(
                 run_task, tasks, needs=needs, engine=engine, workers=workers,
                 scheduler=scheduler, report=lambda tally: bar.update(*_words(tally, before)),
@@ -145,7 +148,7 @@ def _words(tally: Tally, before: int) -> tuple[float, str]:
 def _row(labels: Labels, folder: Path, outcome: Outcome) -> dict[str, Any]:
     fields = dict(_flat(dataclasses.asdict(outcome.value))) if outcome.value else {}
     state = {"state": outcome.state, "reason": outcome.reason}
-    return {**fields, "run_folder": str(folder), **labels, **state}
+    return {**labels, **fields, "run_folder": str(folder), **labels, **state}  # labels in front
 
 
 def _flat(table: dict[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
