@@ -18,8 +18,8 @@ TIME_STEP = 2e-6
 def behind_door(reference) -> tuple[SiloCase, Simulation]:
     """The small silo, poured and its door closed."""
     case = SiloCase.load(reference.path / "case.toml")
-    (folder,) = (reference.path.parent / "packings").iterdir()
-    return case, Simulation(world_behind_door(case, load_packing(folder)))
+    (file,) = (reference.path.parent / "packings").glob("*/packing.h5")  # its lock lies beside it
+    return case, Simulation(world_behind_door(case, load_packing(file.parent)))
 
 
 def opened(case: SiloCase, sim: Simulation) -> Simulation:
