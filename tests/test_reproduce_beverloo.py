@@ -138,5 +138,5 @@ def test_every_run_is_asked_for_and_none_needs_to_come(monkeypatch, tmp_path):
     monkeypatch.setattr(sweep, "run_cases", run_cases)
     rows = beverloo.run(out=tmp_path, seeds=[1], workers=1, quiet=True)
     assert len(rows) == len(asked) == 2 * len(beverloo.OUTLETS) + len(beverloo.WIDE)
-    assert "interrupted: wide 28 mm, seed 1: Ctrl-C" in beverloo.report(rows)
+    assert "interrupted: wide 34 mm, seed 1: Ctrl-C" in beverloo.report(rows)
     assert write_figure(tmp_path / "b.png", lambda: beverloo.draw(rows)).exists()

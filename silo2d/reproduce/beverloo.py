@@ -26,7 +26,7 @@ SILOS = "A", "D"
 OUTLETS = 100, 110, 120, 130, 140, 150, 175, 200  # mm
 _PRESETS = {100: "3", 150: "4"}  # outlets that the paper has too
 # Outlets of the wide silo [mm], and when [s] some more than 30 % of its grains have left.
-WIDE = {28: 3.0, 34: 2.0, 40: 1.5, 46: 1.2, 52: 1.0}
+WIDE = {34: 2.0, 40: 1.5, 46: 1.2, 52: 1.0, 58: 0.9}
 WIDE_PART = 0.1, 0.3  # of the grains out, between which the wide silo's rate is taken
 _PER_PART = 10  # windows in it, for the Fano factor
 _KEPT = ["state", "reason", "outcome", "n_particles", "n_out", "packing_fraction", "time_step_s",

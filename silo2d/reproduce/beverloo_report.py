@@ -23,7 +23,7 @@ of the discharge, +- its standard error; d is the diameter of the disc of the me
 surface density of the packing; intervals of 95 % from a bootstrap about the fit.
 Silos A and D are OUTSIDE the law's range (300 mm wide, 6 to 13 grains an outlet, no long steady
 flow, A no flat floor): there the law is a way to interpolate, and C and k mean little. In the wide
-silo (210 mm, 5 to 10 grains an outlet, rate between 10 and 30 % out) it should hold."""
+silo (210 mm, 7 to 11 grains an outlet, rate between 10 and 30 % out) it should hold."""
 
 
 def known(rows: Sequence[Row]) -> list[Row]:
