@@ -23,10 +23,10 @@ def test_tail_of_an_exponential_distribution():
 
 
 def test_error_of_the_tail_is_the_spread_of_repeats():
-    """Two hundred samples of 1000 forces: their spread is the error given, to 20 % (both have an
-    uncertainty of 1/sqrt(2 * 200) = 5 %)."""
+    """A hundred and fifty samples of 500 forces: their spread is the error given, to 20 % (both
+    have an uncertainty of some 1/sqrt(2 * 150) = 6 %)."""
     chance = np.random.default_rng(5)
-    tails = [exponential_tail(chance.exponential(size=1000)) for _ in range(200)]
+    tails = [exponential_tail(chance.exponential(size=500)) for _ in range(150)]
     spread = np.std([tail.beta for tail in tails])
     assert np.mean([tail.error for tail in tails]) == pytest.approx(spread, rel=0.2)
 
