@@ -14,6 +14,7 @@ import os
 import platform
 import shutil
 import tempfile
+import time
 import warnings
 from functools import cache
 from pathlib import Path
@@ -42,7 +43,8 @@ if numba.config.CPU_FEATURES is None and platform.machine() in ("x86_64", "AMD64
         )
 
 _PACKAGES = ("contact", "silo2d", "damper3d")
-_KEPT_FOLDERS = 4  # older ones are pruned
+_KEPT_FOLDERS = 4  # older ones are pruned, but for those that somebody may be working with
+_IN_USE = 7 * 24 * 3600.0  # [s] since a folder was last asked for
 
 
 @cache
@@ -51,7 +53,7 @@ def cache_folder() -> str:
     root = Path(__file__).resolve().parent.parent
     text = hashlib.sha256(numba.__version__.encode())
     for package in _PACKAGES:
-        for path in sorted((root / package).glob("*.py")):
+        for path in sorted((root / package).rglob("*.py")):
             text.update(path.read_bytes())
     base = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
     kernels = (Path(base) if base else Path.home() / ".cache") / "granulab-kernels"
@@ -79,7 +81,8 @@ def _prune(kernels: Path, current: Path) -> None:
     others = [path for path in kernels.iterdir() if path != current]
     newest_first = sorted(others, key=lambda path: path.stat().st_mtime, reverse=True)
     for old in newest_first[_KEPT_FOLDERS:]:
-        shutil.rmtree(old, ignore_errors=True)
+        if time.time() - old.stat().st_mtime > _IN_USE:
+            shutil.rmtree(old, ignore_errors=True)
 
 
 def njit(function):

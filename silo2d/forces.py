@@ -51,11 +51,19 @@ def apply_forces(row, close, forces, counts, books, grain_law, wall_law, dt):
 
 @njit
 def apply_class(row, close, forces, law, first, last, book, dt):
-    """Contact forces of the pairs first ... last - 1, which obey one law, block by block."""
+    """Contact forces of the pairs first ... last - 1, which obey one law, block by block.
+
+    What is dissipated is summed over all blocks in the order of the list. Pairs that do not touch
+    add exact zeros, so that no bit of the book depends on when the list was made.
+    """
+    sums = 0.0, 0.0, 0.0
     for begin in range(first, last, BLOCK):
         n = min(last - begin, BLOCK)
         contact_forces(row, close, forces, law, begin, n, dt)
-        add_to_bodies(row, close, forces, begin, n, book, dt)
+        sums = add_to_bodies(row, close, forces, begin, n, sums)
+    book[NORMAL_DAMPING] += sums[0] * dt
+    book[TANGENTIAL_DAMPING] += sums[1] * dt
+    book[FRICTION] += sums[2]
 
 
 @njit
@@ -129,9 +137,12 @@ def overlap_now(row, close, n):
 
 
 @njit
-def add_to_bodies(row, close, forces, begin, n_pairs, book, dt):
-    """Add the forces of a block to its bodies, and what they dissipate to the book."""
-    normal, tangential, rubbed = 0.0, 0.0, 0.0
+def add_to_bodies(row, close, forces, begin, n_pairs, sums):
+    """Add the forces of a block to its bodies, and what they dissipate to the sums, returned.
+
+    sums: normal and tangential damping [W], friction [J].
+    """
+    normal, tangential, rubbed = sums
     for k in range(np.uintp(n_pairs)):
         n = np.uintp(begin) + k
         j, i = close.vertex_body[n], close.edge_body[n]
@@ -144,6 +155,4 @@ def add_to_bodies(row, close, forces, begin, n_pairs, book, dt):
         normal += forces.normal_power[k]
         tangential += forces.tangential_power[k]
         rubbed += forces.rubbed[k]
-    book[NORMAL_DAMPING] += normal * dt
-    book[TANGENTIAL_DAMPING] += tangential * dt
-    book[FRICTION] += rubbed
+    return normal, tangential, rubbed

@@ -14,7 +14,7 @@ from campaign.trajectory import read_trajectory
 from silo2d import protocol, state
 from silo2d.case import SiloCase
 from silo2d.discharge import Stopped
-from silo2d.observe import MECHANISMS, energy_closure
+from silo2d.observe import energy_closure
 
 G = 9.81
 STEP = 4e-6  # [s]
@@ -151,8 +151,9 @@ def test_times_count_from_the_start_of_the_motion(drawn, reference):
 def test_a_run_with_a_door_that_moves_goes_on_with_the_same_bits(drawn, tmp_path):
     """Stopped at random looks and gone on with, its lists made anew with other rooms.
 
-    Sums in the books go by blocks of close pairs, more than one while the heap still rests on the
-    door, and so their last bits by which pairs are close: tolerance 1e-12 of them."""
+    The heap that rests on the door has more close pairs than one block of the force pass holds:
+    the books, too, must not depend on which pairs are listed together.
+    """
     case = SiloCase.load(write_case(tmp_path, {"run.door_speed": "0.5 m/s"}))
     chance, stops, result = random.Random(5), 0, None
     stop = DischargeStop(lambda: chance.random() < 0.3)
@@ -164,10 +165,8 @@ def test_a_run_with_a_door_that_moves_goes_on_with_the_same_bits(drawn, tmp_path
     assert stops >= 5
     assert result.state_digest == drawn[0]["state_digest"]
     frames, others = (read_trajectory(f.path) for f in (the_run(tmp_path / "runs"), drawn[1]))
-    for name in ("time", "n_out", "x", "y", "angle", "vx", "vy", "spin", "out_time", "inside"):
+    for name in frames:
         assert frames[name].tobytes() == others[name].tobytes(), name
-    for name in (*MECHANISMS, "given_to_door"):
-        np.testing.assert_allclose(frames[name], others[name], rtol=1e-12, err_msg=name)
 
 
 @pytest.mark.parametrize(
