@@ -42,7 +42,8 @@ def impulses_of(
 
     fall is the speed [m/s] after a fall through the whole silo. Friction is the case's;
     restitution is what was measured of the pairs, or none. Raises InputError for a time step in
-    which a grain could pass a wall, and where no restitution was measured.
+    which a grain could pass a wall, where no restitution was measured, and for what only the
+    contact law can do.
     """
     if settings.run.engine != "pymunk":
         return None
@@ -54,6 +55,12 @@ def impulses_of(
         if asked:
             raise InputError(f"{where}: {what} goes with engine = 'dem'; leave one of them out")
     given = settings.pymunk
+    for key, is_on in (
+        ("[disorder] per", settings.disorder.per != "none"),
+        ("[run] door_speed", settings.run.door_speed is not None),
+    ):
+        if is_on:
+            raise InputError(f"{where}: {key} goes with engine = 'dem'; pymunk has no such thing")
     longest = _LONGEST_MOVE * min(shape.width for shape in shapes.shapes) / fall
     if given.time_step > longest:
         raise InputError(

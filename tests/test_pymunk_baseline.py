@@ -377,6 +377,8 @@ def test_a_case_tells_pymunk_the_pairs():
         (["--engine", "pymunk", "--iterations", "many"], ["iterations", "'many'", "integer"]),
         (["--engine", "pymunk", "--pymunk-time-step", "2 ms"],
          ["[pymunk] time_step = 2 ms", "1.3 m/s", "at most 2"]),
+        (["--engine", "pymunk", "--disorder", "pair"], ["[disorder] per", "engine = 'dem'"]),
+        (["--engine", "pymunk", "--door-speed", "1 m/s"], ["door_speed", "engine = 'dem'"]),
         (["--engine", "pymunk", "--pymunk-time-step", "0 ms"], ["time_step", "greater than 0"]),
         (["--engine", "pymunk", "--pymunk-time-step", "3"], ["time_step", "unit"]),
     ],
