@@ -55,12 +55,6 @@ def impulses_of(
         if asked:
             raise InputError(f"{where}: {what} goes with engine = 'dem'; leave one of them out")
     given = settings.pymunk
-    for key, is_on in (
-        ("[disorder] per", settings.disorder.per != "none"),
-        ("[run] door_speed", settings.run.door_speed is not None),
-    ):
-        if is_on:
-            raise InputError(f"{where}: {key} goes with engine = 'dem'; pymunk has no such thing")
     longest = _LONGEST_MOVE * min(shape.width for shape in shapes.shapes) / fall
     if given.time_step > longest:
         raise InputError(

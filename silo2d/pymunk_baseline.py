@@ -24,16 +24,14 @@ from silo2d.simulation import SimulationError
 if TYPE_CHECKING:
     import pymunk
 
-# Behind the door, until the impulses that carry the heap are found: each step
+# Behind the door, without friction, until the impulses that carry the heap are found: each step
 # begins with those of the step before. Longer only lets the heap sink into itself.
 _WARM_UP = 0.02  # [s]
 X, Y, ANGLE, VX, VY, SPIN = range(6)  # columns of Baseline.motion
 
 
 class Baseline:
-    """The grains of a packing in a pymunk space, behind the closed door.
-
-    Friction is that of the filling, none unless asked for, until the door opens.
+    """The grains of a packing in a pymunk space, behind the closed door, without friction.
 
     motion       x, y [m], angle [rad], vx, vy [m/s], spin [rad/s] (n_grains, 6)
     out_time     when each centroid passed y = 0 (n_grains,) [s]; NaN before
@@ -56,8 +54,7 @@ class Baseline:
         # for three steps, and the walls' loads would not add up to the momentum given to them.
         self._space.collision_persistence = 1
         elasticity = factors(*self._told.restitution)
-        poured = factors(*(law.mu for law in case.pour_laws))
-        grain, wall = (Surface(*both) for both in zip(poured, elasticity, strict=True))
+        grain, wall = (Surface(0.0, value) for value in elasticity)
         self._walls = add_walls(self._space, case.outline.walls().segments, wall)
         self._grains = [
             add_grain(self._space, shape, case.surface_density, pose, grain)
