@@ -42,7 +42,8 @@ def impulses_of(
 
     fall is the speed [m/s] after a fall through the whole silo. Friction is the case's;
     restitution is what was measured of the pairs, or none. Raises InputError for a time step in
-    which a grain could pass a wall, and where no restitution was measured.
+    which a grain could pass a wall, where no restitution was measured, and for what only the
+    contact law can do.
     """
     if settings.run.engine != "pymunk":
         return None

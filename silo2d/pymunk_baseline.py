@@ -54,10 +54,10 @@ class Baseline:
         # for three steps, and the walls' loads would not add up to the momentum given to them.
         self._space.collision_persistence = 1
         elasticity = factors(*self._told.restitution)
-        segments = case.outline.walls().segments
-        self._walls = add_walls(self._space, segments, Surface(0.0, elasticity[1]))
+        grain, wall = (Surface(0.0, value) for value in elasticity)
+        self._walls = add_walls(self._space, case.outline.walls().segments, wall)
         self._grains = [
-            add_grain(self._space, shape, case.surface_density, pose, Surface(0.0, elasticity[0]))
+            add_grain(self._space, shape, case.surface_density, pose, grain)
             for shape, pose in zip(shapes, packing.poses.tolist(), strict=True)
         ]
         self.motion = np.column_stack([packing.poses, np.zeros((len(shapes), 3))])

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import SURFACE_DENSITY, block, disc
 from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
-from test_resume import assert_same_run
+from test_resume import COSTS
 
 from campaign.folder import RunFolder
 from campaign.trajectory import read_trajectory
@@ -230,6 +230,19 @@ def run_quietly(case, root) -> RunFolder:
     return the_run(root)
 
 
+def assert_same_run(run: RunFolder, other: RunFolder) -> None:
+    """Same answers, and the same bits in every frame."""
+    answers = [folder.read_summary() for folder in (run, other)]
+    assert answers[0].keys() == answers[1].keys()
+    for name in answers[0].keys() - COSTS:
+        assert answers[0][name] == answers[1][name], name
+    frames = [read_trajectory(folder.path) for folder in (run, other)]
+    assert frames[0].keys() == frames[1].keys()
+    for name in frames[0]:
+        # Equal as bytes: NaN, of those that stay, equals NaN.
+        assert frames[0][name].tobytes() == frames[1][name].tobytes(), name
+
+
 @pytest.fixture(scope="module")
 def finished_pymunk(_finished_root, tmp_path_factory) -> RunFolder:
     """A finished run by pymunk of the small silo, seed 1; to be read only."""
@@ -377,6 +390,9 @@ def test_a_case_tells_pymunk_the_pairs():
         (["--engine", "pymunk", "--iterations", "many"], ["iterations", "'many'", "integer"]),
         (["--engine", "pymunk", "--pymunk-time-step", "2 ms"],
          ["[pymunk] time_step = 2 ms", "1.3 m/s", "at most 2"]),
+        (["--engine", "pymunk", "--disorder", "pair", "--time-step", "1 us"],
+         ["[disorder] per", "engine = 'dem'"]),
+        (["--engine", "pymunk", "--door-speed", "1 m/s"], ["door_speed", "engine = 'dem'"]),
         (["--engine", "pymunk", "--pymunk-time-step", "0 ms"], ["time_step", "greater than 0"]),
         (["--engine", "pymunk", "--pymunk-time-step", "3"], ["time_step", "unit"]),
     ],
