@@ -1,0 +1,39 @@
+"""The commands that look around and write templates: init, list, show."""
+
+from pathlib import Path
+
+import click
+
+from silo2d.commands.options import out_option
+
+
+@click.command()
+@click.argument("file")
+@click.option("--study", is_flag=True, help="Write a study file instead.")
+def init(file: str, study: bool) -> None:
+    """Write a case file with a comment on every key."""
+    from contact.datafile import data_file
+    from silo2d.library import write_new
+
+    template = data_file(*(("studies", "friction") if study else ("cases", "example")))
+    assert template is not None  # shipped
+    write_new(Path(file), template.read_text(encoding="utf-8"))
+    click.echo(f"wrote {file}; run it with: silo2d {'sweep' if study else 'run'} {file}")
+
+
+@click.command("list")
+@out_option
+def list_(out: str) -> None:
+    """What there is: presets, shapes, materials; packings and runs with their state and size."""
+    from silo2d.library import listing
+
+    click.echo(listing(Path(out)))
+
+
+@click.command()
+@click.argument("name")
+def show(name: str) -> None:
+    """A preset, case file, shape set, materials file or run folder in words and numbers."""
+    from silo2d.library import description
+
+    click.echo(description(name))

@@ -1,0 +1,127 @@
+"""The commands on runs that are there: render, observe, compare, export."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from silo2d.commands.options import (
+    announce_compilation,
+    case_options,
+    changes_of,
+    json_option,
+    out_option,
+    quiet_option,
+)
+
+
+@click.command()
+@click.argument("folder")
+@click.option("--no-film", is_flag=True, help="Make the pictures only.")
+def render(folder: str, no_film: bool) -> None:
+    """Make the pictures and the film of a run again from its folder."""
+    from campaign.folder import resume_run
+    from silo2d.picture import make_figures
+
+    for path in make_figures(resume_run(folder).path, film=not no_film):
+        click.echo(path)
+
+
+@click.command()
+@click.argument("folder")
+@click.argument("what", required=False)
+@click.option("--no-figures", is_flag=True, help="Print the numbers only.")
+@json_option
+def observe(folder: str, what: str | None, no_figures: bool, as_json: bool) -> None:
+    """Measure something of a run: numbers on stdout, a picture in figures/.
+
+    Without WHAT it says what can be measured.
+    """
+    from campaign.folder import resume_run
+    from silo2d.measures import MEASURES, find
+    from silo2d.sheet import write_figure
+
+    if what is None:
+        click.echo("\n".join(f"{name:15} {text}" for name, (_, text) in MEASURES.items()))
+        return
+    found, path = find(what), resume_run(folder).path
+    numbers = found.measure(path)
+    if as_json:
+        click.echo(json.dumps(numbers, indent=2))
+    else:
+        lines = (f"{k:32} {v:.4g}" if isinstance(v, float) else f"{k:32} {v}"
+                 for k, v in numbers.items() if not isinstance(v, (list, dict)))  # fmt: skip
+        click.echo("\n".join(lines))
+    if not no_figures:
+        picture = write_figure(path / "figures" / f"{what}.png", lambda: found.draw(path))
+        click.echo(picture, err=True)
+
+
+@click.command()
+@click.argument("runs_or_case", metavar="RUN RUN | CASE", nargs=-1, required=True)
+@click.option("--engines", metavar="dem,pymunk", help="Run a case by both, and compare these runs.")
+@click.option("--seeds", type=click.IntRange(1), metavar="3", help="With --engines: seeds 1 to N.")
+@case_options
+@out_option
+@click.option("--no-figures", is_flag=True, help="Make no picture.")
+@quiet_option
+@json_option
+def compare(
+    runs_or_case: tuple[str, ...], engines: str | None, seeds: int | None, seed: str | None,
+    mu: str | None, keep_ratios: bool, out: str, no_figures: bool, quiet: bool, as_json: bool,
+    **options: str | None,
+) -> None:  # fmt: skip
+    """Set two runs side by side: times, curves, cost.
+
+    For example: silo2d compare --engines dem,pymunk A4
+    """
+    from silo2d import compare as comparison
+    from silo2d.sheet import write_figure
+
+    changes = changes_of(seed, mu, keep_ratios, options)
+    if engines is None and (len(runs_or_case) != 2 or changes or seeds):
+        raise click.UsageError("give two run folders; or --engines dem,pymunk, a case and options")
+    if engines is not None and len(runs_or_case) != 1:
+        raise click.UsageError("--engines compares the runs of one case; give one")
+    if engines is None:
+        pairs = [comparison.compare(*runs_or_case)]
+        second = Path(pairs[0]["runs"][1]["run_folder"]).resolve()
+        path = Path(runs_or_case[0]) / "figures" / f"beside-{second.name}.png"
+    else:
+        folders = _by_engines(runs_or_case[0], engines, seeds, changes, Path(out), quiet)
+        pairs = [comparison.compare(*pair) for pair in folders]
+        path = Path(folders[0][0]) / "figures" / f"beside-{Path(folders[0][1]).name}.png"
+    answer = {"pairs": pairs, "mean_curve": comparison.mean_distance(pairs)}
+    click.echo(json.dumps(answer, indent=2) if as_json else comparison.table(pairs))
+    if not no_figures:
+        click.echo(write_figure(path, lambda: comparison.draw(pairs)), err=True)
+
+
+def _by_engines(
+    case: str, engines: str, seeds: int | None, changes: dict[str, Any], out: Path, quiet: bool
+) -> list[list[str]]:
+    """The folders of a case's runs by two engines, a pair a seed."""
+    from campaign.terminal import Progress, StopRequest
+    from silo2d.engines import engine_pair, run_engines
+
+    if "run.engine" in changes or (seeds and "run.seed" in changes):
+        raise click.UsageError("--engines and --seeds say this; leave --engine and --seed out")
+    chosen = range(1, seeds + 1) if seeds else [changes.get("run.seed", 1)]
+    pair = engine_pair(engines)
+    announce_compilation(quiet)
+    with StopRequest() as stop, Progress(case, quiet=quiet) as bar:
+        return run_engines(case, changes, pair, chosen, out, bar.update, lambda: stop.requested)
+
+
+@click.command()
+@click.argument("folder")
+@click.option("--to", required=True, metavar="vtkhdf|csv", help="The format.")
+@click.option("-o", "--output", metavar="PATH", help="File (vtkhdf) or folder for tables (csv).")
+def export(folder: str, to: str, output: str | None) -> None:
+    """Write a run for other programs: ParaView (vtkhdf) or tables (csv)."""
+    from campaign.folder import resume_run
+    from silo2d.export import export as write
+
+    for path in write(resume_run(folder).path, to, output):
+        click.echo(path)
