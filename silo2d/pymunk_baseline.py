@@ -88,13 +88,14 @@ class Baseline:
     def run(self, n_steps: int) -> None:
         """Advance by n_steps. Raises SimulationError where a grain has passed a wall."""
         for _ in range(n_steps):
+            before = self.motion[:, Y].copy()
             self._space.step(self.time_step)
             self.steps += 1
             self._load += self._readings.wall_impulses()
             self._load_steps += 1
             self.motion[self.live] = self._readings.motion()
             if (self.motion[self.live, Y] < 0.0).any():
-                self._let_out()
+                self._let_out(before)
         inside = self.motion[self.live]
         lost = strays(self._outline, inside[inside[:, Y] > 0.0, : Y + 1])
         if lost or not np.isfinite(inside).all():
@@ -103,11 +104,16 @@ class Baseline:
                 f"{self.time_step * 1e3:g} ms; give a shorter [pymunk] time_step"
             )
 
-    def _let_out(self) -> None:
-        """Note when grains pass y = 0, and drop those that are below it entirely."""
+    def _let_out(self, before: np.ndarray) -> None:
+        """Note when grains pass y = 0, and drop those that are below it entirely.
+
+        before: heights (n_grains,) [m] a step ago. Not the velocities: those of now are what the
+        step's impulses left, while it moved the grains by those before it, and overlaps apart.
+        """
         low = self.live[self.motion[self.live, Y] < 0.0]
         new = low[np.isnan(self.out_time[low])]
-        self.out_time[new] = self.time - self.motion[new, Y] / self.motion[new, VY]
+        y = self.motion[new, Y]
+        self.out_time[new] = self.time - self.time_step * y / (y - before[new])
         gone = low[self.motion[low, Y] < self._lowest[low]]
         if len(gone):
             self.carried_out += sum(self._energy(gone))

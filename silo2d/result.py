@@ -133,6 +133,8 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
         "lips": np.array(case.outline.lips),
         "level": case.settings.fill.level,
     }
+    if case.settings.run.door_speed is not None:
+        attributes["door_speed"] = case.settings.run.door_speed
     return static, attributes
 
 

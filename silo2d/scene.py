@@ -62,6 +62,16 @@ class Scene:
         """End points of the walls (w - 1, 2, 2) [m], without the door."""
         return self.trajectory.static["wall_segments"][:-1]
 
+    def door(self, frame: int) -> NDArray[np.float64]:
+        """What is left of a door that is being drawn (1, 2, 2) [m], or nothing (0, 2, 2)."""
+        speed = self.trajectory.attributes.get("door_speed")  # none: it is gone at once
+        ends = []
+        if speed is not None:
+            (left, y), (right, _) = self.trajectory.attributes["lips"]
+            left += speed * self.time[frame]
+            ends = [[(left, y), (right, y)]] if left < right else []
+        return np.array(ends).reshape(-1, 2, 2)
+
     @cached_property
     def window(self) -> tuple[float, float, float, float]:
         """Left, right, bottom and top of what is worth showing [m]."""

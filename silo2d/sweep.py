@@ -78,7 +78,7 @@ def run_cases(
 
 def run_task(task: _Task, stop: Stop) -> Result | None:
     """Run a case, or fill its packing; in a worker."""
-    compile_kernels()
+    compile_kernels(drawn=task.case.disorder is not None and not task.fill_only)
     try:
         if task.fill_only:
             protocol.get_packing(task.case, task.out, lambda fraction, text: None, stop)

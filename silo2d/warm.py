@@ -21,14 +21,18 @@ _SMALL = {
 }
 
 
-def compile_kernels() -> None:
-    """Compile what is not compiled yet; whoever else is about to waits until it is done."""
+def compile_kernels(*, drawn: bool = False) -> None:
+    """Compile what is not compiled yet; whoever else is about to waits until it is done.
+
+    drawn: those for pairs that draw their constants, which are kernels of their own.
+    """
     folder = Path(cache_folder())
-    done = folder / "all-compiled"
+    done = folder / ("drawn-compiled" if drawn else "all-compiled")
     if done.exists():
         return
     with FileLock(folder / ".lock"):
         if not done.exists():
             with tempfile.TemporaryDirectory() as place:
-                protocol.run(SiloCase.load("A4", _SMALL), out=place)
+                disorder = {"disorder.per": "pair"} if drawn else {}
+                protocol.run(SiloCase.load("A4", _SMALL | disorder), out=place)
             done.touch()

@@ -45,7 +45,7 @@ def cluster() -> Iterator[str]:
     from distributed import LocalCluster
 
     with LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None,
+        n_workers=2, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0",
         protocol="tcp://", host="127.0.0.1", silence_logs=logging.CRITICAL,
     ) as local:  # fmt: skip
         yield local.scheduler_address

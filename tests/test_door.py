@@ -13,8 +13,10 @@ from test_bad_input import assert_refused
 from campaign.trajectory import read_trajectory
 from silo2d import protocol, state
 from silo2d.case import SiloCase
+from silo2d.charts import energy_chart
 from silo2d.discharge import Stopped
 from silo2d.observe import energy_closure
+from silo2d.scene import read_scene
 
 G = 9.81
 STEP = 4e-6  # [s]
@@ -134,6 +136,24 @@ def test_books_close_with_a_moving_door(drawn):
     assert abs(answer["energy_closure"]) < 0.01
     unaccounted, _ = energy_closure(frames)
     assert abs(unaccounted).max() < 0.01 * frames["potential"][0]
+
+
+def test_pictures_have_the_door_where_it_is(drawn, reference):
+    """From outlet x/2 = -25 mm at 0.5 m/s to the right lip, in all pictures of frames, and its work
+    in the chart; a door that is gone at once is not drawn."""
+    scene = read_scene(drawn[1].path)
+    for frame, t in enumerate(scene.time):
+        expected = [[(-0.025 + 0.5 * t, 0.0), (0.025, 0.0)]] if t < 0.0999 else np.zeros((0, 2, 2))
+        np.testing.assert_allclose(scene.door(frame), expected, atol=1e-12)
+    assert len(scene.door(0)) > len(scene.door(len(scene.time) - 1))
+    held, *_ = energy_chart(scene).axes
+    lines = {line.get_label(): line.get_ydata() for line in held.lines}
+    given = -scene.trajectory["given_to_door"][-1]
+    assert lines["work of the door"][-1] == pytest.approx(given) != 0
+    plain = read_scene(reference.path)
+    assert not len(plain.door(0))
+    held, *_ = energy_chart(plain).axes
+    assert "work of the door" not in [line.get_label() for line in held.lines]
 
 
 def test_times_count_from_the_start_of_the_motion(drawn, reference):

@@ -79,6 +79,14 @@ def test_layers_come_to_rest_one_on_the_other(filled):
     assert layers.coordination > 3.0
 
 
+def test_one_layer_is_the_rain_at_once(filled, tmp_path):
+    """A layer as high as the level, or higher: the same bits."""
+    _, once = filled["frictionless"]
+    packing = pour(small_case(tmp_path, {"fill.layer": "150 mm"}), 1, silent)
+    np.testing.assert_array_equal(packing.kinds, once.kinds)
+    np.testing.assert_array_equal(packing.poses, once.poses)
+
+
 def test_packings_of_different_protocols_are_kept_apart():
     """And a default one is named as before there were protocols."""
     cases = [SiloCase.load("A4", changes) for changes in PROTOCOLS.values()]

@@ -209,6 +209,21 @@ def test_a_lost_grain_is_an_error(heap):
         sim.run(1)
 
 
+def test_a_grain_is_out_when_its_centroid_passes_the_outlet(tmp_path):
+    """In free fall y = y0 - g t (t - dt)/2 at the steps, and on the chord between two of them: the
+    step moves a grain by the velocity before it. Tolerance: rounding."""
+    case, height = small_case(tmp_path, PYMUNK), 0.05
+    kinds, poses = np.zeros(1, dtype=int), np.array([[0.0, height, 0.0]])
+    sim = Baseline(case, Packing(kinds, poses, 0.0, 0.0, "by hand", 0.0))
+    sim.open_door()
+    sim.run(500)
+    t = STEP * np.arange(501)
+    y = height - GRAVITY * t * (t - STEP) / 2
+    last = int(np.argmax(y < 0)) - 1
+    expected = t[last] + STEP * y[last] / (y[last] - y[last + 1])
+    assert sim.out_time[0] == pytest.approx(expected, abs=1e-12)
+
+
 def test_without_friction_between_grains_walls_may_have_some(tmp_path):
     """mu_gg = 0 has no factor for mu_gw; 1e-12 stands for it."""
     case = small_case(tmp_path, {**PYMUNK, "law.mu_particle": 0.0, "law.mu_wall": 0.4})
