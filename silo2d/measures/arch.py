@@ -29,7 +29,7 @@ from campaign.folder import FolderError
 from contact.quantity import InputError
 from silo2d.measures.contacts import GRAVITY, Moment, read_moments
 from silo2d.measures.network import draw_grains, draw_network
-from silo2d.measures.silo import sides
+from silo2d.measures.silo_geometry import sides
 from silo2d.scene import GRAIN_EDGE, GREY, INK, ORANGE, PAPER, VERMILION
 
 if TYPE_CHECKING:

@@ -18,8 +18,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from silo2d.measures.curve import leavers, steady_part
-from silo2d.measures.grains import Series, grain_size, in_silo, numbers, outlet_centre
+from silo2d.measures.curve import steady_part
+from silo2d.measures.grains import (
+    FEWEST_OUT,
+    Series,
+    grain_size,
+    in_silo,
+    leavers,
+    numbers,
+    outlet_centre,
+)
 from silo2d.scene import BLUE, GREEN, GREY, VERMILION, Scene, read_scene
 
 if TYPE_CHECKING:
@@ -36,7 +44,9 @@ def measure(
     """The index with its error in bands of height [m], and the velocities [m/s] it is made of.
 
     band      height of a band [m]; a tenth of the fill level unless given
-    window    from and until [s]; the steady part of the discharge, or the whole run, unless given
+    window    from and until [s]; the steady part of the discharge, or all of it, unless given
+
+    Without a window it raises InputError where fewer than twenty grains left.
     """
     scene = read_scene(folder)
     band = band or float(scene.trajectory.attributes["level"]) / _BANDS
@@ -62,8 +72,9 @@ def measure(
 
 
 def _steady_window(scene: Scene) -> tuple[float, float]:
-    steady = steady_part(*leavers(scene))
-    return (steady.start, steady.end) if steady else (0.0, float(scene.time[-1]))
+    times, mass = leavers(scene, FEWEST_OUT, "a mass flow index")
+    steady = steady_part(times, mass)
+    return (steady.start, steady.end) if steady else (0.0, float(times[-1]))
 
 
 def _flow(index: float | None, error: float | None) -> str | None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from silo2d.measures.coarse import Floats
+from silo2d.measures.coarse_graining import Floats
 from silo2d.measures.contacts import Moment, read_moments
 from silo2d.scene import BLUE, GREEN, GREY, INK, VERMILION, WALL, Scene
 
