@@ -21,6 +21,7 @@ import numpy as np
 from silo2d.measures.grains import FEWEST_OUT, Series, leavers
 from silo2d.observe import discharge_measures
 from silo2d.scene import BLUE, GREEN, GREY, INK, read_scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -170,7 +171,7 @@ def draw(folder: Path) -> "Figure":
 
     scene, numbers = read_scene(folder), measure(folder)
     figure = Figure(figsize=(7.5, 6.4), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     curve, rate = figure.subplots(2, 1, sharex=True)
     times = [0.0, *numbers["out_times_s"]]
     curve.step(times, range(len(times)), where="post", color=INK)

@@ -27,6 +27,7 @@ from silo2d.measures.field_map import draw_map
 from silo2d.measures.grains import areas, grain_size
 from silo2d.measures.silo_geometry import inside_mask, inside_polygon
 from silo2d.scene import BLUE, GREEN, GREY, ORANGE, Scene, read_scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -187,10 +188,7 @@ def draw(folder: Path) -> "Figure":
     field = field_of(scene, flow_frames(scene))
     time = scene.time[field.frames]
     figure = Figure(figsize=(14, 5.8), layout=ConstrainedLayoutEngine(w_pad=0.15))
-    figure.suptitle(
-        f"{scene.headline}; mean from {time[0]:.2f} to {time[-1]:.2f} s",
-        x=0.01, ha="left", fontsize=13, fontweight="bold",
-    )  # fmt: skip
+    headline(figure, f"{scene.headline}; mean from {time[0]:.2f} to {time[-1]:.2f} s")
     solid, speed, lines = figure.subplots(1, 3, width_ratios=[1, 1, 1.1])
     fraction = _filled(field.solid)
     draw_map(solid, scene, field.grid, fraction, "packing fraction",

@@ -39,6 +39,7 @@ from silo2d.measures.grains import grain_size
 from silo2d.measures.silo_geometry import outwards, sides
 from silo2d.measures.wall_traction import STRETCH, Tractions, tractions
 from silo2d.scene import BLUE, GREY, INK, VERMILION, Scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -226,7 +227,7 @@ def draw(folder: Path) -> "Figure":
     scene = moments[0].scene
     rows = {in_words(name, chosen): chosen for name, chosen in states(moments).items()}
     figure = Figure(figsize=(11, 4.6 * len(rows)), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     for axes, (words, chosen) in zip(
         figure.subplots(len(rows), 3, squeeze=False, sharey=True), rows.items(), strict=True
     ):

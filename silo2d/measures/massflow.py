@@ -29,6 +29,7 @@ from silo2d.measures.grains import (
     outlet_centre,
 )
 from silo2d.scene import BLUE, GREEN, GREY, VERMILION, Scene, read_scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -160,7 +161,7 @@ def draw(folder: Path) -> "Figure":
     rows = [row for row in found["bands"] if row["index"] is not None]
     height = [500 * (row["from_m"] + row["until_m"]) for row in rows]
     figure = Figure(figsize=(8.2, 4.8), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     speeds, index = figure.subplots(1, 2, sharey=True)
     speeds.plot([r["centre_m_per_s"] for r in rows], height, "o-", color=BLUE, label="centre line")
     speeds.plot([r["wall_m_per_s"] for r in rows], height, "o-", color=VERMILION, label="walls")

@@ -13,6 +13,7 @@ import numpy as np
 
 from silo2d.measures.grains import Series, column_edges, leavers, start_height
 from silo2d.scene import BLUE, GREY, INK, WALL, Scene, read_scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -78,7 +79,7 @@ def draw(folder: Path) -> "Figure":
 
     scene, numbers = read_scene(folder), measure(folder)
     figure = Figure(figsize=(9.2, 5.2), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     grid = figure.add_gridspec(2, 2, width_ratios=[1.25, 1])
     _starting_places(figure, figure.add_subplot(grid[:, 0]), scene)
     levels, places = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])

@@ -31,6 +31,7 @@ from silo2d.measures.field_map import draw_map
 from silo2d.measures.grains import grain_size
 from silo2d.measures.silo_geometry import inside_mask, inside_polygon
 from silo2d.scene import INK, WALL, Scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -173,7 +174,7 @@ def draw(folder: Path) -> "Figure":
     scene = moments[0].scene
     panels = {in_words(k, chosen): stress_of(chosen) for k, chosen in states(moments).items()}
     figure = Figure(figsize=(5.3 * len(panels), 6.6), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     grid = figure.subplots(1, len(panels), squeeze=False)[0]
     highest = max(field.pressure.max() for field in panels.values())
     for axes, (words, field) in zip(grid, panels.items(), strict=True):
