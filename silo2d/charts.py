@@ -16,6 +16,7 @@ from silo2d.scene import (
     VERMILION,
     Scene,
 )
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -207,7 +208,7 @@ def _canvas(
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=size, layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)
     for axes in grid[:, 0]:
         axes.grid(axis="y", color="#e6e3dc", lw=0.7)

@@ -12,6 +12,7 @@ from campaign.folder import FolderError, RunFolder, resume_run
 from campaign.trajectory import Trajectory, read_trajectory
 from silo2d.observe import discharge_curve
 from silo2d.scene import BLUE, GREY, INK
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -159,7 +160,7 @@ def draw(pairs: Sequence[dict[str, Any]]) -> "Figure":
     silos = dict.fromkeys(row["silo"] for pair in pairs for row in pair["runs"])
     title = f"Silo {', '.join(silos)}: {labels[0]} and {labels[1]}"
     title += f", {len(pairs)} seeds" if len(pairs) > 1 else ""
-    figure.suptitle(title, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, title)
     for number, pair in enumerate(pairs):
         times = [discharge_curve(read_trajectory(row["run_folder"]))[0] for row in pair["runs"]]
         for label, colour, left in zip(labels, (INK, BLUE), times, strict=True):

@@ -27,6 +27,11 @@ _STYLE: Any = {
 }
 
 
+def headline(figure: "Figure", words: str) -> None:
+    """Put what a figure shows over it, on the left."""
+    figure.suptitle(words, x=0.01, ha="left", fontsize=13, fontweight="bold")
+
+
 def write_figure(path: Path, draw: "Callable[[], Figure]") -> Path:
     """Write what `draw` makes as a PNG; its path. FolderError where it cannot be written."""
     from matplotlib import rc_context

@@ -214,6 +214,9 @@ def test_stress_of_a_grain_between_two_forces(run):
             "bodies": np.array([[3, wall], [3, wall + 1]]),  # the force is that on the wall
             "point": centre + reach * ends,
             "force": press * ends,
+            "normal": ends,
+            "overlap": np.full(2, 1e-6),
+            "slides": np.zeros(2, bool),
         },
     )
     shape = load_shapes("wood19").shapes[scene.trajectory.static["kind"][3]]

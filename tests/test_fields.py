@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from small_silo import silo2d
 
 from silo2d.measures import fields
-from silo2d.measures.coarse import Grid, grid_round, intervals_at, part_inside
-from silo2d.measures.silo import areas, inside_polygon
+from silo2d.measures.coarse_graining import Grid, grid_round, intervals_at, part_inside
+from silo2d.measures.grains import areas
+from silo2d.measures.silo_geometry import inside_polygon
 from silo2d.outline import hopper, outline_from_polygon
 from silo2d.scene import read_scene
 
@@ -183,4 +184,4 @@ def test_a_run_that_hardly_flowed_has_no_flow_field(runs, tmp_path):
     silo2d("run", case, "-o", runs, "--no-figures", "--quiet")
     answer = silo2d("observe", the_run(runs).path, "fields", "--no-figures")
     assert (answer.code, answer.err.count("\n")) == (2, 1)
-    assert "too few" in answer.err
+    assert "a mean over the flow needs 20 grains" in answer.err

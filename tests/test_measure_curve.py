@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from moved_run import falling, write_moved_run
 
+from contact.quantity import InputError
 from silo2d.measures import curve, find
 from silo2d.outline import hopper
 from silo2d.sheet import write_figure
@@ -77,11 +78,22 @@ def test_moving_rate_counts_every_grain_once():
     assert rate[apart].sum() * 0.1 == pytest.approx((times < covered).sum())
 
 
-def test_curve_of_a_clogged_run_has_no_rate_but_a_picture(tmp_path):
-    """Nobody leaves."""
+def test_no_curve_where_nobody_leaves(tmp_path):
+    """One line says so."""
     write_moved_run(tmp_path, lambda s, t: falling(s, t, 0.0), silo=SILO, n_frames=5)
+    for ask in (curve.measure, curve.draw):
+        with pytest.raises(InputError, match="0 grains left: a discharge curve needs one"):
+            ask(tmp_path)
+
+
+def test_curve_of_a_clogged_run_has_no_rate_but_a_picture(tmp_path):
+    """Three grains leave."""
+    write_moved_run(
+        tmp_path, lambda s, t: falling(s, t, 0.0), silo=SILO, n_frames=5,
+        out_time=lambda s: np.where(np.arange(len(s)) < 3, 0.01, np.nan),
+    )  # fmt: skip
     numbers = curve.measure(tmp_path)
-    assert numbers["n_out"] == 0
+    assert numbers["n_out"] == 3
     assert numbers["mean_rate_per_s"] is numbers["steady_rate_per_s"] is None
     assert write_figure(tmp_path / "none.png", lambda: curve.draw(tmp_path)).exists()
 

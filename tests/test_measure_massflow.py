@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from moved_run import falling, write_moved_run
 
+from contact.quantity import InputError
 from silo2d.measures import find, massflow
 from silo2d.measures.grains import grain_size
 from silo2d.outline import hopper
@@ -127,3 +128,14 @@ def test_massflow_of_a_run_is_json_and_a_picture(reference, tmp_path):
     found = find("massflow")
     json.dumps(found.measure(reference.path), allow_nan=False)
     assert write_figure(tmp_path / "m.png", lambda: found.draw(reference.path)).stat().st_size
+
+
+def test_no_index_where_few_leave(tmp_path):
+    """Grains that only tremble have no steady part: without a window one line says so."""
+    write_moved_run(
+        tmp_path, lambda s, t: falling(s, t, 0.0), silo=FLAT, n_frames=5,
+        out_time=lambda s: np.where(np.arange(len(s)) < 19, 0.01, np.nan),
+    )  # fmt: skip
+    with pytest.raises(InputError, match="19 grains left: a mass flow index needs 20 grains"):
+        massflow.measure(tmp_path)
+    assert massflow.measure(tmp_path, window=(0.0, 0.04))["bands"]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from moved_run import falling, write_moved_run
 
+from contact.quantity import InputError
 from silo2d.measures import find, residence
 from silo2d.outline import hopper
 from silo2d.sheet import write_figure
@@ -61,11 +62,11 @@ def test_columns_tell_where_grains_wait(tmp_path):
 
 
 def test_nobody_leaves(tmp_path):
-    """What does not exist is None; and there is a picture all the same."""
+    """There is no residence time, which one line says."""
     write_moved_run(tmp_path, lambda s, t: falling(s, t, 0.0), silo=SILO)
-    numbers = residence.measure(tmp_path)
-    assert numbers["mean_s"] is numbers["order_by_height"] is None
-    assert write_figure(tmp_path / "none.png", lambda: residence.draw(tmp_path)).exists()
+    for ask in (residence.measure, residence.draw):
+        with pytest.raises(InputError, match="0 grains left: a residence time needs one at least"):
+            ask(tmp_path)
 
 
 def test_residence_of_a_run_is_json_and_a_picture(reference, tmp_path):

@@ -73,4 +73,11 @@ def test_states_of_a_run(reference):
     assert found["before_opening"] == moments[:1]
     first, last = flowing(moments[0].scene)
     assert 0 < first < last
-    assert all(0 < m.time < moments[-1].time for m in found["flow"])
+    during = [m for m in moments if first <= m.time <= last]
+    assert found["flow"] == during != []
+    # With none stored meanwhile it is the one nearest to the middle, and never the first.
+    outside = [m for m in moments if m not in during]
+    (one,) = states(outside)["flow"]
+    middle = (first + last) / 2
+    assert abs(one.time - middle) == min(abs(m.time - middle) for m in outside[1:])
+    assert "flow" not in states(moments[:1])

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from small_silo import silo2d
 
 from silo2d.measures import janssen
-from silo2d.measures.coarse import Grid, along_branches, grid_round
+from silo2d.measures.coarse_graining import Grid, along_branches, grid_round
 from silo2d.measures.contacts import read_moments
 from silo2d.measures.stress import contact_stress, kinetic_stress, moving, stress_of, virial
-from silo2d.measures.tractions import tractions
+from silo2d.measures.wall_traction import tractions
 from silo2d.outline import hopper
 
 BLOCK = scenes.block(20e-3, 10e-3)
@@ -184,6 +184,15 @@ def test_friction_of_the_walls_carries_what_is_missing():
     assert (missing > between[:-1] - 3e-3 * total).all()
     assert (missing < between[1:] + 3e-3 * total).all()
     assert missing[-1] > 0.2 * total
+
+
+@pytest.mark.parametrize(("share", "words"), [(1.62, "62 % more"), (0.85, "15 % less")])
+def test_what_the_lowest_slab_carries_in_words(share, words):
+    """In a flow it may carry more than rests on it: of an excess it is not said to be less."""
+    weight = np.array([50.0, 100.0])
+    found = janssen.Column(np.array([0.2, 0.1]), share * weight, weight, weight, 0.3 * weight,
+                           500.0, 0.3)  # fmt: skip
+    assert janssen._in_words(found) == f"lowest slab carries {words} than the weight above"
 
 
 def slices(mu: float, ratio: float, n: int = 420):

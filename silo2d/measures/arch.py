@@ -29,8 +29,9 @@ from campaign.folder import FolderError
 from contact.quantity import InputError
 from silo2d.measures.contacts import GRAVITY, Moment, read_moments
 from silo2d.measures.network import draw_grains, draw_network
-from silo2d.measures.silo import sides
+from silo2d.measures.silo_geometry import sides
 from silo2d.scene import GRAIN_EDGE, GREY, INK, ORANGE, PAPER, VERMILION
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -241,7 +242,7 @@ def draw(folder: Path) -> "Figure":
     moment = last_clogged_moment(folder)
     arch, scene = find_arch(moment), moment.scene
     figure = Figure(figsize=(10.5, 5.6), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     whole, near = figure.subplots(1, 2, width_ratios=[1, 1.6])
     pressing = moment.pairs[1]
     unit = float(pressing[pressing > 0].mean())

@@ -3,18 +3,19 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from campaign.folder import FolderError
 from campaign.trajectory import Tables, read_tables
+from silo2d.measures.grains import FEWEST_OUT, leavers
 from silo2d.scene import Scene, read_scene
 
 Floats = NDArray[np.float64]
 GRAVITY = 9.81  # [m/s2]
 STATES = "before_opening", "flow", "end"
-FEWEST_OUT = 20  # grains that leave, for a mean over the flow
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +83,29 @@ class Moment:
         return pairs, force
 
 
+class Branches(NamedTuple):
+    """From the centroid of a grain to each contact it has, of all grains (k); SI.
+
+    grain         (k,)
+    start, end    (k, 2) centroid and contact point
+    force         (k, 2) on the grain
+    """
+
+    grain: NDArray[np.int64]
+    start: Floats
+    end: Floats
+    force: Floats
+
+
+def branches(moment: Moment) -> Branches:
+    """Of a moment: a contact of two grains has two branches, one with a wall the grain's alone."""
+    of_two = ~moment.at_wall
+    grain = np.concatenate([moment.bodies[:, 0], moment.bodies[of_two, 1]])
+    point = np.concatenate([moment.point, moment.point[of_two]])
+    force = np.concatenate([-moment.force, moment.force[of_two]])
+    return Branches(grain, moment.centres[grain], point, force)
+
+
 def read_moments(folder: str | Path) -> list[Moment]:
     """All moments of a run that have contacts, the first just before the opening.
 
@@ -91,7 +115,7 @@ def read_moments(folder: str | Path) -> list[Moment]:
     tables = read_tables(folder, "contacts")
     if not len(tables):
         raise FolderError(f"{folder}: no contacts yet; wait until the silo has opened")
-    return [_moment(scene, tables, k) for k in range(len(tables)) if _is_read(scene, tables, k)]
+    return [moment_at(scene, tables, k) for k in range(len(tables)) if _is_read(scene, tables, k)]
 
 
 def _is_read(scene: Scene, tables: Tables, k: int) -> bool:
@@ -99,7 +123,8 @@ def _is_read(scene: Scene, tables: Tables, k: int) -> bool:
     return bool(tables.frame[k] < len(scene.time))
 
 
-def _moment(scene: Scene, tables: Tables, k: int) -> Moment:
+def moment_at(scene: Scene, tables: Tables, k: int) -> Moment:
+    """The k-th moment that the contacts of a run hold."""
     kept = tables.at(k)
     numbers = {key: kept[key].astype(np.float64) for key in ("point", "force", "normal", "overlap")}
     return Moment(
@@ -114,15 +139,10 @@ def _moment(scene: Scene, tables: Tables, k: int) -> Moment:
 def flowing(scene: Scene, share: tuple[float, float] = (0.1, 0.5)) -> tuple[float, float]:
     """From when to when [s] these parts of the grains that leave had left.
 
-    The first tenth starts the flow; after the half the silo is rather empty. Raises FolderError
+    The first tenth starts the flow; after the half the silo is rather empty. Raises InputError
     where fewer than FEWEST_OUT grains left.
     """
-    times = scene.trajectory["out_time"][-1]
-    times = np.sort(times[~np.isnan(times)])
-    if len(times) < FEWEST_OUT:
-        raise FolderError(
-            f"{len(times)} grains left: too few for a mean over the flow; take a run that flows"
-        )
+    times, _ = leavers(scene, FEWEST_OUT, "a mean over the flow")
     first, last = (times[int(part * len(times))] for part in share)
     return float(first), float(last)
 
@@ -136,10 +156,17 @@ def states(moments: list[Moment]) -> dict[str, list[Moment]]:
     found = {"before_opening": moments[:1]}
     if scene.trajectory["n_out"][-1] >= FEWEST_OUT:
         first, last = flowing(scene)
-        found["flow"] = [m for m in moments if first <= m.time <= last] or moments[1:2]
+        during = [m for m in moments if first <= m.time <= last]
+        flow = during or _nearest(moments[1:], (first + last) / 2)
+        found |= {"flow": flow} if flow else {}
     if scene.summary.get("outcome") in ("clogged", "clogged_at_opening"):
         found["end"] = moments[-1:]
     return found
+
+
+def _nearest(moments: list[Moment], time: float) -> list[Moment]:
+    """The moment nearest to a time [s]; none of none."""
+    return [min(moments, key=lambda m: abs(m.time - time))] if moments else []
 
 
 def in_words(name: str, moments: list[Moment]) -> str:
@@ -148,5 +175,7 @@ def in_words(name: str, moments: list[Moment]) -> str:
         return "just before the opening"
     if name == "end":
         return f"clogged, {moments[0].time:.2f} s"
+    if len(moments) == 1:
+        return f"flow, one moment, {moments[0].time:.2f} s"
     span = f"{moments[0].time:.2f} to {moments[-1].time:.2f} s"
     return f"flow, mean of {len(moments)} moments, {span}"

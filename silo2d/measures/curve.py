@@ -18,9 +18,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from silo2d.measures.grains import Series
+from silo2d.measures.grains import FEWEST_OUT, Series, leavers
 from silo2d.observe import discharge_measures
-from silo2d.scene import BLUE, GREEN, GREY, INK, Scene, read_scene
+from silo2d.scene import BLUE, GREEN, GREY, INK, read_scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +38,7 @@ _STEADY = [
     "steady_mass_flow_error_kg_per_s",
     "fano_factor",
 ]
-_FEWEST_OUT, _FEWEST_WINDOWS = 20, 4  # for a rate; for a Fano factor
+_FEWEST_WINDOWS = 4  # for a Fano factor
 
 
 @dataclass(frozen=True)
@@ -70,16 +71,9 @@ class Steady:
         return self.mass / (self.end - self.start)
 
 
-def leavers(scene: Scene) -> tuple[Series, Series]:
-    """Times [s] at which grains left, ascending, and their masses [kg]."""
-    times, mass = scene.trajectory["out_time"][-1], scene.trajectory.static["mass"]
-    order = np.argsort(times)[: int((~np.isnan(times)).sum())]
-    return times[order], mass[order]
-
-
 def usual_window(times: Series) -> float | None:
     """A tenth of the time between 10 % and 90 % out [s]; None where too few leave for a rate."""
-    if len(times) < _FEWEST_OUT:
+    if len(times) < FEWEST_OUT:
         return None
     between = float(np.quantile(times, 0.9) - np.quantile(times, 0.1))
     return between / 10 if between > 0 else None
@@ -136,9 +130,11 @@ def _longest(holds: np.ndarray) -> tuple[int, int]:
 
 
 def measure(folder: Path, window: float | None = None) -> dict[str, Any]:
-    """Rates [1/s and kg/s] with errors, the steady part [s], and the curve itself."""
-    scene = read_scene(folder)
-    times, mass = leavers(scene)
+    """Rates [1/s and kg/s] with errors, the steady part [s], and the curve itself.
+
+    Raises InputError where no grain left.
+    """
+    times, mass = leavers(read_scene(folder), 1, "a discharge curve")
     known = discharge_measures(times, mass)
     window = window or usual_window(times)
     steady = steady_part(times, mass, window)
@@ -175,13 +171,16 @@ def draw(folder: Path) -> "Figure":
 
     scene, numbers = read_scene(folder), measure(folder)
     figure = Figure(figsize=(7.5, 6.4), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     curve, rate = figure.subplots(2, 1, sharex=True)
     times = [0.0, *numbers["out_times_s"]]
     curve.step(times, range(len(times)), where="post", color=INK)
     curve.set_ylabel("grains out")
     if numbers["window_s"] is not None:
         _draw_rate(rate, numbers)
+    else:
+        words = f"no rate: it takes {FEWEST_OUT} grains that do not leave at once"
+        rate.set_title(words, loc="left", fontsize=9)
     rate.set_ylabel("grains/s")
     rate.set_xlabel("time since the opening [s]")
     for axes in (curve, rate):

@@ -21,11 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaign.folder import FolderError
-from silo2d.measures.coarse import Grid, grid_round, part_inside
+from silo2d.measures.coarse_graining import Grid, grid_round, part_inside
 from silo2d.measures.contacts import flowing
-from silo2d.measures.maps import draw_map
-from silo2d.measures.silo import areas, inside_mask, inside_polygon, typical_size
+from silo2d.measures.field_map import draw_map
+from silo2d.measures.grains import areas, grain_size
+from silo2d.measures.silo_geometry import inside_mask, inside_polygon
 from silo2d.scene import BLUE, GREEN, GREY, ORANGE, Scene, read_scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,6 +37,7 @@ Floats = NDArray[np.float64]
 
 HEIGHTS = 0.2, 0.4, 0.6  # of the profiles, over the fill level
 _LEAST_DENSITY = 0.02  # of the largest: where there is less, no velocity is given
+_LEAST_DRAWN = 0.1  # packing fraction for a velocity in the picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +69,7 @@ def field_of(scene: Scene, frames: NDArray[np.int64], width: float | None = None
     width of the Gaussian [m]; one typical grain size (root of the mean area) unless given.
     """
     polygon = inside_polygon(scene)
-    grid = grid_round(polygon.min(axis=0), polygon.max(axis=0), width or typical_size(scene))
+    grid = grid_round(polygon.min(axis=0), polygon.max(axis=0), width or grain_size(scene))
     size = areas(scene)
     sums = np.zeros((4, len(grid.y), len(grid.x)))
     for frame in frames:
@@ -117,7 +120,7 @@ def measure(folder: Path) -> dict[str, Any]:
                                   negative; None outside), mass_flow_kg_per_s through it
     fields                        x_m, y_m, packing fraction, velocity_x, velocity_y (j, i)
 
-    Raises FolderError for a run of which fewer than twenty grains left.
+    Raises InputError for a run of which fewer than twenty grains left.
     """
     scene = read_scene(folder)
     field = field_of(scene, flow_frames(scene))
@@ -179,22 +182,22 @@ def _listed(values: Floats) -> list[Any]:
 def draw(folder: Path) -> "Figure":
     """Maps of packing fraction and speed, and profiles of the vertical velocity."""
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     scene = read_scene(folder)
     field = field_of(scene, flow_frames(scene))
     time = scene.time[field.frames]
-    figure = Figure(figsize=(14, 5.8), layout="constrained")
-    figure.suptitle(
-        f"{scene.headline}; mean from {time[0]:.2f} to {time[-1]:.2f} s",
-        x=0.01, ha="left", fontsize=13, fontweight="bold",
-    )  # fmt: skip
+    figure = Figure(figsize=(14, 5.8), layout=ConstrainedLayoutEngine(w_pad=0.15))
+    headline(figure, f"{scene.headline}; mean from {time[0]:.2f} to {time[-1]:.2f} s")
     solid, speed, lines = figure.subplots(1, 3, width_ratios=[1, 1, 1.1])
-    draw_map(solid, scene, field.grid, np.nan_to_num(_filled(field.solid)), "packing fraction",
+    fraction = _filled(field.solid)
+    draw_map(solid, scene, field.grid, fraction, "packing fraction",
              cmap="YlOrBr", vmin=0.4, vmax=0.95)  # fmt: skip
     magnitude = np.hypot(*field.velocity)
-    inside = inside_mask(inside_polygon(scene), field.grid)
-    draw_map(speed, scene, field.grid, np.nan_to_num(magnitude), "speed [m/s]",
-             cmap="YlGnBu", vmin=0, vmax=np.nanmax(magnitude[inside]))  # fmt: skip
+    inside = inside_mask(inside_polygon(scene), field.grid) & (field.solid > _LEAST_DRAWN)
+    shown = np.where(fraction > _LEAST_DRAWN, magnitude, np.nan)
+    draw_map(speed, scene, field.grid, shown, "speed [m/s]",
+             cmap="YlGnBu", vmin=0, vmax=magnitude[inside].max())  # fmt: skip
     _arrows(speed, field, inside)
     _draw_profiles(lines, scene, field)
     return figure

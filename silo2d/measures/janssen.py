@@ -25,12 +25,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.quantity import InputError
-from silo2d.measures.coarse import Floats
-from silo2d.measures.contacts import GRAVITY, STATES, Moment, in_words, read_moments, states
-from silo2d.measures.silo import outwards, sides, typical_size
-from silo2d.measures.stress import branches
-from silo2d.measures.tractions import STRETCH, Tractions, tractions
+from silo2d.measures.coarse_graining import Floats
+from silo2d.measures.contacts import (
+    GRAVITY,
+    STATES,
+    Moment,
+    branches,
+    in_words,
+    read_moments,
+    states,
+)
+from silo2d.measures.grains import grain_size
+from silo2d.measures.silo_geometry import outwards, sides
+from silo2d.measures.wall_traction import STRETCH, Tractions, tractions
 from silo2d.scene import BLUE, GREY, INK, VERMILION, Scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -106,7 +115,7 @@ def column(moments: list[Moment]) -> Column:
     segments = scene.walls[walls]
     low, width = segments[:, :, 1].min(axis=1).max(), float(np.ptp(segments[:, :, 0]))
     top = float(scene.trajectory["y"][0][scene.trajectory["inside"][0]].max())
-    n = max(int((top - low) / (STRETCH * typical_size(scene))), 1)
+    n = max(int((top - low) / (STRETCH * grain_size(scene))), 1)
     levels = np.linspace(top, low, n + 1)
     slabs = np.column_stack([levels[1:], levels[:-1]])
     means = np.mean([_slabs(m, slabs, width, walls) for m in moments], axis=0)
@@ -140,7 +149,7 @@ def _slabs(moment: Moment, slabs: Floats, width: float, walls: list[int]) -> Flo
     """
     low, high = slabs[:, :1], slabs[:, 1:]
     thick = (high - low)[:, 0]
-    start, end, force = branches(moment)
+    _, start, end, force = branches(moment)
     part = np.clip(end[:, 1], low, high) - np.clip(start[:, 1], low, high)
     vertical = -(part @ force[:, 1]) / (width * thick)
     y = moment.centres[moment.inside, 1]
@@ -218,7 +227,7 @@ def draw(folder: Path) -> "Figure":
     scene = moments[0].scene
     rows = {in_words(name, chosen): chosen for name, chosen in states(moments).items()}
     figure = Figure(figsize=(11, 4.6 * len(rows)), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     for axes, (words, chosen) in zip(
         figure.subplots(len(rows), 3, squeeze=False, sharey=True), rows.items(), strict=True
     ):
@@ -247,15 +256,16 @@ def _draw_column(axes: "Axes", found: Column, words: str) -> None:
 def _in_words(found: Column) -> str:
     if abs(found.friction) < _FRICTIONLESS:
         return "frictionless filling: Janssen's law is hydrostatic"
-    missing = 100 * (1 - found.vertical[-1] / found.weight[-1])
-    return f"lowest slab carries {missing:.0f} % less than the weight above"
+    excess = 100 * (found.vertical[-1] / found.weight[-1] - 1)
+    how = "more" if excess > 0 else "less"
+    return f"lowest slab carries {abs(excess):.0f} % {how} than the weight above"
 
 
 def _draw_tractions(axes: "Axes", walls: list[Tractions], kind: str) -> None:
+    walls = [wall for wall in walls if "floor" not in wall.name]  # all at one height
     for wall in walls:
         colour = VERMILION if "right" in wall.name else BLUE
-        kinds = "hopper", "floor"
-        style = "--" if any(word in wall.name for word in kinds) else "-"
+        style = "--" if "hopper" in wall.name else "-"
         axes.plot(getattr(wall, kind), wall.height, style, marker="o", ms=3, color=colour,
                   label=wall.name)  # fmt: skip
     axes.axvline(0, color=GREY, lw=0.6)

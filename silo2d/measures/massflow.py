@@ -18,9 +18,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from silo2d.measures.curve import leavers, steady_part
-from silo2d.measures.grains import Series, grain_size, in_silo, numbers, outlet_centre
+from silo2d.measures.curve import steady_part
+from silo2d.measures.grains import (
+    FEWEST_OUT,
+    Series,
+    grain_size,
+    in_silo,
+    leavers,
+    numbers,
+    outlet_centre,
+)
 from silo2d.scene import BLUE, GREEN, GREY, VERMILION, Scene, read_scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +45,9 @@ def measure(
     """The index with its error in bands of height [m], and the velocities [m/s] it is made of.
 
     band      height of a band [m]; a tenth of the fill level unless given
-    window    from and until [s]; the steady part of the discharge, or the whole run, unless given
+    window    from and until [s]; the steady part of the discharge, or all of it, unless given
+
+    Without a window it raises InputError where fewer than twenty grains left.
     """
     scene = read_scene(folder)
     band = band or float(scene.trajectory.attributes["level"]) / _BANDS
@@ -62,8 +73,9 @@ def measure(
 
 
 def _steady_window(scene: Scene) -> tuple[float, float]:
-    steady = steady_part(*leavers(scene))
-    return (steady.start, steady.end) if steady else (0.0, float(scene.time[-1]))
+    times, mass = leavers(scene, FEWEST_OUT, "a mass flow index")
+    steady = steady_part(times, mass)
+    return (steady.start, steady.end) if steady else (0.0, float(times[-1]))
 
 
 def _flow(index: float | None, error: float | None) -> str | None:
@@ -149,7 +161,7 @@ def draw(folder: Path) -> "Figure":
     rows = [row for row in found["bands"] if row["index"] is not None]
     height = [500 * (row["from_m"] + row["until_m"]) for row in rows]
     figure = Figure(figsize=(8.2, 4.8), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     speeds, index = figure.subplots(1, 2, sharey=True)
     speeds.plot([r["centre_m_per_s"] for r in rows], height, "o-", color=BLUE, label="centre line")
     speeds.plot([r["wall_m_per_s"] for r in rows], height, "o-", color=VERMILION, label="walls")

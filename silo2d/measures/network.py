@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from silo2d.measures.coarse import Floats
+from silo2d.measures.coarse_graining import Floats
 from silo2d.measures.contacts import Moment, read_moments
 from silo2d.scene import BLUE, GREEN, GREY, INK, VERMILION, WALL, Scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -113,7 +114,7 @@ def draw(folder: Path) -> "Figure":
     moments = read_moments(folder)
     scene = moments[0].scene
     figure = Figure(figsize=(11.5, 6.2), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     panels = figure.subplots(1, 3, width_ratios=[1, 1, 1.25])
     before, end = moments[0], _last_shown(moments)
     scale = before.pairs[1]

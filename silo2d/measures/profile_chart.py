@@ -7,6 +7,7 @@ import numpy as np
 
 from silo2d.measures.grains import Series, column_edges
 from silo2d.scene import BLUE, INK, PAPER, VERMILION, WALL, WOOD, Scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +27,7 @@ def profile_sheet(scene: Scene, frames: Sequence[int], lines: Series, depth: Ser
     height = _PANEL_WIDTH * (top - bottom) / (right - left) + 0.45
     size = max(columns * (_PANEL_WIDTH + 0.15), 4.5), rows * height + 0.55
     figure = Figure(figsize=size, layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     panels = figure.subplots(rows, columns, squeeze=False)
     for panel in panels.flat:
         panel.set_axis_off()

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from silo2d.measures.grains import Series, column_edges, start_height
+from silo2d.measures.grains import Series, column_edges, leavers, start_height
 from silo2d.scene import BLUE, GREY, INK, WALL, Scene, read_scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,17 +23,20 @@ _COLOURS = "viridis_r"
 
 
 def measure(folder: Path) -> dict[str, Any]:
-    """Mean and standard deviation [s] by layer and by column, order of leaving, who stays."""
+    """Mean and standard deviation [s] by layer and by column, order of leaving, who stays.
+
+    Raises InputError where no grain left.
+    """
     scene = read_scene(folder)
+    left, _ = leavers(scene, 1, "a residence time")
     static, times = scene.trajectory.static, scene.trajectory["out_time"][-1]
     names, layer = np.unique(static["layer"], return_inverse=True)
     edges = column_edges(scene)
     column = np.digitize(scene.trajectory["x"][0], edges[1:-1])
-    left = times[~np.isnan(times)]
     return {
         "n_out": len(left),
         "n_staying": int(np.isnan(times).sum()),
-        "mean_s": float(left.mean()) if len(left) else None,
+        "mean_s": float(left.mean()),
         "sd_s": float(left.std(ddof=1)) if len(left) > 1 else None,
         "order_by_height": order_of_leaving(start_height(scene), times),
         "by_layer": [
@@ -75,7 +79,7 @@ def draw(folder: Path) -> "Figure":
 
     scene, numbers = read_scene(folder), measure(folder)
     figure = Figure(figsize=(9.2, 5.2), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     grid = figure.add_gridspec(2, 2, width_ratios=[1.25, 1])
     _starting_places(figure, figure.add_subplot(grid[:, 0]), scene)
     levels, places = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
@@ -98,7 +102,7 @@ def _starting_places(figure: "Figure", panel: "Axes", scene: Scene) -> None:
     from matplotlib.colors import Normalize
 
     times = scene.trajectory["out_time"][-1]
-    colour = ScalarMappable(Normalize(0, np.nanmax(times, initial=1e-9)), colormaps[_COLOURS])
+    colour = ScalarMappable(Normalize(0, np.nanmax(times)), colormaps[_COLOURS])
     for grains, outlines in scene.outlines(0):
         fills = colour.to_rgba(times[grains])
         fills[np.isnan(times[grains])] = (0.86, 0.86, 0.86, 1)

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from silo2d.measures.grains import Series, grain_size, outlet_centre
 from silo2d.scene import Scene, read_scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -184,7 +185,7 @@ def draw(folder: Path) -> "Figure":
     scene = read_scene(folder)
     walls = sliding(scene)
     figure = Figure(figsize=(9.2, 2.3 * len(walls) + 0.8), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     panels = figure.subplots(len(walls), 1, sharex=True, squeeze=False)[:, 0]
     speeds = np.concatenate([wall.speed[np.isfinite(wall.speed)] for wall in walls.values()])
     fastest = max(float(np.quantile(speeds, 0.98)) if len(speeds) else 0.0, 2 * THRESHOLD)

@@ -25,11 +25,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from silo2d.measures.coarse import Grid, along_branches, grid_round
-from silo2d.measures.contacts import STATES, Moment, in_words, read_moments, states
-from silo2d.measures.maps import draw_map
-from silo2d.measures.silo import inside_mask, inside_polygon, typical_size
-from silo2d.scene import INK, Scene
+from silo2d.measures.coarse_graining import Grid, along_branches, grid_round
+from silo2d.measures.contacts import STATES, Moment, branches, in_words, read_moments, states
+from silo2d.measures.field_map import draw_map
+from silo2d.measures.grains import grain_size
+from silo2d.measures.silo_geometry import inside_mask, inside_polygon
+from silo2d.scene import INK, WALL, Scene
+from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,27 +75,15 @@ class StressField:
         )
 
 
-def branches(moment: Moment) -> tuple[Floats, Floats, Floats]:
-    """Start and end (k, 2) [m] of the branch of each grain at each contact, and force on it [N].
-
-    A contact of two grains has two branches, one with a wall the grain's alone.
-    """
-    first, second = moment.bodies.T
-    grain = ~moment.at_wall
-    start = np.concatenate([moment.centres[first], moment.centres[second[grain]]])
-    end = np.concatenate([moment.point, moment.point[grain]])
-    return start, end, np.concatenate([-moment.force, moment.force[grain]])
-
-
 def virial(moment: Moment) -> Floats:
     """- sum f (x) b over all branches (2, 2) [N m]: the integral of the contact stress."""
-    start, end, force = branches(moment)
+    _, start, end, force = branches(moment)
     return -force.T @ (end - start)
 
 
 def contact_stress(moment: Moment, grid: Grid) -> Floats:
     """The contact part (2, 2, j, i) [N/m]."""
-    start, end, force = branches(moment)
+    _, start, end, force = branches(moment)
     points, weights = along_branches(start, end)
     each = -force[:, :, None] * (end - start)[:, None, :]
     per_branch = len(points) // max(len(start), 1)
@@ -127,7 +117,7 @@ def stress_of(moments: list[Moment], width: float | None = None) -> StressField:
     """
     scene = moments[0].scene
     corners = scene.walls.reshape(-1, 2)
-    grid = grid_round(corners.min(axis=0), corners.max(axis=0), width or typical_size(scene))
+    grid = grid_round(corners.min(axis=0), corners.max(axis=0), width or grain_size(scene))
     contact = np.mean([contact_stress(m, grid) for m in moments], axis=0)
     kinetic = np.mean([kinetic_stress(scene, m.frame, grid) for m in moments], axis=0)
     return StressField(grid, contact, kinetic, len(moments))
@@ -147,7 +137,7 @@ def measure(folder: Path) -> dict[str, Any]:
     """
     moments = read_moments(folder)
     fields = {name: stress_of(chosen) for name, chosen in states(moments).items()}
-    numbers: dict[str, Any] = {"width_m": typical_size(moments[0].scene)}
+    numbers: dict[str, Any] = {"width_m": grain_size(moments[0].scene)}
     for name in STATES:
         of = _numbers(fields[name]) if name in fields else dict.fromkeys(_KEYS)
         numbers |= {f"{name}_{key}": value for key, value in of.items()}
@@ -184,30 +174,38 @@ def draw(folder: Path) -> "Figure":
     scene = moments[0].scene
     panels = {in_words(k, chosen): stress_of(chosen) for k, chosen in states(moments).items()}
     figure = Figure(figsize=(5.3 * len(panels), 6.6), layout="constrained")
-    figure.suptitle(scene.headline, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    headline(figure, scene.headline)
     grid = figure.subplots(1, len(panels), squeeze=False)[0]
+    highest = max(field.pressure.max() for field in panels.values())
     for axes, (words, field) in zip(grid, panels.items(), strict=True):
-        _draw_field(axes, scene, field)
+        draw_map(axes, scene, field.grid, field.pressure, "pressure [N/m]",
+                 cmap="YlGnBu", vmin=0, vmax=highest)  # fmt: skip
+        inside = inside_mask(inside_polygon(scene), field.grid)
+        _draw_crosses(axes, field, inside, 2 * highest)
         axes.set_title(words, fontsize=10)
+    words = "crosses: principal stresses; colours and lengths on one scale"
+    figure.supxlabel(words, x=0.01, ha="left", fontsize=8, color=WALL)
     return figure
 
 
-def _draw_field(axes: "Axes", scene: Scene, field: StressField) -> None:
-    draw_map(axes, scene, field.grid, field.pressure, "pressure [N/m]", cmap="YlGnBu", vmin=0)
-    _draw_crosses(axes, field, inside_mask(inside_polygon(scene), field.grid))
+def _draw_crosses(
+    axes: "Axes", field: StressField, inside: NDArray[np.bool_], longest: float
+) -> None:
+    """Both principal stresses as lines in their directions, every third point.
 
+    longest: the stress [N/m] whose line reaches from one drawn point to the next.
+    """
+    from matplotlib.collections import LineCollection
 
-def _draw_crosses(axes: "Axes", field: StressField, inside: NDArray[np.bool_]) -> None:
-    """Both principal stresses as lines in their directions, every third point."""
     larger, smaller, angle = field.principal()
     step = 3
     chosen = np.zeros_like(inside)
     chosen[::step, ::step] = True
     j, i = np.nonzero(chosen & inside)
-    longest = larger[j, i].max(initial=1e-12)
-    half = 0.55 * step * (field.grid.x[1] - field.grid.x[0])
+    reach = 1.1 * step * (field.grid.x[1] - field.grid.x[0]) / max(longest, 1e-12)
+    place = np.column_stack([field.grid.x[i], field.grid.y[j]])
     for stress, turn in ((larger, 0.0), (smaller, np.pi / 2)):
-        length = half * stress[j, i] / longest
-        dx, dy = length * np.cos(angle[j, i] + turn), length * np.sin(angle[j, i] + turn)
-        x, y = field.grid.x[i], field.grid.y[j]
-        axes.plot(np.stack([x - dx, x + dx]), np.stack([y - dy, y + dy]), color=INK, lw=0.9)
+        towards = np.column_stack([np.cos(angle[j, i] + turn), np.sin(angle[j, i] + turn)])
+        half = reach * stress[j, i, None] * towards
+        lines = np.stack([place - half, place + half], axis=1)
+        axes.add_collection(LineCollection(list(lines), colors=INK, linewidths=0.9))

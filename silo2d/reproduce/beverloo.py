@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from silo2d.measures.curve import Steady, leavers, part_between, steady_part
+from silo2d.measures.curve import Steady, part_between, steady_part
+from silo2d.measures.grains import leavers
 from silo2d.scene import read_scene
 
 if TYPE_CHECKING:

@@ -1,11 +1,10 @@
-"""What measures ask of a run's silo and grains: its inside, sizes, sides of the walls."""
-
-from itertools import pairwise
+"""The silo's geometry as measures need it: its inside, sides and directions of the walls."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from silo2d.measures.coarse import Grid, intervals_at
+from silo2d.measures.coarse_graining import Grid, intervals_at
+from silo2d.measures.grains import outlet_centre
 from silo2d.scene import Scene
 
 Floats = NDArray[np.float64]
@@ -17,27 +16,10 @@ def inside_polygon(scene: Scene) -> Floats:
     return points[np.r_[True, np.any(points[1:] != points[:-1], axis=1)]]
 
 
-def areas(scene: Scene) -> Floats:
-    """Area of each grain (n,) [m2], from the outlines kept for drawing (0.1 % small: chords)."""
-    static = scene.trajectory.static
-    points, start = static["shape_points"], static["shape_start"]
-    area = []
-    for first, last in pairwise(start):
-        x, y = points[first:last].T
-        area.append(0.5 * (x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
-    return np.array(area)[static["kind"]]
-
-
-def typical_size(scene: Scene) -> float:
-    """Root of the mean area of the grains [m]."""
-    return float(np.sqrt(areas(scene).mean()))
-
-
 def sides(scene: Scene) -> NDArray[np.int64]:
     """-1 for walls left of the outlet's middle, 1 for those right of it, 0 for the door (w,)."""
-    lips = scene.trajectory.attributes["lips"]
     middles = scene.trajectory.static["wall_segments"].mean(axis=1)[:, 0]
-    side = np.where(middles < np.mean([lips[0][0], lips[1][0]]), -1, 1)
+    side = np.where(middles < outlet_centre(scene), -1, 1)
     side[-1] = 0
     return side
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from silo2d.measures.coarse import Floats
+from silo2d.measures.coarse_graining import Floats
 from silo2d.measures.contacts import Moment
-from silo2d.measures.silo import outwards, typical_size
+from silo2d.measures.grains import grain_size
+from silo2d.measures.silo_geometry import outwards
 from silo2d.scene import Scene
 
 STRETCH = 2.5  # typical grain sizes that a stretch of wall is long, at least
@@ -37,7 +38,7 @@ def tractions(moments: list[Moment]) -> list[Tractions]:
     """Means over moments of what grains do to each wall but the door."""
     scene = moments[0].scene
     segments = scene.walls
-    stretch = STRETCH * typical_size(scene)
+    stretch = STRETCH * grain_size(scene)
     found = []
     for k, (start, end) in enumerate(segments):
         length = float(np.hypot(*(end - start)))
