@@ -50,7 +50,10 @@ class DaskCluster:
 
         def pass_on(remote: Any) -> None:
             if remote.status == "finished":
-                outcome.set_result(remote.result())
+                try:
+                    outcome.set_result(remote.result())
+                except Exception as lost:  # what was found did not get here
+                    outcome.set_exception(lost)
                 return
             error = remote.exception() if remote.status == "error" else None
             if error is None:

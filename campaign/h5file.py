@@ -13,9 +13,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from campaign import tables as ragged
+from campaign import ragged
 from campaign.folder import SCHEMA, FolderError, write_atomic
-from campaign.tables import Tables
+from campaign.ragged import Tables
 
 _CHUNK_BYTES = 2**19  # half the chunk cache of HDF5: a chunk is compressed once
 

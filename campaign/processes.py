@@ -50,9 +50,15 @@ class Processes:
         """The future outcome of a task; WorkerLost where its process ends under it."""
         outcome: Future = Future()
         before = set(multiprocessing.active_children())
-        executor = self._idle.pop() if self._idle else self._new()
-        with _worker_surroundings():
-            inner = executor.submit(_work, function, task)
+        while True:
+            # Made with the signals open: making the first one starts a process that opens them.
+            executor = self._idle.pop() if self._idle else self._new()
+            try:
+                with _worker_surroundings():
+                    inner = executor.submit(_work, function, task)
+                break
+            except BrokenProcessPool:  # its process was killed while it had nothing to do
+                self._children.pop(executor, None)
         for child in set(multiprocessing.active_children()) - before:
             self._children[executor] = child
 

@@ -66,7 +66,7 @@ def _study(document: dict[str, Any], stem: str, text: str, read: Reader) -> Stud
     if document.get("schema") != SCHEMA or isinstance(document["schema"], bool):
         raise StudyError(f"schema must be {SCHEMA}; write schema = {SCHEMA} on the first line")
     name = document.get("name", stem)
-    if not isinstance(name, str) or not name.isprintable() or Path(name).name != name:
+    if not isinstance(name, str) or not (name and name.isprintable() and Path(name).name == name):
         raise StudyError(f"name = {name!r}: a folder is called after it; give letters, digits, '-'")
     draw_seed = document.get("draw_seed", 1)
     if not _is_count(draw_seed):
@@ -109,7 +109,7 @@ def _check_once(axes: Iterable[tuple[str, ...]]) -> None:
 def _combined(
     axes: Sequence[tuple[tuple[str, ...], list[Any]]], how: Any, times: int
 ) -> list[dict[str, Any]]:
-    """All combinations of the values of each axis, or the k-th of each together."""
+    """All distinct combinations of the values of each axis, or the k-th of each together."""
     lengths = [len(values) for _, values in axes]
     if how not in ("product", "zip"):
         raise StudyError(f"combine = {how!r}: must be 'product' or 'zip'")
@@ -134,10 +134,12 @@ def _combined(
     values = [values for _, values in axes]
     together = how == "zip" and axes  # without axes there is one combination, of nothing
     picks = zip(*values, strict=True) if together else itertools.product(*values)
-    return [
+    combinations = (
         {key: value for (keys, _), value in zip(axes, pick, strict=True) for key in keys}
         for pick in picks
-    ]
+    )
+    # A run that stands there twice would count twice in means over seeds.
+    return list({repr(combination): combination for combination in combinations}.values())
 
 
 def _cases(written: Any) -> tuple[str, ...]:

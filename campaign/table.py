@@ -22,16 +22,22 @@ def write_table(folder: Path, rows: Sequence[Row]) -> None:
     written.
     """
     names = list(dict.fromkeys(name for row in rows for name in row))
-    text = io.StringIO()
-    writer = csv.DictWriter(text, names, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
-    write_atomic(folder / "table.csv", text.getvalue())
+    write_atomic(folder / "table.csv", as_csv(rows))
     image = io.BytesIO()  # not on disk: HDF5 that meets a full disk itself ends the process
     with h5py.File(image, "w", track_order=True) as file:
         for name in names:
             file.create_dataset(name, data=_column([row.get(name) for row in rows]))
     write_atomic(folder / "table.h5", image.getvalue())
+
+
+def as_csv(rows: Sequence[Row], left_out: tuple[str, ...] = ()) -> str:
+    """Rows as CSV, but for the columns whose names begin with one of `left_out`."""
+    names = dict.fromkeys(n for row in rows for n in row if not n.startswith(left_out))
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(names), extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
+    return text.getvalue()
 
 
 def _cell(value: Any) -> Any:

@@ -15,10 +15,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from campaign import tables as ragged
+from campaign import ragged
 from campaign.folder import FolderError, writing
 from campaign.h5file import opened, save
-from campaign.tables import Columns, Tables, joined, laid_end_to_end
+from campaign.ragged import Columns, Tables, joined, laid_end_to_end
 
 T = TypeVar("T")
 

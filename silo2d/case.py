@@ -14,8 +14,8 @@ from contact.datafile import data_file, data_names
 from contact.laws import LinearLaw
 from contact.quantity import InputError, located, nearest, to_si
 from contact.restitution import linear_restitution
-from contact.table import load_table
 from silo2d.disorder import Spread, drawn_laws, spreads, stiffest
+from silo2d.files import find, shapes_of, table_of
 from silo2d.impulses import Impulses, impulses_of
 from silo2d.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
 from silo2d.pair_law import Law
@@ -27,7 +27,7 @@ from silo2d.parameters import (
     time_step_of,
 )
 from silo2d.settings import Fill, Settings, Silo, check_settings, known_keys, read_settings, to_toml
-from silo2d.shape import ShapeSet, load_shapes, vertex_list
+from silo2d.shape import ShapeSet, vertex_list
 from silo2d.state import MAX_VERTICES
 
 GRAVITY = 9.81  # [m/s2]
@@ -76,12 +76,12 @@ class SiloCase:
     def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "SiloCase":
         """A case from the tables of a case file; files it names are looked for in `folder`."""
         settings = check_settings(document, where)
-        shapes_file = _find(settings.particles.shapes, "shapes", folder)
-        table_file = _find(settings.particles.materials, "materials", folder)
+        shapes_file = find(settings.particles.shapes, "shapes", folder)
+        table_file = find(settings.particles.materials, "materials", folder)
         outline = _outline(settings.silo, settings.name, where)
-        shapes = load_shapes(shapes_file)
+        shapes = shapes_of(shapes_file)
         _check_sizes(outline, shapes, settings, where)
-        table = load_table(table_file)
+        table = table_of(table_file)
         particles = settings.particles
         material = table.material(particles.material)
         if material.length is None:
@@ -263,13 +263,6 @@ def _changed(document: dict[str, Any], changes: dict[str, Any] | None) -> dict[s
         if isinstance(table, dict):
             table[key] = value
     return document
-
-
-def _find(name: str, kind: str, folder: Path) -> str | Path:
-    """A file beside the case, else a shipped one, else as it stands."""
-    if (folder / name).is_file():
-        return folder / name
-    return data_file(kind, name) or name
 
 
 def _outline(silo: Silo, name: str, where: str) -> Outline:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from campaign.folder import FolderError, write_atomic, writing
-from campaign.tables import Tables
+from campaign.ragged import Tables
 from campaign.trajectory import stored_tables
 from contact.quantity import InputError, nearest
 from silo2d.grain_stress import grain_stress

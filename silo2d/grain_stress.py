@@ -11,7 +11,7 @@ out. Of the plane [N/m]: divide by the prisms' length for pascals.
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.tables import Tables
+from campaign.ragged import Tables
 from silo2d.measures.contacts import branches, moment_at
 from silo2d.measures.grains import areas
 from silo2d.scene import Scene

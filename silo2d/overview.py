@@ -1,11 +1,11 @@
 """What a person reads of a study: what would be run, and means over seeds of what came out."""
 
-import math
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from silo2d.packing import packing_digest
+from silo2d.packing import packing_folder
+from silo2d.reproduce.statistics import mean_sd
 from silo2d.study import SiloStudy, study_folder
 from silo2d.sweep import run_folder
 
@@ -21,15 +21,13 @@ def plan(loaded: SiloStudy, out: Path) -> dict[str, Any]:
         for folder, (_, case) in zip(folders, loaded.cases, strict=True)
         if folder.state != "finished"
     }
-    packings = {packing_digest(case, case.settings.run.seed) for case in todo.values()}
+    packings = {packing_folder(case, out) for case in todo.values()}
     return {
         "study": loaded.study.name,
         "folder": str(study_folder(loaded, out).path),
         "runs": len(loaded.cases),
         "finished": sum(folder.state == "finished" for folder in folders),
-        "packings_to_fill": sum(
-            not (out / "packings" / name / "packing.h5").exists() for name in packings
-        ),
+        "packings_to_fill": sum(not (kept / "packing.h5").exists() for kept in packings),
         "rows": [
             {**labels, "run_folder": str(folder.path), "state": folder.state}
             for folder, (labels, _) in zip(folders, loaded.cases, strict=True)
@@ -87,14 +85,8 @@ def _means(rows: Rows) -> dict[str, Any]:
         "clogged": sum(row["outcome"].startswith("clogged") for row in done),
     }
     for name in _MEANS:
-        values = [row[name] for row in done if row[name] is not None]
-        mean = math.fsum(values) / len(values) if values else None
-        table[f"{name}.mean"] = mean
-        table[f"{name}.sd"] = (
-            math.sqrt(math.fsum((v - mean) ** 2 for v in values) / (len(values) - 1))
-            if mean is not None and len(values) > 1
-            else None
-        )
+        found = mean_sd([row[name] for row in done if row[name] is not None])
+        table[f"{name}.mean"], table[f"{name}.sd"] = found.mean, found.sd
     return table
 
 

@@ -45,6 +45,11 @@ def packing_digest(case: SiloCase, seed: int) -> str:
     )
 
 
+def packing_folder(case: SiloCase, root: Path) -> Path:
+    """Where the packing of a case is kept below a folder of runs; it may not exist yet."""
+    return root / "packings" / packing_digest(case, case.settings.run.seed)
+
+
 def save_packing(packing: Packing, folder: Path) -> None:
     """Keep a packing in its folder, which is there; FolderError where it cannot be written."""
     meta = {

@@ -18,21 +18,21 @@ from campaign.folder import (
     write_atomic,
     writing,
 )
-from campaign.provenance import provenance, source_digest
+from campaign.provenance import provenance
 from campaign.trajectory import TrajectoryWriter
 from silo2d import state
 from silo2d.case import GRAVITY, SiloCase
 from silo2d.discharge import Clock, Progress, Stopped, discharge
 from silo2d.disorder import with_friction
-from silo2d.packing import Packing, load_packing, packing_digest, save_packing
+from silo2d.packing import Packing, load_packing, packing_folder, save_packing
 from silo2d.pour import agitation, pour
 from silo2d.pymunk_baseline import Baseline, discharge_by_impulses
 from silo2d.result import Result, describe, summarise, write_records
 from silo2d.simulation import Simulation
+from silo2d.sources import SOURCES, Warn, check_sources, own_sources, to_stderr
 from silo2d.world import build_world
 
 PACKAGES = ["numpy", "numba", "llvmlite", "h5py", "shapely", "pymunk"]
-SOURCES = [Path(__file__).parent, Path(__file__).parent.parent / "contact"]
 _SETTLE_FRAME = 1e-3  # [s] between looks at the kinetic energy before the opening
 _SETTLE_PATIENCE = 2.0  # [s]
 _QUIET_LOOKS = 5  # one may fall on a moment when the energy is elastic
@@ -45,16 +45,18 @@ def run(
     progress: Progress | None = None,
     again: bool = False,
     stop: Callable[[], bool] = lambda: False,
+    warn: Warn = to_stderr,
 ) -> Result:
     """Run a case in a folder below `out` ("runs"), or give the answer that stands there.
 
     An unfinished run goes on from its checkpoint. `stop` is asked at every look and every
-    frame; when it says yes, the state is kept and Stopped is raised. Raises FolderError for
-    folders that cannot be used and SimulationError where the simulation fails.
+    frame; when it says yes, the state is kept and Stopped is raised. `warn` is told of what was
+    made by other sources. Raises FolderError for folders that cannot be used and
+    SimulationError where the simulation fails.
     """
     root = Path(out or "runs")
     folder = open_run(root, f"{case.name}-seed{case.settings.run.seed}", run_digest(case), again)
-    return run_in(folder, case, progress or (lambda fraction, text: None), stop)
+    return run_in(folder, case, progress or (lambda fraction, text: None), stop, warn)
 
 
 def resume(
@@ -83,7 +85,11 @@ def run_digest(case: SiloCase) -> str:
 
 
 def run_in(
-    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool]
+    folder: RunFolder,
+    case: SiloCase,
+    progress: Progress,
+    stop: Callable[[], bool],
+    warn: Warn = to_stderr,
 ) -> Result:
     """Run a case in its folder; see `run`."""
     with folder.lock():
@@ -93,13 +99,13 @@ def run_in(
         else:
             made = folder.read_provenance().get("source_digest")
             cure = "--again computes it anew beside it"
-            _warn_of_other_sources(f"{folder.path} was begun", made, cure)
+            check_sources(f"{folder.path} was begun", made, cure, warn)
         if folder.state == "finished":
             return Result.read(folder, reused=True)
         if case.impulses:
-            summary = _by_pymunk(folder, case, progress, stop)
+            summary = _by_pymunk(folder, case, progress, stop, warn)
             return _finish(folder, summary, begun)
-        sim, clock, packing = _start_or_resume(folder, case, progress, stop)
+        sim, clock, packing = _start_or_resume(folder, case, progress, stop, warn)
         static = describe(case, packing)
         writer = TrajectoryWriter(folder.path, parts=clock.parts)
         writer.write_static(*static)
@@ -119,10 +125,10 @@ def _finish(folder: RunFolder, summary: dict[str, Any], begun: float) -> Result:
 
 
 def _by_pymunk(
-    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool]
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool], warn: Warn
 ) -> dict[str, Any]:
     """The answers of a discharge by pymunk; its frames are in the folder."""
-    packing = get_packing(case, folder.path.resolve().parent, progress, stop)
+    packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
     static, attributes = describe(case, packing)
     attributes["engine"] = "pymunk"
     clock = Clock(filling_cpu_s=packing.cpu_s)
@@ -145,18 +151,11 @@ def _begin_folder(folder: RunFolder, case: SiloCase) -> None:
     folder.write_case(case.to_toml())  # last: from here on the run counts as begun
 
 
-def _warn_of_other_sources(what: str, made: str | None, cure: str) -> None:
-    """A line on stderr where `made`, a digest of sources, is not that of these."""
-    if made != source_digest(SOURCES):
-        line = f"warning: {what} by another version of the sources ({made}); {cure}"
-        print(line, file=sys.stderr)
-
-
 def _start_or_resume(
-    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool]
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool], warn: Warn
 ) -> tuple[Simulation, Clock, Packing]:
     resuming = folder.checkpoint.exists()
-    packing = get_packing(case, folder.path.resolve().parent, progress, stop)
+    packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
     sim = Simulation(world_behind_door(case, packing))
     if resuming:
         saved, meta = load_checkpoint(folder.checkpoint)
@@ -164,7 +163,7 @@ def _start_or_resume(
         try:
             sim.restore(saved)
             return sim, Clock(**meta), packing
-        except (KeyError, TypeError, ValueError) as error:
+        except (IndexError, KeyError, TypeError, ValueError) as error:
             raise FolderError(
                 f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run "
                 "starts from its opening"
@@ -177,14 +176,18 @@ def _start_or_resume(
 
 
 def get_packing(
-    case: SiloCase, root: Path, progress: Progress, stop: Callable[[], bool] = lambda: False
+    case: SiloCase,
+    root: Path,
+    progress: Progress,
+    stop: Callable[[], bool] = lambda: False,
+    warn: Warn = to_stderr,
 ) -> Packing:
     """The packing of a case: kept under root/packings, or poured and kept now.
 
     A filling that is stopped is poured again from its seed the next time (raises Stopped).
     Raises FolderError where a packing is damaged, or could not be written.
     """
-    folder = root / "packings" / packing_digest(case, case.settings.run.seed)
+    folder = packing_folder(case, root)
     packing = load_packing(folder)
     if packing is None:
         with writing(folder):  # before the work of filling, not after it
@@ -192,7 +195,7 @@ def get_packing(
         with filling_alone(folder, stop):
             return load_packing(folder) or _fill(case, folder, progress, stop)
     cure = "delete it and it is filled anew"
-    _warn_of_other_sources(f"{folder} was filled", packing.sources, cure)
+    check_sources(f"{folder} was filled", packing.sources, cure, warn)
     return packing
 
 
@@ -228,7 +231,7 @@ def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Callable[[], b
         packing = pour_with_pymunk(case, seed, report)
     else:
         packing = pour(case, seed, report)
-    packing = dataclasses.replace(packing, sources=source_digest(SOURCES))
+    packing = dataclasses.replace(packing, sources=own_sources())
     save_packing(packing, folder)
     return packing
 

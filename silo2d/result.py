@@ -4,6 +4,7 @@ import csv
 import io
 import json
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
@@ -56,13 +57,19 @@ class Result:
         """The result kept in a finished run folder; FolderError where it is damaged."""
         kept = {**folder.read_summary(), "reused": reused, "run_folder": str(folder.path)}
         try:
-            return TypeAdapter(cls).validate_python(kept)
+            return _adapter().validate_python(kept)
         except ValidationError as error:
             problem = error.errors()[0]
             raise FolderError(
                 f"{folder.path / 'summary.json'}: damaged ({problem['loc'][0]}: "
                 f"{problem['msg'].lower()}); use --again to compute the run anew"
             ) from None
+
+
+@cache
+def _adapter() -> TypeAdapter[Result]:
+    """What checks a summary; a sweep reads many."""
+    return TypeAdapter(Result)
 
 
 def summarise(

@@ -1,6 +1,5 @@
 """From a study file to labelled cases: units of the keys, cases, columns of the table."""
 
-import dataclasses
 import itertools
 import sys
 import typing
@@ -16,9 +15,10 @@ from campaign.study import Study, read_study
 from campaign.table import write_table
 from contact.quantity import InputError, nearest, to_si
 from silo2d.case import SiloCase
-from silo2d.protocol import PACKAGES, SOURCES, run_digest
+from silo2d.protocol import PACKAGES, run_digest
 from silo2d.settings import Settings, known_keys, unit_of
-from silo2d.sweep import run_cases
+from silo2d.sources import SOURCES
+from silo2d.sweep import over_seeds, run_cases
 
 
 @dataclass(frozen=True)
@@ -37,22 +37,18 @@ def load_study(path: str | Path) -> SiloStudy:
     """
     path = Path(path)
     study = read_study(path, lambda key, value: _read(f"{path}: [vary]", key, value))
-    bases = [_base(name, path.parent) for name in study.cases]
+    stems = [Path(name).stem for name in study.cases]
     cases = []
-    for base, combination in itertools.product(bases, study.combinations):
+    for (name, stem), combination in itertools.product(
+        zip(study.cases, stems, strict=True), study.combinations
+    ):
         changes = {key: _written(key, value) for key, value in combination.items()}
-        labels = {"case": Path(base).stem}
+        labels = {"case": stem if stems.count(stem) == 1 else name}
         labels |= {_column(key): value for key, value in combination.items()}
-        case = SiloCase.load(base, changes)
-        cases += [({**labels, "seed": seed}, _with_seed(case, seed)) for seed in study.seeds]
+        case = SiloCase.load(_base(name, path.parent), changes)
+        cases += over_seeds(labels, case, study.seeds)
     columns = ("case", *(_column(key) for key in study.combinations[0]))
     return SiloStudy(study, cases, columns)
-
-
-def _with_seed(case: SiloCase, seed: int) -> SiloCase:
-    """The same case with another seed; faster than to load it anew."""
-    run = case.settings.run.model_copy(update={"seed": seed})
-    return dataclasses.replace(case, settings=case.settings.model_copy(update={"run": run}))
 
 
 def run_study(loaded: SiloStudy, *, out: Path, **options: Any) -> tuple[Path, list[dict[str, Any]]]:

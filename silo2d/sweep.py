@@ -1,6 +1,7 @@
 """Many cases on many cores: each packing filled once, each run in its own folder, one row each."""
 
 import dataclasses
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,14 +14,16 @@ from contact.quantity import InputError
 from silo2d import protocol
 from silo2d.case import SiloCase
 from silo2d.discharge import Stopped
-from silo2d.packing import packing_digest
+from silo2d.packing import load_packing, packing_folder
 from silo2d.result import Result
 from silo2d.simulation import SimulationError
+from silo2d.sources import own_sources, to_stderr
 from silo2d.warm import compile_kernels
 
 _MEMORY = 3600.0  # [s] over which the speed is taken that gives the time left
 
 Labels = dict[str, Any]
+Labelled = tuple[Labels, SiloCase]
 
 
 class _Task(NamedTuple):
@@ -31,8 +34,25 @@ class _Task(NamedTuple):
     fill_only: bool  # the packing alone, which several runs wait for
 
 
+def over_seeds(labels: Labels, case: SiloCase, seeds: Sequence[int]) -> list[Labelled]:
+    """A case once for each seed (0 or more), with the seed among its labels."""
+    settings = case.settings
+    return [
+        (
+            {**labels, "seed": seed},
+            dataclasses.replace(
+                case,
+                settings=settings.model_copy(
+                    update={"run": settings.run.model_copy(update={"seed": seed})}
+                ),
+            ),
+        )
+        for seed in seeds
+    ]
+
+
 def run_cases(
-    cases: Sequence[tuple[Labels, SiloCase]],
+    cases: Sequence[Labelled],
     *,
     out: Path,
     engine: str = "processes",
@@ -70,6 +90,7 @@ def run_cases(
             )  # fmt: skip
         runs = (o for o, task in zip(outcomes, tasks, strict=True) if not task.fill_only)
         ended |= dict(zip(missing, runs, strict=True))
+    _warn_of_other_sources([case for _, case in cases], folders, out)
     return [
         _row(labels, folder.path, ended[folder.path])
         for folder, (labels, _) in zip(folders, cases, strict=True)
@@ -81,13 +102,50 @@ def run_task(task: _Task, stop: Stop) -> Result | None:
     compile_kernels(drawn=task.case.disorder is not None and not task.fill_only)
     try:
         if task.fill_only:
-            protocol.get_packing(task.case, task.out, lambda fraction, text: None, stop)
+            protocol.get_packing(task.case, task.out, lambda fraction, text: None, stop, _ignore)
             return None
-        return protocol.run(task.case, out=task.out, stop=stop)
+        return protocol.run(task.case, out=task.out, stop=stop, warn=_ignore)
     except Stopped as error:
         raise Interrupted(str(error)) from None
     except (InputError, FolderError, SimulationError) as error:
         raise Failed(_without_again(str(error))) from None
+
+
+def _ignore(warning: str) -> None:
+    """Said for all runs in one line, at the end."""
+
+
+def _warn_of_other_sources(cases: list[SiloCase], folders: list[RunFolder], out: Path) -> None:
+    """One line on stderr where runs or packings were made by other sources than these."""
+    runs = {folder.path: folder for folder in folders}.values()
+    packings = {packing_folder(case, out) for case in cases}
+    of_others = [
+        f"{sum(made not in (None, own_sources()) for made in known)} of {len(known)} {what}"
+        for what, known in (
+            ("runs", [_sources_of_run(folder) for folder in runs]),
+            ("packings", [_sources_of_packing(folder) for folder in packings]),
+        )
+    ]
+    if any(not words.startswith("0 ") for words in of_others):
+        to_stderr(
+            f"{' and '.join(of_others)} were made by another version of the sources; delete their "
+            "folders and the same command makes them anew"
+        )
+
+
+def _sources_of_run(folder: RunFolder) -> str | None:
+    try:
+        return folder.read_provenance().get("source_digest")
+    except FolderError:  # not begun; what is damaged is told in its row
+        return None
+
+
+def _sources_of_packing(folder: Path) -> str | None:
+    try:
+        packing = load_packing(folder)
+    except FolderError:
+        return None
+    return packing.sources if packing else None
 
 
 def run_folder(case: SiloCase, out: Path) -> RunFolder:
@@ -106,6 +164,7 @@ def _read(folder: RunFolder) -> Outcome:
 
 def _without_again(line: str, folder: Path | None = None) -> str:
     """An error line for a sweep, which has no --again."""
+    line = re.sub(r",? or use --again.*", "", line)  # another cure stands before it
     what, again, _ = line.partition("; use --again")
     if not again:
         return line
@@ -118,18 +177,17 @@ def _tasks(cases: list[SiloCase], out: Path) -> tuple[list[_Task], dict[int, int
 
     The dictionary gives the index of the filling by the index of the run that needs it.
     """
-    names = [packing_digest(case, case.settings.run.seed) for case in cases]
-    times = Counter(names)
+    packings = [packing_folder(case, out) for case in cases]
+    times = Counter(packings)
     tasks: list[_Task] = []
     needs: dict[int, int] = {}
-    fillings: dict[str, int] = {}
-    for name, case in zip(names, cases, strict=True):
-        is_there = (out / "packings" / name / "packing.h5").exists()
-        if times[name] > 1 and not is_there:
-            if name not in fillings:
-                fillings[name] = len(tasks)
+    fillings: dict[Path, int] = {}
+    for packing, case in zip(packings, cases, strict=True):
+        if times[packing] > 1 and not (packing / "packing.h5").exists():
+            if packing not in fillings:
+                fillings[packing] = len(tasks)
                 tasks.append(_Task(case, out, fill_only=True))
-            needs[len(tasks)] = fillings[name]
+            needs[len(tasks)] = fillings[packing]
         tasks.append(_Task(case, out, fill_only=False))
     return tasks, needs
 

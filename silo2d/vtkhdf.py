@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.tables import Tables
+from campaign.ragged import Tables
 from silo2d.grain_stress import grain_stress
 from silo2d.scene import Scene
 

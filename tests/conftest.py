@@ -47,5 +47,6 @@ def cluster() -> Iterator[str]:
     with LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0",
         protocol="tcp://", host="127.0.0.1", silence_logs=logging.CRITICAL,
+        scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any port: 8787 may be taken
     ) as local:  # fmt: skip
         yield local.scheduler_address

@@ -12,6 +12,7 @@ import pytest
 from fake_tasks import fussy, killed, logged, patient, square, surroundings
 
 from campaign.engine import TRIES, EngineError, Tally, run_tasks
+from campaign.processes import Processes
 
 
 def wait_until(condition, seconds: float = 30.0) -> None:
@@ -108,6 +109,18 @@ def test_a_worker_killed_from_outside_leaves_the_other_one_alone(tmp_path):
     assert [o.value for o in outcomes] == ["waited", "waited"]
     assert int(tasks[0][0].read_text()) != pids[0]
     assert int(tasks[1][0].read_text()) == pids[1]
+
+
+def test_a_worker_killed_while_it_has_nothing_to_do_is_replaced():
+    with Processes(1) as pool:
+        pid = pool.submit(surroundings, None).result().value[2]
+        wait_until(lambda: len(pool._idle) == 1, 5.0)
+        os.kill(pid, signal.SIGKILL)
+        broken = pool._idle[0]
+        wait_until(lambda: bool(broken._broken), 10.0)
+        again = pool.submit(surroundings, None).result()
+    assert again.state == "done"
+    assert again.value[2] != pid
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

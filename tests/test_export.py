@@ -11,7 +11,7 @@ from small_silo import contents, silo2d
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
-from campaign.tables import Tables
+from campaign.ragged import Tables
 from campaign.trajectory import read_tables, read_trajectory
 from silo2d.case import SiloCase
 from silo2d.export import export

@@ -211,7 +211,7 @@ def test_runs_cut_off_leave_earlier_results_alone(monkeypatch, tmp_path):
     answer = silo2d("reproduce", "clogging", "--seeds", 1, "-o", tmp_path / "runs", "--quiet")
     assert answer.code == 130
     assert answer.err.count("\n") == 1
-    assert "1 of 12 runs are missing" in answer.err
+    assert "runs that are missing: 1" in answer.err
     assert "interrupted: silo D3, seed 1: stopped" in answer.out
     assert not (tmp_path / "runs").exists()
 

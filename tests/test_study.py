@@ -57,6 +57,18 @@ def test_zip_takes_the_kth_of_each_together(tmp_path):
     assert rows == [(0.1, 0.3, 2e6), (0.2, 0.4, 2e6)]
 
 
+def test_a_combination_that_is_written_twice_is_one(tmp_path):
+    """Means over seeds would count its runs twice."""
+    assert values(tmp_path, '["1e3 N/mm", "1e6 N/m", "2e3 N/mm"]', "law.kn") == [1e6, 2e6]
+
+
+def test_cases_of_the_same_stem_are_told_apart(tmp_path):
+    """A4 and a file A4.toml: the labels, by which means are taken, differ."""
+    write_case(tmp_path, name="A4")
+    loaded = load_study(write_study(tmp_path, "", 'schema = 1\ncase = ["A4", "A4.toml"]\n'))
+    assert [labels["case"] for labels, _ in loaded.cases] == ["A4", "A4.toml"]
+
+
 def test_keys_that_stand_together_take_the_same_value(tmp_path):
     text = '[vary]\n"law.mu_wall, law.mu_particle" = [0.1, 0.5]\n'
     laws = [

@@ -16,9 +16,10 @@ from small_silo import Answer, contents, finish, silo2d, start, write_case
 from test_engine import is_alive, wait_until
 
 from campaign import folder as campaign_folder
+from campaign.checkpoint import save_checkpoint
 from silo2d.case import SiloCase
 from silo2d.observe import MECHANISMS
-from silo2d.sweep import run_cases
+from silo2d.sweep import _without_again, run_cases
 
 # A second of simulated time is more than these runs get: they end by their time limit.
 BRIEF = {"run.max_time": "20 ms", "output.checkpoint_interval": "10 ms"}
@@ -212,6 +213,46 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path, packings):
         assert row["state_digest"] == ""
     assert answer.out.count("failed: case small") == 2
     assert sum(row["state"] == "done" for row in rows) == 2
+
+
+def test_a_checkpoint_that_does_not_fit_is_a_row_that_says_what_to_delete(swept):
+    """As one of another version is: its arrays are of other lengths."""
+    folder = run_folders(swept)[0]
+    (folder / "summary.json").unlink()
+    checkpoint = folder / "checkpoint.h5"
+    save_checkpoint(checkpoint, {"key": np.zeros(3), "row": np.zeros((2, 2))}, {"parts": []})
+    answer = sweep(swept, "--workers", 1)
+    assert answer.code == 3
+    (row,) = [row for row in rows_of(swept) if row["state"] == "failed"]
+    assert row["reason"].startswith(f"{checkpoint}: does not fit this case")
+    assert "delete it and the run starts from its opening" in row["reason"]
+
+
+def test_what_other_sources_made_is_told_once(swept):
+    """Not once a packing and run; a sweep has no --again to offer."""
+    for folder in run_folders(swept)[:3]:
+        file = folder / "provenance.json"
+        file.write_text(json.dumps({**json.loads(file.read_text()), "source_digest": "0" * 12}))
+    (folder / "summary.json").unlink()
+    answer = sweep(swept, "--workers", 1)
+    assert answer.code == 0
+    assert answer.err == (
+        "warning: 3 of 4 runs and 0 of 2 packings were made by another version of the sources; "
+        "delete their folders and the same command makes them anew\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("x: damaged; use --again to compute", "x: damaged; delete the folder of the run and the "
+         "same command does it again"),
+        ("x: busy; wait for it, or use --again to compute", "x: busy; wait for it"),
+        ("x: lost; delete it", "x: lost; delete it"),
+    ],
+)  # fmt: skip
+def test_a_sweep_offers_no_again(line, told):
+    assert _without_again(line) == told
 
 
 def test_a_damaged_summary_of_a_finished_run(swept, digests):

@@ -46,8 +46,8 @@ def reproduce(
         **_engine(table, found, engine, scheduler),
     )  # fmt: skip
     text = found.report(rows)
-    _stop_unless_whole(rows, text)
     click.echo(json.dumps({"table": table, "rows": rows}, indent=2) if as_json else text)
+    _stop_unless_whole(rows)
     lines = origin(f"silo2d reproduce {table} --seeds {len(numbers)}")
     files = write_results(
         Path(write or out), f"reproduce-{table}", rows, lines, text, lambda: found.draw(rows)
@@ -68,14 +68,15 @@ def _numbers(seeds: int | None, workers: int | None, found: "PublishedTable") ->
     return range(1, (seeds or found.SEEDS) + 1)
 
 
-def _stop_unless_whole(rows: "list[Row]", text: str) -> None:
-    """Where Ctrl-C cut the runs off: print what there is, write nothing over earlier results."""
-    missing = sum(row["state"] == "interrupted" for row in rows)
+def _stop_unless_whole(rows: "list[Row]") -> None:
+    """Where Ctrl-C or a lost scheduler cut the runs off: write nothing over earlier results."""
+    missing = [row["reason"] for row in rows if row["state"] == "interrupted"]
     if missing:
         from silo2d.discharge import Stopped
 
-        click.echo(text)
-        raise Stopped(f"{missing} of {len(rows)} runs are missing; the same command goes on")
+        lost = next((f" ({reason})" for reason in missing if reason.endswith("went away")), "")
+        line = f"runs that are missing: {len(missing)}{lost}; the same command goes on"
+        raise Stopped(line)
 
 
 def _engine(

@@ -28,7 +28,8 @@ def run(
 ) -> "list[Row]":
     """Both silos, without disorder, per particle and per pair, each with all seeds."""
     from silo2d.case import SiloCase
-    from silo2d.reproduce.runs import over_seeds, run_all
+    from silo2d.reproduce.runs import run_all
+    from silo2d.sweep import over_seeds
 
     cases = [
         labelled

@@ -30,14 +30,11 @@ def run(
 ) -> list[Row]:
     """A row a silo, seed, time and layer; one row for a run that failed."""
     from silo2d.case import SiloCase
-    from silo2d.sweep import run_cases
+    from silo2d.reproduce.runs import run_all
+    from silo2d.sweep import over_seeds
 
-    cases = [
-        ({"silo": silo, "seed": seed}, SiloCase.load(silo, {"run.seed": seed}))
-        for silo in SILOS
-        for seed in seeds
-    ]
-    runs = run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
+    cases = [c for s in SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
+    runs = run_all(cases, out=out, workers=workers, quiet=quiet, **engine)
     return [row for one in runs for row in rows_of(one)]
 
 

@@ -1,13 +1,13 @@
 """The rows of a table as files to keep: CSV with where it comes from, report and picture."""
 
 import csv
-import io
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from campaign.folder import FolderError, write_atomic, writing
+from campaign.table import as_csv
 from silo2d.sheet import write_figure
 
 if TYPE_CHECKING:
@@ -19,10 +19,14 @@ if TYPE_CHECKING:
 _LEFT_OUT = ("run_folder", "reused", "published.", "dissipated_j.")
 
 
+_WORDS = {"": None, "true": True, "false": False}
+
+
 def origin(command: str) -> list[str]:
     """Lines that say which command, versions and machine made a table, and when."""
     from campaign.provenance import provenance
-    from silo2d.protocol import PACKAGES, SOURCES
+    from silo2d.protocol import PACKAGES
+    from silo2d.sources import SOURCES
 
     known = provenance(command=sys.argv, seed=0, packages=PACKAGES, sources=SOURCES)
     versions = ", ".join(f"{name} {number}" for name, number in known["versions"].items())
@@ -48,18 +52,9 @@ def write_results(
         folder.mkdir(parents=True, exist_ok=True)
     head = "".join(f"# {line}\n" for line in lines)
     table, words = folder / f"{name}.csv", folder / f"{name}.txt"
-    write_atomic(table, head + _csv(rows))
+    write_atomic(table, head + as_csv(rows, _LEFT_OUT))
     write_atomic(words, f"{head}\n{text}\n")
     return [table, words, write_figure(folder / f"{name}.png", draw)]
-
-
-def _csv(rows: "Sequence[Row]") -> str:
-    keys = dict.fromkeys(k for row in rows for k in row if not k.startswith(_LEFT_OUT))
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(keys), extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue()
 
 
 def read_results(path: Path) -> "tuple[dict[str, str], list[Row]]":
@@ -85,8 +80,8 @@ def read_results(path: Path) -> "tuple[dict[str, str], list[Row]]":
 def _value(key: str, text: str) -> Any:
     if key in ("reason", "state_digest", "unit"):
         return text
-    if text in ("", "True", "False"):
-        return {"": None, "True": True, "False": False}[text]
+    if text.lower() in _WORDS:
+        return _WORDS[text.lower()]
     for kind in (int, float):
         try:
             return kind(text)

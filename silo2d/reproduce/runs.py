@@ -1,49 +1,27 @@
-"""From a table's cases to rows: one case a seed, what it will cost, and the sweep."""
+"""From a table's cases to rows: what they will cost, and the sweep."""
 
-import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
-from silo2d.case import SiloCase
+from silo2d import sweep
 from silo2d.packing import packing_digest
 from silo2d.protocol import run_digest
 from silo2d.report import expected_cpu_s
 
-Labelled = tuple[dict[str, Any], SiloCase]
-
-
-def over_seeds(labels: dict[str, Any], case: SiloCase, seeds: Sequence[int]) -> list[Labelled]:
-    """A case once for each seed, with the seed among its labels."""
-    settings = case.settings
-    return [
-        (
-            {**labels, "seed": seed},
-            dataclasses.replace(
-                case,
-                settings=settings.model_copy(
-                    update={"run": settings.run.model_copy(update={"seed": seed})}
-                ),
-            ),
-        )
-        for seed in seeds
-    ]
-
 
 def run_all(
-    cases: Sequence[Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
+    cases: Sequence[sweep.Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
 ) -> list[dict[str, Any]]:
     """The rows of the cases, in their order; see silo2d.sweep.run_cases."""
-    from silo2d.sweep import run_cases
-
     if not quiet:
         click.echo(cost(cases), err=True)
-    return run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
+    return sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
 
 
-def cost(cases: Sequence[Labelled]) -> str:
+def cost(cases: Sequence[sweep.Labelled]) -> str:
     """What cases will cost if nothing of them is there, in words."""
     distinct = {run_digest(case): case for _, case in cases}
     fillings: dict[str, float] = {}

@@ -82,7 +82,8 @@ def run(
 ) -> "list[Row]":
     """Every row of Tables 7 to 11 from both baselines; a case that two rows share runs once."""
     from silo2d.case import SiloCase
-    from silo2d.reproduce.runs import Labelled, over_seeds, run_all
+    from silo2d.reproduce.runs import run_all
+    from silo2d.sweep import Labelled, over_seeds
 
     loaded: dict[tuple, SiloCase] = {}
     cases: list[Labelled] = []
