@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import fmean
 
 from silo2d import Result, SiloCase, run
-from silo2d.packing import Packing, load_packing, packing_digest
+from silo2d.packing import Packing, load_packing, packing_folder
 
 SILOS = ("A4", "C4")
 WAYS = ("dem", "pymunk")
@@ -20,7 +20,7 @@ def filled_and_emptied(silo: str, way: str, seed: int, out: Path) -> tuple[Packi
     """The packing and the run that starts from it."""
     case = SiloCase.load(silo, {"fill.pour_with": way, "run.seed": seed})
     result = run(case, out=out)
-    packing = load_packing(out / "packings" / packing_digest(case, seed))
+    packing = load_packing(packing_folder(case, out))
     assert packing is not None  # the run has kept it
     return packing, result
 

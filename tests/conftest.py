@@ -39,7 +39,7 @@ def finished(_finished_root, tmp_path) -> Path:
     return tmp_path / "finished"
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # its threads draw random numbers, which hypothesis resents
 def cluster() -> Iterator[str]:
     """A scheduler and two workers as threads of this process; the address."""
     from distributed import LocalCluster

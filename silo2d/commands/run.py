@@ -104,14 +104,14 @@ def packing(
     """Fill a silo and keep the packing; runs of the same case take it from there."""
     from campaign.terminal import Progress, StopRequest
     from silo2d.case import SiloCase
-    from silo2d.packing import packing_digest
+    from silo2d.packing import packing_folder
     from silo2d.protocol import get_packing
 
     loaded = SiloCase.load(case, changes_of(seed, mu, keep_ratios, options))
     announce_compilation(quiet)
     with StopRequest() as stop, Progress(loaded.name, quiet=quiet) as bar:
         found = get_packing(loaded, Path(out), bar.update, lambda: stop.requested)
-    folder = Path(out) / "packings" / packing_digest(loaded, loaded.settings.run.seed)
+    folder = packing_folder(loaded, Path(out))
     table = {
         "n_particles": len(found.kinds),
         "packing_fraction": found.fraction,
