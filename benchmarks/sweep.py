@@ -18,7 +18,8 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
 from small_silo import write_case
 
-from campaign.engine import Stop, run_tasks
+from campaign.engine import run_tasks
+from campaign.task import Stop
 from silo2d.case import SiloCase
 from silo2d.sweep import run_cases
 from silo2d.warm import compile_kernels

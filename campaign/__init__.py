@@ -6,7 +6,7 @@ The names load on first use, so that a command which only prints its help stays 
 from importlib import import_module
 
 _HOME = {
-    "EngineError": "engine",
+    "EngineError": "task",
     "FolderError": "folder",
     "Progress": "terminal",
     "RunFolder": "folder",

@@ -10,7 +10,7 @@ from typing import Any, Self
 from urllib.parse import urlsplit
 from uuid import uuid4
 
-from campaign.engine import EngineError, Failed, Function, Outcome, call
+from campaign.task import EngineError, Failed, Function, Outcome, call
 
 _PATIENCE = 10.0  # [s] for a scheduler that does not answer
 _ASK_AGAIN = 2.0  # [s] workers that come late are asked to stop too

@@ -5,47 +5,22 @@ which is tried again; the others go on. Ctrl-C asks the running tasks to keep th
 """
 
 import os
-import time
-import traceback
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
+from campaign.task import (
+    EngineError,
+    Function,
+    Outcome,
+    WorkerLost,
+    in_one_line,
+)
 from campaign.terminal import StopRequest
 
 TRIES = 3  # of a task whose worker is killed
 _LOOK = 0.2  # [s] between looks for Ctrl-C
-
-Stop = Callable[[], bool]  # to be asked now and then by a task: is it to keep its state and end?
-Function = Callable[[Any, Stop], Any]  # of a task; importable by name, and safe to call twice
-
-
-class EngineError(RuntimeError):
-    """The engine cannot work; one line that says what would do."""
-
-
-class Failed(Exception):
-    """Raised by a task that fails for a reason which one line tells."""
-
-
-class Interrupted(Exception):
-    """Raised by a task that was asked to stop and has kept its state."""
-
-
-class WorkerLost(Exception):
-    """The worker of a task ended under it."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of a task."""
-
-    state: Literal["done", "failed", "interrupted"]
-    value: Any = None  # what the function returned
-    reason: str = ""  # why it is not done, in one line
-    wall_s: float = 0.0  # that the function took
 
 
 @dataclass
@@ -93,7 +68,7 @@ class _Work:
             return
         self.tries[k] = self.tries.get(k, 0) + 1
         if not isinstance(error, WorkerLost):
-            self.outcomes[k] = Outcome("failed", reason=_line(error))
+            self.outcomes[k] = Outcome("failed", reason=in_one_line(error))
         elif self.tries[k] < TRIES:
             self.waiting.insert(0, k)
         else:
@@ -146,33 +121,6 @@ def run_tasks(
                 if not (pool.lost() and future.exception()):
                     work.take(future)
     return [work.outcomes.get(k, Outcome("interrupted", reason=reason)) for k in range(len(tasks))]
-
-
-def call(function: Function, task: Any, stop: Stop) -> Outcome:
-    """What comes of a task, in the process that runs it."""
-    if stop():
-        return Outcome("interrupted", reason="not started")
-    begun = time.perf_counter()
-
-    def ended(state: Literal["done", "failed", "interrupted"], **what: Any) -> Outcome:
-        return Outcome(state, wall_s=time.perf_counter() - begun, **what)
-
-    try:
-        return ended("done", value=function(task, stop))
-    except Interrupted as error:
-        return ended("interrupted", reason=_line(error))
-    except Exception as error:
-        return ended("failed", reason=_line(error))
-
-
-def _line(error: BaseException) -> str:
-    """An exception in one line; one that nobody foresaw with its kind and place."""
-    text = " ".join(str(error).split())
-    if isinstance(error, (Failed, Interrupted)):
-        return text
-    places = traceback.extract_tb(error.__traceback__)
-    where = f" ({Path(places[-1].filename).name}:{places[-1].lineno})" if places else ""
-    return f"{type(error).__name__}: {text}{where}"
 
 
 def _pool(engine: str, workers: int | None, scheduler: str | None, n_tasks: int) -> Any:

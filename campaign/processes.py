@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from multiprocessing.process import BaseProcess
 from typing import Any, Self
 
-from campaign.engine import Function, Outcome, WorkerLost, call
+from campaign.task import Function, Outcome, WorkerLost, call
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)

@@ -34,9 +34,9 @@ for command in (
 
 def main() -> None:
     """Run the command; one line on stderr and an exit code for whatever goes wrong."""
-    from campaign.engine import EngineError
     from campaign.folder import FolderError
     from campaign.study import StudyError
+    from campaign.task import EngineError
     from contact.quantity import InputError
 
     try:

@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from campaign.engine import Failed, Interrupted, Outcome, Stop, Tally, run_tasks
+from campaign.engine import Tally, run_tasks
 from campaign.folder import FolderError, RunFolder, find_run
+from campaign.task import Failed, Interrupted, Outcome, Stop
 from campaign.terminal import Progress
 from contact.quantity import InputError
 from silo2d import protocol

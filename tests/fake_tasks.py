@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from campaign.engine import Failed, Interrupted, Stop
+from campaign.task import Failed, Interrupted, Stop
 
 
 def square(number: int, stop: Stop) -> int:

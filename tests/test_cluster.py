@@ -11,7 +11,8 @@ from fake_tasks import either, fussy, patient, square
 from small_silo import silo2d
 from test_engine import wait_until, when
 
-from campaign.engine import EngineError, run_tasks
+from campaign.engine import run_tasks
+from campaign.task import EngineError
 
 
 def test_outcomes_come_in_order_and_failures_with_their_reason(cluster):

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 from fake_tasks import fussy, killed, logged, patient, square, surroundings
 
-from campaign.engine import TRIES, EngineError, Tally, run_tasks
+from campaign.engine import TRIES, Tally, run_tasks
 from campaign.processes import Processes
+from campaign.task import EngineError
 
 
 def wait_until(condition, seconds: float = 30.0) -> None:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from silo2d.reproduce.sensitivity import Series
+    from silo2d.reproduce.series import Series
 
 _LABELS = {
     "kn": "kn [N/mm], kt/kn and gamma_n/omega_0 held",

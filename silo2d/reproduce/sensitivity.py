@@ -1,17 +1,15 @@
 """A4's discharge time against each contact parameter, from two baselines, beside SPOLY's."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from silo2d.reproduce.layout import columns, done, not_done, outcomes, percent, seconds, signed
 from silo2d.reproduce.parameters import BASELINES, Pairs
 from silo2d.reproduce.published import ROUNDING, Point, sensitivity
+from silo2d.reproduce.series import Series, series_of
 from silo2d.reproduce.statistics import (
     Sample,
-    mean_sd,
     noise_of_one_more,
     pooled_sd,
 )
@@ -49,34 +47,6 @@ baselines: Table 4: kn 1e4, kt 650 N/mm, mu 0.38 and 0.44 (wall), gamma_n 6085 a
   contacts, the rest as in Table 4."""
 
 
-@dataclass(frozen=True)
-class Series:
-    """The runs of one parameter from one baseline."""
-
-    parameter: str
-    pairs: str
-    baseline: str
-    rows: "list[Row]"
-
-    @cached_property
-    def values(self) -> list[float]:
-        """Of the parameter, as they come."""
-        return list(dict.fromkeys(row["value"] for row in self.rows))
-
-    def at(self, value: float) -> "list[Row]":
-        """The runs at one value."""
-        return [row for row in self.rows if row["value"] == value]
-
-    def time(self, value: float, key: str = "discharge_time_s") -> Sample:
-        """Of the runs at one value that emptied [s]."""
-        return mean_sd([time for _, time in _points(self.at(value), key)])
-
-    def trend(self, key: str = "discharge_time_s") -> Trend | None:
-        """Of all runs that emptied."""
-        points = _points(self.rows, key)
-        return Trend.of(self.parameter, [v for v, _ in points], [t for _, t in points], 0.0)
-
-
 def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
@@ -106,22 +76,6 @@ def _wanted() -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
 
 def _published(parameter: str) -> list[Point]:
     return [point for point in sensitivity() if point.parameter == parameter]
-
-
-def series_of(rows: "list[Row]") -> dict[tuple[str, str], dict[str, Series]]:
-    """The series there are, by parameter and pairs, then by baseline."""
-    found: dict[tuple[str, str], dict[str, list[Row]]] = {}
-    for row in rows:
-        one = found.setdefault((row["parameter"], row["pairs"]), {})
-        one.setdefault(row["baseline"], []).append(row)
-    return {
-        key: {name: Series(*key, name, own) for name, own in one.items()}
-        for key, one in found.items()
-    }
-
-
-def _points(rows: "list[Row]", key: str) -> list[tuple[float, float]]:
-    return [(row["value"], row[key]) for row in done(rows) if row[key] is not None]
 
 
 def report(rows: "list[Row]") -> str:
