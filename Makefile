@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 RUNS ?= runs
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	--constraint constraints.txt --editable
 
 .PHONY: demo test lint bench validate reproduce wheel clean
 .DELETE_ON_ERROR:
@@ -10,10 +12,10 @@ RUNS ?= runs
 demo: $(VENV)/installed ## discharge silo A4: a number and pictures
 	$(BIN)/silo2d run A4 --out $(RUNS)
 
-test: $(VENV)/installed ## all tests but the long comparisons
+test: $(VENV)/with-tests ## all tests but the long comparisons
 	$(BIN)/python -m pytest -m "not validation"
 
-lint: $(VENV)/installed ## style, types, import order
+lint: $(VENV)/with-tests ## style, types, import order
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -22,7 +24,7 @@ lint: $(VENV)/installed ## style, types, import order
 bench: $(VENV)/installed ## cost a step, absolute and against a reference kernel
 	$(BIN)/python benchmarks/cost.py
 
-validate: $(VENV)/installed ## comparisons with published results (minutes)
+validate: $(VENV)/with-tests ## comparisons with published results (minutes)
 	$(BIN)/python -m pytest -m validation
 
 reproduce: $(VENV)/installed ## every published table beside ours, into docs/results (hours)
@@ -37,8 +39,12 @@ clean:
 	rm -rf $(VENV) dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 
 # One file says that the environment is whole; it is made anew when what it follows from changes.
+# What only the tests need (other engines, readers of exports) is large and comes with them.
 $(VENV)/installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--constraint constraints.txt --editable ".[pictures,tests]"
+	$(INSTALL) ".[pictures]"
+	touch $@
+
+$(VENV)/with-tests: $(VENV)/installed
+	$(INSTALL) ".[pictures,tests]"
 	touch $@
