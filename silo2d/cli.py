@@ -4,9 +4,8 @@ import sys
 
 import click
 
-from silo2d.commands import files, results, run, sweep
+from silo2d.commands import files, reproduce, results, run, sweep
 from silo2d.commands.options import Ended
-from silo2d.reproduce.command import reproduce
 
 
 @click.group(
@@ -26,7 +25,7 @@ def app(context: click.Context) -> None:
 
 
 for command in (
-    run.run, run.packing, sweep.sweep, reproduce, results.render, results.observe,
+    run.run, run.packing, sweep.sweep, reproduce.reproduce, results.render, results.observe,
     results.compare, results.export, files.init, files.list_, files.show,
 ):  # fmt: skip
     app.add_command(command)

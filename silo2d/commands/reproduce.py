@@ -1,13 +1,14 @@
-"""The command silo2d reproduce."""
+"""The command that computes a published table: reproduce."""
 
 import inspect
 import json
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from silo2d.commands.options import Ended, json_option, out_option, quiet_option
 
 if TYPE_CHECKING:
     from silo2d.reproduce import PublishedTable, Row
@@ -16,15 +17,13 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("table", required=False)
 @click.option("--seeds", type=int, metavar="N", help="Seeds 1 to N [default: the table's own].")
-@click.option(
-    "-o", "--out", default="runs", metavar="DIR", help="Holds runs and packings [default: runs]."
-)
+@out_option
 @click.option("--write", metavar="DIR", help="Where csv, txt and png go [default: that of --out].")
 @click.option("--workers", type=int, metavar="N", help="Runs at a time [default: all cores].")
 @click.option("--engine", type=click.Choice(["processes", "dask"]), help="What runs them.")
 @click.option("--scheduler", metavar="tcp://HOST:PORT", help="Of a Dask cluster.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
-@click.option("--quiet", is_flag=True, help="Print nothing but the answer.")
+@quiet_option
+@json_option
 def reproduce(
     table: str | None, seeds: int | None, out: str, write: str | None, workers: int | None,
     engine: str | None, scheduler: str | None, as_json: bool, quiet: bool,
@@ -57,8 +56,7 @@ def reproduce(
     failed = sum(row["state"] == "failed" for row in rows)
     if failed:
         line = f"{failed} of {len(rows)} rows are failed runs; their reasons stand in {files[0]}"
-        click.echo(f"silo2d: {line}", err=True)
-        sys.exit(3)
+        raise Ended(line, 3)
 
 
 def _numbers(seeds: int | None, workers: int | None, found: "PublishedTable") -> Sequence[int]:
