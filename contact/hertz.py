@@ -1,0 +1,101 @@
+"""Hertz, simplified Mindlin and Tsuji: the contact law of spheres, from overlap and slip to force.
+
+Granular-damper thesis, eqs 5.5-5.7, 5.14-5.16, 5.21-5.24, 5.32 and 5.33; errata: eq. 5.6 has
+(1 - nu^2), eq. 5.24 has the overlap under its root, and kn of eq. 5.32 is the secant stiffness.
+Conventions as in contact/laws.py. With the reduced radius R, modulus E, shear modulus G and mass
+m of a pair, and the stiffnesses kn = (4/3) E sqrt(R d) and kt = 8 G sqrt(R d),
+
+    f_n = kn d + c_n d',           c_n = sqrt(5) b sqrt(kn m)
+    f_t = -(kt s + c_t s'),        c_t = sqrt(10/3) b sqrt(kt m),      |f_t| <= mu max(f_n, 0)
+
+with b = -ln e / sqrt(ln^2 e + pi^2). While a contact slides it has no tangential dashpot, and
+its spring holds the displacement mu f_n / kt (eq. 5.22).
+
+The functions have no branch that a compiler could not turn into a selection: they stand in the
+innermost loop. A contact that does not touch has overlap 0, and its forces are exact zeros.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.jit import njit
+from contact.vectors import add, dot, norm, scale
+
+
+class HertzLaw(NamedTuple):
+    """Constants of one pair of materials; what depends on radii and masses comes with a contact."""
+
+    hertz: float  # (4/3) E, E the reduced modulus [Pa]
+    tangential: float  # kt / kn = 6 G / E [-]
+    mu: float  # coefficient of friction [-]
+    damping: float  # c_n / sqrt(kn m) = sqrt(5) b [-]
+    tangential_damping: float  # c_t / sqrt(kn m) = sqrt(10/3) b sqrt(kt/kn) [-]
+    pulls: bool  # True: the contact ends at zero overlap; False: it ends at zero force
+    stored_force: bool  # True: the spring's force is carried on; False: its displacement
+
+
+@njit
+def hertz_force(law, hertz, mass, factor, overlap, overlap_rate):
+    """Secant stiffness [N/m], sqrt(stiffness mass) [kg/s], normal force [N], its inelastic part [N].
+
+    hertz is law.hertz times the root of the reduced radius [N/m^1.5]; mass is the reduced mass
+    [kg]; factor multiplies the dashpots (1, but for contacts faster than the yield velocity).
+    """
+    stiffness = hertz * np.sqrt(overlap)
+    dashpot = factor * np.sqrt(stiffness * mass)
+    elastic = stiffness * overlap
+    force = elastic + law.damping * dashpot * overlap_rate
+    if not law.pulls:
+        force = max(force, 0.0)
+    return stiffness, dashpot, force, force - elastic
+
+
+@njit
+def mindlin_force(law, stiffness, dashpot, normal_force, history, slip_step, slip_rate):
+    """Tangential force [N], the history to keep, and what is dissipated.
+
+    history: displacement [m] or force [N] that the spring held, in the present tangent plane;
+    slip_step: displacement since then [m]; slip_rate: velocity now [m/s]; tuples of three.
+    Returns the force, the new history, the power of the dashpot [W], the energy lost to friction
+    in this step [J] and whether the contact slides (1.0 or 0.0). Friction takes the mean force of
+    the spring over the displacement that the spring did not follow, which is second order.
+    """
+    kt = law.tangential * stiffness
+    ct = law.tangential_damping * dashpot
+    before = history if law.stored_force else scale(kt, history)
+    trial = add(before, scale(kt, slip_step))
+    wanted = add(trial, scale(ct, slip_rate))
+    size, limit = norm(wanted), law.mu * max(normal_force, 0.0)
+    slides = 1.0 if size > limit else 0.0
+    share = limit / size if size > limit else 1.0
+    held = add(scale(slides * share, wanted), scale(1.0 - slides, trial))
+    compliance = 1.0 / kt if kt > 0.0 else 0.0
+    unfollowed = scale(compliance, add(trial, scale(-1.0, held)))
+    rubbed = 0.5 * dot(add(before, held), unfollowed)
+    power = (1.0 - slides) * ct * dot(slip_rate, slip_rate)
+    kept = held if law.stored_force else scale(compliance, held)
+    return scale(-share, wanted), kept, power, rubbed, slides
+
+
+@njit
+def spring_energy(law, stiffness, history):
+    """Energy [J] that the tangential spring holds."""
+    kt = law.tangential * stiffness
+    if law.stored_force:
+        return 0.5 * dot(history, history) / kt if kt > 0.0 else 0.0
+    return 0.5 * kt * dot(history, history)
+
+
+@njit
+def law_power(law, stiffness, overlap, overlap_rate, history):
+    """Energy [W] that the tangential spring gains because its stiffness changes with the overlap.
+
+    kt grows with the root of the overlap: d kt/dt = kt d'/(2 d). A stored displacement then holds
+    more energy, a stored force less, and no work was done: the law has no potential.
+    """
+    kt = law.tangential * stiffness
+    growth = 0.5 * overlap_rate / overlap if overlap > 0.0 else 0.0
+    if law.stored_force:
+        return -0.5 * growth * dot(history, history) / kt if kt > 0.0 else 0.0
+    return 0.5 * growth * kt * dot(history, history)
