@@ -1,1 +1,1 @@
-"""Granular dampers in space: particles in a shaken enclosure, and the energy that they dissipate."""
+"""Granular dampers in space: particles in a shaken enclosure and the energy they dissipate."""
