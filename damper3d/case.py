@@ -217,11 +217,6 @@ def _resolved(
     materials = materials_of(table, settings)
     laws = contact_laws(table, materials, settings)
     yields = yield_velocities(materials, particle)
-    if settings.law.yielding and None in yields.values():
-        raise InputError(
-            f"{table.path}: [material.{materials[0].name}] yield_strength is missing; [law] "
-            "yielding = true needs it"
-        )
     gravity, settling = _gravity(settings.motion, where)
     direction = settings.motion.direction or [0.0, 0.0, 1.0]
     return cls(
