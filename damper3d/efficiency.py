@@ -11,6 +11,8 @@ energy is read from the budget,
 and the thesis's count stands beside it. Eq. 6.9 is printed with the wrong sign (errata).
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from damper3d.records import CLASSES, HELD, MECHANISMS, Samples, per_cycle_change
@@ -128,12 +130,15 @@ def _mean_cycle(column: np.ndarray, per_cycle: int) -> np.ndarray:
     return np.concatenate([column[:-1:per_cycle].mean(axis=0)[None], body])
 
 
-def impact_ratios(samples: Samples, yield_velocity: dict[str, float]) -> dict[str, float]:
+def impact_ratios(
+    samples: Samples, yield_velocity: Mapping[str, float | None]
+) -> dict[str, float | None]:
     """Largest impact speed of each class over its yield velocity [-] (eq. 5.26).
 
-    The law holds while this is near or below 1.
+    The law holds while this is near or below 1. None where the yield velocity is not known.
     """
+    fastest = {pair: float(samples[f"impact_speed_{pair}"][1:].max()) for pair in CLASSES}
+    limits = {pair: yield_velocity[pair] for pair in CLASSES}
     return {
-        pair: float(samples[f"impact_speed_{pair}"][1:].max()) / yield_velocity[pair]
-        for pair in CLASSES
+        pair: None if limit is None else fastest[pair] / limit for pair, limit in limits.items()
     }
