@@ -43,7 +43,7 @@ _NORMAL = np.sqrt(5.0)  # of eq. 5.32
 
 @njit
 def hertz_force(law, hertz, mass, damping, overlap, overlap_rate):
-    """Secant stiffness [N/m], dashpot b sqrt(kn m) [kg/s], normal force [N], its inelastic part [N].
+    """Secant stiffness [N/m], dashpot b sqrt(kn m) [kg/s], normal force and its inelastic part [N].
 
     hertz is law.hertz times the root of the reduced radius [N/m^1.5]; mass is the reduced mass
     [kg]; damping is the b of this contact.
