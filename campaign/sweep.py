@@ -7,15 +7,15 @@ compute. A case is a frozen dataclass with a `name` and `settings` whose [run] h
 import dataclasses
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from campaign.engine import Tally, run_tasks
 from campaign.folder import FolderError, RunFolder, find_run
-from campaign.sources import Sources, to_stderr
+from campaign.provenance import Sources, to_stderr
 from campaign.task import Failed, Function, Interrupted, Outcome
 from campaign.terminal import Progress
 
@@ -37,6 +37,7 @@ class Task(NamedTuple):
 class Simulator:
     """What a sweep asks of a simulator.
 
+    name           of its command
     digest         names a run of a case, with its seed
     packing_file   where the packing that a case starts from is kept below a folder of runs; it
                    may not be there yet
@@ -44,8 +45,11 @@ class Simulator:
     work           runs the case of a Task in a worker, or makes its packing; found by its name
     read           what a finished run found, a dataclass; FolderError where it is damaged
     packages       distributions whose versions matter to the last bit
+    means          columns of numbers of which a study tells mean and deviation over the seeds
+    counted        words for kinds of runs that a study counts, and which rows are of the kind
     """
 
+    name: str
     digest: Callable[[Any], str]
     packing_file: Callable[[Any, Path], Path]
     packing_from: Callable[[Path], str | None]
@@ -53,6 +57,8 @@ class Simulator:
     read: Callable[[RunFolder], Any]
     sources: Sources
     packages: list[str]
+    means: tuple[str, ...] = ()
+    counted: Mapping[str, Callable[[dict[str, Any]], bool]] = field(default_factory=dict)
 
     def run_folder(self, case: Any, out: Path) -> RunFolder:
         """Where a case is run, which a single run finds too; it may not exist yet."""

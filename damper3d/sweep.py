@@ -62,6 +62,7 @@ def _read(folder: RunFolder) -> Result:
 
 
 DAMPER = Simulator(
+    name="damper3d",
     digest=run_digest,
     packing_file=_packing_file,
     packing_from=_packing_from,

@@ -18,8 +18,7 @@ from campaign.folder import (
     write_atomic,
     writing,
 )
-from campaign.provenance import provenance
-from campaign.sources import Warn, to_stderr
+from campaign.provenance import Warn, provenance, to_stderr
 from campaign.trajectory import TrajectoryWriter
 from silo2d import state
 from silo2d.case import GRAVITY, SiloCase

@@ -60,6 +60,7 @@ def _read(folder: RunFolder) -> Result:
 
 
 SILO = Simulator(
+    name="silo2d",
     digest=protocol.run_digest,
     packing_file=_packing_file,
     packing_from=_packing_from,
@@ -67,4 +68,6 @@ SILO = Simulator(
     read=_read,
     sources=SOURCES,
     packages=protocol.PACKAGES,
+    means=("discharge_time_s", "t90_s", "mean_rate_per_s"),
+    counted={"clogged": lambda row: row["outcome"].startswith("clogged")},
 )

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from campaign.folder import FolderError, RunFolder, digest, open_run
-from campaign.sources import Sources
+from campaign.provenance import Sources
 from campaign.sweep import Simulator, Task, as_outcome
 from campaign.task import Stop
 
@@ -95,6 +95,7 @@ def read(folder: RunFolder) -> FakeResult:
 
 
 FAKE = Simulator(
+    name="fake",
     digest=fake_digest,
     packing_file=packing_file,
     packing_from=packing_from,
