@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from damper_runs import small
 from scipy.spatial.distance import pdist
-from small_damper import damper3d, small
+from small_damper import damper3d
 
 from contact.quantity import InputError
 from damper3d import packing as packing_module

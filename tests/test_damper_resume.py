@@ -11,7 +11,8 @@ import time
 from pathlib import Path
 
 import pytest
-from small_damper import OPTIONS, answers, assert_same_run, damper3d, forked, small, start
+from damper_runs import OPTIONS, answers, assert_same_run, forked, small, start
+from small_damper import damper3d
 from small_silo import finish, the_run
 
 from campaign.alone import alone
