@@ -30,7 +30,9 @@ class HertzLaw(NamedTuple):
     tangential: float  # kt / kn = 6 G / E [-]
     mu: float  # coefficient of friction [-]
     damping: float  # b, from the restitution below the yield velocity [-]
-    yielding: float  # v_y sqrt(m / R^3), eq. 5.26 [kg^0.5 / (m^0.5 s)]; inf: restitution is constant
+    yielding: (
+        float  # v_y sqrt(m / R^3), eq. 5.26 [kg^0.5 / (m^0.5 s)]; inf: restitution is constant
+    )
     pulls: bool  # True: the contact ends at zero overlap; False: it ends at zero force
     stored_force: bool  # True: the spring's force is carried on; False: its displacement
 
