@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, headline
+from damper3d.efficiency import efficiencies
 from damper3d.graph import legend_beside, ruled
-from damper3d.scene import CLASSES, MECHANISMS, Scene
+from damper3d.records import cut
+from damper3d.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,22 +33,16 @@ _FAINT = 0.02  # of the largest force: walls that bear less along the motion are
 def dissipated(scene: Scene) -> dict[str, Array]:
     """What each mechanism dissipated since the start of a cycle, of whole cycles (c, k + 1) [J]."""
     found = {}
-    for name in (f"{mechanism}_{c}" for c in CLASSES for mechanism in MECHANISMS):
+    for name in _COLOURS:
         series = scene.by_cycle(scene.trajectory[name])
         found[name] = series - series[:, :1]
     return found
 
 
-def efficiencies(scene: Scene) -> Array:
-    """Of each whole cycle (c,): (wall work - gain of the energies held) / (4 (Gamma g/omega)^2 M).
-
-    Granular-damper thesis, eqs 6.8 to 6.10, with the exact budget: what is dissipated, less what
-    the law itself gains.
-    """
-    held = sum(scene.trajectory[name] for name in ("kinetic", "potential"))
-    held = held + scene.trajectory["elastic_normal"] + scene.trajectory["elastic_tangential"]
-    lost = scene.by_cycle(scene.trajectory["wall_work"] - held)
-    return (lost[:, -1] - lost[:, 0]) / scene.full_energy
+def efficiency_of_cycles(scene: Scene) -> Array:
+    """Of each whole cycle (c,), from the budget (eqs 6.8 to 6.10)."""
+    per = scene.samples_per_cycle
+    return efficiencies(cut(scene.trajectory, per, 0), per, scene.full_energy)["efficiency"]
 
 
 def energy_chart(scene: Scene) -> "Figure":
@@ -116,7 +112,7 @@ def _percent(part: float, whole: float) -> str:
 
 def _per_cycle(axes: "Axes", scene: Scene) -> None:
     """Efficiency of each cycle, filled where it counts; their mean, and its interval."""
-    eta, counted = efficiencies(scene), np.array(scene.counted)
+    eta, counted = efficiency_of_cycles(scene), np.array(scene.counted)
     number = 1 + np.arange(len(eta))
     before = number[: counted[0]]
     ruled(axes)

@@ -8,9 +8,10 @@ import numpy as np
 
 from campaign.figure import BLUE, GREY, INK, headline
 from campaign.folder import FolderError, RunFolder, resume_run
-from damper3d.charts import dissipated, efficiencies
+from damper3d.charts import dissipated, efficiency_of_cycles
 from damper3d.graph import ruled
-from damper3d.scene import CLASSES, MECHANISMS, Scene, read_scene
+from damper3d.records import CLASSES, MECHANISMS
+from damper3d.scene import Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -136,7 +137,7 @@ def _verdict(difference: dict[str, Any]) -> str:
     over = difference["efficiency_over_interval"]
     if over is None:
         return words
-    return f"{words}, {abs(over):.1f} times the width of both intervals together"
+    return f"{words}, {abs(over):.1f} of the half widths of both intervals (root of their squares)"
 
 
 def draw(found: dict[str, Any]) -> "Figure":
@@ -153,7 +154,7 @@ def draw(found: dict[str, Any]) -> "Figure":
     (loss, bed), (cycles, shares) = figure.subplots(2, 2)
     for scene, label, colour in zip(scenes, named, _COLOURS, strict=True):
         _histories(loss, bed, scene, label, colour)
-        eta = efficiencies(scene)
+        eta = efficiency_of_cycles(scene)
         cycles.plot(1 + np.arange(len(eta)), eta, "o-", ms=4, color=colour, lw=0.9, label=label)
     loss.set(ylabel="dissipated over 4 (\u0393g/\u03c9)\u00b2 M", xlabel="part of the cycle")
     loss.set_ylim(bottom=0)

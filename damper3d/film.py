@@ -17,6 +17,7 @@ from damper3d.spheres import draw_spheres
 _LONGEST, _PIXELS = 640, 460 * 520  # of the part that shows the enclosure
 _NARROWEST = 560  # room for the words
 _HEADING, _MARGIN, _STRIP, _SCALE = 72, 14, 92, 96
+_CURVES = 0.7  # of the width, for the velocities; what they are stands beside
 _SHIFT = 4  # OpenCV takes corners in sixteenths of a pixel
 _SCALE_FRAMES = 60  # of which the scale of colours is made, at most
 
@@ -119,7 +120,7 @@ class _Canvas:
         left, top, wide, high = self.strip
         per = self.scene.samples_per_cycle
         shown = np.arange(max(sample - 2 * per, 0), sample + 1)
-        x = left + wide * (0.78 + (shown - sample) / (2 * per) * 0.78)
+        x = left + _CURVES * wide * (1 + (shown - sample) / (2 * per))
         middle = top + high / 2
         rest = self._fine(np.array([[left, middle], [left + wide, middle]]))
         cv2.polylines(image, [rest], False, rgb(GREY), 1, cv2.LINE_AA, _SHIFT)
@@ -130,7 +131,7 @@ class _Canvas:
             dot = tuple(int(v) for v in points[-1])
             cv2.circle(image, dot, 4 << _SHIFT, rgb(colour), -1, cv2.LINE_AA, _SHIFT)
             words = f"{name}: {series[sample]:+.2f} m/s"
-            place = left + int(0.8 * wide) + 16, top + (4 if row == 0 else high - 20)
+            place = left + int(_CURVES * wide) + 34, top + (4 if row == 0 else high - 20)
             write_words(image, words, *place, font(12))
             cv2.line(image, (place[0] - 18, place[1] + 8), (place[0] - 6, place[1] + 8),
                      rgb(colour), 2, cv2.LINE_AA)  # fmt: skip

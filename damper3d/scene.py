@@ -13,22 +13,20 @@ from numpy.typing import NDArray
 from campaign.folder import FolderError, RunFolder, resume_run
 from campaign.ragged import Tables
 from campaign.trajectory import Trajectory, read_trajectory, stored_tables
+from damper3d.efficiency import reference_energy
 from damper3d.enclosure import Enclosure, box, cylinder
+from damper3d.records import UNITS
 from damper3d.settings import Settings, check_settings, read_settings
 
 Array = NDArray[np.float64]
 
-CLASSES = "particle_particle", "particle_wall"
-MECHANISMS = "friction", "normal_damping", "tangential_damping"
 _ANEW = "use --again to compute the run anew"
 _G = 9.81  # m/s2, in which gamma is counted
-_GRAVITY = {"vertical": (0.0, 0.0, -1.0), "horizontal": (-1.0, 0.0, 0.0), "none": (0.0, 0.0, 0.0)}
-_NEEDED = [
-    "displacement", "velocity", "wall_work", "kinetic", "potential", "elastic_normal",
-    "elastic_tangential", "wall_force", "mean_position", "mean_velocity",
-    *(f"{mechanism}_{c}" for c in CLASSES for mechanism in MECHANISMS),
-    *(f"law_term_{c}" for c in CLASSES),
-]  # fmt: skip
+_OF_PARTICLES = [f"{name}{axis}" for name in ("", "v", "spin_") for axis in "xyz"] + ["heat"]
+
+
+class NothingKept(FolderError):
+    """The run kept no more than its summary."""
 
 
 class Particles(NamedTuple):
@@ -106,19 +104,17 @@ class Scene:
     @property
     def full_energy(self) -> float:
         """4 (Gamma g/omega)^2 M [J], the most that a cycle can dissipate (eq. 6.10)."""
-        return 4 * self.peak_speed**2 * self.mass
+        return reference_energy(self.peak_speed, self.mass)
 
     @property
     def direction(self) -> Array:
         """Of the enclosure's motion (3,), a unit vector."""
-        given = np.array(self.settings.motion.direction or (0.0, 0.0, 1.0), dtype=float)
-        return given / np.linalg.norm(given)
+        return np.asarray(self.trajectory.attributes["direction"], dtype=float)
 
     @property
     def gravity(self) -> Array:
-        """Direction of gravity (3,); zeros where there is none."""
-        motion = self.settings.motion
-        return np.array(motion.gravity or _GRAVITY[motion.orientation], dtype=float)
+        """In the enclosure's frame (3,) [m/s2]; zeros where there is none."""
+        return np.asarray(self.trajectory.attributes["gravity"], dtype=float)
 
     @property
     def wall_names(self) -> list[str]:
@@ -232,28 +228,40 @@ class Scene:
 
 
 def read_scene(run_folder: str | Path) -> Scene:
-    """The run in a folder; FolderError where it has no frame or no cycle yet, or is damaged."""
+    """The run in a folder.
+
+    Raises FolderError where it has no whole cycle yet, is damaged or cannot be read, NothingKept
+    where it has no samples any more.
+    """
     run = RunFolder(Path(run_folder))
     path = resume_run(run_folder).path / "case.toml"
     settings = check_settings(read_settings(path), str(path))
     summary = run.read_summary() if run.state == "finished" else {}
     if summary and not (run.path / "trajectory.h5").exists():
-        raise FolderError(
+        raise NothingKept(
             f'{run.path}: only its summary was kept (output.keep = "summary"), nothing to draw '
             'or export; run it with output.keep = "all"'
         )
     trajectory = read_trajectory(run.path)
     if "time" not in trajectory or len(trajectory["time"]) < 2 or not trajectory.static:
         raise FolderError(f"{run.path}: no sample yet; wait until the enclosure moves")
-    if missing := [name for name in _NEEDED if name not in trajectory]:
-        raise FolderError(f"{run.path}: its trajectory is damaged (no {missing[0]}); {_ANEW}")
-    if missing := [name for name in ("radius", "mass") if name not in trajectory.static]:
-        raise FolderError(f"{run.path}: its trajectory is damaged (no {missing[0]}); {_ANEW}")
+    if wrong := _wrong(trajectory):
+        raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {_ANEW}")
     none = Tables(np.empty(0, np.int64), np.empty(0, np.int64), {})
     tables = stored_tables(run.path).get("particles", none)
+    if len(tables) and (missing := [key for key in _OF_PARTICLES if key not in tables.columns]):
+        wrong = f"particles without {', '.join(missing)}"
+        raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {_ANEW}")
     # A run that goes on may have flushed more frames between the two readings.
     scene = Scene(trajectory, tables.of_frames(0, len(trajectory["time"])), settings, summary)
     if not scene.n_cycles:
         raise FolderError(f"{run.path}: no whole cycle yet; wait until one is computed")
     return scene
 
+
+def _wrong(trajectory: Trajectory) -> str:
+    """What a scene needs and a trajectory lacks, in words; "" where all is there."""
+    kept = [*trajectory, *trajectory.static, *trajectory.attributes]
+    needed = [*UNITS, "radius", "mass", "wall_names", "fill_ratio", "direction", "gravity"]
+    missing = [name for name in needed if name not in kept]
+    return f"no {', '.join(missing)}" if missing else ""

@@ -5,12 +5,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from damper3d.records import UNITS
 from damper3d.scene import Scene
 
-_UNITS = {  # of a column that begins so, as the end of its name; all others are energies
-    "time": "s", "displacement": "m", "mean_position": "m", "velocity": "m_per_s",
-    "mean_velocity": "m_per_s", "impact_speed": "m_per_s", "wall_force": "n", "contacts": "",
-}  # fmt: skip
+_ENDS = {"1": "", "s": "s", "m": "m", "m/s": "m_per_s", "J": "j", "N": "n"}  # by the unit
 _MOVING = {  # columns of particles.csv and what is kept of each
     **{f"{axis}_m": axis for axis in "xyz"},
     **{f"v{axis}_m_per_s": f"v{axis}" for axis in "xyz"},
@@ -26,10 +24,9 @@ def samples_csv(scene: Scene) -> bytes:
     """
     per = scene.samples_per_cycle
     columns = {"cycle": np.arange(len(scene.time)) / per}
-    for key in ["time", *(key for key in sorted(scene.trajectory) if key != "time")]:
-        unit = next((unit for start, unit in _UNITS.items() if key.startswith(start)), "j")
+    for key, unit in UNITS.items():
         for part, values in _parts(scene, key).items():
-            columns["_".join(filter(None, [key, part, unit]))] = values
+            columns["_".join(filter(None, [key, part, _ENDS[unit]]))] = values
     return _table(list(columns), ["%.9g"] * len(columns), [np.column_stack(list(columns.values()))])
 
 

@@ -15,6 +15,7 @@ from campaign.folder import RunFolder
 from campaign.trajectory import TrajectoryWriter
 
 G = 9.81  # m/s2
+GRAVITY = {"vertical": [0.0, 0.0, -G], "horizontal": [-G, 0.0, 0.0], "none": [0.0, 0.0, 0.0]}
 DENSITY = 1190.0  # kg/m3
 SHARES = {  # of what is dissipated
     "friction_particle_particle": 0.5,
@@ -47,9 +48,14 @@ def write_fake_damper_run(
     finished: bool = True,
     keep: str = "all",
     diameter: float = 3e-3,
+    until: int | None = None,
 ) -> RunFolder:
-    """Write a run of about forty spheres; `samples` and `frames` (0: none) of each cycle."""
+    """Write a run of some dozens of spheres; `samples` and `frames` (0: none) of each cycle.
+
+    One that is not `finished` may have come to sample `until` only.
+    """
     height, clearance = 20e-3, 6e-3
+    discard = min(discard, cycles - 1)
     start = _lattice(diameter, 10e-3, 10e-3 if shape == "cylinder" else 7e-3, height - clearance)
     if orientation == "horizontal":
         start = start[start[:, 0] < 2e-3]  # gravity is along -x
@@ -69,7 +75,9 @@ def write_fake_damper_run(
     fill = len(start) * np.pi / 6 * diameter**3 / (np.pi / 4 * 20e-3**2 * height)
     attributes = {
         "wall_names": json.dumps(names), "fill_ratio": fill, "frequency": frequency,
-        "gamma": gamma, "period": period,
+        "gamma": gamma, "period": period, "direction": np.array([0.0, 0.0, 1.0]),
+        "gravity": np.array(GRAVITY[orientation]), "samples_per_cycle": samples,
+        "frames_per_cycle": frames,
     }  # fmt: skip
     writer = TrajectoryWriter(folder)
     writer.write_static(static, attributes)
@@ -79,6 +87,8 @@ def write_fake_damper_run(
         writer.append(sample, {"particles": _particles(start, sample, omega)} if here else None)
         if k == len(time) // 2:
             writer.flush()
+        if k == until:
+            break
     writer.flush()
     if finished:
         writer.finish(static, attributes)
@@ -211,7 +221,7 @@ def _summary(moving, n, fill, mass, frequency, gamma, orientation, cycles, disca
     return {
         "frequency_hz": frequency, "gamma": gamma, "orientation": orientation,
         "particles": f"sphere:{1e3 * diameter:g}mm", "n_particles": n, "fill_ratio": fill,
-        "particle_mass_kg": mass, "cycles": cycles, "discarded": discard, "efficiency": eta,
+        "particle_mass_kg": n * mass, "seed": 1, "cycles": cycles, "discarded": discard, "efficiency": eta,
         "efficiency_interval": [eta - 0.02, eta + 0.02], "efficiency_contact_count": 1.06 * eta,
         "efficiency_wall_work": eta, "efficiency_per_cycle": etas, "shares": shares,
         "law_term": LAW_GAIN, "dissipated_power_w": energy * frequency, "loss_factor": 0.3,
