@@ -4,7 +4,7 @@ import sys
 
 import click
 
-from damper3d.commands import files, run
+from damper3d.commands import contact, files, impact, run
 from damper3d.commands.options import Ended
 
 
@@ -24,7 +24,9 @@ def app(context: click.Context) -> None:
         click.echo(context.get_help())
 
 
-for command in (run.run, files.init, files.list_, files.show):
+for command in (
+    run.run, impact.impact, contact.contact, files.init, files.list_, files.show,
+):  # fmt: skip
     app.add_command(command)
 
 
