@@ -113,7 +113,7 @@ def test_a_sweep_has_the_bits_of_single_runs_and_one_packing(swept, tmp_path):
     """One filling for both, whoever does it; a row each, its answers in columns."""
     rows = rows_of(swept)
     assert [(row["motion.gamma"], row["seed"], row["state"]) for row in rows] == [
-        ("5", "1", "done"), ("10", "1", "done"),
+        ("5.0", "1", "done"), ("10.0", "1", "done"),
     ]  # fmt: skip
     assert len(list(swept.parent.glob("runs/packings/*/packing.h5"))) == 1
     options = ["--gamma", 5, "-o", tmp_path, "--quiet", "--json", "--no-figures"]
