@@ -20,6 +20,7 @@ from campaign.folder import FolderError, RunFolder
 from campaign.trajectory import read_tables, read_trajectory
 from damper3d import protocol, vibration
 from damper3d.protocol import Stopped
+from damper3d.simulation import Simulation, SimulationError
 from damper3d.steady import BLOCK
 
 # Particles times steps of three samples: a checkpoint each, so some 27 in the four cycles.
@@ -176,6 +177,21 @@ def test_resume_goes_on_in_its_folder_and_refuses_a_changed_case(undisturbed, ru
     (folder.path / "case.toml").write_text(text)
     assert not protocol.resume(folder.path).reused
     assert_same_run(folder, undisturbed)
+
+
+@pytest.mark.parametrize(("factor", "words"), [(2.0, "came from nowhere"), (0.0, "went nowhere")])
+def test_energy_that_is_not_accounted_for_ends_the_run(runs, monkeypatch, factor, words):
+    """Friction that is booked twice, or not at all; the run can be looked into."""
+    honest = Simulation.run
+
+    def cooked(sim, n_samples):
+        rows = honest(sim, n_samples)
+        return rows | {k: factor * v for k, v in rows.items() if k.startswith("friction")}
+
+    monkeypatch.setattr(Simulation, "run", cooked)
+    with pytest.raises(SimulationError, match=rf"t = 0\.0125.* J of energy {words}; try"):
+        protocol.run(small(), out=runs)
+    assert the_run(runs).state == "unfinished"
 
 
 # What runs share, and what they keep
