@@ -29,23 +29,26 @@ class HertzLaw(NamedTuple):
     hertz: float  # (4/3) E, E the reduced modulus [Pa]
     tangential: float  # kt / kn = 6 G / E [-]
     mu: float  # coefficient of friction [-]
-    damping: float  # c_n / sqrt(kn m) = sqrt(5) b [-]
-    tangential_damping: float  # c_t / sqrt(kn m) = sqrt(10/3) b sqrt(kt/kn) [-]
+    damping: float  # b, from the restitution below the yield velocity [-]
+    yielding: float  # v_y sqrt(m / R^3), eq. 5.26 [kg^0.5 / (m^0.5 s)]; inf: restitution is constant
     pulls: bool  # True: the contact ends at zero overlap; False: it ends at zero force
     stored_force: bool  # True: the spring's force is carried on; False: its displacement
 
 
+_NORMAL, _TANGENTIAL = np.sqrt(5.0), np.sqrt(10.0 / 3.0)  # of eqs 5.32 and 5.33
+
+
 @njit
-def hertz_force(law, hertz, mass, factor, overlap, overlap_rate):
-    """Secant stiffness [N/m], sqrt(stiffness mass) [kg/s], normal force [N], its inelastic part [N].
+def hertz_force(law, hertz, mass, damping, overlap, overlap_rate):
+    """Secant stiffness [N/m], dashpot b sqrt(kn m) [kg/s], normal force [N], its inelastic part [N].
 
     hertz is law.hertz times the root of the reduced radius [N/m^1.5]; mass is the reduced mass
-    [kg]; factor multiplies the dashpots (1, but for contacts faster than the yield velocity).
+    [kg]; damping is the b of this contact.
     """
     stiffness = hertz * np.sqrt(overlap)
-    dashpot = factor * np.sqrt(stiffness * mass)
+    dashpot = damping * np.sqrt(stiffness * mass)
     elastic = stiffness * overlap
-    force = elastic + law.damping * dashpot * overlap_rate
+    force = elastic + _NORMAL * dashpot * overlap_rate
     if not law.pulls:
         force = max(force, 0.0)
     return stiffness, dashpot, force, force - elastic
@@ -62,7 +65,7 @@ def mindlin_force(law, stiffness, dashpot, normal_force, history, slip_step, sli
     the spring over the displacement that the spring did not follow, which is second order.
     """
     kt = law.tangential * stiffness
-    ct = law.tangential_damping * dashpot
+    ct = _TANGENTIAL * np.sqrt(law.tangential) * dashpot
     before = history if law.stored_force else scale(kt, history)
     trial = add(before, scale(kt, slip_step))
     wanted = add(trial, scale(ct, slip_rate))
@@ -99,3 +102,21 @@ def law_power(law, stiffness, overlap, overlap_rate, history):
     if law.stored_force:
         return -0.5 * growth * dot(history, history) / kt if kt > 0.0 else 0.0
     return 0.5 * growth * kt * dot(history, history)
+
+
+@njit
+def damping_of_impact(law, hertz, mass, speed):
+    """The b of a contact that begins at an impact speed [m/s].
+
+    Above the yield velocity (eq. 5.26) the restitution falls with the fourth root of the speed,
+    e = e0 (v_y / v)^(1/4), as Johnson's theory of plastic impacts has it (Fig. 5.15 shows such a
+    fall; the thesis does not print its function).
+    """
+    radius = (hertz / law.hertz) ** 2
+    excess = speed / (law.yielding * np.sqrt(radius**3 / mass))
+    if not excess > 1.0:
+        return law.damping
+    log = 0.25 * np.log(excess)  # of 1/e, to which that of 1/e0 is added
+    if law.damping > 0.0:
+        log += np.pi * law.damping / np.sqrt(1.0 - law.damping**2)
+    return log / np.sqrt(log**2 + np.pi**2)

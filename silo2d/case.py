@@ -1,6 +1,5 @@
 """A silo case: settings resolved to shapes, outline, laws and time step; text to arrays."""
 
-import copy
 import dataclasses
 import math
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.casefile import changed
 from contact.datafile import data_file, data_names
 from contact.laws import LinearLaw
 from contact.quantity import InputError, located, nearest, to_si
@@ -26,7 +26,7 @@ from silo2d.parameters import (
     filling_time_step,
     time_step_of,
 )
-from silo2d.settings import Fill, Settings, Silo, check_settings, known_keys, read_settings, to_toml
+from silo2d.settings import Fill, Settings, Silo, check_settings, read_settings, to_toml
 from silo2d.shape import ShapeSet, vertex_list
 from silo2d.state import MAX_VERTICES
 
@@ -252,17 +252,7 @@ def shapes_identity(shapes: ShapeSet) -> list[Any]:
 
 def _changed(document: dict[str, Any], changes: dict[str, Any] | None) -> dict[str, Any]:
     """The document with some keys ("section.key") set."""
-    document = copy.deepcopy(document)
-    for place, value in (changes or {}).items():
-        section, dot, key = place.partition(".")
-        if not dot:
-            known = [f"{s}.{k}" for s, keys in known_keys().items() for k in keys]
-            close = [name for name in known if name.endswith(f".{place}")] or known
-            raise InputError(f"change {place!r}: write section.key; {nearest(place, close)}")
-        table = document.setdefault(section, {})
-        if isinstance(table, dict):
-            table[key] = value
-    return document
+    return changed(document, changes, Settings)
 
 
 def _outline(silo: Silo, name: str, where: str) -> Outline:

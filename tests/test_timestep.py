@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import WOOD, block, disc, inertia, launch, mass, position, squeezed
 
-from contact.timestep import highest_rate, stable_time_step
+from contact.timestep import highest_rate, rayleigh_time_step, stable_time_step
 
 STANDING, LYING = block(10e-3, 20e-3), block(20e-3, 10e-3)  # rock slower than they push or slide
 DEEP = 1e-4  # overlap with both walls [m]
@@ -86,3 +86,10 @@ def test_highest_rate_of_two_masses_on_one_spring():
     """omega^2 = k/m with the reduced mass; the free mode has rate 0."""
     rate = highest_rate(np.array([[1.0, -1.0]]), np.array([1e7]), np.array([1 / 2e-3, 1 / 6e-3]))
     assert rate == pytest.approx(1e7 / (2e-3 * 6e-3 / 8e-3), rel=1e-13)
+
+
+@pytest.mark.parametrize(("radius", "published"), [(2.5e-3, 8.33e-6), (1.5e-3, 5.0e-6)])
+def test_rayleigh_step_of_acrylic_spheres(radius, published):
+    """Granular-damper thesis, eq. 3.31 with Table 6.2 (its Table 6.1 prints 8.4e-6 s)."""
+    step = rayleigh_time_step(radius, 1190.0, 3.3e9, 0.37)
+    assert step == pytest.approx(published, rel=1e-3)
