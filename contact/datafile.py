@@ -25,6 +25,16 @@ def data_file(kind: str, name: str) -> Path | None:
     return next((p for p in sorted((data_root() / kind).glob("*.*")) if p.stem == name), None)
 
 
+def find(name: str, kind: str, folder: Path) -> str | Path:
+    """A file beside the case, else a shipped one of a kind, else as it stands."""
+    try:
+        if (folder / name).is_file():
+            return folder / name
+    except OSError:  # no name that a file can have: the reader says so
+        return name
+    return data_file(kind, name) or name
+
+
 def read_toml(path: Path, kind: str, schema: int) -> dict[str, Any]:
     """The tables of a TOML file of a kind, its schema number checked and taken out.
 

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from contact.casefile import changed
-from contact.datafile import data_file, data_names
+from contact.datafile import data_file, data_names, find
 from contact.laws import LinearLaw
 from contact.quantity import InputError, located, nearest, to_si
 from contact.restitution import linear_restitution
 from silo2d.disorder import Spread, drawn_laws, spreads, stiffest
-from silo2d.files import find, shapes_of, table_of
+from silo2d.files import shapes_of, table_of
 from silo2d.impulses import Impulses, impulses_of
 from silo2d.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
 from silo2d.pair_law import Law
