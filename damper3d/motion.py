@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.folder import FolderError
-
 if TYPE_CHECKING:
     from damper3d.case import DamperCase
 
+FEWEST_FRAMES = 8  # a cycle: an eighth of it is as far as a particle may go unseen
 LOOSE_PACKING, CLOSE_PACKING = 0.55, 0.64  # fill ratios of random packings (thesis, sec. 6.4.1)
 
 
@@ -36,7 +35,6 @@ class Motion:
     push: np.ndarray  # (C, S, 2) on the bed by the lower and the upper end, inwards [N]
     speed: np.ndarray  # (C, S) of the enclosure [m/s]
     bed_height: np.ndarray  # (C, S) mean z of the bed's mass, relative to the enclosure
-    bed_velocity: np.ndarray  # (C, S, 3) its mean velocity, in the laboratory
     n: int  # frames a cycle
     x: np.ndarray  # (F, N, 3) positions relative to the enclosure's lower end
     v: np.ndarray  # (F, N, 3) velocities in the laboratory
@@ -77,7 +75,7 @@ def take(
 ) -> Motion | None:
     """The counted cycles of a run in memory.
 
-    samples     columns of the run (records.py), one row a sample
+    samples     columns of the run (records.py), one row a sample and one before the first
     frames      "row" (F,) of the sample that each frame came with; "x", "v" (F, N, 3) in the
                 enclosure's axes; "radius", "mass" (N,)
     discard     cycles that do not count; the case's where None
@@ -86,13 +84,12 @@ def take(
     """
     per_cycle = case.settings.output.samples
     first = (case.settings.run.discard if discard is None else discard) * per_cycle
-    start = int(np.argmin(np.abs(samples["time"])))  # a run may keep the row before its first step
-    rows, first = np.asarray(frames["row"]), first + start
+    rows = np.asarray(frames["row"])
     n_cycles = (len(samples["time"]) - 1 - first) // per_cycle
     last = first + n_cycles * per_cycle
     chosen = (rows >= first) & (rows <= last)
     n = round((chosen & (rows > first)).sum() / max(n_cycles, 1))
-    if n_cycles < 1 or n < 8:
+    if n_cycles < 1 or n < FEWEST_FRAMES or chosen.sum() <= n:  # none a cycle apart
         return None
     axes = _axes(case.direction)
     low, length = _ends(case, axes)
@@ -110,7 +107,6 @@ def take(
         push=push.reshape(*shape, 2),
         speed=samples["velocity"][counted].reshape(shape),
         bed_height=(samples["mean_position"][counted] @ axes[2] - low).reshape(shape),
-        bed_velocity=(samples["mean_velocity"][counted] @ axes.T).reshape(*shape, 3),
         n=n,
         x=np.asarray(frames["x"][chosen], float) @ axes.T - [0.0, 0.0, low],
         v=np.asarray(frames["v"][chosen], float) @ axes.T,
@@ -119,14 +115,23 @@ def take(
     )
 
 
-def of_run(folder: str | Path) -> Motion:
-    """The counted cycles of a run folder; FolderError where it keeps too little to tell."""
-    from campaign.trajectory import read_tables, read_trajectory
+def of_run(folder: str | Path, discard: int | None = None) -> Motion | None:
+    """The counted cycles of a run folder, finished or not; None as `take`.
+
+    `discard` None: as its summary says, or else its case. Raises FolderError where the folder
+    holds no run or a damaged one.
+    """
+    from campaign.folder import RunFolder
+    from campaign.trajectory import read_trajectory, stored_tables
     from damper3d.case import DamperCase
 
-    folder = Path(folder)
-    case, run = DamperCase.load(folder / "case.toml"), read_trajectory(folder)
-    table = read_tables(folder, "particles")
+    run = RunFolder(Path(folder))
+    if discard is None and run.state == "finished":
+        discard = int(run.read_summary()["discarded"])
+    case, samples = DamperCase.load(run.path / "case.toml"), read_trajectory(run.path)
+    table = stored_tables(run.path).get("particles")
+    if table is None:
+        return None
 
     def vectors(*names: str) -> np.ndarray:
         columns = [table.columns[name].reshape(len(table), -1) for name in names]
@@ -138,13 +143,7 @@ def of_run(folder: str | Path) -> Motion:
         "v": vectors("vx", "vy", "vz"),
         **spheres_around(case),
     }
-    motion = take(case, run, frames)
-    if motion is None:
-        raise FolderError(
-            f"{folder}: the motional phase needs one whole counted cycle with eight frames or "
-            "more; run longer, or with more [output] frames"
-        )
-    return motion
+    return take(case, samples, frames, discard=discard)
 
 
 def spheres_around(case: "DamperCase") -> dict[str, Any]:

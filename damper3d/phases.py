@@ -90,9 +90,9 @@ _ALL = {
     "transition": Look("transition", "#ffbf00", "D"),
     "leidenfrost": Look("Leidenfrost effect", "#b2df8a", "^"),
     "buoyancy_convection": Look("buoyancy convection", "#33a02c", "P"),
-    "convection": Look("convection", "#b2df8a", "^"),
+    "convection": Look("convection", "#66c2a5", "<"),
     "bouncing_bed": Look("bouncing bed", "#e31a1c", "*"),
-    "gas_like": Look("gas-like", "#cab2d6", "x"),
+    "gas_like": Look("gas-like", "#cab2d6", "h"),
 }
 _ALWAYS: list[tuple[str, tuple[Criterion, ...]]] = [
     ("gas_like", (Criterion("free_path", CAGE),)),
@@ -155,15 +155,19 @@ def classify(measures: Mapping[str, Any], orientation: str) -> Phase:
     return Phase(name, orientation, sorted(neighbours.values(), key=lambda n: n.distance))
 
 
-def phase_of_run(folder: str | Path) -> dict[str, Any]:
-    """Phase and measures of a run folder, as its summary holds them.
+def phase_of_run(folder: str | Path, discard: int | None = None) -> dict[str, Any]:
+    """Phase, what is next to it, and measures of a run folder, as its summary holds them.
 
-    Raises FolderError where the run keeps too little to tell.
+    All None where the run keeps too little to tell: not one counted cycle with a frame on either
+    side, or fewer than eight frames a cycle. `discard` cycles do not count; None: as in the folder.
+    Raises FolderError where the folder holds no run or a damaged one.
     """
     from damper3d.motion import of_run
     from damper3d.motion_measures import measure_motion
 
-    motion = of_run(folder)
+    motion = of_run(folder, discard)
+    if motion is None:
+        return {"phase": None, "phase_next": None, "phase_measures": None}
     measures = measure_motion(motion)
     phase = classify(measures, motion.orientation)
     return {"phase": phase.name, "phase_next": phase.as_json()["next"], "phase_measures": measures}

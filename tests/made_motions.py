@@ -48,7 +48,6 @@ class Shaken:
         cut = (self.cycles, SAMPLES)
         speed = self.peak_speed * np.cos(self.omega * self.sampled)
         height = np.interp(self.sampled, self.time, x[:, :, 2].mean(axis=1))
-        mean_v = [np.interp(self.sampled, self.time, v[:, :, k].mean(axis=1)) for k in range(3)]
         return Motion(
             period=self.period,
             gravity=np.array([-GRAVITY, 0.0, 0.0] if horizontal else [0.0, 0.0, -GRAVITY]),
@@ -59,7 +58,6 @@ class Shaken:
             push=np.zeros((*cut, 2)) if push is None else push,
             speed=speed.reshape(cut),
             bed_height=height.reshape(cut),
-            bed_velocity=np.stack(mean_v, axis=1).reshape(*cut, 3),
             n=FRAMES,
             x=x,
             v=v,
