@@ -27,6 +27,7 @@ def fill(case: DamperCase, report: Report) -> Packing:
     what `report` raises.
     """
     report(0.0, "filling")
+    grow(case.enclosure, 1, case.particle.bounding_radius, np.random.default_rng(0))  # compiles
     begun = time.process_time()
     centres = random_start(case)
     growing = time.process_time() - begun
