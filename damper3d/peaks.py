@@ -25,7 +25,7 @@ class Peak:
                          stand for the noise 80 to 93 % hold the peak (tried on made data)
     bracket              the nearest points on both sides that lie below the largest eta by more
                          than noise: a peak with one maximum lies between, whatever its shape
-    half_width           of the efficiency: that of the largest eta
+    half_width           of the efficiency: that of the largest eta, or the median
     prominence           how far the largest eta stands over the higher of the two lowest points
                          towards the next higher peak or the end on each side
     index                of the largest eta
@@ -45,14 +45,16 @@ def find_peaks(gamma: ArrayLike, efficiency: ArrayLike, half_width: ArrayLike) -
     """Local maxima above noise, from the least Gamma up; arrays (n,), Gamma rising.
 
     A maximum counts where its prominence exceeds the noise of a difference: the root of the sum
-    of the squares of the half widths of the maximum and of that lowest point. The first and the
-    last point are no maxima: what rises to the end of a grid has its peak beyond it.
+    of the squares of the half widths of the maximum and of that lowest point. A half width below
+    the median is not believed: of three packings, some agree by chance. The first and the last
+    point are no maxima: what rises to the end of a grid has its peak beyond it.
     """
     from scipy.signal import find_peaks as maxima
     from scipy.signal import peak_prominences
 
     gamma, eta = np.asarray(gamma, float), np.asarray(efficiency, float)
     noise = np.nan_to_num(np.asarray(half_width, float))
+    noise = np.maximum(noise, np.median(noise)) if noise.size else noise
     tops, _ = maxima(eta)
     prominences, left, right = peak_prominences(eta, tops)
     lowest = np.where(eta[left] > eta[right], left, right)

@@ -25,10 +25,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.quantity import InputError, nearest
+from damper3d.case import GRAVITY
 
 Floats = NDArray[np.float64]
 
-GRAVITY = 9.81  # [m/s2], thesis Table 6.1
 # Fill ratio of spheres packed at random (thesis, below eq. 6.13).
 PACKINGS = {"loose": 0.55, "close": 0.64}
 WHOLE_FLIGHT = float(np.hypot(1.0, np.pi))  # Gamma at which a block flies for a whole cycle

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from contact.datafile import data_file
 from contact.quantity import InputError
+from damper3d.case import GRAVITY
 from damper3d.theory import (
-    GRAVITY,
     PACKINGS,
     PERIOD_DOUBLING,
     WHOLE_FLIGHT,
