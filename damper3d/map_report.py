@@ -73,7 +73,7 @@ def summary(
         "reused": sum(bool(row.get("reused")) for row in result.rows),
         "failed": states["failed"],
         "interrupted": states["interrupted"],
-        "failures": [_failure(row) for row in result.rows if row["state"] == "failed"],
+        "failures": _failures(result.rows),
         "best": _best(result),
         "ridges": [_peak(item, prediction) for item in on_ridges],
         "folder": str(folder),
@@ -143,9 +143,17 @@ def _best(result: MapResult) -> dict[str, Any] | None:
     return {name: best[name] for name in names}
 
 
-def _failure(row: dict[str, Any]) -> str:
-    where = f"{row['frequency_hz']:g} Hz, Gamma {row['gamma']:g}, seed {row['seed']}"
-    return f"{where}: {row['reason']}"
+def _failures(rows: Rows) -> list[str]:
+    """A line for each reason: how many runs it ended, and the first of them."""
+    reasons: dict[str, Rows] = {}
+    for row in rows:
+        if row["state"] == "failed":
+            reasons.setdefault(row["reason"], []).append(row)
+    return [
+        f"{_plural(len(of), 'run')} from {of[0]['frequency_hz']:g} Hz, Gamma {of[0]['gamma']:g}, "
+        f"seed {of[0]['seed']} on: {reason}"
+        for reason, of in reasons.items()
+    ]
 
 
 def _or_none(value: float) -> float | None:

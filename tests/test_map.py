@@ -106,7 +106,8 @@ def test_point_whose_runs_failed_is_missing_and_the_rest_is_mapped(asked, tmp_pa
     assert len(result.at(40.0)) == len(GAMMAS) - 1
     answers = summary(SMALL, result, predict(DamperCase.load("thesis")), [], tmp_path)
     assert answers["failed"] == 9
-    assert answers["failures"][0] == "20 Hz, Gamma 5, seed 1: NaN"
+    assert answers["failures"] == ["9 runs from 20 Hz, Gamma 5, seed 1 on: NaN"]
+    assert "failed: 9 runs" in as_text(answers)
 
 
 def test_unknown_column_is_refused_with_those_there_are(asked, tmp_path):
