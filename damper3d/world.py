@@ -1,6 +1,7 @@
 """Builds the arrays of a world from spheres, an enclosure, laws and motion; makes lists longer."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -146,7 +147,7 @@ def roomier(world: World, lists: str) -> World:
     """The world with a list, "near", "close" or "wall", of twice the capacity."""
     old = getattr(world, lists)
     capacity = 2 * len(old.i)
-    make = _near if lists == "near" else _contacts
+    make: Callable[[int, int], Any] = _near if lists == "near" else _contacts
     new = make(len(world.spheres.position), capacity)
     for longer, array in zip(new, old, strict=True):
         longer[tuple(slice(0, size) for size in array.shape)] = array
