@@ -39,7 +39,11 @@ class Result:
     bed_height_m: float | None
     energy_closure: float | None
     max_impact_over_yield_velocity: dict[str, float | None]
-    phase: str | None
+    phase: str | None  # of the particles' motion; None where too few frames were kept
+    phase_next: (
+        list[dict[str, str | float | None]] | None
+    )  # phases across one threshold, nearest first
+    phase_measures: dict[str, float | None] | None  # what the phase is named from
     steady: bool | None
     time_step_s: float
     steps: int
