@@ -163,6 +163,11 @@ def time_steps(particle: Cluster, material: Material, settings: Settings, where:
             f"than {MOST_STEPS:.0e} steps, which nobody can wait for; give a higher frequency, "
             "fewer cycles or a longer time step"
         )
+    if not settings.fill.settle_time / wanted <= MOST_STEPS:
+        raise InputError(
+            f"{where}: [fill] settle_time = {settings.fill.settle_time:g} s in steps of "
+            f"{wanted:.3g} s: more than {MOST_STEPS:.0e} steps; give a shorter one"
+        )
     per_sample = max(math.ceil(ratio * (1 - 1e-9)), 1)
     return Steps(1.0 / (frequency * samples * per_sample), per_sample, wanted, limit, reason)
 

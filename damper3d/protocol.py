@@ -146,9 +146,7 @@ def get_packing(
     return packing
 
 
-def _fill(
-    case: DamperCase, folder: Path, progress: Progress, stop: Callable[[], bool]
-) -> Packing:
+def _fill(case: DamperCase, folder: Path, progress: Progress, stop: Callable[[], bool]) -> Packing:
     def report(fraction: float, text: str) -> None:
         progress(fraction, text)
         if stop():

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contact.casefile import changed
-from contact.datafile import data_file, data_names, find
+from contact.datafile import data_file, data_names, find, is_file
 from contact.laws import LinearLaw
 from contact.quantity import InputError, located, nearest, to_si
 from contact.restitution import linear_restitution
@@ -62,10 +62,10 @@ class SiloCase:
         if name in PRESETS:
             document: dict[str, Any] = {"name": name, "silo": {"preset": name}}
             return cls.resolve(_changed(document, changes), name, Path())
-        if not path.is_file():
+        if not is_file(path):
             known = [*PRESETS, *data_names("cases")]
             shipped = data_file("cases", name)
-            if shipped is None and path.with_suffix(".toml").is_file():
+            if shipped is None and is_file(Path(f"{name}.toml")):
                 raise InputError(f"case {name!r}: no such preset; did you mean '{name}.toml'?")
             if shipped is None:
                 raise InputError(f"case {name!r}: no such preset or file; {nearest(name, known)}")

@@ -4,19 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from campaign.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
+from campaign.layout import columns, not_done, share
+from campaign.statistics import wilson
 from silo2d.outline import PRESETS
-from silo2d.reproduce.layout import (
-    by_silo,
-    columns,
-    not_done,
-    outcome_word,
-    outcomes,
-    share,
-    unfinished,
-)
+from silo2d.reproduce.outcomes import by_silo, outcome_word, outcomes, unfinished
 from silo2d.reproduce.published import trials
-from silo2d.reproduce.statistics import wilson
-from silo2d.scene import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,9 +36,9 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """The twelve silos with the smaller outlets, each with all seeds."""
+    from campaign.sweep import over_seeds
     from silo2d.case import SiloCase
     from silo2d.reproduce.runs import run_all
-    from silo2d.sweep import over_seeds
 
     cases = [c for s in _SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
     return run_all(cases, out=out, workers=workers, quiet=quiet, **engine)

@@ -4,15 +4,16 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from silo2d.reproduce.layout import columns, done, not_done, outcomes, percent, seconds, signed
-from silo2d.reproduce.parameters import BASELINES, Pairs
-from silo2d.reproduce.published import ROUNDING, Point, sensitivity
-from silo2d.reproduce.series import Series, series_of
-from silo2d.reproduce.statistics import (
+from campaign.layout import columns, done, not_done, percent, signed, with_sd
+from campaign.statistics import (
     Sample,
     noise_of_one_more,
     pooled_sd,
 )
+from silo2d.reproduce.outcomes import outcomes
+from silo2d.reproduce.parameters import BASELINES, Pairs
+from silo2d.reproduce.published import ROUNDING, Point, sensitivity
+from silo2d.reproduce.series import Series, series_of
 from silo2d.reproduce.trend import Trend
 
 if TYPE_CHECKING:
@@ -51,9 +52,9 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """Every row of Tables 7 to 11 from both baselines; a case that two rows share runs once."""
+    from campaign.sweep import Labelled, over_seeds
     from silo2d.case import SiloCase
     from silo2d.reproduce.runs import run_all
-    from silo2d.sweep import Labelled, over_seeds
 
     loaded: dict[tuple, SiloCase] = {}
     cases: list[Labelled] = []
@@ -136,8 +137,8 @@ def _cells(
     rest = len(rows) - time.n - clogged
     remark = f", {clogged} clogged" if clogged else ""
     remark += f", {rest} failed or cut off" if rest else ""
-    t90 = seconds(own.time(value, "t90_s"))
-    return [seconds(time) + remark, _row_word(time, printed, spread), t90]
+    t90 = with_sd(own.time(value, "t90_s"))
+    return [with_sd(time) + remark, _row_word(time, printed, spread), t90]
 
 
 def _restitution(rows: "list[Row]") -> str:
