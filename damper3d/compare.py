@@ -108,7 +108,9 @@ def table(found: dict[str, Any]) -> str:
         ("CPU time [s]", "cpu_s", ".2f"),
     ):
         lines.append((name, [row[key] for row in rows], digits))
-    lines.insert(2, ("  its interval", [_interval(row["efficiency_interval"]) for row in rows], None))
+    lines.insert(
+        2, ("  its interval", [_interval(row["efficiency_interval"]) for row in rows], None)
+    )
     for c in CLASSES:
         for mechanism in MECHANISMS:
             name = f"{mechanism.replace('_', ' ')}, {c.replace('_', '-')}"
@@ -116,10 +118,18 @@ def table(found: dict[str, Any]) -> str:
     lines.append(("phase", [row["phase"] or "none" for row in rows], None))
     texts = [[name, *(_cell(value, digits) for value in values)] for name, values, digits in lines]
     widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
-    return "\n".join(
-        "  ".join([name.ljust(widths[0]), *(c.rjust(w) for c, w in zip(cells, widths[1:], strict=True))])
-        for name, *cells in texts
-    ) + f"\n{_verdict(found['difference'])}"
+    return (
+        "\n".join(
+            "  ".join(
+                [
+                    name.ljust(widths[0]),
+                    *(c.rjust(w) for c, w in zip(cells, widths[1:], strict=True)),
+                ]
+            )
+            for name, *cells in texts
+        )
+        + f"\n{_verdict(found['difference'])}"
+    )
 
 
 def _interval(ends: Sequence[float | None] | None) -> str:

@@ -151,7 +151,10 @@ def _books(cycle, moving, peak_speed, mass) -> dict[str, np.ndarray]:
         "elastic_normal": np.full_like(lost, 1e-7),
         "elastic_tangential": np.full_like(lost, 2e-8),
     }
-    law = {"law_term_particle_particle": 0.75 * LAW_GAIN * lost, "law_term_particle_wall": 0.25 * LAW_GAIN * lost}
+    law = {
+        "law_term_particle_particle": 0.75 * LAW_GAIN * lost,
+        "law_term_particle_wall": 0.25 * LAW_GAIN * lost,
+    }
     total = sum(held.values())
     counts = {}
     for c in ("particle_particle", "particle_wall"):
@@ -210,7 +213,9 @@ keep = "{keep}"
 """
 
 
-def _summary(moving, n, fill, mass, frequency, gamma, orientation, cycles, discard, diameter) -> dict:
+def _summary(
+    moving, n, fill, mass, frequency, gamma, orientation, cycles, discard, diameter
+) -> dict:
     etas = [(1 - LAW_GAIN) * EFFICIENCY[min(k, len(EFFICIENCY) - 1)] for k in range(cycles)]
     eta = float(np.mean(etas[discard:]))
     energy = eta * 4 * (gamma * G / (2 * np.pi * frequency)) ** 2 * n * mass

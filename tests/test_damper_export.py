@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from damper_command import damper3d
 from fake_damper_run import write_fake_damper_run
+from small_damper import damper3d
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOHDF import vtkHDFReader
 

@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 import pytest
-from damper_command import damper3d
 from fake_damper_run import EFFICIENCY, LAW_GAIN, SHARES, G, write_fake_damper_run
+from small_damper import damper3d
 
 from campaign.folder import FolderError
 from damper3d.charts import efficiency_of_cycles, energy_chart, motion_chart
