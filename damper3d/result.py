@@ -20,6 +20,7 @@ class Result:
     fill_ratio: float
     particle_mass_kg: float  # of all particles together
     seed: int
+    packing: dict[str, float]  # of the settled bed: fraction, height_m, coordination, rms_speed_m_s
     cycles: int
     discarded: int
     efficiency: float  # from the energy budget (thesis, eqs 6.8-6.10)
@@ -31,6 +32,7 @@ class Result:
     law_term: float | None  # the tangential spring's own gain, over what is dissipated
     dissipated_power_w: float
     loss_factor: float | None
+    equivalent_damping_n_s_per_m: float | None
     effective_mass: dict[str, float | None]  # in_phase_kg, out_of_phase_kg
     peak_wall_force_n: float
     bed_height_m: float | None
