@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,8 @@ def as_csv(rows: Sequence[Row], left_out: tuple[str, ...] = ()) -> str:
 
 
 def _cell(value: Any) -> Any:
+    if isinstance(value, list | tuple):
+        return json.dumps(value)  # such as a number for each cycle
     return str(value).lower() if isinstance(value, bool) else value
 
 

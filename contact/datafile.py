@@ -25,6 +25,19 @@ def data_file(kind: str, name: str) -> Path | None:
     return next((p for p in sorted((data_root() / kind).glob("*.*")) if p.stem == name), None)
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; no, for a name that no file can have."""
+    try:
+        return path.is_file()
+    except OSError:  # too long
+        return False
+
+
+def find(name: str, kind: str, folder: Path) -> str | Path:
+    """A file beside the case, else a shipped one of a kind, else as it stands."""
+    return folder / name if is_file(folder / name) else data_file(kind, name) or name
+
+
 def read_toml(path: Path, kind: str, schema: int) -> dict[str, Any]:
     """The tables of a TOML file of a kind, its schema number checked and taken out.
 

@@ -30,17 +30,20 @@ class HertzLaw(NamedTuple):
     tangential: float  # kt / kn = 6 G / E [-]
     mu: float  # coefficient of friction [-]
     damping: float  # b, from the restitution below the yield velocity [-]
-    yielding: float  # v_y sqrt(m / R^3), eq. 5.26 [kg^0.5 / (m^0.5 s)]; inf: restitution is constant
+    tangential_damping: float  # c_t / (b sqrt(kn m)) = sqrt(10/3 kt/kn); 0: no such dashpot [-]
+    yielding: (
+        float  # v_y sqrt(m / R^3), eq. 5.26 [kg^0.5 / (m^0.5 s)]; inf: restitution is constant
+    )
     pulls: bool  # True: the contact ends at zero overlap; False: it ends at zero force
     stored_force: bool  # True: the spring's force is carried on; False: its displacement
 
 
-_NORMAL, _TANGENTIAL = np.sqrt(5.0), np.sqrt(10.0 / 3.0)  # of eqs 5.32 and 5.33
+_NORMAL = np.sqrt(5.0)  # of eq. 5.32
 
 
 @njit
 def hertz_force(law, hertz, mass, damping, overlap, overlap_rate):
-    """Secant stiffness [N/m], dashpot b sqrt(kn m) [kg/s], normal force [N], its inelastic part [N].
+    """Secant stiffness [N/m], dashpot b sqrt(kn m) [kg/s], normal force and its inelastic part [N].
 
     hertz is law.hertz times the root of the reduced radius [N/m^1.5]; mass is the reduced mass
     [kg]; damping is the b of this contact.
@@ -55,19 +58,20 @@ def hertz_force(law, hertz, mass, damping, overlap, overlap_rate):
 
 
 @njit
-def mindlin_force(law, stiffness, dashpot, normal_force, history, slip_step, slip_rate):
-    """Tangential force [N], the history to keep, and what is dissipated.
+def mindlin_force(law, stiffness, dashpot, normal_force, history, half_step, slip_rate):
+    """Tangential force [N], what the spring holds now, and what is dissipated.
 
-    history: displacement [m] or force [N] that the spring held, in the present tangent plane;
-    slip_step: displacement since then [m]; slip_rate: velocity now [m/s]; tuples of three.
-    Returns the force, the new history, the power of the dashpot [W], the energy lost to friction
-    in this step [J] and whether the contact slides (1.0 or 0.0). Friction takes the mean force of
-    the spring over the displacement that the spring did not follow, which is second order.
+    history: displacement [m] or force [N] of the spring half a step ago, in the present tangent
+    plane; half_step: displacement since then [m]; slip_rate: velocity now [m/s]; tuples of three.
+    Returns the force, what the spring holds after slip (add half a step to it for the next
+    history), the power of the dashpot [W], the energy lost to friction in the whole step [J] and
+    whether the contact slides (1.0 or 0.0). Friction takes the mean force of the spring over the
+    displacement that the spring did not follow, which is second order in the step.
     """
     kt = law.tangential * stiffness
-    ct = _TANGENTIAL * np.sqrt(law.tangential) * dashpot
-    before = history if law.stored_force else scale(kt, history)
-    trial = add(before, scale(kt, slip_step))
+    ct = law.tangential_damping * dashpot
+    moved = scale(kt, half_step)
+    trial = add(history if law.stored_force else scale(kt, history), moved)
     wanted = add(trial, scale(ct, slip_rate))
     size, limit = norm(wanted), law.mu * max(normal_force, 0.0)
     slides = 1.0 if size > limit else 0.0
@@ -75,7 +79,8 @@ def mindlin_force(law, stiffness, dashpot, normal_force, history, slip_step, sli
     held = add(scale(slides * share, wanted), scale(1.0 - slides, trial))
     compliance = 1.0 / kt if kt > 0.0 else 0.0
     unfollowed = scale(compliance, add(trial, scale(-1.0, held)))
-    rubbed = 0.5 * dot(add(before, held), unfollowed)
+    step_ago = add(trial, scale(-2.0, moved))
+    rubbed = 0.5 * dot(add(step_ago, held), unfollowed)
     power = (1.0 - slides) * ct * dot(slip_rate, slip_rate)
     kept = held if law.stored_force else scale(compliance, held)
     return scale(-share, wanted), kept, power, rubbed, slides

@@ -1,4 +1,4 @@
-"""Restitution from damping and back, for the linear spring-dashpot.
+"""Restitution from damping and back, for the linear spring-dashpot and for Hertz with Tsuji's.
 
 The overlap of two bodies obeys d'' + gamma d' + omega0^2 d = 0 (wood-silo paper, eq. 3.7). With
 b = gamma/2 and w = sqrt(omega0^2 - b^2), the contact that starts at d = 0 ends
@@ -10,6 +10,16 @@ b = gamma/2 and w = sqrt(omega0^2 - b^2), the contact that starts at d = 0 ends
 
 n contacts in parallel between two bodies act as one with n kn and n gamma, so two faces that
 touch in eight vertex-edge pairs bounce back less than one corner does.
+
+Hertz with Tsuji's dashpot (granular-damper thesis, eqs 5.21, 5.23, 5.32; its number b = damping) is
+
+    d'' + sqrt(5) b (kn/m)^(1/2) d' + (kn/m) d = 0,   kn/m = k sqrt(d).
+
+With z = d^(5/4) and the time s, ds = d^(1/4) dt, it becomes z'' + sqrt(5 k) b z' + (5/4) k z = 0:
+a linear spring and dashpot whose damping ratio is b (Antypov and Elliott 2011, EPL 94, 50004).
+d' is (4/5) z', and the force of one vanishes with that of the other: so both formulas above hold
+with b in place of b/omega0, whatever the speed. Eqs 5.29 and 5.30 are those formulas too, and
+eq. 5.31 is (sqrt(5)/2) b.
 """
 
 import math
@@ -25,11 +35,11 @@ def linear_restitution(
 
     gamma [1/s] and kn [N/m] of one contact, `mass` the reduced mass [kg].
     """
-    return _restitution(0.5 * contacts * gamma / math.sqrt(contacts * kn / mass), end)
+    return restitution_of_ratio(0.5 * contacts * gamma / math.sqrt(contacts * kn / mass), end)
 
 
-def _restitution(ratio: float, end: ContactEnd) -> float:
-    """Restitution for the damping ratio b/omega0."""
+def restitution_of_ratio(ratio: float, end: ContactEnd = "overlap") -> float:
+    """Restitution [-] of a linear contact of damping ratio b/omega0, or a Hertz one of that b."""
     if end == "overlap":
         return math.exp(-math.pi * ratio / math.sqrt(1 - ratio**2)) if ratio < 1 else 0.0
     if ratio < 1:
@@ -50,17 +60,25 @@ def damping_for_restitution(
     Closed form where the contact ends at zero overlap, a root search where it ends at zero
     force. Raises ValueError outside (0, 1].
     """
+    return 2 * math.sqrt(kn / mass) * ratio_of_restitution(restitution, end)
+
+
+def ratio_of_restitution(restitution: float, end: ContactEnd = "overlap") -> float:
+    """The damping ratio b/omega0 of a linear contact, or the b of a Hertz one, that gives it.
+
+    Eq. 5.29 where the contact ends at zero overlap, eq. 5.30 solved where it ends at zero force.
+    Raises ValueError outside (0, 1].
+    """
     if not 0 < restitution <= 1:
         raise ValueError(f"restitution = {restitution}: must be in (0, 1]")
-    omega0 = math.sqrt(kn / mass)
     if restitution == 1:
         return 0.0
     if end == "overlap":
         log = -math.log(restitution)
-        return 2 * omega0 * log / math.hypot(math.pi, log)
+        return log / math.hypot(math.pi, log)
     from scipy.optimize import brentq
 
     def miss(log_ratio: float) -> float:
-        return _restitution(math.exp(log_ratio), "force") - restitution
+        return restitution_of_ratio(math.exp(log_ratio), "force") - restitution
 
-    return 2 * omega0 * math.exp(brentq(miss, -40.0, 40.0, xtol=1e-14))
+    return math.exp(brentq(miss, -40.0, 40.0, xtol=1e-14))

@@ -21,6 +21,7 @@ def sphere_law(
     end: ContactEnd = "overlap",
     tangential: History = "displacement",
     tangential_damping: bool = True,
+    yielding: bool = False,
 ) -> HertzLaw:
     """The law between spheres (or a sphere and a wall) of two materials; None: a rigid body.
 
@@ -28,7 +29,8 @@ def sphere_law(
     eqs 5.32 and 5.33, with which a contact that ends at zero overlap has exactly that restitution;
     one that ends at zero force has a little more (contact.hertz_restitution says how much, and
     which number to give instead). tangential is what the spring carries on while the overlap
-    changes; tangential_damping False leaves the tangential dashpot out.
+    changes; tangential_damping False leaves the tangential dashpot out. yielding lets
+    the restitution fall above the yield velocity (see contact.hertz.damping_of_impact).
 
     Raises InputError, one line, where a material lacks its modulus or Poisson's ratio.
     """
@@ -40,8 +42,9 @@ def sphere_law(
         hertz=hertz,
         tangential=ratio,
         mu=friction,
-        damping=math.sqrt(5.0) * b,
-        tangential_damping=math.sqrt(10.0 / 3.0 * ratio) * b if tangential_damping else 0.0,
+        damping=b,
+        tangential_damping=math.sqrt(10.0 / 3.0 * ratio) if tangential_damping else 0.0,
+        yielding=_yield_constant(first, second) if yielding else math.inf,
         pulls=end == "overlap",
         stored_force=tangential == "force",
     )
@@ -66,12 +69,17 @@ def yield_velocity(
     radius and mass are the reduced ones [m, kg]. None stands for a rigid body. Raises InputError
     where a material lacks its modulus or Poisson's ratio, or where neither has a yield strength.
     """
+    return _yield_constant(first, second) * math.sqrt(radius**3 / mass)
+
+
+def _yield_constant(first: Material, second: Material | None) -> float:
+    """v_y sqrt(m / R^3) of eq. 5.26 [kg^0.5 / (m^0.5 s)]."""
     modulus = reduced_modulus(*_elastic(first), *_elastic(second))
     known = [m for m in (first, second) if m is not None and m.yield_strength is not None]
     if not known:
         raise InputError(_missing(first, "yield_strength", "125 MPa"))
     strength = min(m.yield_strength.value for m in known if m.yield_strength is not None)
-    return math.sqrt(107.0 * radius**3 * strength**5 / (modulus**4 * mass))
+    return math.sqrt(107.0 * strength**5 / modulus**4)
 
 
 def _elastic(material: Material | None) -> tuple[float, float]:

@@ -1,6 +1,155 @@
-"""The arrays that the kernels work on: bodies, spheres, walls, lists of pairs, books.
+"""The arrays that the kernels work on: bodies, spheres, walls, lists of contacts, books.
 
-A particle is a rigid cluster of spheres; a sphere is a cluster of one. What moves is a body, what
-touches is a sphere, and a sphere knows its body. Vectors stand in rows of four numbers: the fourth
-of a position is the radius, so that one load brings all, and the others' is unused.
+What moves is a body, what touches is a sphere: a particle is a rigid cluster of spheres, and a
+sphere is a cluster of one, whose centre is its body's. Vectors stand in rows of four numbers; the
+fourth of a position is the radius, so that one load brings all, that of others stays zero.
+
+Positions and velocities are those of the laboratory: the enclosure's own frame (its bottom's
+centre is the origin, z its axis) plus the displacement of the enclosure.
 """
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+# Entries of World.counts. STEP: of this phase; PAIRS, CLOSE, TOUCHED_WALLS: lengths of the lists;
+# PLANES: how many of the wall contacts are with planes; STALE_...: lists to be made anew.
+STEP, NEAR, CLOSE, WALL, PLANE, STALE_CLOSE, STALE_WALL = range(7)
+NEAR_SEARCHES, CLOSE_SEARCHES, WALL_SEARCHES = range(7, 10)
+CLOSE_MADE, WALL_MADE = 10, 11  # the step when the list was made
+N_COUNTS = 12
+# Entries of World.books [J], for particle-particle and then particle-wall contacts; then the work
+# of the enclosure on the bed.
+NORMAL_DAMPING, TANGENTIAL_DAMPING, FRICTION, LAW_TERM, SLIP_COUNT = range(5)
+N_MECHANISMS = 5
+WALL_WORK = 2 * N_MECHANISMS
+N_BOOKS = WALL_WORK + 1
+# Entries of World.lengths [m]: how far apart spheres may be to be listed, and what was left of
+# the near list's reach when the close list was made.
+NEAR_SKIN, CLOSE_SKIN, WALL_SKIN = range(3)
+N_LENGTHS = 3
+# Rows of a history: what the tangential spring holds [m or N], and the b of the contact, which
+# is NO_CONTACT where there is none.
+SPRING_X, SPRING_Y, SPRING_Z, DAMPING = range(4)
+N_HISTORY = 4
+NO_CONTACT = -1.0
+
+BLOCK = 256  # contacts that the force pass works on at once: what it finds stays in cache
+
+
+class Bodies(NamedTuple):
+    """Rigid bodies, (n, 4) or (n,); velocities are half a step behind the positions."""
+
+    velocity: np.ndarray  # [m/s]
+    spin: np.ndarray  # [rad/s]
+    inverse_mass: np.ndarray  # (n,) [1/kg]
+    inverse_inertia: np.ndarray  # (n,) of a sphere, about any axis [1/(kg m2)]
+    heat: np.ndarray  # (n,) dissipated at the body's contacts so far, half of each [J]
+
+
+class Spheres(NamedTuple):
+    """The spheres of the bodies, (m, 4): all that a contact needs to know and gives back."""
+
+    position: np.ndarray  # centre [m], radius [m]
+    velocity: np.ndarray  # of the centre, extrapolated to the time of the position [m/s]
+    spin: np.ndarray  # of the body, likewise [rad/s]
+    force: np.ndarray  # [N]
+    torque: np.ndarray  # about the sphere's centre [N m]
+    inverse_mass: np.ndarray  # (m,) of the body [1/kg]
+
+
+class Near(NamedTuple):
+    """Pairs of spheres i < j that may come close, ascending, and where the spheres were then."""
+
+    i: np.ndarray  # (capacity,) uint32
+    j: np.ndarray  # (capacity,) uint32
+    gap: np.ndarray  # (capacity,) between the surfaces, when the close list was made [m]
+    history: np.ndarray  # (N_HISTORY, capacity), up to date while there is no close list
+    first: np.ndarray  # (m + 1,) where the pairs of each sphere i begin
+    old_j: np.ndarray  # the previous list, while a new one is made
+    old_history: np.ndarray
+    old_first: np.ndarray
+    place: np.ndarray  # (m, 4) positions when the list was made [m]
+
+
+class Contacts(NamedTuple):
+    """Pairs that touch or nearly do, one array a quantity; of spheres, or of spheres and walls."""
+
+    i: np.ndarray  # (capacity,) uint32, sphere
+    j: np.ndarray  # (capacity,) uint32, sphere or wall
+    near: np.ndarray  # (capacity,) uint32, index in the near list; for walls unused
+    hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
+    mass: np.ndarray  # (capacity,) reduced mass [kg]
+    history: np.ndarray  # (N_HISTORY, capacity)
+    place: np.ndarray  # (m, 4) positions when the list was made [m]
+    drift: np.ndarray  # (4,) mean velocity of the spheres then [m/s]; of walls: where they were
+
+
+class Walls(NamedTuple):
+    """Flat walls, and then at most one round one; all move as one."""
+
+    planes: np.ndarray  # (n_planes, 4) inward normal, offset [m]: inside n.x > offset
+    radius: float  # of the cylinder round the z axis [m]; 0: there is none
+    curved: bool  # whether the cylinder's curvature enters the Hertz law
+    push: np.ndarray  # (n_walls, 4) force by the particles in this step [N]
+    force: np.ndarray  # (n_walls, 4) the same, summed over the steps since last asked [N]
+    history: np.ndarray  # (N_HISTORY, n_walls, m), up to date while there is no wall list
+
+
+class Block(NamedTuple):
+    """What the passes over one block of contacts hand on; all (BLOCK,)."""
+
+    normal_x: np.ndarray  # from i to j
+    normal_y: np.ndarray
+    normal_z: np.ndarray
+    overlap: np.ndarray  # [m], 0 where they do not touch
+    arm_i: np.ndarray  # from the centre of i to the contact [m]
+    arm_j: np.ndarray  # from the contact to the centre of j [m]
+    velocity_x: np.ndarray  # of j relative to i at the contact [m/s]
+    velocity_y: np.ndarray
+    velocity_z: np.ndarray
+    force_x: np.ndarray  # on j [N]
+    force_y: np.ndarray
+    force_z: np.ndarray
+    normal_power: np.ndarray  # dissipated by the normal dashpot [W]
+    tangential_power: np.ndarray  # dissipated by the tangential dashpot [W]
+    rubbed: np.ndarray  # dissipated by friction in this step [J]
+    law_power: np.ndarray  # gained by the tangential spring, whose stiffness changes [W]
+    slip_power: np.ndarray  # friction force times the whole sliding velocity [W]
+    begins: np.ndarray  # speed of an impact that begins in this step [m/s], else 0
+    history: np.ndarray  # (N_HISTORY, BLOCK), the next one
+
+
+class Cells(NamedTuple):
+    """Cubic cells over the enclosure, for the search of near pairs."""
+
+    start: np.ndarray  # (n_cells + 2,) where the spheres of a cell begin is entry cell + 1
+    spheres: np.ndarray  # (m,) sphere numbers, cell by cell
+    of_sphere: np.ndarray  # (m,)
+    size: float  # [m]
+    shape: tuple[int, int, int]
+    origin: tuple[float, float, float]  # in the enclosure's frame [m]
+    largest: float  # radius of a sphere [m]
+
+
+class World(NamedTuple):
+    """Everything that the step loop works on."""
+
+    bodies: Bodies
+    spheres: Spheres
+    cells: Cells
+    near: Near
+    close: Contacts
+    wall: Contacts
+    walls: Walls
+    block: Block
+    counts: np.ndarray  # (N_COUNTS,) int64
+    books: np.ndarray  # (N_BOOKS,) [J]
+    fastest: np.ndarray  # (2,) largest impact speed of each class since last asked [m/s]
+    lengths: np.ndarray  # (N_LENGTHS,) [m]
+    pair_law: Any  # HertzLaw
+    wall_law: Any
+    shaker: Any  # see shaker.py
+    direction: np.ndarray  # (4,) unit vector of the enclosure's motion
+    gravity: np.ndarray  # (4,) [m/s2]
+    time_step: float  # [s]

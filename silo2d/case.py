@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from contact.casefile import changed
-from contact.datafile import data_file, data_names
+from contact.datafile import data_file, data_names, find, is_file
 from contact.laws import LinearLaw
 from contact.quantity import InputError, located, nearest, to_si
 from contact.restitution import linear_restitution
 from silo2d.disorder import Spread, drawn_laws, spreads, stiffest
-from silo2d.files import find, shapes_of, table_of
+from silo2d.files import shapes_of, table_of
 from silo2d.impulses import Impulses, impulses_of
 from silo2d.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
 from silo2d.pair_law import Law
@@ -62,10 +62,10 @@ class SiloCase:
         if name in PRESETS:
             document: dict[str, Any] = {"name": name, "silo": {"preset": name}}
             return cls.resolve(_changed(document, changes), name, Path())
-        if not path.is_file():
+        if not is_file(path):
             known = [*PRESETS, *data_names("cases")]
             shipped = data_file("cases", name)
-            if shipped is None and path.with_suffix(".toml").is_file():
+            if shipped is None and is_file(Path(f"{name}.toml")):
                 raise InputError(f"case {name!r}: no such preset; did you mean '{name}.toml'?")
             if shipped is None:
                 raise InputError(f"case {name!r}: no such preset or file; {nearest(name, known)}")

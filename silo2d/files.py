@@ -3,16 +3,8 @@
 from functools import lru_cache
 from pathlib import Path
 
-from contact.datafile import data_file
 from contact.table import ContactTable, load_table
 from silo2d.shape import ShapeSet, load_shapes
-
-
-def find(name: str, kind: str, folder: Path) -> str | Path:
-    """A file beside the case, else a shipped one, else as it stands."""
-    if (folder / name).is_file():
-        return folder / name
-    return data_file(kind, name) or name
 
 
 def shapes_of(file: str | Path) -> ShapeSet:

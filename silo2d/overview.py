@@ -7,7 +7,7 @@ from typing import Any
 from silo2d.packing import packing_folder
 from silo2d.reproduce.statistics import mean_sd
 from silo2d.study import SiloStudy, study_folder
-from silo2d.sweep import run_folder
+from silo2d.sweep import SILO
 
 Rows = list[dict[str, Any]]
 _MEANS = ("discharge_time_s", "t90_s", "mean_rate_per_s")
@@ -15,7 +15,7 @@ _MEANS = ("discharge_time_s", "t90_s", "mean_rate_per_s")
 
 def plan(loaded: SiloStudy, out: Path) -> dict[str, Any]:
     """What running a study would do; nothing is written."""
-    folders = [run_folder(case, out) for _, case in loaded.cases]
+    folders = [SILO.run_folder(case, out) for _, case in loaded.cases]
     todo = {
         folder.path: case
         for folder, (_, case) in zip(folders, loaded.cases, strict=True)

@@ -19,6 +19,7 @@ from campaign.folder import (
     writing,
 )
 from campaign.provenance import provenance
+from campaign.sources import Warn, to_stderr
 from campaign.trajectory import TrajectoryWriter
 from silo2d import state
 from silo2d.case import GRAVITY, SiloCase
@@ -29,7 +30,7 @@ from silo2d.pour import agitation, pour
 from silo2d.pymunk_baseline import Baseline, discharge_by_impulses
 from silo2d.result import Result, describe, summarise, write_records
 from silo2d.simulation import Simulation
-from silo2d.sources import SOURCES, Warn, check_sources, own_sources, to_stderr
+from silo2d.sources import SOURCES
 from silo2d.world import build_world
 
 PACKAGES = ["numpy", "numba", "llvmlite", "h5py", "shapely", "pymunk"]
@@ -99,7 +100,7 @@ def run_in(
         else:
             made = folder.read_provenance().get("source_digest")
             cure = "--again computes it anew beside it"
-            check_sources(f"{folder.path} was begun", made, cure, warn)
+            SOURCES.check(f"{folder.path} was begun", made, cure, warn)
         if folder.state == "finished":
             return Result.read(folder, reused=True)
         if case.impulses:
@@ -145,7 +146,7 @@ def _begin_folder(folder: RunFolder, case: SiloCase) -> None:
     for name, text in case.files.items():
         write_atomic(folder.path / name, text)
     origin = provenance(
-        command=sys.argv, seed=case.settings.run.seed, packages=PACKAGES, sources=SOURCES
+        command=sys.argv, seed=case.settings.run.seed, packages=PACKAGES, sources=SOURCES.folders
     )
     folder.write_provenance({**origin, "run_digest": run_digest(case)})
     folder.write_case(case.to_toml())  # last: from here on the run counts as begun
@@ -195,7 +196,7 @@ def get_packing(
         with filling_alone(folder, stop):
             return load_packing(folder) or _fill(case, folder, progress, stop)
     cure = "delete it and it is filled anew"
-    check_sources(f"{folder} was filled", packing.sources, cure, warn)
+    SOURCES.check(f"{folder} was filled", packing.sources, cure, warn)
     return packing
 
 
@@ -231,7 +232,7 @@ def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Callable[[], b
         packing = pour_with_pymunk(case, seed, report)
     else:
         packing = pour(case, seed, report)
-    packing = dataclasses.replace(packing, sources=own_sources())
+    packing = dataclasses.replace(packing, sources=SOURCES.digest)
     save_packing(packing, folder)
     return packing
 

@@ -12,13 +12,14 @@ from pydantic import BeforeValidator
 from campaign.folder import RunFolder, digest, write_atomic, writing
 from campaign.provenance import provenance
 from campaign.study import Study, read_study
+from campaign.sweep import over_seeds
 from campaign.table import write_table
 from contact.quantity import InputError, nearest, to_si
 from silo2d.case import SiloCase
 from silo2d.protocol import PACKAGES, run_digest
 from silo2d.settings import Settings, known_keys, unit_of
 from silo2d.sources import SOURCES
-from silo2d.sweep import over_seeds, run_cases
+from silo2d.sweep import run_cases
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def run_study(loaded: SiloStudy, *, out: Path, **options: Any) -> tuple[Path, li
             command=sys.argv,
             seed=loaded.study.draw_seed,
             packages=PACKAGES,
-            sources=SOURCES,
+            sources=SOURCES.folders,
         )
     )
     rows = run_cases(loaded.cases, out=out, **options)

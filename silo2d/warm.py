@@ -3,8 +3,7 @@
 import tempfile
 from pathlib import Path
 
-from filelock import FileLock
-
+from campaign.once import once
 from contact.jit import cache_folder
 from silo2d import protocol
 from silo2d.case import SiloCase
@@ -22,17 +21,16 @@ _SMALL = {
 
 
 def compile_kernels(*, drawn: bool = False) -> None:
-    """Compile what is not compiled yet; whoever else is about to waits until it is done.
+    """Compile what is not compiled yet, while other processes that need it wait.
 
     drawn: those for pairs that draw their constants, which are kernels of their own.
     """
-    folder = Path(cache_folder())
-    done = folder / ("drawn-compiled" if drawn else "all-compiled")
-    if done.exists():
-        return
-    with FileLock(folder / ".lock"):
-        if not done.exists():
-            with tempfile.TemporaryDirectory() as place:
-                disorder = {"disorder.per": "pair"} if drawn else {}
-                protocol.run(SiloCase.load("A4", _SMALL | disorder), out=place)
-            done.touch()
+
+    def run_a_small_silo() -> None:
+        with tempfile.TemporaryDirectory() as place:
+            disorder = {"disorder.per": "pair"} if drawn else {}
+            protocol.run(SiloCase.load("A4", _SMALL | disorder), out=place)
+
+    once(
+        Path(cache_folder()), "silo-drawn-compiled" if drawn else "silo-compiled", run_a_small_silo
+    )

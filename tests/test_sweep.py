@@ -17,9 +17,10 @@ from test_engine import is_alive, wait_until
 
 from campaign import folder as campaign_folder
 from campaign.checkpoint import save_checkpoint
+from campaign.sweep import without_again
 from silo2d.case import SiloCase
 from silo2d.observe import MECHANISMS
-from silo2d.sweep import _without_again, run_cases
+from silo2d.sweep import run_cases
 
 # A second of simulated time is more than these runs get: they end by their time limit.
 BRIEF = {"run.max_time": "20 ms", "output.checkpoint_interval": "10 ms"}
@@ -252,7 +253,7 @@ def test_what_other_sources_made_is_told_once(swept):
     ],
 )  # fmt: skip
 def test_a_sweep_offers_no_again(line, told):
-    assert _without_again(line) == told
+    assert without_again(line) == told
 
 
 def test_a_damaged_summary_of_a_finished_run(swept, digests):

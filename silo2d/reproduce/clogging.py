@@ -43,9 +43,9 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """The twelve silos with the smaller outlets, each with all seeds."""
+    from campaign.sweep import over_seeds
     from silo2d.case import SiloCase
     from silo2d.reproduce.runs import run_all
-    from silo2d.sweep import over_seeds
 
     cases = [c for s in _SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
     return run_all(cases, out=out, workers=workers, quiet=quiet, **engine)

@@ -27,9 +27,9 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """Both silos, without disorder, per particle and per pair, each with all seeds."""
+    from campaign.sweep import over_seeds
     from silo2d.case import SiloCase
     from silo2d.reproduce.runs import run_all
-    from silo2d.sweep import over_seeds
 
     cases = [
         labelled

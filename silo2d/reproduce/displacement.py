@@ -29,9 +29,9 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> list[Row]:
     """A row a silo, seed, time and layer; one row for a run that failed."""
+    from campaign.sweep import over_seeds
     from silo2d.case import SiloCase
     from silo2d.reproduce.runs import run_all
-    from silo2d.sweep import over_seeds
 
     cases = [c for s in SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
     runs = run_all(cases, out=out, workers=workers, quiet=quiet, **engine)

@@ -31,9 +31,9 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """Both silos, each filling with each door, each with all seeds."""
+    from campaign.sweep import over_seeds
     from silo2d.case import SiloCase
     from silo2d.reproduce.runs import run_all
-    from silo2d.sweep import over_seeds
 
     cases = [
         labelled

@@ -28,7 +28,7 @@ def origin(command: str) -> list[str]:
     from silo2d.protocol import PACKAGES
     from silo2d.sources import SOURCES
 
-    known = provenance(command=sys.argv, seed=0, packages=PACKAGES, sources=SOURCES)
+    known = provenance(command=sys.argv, seed=0, packages=PACKAGES, sources=SOURCES.folders)
     versions = ", ".join(f"{name} {number}" for name, number in known["versions"].items())
     machine = known["machine"]
     return [

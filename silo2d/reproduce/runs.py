@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from campaign.sweep import Labelled
 from silo2d import sweep
 from silo2d.packing import packing_digest
 from silo2d.protocol import run_digest
@@ -13,7 +14,7 @@ from silo2d.report import expected_cpu_s
 
 
 def run_all(
-    cases: Sequence[sweep.Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
+    cases: Sequence[Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
 ) -> list[dict[str, Any]]:
     """The rows of the cases, in their order; see silo2d.sweep.run_cases."""
     if not quiet:
@@ -21,7 +22,7 @@ def run_all(
     return sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
 
 
-def cost(cases: Sequence[sweep.Labelled]) -> str:
+def cost(cases: Sequence[Labelled]) -> str:
     """What cases will cost if nothing of them is there, in words."""
     distinct = {run_digest(case): case for _, case in cases}
     fillings: dict[str, float] = {}

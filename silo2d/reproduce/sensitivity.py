@@ -51,9 +51,9 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """Every row of Tables 7 to 11 from both baselines; a case that two rows share runs once."""
+    from campaign.sweep import Labelled, over_seeds
     from silo2d.case import SiloCase
     from silo2d.reproduce.runs import run_all
-    from silo2d.sweep import Labelled, over_seeds
 
     loaded: dict[tuple, SiloCase] = {}
     cases: list[Labelled] = []

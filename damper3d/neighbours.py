@@ -1,0 +1,324 @@
+"""The search for contacts: cells, a list of near pairs, and lists of what touches or nearly does.
+
+Near pairs are found with cells and kept for hundreds of steps; close ones are filtered from them
+and kept for tens of steps. What matters is how pairs move against each other: the close list is
+made anew when a sphere has left the mean motion of all by half the skin, so that a bed that flies
+as one keeps its lists; the list of wall contacts when one has moved by its skin against the
+enclosure. Skins follow the speed, so that a list lasts for a few tens of steps whatever it is.
+
+Lists are in ascending order of the spheres' numbers. No force depends on when a list was made:
+what does not touch adds exact zeros.
+"""
+
+import numpy as np
+
+from contact.jit import njit
+from damper3d.geometry import gap_of
+from damper3d.state import (
+    CLOSE,
+    CLOSE_MADE,
+    CLOSE_SEARCHES,
+    CLOSE_SKIN,
+    DAMPING,
+    N_HISTORY,
+    NEAR,
+    NEAR_SEARCHES,
+    NEAR_SKIN,
+    NO_CONTACT,
+    PLANE,
+    STALE_CLOSE,
+    STALE_WALL,
+    STEP,
+    WALL,
+    WALL_MADE,
+    WALL_SEARCHES,
+    WALL_SKIN,
+)
+
+DONE, NEAR_FULL, CLOSE_FULL, WALL_FULL, NOT_FINITE, TOO_DEEP = range(6)
+
+# How many steps a list should last, and by how much its skin changes where it does not. Short
+# lists are quick to pass through, long ones to make; the cost is flat about these.
+_SHORT, _LONG = 12, 40
+_NEAR_SHARE = 8.0  # near skin over close skin
+_GROW, _SHRINK = 1.25, 0.9
+_LEAST, _MOST = 0.002, 0.03  # of the close skin over the largest radius
+_DEEPEST = 0.5  # overlap over radius that is taken for a failure
+
+
+@njit
+def search(world, shift):
+    """Make stale lists anew; DONE, or what is wrong."""
+    counts = world.counts
+    if counts[STALE_CLOSE]:
+        outcome = search_pairs(world, shift)
+        if outcome != DONE:
+            return outcome
+    if counts[STALE_WALL]:
+        outcome = search_walls(world, shift)
+        if outcome != DONE:
+            return outcome
+    return DONE
+
+
+@njit
+def search_pairs(world, shift):
+    """The close list, after the near list where its reach is used up."""
+    counts, lengths, spheres, near = world.counts, world.lengths, world.spheres, world.near
+    store_history(near, world.close, counts)
+    adapt(counts, lengths, CLOSE_SKIN, CLOSE_MADE, world.cells.largest)
+    left = near_reach_left(spheres.position, near.place, lengths[NEAR_SKIN])
+    if np.isnan(left):
+        return NOT_FINITE
+    if left < lengths[CLOSE_SKIN]:
+        lengths[NEAR_SKIN] = _NEAR_SHARE * lengths[CLOSE_SKIN]
+        outcome = search_near(
+            near, world.cells, spheres.position, counts, lengths[NEAR_SKIN], shift
+        )
+        if outcome != DONE:
+            return outcome
+    outcome = filter_close(near, world.close, spheres, world.pair_law, counts, lengths[CLOSE_SKIN])
+    if outcome == DONE:
+        counts[STALE_CLOSE] = 0
+        counts[CLOSE_MADE] = counts[STEP]
+    return outcome
+
+
+@njit
+def adapt(counts, lengths, skin, made, largest):
+    """Widen a skin whose list was short-lived, and narrow one whose list lasted long."""
+    lasted = counts[STEP] - counts[made]
+    if 0 < lasted < _SHORT:
+        lengths[skin] = min(_GROW * lengths[skin], _MOST * largest)
+    elif lasted > _LONG:
+        lengths[skin] = max(_SHRINK * lengths[skin], _LEAST * largest)
+
+
+@njit
+def store_history(near, close, counts):
+    """Put the histories of the close list back into the near list."""
+    for n in range(counts[CLOSE]):
+        for h in range(N_HISTORY):
+            near.history[h, close.near[n]] = close.history[h, n]
+    counts[CLOSE] = 0
+
+
+@njit
+def near_reach_left(x, place, skin):
+    """The gap below which all pairs are in the near list, by how far the spheres have spread [m].
+
+    NaN where a position is no longer a finite number.
+    """
+    n = len(x)
+    mean = np.zeros(3)
+    for i in range(n):
+        for c in range(3):
+            mean[c] += x[i, c] - place[i, c]
+    mean /= n
+    farthest = 0.0
+    for i in range(n):
+        square = 0.0
+        for c in range(3):
+            square += (x[i, c] - place[i, c] - mean[c]) ** 2
+        if not square <= farthest:
+            farthest = square
+    return skin - 2.0 * np.sqrt(farthest)
+
+
+@njit
+def search_near(near, cells, x, counts, skin, shift):
+    """All pairs with a gap below the skin, with the histories of those known before."""
+    fill_cells(cells, x, shift)
+    n_old = counts[NEAR]
+    near.old_j[:n_old] = near.j[:n_old]
+    near.old_history[:, :n_old] = near.history[:, :n_old]
+    near.old_first[:] = near.first
+    n = 0
+    for i in range(len(x)):
+        near.first[i] = n
+        begin = n
+        n = pairs_of(near, cells, x, skin, i, n)
+        if n < 0:
+            near.first[:] = near.old_first  # nothing is lost: the caller makes room and comes back
+            near.j[:n_old] = near.old_j[:n_old]
+            near.history[:, :n_old] = near.old_history[:, :n_old]
+            fill_i(near, len(x))
+            return NEAR_FULL
+        inherit(near, i, begin, n)
+    near.first[len(x)] = n
+    near.place[:] = x
+    counts[NEAR] = n
+    counts[NEAR_SEARCHES] += 1
+    return DONE
+
+
+@njit
+def fill_i(near, n_spheres):
+    """The first spheres of all pairs, from where the pairs of each begin."""
+    for i in range(n_spheres):
+        for n in range(near.first[i], near.first[i + 1]):
+            near.i[n] = i
+
+
+@njit
+def fill_cells(cells, x, shift):
+    """Sort the spheres into cells; those outside the grid go into the nearest cell."""
+    nx, ny, nz = cells.shape
+    n_cells = nx * ny * nz
+    cells.start[:] = 0
+    for i in range(len(x)):
+        a = min(max(int((x[i, 0] - shift[0] - cells.origin[0]) / cells.size), 0), nx - 1)
+        b = min(max(int((x[i, 1] - shift[1] - cells.origin[1]) / cells.size), 0), ny - 1)
+        c = min(max(int((x[i, 2] - shift[2] - cells.origin[2]) / cells.size), 0), nz - 1)
+        cells.of_sphere[i] = (c * ny + b) * nx + a
+        cells.start[cells.of_sphere[i] + 1] += 1
+    for cell in range(n_cells + 1):
+        cells.start[cell + 1] += cells.start[cell]
+    for i in range(len(x) - 1, -1, -1):  # backwards: the spheres of a cell ascend
+        cell = cells.of_sphere[i]
+        cells.start[cell + 1] -= 1
+        cells.spheres[cells.start[cell + 1]] = i
+
+
+@njit
+def pairs_of(near, cells, x, skin, i, n):
+    """Append the near pairs (i, j > i) in ascending order; the new length, or -1 for no room.
+
+    After fill_cells the spheres of a cell stand between its own entry of `start`, shifted by one,
+    and the next.
+    """
+    nx, ny, nz = cells.shape
+    cell = cells.of_sphere[i]
+    a, b, c = cell % nx, (cell // nx) % ny, cell // (nx * ny)
+    begin = n
+    for cc in range(max(c - 1, 0), min(c + 2, nz)):
+        for bb in range(max(b - 1, 0), min(b + 2, ny)):
+            row = (cc * ny + bb) * nx
+            first, last = row + max(a - 1, 0), row + min(a + 1, nx - 1)
+            for k in range(cells.start[first + 1], cells.start[last + 2]):
+                j = cells.spheres[k]
+                if j > i and gap_of(x, i, j) < skin:
+                    if n == len(near.j):
+                        return -1
+                    at = n  # insertion: a sphere has a handful of neighbours
+                    while at > begin and near.j[at - 1] > j:
+                        near.j[at] = near.j[at - 1]
+                        at -= 1
+                    near.i[n], near.j[at] = i, j
+                    n += 1
+    return n
+
+
+@njit
+def inherit(near, i, begin, end):
+    """Give the pairs of sphere i the histories that they had; both lists ascend."""
+    old, old_end = near.old_first[i], near.old_first[i + 1]
+    for n in range(begin, end):
+        while old < old_end and near.old_j[old] < near.j[n]:
+            old += 1
+        if old < old_end and near.old_j[old] == near.j[n]:
+            for h in range(N_HISTORY):
+                near.history[h, n] = near.old_history[h, old]
+        else:
+            near.history[:DAMPING, n] = 0.0
+            near.history[DAMPING, n] = NO_CONTACT
+
+
+@njit
+def filter_close(near, close, spheres, law, counts, skin):
+    """The close list: near pairs with a gap below the skin, or in contact so far."""
+    x, n_near = spheres.position, counts[NEAR]
+    for k in range(np.uintp(n_near)):  # apart from the next loop: it is vectorised
+        near.gap[k] = gap_of(x, near.i[k], near.j[k])
+    n = 0
+    for k in range(n_near):
+        if near.gap[k] < skin or near.history[DAMPING, k] >= 0.0:
+            if n == len(close.i):
+                return CLOSE_FULL
+            i, j = near.i[k], near.j[k]
+            if near.gap[k] < -_DEEPEST * min(x[i, 3], x[j, 3]):
+                return TOO_DEEP
+            close.i[n], close.j[n], close.near[n] = i, j, k
+            reduced = x[i, 3] * x[j, 3] / (x[i, 3] + x[j, 3])
+            close.hertz[n] = law.hertz * np.sqrt(reduced)
+            close.mass[n] = 1.0 / (spheres.inverse_mass[i] + spheres.inverse_mass[j])
+            for h in range(N_HISTORY):
+                close.history[h, n] = near.history[h, k]
+            n += 1
+    counts[CLOSE] = n
+    counts[CLOSE_SEARCHES] += 1
+    close.place[:] = x
+    close.drift[:] = 0.0
+    for i in range(len(x)):
+        for c in range(3):
+            close.drift[c] += spheres.velocity[i, c]
+    for c in range(3):
+        close.drift[c] /= len(x)
+    return DONE
+
+
+@njit
+def search_walls(world, shift):
+    """The list of wall contacts: those of the planes in turn, then of the cylinder."""
+    walls, wall, counts, lengths = world.walls, world.wall, world.counts, world.lengths
+    adapt(counts, lengths, WALL_SKIN, WALL_MADE, world.cells.largest)
+    store_wall_history(wall, walls.history, counts)
+    skin = lengths[WALL_SKIN]
+    n_planes = len(walls.planes)
+    n = np.int64(0)
+    for w in range(n_planes + (1 if walls.radius > 0.0 else 0)):
+        if w == n_planes:
+            counts[PLANE] = n
+        n = contacts_of_wall(wall, walls, world.spheres, world.wall_law, skin, shift, w, n)
+        if n < 0:
+            return WALL_FULL if n == -1 else TOO_DEEP
+    if walls.radius <= 0.0:
+        counts[PLANE] = n
+    counts[WALL] = n
+    counts[WALL_SEARCHES] += 1
+    counts[STALE_WALL] = 0
+    counts[WALL_MADE] = counts[STEP]
+    wall.place[:] = world.spheres.position
+    for c in range(3):
+        wall.drift[c] = shift[c]
+    return DONE
+
+
+@njit
+def store_wall_history(wall, kept, counts):
+    """Put the histories of the wall contacts back into the walls' own table."""
+    for n in range(counts[WALL]):
+        for h in range(N_HISTORY):
+            kept[h, wall.j[n], wall.i[n]] = wall.history[h, n]
+    counts[WALL] = 0
+
+
+@njit
+def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
+    """Append the spheres that touch wall w or nearly do; the new length.
+
+    -1 if there is no room, -2 if a sphere is half outside.
+    """
+    x = spheres.position
+    for i in range(len(x)):
+        px, py, pz = x[i, 0] - shift[0], x[i, 1] - shift[1], x[i, 2] - shift[2]
+        if w < len(walls.planes):
+            plane = walls.planes[w]
+            gap = plane[0] * px + plane[1] * py + plane[2] * pz - plane[3] - x[i, 3]
+        else:
+            gap = walls.radius - np.sqrt(px * px + py * py) - x[i, 3]
+        if gap < skin or walls.history[DAMPING, w, i] >= 0.0:
+            if not gap >= -_DEEPEST * x[i, 3]:
+                return -2
+            if n == len(wall.i):
+                return -1
+            radius = x[i, 3]
+            if walls.curved and w == len(walls.planes):
+                radius = radius * walls.radius / (walls.radius - radius)
+            wall.i[n], wall.j[n] = i, w
+            wall.hertz[n] = law.hertz * np.sqrt(radius)
+            wall.mass[n] = 1.0 / spheres.inverse_mass[i]
+            for h in range(N_HISTORY):
+                wall.history[h, n] = walls.history[h, w, i]
+            n += 1
+    return n

@@ -1,0 +1,210 @@
+"""Contact laws, yield velocities and time step of a case: the materials file, then the changes."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+from contact.hertz import HertzLaw
+from contact.material import Material, Measured, Pair
+from contact.quantity import InputError, located
+from contact.sphere_law import sphere_law, yield_velocity
+from contact.table import ContactTable, load_table
+from contact.timestep import rayleigh_time_step
+from damper3d.cluster import Cluster
+from damper3d.settings import Law, Settings
+
+PAIRS = ("particle_particle", "particle_wall")
+USUAL_TIME_STEP = 1e-6  # [s] the thesis's (Table 6.1); 2 us gives the same within the scatter
+_USUAL_SHARE = 0.2  # of the Rayleigh step, by two digits, where the usual step is longer
+SAFE_SHARE = 0.4  # of the Rayleigh step; the thesis takes 0.1 to 0.4 of it (eq. 3.32)
+MOST_STEPS = 10**12  # a year of one core, and more
+
+
+def materials_of(table: ContactTable, settings: Settings) -> tuple[Material, Material]:
+    """What particles and enclosure are made of, with the case's own modulus and density."""
+    particle = table.material(settings.particles.material)
+    wall = table.material(settings.enclosure.material)
+    law = settings.law
+    if law.density is not None:
+        particle = dataclasses.replace(particle, density=Measured(law.density))
+    if law.youngs_modulus is not None:
+        modulus = Measured(law.youngs_modulus)
+        particle = dataclasses.replace(particle, youngs_modulus=modulus)
+        wall = dataclasses.replace(wall, youngs_modulus=modulus)
+    return particle, wall
+
+
+def restitutions(table: ContactTable, settings: Settings) -> dict[str, float]:
+    """Restitution of each kind of contact [-]: the case's, else the file's."""
+    law = settings.law
+    given = law.restitution, _first(law.restitution_wall, law.restitution)
+    found = {}
+    for name, pair, own in zip(PAIRS, _pairs(table, settings), given, strict=True):
+        known = pair.restitution.value if pair.restitution else None
+        value = _first(own, known)
+        if value is None:
+            raise InputError(
+                f"{table.path}: [pair.{pair.first}-{pair.second}] restitution is missing; give it "
+                "there, or [law] restitution"
+            )
+        found[name] = value
+    return found
+
+
+def frictions(table: ContactTable, settings: Settings) -> dict[str, float]:
+    """Friction of each kind of contact [-], as the restitution."""
+    law = settings.law
+    given = law.friction, _first(law.friction_wall, law.friction)
+    pairs = _pairs(table, settings)
+    return {
+        name: pair.friction.value if own is None else own
+        for name, pair, own in zip(PAIRS, pairs, given, strict=True)
+    }
+
+
+def _pairs(table: ContactTable, settings: Settings) -> tuple[Pair, Pair]:
+    """Particle-particle and particle-wall."""
+    particle, wall = settings.particles.material, settings.enclosure.material
+    return table.pair(particle, particle), table.pair(particle, wall)
+
+
+def _first(*values: float | None) -> float | None:
+    return next((value for value in values if value is not None), None)
+
+
+def contact_laws(
+    table: ContactTable, materials: tuple[Material, Material], settings: Settings
+) -> tuple[HertzLaw, HertzLaw]:
+    """Particle-particle and particle-wall laws (thesis, eqs 5.5-5.16, 5.32, 5.33)."""
+    particle, wall = materials
+    friction, restitution = frictions(table, settings), restitutions(table, settings)
+    laws = [
+        _law(particle, other, friction[name], restitution[name], settings.law, table.path)
+        for name, other in zip(PAIRS, (particle, wall), strict=True)
+    ]
+    return laws[0], laws[1]
+
+
+def _law(
+    first: Material, second: Material, friction: float, restitution: float, law: Law,
+    file: Path | None,
+) -> HertzLaw:  # fmt: skip
+    with located(f"{file}:"):
+        return sphere_law(
+            first,
+            second,
+            friction=friction,
+            restitution=restitution,
+            end=law.contact_end,
+            tangential=law.tangential,
+            yielding=law.yielding,
+        )
+
+
+def yield_velocities(
+    materials: tuple[Material, Material], particle: Cluster
+) -> dict[str, float | None]:
+    """Eq. 5.26 for each kind of contact [m/s], between spheres of the particle's own radius.
+
+    Each has its own reduced radius and mass; the wall is flat and does not move. None where no
+    yield strength is known.
+    """
+    radius, density = particle.smallest_radius, materials[0].density.value
+    mass = density * particle.volume
+    found: dict[str, float | None] = {}
+    for name, other, share in zip(PAIRS, materials, (0.5, 1.0), strict=True):
+        if materials[0].yield_strength is None and other.yield_strength is None:
+            found[name] = None
+            continue
+        found[name] = yield_velocity(materials[0], other, radius=share * radius, mass=share * mass)
+    return found
+
+
+@dataclasses.dataclass(frozen=True)
+class Steps:
+    """How time is cut: a cycle into samples, a sample into steps."""
+
+    time_step: float  # [s] a whole number of them makes a sample
+    per_sample: int
+    free: float  # [s] the step before it was fitted to the samples: that of the filling
+    rayleigh: float  # [s] eq. 3.31
+    reason: str
+
+
+def time_steps(particle: Cluster, material: Material, settings: Settings, where: str) -> Steps:
+    """The time step of a case and why; InputError where there is none.
+
+    A cycle has a whole number of samples and a sample a whole number of steps, so the step that
+    is given, or the usual one, is shortened to fit.
+    """
+    assert material.youngs_modulus is not None  # the laws have refused that
+    assert material.poisson is not None
+    limit = rayleigh_time_step(
+        particle.smallest_radius,
+        material.density.value,
+        material.youngs_modulus.value,
+        material.poisson.value,
+    )
+    wanted, reason = _wanted_step(settings.run.time_step, limit, where)
+    samples, frequency = settings.output.samples, settings.motion.frequency
+    sample = 1.0 / (frequency * samples)
+    ratio = sample / wanted
+    if ratio < 1 - 1e-9:
+        raise InputError(
+            f"{where}: [motion] frequency = {frequency:g} Hz: a sample, 1/{samples} of a cycle, "
+            f"takes {sample:.3g} s, less than a time step of {wanted:.3g} s; give fewer samples "
+            "a cycle or a shorter time step"
+        )
+    run = settings.run
+    cycles = run.max_cycles if run.steady else run.cycles
+    if not ratio * samples * cycles <= MOST_STEPS:
+        raise InputError(
+            f"{where}: {cycles} cycles of {1 / frequency:.3g} s in steps of {wanted:.3g} s: more "
+            f"than {MOST_STEPS:.0e} steps, which nobody can wait for; give a higher frequency, "
+            "fewer cycles or a longer time step"
+        )
+    if not settings.fill.settle_time / wanted <= MOST_STEPS:
+        raise InputError(
+            f"{where}: [fill] settle_time = {settings.fill.settle_time:g} s in steps of "
+            f"{wanted:.3g} s: more than {MOST_STEPS:.0e} steps; give a shorter one"
+        )
+    per_sample = max(math.ceil(ratio * (1 - 1e-9)), 1)
+    return Steps(1.0 / (frequency * samples * per_sample), per_sample, wanted, limit, reason)
+
+
+def _wanted_step(given: float | None, limit: float, where: str) -> tuple[float, str]:
+    """The step [s] before it is fitted to the samples, and why."""
+    bound = f"Rayleigh step {limit:.3g} s (thesis, eq. 3.31)"
+    if given is not None:
+        if given > limit:
+            raise InputError(
+                f"{where}: [run] time_step = {given:.6g} s: above the Rayleigh limit of "
+                f"{limit:.3g} s; give at most {SAFE_SHARE * limit:.2g} s, {SAFE_SHARE:g} of it, "
+                "or leave it out and one is chosen"
+            )
+        return given, f"as given, {given / limit:.2f} of the {bound}"
+    if round(USUAL_TIME_STEP / limit, 2) <= _USUAL_SHARE:
+        return USUAL_TIME_STEP, f"the usual one, {USUAL_TIME_STEP / limit:.2f} of the {bound}"
+    exponent = math.floor(math.log10(_USUAL_SHARE * limit)) - 1
+    chosen = math.floor(_USUAL_SHARE * limit / 10**exponent) * 10.0**exponent
+    return chosen, f"{chosen / limit:.2f} of the {bound}"
+
+
+def named_material(file: str) -> dict[str, str]:
+    """The changes of a case whose particles and walls are of the material of a table.
+
+    It is the one that the table is called after, or its only one. Raises InputError otherwise.
+    """
+    table = load_table(file)
+    stem = Path(file).stem
+    if stem not in table.materials and len(table.materials) > 1:
+        raise InputError(
+            f"{file}: holds several materials ({', '.join(table.materials)}); name the file after "
+            "one of them, or set materials and material in a case file"
+        )
+    name = stem if stem in table.materials else next(iter(table.materials), "none")
+    return {
+        "particles.materials": str(Path(file).resolve()) if Path(file).is_file() else file,
+        "particles.material": name,
+        "enclosure.material": name,
+    }

@@ -1,0 +1,239 @@
+"""A damper run: fill, settle, shake; checkpoints, and going on from them."""
+
+import dataclasses
+import json
+import shutil
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaign.alone import alone
+from campaign.checkpoint import load_checkpoint
+from campaign.folder import (
+    FolderError,
+    RunFolder,
+    digest,
+    open_run,
+    resume_run,
+    write_atomic,
+    writing,
+)
+from campaign.provenance import Warn, provenance, to_stderr
+from campaign.trajectory import TrajectoryWriter, read_trajectory
+from damper3d.case import DamperCase
+from damper3d.fill import fill, resting
+from damper3d.packing import Packing, damaged, load_packing, packing_folder, save_packing
+from damper3d.result import Result
+from damper3d.simulation import Simulation
+from damper3d.sources import SOURCES
+from damper3d.summary import summarise
+from damper3d.vibration import Clock, Progress, Stopped, vibrate
+
+__all__ = ["PACKAGES", "Stopped", "get_packing", "resume", "run", "run_digest", "run_in"]
+
+PACKAGES = ["numpy", "numba", "llvmlite", "h5py"]
+
+
+def run(
+    case: DamperCase,
+    *,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+    again: bool = False,
+    stop: Callable[[], bool] = lambda: False,
+    warn: Warn = to_stderr,
+) -> Result:
+    """Run a case in a folder below `out` ("runs"), or give the answer that stands there.
+
+    An unfinished run goes on from its checkpoint. `stop` is asked some times a second; when it
+    says yes, the state is kept and Stopped is raised. `warn` is told of what was made by other
+    sources. Raises InputError where the particles do not fit, FolderError for folders that cannot
+    be used and SimulationError where the simulation fails.
+    """
+    root = Path(out or "runs")
+    folder = open_run(root, f"{case.name}-seed{case.settings.run.seed}", run_digest(case), again)
+    return run_in(folder, case, progress or (lambda fraction, text: None), stop, warn)
+
+
+def resume(
+    path: str | Path,
+    *,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] = lambda: False,
+) -> Result:
+    """Go on with the run in a folder; see `run`."""
+    folder = resume_run(path)
+    case = DamperCase.load(folder.path / "case.toml")
+    if folder.read_provenance().get("run_digest") != run_digest(case):
+        raise FolderError(
+            f"{folder.path}: case.toml or materials.toml were changed since the run began; run the "
+            "changed case as a new one"
+        )
+    return run_in(folder, case, progress or (lambda fraction, text: None), stop)
+
+
+def run_digest(case: DamperCase) -> str:
+    """Names a run: its case and seed."""
+    return digest(case.identity())
+
+
+def run_in(
+    folder: RunFolder,
+    case: DamperCase,
+    progress: Progress,
+    stop: Callable[[], bool],
+    warn: Warn = to_stderr,
+) -> Result:
+    """Run a case in its folder; see `run`."""
+    with folder.lock():
+        begun = time.perf_counter()
+        if folder.state == "new":
+            _begin_folder(folder, case)
+        else:
+            made = folder.read_provenance().get("source_digest")
+            cure = "--again computes it anew beside it"
+            SOURCES.check(f"{folder.path} was begun", made, cure, warn)
+        if folder.state == "finished":
+            return Result.read(folder, reused=True)
+        packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
+        sim, clock = _start_or_resume(folder, case, packing)
+        writer = TrajectoryWriter(folder.path, parts=clock.parts)
+        writer.write_static(*describe(case, packing))
+        vibrate(sim, case, folder, writer, clock, progress, stop)
+        summary = _end(folder, case, packing, sim, clock, writer)
+        wall = {"wall_s": time.perf_counter() - begun}
+        folder.write_provenance({**folder.read_provenance(), **wall})
+        folder.write_summary(summary)
+        _clear(folder, case)
+        return Result.read(folder, reused=False)
+
+
+def _begin_folder(folder: RunFolder, case: DamperCase) -> None:
+    for name, text in case.files.items():
+        write_atomic(folder.path / name, text)
+    origin = provenance(
+        command=sys.argv, seed=case.settings.run.seed, packages=PACKAGES, sources=SOURCES.folders
+    )
+    folder.write_provenance({**origin, "run_digest": run_digest(case)})
+    folder.write_case(case.to_toml())  # last: from here on the run counts as begun
+
+
+def get_packing(
+    case: DamperCase,
+    root: Path,
+    progress: Progress,
+    stop: Callable[[], bool] = lambda: False,
+    warn: Warn = to_stderr,
+) -> Packing:
+    """The packing of a case: kept under root/packings, or filled and kept now.
+
+    A filling that is stopped is done again from its seed the next time (raises Stopped). Raises
+    FolderError where a packing is damaged, or could not be written, and what `fill` raises.
+    """
+    folder = packing_folder(case, root)
+    packing = load_packing(folder)
+    if packing is None:
+        with writing(folder):  # before the work of filling, not after it
+            folder.mkdir(parents=True, exist_ok=True)
+        with alone(folder, stop, Stopped("the same command goes on from there")):
+            return load_packing(folder) or _fill(case, folder, progress, stop)
+    cure = "delete it and the enclosure is filled anew"
+    SOURCES.check(f"{folder} was filled", packing.sources, cure, warn)
+    return packing
+
+
+def _fill(
+    case: DamperCase, folder: Path, progress: Progress, stop: Callable[[], bool]
+) -> Packing:
+    def report(fraction: float, text: str) -> None:
+        progress(fraction, text)
+        if stop():
+            raise Stopped("the same command fills the enclosure anew, from its seed")
+
+    packing = dataclasses.replace(fill(case, report), sources=SOURCES.digest)
+    save_packing(packing, folder)
+    return packing
+
+
+def _start_or_resume(
+    folder: RunFolder, case: DamperCase, packing: Packing
+) -> tuple[Simulation, Clock]:
+    """The settled bed in an enclosure that begins to move, or the state of the checkpoint."""
+    sim = resting(case, packing.state["position"][:, :3])
+    try:
+        sim.restore(packing.state)
+    except (IndexError, KeyError, ValueError):
+        raise damaged(packing_folder(case, folder.path.resolve().parent)) from None
+    sim.begin_phase(
+        shaker=case.shaker,
+        gravity=np.append(case.gravity, 0.0),
+        time_step=case.time_step,
+    )
+    sim.compile()
+    if not folder.checkpoint.exists():
+        return sim, Clock(filling_cpu_s=packing.cpu_s)
+    saved, meta = load_checkpoint(folder.checkpoint)
+    try:
+        sim.restore(saved)
+        return sim, Clock(**meta)
+    except (IndexError, KeyError, TypeError, ValueError) as error:
+        raise FolderError(
+            f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run starts "
+            "from its first cycle"
+        ) from None
+
+
+def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """What does not change from sample to sample, and the attributes, of a trajectory."""
+    motion, output = case.settings.motion, case.settings.output
+    static = {
+        "radius": np.full(case.count, case.particle.equal_volume_radius),
+        "mass": np.full(case.count, case.particle_mass),
+    }
+    attributes = {
+        "wall_names": json.dumps(case.wall_names),
+        "fill_ratio": case.fill_ratio,
+        "frequency": motion.frequency,
+        "gamma": motion.gamma,
+        "period": case.period,
+        "samples_per_cycle": output.samples,
+        "frames_per_cycle": output.frames,
+        "direction": case.direction,
+        "gravity": case.gravity,
+        "packing_fraction": packing.fraction,
+    }
+    return static, attributes
+
+
+def _end(
+    folder: RunFolder,
+    case: DamperCase,
+    packing: Packing,
+    sim: Simulation,
+    clock: Clock,
+    writer: TrajectoryWriter,
+) -> dict[str, Any]:
+    """Bring the trajectory into its last form, and the answers of a run that has ended."""
+    if case.settings.output.keep == "all":
+        writer.finish(*describe(case, packing))
+    else:
+        writer.flush()
+    return {
+        **summarise(case, read_trajectory(folder.path), packing),
+        "phase": None,
+        "steps": sim.steps,
+        "cpu_us_per_step": 1e6 * clock.cpu_s / sim.steps,
+        "cpu_s": clock.cpu_s + clock.filling_cpu_s,
+        "state_digest": sim.state_digest(),
+    }
+
+
+def _clear(folder: RunFolder, case: DamperCase) -> None:
+    """Remove what a finished run does not need; what cannot be removed does no harm."""
+    folder.checkpoint.unlink(missing_ok=True)
+    if case.settings.output.keep == "summary":
+        shutil.rmtree(folder.path / "parts", ignore_errors=True)

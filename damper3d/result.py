@@ -1,0 +1,66 @@
+"""The answers of a run, as summary.json keeps them and --json prints them."""
+
+from dataclasses import dataclass
+from functools import cache
+
+from pydantic import TypeAdapter, ValidationError
+
+from campaign.folder import FolderError, RunFolder
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run found, over the counted cycles; SI, None for what does not exist."""
+
+    frequency_hz: float
+    gamma: float
+    orientation: str
+    particles: str
+    n_particles: int
+    fill_ratio: float
+    particle_mass_kg: float  # of all particles together
+    seed: int
+    cycles: int
+    discarded: int
+    efficiency: float  # from the energy budget (thesis, eqs 6.8-6.10)
+    efficiency_interval: tuple[float, float] | None  # [low, high]
+    efficiency_contact_count: float  # the thesis's count: mu Fn times the whole sliding velocity
+    efficiency_wall_work: float
+    efficiency_per_cycle: list[float]
+    shares: dict[str, dict[str, float | None]]  # of what is dissipated, by pair and mechanism
+    law_term: float | None  # the tangential spring's own gain, over what is dissipated
+    dissipated_power_w: float
+    loss_factor: float | None
+    effective_mass: dict[str, float | None]  # in_phase_kg, out_of_phase_kg
+    peak_wall_force_n: float
+    bed_height_m: float | None
+    energy_closure: float | None
+    max_impact_over_yield_velocity: dict[str, float | None]
+    phase: str | None
+    steady: bool | None
+    time_step_s: float
+    steps: int
+    cpu_us_per_step: float  # of the vibration
+    cpu_s: float  # of filling, settling and vibration
+    state_digest: str
+    reused: bool
+    run_folder: str
+
+    @classmethod
+    def read(cls, folder: RunFolder, *, reused: bool) -> "Result":
+        """The result kept in a finished run folder; FolderError where it is damaged."""
+        kept = {**folder.read_summary(), "reused": reused, "run_folder": str(folder.path)}
+        try:
+            return _adapter().validate_python(kept)
+        except ValidationError as error:
+            problem = error.errors()[0]
+            raise FolderError(
+                f"{folder.path / 'summary.json'}: damaged ({problem['loc'][0]}: "
+                f"{problem['msg'].lower()}); use --again to compute the run anew"
+            ) from None
+
+
+@cache
+def _adapter() -> TypeAdapter[Result]:
+    """What checks a summary; a map reads many."""
+    return TypeAdapter(Result)

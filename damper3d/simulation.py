@@ -1,0 +1,287 @@
+"""A bed of particles in motion: the only caller of the kernels."""
+
+import hashlib
+
+import numpy as np
+
+from damper3d import sampling, state
+from damper3d.integrate import advance, enclosure_at
+from damper3d.neighbours import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL, search
+from damper3d.state import World
+from damper3d.world import roomier
+
+CLASSES = ("particle_particle", "particle_wall")
+MECHANISMS = ("normal_damping", "tangential_damping", "friction", "law_term", "slip_count")
+_FULL = {NEAR_FULL: "near", CLOSE_FULL: "close", WALL_FULL: "wall"}
+_COLUMNS = {
+    "time": sampling.TIME,
+    "displacement": sampling.DISPLACEMENT,
+    "velocity": sampling.VELOCITY,
+    "kinetic": sampling.KINETIC,
+    "potential": sampling.POTENTIAL,
+    "elastic_normal": sampling.ELASTIC_NORMAL,
+    "elastic_tangential": sampling.ELASTIC_TANGENTIAL,
+    "contacts_particle_particle": sampling.CONTACTS_PP,
+    "contacts_particle_wall": sampling.CONTACTS_PW,
+    "impact_speed_particle_particle": sampling.IMPACT_PP,
+    "impact_speed_particle_wall": sampling.IMPACT_PW,
+    "wall_work": sampling.N_COLUMNS + state.WALL_WORK,
+} | {
+    f"{mechanism}_{name}": sampling.N_COLUMNS + c * state.N_MECHANISMS + m
+    for c, name in enumerate(CLASSES)
+    for m, mechanism in enumerate(MECHANISMS)
+}
+
+
+class SimulationError(RuntimeError):
+    """A simulation that cannot go on; one line that says when, and what to try."""
+
+
+class Simulation:
+    """A world, and what one may ask of it. Positions it gives are relative to the enclosure."""
+
+    def __init__(self, world: World, steps_per_sample: int = 1) -> None:
+        self.world = world
+        self.steps_per_sample = steps_per_sample
+
+    @property
+    def n_bodies(self) -> int:
+        """How many particles there are."""
+        return len(self.world.bodies.heat)
+
+    @property
+    def steps(self) -> int:
+        """Steps taken in this phase."""
+        return int(self.world.counts[state.STEP])
+
+    @property
+    def time(self) -> float:
+        """Time since the phase began [s]."""
+        return self.steps * self.world.time_step
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Of each body (n,) [kg]."""
+        return 1.0 / self.world.bodies.inverse_mass
+
+    def run(self, n_samples: int) -> dict[str, np.ndarray]:
+        """Go on for a number of samples; their columns, a row a sample.
+
+        Times, displacement and velocity of the enclosure, energies [J], dissipation by mechanism
+        and class [J], impact speeds [m/s], contacts; wall_force (n, n_walls, 3) [N], mean over
+        the sample; mean_position and mean_velocity (n, 3). Energies that were dissipated, and
+        wall_work, are since the phase began. Raises SimulationError where the state is no longer
+        finite or an overlap is beyond belief.
+        """
+        n_walls = len(self.world.walls.force)
+        rows = np.zeros((n_samples, sampling.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        done = 0
+        while done < n_samples:
+            filled, over, outcome = sampling.advance_sampling(
+                self.world, self.steps_per_sample, rows[done:]
+            )
+            done += filled
+            if outcome != DONE:  # in the middle of a sample: make room, and go on to its end
+                self._answer(outcome)
+                self.step(self.steps_per_sample - over)
+                sampling.sample(self.world, self.steps_per_sample, rows[done])
+                done += 1
+        if not np.isfinite(rows).all():
+            raise self.failure("the state is no longer finite")
+        return _named(rows, n_walls)
+
+    def step(self, n_steps: int) -> None:
+        """Go on for a number of steps; raises as run does."""
+        while n_steps:
+            taken, outcome = advance(self.world, n_steps)
+            n_steps -= taken
+            if outcome != DONE:
+                self._answer(outcome)
+
+    def sample(self) -> dict[str, np.ndarray]:
+        """One row of samples for the state as it is; forces on the walls are not known."""
+        self.refresh()
+        n_walls = len(self.world.walls.force)
+        rows = np.zeros((1, sampling.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        sampling.sample(self.world, 1, rows[0])
+        return _named(rows, n_walls)
+
+    def compile(self) -> None:
+        """Compile or load the kernels now, so that their time is not taken for a step's."""
+        n_walls = len(self.world.walls.force)
+        rows = np.zeros((0, sampling.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        sampling.advance_sampling(self.world, self.steps_per_sample, rows)
+
+    def refresh(self) -> None:
+        """Make stale lists anew now."""
+        while self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]].any():
+            outcome = search(self.world, self._shift())
+            if outcome != DONE:
+                self._answer(outcome)
+
+    def _shift(self) -> tuple[float, float, float]:
+        """Displacement of the enclosure now [m]."""
+        return enclosure_at(self.world.shaker, self.world.direction, self.time)[0]
+
+    def _answer(self, outcome: int) -> None:
+        """Give a search the room that it lacked, or raise what is wrong."""
+        if outcome in _FULL:
+            self.world = roomier(self.world, _FULL[outcome])
+        elif outcome == NOT_FINITE:
+            raise self.failure("a position is no longer a finite number")
+        elif outcome == TOO_DEEP:
+            raise self.failure("an overlap reached half a radius")
+        else:
+            raise AssertionError(outcome)
+
+    def failure(self, what: str) -> SimulationError:
+        """An error that says what happened, when, and what to try."""
+        return SimulationError(
+            f"the simulation failed at t = {self.time:.6f} s, in steps of "
+            f"{self.world.time_step * 1e6:g} us: {what}; try a shorter --time-step"
+        )
+
+    def frame(self) -> dict[str, np.ndarray]:
+        """The particles now: x (n, 3) in the enclosure [m], v (n, 3) in the laboratory [m/s].
+
+        Also spin (n, 3) [rad/s] and heat (n,) [J], what their contacts dissipated so far.
+        """
+        spheres = self.world.spheres
+        shift = np.array(self._shift())
+        return {
+            "x": spheres.position[:, :3] - shift,
+            "v": spheres.velocity[:, :3].copy(),
+            "spin": spheres.spin[:, :3].copy(),
+            "heat": self.world.bodies.heat.copy(),
+        }
+
+    def contacts(self) -> dict[str, np.ndarray]:
+        """The n contacts of now, with the forces that the next step will apply.
+
+        bodies     (n, 2) particles, then walls (numbered after them)
+        force      (n, 3) on the second [N]; the first takes its opposite
+        normal     (n, 3) unit vector towards the second
+        point      (n, 3) where the force acts, in the laboratory [m]
+        overlap    (n,) [m]
+        """
+        self.refresh()
+        most = int(self.world.counts[state.CLOSE] + self.world.counts[state.WALL])
+        bodies = np.zeros((most, 2), np.uint32)
+        numbers = np.zeros((most, sampling.N_CONTACT_COLUMNS))
+        n = sampling.list_contacts(self.world, bodies, numbers)
+        return {
+            "bodies": bodies[:n],
+            "force": numbers[:n, sampling.FORCE : sampling.NORMAL],
+            "normal": numbers[:n, sampling.NORMAL : sampling.POINT],
+            "point": numbers[:n, sampling.POINT : sampling.OVERLAP],
+            "overlap": numbers[:n, sampling.OVERLAP],
+        }
+
+    def set_velocity(self, velocity: np.ndarray, spin: np.ndarray | None = None) -> None:
+        """Give the particles velocities (n, 3) [m/s], and spins (n, 3) [rad/s]."""
+        for arrays in (self.world.bodies, self.world.spheres):
+            arrays.velocity[:, :3] = velocity
+            if spin is not None:
+                arrays.spin[:, :3] = spin
+
+    def save(self) -> dict[str, np.ndarray]:
+        """All that is needed to go on with the same bits, as arrays.
+
+        Of the lists only the contacts' histories are kept: the rest is made anew in the same
+        order, and no force depends on when.
+        """
+        world = self.world
+        pairs, springs = _touching(world.close, int(world.counts[state.CLOSE]))
+        wall_pairs, wall_springs = _touching(world.wall, int(world.counts[state.WALL]))
+        return {
+            "position": world.spheres.position.copy(),
+            "velocity_now": world.spheres.velocity.copy(),
+            "spin_now": world.spheres.spin.copy(),
+            "velocity": world.bodies.velocity.copy(),
+            "spin": world.bodies.spin.copy(),
+            "heat": world.bodies.heat.copy(),
+            "pairs": pairs,
+            "springs": springs,
+            "wall_pairs": wall_pairs,
+            "wall_springs": wall_springs,
+            "wall_force": world.walls.force.copy(),
+            "step": world.counts[[state.STEP]],
+            "books": world.books.copy(),
+            "fastest": world.fastest.copy(),
+        }
+
+    def restore(self, saved: dict[str, np.ndarray]) -> None:
+        """Put back what `save` gave."""
+        world = self.world
+        while len(world.near.j) < len(saved["pairs"]):
+            world = roomier(world, "near")
+        world.spheres.position[:] = saved["position"]
+        world.spheres.velocity[:] = saved["velocity_now"]
+        world.spheres.spin[:] = saved["spin_now"]
+        for name in ("velocity", "spin", "heat"):
+            getattr(world.bodies, name)[:] = saved[name]
+        n = len(saved["pairs"])
+        world.near.i[:n], world.near.j[:n] = saved["pairs"].T
+        world.near.history[:, :n] = saved["springs"]
+        world.near.first[:] = np.searchsorted(saved["pairs"][:, 0], np.arange(self.n_bodies + 1))
+        world.lengths[state.NEAR_SKIN] = -1.0  # its reach is used up: it is made anew
+        world.walls.history[:] = 0.0
+        world.walls.history[state.DAMPING] = state.NO_CONTACT
+        spheres, walls = saved["wall_pairs"].T
+        world.walls.history[:, walls, spheres] = saved["wall_springs"]
+        world.walls.force[:] = saved["wall_force"]
+        world.counts[:] = 0
+        world.counts[state.STEP] = saved["step"][0]
+        world.counts[state.NEAR] = n
+        world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+        world.books[:] = saved["books"]
+        world.fastest[:] = saved["fastest"]
+        self.world = world
+
+    def begin_phase(self, **changes) -> None:
+        """Change fields of the world (shaker, gravity, time_step, laws); clock and books start.
+
+        Positions stay where they are in the enclosure, which is where it was: at zero.
+        """
+        self.refresh()
+        self.world = self.world._replace(**changes)
+        self.world.counts[[state.STEP, state.CLOSE_MADE, state.WALL_MADE]] = 0
+        self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+        self.world.books[:] = 0.0
+        self.world.fastest[:] = 0.0
+        self.world.walls.force[:] = 0.0
+        self.world.bodies.heat[:] = 0.0
+
+    def state_digest(self) -> str:
+        """Hash of positions, velocities and the histories of the contacts."""
+        saved = self.save()
+        text = hashlib.sha256()
+        for name in (
+            "position",
+            "velocity",
+            "spin",
+            "pairs",
+            "springs",
+            "wall_pairs",
+            "wall_springs",
+        ):
+            text.update(np.ascontiguousarray(saved[name]).tobytes())
+        return text.hexdigest()[:16]
+
+
+def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:
+    """The columns of samples by name."""
+    named = {name: rows[:, column].copy() for name, column in _COLUMNS.items()}
+    named["mean_position"] = rows[:, sampling.POSITION_X : sampling.VELOCITY_X].copy()
+    named["mean_velocity"] = rows[:, sampling.VELOCITY_X : sampling.N_COLUMNS].copy()
+    forces = rows[:, sampling.N_COLUMNS + state.N_BOOKS :]
+    named["wall_force"] = forces.reshape(len(rows), n_walls, 3).copy()
+    return named
+
+
+def _touching(contacts: state.Contacts, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """The pairs (k, 2) of a list that are in contact, and their histories (N_HISTORY, k)."""
+    history = contacts.history[:, :n]
+    touching = history[state.DAMPING] >= 0.0
+    pairs = np.stack([contacts.i[:n][touching], contacts.j[:n][touching]], axis=1)
+    return pairs, history[:, touching].copy()

@@ -1,0 +1,103 @@
+"""Whether the cycles have become steady, and how well their mean is known.
+
+Near the transition cycles alternate (period two), so nothing here compares one cycle with the
+next: an interval takes the alternation out, and blocks hold an even number of cycles.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+BLOCK = 4  # cycles: even, so that a block holds whole alternations, of period four too
+LEAST_BLOCKS = 4  # that are judged; three degrees of freedom
+CONFIDENCE = 0.95
+RELATIVE = 0.05  # of the mean that the half width of its interval may be
+ABSOLUTE = 0.005  # or this: efficiencies go from 0 to 1
+
+
+def interval(values: ArrayLike, confidence: float = CONFIDENCE) -> tuple[float, float] | None:
+    """Confidence interval of the mean of a few cycles in turn; None for fewer than three.
+
+    The cycles are taken as m + a (-1)^k + noise, fitted by least squares: an alternation is no
+    scatter. The half width is Student's t, with two degrees of freedom taken, times the standard
+    error; for an odd number of cycles |a|/n is added, which their mean holds of it. The noise of
+    neighbouring cycles is taken as independent. It says nothing about other packings.
+    """
+    x = np.asarray(values, float)
+    n = len(x)
+    if n < 3:
+        return None
+    design = np.column_stack([np.ones(n), (-1.0) ** np.arange(n)])
+    fit = np.linalg.lstsq(design, x, rcond=None)[0]
+    scatter = float(((x - design @ fit) ** 2).sum()) / (n - 2)
+    half = _student(n - 2, confidence) * math.sqrt(scatter / n) + (n % 2) * abs(fit[1]) / n
+    return float(x.mean() - half), float(x.mean() + half)
+
+
+def block_means(values: ArrayLike, block: int = BLOCK) -> np.ndarray:
+    """Means over whole blocks of cycles, the last block ending with the last cycle."""
+    x = np.asarray(values, float)
+    n_blocks = len(x) // block
+    return x[len(x) - n_blocks * block :].reshape(n_blocks, block).mean(axis=1)
+
+
+def block_interval(
+    values: ArrayLike, block: int = BLOCK, confidence: float = CONFIDENCE
+) -> tuple[float, float]:
+    """Confidence interval of the mean of many cycles, from the scatter of their block means."""
+    means = block_means(values, block)
+    half = _student(len(means) - 1, confidence) * means.std(ddof=1) / math.sqrt(len(means))
+    return float(means.mean() - half), float(means.mean() + half)
+
+
+def judged(n_cycles: int, *, block: int = BLOCK, least_blocks: int = LEAST_BLOCKS) -> int:
+    """How many of the last cycles are judged: half of them in whole blocks, or least_blocks."""
+    return block * max(least_blocks, n_cycles // block // 2)
+
+
+def is_steady(
+    values: ArrayLike,
+    *,
+    block: int = BLOCK,
+    least_blocks: int = LEAST_BLOCKS,
+    confidence: float = CONFIDENCE,
+    relative: float = RELATIVE,
+    absolute: float = ABSOLUTE,
+) -> bool:
+    """Whether the efficiencies of cycles (n,), start-up left out, have become steady.
+
+    The last half of the cycles is judged, in blocks of `block` cycles, at least `least_blocks`:
+
+    1. they agree: the half width of the confidence interval of the blocks' mean is below
+       `relative` times the mean, or below `absolute`;
+    2. there is no trend: the slope of a straight line through the block means is within its
+       confidence interval of zero, or the drift over the judged cycles is below the same limit.
+
+    A metastable state that outlives the judged cycles is not told from a steady one.
+    """
+    x = np.asarray(values, float)
+    n_judged = judged(len(x), block=block, least_blocks=least_blocks)
+    if len(x) < n_judged:
+        return False
+    means = block_means(x[-n_judged:], block)
+    low, high = block_interval(x[-n_judged:], block, confidence)
+    limit = max(relative * abs(float(means.mean())), absolute)
+    return 0.5 * (high - low) <= limit and not _has_trend(means, confidence, limit)
+
+
+def _has_trend(means: np.ndarray, confidence: float, limit: float) -> bool:
+    n = len(means)
+    t = np.arange(n) - 0.5 * (n - 1)
+    slope = float(t @ means) / float(t @ t)
+    left = means - means.mean() - slope * t
+    error = math.sqrt(float(left @ left) / (n - 2) / float(t @ t))
+    drift = abs(slope) * (n - 1)
+    return abs(slope) > _student(n - 2, confidence) * error and drift > limit
+
+
+def _student(freedom: int, confidence: float) -> float:
+    """How many standard errors the half width of a two-sided interval is."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.5 + 0.5 * confidence))

@@ -1,0 +1,72 @@
+"""Many dampers on many cores: each packing filled once, each run in its own folder, one row each.
+
+The packing does not depend on frequency and acceleration, so all points of a map share one.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from campaign.folder import FolderError, RunFolder
+from campaign.sweep import Labelled, Simulator, Task, as_outcome, run_labelled, silent
+from campaign.task import Stop
+from contact.quantity import InputError
+from damper3d.case import DamperCase
+from damper3d.packing import load_packing, packing_folder
+from damper3d.protocol import PACKAGES, Stopped, get_packing, run, run_digest
+from damper3d.result import Result
+from damper3d.simulation import SimulationError
+from damper3d.sources import SOURCES
+from damper3d.warm import compile_kernels
+
+
+def run_cases(
+    cases: Sequence[Labelled],
+    *,
+    out: Path,
+    engine: str = "processes",
+    workers: int | None = None,
+    scheduler: str | None = None,
+    quiet: bool = False,
+) -> list[dict[str, Any]]:
+    """Run labelled DamperCases and return a row for each; see campaign.sweep.run_labelled."""
+    return run_labelled(
+        DAMPER, cases, out=out, engine=engine, workers=workers, scheduler=scheduler, quiet=quiet
+    )
+
+
+def run_task(task: Task, stop: Stop) -> Result | None:
+    """Run a case, or fill its packing; in a worker."""
+    compile_kernels()
+    with as_outcome(stopped=Stopped, failed=(InputError, FolderError, SimulationError)):
+        if task.packing_only:
+            get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
+            return None
+        return run(task.case, out=task.out, stop=stop, warn=silent)
+
+
+def _packing_file(case: DamperCase, out: Path) -> Path:
+    return packing_folder(case, out) / "packing.h5"
+
+
+def _packing_from(file: Path) -> str | None:
+    try:
+        packing = load_packing(file.parent)
+    except FolderError:
+        return None
+    return packing.sources if packing else None
+
+
+def _read(folder: RunFolder) -> Result:
+    return Result.read(folder, reused=True)
+
+
+DAMPER = Simulator(
+    digest=run_digest,
+    packing_file=_packing_file,
+    packing_from=_packing_from,
+    work=run_task,
+    read=_read,
+    sources=SOURCES,
+    packages=PACKAGES,
+)

@@ -1,0 +1,154 @@
+"""Builds the arrays of a world from spheres, an enclosure, laws and motion; makes lists longer."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from contact.hertz import HertzLaw
+from damper3d import state
+from damper3d.enclosure import Enclosure
+from damper3d.state import Block, Bodies, Cells, Contacts, Near, Spheres, Walls, World
+
+_FIRST_SKIN = 0.01  # close skin over the largest radius, before it follows the speed
+_WIDEST_NEAR_SKIN = 0.3  # of the near skin over the largest radius, for which the cells are made
+
+
+def build_world(
+    positions: np.ndarray,
+    radii: np.ndarray,
+    *,
+    density: float,
+    enclosure: Enclosure,
+    pair_law: HertzLaw,
+    wall_law: HertzLaw,
+    shaker: Any,
+    direction: np.ndarray,
+    gravity: np.ndarray,
+    time_step: float,
+    curved_wall: bool = False,
+) -> World:
+    """A world of n solid spheres at rest in an enclosure that is about to move.
+
+    positions (n, 3) in the enclosure's frame [m]; radii (n,) [m]; density [kg/m3]; shaker as in
+    shaker.py, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s].
+    """
+    n = len(positions)
+    mass = density * 4.0 / 3.0 * math.pi * radii**3
+    spheres = Spheres(
+        position=np.column_stack([positions, radii]),
+        velocity=np.zeros((n, 4)),
+        spin=np.zeros((n, 4)),
+        force=np.zeros((n, 4)),
+        torque=np.zeros((n, 4)),
+        inverse_mass=1.0 / mass,
+    )
+    bodies = Bodies(
+        velocity=np.zeros((n, 4)),
+        spin=np.zeros((n, 4)),
+        inverse_mass=1.0 / mass,
+        inverse_inertia=1.0 / (0.4 * mass * radii**2),
+        heat=np.zeros(n),
+    )
+    largest = float(radii.max())
+    skins = np.zeros(state.N_LENGTHS)
+    skins[[state.CLOSE_SKIN, state.WALL_SKIN]] = _FIRST_SKIN * largest
+    skins[state.NEAR_SKIN] = -1.0  # no list yet: its reach is used up
+    n_walls = len(enclosure.wall_names)
+    counts = np.zeros(state.N_COUNTS, np.int64)
+    counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+    return World(
+        bodies=bodies,
+        spheres=spheres,
+        cells=_cells(enclosure, n, largest),
+        near=_near(n, 16 * n + 64),
+        close=_contacts(n, 8 * n + 64),
+        wall=_contacts(n, 3 * n + 64),
+        walls=Walls(
+            planes=enclosure.planes,
+            radius=enclosure.cylinder_radius,
+            curved=curved_wall,
+            push=np.zeros((n_walls, 4)),
+            force=np.zeros((n_walls, 4)),
+            history=_no_history(n_walls, n),
+        ),
+        block=Block(
+            *(np.zeros(state.BLOCK) for _ in Block._fields[:-1]),
+            history=np.zeros((state.N_HISTORY, state.BLOCK)),
+        ),
+        counts=counts,
+        books=np.zeros(state.N_BOOKS),
+        fastest=np.zeros(2),
+        lengths=skins,
+        pair_law=pair_law,
+        wall_law=wall_law,
+        shaker=shaker,
+        direction=_padded(direction),
+        gravity=_padded(gravity),
+        time_step=time_step,
+    )
+
+
+def _padded(vector: np.ndarray) -> np.ndarray:
+    return np.append(np.asarray(vector, float), 0.0)
+
+
+def _no_history(*shape: int) -> np.ndarray:
+    history = np.zeros((state.N_HISTORY, *shape))
+    history[state.DAMPING] = state.NO_CONTACT
+    return history
+
+
+def _cells(enclosure: Enclosure, n: int, largest: float) -> Cells:
+    """Cells over the enclosure that are wide enough for the widest near skin."""
+    size = (2.0 + _WIDEST_NEAR_SKIN) * largest
+    inside = (enclosure.width, enclosure.depth, enclosure.height)
+    a, b, c = (max(math.ceil(length / size), 1) for length in inside)
+    return Cells(
+        start=np.zeros(a * b * c + 2, np.int64),
+        spheres=np.zeros(n, np.int64),
+        of_sphere=np.zeros(n, np.int64),
+        size=size,
+        shape=(a, b, c),
+        origin=(-0.5 * enclosure.width, -0.5 * enclosure.depth, 0.0),
+        largest=largest,
+    )
+
+
+def _near(n: int, capacity: int) -> Near:
+    return Near(
+        i=np.zeros(capacity, np.uint32),
+        j=np.zeros(capacity, np.uint32),
+        gap=np.zeros(capacity),
+        history=_no_history(capacity),
+        first=np.zeros(n + 1, np.int64),
+        old_j=np.zeros(capacity, np.uint32),
+        old_history=_no_history(capacity),
+        old_first=np.zeros(n + 1, np.int64),
+        place=np.zeros((n, 4)),
+    )
+
+
+def _contacts(n: int, capacity: int) -> Contacts:
+    return Contacts(
+        i=np.zeros(capacity, np.uint32),
+        j=np.zeros(capacity, np.uint32),
+        near=np.zeros(capacity, np.uint32),
+        hertz=np.zeros(capacity),
+        mass=np.zeros(capacity),
+        history=_no_history(capacity),
+        place=np.zeros((n, 4)),
+        drift=np.zeros(4),
+    )
+
+
+def roomier(world: World, lists: str) -> World:
+    """The world with a list, "near", "close" or "wall", of twice the capacity."""
+    old = getattr(world, lists)
+    capacity = 2 * len(old.i)
+    make: Callable[[int, int], Any] = _near if lists == "near" else _contacts
+    new = make(len(world.spheres.position), capacity)
+    for longer, array in zip(new, old, strict=True):
+        longer[tuple(slice(0, size) for size in array.shape)] = array
+    return world._replace(**{lists: new})
