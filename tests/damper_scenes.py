@@ -113,7 +113,9 @@ def shaken(n: int, enclosure: Enclosure, law: HertzLaw, *, frequency: float, gam
 
 
 @cache
-def poured(n: int, enclosure: Enclosure, seed: int, gravity: tuple[float, ...] = _DOWN) -> np.ndarray:
+def poured(
+    n: int, enclosure: Enclosure, seed: int, gravity: tuple[float, ...] = _DOWN
+) -> np.ndarray:
     """Positions (n, 3) of spheres that fell from a grid into the enclosure.
 
     Where gravity is not along the axis, they fall along it first, below a lid.
@@ -138,8 +140,8 @@ def poured(n: int, enclosure: Enclosure, seed: int, gravity: tuple[float, ...] =
 
 def _grid(n: int, enclosure: Enclosure) -> np.ndarray:
     """The lowest n points of a cubic grid inside, whatever the height."""
-    x, y = (np.arange(1 - size // 2, size // 2) * _PITCH
-            for size in (int(enclosure.width / _PITCH) + 2, int(enclosure.depth / _PITCH) + 2))  # fmt: skip
+    half = [int(size / (2 * _PITCH)) for size in (enclosure.width, enclosure.depth)]
+    x, y = (np.arange(-k, k + 1) * _PITCH for k in half)
     layer = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     if enclosure.radius is not None:
         layer = layer[np.hypot(*layer.T) < enclosure.radius - 1.05 * RADIUS]

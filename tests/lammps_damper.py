@@ -207,7 +207,9 @@ class Lammps:
     def wall_work(self) -> float:
         """By the enclosure on the bed since start() [J]."""
         # The mean is over the steps' ends and the beginning.
-        return float(self.engine.extract_fix("work", 0, 0)) * (self.steps + 1) * self.scene.time_step
+        return (
+            float(self.engine.extract_fix("work", 0, 0)) * (self.steps + 1) * self.scene.time_step
+        )
 
     def cycles(self, n_cycles: int, steps: int) -> Cycles:
         """Of so many steps each, right after start()."""
