@@ -18,7 +18,6 @@ import numpy as np
 from campaign.provenance import cpu_model
 from damper3d.case import DamperCase
 from damper3d.fill import fill, resting
-from damper3d.protocol import run
 from damper3d.simulation import Simulation
 
 sys.path.append(str(Path(__file__).resolve().parent.parent / "tests"))  # the deck for LAMMPS
@@ -162,6 +161,8 @@ def against_number(largest: int, repeats: int) -> None:
 
 def of_a_point(us: float) -> None:
     """Print what a point of a map costs beside its steps, and what a whole map comes to."""
+    from damper3d.protocol import run
+
     summary = {"output.keep": "summary", "output.frames": 0}
     with tempfile.TemporaryDirectory() as room:
         first = DamperCase.load("thesis", {**BOUNCING, **summary})
@@ -193,8 +194,8 @@ def main() -> None:
     print(f"damper: {cpu_model()}, one core, user CPU time; targets in brackets")
     state = fill(case, quiet).state
     us = beside_lammps(case, state, given.repeats)
-    of_a_point(us)
     against_number(given.largest, given.repeats)
+    of_a_point(us)
 
 
 if __name__ == "__main__":
