@@ -3,11 +3,15 @@
 import hashlib
 import os
 import platform
-from collections.abc import Iterable
+import sys
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
+from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
+
+Warn = Callable[[str], None]
 
 
 def source_digest(package_folders: Iterable[str | Path]) -> str:
@@ -22,6 +26,28 @@ def source_digest(package_folders: Iterable[str | Path]) -> str:
             content = hashlib.sha256(source.read_bytes()).hexdigest()
             total.update(f"{name} {content}\n".encode())
     return total.hexdigest()[:12]
+
+
+def to_stderr(line: str) -> None:
+    """A warning for a person."""
+    print(f"warning: {line}", file=sys.stderr)
+
+
+class Sources:
+    """The package folders that decide what a run computes; runs and packings keep their digest."""
+
+    def __init__(self, *folders: Path) -> None:
+        self.folders = folders
+
+    @cached_property
+    def digest(self) -> str:
+        """Of the sources as they stood when this was first asked."""
+        return source_digest(self.folders)
+
+    def check(self, what: str, made: str | None, cure: str, warn: Warn) -> None:
+        """Warn where `made`, a digest of sources, is not that of these."""
+        if made != self.digest:
+            warn(f"{what} by another version of the sources ({made}); {cure}")
 
 
 def provenance(

@@ -1,21 +1,22 @@
 """Many cases on many cores: what several share is made once, each run has its folder, a row each.
 
 A simulator says in a Simulator what its runs are and what they need; here nobody knows what they
-compute. A case is a frozen dataclass with a `name` and `settings` whose [run] has a seed.
+compute. A case is a frozen dataclass with a `name`, a `time_step` [s] and `settings` whose [run]
+has a seed.
 """
 
 import dataclasses
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from campaign.engine import Tally, run_tasks
 from campaign.folder import FolderError, RunFolder, find_run
-from campaign.sources import Sources, to_stderr
+from campaign.provenance import Sources, to_stderr
 from campaign.task import Failed, Function, Interrupted, Outcome
 from campaign.terminal import Progress
 
@@ -37,22 +38,30 @@ class Task(NamedTuple):
 class Simulator:
     """What a sweep asks of a simulator.
 
+    name           of its command
     digest         names a run of a case, with its seed
     packing_file   where the packing that a case starts from is kept below a folder of runs; it
                    may not be there yet
     packing_from   digest of the sources that made the packing in a file; None where there is none
     work           runs the case of a Task in a worker, or makes its packing; found by its name
     read           what a finished run found, a dataclass; FolderError where it is damaged
+    expected_cpu_s CPU time [s] that the packing of a case and its run will take, about
     packages       distributions whose versions matter to the last bit
+    means          columns of numbers of which a study tells mean and deviation over the seeds
+    counted        words for kinds of runs that a study counts, and which rows are of the kind
     """
 
+    name: str
     digest: Callable[[Any], str]
     packing_file: Callable[[Any, Path], Path]
     packing_from: Callable[[Path], str | None]
     work: Function
     read: Callable[[RunFolder], Any]
+    expected_cpu_s: Callable[[Any], tuple[float, float]]
     sources: Sources
     packages: list[str]
+    means: tuple[str, ...] = ()
+    counted: Mapping[str, Callable[[dict[str, Any]], bool]] = field(default_factory=dict)
 
     def run_folder(self, case: Any, out: Path) -> RunFolder:
         """Where a case is run, which a single run finds too; it may not exist yet."""

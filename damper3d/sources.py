@@ -2,6 +2,6 @@
 
 from pathlib import Path
 
-from campaign.sources import Sources
+from campaign.provenance import Sources
 
 SOURCES = Sources(Path(__file__).parent, Path(__file__).parent.parent / "contact")

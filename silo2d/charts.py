@@ -4,19 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, headline
 from silo2d.observe import discharge_curve, dissipated, energy_closure
-from silo2d.scene import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    Scene,
-)
-from silo2d.sheet import headline
+from silo2d.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from campaign.figure import BLUE, GREY, INK, headline
 from campaign.folder import FolderError, RunFolder, resume_run
 from campaign.trajectory import Trajectory, read_trajectory
 from silo2d.observe import discharge_curve
-from silo2d.scene import BLUE, GREY, INK
-from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from campaign.figure import INK, WALL, write_figure
 from campaign.folder import RunFolder
 from silo2d.charts import discharge_chart, energy_chart, force_chart
 from silo2d.film import make_film
-from silo2d.scene import GRAIN_EDGE, INK, WALL, WOOD, Scene, read_scene
-from silo2d.sheet import write_figure
+from silo2d.scene import GRAIN_EDGE, WOOD, Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

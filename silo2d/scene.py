@@ -13,12 +13,8 @@ from numpy.typing import NDArray
 from campaign.folder import FolderError, RunFolder
 from campaign.trajectory import Trajectory, read_trajectory
 
-PAPER, INK, WALL = "#fbfaf7", "#2b2b2b", "#55504a"
 WOOD = "#ecd3a4", "#b5793f"  # of the painted layers, in turn; they differ in lightness too
 GRAIN_EDGE = "#4a3018"
-# Okabe and Ito's colours, which the colour-blind tell apart.
-BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
-SKY, PURPLE, GREY = "#56b4e9", "#cc79a7", "#8a8a8a"
 
 # What the pictures of a run need of its trajectory.
 _STATIC = ["kind", "mass", "layer", "shape_points", "shape_start", "wall_segments"]

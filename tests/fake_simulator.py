@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from campaign.folder import FolderError, RunFolder, digest, open_run
-from campaign.sources import Sources
+from campaign.provenance import Sources
 from campaign.sweep import Simulator, Task, as_outcome
 from campaign.task import Stop
 
@@ -95,11 +95,13 @@ def read(folder: RunFolder) -> FakeResult:
 
 
 FAKE = Simulator(
+    name="fake",
     digest=fake_digest,
     packing_file=packing_file,
     packing_from=packing_from,
     work=work,
     read=read,
+    expected_cpu_s=lambda case: (60.0, 30.0),
     sources=SOURCES,
     packages=["numpy"],
 )

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from campaign.results import read_results
+from campaign.statistics import mean_sd
 from silo2d import SiloCase, run
 from silo2d.reproduce import find
-from silo2d.reproduce.results import read_results
-from silo2d.reproduce.statistics import mean_sd
 
 RESULTS = Path(__file__).parent.parent / "docs" / "results"
 

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from fake_run import write_fake_run
 
-from silo2d.film import FPS, film_frames, make_film
+from campaign.figure import WALL
+from campaign.film import FPS
+from silo2d.film import film_frames, make_film
 from silo2d.outline import outline_from_polygon
-from silo2d.scene import WALL, WOOD, read_scene
+from silo2d.scene import WOOD, read_scene
 
 
 @pytest.fixture(scope="module")

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from moved_run import falling, write_moved_run
 
+from campaign.figure import write_figure
 from contact.quantity import InputError
 from silo2d.measures import find, massflow
 from silo2d.measures.grains import grain_size
 from silo2d.outline import hopper
 from silo2d.scene import read_scene
-from silo2d.sheet import write_figure
 
 FLAT = hopper(0.0, 0.15, name="flat")
 STEEP = hopper(np.radians(60), 0.1, name="steep")

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from moved_run import falling, write_moved_run
 
+from campaign.figure import write_figure
 from silo2d.measures import find, profile
 from silo2d.measures.grains import column_edges
 from silo2d.outline import hopper
 from silo2d.scene import read_scene
-from silo2d.sheet import write_figure
 
 WIDE = hopper(0.0, 0.15, name="flat")  # 300 mm, x = 0 in the middle
 FALL = 0.2  # m/s

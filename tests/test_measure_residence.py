@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from moved_run import falling, write_moved_run
 
+from campaign.figure import write_figure
 from contact.quantity import InputError
 from silo2d.measures import find, residence
 from silo2d.outline import hopper
-from silo2d.sheet import write_figure
 
 SILO = hopper(0.0, 0.15, name="flat")
 SPEED = 1.25  # m/s: the highest of 475 mm leaves before 0.4 s

@@ -8,10 +8,10 @@ import pytest
 from fake_run import write_fake_run
 from moved_run import falling, write_moved_run
 
+from campaign.figure import write_figure
 from campaign.trajectory import read_trajectory
 from silo2d.measures import find, stickslip
 from silo2d.outline import hopper
-from silo2d.sheet import write_figure
 
 SILO = hopper(0.0, 0.15, name="flat")
 WALL = 0.15  # m: the right wall

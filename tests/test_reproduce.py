@@ -7,9 +7,9 @@ from made_rows import clogged, emptied, ended, failed, line_of
 from small_silo import Answer, silo2d
 
 from campaign.folder import FolderError
+from campaign.results import read_results, write_results
 from silo2d.outline import PRESETS
 from silo2d.reproduce import TABLES, clogging, discharge, find
-from silo2d.reproduce.results import read_results, write_results
 
 # The experiment has 2.15, 2.10, 2.05, 2.07 s in A3: 2.0925 +- 0.0435 s, and 1 of 5 clogged.
 SPREAD = [-0.03, -0.01, 0.0, 0.01, 0.03]
@@ -174,7 +174,7 @@ def test_rows_come_back_from_their_file(tmp_path):
 def test_a_damaged_table_is_named(text, tmp_path):
     path = tmp_path / "reproduce-discharge.csv"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(FolderError, match="not a table of silo2d reproduce"):
+    with pytest.raises(FolderError, match="not a table of the command reproduce"):
         read_results(path)
     path.unlink()
     with pytest.raises(FolderError, match="cannot be read"):

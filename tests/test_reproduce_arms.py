@@ -126,7 +126,7 @@ def test_the_report_tells_numbers_and_words():
 
 
 def test_the_figures_can_be_drawn(tmp_path):
-    from silo2d.sheet import write_figure
+    from campaign.figure import write_figure
 
     picture = write_figure(tmp_path / "disorder.png", lambda: disorder.draw(study_rows()))
     assert picture.stat().st_size > 10_000

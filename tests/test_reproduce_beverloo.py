@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
+from campaign.figure import write_figure
 from silo2d.case import SiloCase
 from silo2d.reproduce import beverloo
 from silo2d.reproduce.beverloo_law import fit_law, law
-from silo2d.sheet import write_figure
 
 C, K, DENSITY, SIZE = 0.95, 1.4, 45.0, 0.005
 OUTLETS = np.repeat([0.03, 0.036, 0.042, 0.048, 0.054, 0.06], 3)

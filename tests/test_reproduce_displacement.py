@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from moved_run import falling, write_moved_run
 
+from campaign.figure import write_figure
 from silo2d.outline import preset
 from silo2d.reproduce import displacement
 from silo2d.reproduce.displacement_report import done
-from silo2d.sheet import write_figure
 
 DEEP = {"A4": 0.1, "D4": 0.2}  # m/s: how much faster the middle falls than the walls
 SEEDS = 2

@@ -177,7 +177,7 @@ def test_what_is_not_published_has_no_word_and_failures_are_named():
 
 
 def test_a_series_whose_runs_all_failed_has_no_trend(tmp_path):
-    from silo2d.sheet import write_figure
+    from campaign.figure import write_figure
 
     labels = {"baseline": "implied", "parameter": "kt", "pairs": "both", "unit": "N/mm"}
     rows = [failed("lost", **labels, value=value, seed=1) for value in (500, 750)]

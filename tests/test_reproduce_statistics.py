@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from silo2d.reproduce.published import sensitivity, trials
-from silo2d.reproduce.statistics import (
+from campaign.statistics import (
     Sample,
     mean_sd,
     noise_of_difference,
@@ -19,6 +18,7 @@ from silo2d.reproduce.statistics import (
     slope,
     wilson,
 )
+from silo2d.reproduce.published import sensitivity, trials
 
 Z2 = 3.841458820694124  # 0.95 quantile of chi-squared with one degree of freedom, z^2
 

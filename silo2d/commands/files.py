@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from silo2d.commands.options import out_option
+from campaign.commandline import out_option
 
 
 @click.command()
@@ -12,8 +12,8 @@ from silo2d.commands.options import out_option
 @click.option("--study", is_flag=True, help="Write a study file instead.")
 def init(file: str, study: bool) -> None:
     """Write a case file with a comment on every key."""
+    from campaign.library import write_new
     from contact.datafile import data_file
-    from silo2d.library import write_new
 
     template = data_file(*(("studies", "friction") if study else ("cases", "example")))
     assert template is not None  # shipped

@@ -6,14 +6,8 @@ from typing import Any
 
 import click
 
-from silo2d.commands.options import (
-    announce_compilation,
-    case_options,
-    changes_of,
-    json_option,
-    out_option,
-    quiet_option,
-)
+from campaign.commandline import json_option, out_option, quiet_option
+from silo2d.commands.options import announce_compilation, case_options, changes_of
 
 
 @click.command()
@@ -38,9 +32,9 @@ def observe(folder: str, what: str | None, no_figures: bool, as_json: bool) -> N
 
     Without WHAT it says what can be measured.
     """
+    from campaign.figure import write_figure
     from campaign.folder import resume_run
     from silo2d.measures import MEASURES, find
-    from silo2d.sheet import write_figure
 
     if what is None:
         click.echo("\n".join(f"{name:15} {text}" for name, (_, text) in MEASURES.items()))
@@ -76,8 +70,8 @@ def compare(
 
     For example: silo2d compare --engines dem,pymunk A4
     """
+    from campaign.figure import write_figure
     from silo2d import compare as comparison
-    from silo2d.sheet import write_figure
 
     changes = changes_of(seed, mu, keep_ratios, options)
     if engines is None and (len(runs_or_case) != 2 or changes or seeds):

@@ -6,14 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from silo2d.commands.options import (
-    announce_compilation,
-    case_options,
-    changes_of,
-    json_option,
-    out_option,
-    quiet_option,
-)
+from campaign.commandline import json_option, out_option, quiet_option
+from silo2d.commands.options import announce_compilation, case_options, changes_of
 
 if TYPE_CHECKING:
     from silo2d.case import SiloCase

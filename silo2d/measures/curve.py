@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from campaign.figure import BLUE, GREEN, GREY, INK, headline
 from silo2d.measures.grains import FEWEST_OUT, Series, leavers
 from silo2d.observe import discharge_measures
-from silo2d.scene import BLUE, GREEN, GREY, INK, read_scene
-from silo2d.sheet import headline
+from silo2d.scene import read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from campaign.figure import WALL
 from silo2d.measures.coarse_graining import Floats, Grid
 from silo2d.measures.silo_geometry import inside_polygon
-from silo2d.scene import WALL, Scene
+from silo2d.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -20,14 +20,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from campaign.figure import BLUE, GREEN, GREY, ORANGE, headline
 from campaign.folder import FolderError
 from silo2d.measures.coarse_graining import Grid, grid_round, part_inside
 from silo2d.measures.contacts import flowing
 from silo2d.measures.field_map import draw_map
 from silo2d.measures.grains import areas, grain_size
 from silo2d.measures.silo_geometry import inside_mask, inside_polygon
-from silo2d.scene import BLUE, GREEN, GREY, ORANGE, Scene, read_scene
-from silo2d.sheet import headline
+from silo2d.scene import Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

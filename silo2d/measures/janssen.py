@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from campaign.figure import BLUE, GREY, INK, VERMILION, headline
 from contact.quantity import InputError
 from silo2d.measures.coarse_graining import Floats
 from silo2d.measures.contacts import (
@@ -38,8 +39,7 @@ from silo2d.measures.contacts import (
 from silo2d.measures.grains import grain_size
 from silo2d.measures.silo_geometry import outwards, sides
 from silo2d.measures.wall_traction import STRETCH, Tractions, tractions
-from silo2d.scene import BLUE, GREY, INK, VERMILION, Scene
-from silo2d.sheet import headline
+from silo2d.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from campaign.figure import BLUE, GREEN, GREY, VERMILION, headline
 from silo2d.measures.curve import steady_part
 from silo2d.measures.grains import (
     FEWEST_OUT,
@@ -28,8 +29,7 @@ from silo2d.measures.grains import (
     numbers,
     outlet_centre,
 )
-from silo2d.scene import BLUE, GREEN, GREY, VERMILION, Scene, read_scene
-from silo2d.sheet import headline
+from silo2d.scene import Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from campaign.figure import BLUE, INK, PAPER, VERMILION, WALL, headline
 from silo2d.measures.grains import Series, column_edges
-from silo2d.scene import BLUE, INK, PAPER, VERMILION, WALL, WOOD, Scene
-from silo2d.sheet import headline
+from silo2d.scene import WOOD, Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

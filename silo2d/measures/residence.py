@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from campaign.figure import BLUE, GREY, INK, WALL, headline
 from silo2d.measures.grains import Series, column_edges, leavers, start_height
-from silo2d.scene import BLUE, GREY, INK, WALL, Scene, read_scene
-from silo2d.sheet import headline
+from silo2d.scene import Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

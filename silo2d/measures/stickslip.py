@@ -23,9 +23,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from campaign.figure import VERMILION, headline
 from silo2d.measures.grains import Series, grain_size, outlet_centre
 from silo2d.scene import Scene, read_scene
-from silo2d.sheet import headline
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -179,8 +179,6 @@ def draw(folder: Path) -> "Figure":
     """For each wall, sliding velocity over time and place; sticking in a colour of its own."""
     from matplotlib import colormaps
     from matplotlib.figure import Figure
-
-    from silo2d.scene import VERMILION
 
     scene = read_scene(folder)
     walls = sliding(scene)

@@ -1,24 +1,13 @@
 """The paper's tables beside ours: a table of names, each a module of this package.
 
-A table is a module with
-
-    SEEDS                              how many seeds it takes unless told otherwise
-    run(*, out, seeds, workers, quiet) -> list[dict]    a row a run, as silo2d.sweep gives them
-    report(rows) -> str                our numbers beside the published ones, and a word on each
-    draw(rows) -> Figure               the same as a matplotlib figure
-
-Those that can also compute on a cluster take the `engine` and `scheduler` of silo2d.sweep too.
+A module offers what campaign.reproduce.PublishedTable says.
 """
 
 import importlib
-from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import Any, cast
 
+from campaign.reproduce import PublishedTable
 from contact.quantity import InputError, nearest
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Row = dict[str, Any]
 
@@ -32,23 +21,6 @@ TABLES: dict[str, tuple[str, str]] = {
     "filling": ("filling", "A3 and B3 poured in three ways, opened in two"),
     "sensitivity": ("sensitivity", "A4's time against each parameter (paper's Tables 7 to 11)"),
 }
-
-
-class PublishedTable(Protocol):
-    """What a module of this package offers."""
-
-    SEEDS: int
-
-    def run(
-        self, *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
-    ) -> list[Row]:
-        """All runs of the table; those that are there are not done again."""
-
-    def report(self, rows: list[Row]) -> str:
-        """What a person reads."""
-
-    def draw(self, rows: list[Row]) -> "Figure":
-        """The table as a picture."""
 
 
 def find(name: str) -> PublishedTable:

@@ -10,9 +10,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from silo2d.reproduce.layout import columns, done, not_done, outcomes, percent, seconds, share
-from silo2d.reproduce.statistics import CONFIDENCE, Sample, mean_sd, quantile, wilson
-from silo2d.scene import BLUE, GREY, INK, VERMILION
+from campaign.figure import BLUE, GREY, INK, VERMILION
+from campaign.layout import columns, done, not_done, percent, share, with_sd
+from campaign.statistics import CONFIDENCE, Sample, mean_sd, quantile, wilson
+from silo2d.reproduce.outcomes import outcomes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,7 +61,7 @@ def report_arms(rows: "list[Row]", name_of: NameOf) -> str:
 def _line(silo: str, name: str, rows: "list[Row]", first: "list[Row]") -> list[str]:
     line = [silo, name]
     for key in ("discharge_time_s", "t90_s"):
-        line += [seconds(mean_sd(_values(rows, key))), _difference(rows, first, key)]
+        line += [with_sd(mean_sd(_values(rows, key))), _difference(rows, first, key)]
     k, at_opening, n = outcomes(rows)
     k1, at_opening1, n1 = outcomes(first)
     for own, other in ((k, k1), (at_opening, at_opening1)):

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from campaign.figure import BLUE, GREEN, VERMILION
 from silo2d.reproduce.beverloo_law import Fit, fit_law
-from silo2d.scene import BLUE, GREEN, VERMILION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,19 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from campaign.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
+from campaign.layout import columns, not_done, share
+from campaign.statistics import wilson
 from silo2d.outline import PRESETS
-from silo2d.reproduce.layout import (
-    by_silo,
-    columns,
-    not_done,
-    outcome_word,
-    outcomes,
-    share,
-    unfinished,
-)
+from silo2d.reproduce.outcomes import by_silo, outcome_word, outcomes, unfinished
 from silo2d.reproduce.published import trials
-from silo2d.reproduce.statistics import wilson
-from silo2d.scene import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

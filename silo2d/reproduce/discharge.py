@@ -4,23 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from campaign.figure import BLUE, GREEN, GREY, SKY, VERMILION
+from campaign.layout import columns, done, not_done, percent, share, verdict, with_sd
+from campaign.statistics import Sample, mean_sd
 from silo2d.outline import PRESETS
-from silo2d.reproduce.layout import (
-    by_silo,
-    columns,
-    done,
-    not_done,
-    outcome_word,
-    outcomes,
-    percent,
-    seconds,
-    share,
-    unfinished,
-    verdict,
-)
+from silo2d.reproduce.outcomes import by_silo, outcome_word, outcomes, unfinished
 from silo2d.reproduce.published import Trials, trials
-from silo2d.reproduce.statistics import Sample, mean_sd
-from silo2d.scene import BLUE, GREEN, GREY, SKY, VERMILION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,11 +70,11 @@ def _time_line(silo: str, rows: "list[Row]") -> list[str]:
     known, ours = trials(silo), _times(rows)
     return [
         silo,
-        seconds(known.time, 2),
+        with_sd(known.time, 2),
         "-" if known.spoly_s is None else f"{known.spoly_s:.2f}",
-        seconds(ours),
+        with_sd(ours),
         verdict(ours, known.time),
-        seconds(_times(rows, "t90_s")),
+        with_sd(_times(rows, "t90_s")),
     ]
 
 

@@ -60,8 +60,8 @@ def report(rows: "list[Row]") -> str:
 
 def _packings(rows: "list[Row]") -> str:
     """The packing fraction that each filling leaves, mean and standard deviation."""
-    from silo2d.reproduce.layout import columns, done
-    from silo2d.reproduce.statistics import mean_sd
+    from campaign.layout import columns, done
+    from campaign.statistics import mean_sd
 
     lines = []
     for silo in dict.fromkeys(row["silo"] for row in rows):

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING, Any
 
+from campaign.figure import BLUE, ORANGE, VERMILION
 from silo2d.reproduce.published import Point
 from silo2d.reproduce.trend import LOGARITHMIC
-from silo2d.scene import BLUE, ORANGE, VERMILION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

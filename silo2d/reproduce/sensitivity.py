@@ -4,15 +4,16 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from silo2d.reproduce.layout import columns, done, not_done, outcomes, percent, seconds, signed
-from silo2d.reproduce.parameters import BASELINES, Pairs
-from silo2d.reproduce.published import ROUNDING, Point, sensitivity
-from silo2d.reproduce.series import Series, series_of
-from silo2d.reproduce.statistics import (
+from campaign.layout import columns, done, not_done, percent, signed, with_sd
+from campaign.statistics import (
     Sample,
     noise_of_one_more,
     pooled_sd,
 )
+from silo2d.reproduce.outcomes import outcomes
+from silo2d.reproduce.parameters import BASELINES, Pairs
+from silo2d.reproduce.published import ROUNDING, Point, sensitivity
+from silo2d.reproduce.series import Series, series_of
 from silo2d.reproduce.trend import Trend
 
 if TYPE_CHECKING:
@@ -136,8 +137,8 @@ def _cells(
     rest = len(rows) - time.n - clogged
     remark = f", {clogged} clogged" if clogged else ""
     remark += f", {rest} failed or cut off" if rest else ""
-    t90 = seconds(own.time(value, "t90_s"))
-    return [seconds(time) + remark, _row_word(time, printed, spread), t90]
+    t90 = with_sd(own.time(value, "t90_s"))
+    return [with_sd(time) + remark, _row_word(time, printed, spread), t90]
 
 
 def _restitution(rows: "list[Row]") -> str:

@@ -1,13 +1,11 @@
 """Columns of text, and how numbers and runs that failed are written in them."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
-from silo2d.reproduce.published import Trials
-from silo2d.reproduce.statistics import Sample, noise_of_difference, overlap, wilson
+from campaign.statistics import Sample, noise_of_difference, wilson
 
-if TYPE_CHECKING:
-    from silo2d.reproduce import Row
+Row = dict[str, Any]
 
 
 def columns(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
@@ -20,7 +18,7 @@ def columns(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     return "\n".join(row.rstrip() for row in rows)
 
 
-def seconds(sample: Sample, digits: int = 3) -> str:
+def with_sd(sample: Sample, digits: int = 3) -> str:
     """ "1.234 +- 0.012 (3)": mean, standard deviation, number."""
     if sample.mean is None:
         return "-"
@@ -52,12 +50,12 @@ def verdict(ours: Sample, theirs: Sample) -> str:
     return f"{'high' if off > 0 else 'low'} by {percent(abs(off))} {allowed}"
 
 
-def done(rows: "Sequence[Row]") -> "list[Row]":
+def done(rows: Sequence[Row]) -> list[Row]:
     """The rows of runs that came to an end; only they enter a statistic."""
     return [row for row in rows if row["state"] == "done"]
 
 
-def not_done(rows: "Sequence[Row]", labels: Sequence[str]) -> list[str]:
+def not_done(rows: Sequence[Row], labels: Sequence[str]) -> list[str]:
     """A line for each run that failed or was cut off, with its reason."""
     return [
         f"{row['state']}: {', '.join(f'{k} {row[k]}' for k in labels)}: {row['reason']}"
@@ -66,40 +64,7 @@ def not_done(rows: "Sequence[Row]", labels: Sequence[str]) -> list[str]:
     ]
 
 
-def outcomes(rows: "Sequence[Row]") -> tuple[int, int, int]:
-    """How many runs clogged, of these at the opening, of how many that flowed to an end or clogged.
-
-    A run that the time limit cut off is in neither number.
-    """
-    ended = [row["outcome"] for row in done(rows) if row["outcome"] != "time_limit"]
-    at_opening = ended.count("clogged_at_opening")
-    return ended.count("clogged") + at_opening, at_opening, len(ended)
-
-
-def by_silo(rows: "Sequence[Row]") -> "dict[str, list[Row]]":
-    """The rows of each silo, in their order."""
-    silos = dict.fromkeys(row["silo"] for row in rows)
-    return {silo: [row for row in rows if row["silo"] == silo] for silo in silos}
-
-
 def share(k: int, n: int) -> str:
     """ "1 of 5 [0.04, 0.62]", with Wilson's interval."""
     low, high = wilson(k, n)
     return f"{k} of {n} [{low:.2f}, {high:.2f}]" if n else "-"
-
-
-def unfinished(rows: "Sequence[Row]", n: int) -> str:
-    """What else there is than n runs that flowed to an end or clogged."""
-    counts = {"at the time limit": len(done(rows)) - n}
-    for state in ("failed", "interrupted"):
-        counts[state] = sum(row["state"] == state for row in rows)
-    return "".join(f", {count} {what}" for what, count in counts.items() if count)
-
-
-def outcome_word(known: Trials, k: int, n: int) -> str:
-    """Whether k of n clogged runs are compatible with the experiment: their intervals overlap."""
-    if not known.n or not n:
-        return "-"
-    if overlap(wilson(known.clogged, known.n), wilson(k, n)):
-        return "agrees"
-    return f"clogs {'more' if k / n > known.clogged / known.n else 'less'} often"

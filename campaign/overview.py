@@ -1,33 +1,49 @@
-"""What a person reads of a study: what would be run, and means over seeds of what came out."""
+"""What a person reads of many runs: what they will cost, what would be run, what came out."""
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from silo2d.packing import packing_folder
-from silo2d.reproduce.statistics import mean_sd
-from silo2d.study import SiloStudy, study_folder
-from silo2d.sweep import SILO
+from campaign.cases import LabelledStudy, study_folder
+from campaign.statistics import mean_sd
+from campaign.sweep import Labelled, Simulator
 
 Rows = list[dict[str, Any]]
-_MEANS = ("discharge_time_s", "t90_s", "mean_rate_per_s")
 
 
-def plan(loaded: SiloStudy, out: Path) -> dict[str, Any]:
+def cost(simulator: Simulator, cases: Sequence[Labelled]) -> str:
+    """What cases will cost if nothing of them is there, in words."""
+    distinct = {simulator.digest(case): case for _, case in cases}
+    packings: dict[Path, float] = {}
+    runs = 0.0
+    for case in distinct.values():
+        packing, run = simulator.expected_cpu_s(case)
+        packings[simulator.packing_file(case, Path())] = packing
+        runs += run
+    minutes = (sum(packings.values()) + runs) / 60
+    shortest = min(case.time_step for case in distinct.values())
+    return (
+        f"{len(distinct)} runs of {len(packings)} packings, about {minutes:.0f} min of CPU time if "
+        f"none is there yet; the shortest time step is {shortest * 1e6:.2g} us"
+    )
+
+
+def plan(simulator: Simulator, loaded: LabelledStudy, out: Path) -> dict[str, Any]:
     """What running a study would do; nothing is written."""
-    folders = [SILO.run_folder(case, out) for _, case in loaded.cases]
+    folders = [simulator.run_folder(case, out) for _, case in loaded.cases]
     todo = {
         folder.path: case
         for folder, (_, case) in zip(folders, loaded.cases, strict=True)
         if folder.state != "finished"
     }
-    packings = {packing_folder(case, out) for case in todo.values()}
+    packings = {simulator.packing_file(case, out) for case in todo.values()}
     return {
         "study": loaded.study.name,
-        "folder": str(study_folder(loaded, out).path),
+        "folder": str(study_folder(simulator, loaded, out).path),
         "runs": len(loaded.cases),
         "finished": sum(folder.state == "finished" for folder in folders),
-        "packings_to_fill": sum(not (kept / "packing.h5").exists() for kept in packings),
+        "packings_to_fill": sum(not file.exists() for file in packings),
         "rows": [
             {**labels, "run_folder": str(folder.path), "state": folder.state}
             for folder, (labels, _) in zip(folders, loaded.cases, strict=True)
@@ -35,7 +51,7 @@ def plan(loaded: SiloStudy, out: Path) -> dict[str, Any]:
     }
 
 
-def plan_as_text(loaded: SiloStudy, planned: dict[str, Any]) -> str:
+def plan_as_text(loaded: LabelledStudy, planned: dict[str, Any]) -> str:
     """A plan in words: a line for every combination."""
     columns = loaded.columns
     combinations = {_key(columns, row): row for row in planned["rows"]}
@@ -51,7 +67,9 @@ def plan_as_text(loaded: SiloStudy, planned: dict[str, Any]) -> str:
     )
 
 
-def summary(loaded: SiloStudy, folder: Path, rows: Rows) -> dict[str, Any]:
+def summary(
+    simulator: Simulator, loaded: LabelledStudy, folder: Path, rows: Rows
+) -> dict[str, Any]:
     """What came of a study: counts, and for each combination means and deviations over seeds."""
     groups: dict[tuple[Any, ...], Rows] = {}
     for row in rows:
@@ -71,20 +89,18 @@ def summary(loaded: SiloStudy, folder: Path, rows: Rows) -> dict[str, Any]:
         "why_interrupted": next(lost, "stopped"),
         "failures": failures,
         "combinations": [
-            {**dict(zip(loaded.columns, key, strict=True)), **_means(group)}
+            {**dict(zip(loaded.columns, key, strict=True)), **_means(simulator, group)}
             for key, group in groups.items()
         ],
     }
 
 
-def _means(rows: Rows) -> dict[str, Any]:
+def _means(simulator: Simulator, rows: Rows) -> dict[str, Any]:
     """Over the runs that are done: how they ended, mean and standard deviation; None for none."""
     done = _of(rows, "done")
-    table: dict[str, Any] = {
-        "runs": len(done),
-        "clogged": sum(row["outcome"].startswith("clogged") for row in done),
-    }
-    for name in _MEANS:
+    table: dict[str, Any] = {"runs": len(done)}
+    table |= {word: sum(map(is_one, done)) for word, is_one in simulator.counted.items()}
+    for name in simulator.means:
         found = mean_sd([row[name] for row in done if row[name] is not None])
         table[f"{name}.mean"], table[f"{name}.sd"] = found.mean, found.sd
     return table
@@ -114,7 +130,7 @@ def _of(rows: Rows, state: str) -> Rows:
     return [row for row in rows if row["state"] == state]
 
 
-def _labels(loaded: SiloStudy, row: dict[str, Any]) -> str:
+def _labels(loaded: LabelledStudy, row: dict[str, Any]) -> str:
     return ", ".join(f"{name} {_number(row[name])}" for name in (*loaded.columns, "seed"))
 
 

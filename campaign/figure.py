@@ -1,4 +1,4 @@
-"""One look for all figures: the style they are drawn in, and how they are written."""
+"""One look for all figures: colours, the style they are drawn in, and how they are written."""
 
 import io
 from collections.abc import Callable
@@ -6,10 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from campaign.folder import write_atomic, writing
-from silo2d.scene import INK, WALL
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+PAPER, INK, WALL = "#fbfaf7", "#2b2b2b", "#55504a"
+# Okabe and Ito's colours, which the colour-blind tell apart.
+BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
+SKY, PURPLE, GREY = "#56b4e9", "#cc79a7", "#8a8a8a"
 
 _DPI = 160
 _STYLE: Any = {
