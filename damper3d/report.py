@@ -277,8 +277,7 @@ def _impacts(result: Result) -> str:
 def _books(result: Result) -> str:
     if result.energy_closure is None:
         return "nothing dissipated"
+    closure = abs(result.energy_closure)
     law = "" if result.law_term is None else f"; gain of the law {100 * result.law_term:.2g} %"
-    return (
-        f"books closed to {100 * abs(result.energy_closure):.2g} % of what is dissipated "
-        f"(tolerance: {100 * _BOOKS_OFF:g} %){law}"
-    )
+    advice = f", more than {100 * _BOOKS_OFF:g} %: take a shorter step" * (closure > _BOOKS_OFF)
+    return f"books closed to {100 * closure:.2g} % of what is dissipated{advice}{law}"

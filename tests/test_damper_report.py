@@ -208,6 +208,10 @@ def test_the_report_tells_each_answer():
     )  # fmt: skip
     assert "the last 24 of 30 count, 0.500 to 0.500; steady" in report(many)
     assert "nothing dissipated" in report(many)
+    assert "take a shorter step" not in told
+    assert "0.6 % of what is dissipated, more than 0.5 %: take a shorter step" in report(
+        dataclasses.replace(ANSWER, energy_closure=-0.006)
+    )
 
 
 @pytest.mark.parametrize(
