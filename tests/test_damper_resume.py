@@ -20,6 +20,7 @@ from campaign.folder import FolderError, RunFolder
 from campaign.trajectory import read_tables, read_trajectory
 from damper3d import protocol, vibration
 from damper3d.protocol import Stopped
+from damper3d.simulation import Simulation, SimulationError
 from damper3d.steady import BLOCK
 
 # Particles times steps of three samples: a checkpoint each, so some 27 in the four cycles.
@@ -85,9 +86,8 @@ def test_a_run_stopped_many_times_ends_with_the_same_bits(undisturbed, runs):
     while result is None:
         try:
             result = protocol.run(small(), out=runs, stop=lambda: chance.random() < 0.3)
-        except Stopped as stopped:
+        except Stopped:
             stops += 1
-            assert str(stopped).startswith("go on with: damper3d run --resume ")
     assert stops >= 3
     assert not result.reused
     assert_same_run(the_run(runs), undisturbed)
@@ -167,7 +167,7 @@ def test_ctrl_c_while_filling_says_that_it_is_filled_anew(tmp_path):
 
 def test_resume_goes_on_in_its_folder_and_refuses_a_changed_case(undisturbed, runs):
     stops = iter([False, True])
-    with pytest.raises(Stopped):
+    with pytest.raises(Stopped, match="^go on with: damper3d run --resume "):
         protocol.run(small(), out=runs, stop=lambda: next(stops))
     folder = the_run(runs)
     text = folder.read_case()
@@ -177,6 +177,21 @@ def test_resume_goes_on_in_its_folder_and_refuses_a_changed_case(undisturbed, ru
     (folder.path / "case.toml").write_text(text)
     assert not protocol.resume(folder.path).reused
     assert_same_run(folder, undisturbed)
+
+
+@pytest.mark.parametrize(("factor", "words"), [(2.0, "came from nowhere"), (0.0, "went nowhere")])
+def test_energy_that_is_not_accounted_for_ends_the_run(runs, monkeypatch, factor, words):
+    """Friction that is booked twice, or not at all; the run can be looked into."""
+    honest = Simulation.run
+
+    def cooked(sim, n_samples):
+        rows = honest(sim, n_samples)
+        return rows | {k: factor * v for k, v in rows.items() if k.startswith("friction")}
+
+    monkeypatch.setattr(Simulation, "run", cooked)
+    with pytest.raises(SimulationError, match=rf"t = 0\.0125.* J of energy {words}; try"):
+        protocol.run(small(), out=runs)
+    assert the_run(runs).state == "unfinished"
 
 
 # What runs share, and what they keep
