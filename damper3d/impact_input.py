@@ -4,6 +4,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from contact.datafile import data_file, data_names
 from contact.material import Material, Measured
@@ -23,7 +24,7 @@ _CHOICES = {
 
 
 def impact_of(
-    given: Mapping[str, str | None], *, against: str, flags: Mapping[str, bool]
+    given: Mapping[str, str | None], *, against: str, flags: dict[str, Any]
 ) -> tuple[Impact, list[str]]:
     """The impact that options describe, and a line for each constant that nobody gave.
 
@@ -37,7 +38,7 @@ def impact_of(
     if not (rigid or second):
         second, _ = _named_material(against, "against", ("wall", "rigid-wall", "sphere"))
     known = _pair_constants(table, first, second)
-    fields: dict = {key: plain_or_unit(texts[key], unit, key)
+    fields: dict[str, Any] = {key: plain_or_unit(texts[key], unit, key)
                     for key, unit in _NUMBERS.items() if key in texts}  # fmt: skip
     if "radius" in texts:
         fields["radius"] = to_si(texts["radius"], "m", "radius")
@@ -83,7 +84,7 @@ def _choice(key: str, text: str, choices: tuple[str, ...]) -> str:
 
 def _sphere_material(texts: Mapping[str, str]) -> tuple[Material, ContactTable | None]:
     """The sphere's material, and the table it comes from if it comes from one."""
-    own = {
+    own: dict[str, Any] = {
         key: Measured(plain_or_unit(texts[key], unit, key) if unit == "1"
                       else to_si(texts[key], unit, key))
         for key, unit in _CONSTANTS.items()

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from itertools import pairwise
 
 import pytest
 from analytic import (
@@ -185,10 +186,13 @@ def test_energy_guard(tangential, damped, mu):
     """No impact may gain energy, at angles from 0 to 89 degrees. The stored force and the exact
     law keep to that. A stored displacement gains what its spring does (`law_term`), up to 0.5 % of
     the energy where friction is high and the impact elastic. The books close: what was lost is what
-    each mechanism took. Tolerance: first order in the step for a contact that slides. With the
-    tangential dashpot a sliding contact begins with a spring that holds the dashpot's mu f_n at no
-    stiffness: an energy of (5 b^2 mu^2/(kt/kn)) m v^2/2, in which the sums over steps of what
-    friction gives and the law takes differ by a part that no step is short enough for."""
+    each mechanism took. Tolerance: second order in the step; of the exact law also its springs at
+    the rim, 1/400 of which comes and goes.
+
+    Friction alone may give a little where there is a tangential dashpot: eq. 5.22 sets the spring
+    of a contact that begins to slide to mu f_n/kt, although the dashpot carried a part of mu f_n.
+    Both together never give.
+    """
     steps = 4000
     for angle in (*range(0, 89, 8), 89):
         for e in (1.0, 0.86):
@@ -197,13 +201,32 @@ def test_energy_guard(tangential, damped, mu):
             )
             out = run(impact, steps)
             energy = 0.5 * impact.mass * impact.speed**2
-            begins = 5 * impact.law.damping**2 * mu**2 / impact.law.tangential
-            allowed = 0.5 / steps + (begins if damped else 0.0)
             taken = out.normal_damping_j + out.tangential_damping_j + out.friction_j
-            assert abs(out.dissipated_j - taken + out.law_term_j) < allowed * energy
+            rim = 3e-5 if tangential == "mindlin-deresiewicz" else 0.0
+            allowed = (20.0 / steps**2 + rim) * energy
+            assert abs(out.dissipated_j - taken + out.law_term_j) < allowed
             assert out.max_force_ratio <= mu * (1 + 1e-9)
+            assert min(out.normal_damping_j, out.tangential_damping_j) >= -1e-15
+            assert out.friction_j + out.tangential_damping_j >= -1e-9 * energy
+            assert damped or out.friction_j >= -1e-9 * energy
             gain = 5e-3 if tangential == "displacement" else 1e-8
             assert out.dissipated_j >= -gain * energy
+
+
+@pytest.mark.parametrize("tangential", LAWS[:2])
+def test_books_close_to_second_order(tangential):
+    """Four times the steps leave a sixteenth of what is missing, with dashpots, slip and high
+    friction. Tolerance: the start of a contact, where the dashpot's force has a root, keeps the
+    observed order a little below two."""
+    missing = []
+    for steps in (200, 800, 3200):
+        impact = oblique(44.0, tangential=tangential, friction=1.0, restitution=0.86)
+        out = run(impact, steps)
+        taken = out.normal_damping_j + out.tangential_damping_j + out.friction_j - out.law_term_j
+        missing.append(abs(out.dissipated_j - taken))
+    orders = [math.log(a / b, 4) for a, b in pairwise(missing)]
+    assert min(orders) > 1.8
+    assert missing[0] < 1e-4 * 0.5 * oblique(44.0).mass * 3.9**2
 
 
 def test_stored_displacement_gains_energy_where_friction_is_high():

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from campaign.figure import BLUE, GREEN, ORANGE, VERMILION, headline
+from campaign.figure import BLUE, GREY, VERMILION, headline
 from contact.reduced import reduced_mass, reduced_radius
 from contact.sphere_law import yield_velocity
 from damper3d.collision import NORMAL_FORCE, OVERLAP, TIME
@@ -12,8 +12,6 @@ from damper3d.single_contact import Found
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-_COLOURS = [BLUE, VERMILION, GREEN, ORANGE]
 
 
 def hit(impacts: list[Impact], printed: dict[str, Any], remarks: tuple[str, ...]) -> Found:
@@ -28,13 +26,13 @@ def hit(impacts: list[Impact], printed: dict[str, Any], remarks: tuple[str, ...]
         for end in ("overlap", "force"):
             outcome = run(replace(impact, end=end))
             numbers[f"{impact.speed:g} m/s, to zero {end}"] = _told(outcome)
-            for row in outcome.history:
-                rows.append(
-                    {
-                        "speed_m_s": impact.speed, "contact_end": end, "time_s": float(row[TIME]),
-                        "overlap_m": float(row[OVERLAP]), "force_n": float(row[NORMAL_FORCE]),
-                    }
-                )  # fmt: skip
+            rows += [
+                {
+                    "speed_m_s": impact.speed, "contact_end": end, "time_s": float(row[TIME]),
+                    "overlap_m": float(row[OVERLAP]), "force_n": float(row[NORMAL_FORCE]),
+                }
+                for row in outcome.history
+            ]  # fmt: skip
     numbers["printed"] = printed
     return Found(numbers, rows, remarks)
 
@@ -51,26 +49,25 @@ def _told(outcome: Outcome) -> dict[str, float]:
 
 
 def draw_hits(found: Found, words: str) -> "Figure":
-    """Force against time and against overlap."""
+    """Force against time and overlap; of several speeds, against overlap in a panel each."""
     from matplotlib.figure import Figure
 
+    speeds = list(dict.fromkeys(row["speed_m_s"] for row in found.rows))
+    both = [(speeds[0], "time_s", "time [us]"), (speeds[0], "overlap_m", "overlap [um]")]
+    several = [(speed, "overlap_m", "overlap [um]") for speed in speeds]
     figure = Figure(figsize=(10, 4.4), layout="constrained")
-    over_time, over_depth = figure.subplots(1, 2)
-    cases = dict.fromkeys((row["speed_m_s"], row["contact_end"]) for row in found.rows)
-    largest = max(row["force_n"] for row in found.rows)
-    unit, name = (1e3, "kN") if largest > 2e3 else (1.0, "N")
-    for colour, (speed, end) in zip(_COLOURS, cases, strict=False):
-        rows = [r for r in found.rows if (r["speed_m_s"], r["contact_end"]) == (speed, end)]
-        force = [row["force_n"] / unit for row in rows]
-        style = {"color": colour, "ls": "-" if end == "overlap" else (0, (4, 2))}
-        label = f"{speed:g} m/s, ends at zero {end}"
-        over_time.plot([1e6 * row["time_s"] for row in rows], force, label=label, **style)
-        over_depth.plot([1e6 * row["overlap_m"] for row in rows], force, label=label, **style)
-    over_time.set(xlabel="time [us]", ylabel=f"normal force [{name}]")
-    over_depth.set(xlabel="overlap [um]", ylabel=f"normal force [{name}]")
-    for axes in (over_time, over_depth):
-        axes.axhline(0, color="#8a8a8a", lw=0.6)
+    panels = both if len(speeds) == 1 else several
+    for axes, (speed, key, label) in zip(figure.subplots(1, len(panels)), panels, strict=True):
+        rows = [row for row in found.rows if row["speed_m_s"] == speed]
+        unit, name = (1e3, "kN") if max(row["force_n"] for row in rows) > 2e3 else (1.0, "N")
+        for end, colour, style in (("overlap", BLUE, "-"), ("force", VERMILION, (0, (4, 2)))):
+            mine = [row for row in rows if row["contact_end"] == end]
+            axes.plot([1e6 * row[key] for row in mine], [row["force_n"] / unit for row in mine],
+                      color=colour, ls=style, label=f"ends at zero {end}")  # fmt: skip
+        axes.set(xlabel=label, ylabel=f"normal force [{name}]")
+        axes.set_title(f"{speed:g} m/s", fontsize=9, loc="left")
+        axes.axhline(0, color=GREY, lw=0.6)
         axes.set_xlim(left=0)
-    over_depth.legend(loc="upper left")
+    axes.legend(loc="upper left")
     headline(figure, words)
     return figure

@@ -22,10 +22,11 @@ def compute() -> Found:
     rows: list[dict[str, Any]] = []
     for e in np.linspace(0.02, 1.0, 99):
         to_overlap, to_force = (ratio_of_restitution(float(e), end) for end in _ENDS)
+        tsuji = math.sqrt(5) / 2 * to_overlap
         rows.append(
             {
                 "restitution": float(e),
-                "eq_5_29": to_overlap, "eq_5_30": to_force, "eq_5_31": math.sqrt(5) / 2 * to_overlap,
+                "eq_5_29": to_overlap, "eq_5_30": to_force, "eq_5_31": tsuji,
                 "out_5_31_to_overlap": restitution_of_ratio(to_overlap, "overlap"),
                 "out_5_31_to_force": restitution_of_ratio(to_overlap, "force"),
                 "out_solved_to_force": restitution_of_ratio(to_force, "force"),
@@ -66,12 +67,12 @@ def draw(found: Found) -> "Figure":
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     ratio, out = figure.subplots(1, 2)
     asked = [row["restitution"] for row in found.rows]
-    for key, label, colour, style in (
-        ("eq_5_29", "linear, to zero overlap (5.29)", BLUE, "-"),
-        ("eq_5_30", "linear, to zero force (5.30)", VERMILION, "-"),
-        ("eq_5_31", "Tsuji, to zero overlap (5.31)", GREEN, "-"),
+    for key, label, colour in (
+        ("eq_5_29", "linear, to zero overlap (5.29)", BLUE),
+        ("eq_5_30", "linear, to zero force (5.30)", VERMILION),
+        ("eq_5_31", "Tsuji, to zero overlap (5.31)", GREEN),
     ):
-        ratio.plot(asked, [row[key] for row in found.rows], color=colour, ls=style, label=label)
+        ratio.plot(asked, [row[key] for row in found.rows], color=colour, label=label)
     ratio.set(xlabel="restitution [-]", ylabel="damping ratio [-]", xlim=(0, 1), ylim=(0, 1.6))
     ratio.legend()
     for key, label, colour in (
@@ -84,9 +85,9 @@ def draw(found: Found) -> "Figure":
         ("published_to_overlap", BLUE, "o", 6), ("published_to_force", VERMILION, "o", 6),
         ("solved_to_force", GREEN, "+", 9),
     ):  # fmt: skip
-        label = "solved for zero force" if key.startswith("solved") else None
+        label = "solved for zero force" if key == "solved_to_force" else ""
         out.plot(points, [n[key] for n in found.numbers.values()], marker, color=colour, ms=size,
-                 mfc="none", ls="none", label=label)  # fmt: skip
+                 mfc="none", ls="none", label=label or "_")  # fmt: skip
     out.plot([], [], "o", mfc="none", color=GREY, label="integrated impacts (Hertz, Tsuji)")
     out.set(xlabel="restitution asked for [-]", ylabel="restitution of the impact [-]",
             xlim=(0, 1), ylim=(0, 1))  # fmt: skip

@@ -5,6 +5,7 @@ here 3 um of overlap, a thousandth of the diameter, and 1.8 um across.
 """
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,18 +37,18 @@ def compute() -> Found:
     rows: list[dict[str, Any]] = []
     numbers: dict[str, Any] = {"radius_m": RADIUS, "overlap_m": OVERLAP, "friction": law.mu}
     for kind, radius in _REDUCED.items():
-        for overlap in np.linspace(0, OVERLAP, _POINTS):
-            rows.append(
-                {
-                    "contact": kind, "direction": "normal", "displacement_m": float(overlap),
-                    "law_n": _held(law, radius, overlap)[2],
-                    "theory_n": law.hertz * math.sqrt(radius) * float(overlap) ** 1.5,
-                }
-            )  # fmt: skip
+        rows += [
+            {
+                "contact": kind, "direction": "normal", "displacement_m": float(overlap),
+                "law_n": _held(law, radius, overlap)[2],
+                "theory_n": law.hertz * math.sqrt(radius) * float(overlap) ** 1.5,
+            }
+            for overlap in np.linspace(0, OVERLAP, _POINTS)
+        ]  # fmt: skip
         rows += _tangential(law, radius, kind, "tangential", np.linspace(0, ACROSS, _POINTS))
         top, bottom = 0.75 * slides_at(law, radius), -0.4 * slides_at(law, radius)
         turns = [0.0, top, bottom, top]
-        path = np.concatenate([np.linspace(a, b, 81)[1:] for a, b in zip(turns, turns[1:])])
+        path = np.concatenate([np.linspace(a, b, 81)[1:] for a, b in pairwise(turns)])
         rows += _tangential(law, radius, kind, "loop", np.concatenate([[0.0], path]))
         numbers[kind] = _numbers(law, radius, rows, kind)
     modulus = steel.youngs_modulus.value if steel.youngs_modulus else 0.0
@@ -104,7 +105,7 @@ def _closed_curve(kt: float, limit: float, path: np.ndarray) -> np.ndarray:
     ways = np.sign(np.diff(path))
     turns = [0, *(np.flatnonzero(ways[1:] != ways[:-1]) + 1), len(path) - 1]
     forces = np.zeros(len(path))
-    for n, (begin, end) in enumerate(zip(turns[:-1], turns[1:], strict=True)):
+    for n, (begin, end) in enumerate(pairwise(turns)):
         leg = path[begin : end + 1]
         if n == 0:
             forces[begin : end + 1] = loading_force(kt, limit, leg)
@@ -151,12 +152,12 @@ def draw(found: Found) -> "Figure":
         f"loading, tangential, overlap {1e6 * OVERLAP:g} um", fontsize=9, loc="left"
     )
     loop.set_title("forth, back and forth again, particle-surface", fontsize=9, loc="left")
-    for axes in (normal, tangential):
-        axes.plot([], [], color=GREY, label="theory: Hertz; exact Mindlin-Deresiewicz")
-        axes.plot([], [], "o", ms=4, mfc="none", color=GREY, label="the engine's law")
-    tangential.plot([], [], "+", color=GREY, label="the exact law as coded")
-    normal.legend(loc="upper left")
-    tangential.legend(loc="lower right")
+    normal.plot([], [], color=GREY, label="theory: Hertz; exact Mindlin-Deresiewicz")
+    normal.plot([], [], "o", ms=4, mfc="none", color=GREY, label="the engine's law")
+    normal.plot([], [], "+", color=GREY, label="the exact law as coded")
+    for axes in (normal, tangential, loop):
+        axes.ticklabel_format(axis="x", style="sci", scilimits=(0, 0))
+    figure.legend(*normal.get_legend_handles_labels(), loc="outside lower center", ncols=5)
     loop.axhline(0, color=INK, lw=0.5)
     headline(figure, "Steel sphere of 3 mm: force against displacement")
     return figure
