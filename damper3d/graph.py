@@ -14,6 +14,4 @@ def ruled(axes: "Axes") -> None:
 
 def legend_beside(axes: "Axes", *handles_and_labels: list, right: float = 1.01) -> None:
     """A legend to the right of the axes, where it hides nothing: at `right` of their width."""
-    axes.legend(
-        *handles_and_labels, loc="upper left", bbox_to_anchor=(right, 1), labelspacing=0.6
-    )
+    axes.legend(*handles_and_labels, loc="upper left", bbox_to_anchor=(right, 1), labelspacing=0.6)

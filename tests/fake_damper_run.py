@@ -69,8 +69,8 @@ def write_fake_damper_run(
     moving |= _books(time / period, moving, gamma * G / omega, mass.sum())
     run = RunFolder(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    run.write_case(_case(shape, orientation, diameter, len(start), frequency, gamma, cycles, discard,
-                         samples, frames, keep))  # fmt: skip
+    run.write_case(_case(shape, orientation, diameter, len(start), frequency, gamma, cycles,
+                         discard, samples, frames, keep))  # fmt: skip
     static = {"radius": np.full(len(start), diameter / 2), "mass": mass}
     fill = len(start) * np.pi / 6 * diameter**3 / (np.pi / 4 * 20e-3**2 * height)
     attributes = {
@@ -151,7 +151,10 @@ def _books(cycle, moving, peak_speed, mass) -> dict[str, np.ndarray]:
         "elastic_normal": np.full_like(lost, 1e-7),
         "elastic_tangential": np.full_like(lost, 2e-8),
     }
-    law = {"law_term_particle_particle": 0.75 * LAW_GAIN * lost, "law_term_particle_wall": 0.25 * LAW_GAIN * lost}
+    law = {
+        "law_term_particle_particle": 0.75 * LAW_GAIN * lost,
+        "law_term_particle_wall": 0.25 * LAW_GAIN * lost,
+    }
     total = sum(held.values())
     counts = {}
     for c in ("particle_particle", "particle_wall"):
@@ -210,7 +213,9 @@ keep = "{keep}"
 """
 
 
-def _summary(moving, n, fill, mass, frequency, gamma, orientation, cycles, discard, diameter) -> dict:
+def _summary(
+    moving, n, fill, mass, frequency, gamma, orientation, cycles, discard, diameter
+) -> dict:
     etas = [(1 - LAW_GAIN) * EFFICIENCY[min(k, len(EFFICIENCY) - 1)] for k in range(cycles)]
     eta = float(np.mean(etas[discard:]))
     energy = eta * 4 * (gamma * G / (2 * np.pi * frequency)) ** 2 * n * mass
@@ -221,7 +226,8 @@ def _summary(moving, n, fill, mass, frequency, gamma, orientation, cycles, disca
     return {
         "frequency_hz": frequency, "gamma": gamma, "orientation": orientation,
         "particles": f"sphere:{1e3 * diameter:g}mm", "n_particles": n, "fill_ratio": fill,
-        "particle_mass_kg": n * mass, "seed": 1, "cycles": cycles, "discarded": discard, "efficiency": eta,
+        "particle_mass_kg": n * mass, "seed": 1, "cycles": cycles,
+        "discarded": discard, "efficiency": eta,
         "efficiency_interval": [eta - 0.02, eta + 0.02], "efficiency_contact_count": 1.06 * eta,
         "efficiency_wall_work": eta, "efficiency_per_cycle": etas, "shares": shares,
         "law_term": LAW_GAIN, "dissipated_power_w": energy * frequency, "loss_factor": 0.3,

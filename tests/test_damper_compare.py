@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
-from damper_command import damper3d
 from fake_damper_run import EFFICIENCY, LAW_GAIN, SHARES, write_fake_damper_run
+from small_damper import damper3d
 
 from damper3d.compare import compare, draw, labels
 

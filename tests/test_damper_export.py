@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from damper_command import damper3d
 from fake_damper_run import write_fake_damper_run
+from small_damper import damper3d
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
@@ -76,7 +76,8 @@ def test_particles_are_points_in_the_lab(run, films, frame):
     now, n = scene.particles(frame), len(scene.radius)
     assert mesh.GetNumberOfPoints() == mesh.GetNumberOfVerts() == n
     sample = scene.frame_sample[frame]
-    lab = now.position + [0, 0, scene.trajectory["displacement"][sample]]
+    shift = np.array([0, 0, scene.trajectory["displacement"][sample]])
+    lab = now.position + shift
     np.testing.assert_allclose(points(mesh), lab, atol=SINGLE * 0.03)
     found = arrays(mesh.GetPointData())
     assert sorted(found) == ["heat", "id", "power", "radius", "spin", "velocity"]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from damper3d.commands.options import json_option
+from campaign.commandline import json_option
 
 
 @click.command()
