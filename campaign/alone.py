@@ -1,4 +1,4 @@
-"""Making what several processes share: one makes it, the others wait for it."""
+"""Making what several processes share, once: one makes it, the others wait for it."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -30,3 +30,19 @@ def alone(folder: Path, stop: Callable[[], bool], stopped: Exception) -> Iterato
         yield
     finally:
         lock.release()
+
+
+def once(folder: Path, name: str, work: Callable[[], None]) -> None:
+    """Do a work unless it was done before; whoever else is about to waits until it is done.
+
+    That it is done is kept in a folder, which is there, as the file `name`.
+    """
+    from filelock import FileLock
+
+    done = folder / name
+    if done.exists():
+        return
+    with FileLock(folder / ".lock"):
+        if not done.exists():
+            work()
+            done.touch()

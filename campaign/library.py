@@ -1,6 +1,8 @@
 """What stands below a folder of runs, in words for a person; and new files for a person to edit."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from campaign.folder import FolderError, RunFolder
 
@@ -16,10 +18,10 @@ def write_new(path: Path, text: str) -> None:
         raise FolderError(f"{path}: cannot be written ({error.strerror}); give another") from None
 
 
-def packings_and_runs(root: Path, answer: str) -> list[str]:
+def packings_and_runs(root: Path, answer: Callable[[dict[str, Any]], str]) -> list[str]:
     """A line for each packing and run below a folder: where it is, its state and size.
 
-    answer: the key of the summary that tells most of a finished run.
+    answer: what to say of a finished run, from its summary; where it raises, that is damaged.
     """
     packings = sorted((root / "packings").glob("*/packing.h5"))
     runs = sorted(root.glob("*/case.toml"))
@@ -29,13 +31,13 @@ def packings_and_runs(root: Path, answer: str) -> list[str]:
     ]
 
 
-def _state(folder: Path, answer: str) -> str:
+def _state(folder: Path, answer: Callable[[dict[str, Any]], str]) -> str:
     run = RunFolder(folder)
     if run.state != "finished":
         return "unfinished"
     try:
-        return str(run.read_summary()[answer])
-    except (FolderError, KeyError):
+        return answer(run.read_summary())
+    except (FolderError, KeyError, TypeError, ValueError):
         return "damaged"
 
 

@@ -1,14 +1,32 @@
-"""What a person reads of a study: what would be run, and means over seeds of what came out."""
+"""What a person reads of many runs: what they will cost, what would be run, what came out."""
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from campaign.cases import LabelledStudy, study_folder
 from campaign.statistics import mean_sd
-from campaign.sweep import Simulator
+from campaign.sweep import Labelled, Simulator
 
 Rows = list[dict[str, Any]]
+
+
+def cost(simulator: Simulator, cases: Sequence[Labelled]) -> str:
+    """What cases will cost if nothing of them is there, in words."""
+    distinct = {simulator.digest(case): case for _, case in cases}
+    packings: dict[Path, float] = {}
+    runs = 0.0
+    for case in distinct.values():
+        packing, run = simulator.expected_cpu_s(case)
+        packings[simulator.packing_file(case, Path())] = packing
+        runs += run
+    minutes = (sum(packings.values()) + runs) / 60
+    shortest = min(case.time_step for case in distinct.values())
+    return (
+        f"{len(distinct)} runs of {len(packings)} packings, about {minutes:.0f} min of CPU time if "
+        f"none is there yet; the shortest time step is {shortest * 1e6:.2g} us"
+    )
 
 
 def plan(simulator: Simulator, loaded: LabelledStudy, out: Path) -> dict[str, Any]:

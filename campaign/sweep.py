@@ -1,7 +1,8 @@
 """Many cases on many cores: what several share is made once, each run has its folder, a row each.
 
 A simulator says in a Simulator what its runs are and what they need; here nobody knows what they
-compute. A case is a frozen dataclass with a `name` and `settings` whose [run] has a seed.
+compute. A case is a frozen dataclass with a `name`, a `time_step` [s] and `settings` whose [run]
+has a seed.
 """
 
 import dataclasses
@@ -44,6 +45,7 @@ class Simulator:
     packing_from   digest of the sources that made the packing in a file; None where there is none
     work           runs the case of a Task in a worker, or makes its packing; found by its name
     read           what a finished run found, a dataclass; FolderError where it is damaged
+    expected_cpu_s CPU time [s] that the packing of a case and its run will take, about
     packages       distributions whose versions matter to the last bit
     means          columns of numbers of which a study tells mean and deviation over the seeds
     counted        words for kinds of runs that a study counts, and which rows are of the kind
@@ -55,6 +57,7 @@ class Simulator:
     packing_from: Callable[[Path], str | None]
     work: Function
     read: Callable[[RunFolder], Any]
+    expected_cpu_s: Callable[[Any], tuple[float, float]]
     sources: Sources
     packages: list[str]
     means: tuple[str, ...] = ()

@@ -1,11 +1,9 @@
 """The command damper3d: its subcommands, and what it says when something goes wrong."""
 
-import sys
-
 import click
 
-from damper3d.commands import contact, files, impact, run
-from damper3d.commands.options import Ended
+from campaign.commandline import run_app
+from damper3d.commands import contact, files, impact, map, predict, results, run, sweep
 
 
 @click.group(
@@ -25,40 +23,14 @@ def app(context: click.Context) -> None:
 
 
 for command in (
-    run.run, impact.impact, contact.contact, files.init, files.list_, files.show,
+    run.run, sweep.sweep, map.map_, predict.predict, impact.impact, contact.contact,
+    results.render, results.compare, results.export, files.init, files.list_, files.show,
 ):  # fmt: skip
     app.add_command(command)
 
 
 def main() -> None:
     """Run the command; one line on stderr and an exit code for whatever goes wrong."""
-    from campaign.folder import FolderError
-    from campaign.study import StudyError
-    from campaign.task import EngineError
     from contact.quantity import InputError
 
-    try:
-        app(standalone_mode=False, prog_name="damper3d")
-    except click.ClickException as error:
-        _fail(error.format_message().replace("\n", " "), 2)
-    except (InputError, FolderError, EngineError, StudyError) as error:
-        _fail(str(error), 2)
-    except Ended as error:
-        _fail(str(error), error.code)
-    except (KeyboardInterrupt, click.Abort):
-        _fail("interrupted; the same command goes on from the last checkpoint", 130)
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader of a pipe (head) has gone: nothing to say, nobody to tell
-        sys.exit(0)
-    except Exception as error:
-        # The two that carry a run's fate live in modules that load numba: looked up by name here.
-        if type(error).__name__ == "SimulationError":
-            _fail(str(error), 3)
-        if type(error).__name__ == "Stopped":
-            _fail(f"stopped; {error}", 130)
-        raise
-
-
-def _fail(line: str, code: int) -> None:
-    click.echo(f"damper3d: {line}", err=True)
-    sys.exit(code)
+    run_app(app, "damper3d", InputError)

@@ -27,6 +27,7 @@ def fill(case: DamperCase, report: Report) -> Packing:
     what `report` raises.
     """
     report(0.0, "filling")
+    grow(case.enclosure, 1, case.particle.bounding_radius, np.random.default_rng(0))  # compiles
     begun = time.process_time()
     centres = random_start(case)
     growing = time.process_time() - begun
@@ -83,7 +84,7 @@ def packed(case: DamperCase, sim: Simulation, cpu_s: float) -> Packing:
     """The packing that a simulation has come to."""
     frame, touching = sim.frame(), sim.contacts()["bodies"]
     up = -case.settling_gravity / GRAVITY
-    ends = np.count_nonzero(touching < sim.n_bodies)
+    ends = int(np.count_nonzero(touching < sim.n_bodies))
     return Packing(
         state=sim.save(),
         fraction=packing_fraction(frame["x"], case.particle.volume, case.enclosure, up),

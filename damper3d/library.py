@@ -3,21 +3,11 @@
 import tomllib
 from pathlib import Path
 
-from campaign.folder import FolderError, RunFolder
+from campaign.folder import RunFolder
+from campaign.library import packings_and_runs
 from contact.datafile import data_file, data_names
 from contact.quantity import InputError, nearest
 from damper3d.case import PRESETS, DamperCase, shipped_cases
-
-
-def write_new(path: Path, text: str) -> None:
-    """Write a file that is not there yet; InputError where it is, or cannot be written."""
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise InputError(f"{path}: exists; give another name, nothing was written") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); give another") from None
 
 
 def listing(root: Path) -> str:
@@ -26,27 +16,9 @@ def listing(root: Path) -> str:
         f"presets    {', '.join(PRESETS)}",
         f"cases      {', '.join(shipped_cases())}",
         f"materials  {', '.join(data_names('materials'))}",
+        *packings_and_runs(root, lambda summary: f"efficiency {float(summary['efficiency']):.3f}"),
     ]
-    packings = sorted((root / "packings").glob("*/packing.h5"))
-    runs = sorted(root.glob("*/case.toml"))
-    lines += [f"packing    {path.parent}  {_size(path.parent)}" for path in packings]
-    lines += [f"run        {p.parent}  {_state(p.parent)}  {_size(p.parent)}" for p in runs]
     return "\n".join(lines)
-
-
-def _state(folder: Path) -> str:
-    run = RunFolder(folder)
-    if run.state != "finished":
-        return "unfinished"
-    try:
-        return f"efficiency {float(run.read_summary()['efficiency']):.3f}"
-    except (FolderError, KeyError, TypeError, ValueError):
-        return "damaged"
-
-
-def _size(folder: Path) -> str:
-    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
-    return f"{size / 1e6:.1f} MB"
 
 
 def description(name: str) -> str:

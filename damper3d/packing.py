@@ -70,15 +70,21 @@ def lowest(enclosure: Enclosure, up: np.ndarray) -> float:
 
 
 def volume_below(enclosure: Enclosure, up: np.ndarray, level: float) -> float:
-    """Volume of the enclosure where up . x < level [m3], counted on a grid of 64 points a side."""
+    """Volume of the enclosure where up . x < level [m3], summed over 64 cells a side.
+
+    Of cells that the level or the round wall cuts, a part counts: exact for the axes of a box.
+    """
     middles = (np.arange(_GRID) + 0.5) / _GRID
-    x = (middles - 0.5)[:, None, None] * enclosure.width
-    y = (middles - 0.5)[None, :, None] * enclosure.depth
-    z = middles[None, None, :] * enclosure.height
-    below = up[0] * x + up[1] * y + up[2] * z < level
+    sizes = np.array([enclosure.width, enclosure.depth, enclosure.height])
+    x = (middles - 0.5)[:, None, None] * sizes[0]
+    y = (middles - 0.5)[None, :, None] * sizes[1]
+    z = middles[None, None, :] * sizes[2]
+    extent = float(np.abs(up) @ sizes) / _GRID
+    below = np.clip((level - (up[0] * x + up[1] * y + up[2] * z)) / extent + 0.5, 0.0, 1.0)
     if enclosure.radius is not None:
-        below = below & (np.hypot(x, y) < enclosure.radius)
-    return float(below.sum()) / _GRID**3 * enclosure.width * enclosure.depth * enclosure.height
+        inside = (enclosure.radius - np.hypot(x, y)) / (enclosure.width / _GRID) + 0.5
+        below = below * np.clip(inside, 0.0, 1.0)
+    return float(below.mean() * sizes.prod())
 
 
 def packing_fraction(

@@ -14,6 +14,7 @@ from contact.quantity import InputError
 from damper3d.case import DamperCase
 from damper3d.packing import load_packing, packing_folder
 from damper3d.protocol import PACKAGES, Stopped, get_packing, run, run_digest
+from damper3d.report import expected_cpu_s
 from damper3d.result import Result
 from damper3d.simulation import SimulationError
 from damper3d.sources import SOURCES
@@ -68,6 +69,8 @@ DAMPER = Simulator(
     packing_from=_packing_from,
     work=run_task,
     read=_read,
+    expected_cpu_s=expected_cpu_s,
     sources=SOURCES,
     packages=PACKAGES,
+    means=("efficiency", "dissipated_power_w", "peak_wall_force_n"),
 )

@@ -3,7 +3,7 @@
 import tempfile
 from pathlib import Path
 
-from campaign.once import once
+from campaign.alone import once
 from contact.jit import cache_folder
 from damper3d.case import DamperCase
 from damper3d.protocol import run

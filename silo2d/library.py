@@ -17,7 +17,7 @@ def listing(root: Path) -> str:
         f"cases      {', '.join(data_names('cases'))}",
         f"shapes     {', '.join(data_names('shapes'))}",
         f"materials  {', '.join(data_names('materials'))}",
-        *packings_and_runs(root, "outcome"),
+        *packings_and_runs(root, lambda summary: str(summary["outcome"])),
     ]
     return "\n".join(lines)
 

@@ -3,11 +3,11 @@
 import dataclasses
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from campaign.alone import alone
 from campaign.checkpoint import load_checkpoint
 from campaign.folder import (
     FolderError,
@@ -192,30 +192,11 @@ def get_packing(
     if packing is None:
         with writing(folder):  # before the work of filling, not after it
             folder.mkdir(parents=True, exist_ok=True)
-        with filling_alone(folder, stop):
+        with alone(folder, stop, Stopped("the same command goes on from there")):
             return load_packing(folder) or _fill(case, folder, progress, stop)
     cure = "delete it and it is filled anew"
     SOURCES.check(f"{folder} was filled", packing.sources, cure, warn)
     return packing
-
-
-@contextmanager
-def filling_alone(folder: Path, stop: Callable[[], bool]) -> Iterator[None]:
-    """Wait until no other process fills this packing; a killed one leaves no lock behind."""
-    from filelock import FileLock, Timeout
-
-    lock = FileLock(folder.with_name(f".{folder.name}.lock"))
-    while not lock.is_locked:
-        with writing(folder):
-            try:
-                lock.acquire(timeout=0.5)
-            except Timeout:
-                if stop():
-                    raise Stopped("the same command goes on from there") from None
-    try:
-        yield
-    finally:
-        lock.release()
 
 
 def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Callable[[], bool]) -> Packing:

@@ -12,6 +12,7 @@ from silo2d import protocol
 from silo2d.case import SiloCase
 from silo2d.discharge import Stopped
 from silo2d.packing import load_packing, packing_folder
+from silo2d.report import expected_cpu_s
 from silo2d.result import Result
 from silo2d.simulation import SimulationError
 from silo2d.sources import SOURCES
@@ -66,6 +67,7 @@ SILO = Simulator(
     packing_from=_packing_from,
     work=run_task,
     read=_read,
+    expected_cpu_s=expected_cpu_s,
     sources=SOURCES,
     packages=protocol.PACKAGES,
     means=("discharge_time_s", "t90_s", "mean_rate_per_s"),

@@ -101,6 +101,7 @@ FAKE = Simulator(
     packing_from=packing_from,
     work=work,
     read=read,
+    expected_cpu_s=lambda case: (60.0, 30.0),
     sources=SOURCES,
     packages=["numpy"],
 )

@@ -9,15 +9,16 @@ from damper3d.commands.options import out_option
 
 @click.command()
 @click.argument("file")
-def init(file: str) -> None:
+@click.option("--study", is_flag=True, help="Write a study file instead.")
+def init(file: str, study: bool) -> None:
     """Write a case file with a comment on every key."""
+    from campaign.library import write_new
     from contact.datafile import data_file
-    from damper3d.library import write_new
 
-    template = data_file("cases", "damper")
+    template = data_file("studies" if study else "cases", "damper")
     assert template is not None  # shipped
     write_new(Path(file), template.read_text(encoding="utf-8"))
-    click.echo(f"wrote {file}; run it with: damper3d run {file}")
+    click.echo(f"wrote {file}; run it with: damper3d {'sweep' if study else 'run'} {file}")
 
 
 @click.command("list")

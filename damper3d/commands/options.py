@@ -6,6 +6,15 @@ from typing import Any
 
 import click
 
+from campaign import commandline
+from campaign.commandline import Ended, json_option, out_option, quiet_option
+
+# The shared ones stand here too, for the commands.
+__all__ = [
+    "Ended", "announce_compilation", "case_options", "changes_of", "json_option", "out_option",
+    "quiet_option",
+]  # fmt: skip
+
 # Options of `run` that change a key of the case.
 _CASE_OPTIONS = [
     ("--frequency", "motion.frequency", "40", "Of the motion, in Hz."),
@@ -76,24 +85,8 @@ def changes_of(
     return changes
 
 
-class Ended(Exception):
-    """A command did its work and says, by a line and an exit code, what is missing."""
-
-    def __init__(self, line: str, code: int) -> None:
-        super().__init__(line)
-        self.code = code
-
-
-out_option = click.option(
-    "-o", "--out", default="runs", metavar="DIR", help="Holds runs and packings [default: runs]."
-)
-quiet_option = click.option("--quiet", is_flag=True, help="Print nothing but the answer.")
-json_option = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
-
-
 def announce_compilation(quiet: bool) -> None:
     """Say why nothing happens for a while, where kernels are compiled first."""
     from contact.jit import already_compiled
 
-    if not quiet and not already_compiled():
-        click.echo("compiling the kernels, once for this version (10 to 30 s) ...", err=True)
+    commandline.announce_compilation(quiet, already_compiled("damper3d"))

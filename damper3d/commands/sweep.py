@@ -4,7 +4,8 @@ from typing import Any
 
 import click
 
-from campaign.commandline import announce_compilation, study_options, sweep_study
+from campaign.commandline import study_options, sweep_study
+from damper3d.commands.options import announce_compilation
 
 
 @click.command()
@@ -15,11 +16,10 @@ def sweep(study: str, dry_run: bool, quiet: bool, **options: Any) -> None:
     `damper3d init --study my_study.toml` writes a study file with a comment on every key. Runs
     that are finished are not done again: the same command goes on after whatever stopped it.
     """
-    from contact.jit import already_compiled
     from damper3d.study import load_study
     from damper3d.sweep import DAMPER
 
     loaded = load_study(study)
     if not dry_run:
-        announce_compilation(quiet, already_compiled())
+        announce_compilation(quiet)
     sweep_study(DAMPER, loaded, dry_run=dry_run, quiet=quiet, **options)
