@@ -27,10 +27,11 @@ from campaign.trajectory import TrajectoryWriter, read_trajectory
 from damper3d.case import DamperCase
 from damper3d.fill import fill, resting
 from damper3d.packing import Packing, damaged, load_packing, packing_folder, save_packing
+from damper3d.phases import phase_of_run
 from damper3d.result import Result
 from damper3d.simulation import Simulation
 from damper3d.sources import SOURCES
-from damper3d.summary import summarise
+from damper3d.summary import first_counted, summarise
 from damper3d.vibration import Clock, Progress, Stopped, vibrate
 
 __all__ = ["PACKAGES", "Stopped", "get_packing", "resume", "run", "run_digest", "run_in"]
@@ -222,7 +223,7 @@ def _end(
         writer.flush()
     return {
         **summarise(case, read_trajectory(folder.path), packing),
-        "phase": None,
+        **phase_of_run(folder.path, first_counted(case, len(clock.lost) - 1)),
         "steps": sim.steps,
         "cpu_us_per_step": 1e6 * clock.cpu_s / sim.steps,
         "cpu_s": clock.cpu_s + clock.filling_cpu_s,

@@ -18,16 +18,17 @@ class Result:
     particles: str
     n_particles: int
     fill_ratio: float
-    particle_mass_kg: float  # of all particles together
+    particle_mass_kg: float  # of one
+    mass_kg: float  # of all
     seed: int
-    packing: dict[str, float]  # of the settled bed: fraction, height_m, coordination, rms_speed_m_s
+    packing: dict[str, float]  # at rest: fraction, height_m, coordination, rms_speed_m_s
     cycles: int
     discarded: int
     efficiency: float  # from the energy budget (thesis, eqs 6.8-6.10)
     efficiency_interval: tuple[float, float] | None  # [low, high]
     efficiency_contact_count: float  # the thesis's count: mu Fn times the whole sliding velocity
     efficiency_wall_work: float
-    efficiency_per_cycle: list[float]
+    efficiency_per_cycle: list[float]  # of all cycles, those that do not count too
     shares: dict[str, dict[str, float | None]]  # of what is dissipated, by pair and mechanism
     law_term: float | None  # the tangential spring's own gain, over what is dissipated
     dissipated_power_w: float
@@ -38,7 +39,11 @@ class Result:
     bed_height_m: float | None
     energy_closure: float | None
     max_impact_over_yield_velocity: dict[str, float | None]
-    phase: str | None
+    phase: str | None  # of the particles' motion; None where too few frames were kept
+    phase_next: (
+        list[dict[str, str | float | None]] | None
+    )  # phases across one threshold, nearest first
+    phase_measures: dict[str, float | None] | None  # what the phase is named from
     steady: bool | None
     time_step_s: float
     steps: int

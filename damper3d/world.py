@@ -75,7 +75,7 @@ def build_world(
         ),
         block=Block(
             *(np.zeros(state.BLOCK) for _ in Block._fields[:-1]),
-            history=np.zeros((state.N_HISTORY, state.BLOCK)),
+            np.zeros((state.N_HISTORY, state.BLOCK)),
         ),
         counts=counts,
         books=np.zeros(state.N_BOOKS),
@@ -120,6 +120,9 @@ def _near(n: int, capacity: int) -> Near:
     return Near(
         i=np.zeros(capacity, np.uint32),
         j=np.zeros(capacity, np.uint32),
+        reach=np.zeros(capacity),
+        hertz=np.zeros(capacity),
+        mass=np.zeros(capacity),
         gap=np.zeros(capacity),
         history=_no_history(capacity),
         first=np.zeros(n + 1, np.int64),
