@@ -180,7 +180,7 @@ def test_ctrl_c_while_filling_says_that_it_is_filled_anew(tmp_path):
 
 def test_resume_goes_on_in_its_folder_and_refuses_a_changed_case(undisturbed, runs):
     stops = iter([False, True])
-    with pytest.raises(Stopped, match="^go on with: damper3d run --resume "):
+    with pytest.raises(Stopped, match=r"^go on with: damper3d run --resume "):
         protocol.run(small(), out=runs, stop=lambda: next(stops))
     folder = the_run(runs)
     text = folder.read_case()
