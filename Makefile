@@ -21,8 +21,9 @@ lint: $(VENV)/with-tests ## style, types, import order
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(VENV)/installed ## cost a step, absolute and against a reference kernel
+bench: $(VENV)/installed ## cost a step: the silo beside a reference kernel, the damper beside LAMMPS
 	$(BIN)/python benchmarks/cost.py
+	$(BIN)/python benchmarks/damper.py
 
 validate: $(VENV)/with-tests ## comparisons with published results (minutes)
 	$(BIN)/python -m pytest -m validation

@@ -9,7 +9,8 @@ LAYERS = 5  # equal numbers of particles, by their height in each frame
 
 def flow_measures(motion: Motion) -> dict[str, float]:
     """Heat of the layers at the ends over the middle's, heights, and the rolls' share."""
-    low, middle, high = (layer_heat(motion)[k] for k in (0, LAYERS // 2, -1))
+    heat = layer_heat(motion)
+    low, middle, high = heat[0], heat[len(heat) // 2], heat[-1]
     gap = floor_gap(motion)
     ring, roll = ring_share(motion), roll_share(motion)
     return {

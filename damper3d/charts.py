@@ -61,7 +61,7 @@ def _stacked(axes: "Axes", scene: Scene) -> None:
     """Mean over the cycles that count, by mechanism; thin: their sum in each."""
     found, counted = dissipated(scene), scene.counted
     mean = {name: found[name][counted].mean(axis=0) for name in _COLOURS}
-    total = sum(found[name][counted] for name in _COLOURS)
+    total = np.sum([found[name][counted] for name in _COLOURS], axis=0)
     factor, unit = _milli(float(np.max(total)))
     colours = list(_COLOURS.values())
     ruled(axes)
@@ -112,6 +112,8 @@ def _percent(part: float, whole: float) -> str:
 
 def _per_cycle(axes: "Axes", scene: Scene) -> None:
     """Efficiency of each cycle, filled where it counts; their mean, and its interval."""
+    from matplotlib.ticker import MaxNLocator
+
     eta, counted = efficiency_of_cycles(scene), np.array(scene.counted)
     number = 1 + np.arange(len(eta))
     before = number[: counted[0]]
@@ -121,12 +123,15 @@ def _per_cycle(axes: "Axes", scene: Scene) -> None:
     axes.plot(number[counted], eta[counted], "o", color=BLUE, label="counted")
     mean = scene.summary.get("efficiency", float(eta[counted].mean()))
     axes.axhline(mean, color=BLUE, lw=0.9, ls=(0, (4, 3)), label=f"mean: {mean:.3f}")
-    low, high = scene.summary.get("efficiency_interval") or (None, None)
-    if low is not None and high is not None:
+    low, high = scene.summary.get("efficiency_interval") or (mean, mean)
+    if high > low:
         axes.axhspan(low, high, color=BLUE, alpha=0.12, lw=0, label=f"{low:.3f} to {high:.3f}")
     axes.set(xlabel="cycle", ylabel="efficiency", xlim=(0.5, len(eta) + 0.5))
-    axes.set_ylim(bottom=min(0.0, float(eta.min())))
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set_ylim(min(0.0, float(eta.min())), 1.12 * max(float(eta.max()), high, 1e-9))
+    if (gain := scene.summary.get("law_term")) is not None:
+        words = f"what is dissipated, less the gain of the law itself: {100 * gain:.1f} % of it"
+        axes.set_title(words, loc="left", fontsize=9, color=GREY)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     handles, labels = axes.get_legend_handles_labels()
     legend_beside(axes, handles[not len(before) :], labels[not len(before) :])
 

@@ -24,6 +24,17 @@ _KEPT = [
     "peak_wall_force_n", "bed_height_m", "energy_closure", "phase", "time_step_s", "steps",
     "cpu_us_per_step", "cpu_s",
 ]  # fmt: skip
+_LINES = (  # of the table: words, key and format
+    ("efficiency", "efficiency", ".4f"),
+    ("as the thesis counts", "efficiency_contact_count", ".4f"),
+    ("from the wall work", "efficiency_wall_work", ".4f"),
+    ("dissipated power [W]", "dissipated_power_w", ".4g"),
+    ("loss factor", "loss_factor", ".4g"),
+    ("peak wall force [N]", "peak_wall_force_n", ".4g"),
+    ("height of the mass [m]", "bed_height_m", ".4g"),
+    ("energy unaccounted for", "energy_closure", ".1e"),
+    ("CPU time [s]", "cpu_s", ".2f"),
+)
 _COLOURS = INK, BLUE
 
 
@@ -38,9 +49,11 @@ def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
     Raises FolderError for a folder that is no finished run.
     """
     one, other = (_row(resume_run(path)) for path in (first, second))
-    widths = [_half_width(row["efficiency_interval"]) for row in (one, other)]
+    first_half, second_half = (_half_width(row["efficiency_interval"]) for row in (one, other))
     change = other["efficiency"] - one["efficiency"]
-    spread = None if None in widths else float(np.hypot(*widths))
+    spread = None
+    if first_half is not None and second_half is not None:
+        spread = float(np.hypot(first_half, second_half))
     return {
         "runs": [one, other],
         "difference": {
@@ -68,11 +81,8 @@ def _row(folder: RunFolder) -> dict[str, Any]:
     return {**{name: summary[name] for name in _KEPT}, "run_folder": str(folder.path)}
 
 
-def _half_width(interval: Sequence[float | None] | None) -> float | None:
-    if interval is None or None in interval:
-        return None
-    low, high = interval
-    return (high - low) / 2  # type: ignore[operator]  # None was looked for
+def _half_width(interval: Sequence[float] | None) -> float | None:
+    return None if interval is None else (interval[1] - interval[0]) / 2
 
 
 def _minus(second: float | None, first: float | None) -> float | None:
@@ -95,51 +105,34 @@ def labels(rows: Sequence[dict[str, Any]]) -> list[str]:
 def table(found: dict[str, Any]) -> str:
     """Two runs for a person to read."""
     rows = found["runs"]
-    lines = [("", labels(rows), None)]
-    for name, key, digits in (
-        ("efficiency", "efficiency", ".4f"),
-        ("as the thesis counts", "efficiency_contact_count", ".4f"),
-        ("from the wall work", "efficiency_wall_work", ".4f"),
-        ("dissipated power [W]", "dissipated_power_w", ".4g"),
-        ("loss factor", "loss_factor", ".4g"),
-        ("peak wall force [N]", "peak_wall_force_n", ".4g"),
-        ("height of the mass [m]", "bed_height_m", ".4g"),
-        ("energy unaccounted for", "energy_closure", ".1e"),
-        ("CPU time [s]", "cpu_s", ".2f"),
-    ):
-        lines.append((name, [row[key] for row in rows], digits))
-    lines.insert(
-        2, ("  its interval", [_interval(row["efficiency_interval"]) for row in rows], None)
-    )
+    lines: list[tuple[str, list[Any], str | None]] = [("", labels(rows), None)]
+    lines += [(name, [row[key] for row in rows], digits) for name, key, digits in _LINES]
+    intervals = [_interval(row["efficiency_interval"]) for row in rows]
+    lines.insert(2, ("  its interval", intervals, None))
     for c in CLASSES:
         for mechanism in MECHANISMS:
             name = f"{mechanism.replace('_', ' ')}, {c.replace('_', '-')}"
             lines.append((name, [row["shares"][c][mechanism] for row in rows], ".1%"))
-    lines.append(("phase", [row["phase"] or "none" for row in rows], None))
+    lines.append(("phase", [(row["phase"] or "none").replace("_", " ") for row in rows], None))
     texts = [[name, *(_cell(value, digits) for value in values)] for name, values, digits in lines]
     widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
-    return (
-        "\n".join(
-            "  ".join(
-                [
-                    name.ljust(widths[0]),
-                    *(c.rjust(w) for c, w in zip(cells, widths[1:], strict=True)),
-                ]
-            )
-            for name, *cells in texts
-        )
-        + f"\n{_verdict(found['difference'])}"
-    )
+    return "\n".join([*(_aligned(cells, widths) for cells in texts), _verdict(found["difference"])])
 
 
-def _interval(ends: Sequence[float | None] | None) -> str:
-    return "none" if ends is None or None in ends else f"{ends[0]:.4f} to {ends[1]:.4f}"
+def _aligned(cells: list[str], widths: list[int]) -> str:
+    """The first to the left, the others to the right."""
+    numbers = (cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True))
+    return "  ".join([cells[0].ljust(widths[0]), *numbers])
+
+
+def _interval(ends: Sequence[float] | None) -> str:
+    return "none" if ends is None else f"{ends[0]:.4f} to {ends[1]:.4f}"
 
 
 def _cell(value: Any, digits: str | None) -> str:
     if value is None:
         return "none"
-    return f"{value:{digits}}" if digits else str(value).replace("_", " ")
+    return f"{value:{digits}}" if digits else str(value)
 
 
 def _verdict(difference: dict[str, Any]) -> str:
@@ -156,6 +149,7 @@ def draw(found: dict[str, Any]) -> "Figure":
     Raises FolderError for a run that kept its summary only.
     """
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
     scenes = [read_scene(row["run_folder"]) for row in found["runs"]]
     named = labels(found["runs"])
@@ -173,7 +167,7 @@ def draw(found: dict[str, Any]) -> "Figure":
     bed.plot(scenes[0].phase, enclosure, color=GREY, lw=0.9, ls=(0, (4, 2)), label="enclosure")
     cycles.set(ylabel="efficiency", xlabel="cycle")
     cycles.set_ylim(bottom=min(0.0, cycles.get_ylim()[0]))
-    cycles.xaxis.get_major_locator().set_params(integer=True)
+    cycles.xaxis.set_major_locator(MaxNLocator(integer=True))
     figure.legend(*bed.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     _shares(shares, found["runs"], named)
     for axes in (loss, bed, cycles):

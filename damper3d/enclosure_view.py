@@ -34,6 +34,5 @@ def cut(scene: Scene, frame: int) -> tuple[Array, NDArray[np.bool_]]:
     """Centres (n, 3) [m] as drawn, in the lab, and which are: the half that is nearer is away."""
     view = scene.view
     inside = view.project(scene.particles(frame).position)
-    width, depth, height = scene.size
-    middle = view.project(np.array([0.0, 0.0, height / 2]))[2]
+    middle = view.project(np.array([0.0, 0.0, scene.enclosure.height / 2]))[2]
     return inside + view.project(scene.shift(frame)), inside[:, 2] <= middle

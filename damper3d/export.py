@@ -2,9 +2,9 @@
 
 VTKHDF: two files (PolyData with time steps), of which each stored frame is a step.
 
-    particles       a point each, in the lab [m], with arrays radius [m], velocity (3) [m/s], spin (3)
-                    [rad/s], heat [J] dissipated at it so far, power [W] since the step before, id
-    enclosure       its walls as polygons where they stand, with array wall: row of wall_names
+    particles    a point each, in the lab [m], with arrays radius [m], velocity (3) [m/s], spin (3)
+                 [rad/s], heat [J] dissipated at it so far, power [W] since the step before, id
+    enclosure    its walls as polygons where they stand, with array wall: row of wall_names
 
 In ParaView: Glyph, sphere, scale by radius with factor 2; the enclosure at an opacity of 0.2.
 """

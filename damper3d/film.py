@@ -86,7 +86,8 @@ class _Canvas:
     def draw(self, frame: int) -> Image:
         """The picture of a frame."""
         image, scene = self.background.copy(), self.scene
-        paper = tuple(part / 255 for part in rgb(PAPER))
+        red, green, blue = rgb(PAPER)
+        paper = (red / 255, green / 255, blue / 255)
         centre, kept = cut(scene, frame)
         colours = self.colours.of(frame)[kept]
         spheres = draw_spheres(centre[kept], scene.radius[kept], colours, self.window, paper)
@@ -105,7 +106,8 @@ class _Canvas:
 
         (left, bottom), (right, top) = corners(self.scene) + moved
         around = np.array([[left, bottom], [right, bottom], [right, top], [left, top]])
-        points = self._fine(self.window.pixels(around) + (self.left, self.top))
+        place = np.array([self.left, self.top])
+        points = self._fine(self.window.pixels(around) + place)
         cv2.polylines(image, [points], True, rgb(WALL), 2, cv2.LINE_AA, _SHIFT)
 
     @staticmethod

@@ -339,7 +339,8 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
                 return -1
             radius = x[i, 3]
             if walls.curved and w == len(walls.planes):
-                radius = radius * walls.radius / (walls.radius - radius)
+                # Half the cylinder's curvature, the mean of 1/r and 1/r - 1/R: r D / (D - r).
+                radius = 2.0 * radius * walls.radius / (2.0 * walls.radius - radius)
             wall.i[n], wall.j[n] = i, w
             wall.hertz[n] = law.hertz * np.sqrt(radius)
             wall.mass[n] = 1.0 / spheres.inverse_mass[i]

@@ -2,7 +2,7 @@
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -99,10 +99,7 @@ def _words(figure: "Figure", scene: Scene, total: float) -> None:
 def _length(scene: Scene) -> str:
     """The largest displacement in words."""
     largest = float(np.abs(scene.trajectory["displacement"]).max())
-    for unit, factor in (("mm", 1e3), ("\N{MICRO SIGN}m", 1e6)):
-        if largest * factor >= 0.1:
-            break
-    return f"{largest * factor:.3g} {unit}"
+    return f"{1e3 * largest:.3g} mm" if largest > 1e-4 else f"{1e6 * largest:.3g} \N{MICRO SIGN}m"
 
 
 def draw_enclosure(
@@ -123,12 +120,11 @@ def draw_enclosure(
         extent=(shown.left, shown.right, shown.bottom, shown.top),
         interpolation="antialiased",
     )
-    (low, high), moved = corners(scene), scene.view.project(scene.shift(frame))[:2]
-    for place, style in (
-        (low, {"ec": GREY, "lw": 0.6, "ls": (0, (3, 3))}),
-        (low + moved, {"ec": WALL, "lw": 1.8}),
-    ):
-        panel.add_patch(Rectangle(place, *(high - low), fill=False, clip_on=False, **style))
+    low, moved = corners(scene)[0], scene.view.project(scene.shift(frame))[:2]
+    wide, high = corners(scene)[1] - low
+    rest: dict[str, Any] = {"ec": GREY, "lw": 0.6, "ls": (0, (3, 3))}
+    panel.add_patch(Rectangle(low, wide, high, fill=False, clip_on=False, **rest))
+    panel.add_patch(Rectangle(low + moved, wide, high, fill=False, clip_on=False, ec=WALL, lw=1.8))
     panel.set(xlim=(shown.left, shown.right), ylim=(shown.bottom, shown.top))
     panel.set_axis_off()
 

@@ -196,9 +196,11 @@ class Scene:
     def particles(self, frame: int) -> Particles:
         """What moves in a frame."""
         table = self.tables.at(frame)
-        vectors = (np.stack([table[f"{name}{axis}"] for axis in "xyz"], axis=1).astype(float)
-                   for name in ("", "v", "spin_"))  # fmt: skip
-        return Particles(*vectors, table["heat"].astype(float))
+        position, velocity, spin = (
+            np.stack([table[f"{name}{axis}"] for axis in "xyz"], axis=1).astype(float)
+            for name in ("", "v", "spin_")
+        )
+        return Particles(position, velocity, spin, table["heat"].astype(float))
 
     def shift(self, frame: int) -> Array:
         """Displacement (3,) [m] of the enclosure in a frame."""

@@ -1,4 +1,4 @@
-"""Spheres as lit balls in a picture: one look from far away, what is nearer hides what is behind."""
+"""Spheres as lit balls in a picture, seen from far away: what is nearer hides what is behind."""
 
 from contact.jit import njit  # isort: skip
 

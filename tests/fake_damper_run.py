@@ -69,8 +69,8 @@ def write_fake_damper_run(
     moving |= _books(time / period, moving, gamma * G / omega, mass.sum())
     run = RunFolder(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    run.write_case(_case(shape, orientation, diameter, len(start), frequency, gamma, cycles, discard,
-                         samples, frames, keep))  # fmt: skip
+    run.write_case(_case(shape, orientation, diameter, len(start), frequency, gamma, cycles,
+                         discard, samples, frames, keep))  # fmt: skip
     static = {"radius": np.full(len(start), diameter / 2), "mass": mass}
     fill = len(start) * np.pi / 6 * diameter**3 / (np.pi / 4 * 20e-3**2 * height)
     attributes = {
@@ -226,7 +226,8 @@ def _summary(
     return {
         "frequency_hz": frequency, "gamma": gamma, "orientation": orientation,
         "particles": f"sphere:{1e3 * diameter:g}mm", "n_particles": n, "fill_ratio": fill,
-        "particle_mass_kg": n * mass, "seed": 1, "cycles": cycles, "discarded": discard, "efficiency": eta,
+        "particle_mass_kg": n * mass, "seed": 1, "cycles": cycles,
+        "discarded": discard, "efficiency": eta,
         "efficiency_interval": [eta - 0.02, eta + 0.02], "efficiency_contact_count": 1.06 * eta,
         "efficiency_wall_work": eta, "efficiency_per_cycle": etas, "shares": shares,
         "law_term": LAW_GAIN, "dissipated_power_w": energy * frequency, "loss_factor": 0.3,

@@ -76,7 +76,8 @@ def test_particles_are_points_in_the_lab(run, films, frame):
     now, n = scene.particles(frame), len(scene.radius)
     assert mesh.GetNumberOfPoints() == mesh.GetNumberOfVerts() == n
     sample = scene.frame_sample[frame]
-    lab = now.position + [0, 0, scene.trajectory["displacement"][sample]]
+    shift = np.array([0, 0, scene.trajectory["displacement"][sample]])
+    lab = now.position + shift
     np.testing.assert_allclose(points(mesh), lab, atol=SINGLE * 0.03)
     found = arrays(mesh.GetPointData())
     assert sorted(found) == ["heat", "id", "power", "radius", "spin", "velocity"]

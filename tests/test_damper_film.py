@@ -1,5 +1,7 @@
 """The film of a damper: every stored frame, spheres and enclosure where they are."""
 
+from itertools import pairwise
+
 import cv2
 import numpy as np
 import pytest
@@ -38,7 +40,7 @@ def test_film_has_a_picture_for_every_frame(scene, frames):
 
 
 def test_enclosure_and_spheres_move_together_in_the_film(scene, frames):
-    """The floor's row gives the scale: it moves by u; every sphere that is drawn is on its place."""
+    """The floor moves by u; every sphere that is drawn stands at its place."""
     rows = {}
     for frame in (0, 2, 6):  # at rest, highest and lowest
         walls = near(frames[frame][72:-120], WALL)
@@ -59,7 +61,7 @@ def test_enclosure_and_spheres_move_together_in_the_film(scene, frames):
 
 def test_words_and_dots_tell_the_time(frames):
     """The heading and the velocities change from frame to frame, the title does not."""
-    for image, later in zip(frames[:-1], frames[1:], strict=True):
+    for image, later in pairwise(frames):
         assert (image[:36] == later[:36]).all()
         assert (image[40:66] != later[40:66]).any()
         assert (image[-106:] != later[-106:]).any()

@@ -61,7 +61,7 @@ def test_particles_are_read_as_they_were_stored(scene):
 
 
 def test_gravity_points_down_and_the_motion_is_seen(scene, lying):
-    """Vertical: z upwards. Horizontal (gravity along -x): x upwards and z, the motion, to the right.
+    """Vertical: z upwards. Horizontal (gravity along -x): x upwards, z (the motion) to the right.
 
     Right, up and towards the eye are right-handed: no picture is a mirror image.
     """
@@ -129,7 +129,7 @@ def test_each_panel_stands_over_its_time(scene):
 
 
 def test_velocity_and_power_have_their_colours(scene):
-    """The velocity scale is even about 0; power is the heat gained since the frame before, by dt."""
+    """Velocities are even about 0; power is the heat gained since the frame before, by dt."""
     bar = cycle_sheet(scene).axes[-1]
     low, high = bar.get_ylim()
     assert low == pytest.approx(-high)
