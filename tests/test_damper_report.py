@@ -28,7 +28,8 @@ HEAVY = {"numba", "cv2", "matplotlib", "pydantic", "pint", "h5py", "scipy", "sha
 ANSWER = Result(
     frequency_hz=40.0, gamma=20.0, orientation="vertical", particles="sphere:5mm",
     n_particles=358, fill_ratio=0.466, particle_mass_kg=7.8e-5, mass_kg=0.0279, seed=3,
-    packing={"fraction": 0.58}, cycles=4, discarded=1, efficiency=0.812,
+    packing={"fraction": 0.58, "height_m": 0.031, "coordination": 4.1, "rms_speed_m_s": 2e-4},
+    cycles=4, discarded=1, efficiency=0.812,
     efficiency_interval=(0.8, 0.82), efficiency_contact_count=0.861, efficiency_wall_work=0.813,
     efficiency_per_cycle=[0.4, 0.81, 0.82, 0.806],
     shares={
@@ -39,7 +40,8 @@ ANSWER = Result(
     effective_mass={"in_phase_kg": 0.01, "out_of_phase_kg": 0.02}, peak_wall_force_n=31.0,
     bed_height_m=0.02, energy_closure=0.0021,
     max_impact_over_yield_velocity={"particle_particle": 0.9, "particle_wall": None},
-    phase=None, steady=None, time_step_s=1e-6, steps=100000, cpu_us_per_step=9.5, cpu_s=4.0,
+    phase=None, phase_next=None, phase_measures=None, steady=None,
+    time_step_s=1e-6, steps=100000, cpu_us_per_step=9.5, cpu_s=4.0,
     state_digest="abc", reused=True, run_folder="runs/x",
 )  # fmt: skip
 

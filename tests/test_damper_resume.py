@@ -90,7 +90,7 @@ def test_the_out_of_phase_mass_takes_the_work_of_the_enclosure(undisturbed):
     """
     found = answers(undisturbed)
     mass = found["effective_mass"]["out_of_phase_kg"]
-    work = 4 * found["particle_mass_kg"] * found["efficiency_wall_work"]
+    work = 4 * found["mass_kg"] * found["efficiency_wall_work"]
     assert math.pi * mass == pytest.approx(work, rel=0.1)
 
 
