@@ -21,15 +21,18 @@ lint: $(VENV)/with-tests ## style, types, import order
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(VENV)/installed ## cost a step, absolute and against a reference kernel
+bench: $(VENV)/installed ## cost a step: the silo beside a reference kernel, the damper beside LAMMPS
 	$(BIN)/python benchmarks/cost.py
+	$(BIN)/python benchmarks/damper.py
 
 validate: $(VENV)/with-tests ## comparisons with published results (minutes)
 	$(BIN)/python -m pytest -m validation
 
 reproduce: $(VENV)/installed ## every published table beside ours, into docs/results (hours)
-	for table in $$($(BIN)/silo2d reproduce | cut -d' ' -f1); do \
-		$(BIN)/silo2d reproduce $$table --out $(RUNS) --write docs/results || exit 1; \
+	for command in silo2d damper3d; do \
+		for table in $$($(BIN)/$$command reproduce | cut -d' ' -f1); do \
+			$(BIN)/$$command reproduce $$table --out $(RUNS) --write docs/results || exit 1; \
+		done; \
 	done
 
 wheel: $(VENV)/installed

@@ -27,12 +27,9 @@ class Ended(Exception):
         self.code = code
 
 
-def study_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The argument and the options of a command that runs a study; see sweep_study."""
+def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Where many runs go: --workers, --engine, --scheduler."""
     for option in (
-        json_option,
-        quiet_option,
-        click.option("--dry-run", is_flag=True, help="Say what would be run, and end."),
         click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster: tcp://127.0.0.1:8786"),
         click.option(
             "--engine",
@@ -41,6 +38,18 @@ def study_options(command: Callable[..., Any]) -> Callable[..., Any]:
             help="Where the runs go [default: processes of this machine].",
         ),
         click.option("--workers", type=int, metavar="N", help="Processes [default: one per core]."),
+    ):
+        command = option(command)
+    return command
+
+
+def study_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The argument and the options of a command that runs a study; see sweep_study."""
+    for option in (
+        json_option,
+        quiet_option,
+        click.option("--dry-run", is_flag=True, help="Say what would be run, and end."),
+        engine_options,
         out_option,
         click.argument("study"),
     ):

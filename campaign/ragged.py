@@ -5,7 +5,7 @@ In a file each is a group: `frame` and `length` of the tables (S,), and their ro
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import h5py
@@ -73,10 +73,16 @@ def joined(pieces: Sequence[Tables]) -> Tables:
 def layout(tables: Mapping[str, Columns]) -> dict[str, str]:
     """Types of all columns, by table and column."""
     return {
-        f"{name}.{column}": f"{rows.dtype}{list(rows.shape[1:])}"
+        f"{name}.{column}": in_words(rows.dtype, rows.shape[1:])
         for name, table in sorted(tables.items())
         for column, rows in sorted(table.items())
     }
+
+
+@cache
+def in_words(dtype: np.dtype, shape: tuple[int, ...]) -> str:
+    """Such as "float64[3]"; asked for every column of every frame, and numpy takes its time."""
+    return f"{dtype}{list(shape)}"
 
 
 def write(group: h5py.Group, tables: Tables, storage: Any) -> None:

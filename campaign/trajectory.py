@@ -18,7 +18,7 @@ import numpy as np
 from campaign import ragged
 from campaign.folder import FolderError, writing
 from campaign.h5file import opened, save
-from campaign.ragged import Columns, Tables, joined, laid_end_to_end
+from campaign.ragged import Columns, Tables, in_words, joined, laid_end_to_end
 
 T = TypeVar("T")
 
@@ -253,5 +253,5 @@ def _read_tables(paths: Iterable[Path]) -> dict[str, Tables]:
     return {name: joined(found) for name, found in pieces.items()}
 
 
-def _layout(frame: Mapping[str, Any]) -> dict[str, str]:
-    return {key: f"{np.asarray(v).dtype}{list(np.shape(v))}" for key, v in sorted(frame.items())}
+def _layout(frame: Mapping[str, np.ndarray]) -> dict[str, str]:
+    return {key: in_words(v.dtype, v.shape) for key, v in sorted(frame.items())}

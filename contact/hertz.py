@@ -69,19 +69,18 @@ def mindlin_force(law, stiffness, dashpot, normal_force, history, half_step, sli
     displacement that the spring did not follow, which is second order in the step.
     """
     kt = law.tangential * stiffness
-    ct = law.tangential_damping * dashpot
+    compliance = 1.0 / kt if kt > 0.0 else 0.0
     moved = scale(kt, half_step)
     trial = add(history if law.stored_force else scale(kt, history), moved)
-    wanted = add(trial, scale(ct, slip_rate))
+    wanted = add(trial, scale(law.tangential_damping * dashpot, slip_rate))
     size, limit = norm(wanted), law.mu * max(normal_force, 0.0)
     slides = 1.0 if size > limit else 0.0
     share = limit / size if size > limit else 1.0
     held = add(scale(slides * share, wanted), scale(1.0 - slides, trial))
-    compliance = 1.0 / kt if kt > 0.0 else 0.0
-    unfollowed = scale(compliance, add(trial, scale(-1.0, held)))
+    unfollowed = add(trial, scale(-1.0, held))
     step_ago = add(trial, scale(-2.0, moved))
-    rubbed = 0.5 * dot(add(step_ago, held), unfollowed)
-    power = (1.0 - slides) * ct * dot(slip_rate, slip_rate)
+    rubbed = 0.5 * compliance * dot(add(step_ago, held), unfollowed)
+    power = (1.0 - slides) * law.tangential_damping * dashpot * dot(slip_rate, slip_rate)
     kept = held if law.stored_force else scale(compliance, held)
     return scale(-share, wanted), kept, power, rubbed, slides
 
@@ -96,17 +95,20 @@ def spring_energy(law, stiffness, history):
 
 
 @njit
-def law_power(law, stiffness, overlap, overlap_rate, history):
+def law_power(law, hertz, stiffness, overlap_rate, history):
     """Energy [W] that the tangential spring gains because its stiffness changes with the overlap.
 
-    kt grows with the root of the overlap: d kt/dt = kt d'/(2 d). A stored displacement then holds
-    more energy, a stored force less, and no work was done: the law has no potential.
+    kt grows with the root of the overlap d: d kt/dt = kt d'/(2 d), and 1/d = (K sqrt(R) / kn)^2.
+    A stored displacement then holds more energy, a stored force less, and no work was done: the
+    law has no potential.
     """
     kt = law.tangential * stiffness
-    growth = 0.5 * overlap_rate / overlap if overlap > 0.0 else 0.0
+    compliance = 1.0 / kt if kt > 0.0 else 0.0
+    softness = hertz * law.tangential * compliance
+    growth = 0.25 * softness * softness * overlap_rate
     if law.stored_force:
-        return -0.5 * growth * dot(history, history) / kt if kt > 0.0 else 0.0
-    return 0.5 * growth * kt * dot(history, history)
+        return -growth * compliance * dot(history, history)
+    return growth * kt * dot(history, history)
 
 
 @njit

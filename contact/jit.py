@@ -72,9 +72,9 @@ def cache_folder() -> str:
     return str(folder)
 
 
-def already_compiled() -> bool:
-    """Whether kernels of these sources were compiled before, so that a start takes no time."""
-    return any(Path(cache_folder()).rglob("*.nbc"))
+def already_compiled(package: str) -> bool:
+    """Whether a package's kernels were compiled from these sources: then a start takes no time."""
+    return any(Path(cache_folder()).glob(f"{package}_*/*.nbc"))  # folders that numba names
 
 
 def _prune(kernels: Path, current: Path) -> None:

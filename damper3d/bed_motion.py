@@ -63,8 +63,11 @@ def collision_phase(push: np.ndarray) -> float | None:
 def contrast(impulse: np.ndarray) -> float:
     """Mean of |b - a| / (b + a) over impulses a, b of cycles that follow each other.
 
-    0: every cycle alike; 1/3: one collision twice as strong as the next; 1: one in two cycles.
+    0: every cycle alike, or but one cycle; 1/3: one collision twice as strong as the next; 1: one
+    in two cycles.
     """
+    if len(impulse) < 2:
+        return 0.0
     a, b = np.maximum(impulse[:-1], 0.0), np.maximum(impulse[1:], 0.0)
     both = a + b
     return float(np.mean(np.divide(b - a, both, out=np.zeros_like(a), where=both > 0).__abs__()))

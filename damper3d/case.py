@@ -14,7 +14,7 @@ from contact.hertz import HertzLaw
 from contact.quantity import InputError, located, nearest
 from contact.table import ContactTable, load_table
 from damper3d.cluster import Cluster, parse_particle
-from damper3d.enclosure import Enclosure, box, cylinder
+from damper3d.enclosure import Enclosure
 from damper3d.parameters import (
     Steps,
     contact_laws,
@@ -23,15 +23,11 @@ from damper3d.parameters import (
     time_steps,
     yield_velocities,
 )
-from damper3d.settings import Motion, Settings, check_settings, read_settings, to_toml
+from damper3d.parts import GRAVITY, check_protocol, count_of, enclosure_of, gravity_of, unit_vector
+from damper3d.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.shaker import Sines, sine
 
-GRAVITY = 9.81  # [m/s2]
 PRESETS: dict[str, dict[str, Any]] = {"thesis": {}}  # every default is the thesis's
-# The thesis keeps the volume of 700 spheres of 4 mm in 40 mm x 40 mm: a fill ratio of 7/15, with
-# which 3, 5 and 6 mm are 1659, 358 and 207 spheres (Table 6.1).
-USUAL_FILL_RATIO = 7 / 15
-CLOSE_PACKING = 0.64  # of random spheres; more do not go in by shaking
 
 
 def shipped_cases() -> list[str]:
@@ -86,7 +82,7 @@ class DamperCase:
     def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "DamperCase":
         """A case from the tables of a case file; files it names are looked for in `folder`."""
         settings = check_settings(document, where)
-        _check_protocol(settings, where)
+        check_protocol(settings, where)
         file = find(settings.particles.materials, "materials", folder)
         table = load_table(file)
         try:
@@ -212,102 +208,20 @@ def _resolved(
     with located(f"{where}: [particles]"):
         particles = settings.particles
         particle = parse_particle(particles.shape, particles.equal_volume_radius)
-    enclosure = _enclosure(settings, where)
-    count = _count(enclosure, particle, particles.count, where)
+    enclosure = enclosure_of(settings, where)
+    count = count_of(enclosure, particle, particles.count, where)
     materials = materials_of(table, settings)
     laws = contact_laws(table, materials, settings)
     yields = yield_velocities(materials, particle)
-    gravity, settling = _gravity(settings.motion, where)
+    gravity, settling = gravity_of(settings.motion, where)
     direction = settings.motion.direction or [0.0, 0.0, 1.0]
     return cls(
         settings, enclosure, particle, count, materials[0].density.value, *laws,
         restitutions(table, settings), yields,
         time_steps(particle, materials[0], settings, where), gravity, settling,
-        _unit(direction, f"{where}: [motion] direction"),
+        unit_vector(direction, f"{where}: [motion] direction"),
         {"materials.toml": file.read_text(encoding="utf-8")},
     )  # fmt: skip
-
-
-def _enclosure(settings: Settings, where: str) -> Enclosure:
-    given = settings.enclosure
-    if given.shape == "cylinder":
-        if given.width is not None or given.depth is not None:
-            raise InputError(
-                f"{where}: [enclosure] width and depth go with shape = 'box', diameter with "
-                "'cylinder'; leave them out or change the shape"
-            )
-        return cylinder(0.04 if given.diameter is None else given.diameter, given.height)
-    if given.diameter is not None:
-        raise InputError(
-            f"{where}: [enclosure] diameter goes with shape = 'cylinder'; a box has width and depth"
-        )
-    if given.width is None:
-        raise InputError(f"{where}: [enclosure] width is missing; give it for a box, like '40 mm'")
-    return box(given.width, given.depth or given.width, given.height)
-
-
-def _count(enclosure: Enclosure, particle: Cluster, given: int | None, where: str) -> int:
-    """The number of particles; InputError where they cannot be inside."""
-    size = 2.0 * particle.bounding_radius
-    if enclosure.narrowest < size:
-        raise InputError(
-            f"{where}: [enclosure] {1e3 * enclosure.narrowest:g} mm at the narrowest: smaller than "
-            f"a particle, {1e3 * size:g} mm; give a larger enclosure or smaller particles"
-        )
-    room = enclosure.volume / particle.volume
-    count = max(round(USUAL_FILL_RATIO * room), 1) if given is None else given
-    fit = max(math.floor(CLOSE_PACKING * room), 1)
-    if count > fit:
-        raise InputError(
-            f"{where}: [particles] count = {count}: fill ratio {count / room:.3f}, above random "
-            f"close packing, {CLOSE_PACKING:g}; at most {fit} fit"
-        )
-    return count
-
-
-def _gravity(motion: Motion, where: str) -> tuple[np.ndarray, np.ndarray]:
-    """Gravity [m/s2] of the motion and of the settling."""
-    if motion.gravity is not None:
-        if motion.orientation == "none":
-            raise InputError(
-                f"{where}: [motion] gravity is given, and orientation = 'none' has none; leave one "
-                "of them out"
-            )
-        vector = GRAVITY * _unit(motion.gravity, f"{where}: [motion] gravity")
-        return vector, vector
-    down = np.array([0.0, 0.0, -GRAVITY])
-    across = np.array([-GRAVITY, 0.0, 0.0])
-    if motion.orientation == "none":
-        return np.zeros(3), down
-    return (across, across) if motion.orientation == "horizontal" else (down, down)
-
-
-def _unit(vector: list[float], what: str) -> np.ndarray:
-    """The vector at length one; InputError where it has no direction."""
-    largest = max(abs(x) for x in vector)
-    if not 0.0 < largest < math.inf:
-        raise InputError(f"{what} = {vector}: has no direction; write such as [0, 0, 1]")
-    scaled = np.array(vector) / largest  # squares neither overflow nor vanish
-    return scaled / np.linalg.norm(scaled)
-
-
-def _check_protocol(settings: Settings, where: str) -> None:
-    """What must hold between cycles, samples and frames."""
-    run, output = settings.run, settings.output
-    cycles = run.max_cycles if run.steady else run.cycles
-    if run.discard >= cycles:
-        key = "max_cycles" if run.steady else "cycles"
-        raise InputError(
-            f"{where}: [run] discard = {run.discard}: must be below {key} = {cycles}, or none is "
-            "left to count"
-        )
-    if output.frames and output.samples % output.frames:
-        near = [n for n in range(1, output.samples + 1) if output.samples % n == 0]
-        best = min(near, key=lambda n: abs(n - output.frames))
-        raise InputError(
-            f"{where}: [output] frames = {output.frames}: must divide samples = {output.samples}; "
-            f"give {best}, or 0 for none"
-        )
 
 
 def _calculable(case: DamperCase) -> bool:

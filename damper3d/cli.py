@@ -3,7 +3,7 @@
 import click
 
 from campaign.commandline import run_app
-from damper3d.commands import files, run, sweep
+from damper3d.commands import contact, files, impact, map, predict, results, run, sweep
 
 
 @click.group(
@@ -22,7 +22,10 @@ def app(context: click.Context) -> None:
         click.echo(context.get_help())
 
 
-for command in (run.run, sweep.sweep, files.init, files.list_, files.show):
+for command in (
+    run.run, sweep.sweep, map.map_, predict.predict, impact.impact, contact.contact,
+    results.render, results.compare, results.export, files.init, files.list_, files.show,
+):  # fmt: skip
     app.add_command(command)
 
 

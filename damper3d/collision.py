@@ -1,16 +1,18 @@
 """The kernel of one impact: two spheres, or a sphere and a flat wall, without gravity.
 
 The scheme is the engine's, at much smaller steps: leapfrog with the velocity extrapolated to the
-time of the forces (v half a step back, u = v + a dt/2), and springs half a step ahead.
+time of the forces (v half a step back, u = v + a dt/2), and springs half a step ahead. The books
+are those of contact/spring_books.py.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from contact.hertz import hertz_force, law_power, mindlin_force
+from contact.hertz import hertz_force, mindlin_force
 from contact.jit import njit
 from contact.mindlin_deresiewicz import partial_slip_force
+from contact.spring_books import spring_books
 from contact.vectors import add, dot, norm, scale
 
 # Columns of the history of a contact: time [s], overlap [m], normal force [N], length of the
@@ -56,7 +58,8 @@ def collide(law, meeting, bodies, springs, reach, dt, most_steps, rows):
     totals = np.zeros(N_TOTALS)
     every = most_steps // len(rows)
     wall_normal = normal_of(bodies)
-    history, slip = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    ahead, held, slip = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    kt_before = 0.0
     for step in range(most_steps):
         normal = wall_normal if meeting.radius[1] == 0.0 else normal_of(bodies)
         overlap, arms = touch(meeting, bodies, normal)
@@ -77,13 +80,15 @@ def collide(law, meeting, bodies, springs, reach, dt, most_steps, rows):
                 slip_rate,
             )  # fmt: skip
         else:
-            history = add(history, scale(-dot(history, normal), normal))
-            f_t, kept, power, rubbed, _ = mindlin_force(
-                law, stiffness, dashpot, f_n, history, half_step, slip_rate
+            kt = law.tangential * stiffness
+            moved = scale(kt if law.stored_force else 1.0, half_step)
+            ahead, held = across(ahead, normal), across(held, normal)
+            f_t, kept, power, _, _ = mindlin_force(
+                law, stiffness, dashpot, f_n, ahead, half_step, slip_rate
             )
-            totals[LAW_TERM] += dt * law_power(law, stiffness, overlap, rate, kept)
-            ahead = scale(law.tangential * stiffness if law.stored_force else 1.0, half_step)
-            history = add(kept, ahead)
+            rubbed, gained = spring_books(law, kt_before, kt, held, add(ahead, moved), kept)
+            totals[LAW_TERM] += gained
+            ahead, held, kt_before = add(kept, moved), kept, kt
         totals[NORMAL_DAMPING] += dt * inelastic * rate
         totals[TANGENTIAL_DAMPING] += dt * power
         totals[FRICTION] += rubbed
@@ -156,6 +161,12 @@ def push(meeting, bodies, force, turn, arms, dt):
             v[b, c] += dv[b, c]
             w[b, c] += dw[b, c]
             x[b, c] += dt * v[b, c]
+
+
+@njit
+def across(a, normal):
+    """The part of a vector across a normal."""
+    return add(a, scale(-dot(a, normal), normal))
 
 
 @njit

@@ -59,8 +59,13 @@ def law_gain(samples: Samples) -> np.ndarray:
 
 
 def _since(samples: Samples, names: tuple[str, ...]) -> np.ndarray:
-    total = np.sum([samples[f"{name}_{pair}"] for pair in CLASSES for name in names], axis=0)
+    total = summed(samples, names)
     return total - total[0]
+
+
+def summed(samples: Samples, names: tuple[str, ...]) -> np.ndarray:
+    """Columns added up over names and classes (n,)."""
+    return np.sum([samples[f"{name}_{pair}"] for pair in CLASSES for name in names], axis=0)
 
 
 def efficiencies(samples: Samples, per_cycle: int, reference: float) -> dict[str, np.ndarray]:

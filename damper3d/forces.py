@@ -112,8 +112,8 @@ def contact_law(law, contacts, begin, n_contacts, block, dt):
         ahead = half_step
         if law.stored_force:
             ahead = scale(law.tangential * stiffness, half_step)
-        block.law_power[k] = law_power(law, stiffness, overlap, rate, kept)
-        block.slip_power[k] = slides * np.sqrt(dot(force, force) * dot(slip_rate, slip_rate))
+        block.law_power[k] = law_power(law, contacts.hertz[n], stiffness, rate, kept)
+        block.slip_power[k] = -slides * dot(force, slip_rate)
         kept = scale(touches, add(kept, ahead))
         later[SPRING_X, k], later[SPRING_Y, k], later[SPRING_Z, k] = kept
         later[DAMPING, k] = damping if overlap > 0.0 else NO_CONTACT

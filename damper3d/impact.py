@@ -131,7 +131,7 @@ def run(impact: Impact, steps_per_contact: int = STEPS_PER_CONTACT) -> Outcome:
     n_springs = N_SPRINGS if impact.tangential == "mindlin-deresiewicz" else 0
     # A contact area a little larger than an elastic impact's: turning adds next to nothing.
     reach = 1.05 * math.sqrt(meeting.reduced_radius * deepest)
-    rows = np.full((_LONGEST * _ROWS_PER_CONTACT, 5), np.nan)
+    rows = np.full((_LONGEST * min(_ROWS_PER_CONTACT, steps_per_contact), 5), np.nan)
     most = _LONGEST * steps_per_contact
     totals, steps = collide(law, meeting, bodies, np.zeros((n_springs, 3)), reach, dt, most, rows)
     if steps == most:

@@ -43,7 +43,7 @@ _SHORT, _LONG = 12, 40
 _NEAR_SHARE = 8.0  # near skin over close skin
 _GROW, _SHRINK = 1.25, 0.9
 _LEAST, _MOST = 0.002, 0.03  # of the close skin over the largest radius
-_DEEPEST = 0.5  # overlap over radius that is taken for a failure
+_DEEPEST = 0.25  # overlap over the sum of the radii that is taken for a failure
 
 
 @njit
@@ -72,12 +72,10 @@ def search_pairs(world, shift):
         return NOT_FINITE
     if left < lengths[CLOSE_SKIN]:
         lengths[NEAR_SKIN] = _NEAR_SHARE * lengths[CLOSE_SKIN]
-        outcome = search_near(
-            near, world.cells, spheres.position, counts, lengths[NEAR_SKIN], shift
-        )
+        outcome = search_near(world, lengths[NEAR_SKIN], shift)
         if outcome != DONE:
             return outcome
-    outcome = filter_close(near, world.close, spheres, world.pair_law, counts, lengths[CLOSE_SKIN])
+    outcome = filter_close(near, world.close, spheres, counts, lengths[CLOSE_SKIN])
     if outcome == DONE:
         counts[STALE_CLOSE] = 0
         counts[CLOSE_MADE] = counts[STEP]
@@ -126,9 +124,11 @@ def near_reach_left(x, place, skin):
 
 
 @njit
-def search_near(near, cells, x, counts, skin, shift):
+def search_near(world, skin, shift):
     """All pairs with a gap below the skin, with the histories of those known before."""
-    fill_cells(cells, x, shift)
+    near, spheres, counts = world.near, world.spheres, world.counts
+    x = spheres.position
+    fill_cells(world.cells, x, shift)
     n_old = counts[NEAR]
     near.old_j[:n_old] = near.j[:n_old]
     near.old_history[:, :n_old] = near.history[:, :n_old]
@@ -137,7 +137,7 @@ def search_near(near, cells, x, counts, skin, shift):
     for i in range(len(x)):
         near.first[i] = n
         begin = n
-        n = pairs_of(near, cells, x, skin, i, n)
+        n = pairs_of(near, world.cells, x, skin, i, n)
         if n < 0:
             near.first[:] = near.old_first  # nothing is lost: the caller makes room and comes back
             near.j[:n_old] = near.old_j[:n_old]
@@ -145,11 +145,23 @@ def search_near(near, cells, x, counts, skin, shift):
             fill_i(near, len(x))
             return NEAR_FULL
         inherit(near, i, begin, n)
+        note_constants(near, spheres, world.pair_law, i, begin, n)
     near.first[len(x)] = n
     near.place[:] = x
     counts[NEAR] = n
     counts[NEAR_SEARCHES] += 1
     return DONE
+
+
+@njit
+def note_constants(near, spheres, law, i, begin, end):
+    """What the law needs to know of the pairs of sphere i."""
+    radius = spheres.position[:, 3]
+    for n in range(begin, end):
+        j = near.j[n]
+        near.reach[n] = radius[i] + radius[j]
+        near.hertz[n] = law.hertz * np.sqrt(radius[i] * radius[j] / near.reach[n])
+        near.mass[n] = 1.0 / (spheres.inverse_mass[i] + spheres.inverse_mass[j])
 
 
 @njit
@@ -225,36 +237,49 @@ def inherit(near, i, begin, end):
 
 
 @njit
-def filter_close(near, close, spheres, law, counts, skin):
+def filter_close(near, close, spheres, counts, skin):
     """The close list: near pairs with a gap below the skin, or in contact so far."""
     x, n_near = spheres.position, counts[NEAR]
-    for k in range(np.uintp(n_near)):  # apart from the next loop: it is vectorised
-        near.gap[k] = gap_of(x, near.i[k], near.j[k])
+    gaps(near, x, n_near)
     n = 0
-    for k in range(n_near):
+    for k in range(np.uintp(n_near)):
         if near.gap[k] < skin or near.history[DAMPING, k] >= 0.0:
             if n == len(close.i):
                 return CLOSE_FULL
-            i, j = near.i[k], near.j[k]
-            if near.gap[k] < -_DEEPEST * min(x[i, 3], x[j, 3]):
+            if near.gap[k] < -_DEEPEST * near.reach[k]:
                 return TOO_DEEP
-            close.i[n], close.j[n], close.near[n] = i, j, k
-            reduced = x[i, 3] * x[j, 3] / (x[i, 3] + x[j, 3])
-            close.hertz[n] = law.hertz * np.sqrt(reduced)
-            close.mass[n] = 1.0 / (spheres.inverse_mass[i] + spheres.inverse_mass[j])
+            close.i[n], close.j[n], close.near[n] = near.i[k], near.j[k], k
+            close.hertz[n], close.mass[n] = near.hertz[k], near.mass[k]
             for h in range(N_HISTORY):
                 close.history[h, n] = near.history[h, k]
             n += 1
     counts[CLOSE] = n
     counts[CLOSE_SEARCHES] += 1
-    close.place[:] = x
-    close.drift[:] = 0.0
-    for i in range(len(x)):
-        for c in range(3):
-            close.drift[c] += spheres.velocity[i, c]
-    for c in range(3):
-        close.drift[c] /= len(x)
+    note_places(close, spheres)
     return DONE
+
+
+@njit
+def gaps(near, x, n_near):
+    """The gaps of all near pairs; without a branch, so that it is vectorised."""
+    for k in range(np.uintp(n_near)):
+        i, j = near.i[k], near.j[k]
+        dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
+        near.gap[k] = np.sqrt(dx * dx + dy * dy + dz * dz) - near.reach[k]
+
+
+@njit
+def note_places(close, spheres):
+    """Where the spheres are now, and how fast they move on the whole."""
+    x, u, place = spheres.position, spheres.velocity, close.place
+    a = b = c = 0.0
+    for i in range(np.uintp(len(x))):
+        for k in range(4):
+            place[i, k] = x[i, k]
+        a += u[i, 0]
+        b += u[i, 1]
+        c += u[i, 2]
+    close.drift[0], close.drift[1], close.drift[2] = a / len(x), b / len(x), c / len(x)
 
 
 @njit
@@ -308,13 +333,14 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
         else:
             gap = walls.radius - np.sqrt(px * px + py * py) - x[i, 3]
         if gap < skin or walls.history[DAMPING, w, i] >= 0.0:
-            if not gap >= -_DEEPEST * x[i, 3]:
+            if not gap >= -2.0 * _DEEPEST * x[i, 3]:
                 return -2
             if n == len(wall.i):
                 return -1
             radius = x[i, 3]
             if walls.curved and w == len(walls.planes):
-                radius = radius * walls.radius / (walls.radius - radius)
+                # Half the cylinder's curvature, the mean of 1/r and 1/r - 1/R: r D / (D - r).
+                radius = 2.0 * radius * walls.radius / (2.0 * walls.radius - radius)
             wall.i[n], wall.j[n] = i, w
             wall.hertz[n] = law.hertz * np.sqrt(radius)
             wall.mass[n] = 1.0 / spheres.inverse_mass[i]

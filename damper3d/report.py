@@ -11,10 +11,10 @@ from damper3d.parameters import PAIRS, SAFE_SHARE
 from damper3d.result import Result
 
 _SECONDS_PER_PARTICLE_STEP = 3e-8  # on one core of a current server
-_FILLING = 0.1  # [s] of simulated time, before the settling
 _BOOKS_OFF = 0.005  # closed at 1 us, relative to what is dissipated
 _HEAVY = 25e3  # [kg/m3] above osmium and all others
 _FAST = 3.0  # peak speed of the enclosure over the yield velocity
+_MOST_CYCLES = 12  # that are told one by one
 _DEEP = 0.05  # overlap over radius: Hertz's law is for small ones
 
 
@@ -121,7 +121,7 @@ def steps_at_most(case: DamperCase) -> int:
 def expected_cpu_s(case: DamperCase) -> tuple[float, float]:
     """About what filling and motion of a case cost [s of CPU]."""
     cost = _SECONDS_PER_PARTICLE_STEP * case.count
-    filling = (case.settings.fill.settle_time + _FILLING) / case.steps.free
+    filling = case.settings.fill.settle_time / case.steps.free
     return cost * filling, cost * steps_at_most(case)
 
 
@@ -199,18 +199,18 @@ def plan(case: DamperCase) -> dict[str, Any]:
 
 def report(result: Result) -> str:
     """The answers of a run."""
-    counted = result.cycles - result.discarded
     lines = [
         f"{result.n_particles} of {result.particles}, {result.orientation}, "
         f"{result.frequency_hz:g} Hz, gamma {result.gamma:g}, seed {result.seed}: efficiency "
         f"{result.efficiency:.3f}{_interval(result.efficiency_interval)}",
-        f"  counted          the last {counted} of {result.cycles} cycles: "
-        f"{', '.join(f'{eta:.3f}' for eta in result.efficiency_per_cycle)}{_steady(result)}",
+        f"  cycles           {_cycles(result)}",
         f"  by other counts  {result.efficiency_contact_count:.3f} as the thesis counts, "
         f"{result.efficiency_wall_work:.3f} from the work of the walls",
         *_shares(result),
         f"  design           {result.dissipated_power_w:.4g} W dissipated, loss factor "
-        f"{_number(result.loss_factor)}, effective mass {_effective_mass(result)}",
+        f"{_number(result.loss_factor)}, like a damper of "
+        f"{_number(result.equivalent_damping_n_s_per_m)} N s/m;",
+        f"                   effective mass {_effective_mass(result)}, of {result.mass_kg:.4g} kg",
         f"  motion           {result.phase or 'phase not told'}; bed's centre of mass "
         f"{_number(result.bed_height_m)} m up; largest force on the enclosure "
         f"{result.peak_wall_force_n:.4g} N",
@@ -225,6 +225,18 @@ def report(result: Result) -> str:
 
 def _interval(interval: tuple[float, float] | None) -> str:
     return "" if interval is None else f" (95 %: {interval[0]:.3f} to {interval[1]:.3f})"
+
+
+def _cycles(result: Result) -> str:
+    """The efficiency of each cycle, a bar before the first that counts."""
+    each = [f"{eta:.3f}" for eta in result.efficiency_per_cycle]
+    left_out, counted = each[: result.discarded], each[result.discarded :]
+    if len(each) > _MOST_CYCLES:
+        return (
+            f"the last {len(counted)} of {len(each)} count, {min(counted)} to {max(counted)}"
+            f"{_steady(result)}"
+        )
+    return f"{' '.join([*left_out, '|', *counted])} (counted from the bar on){_steady(result)}"
 
 
 def _steady(result: Result) -> str:
@@ -265,8 +277,7 @@ def _impacts(result: Result) -> str:
 def _books(result: Result) -> str:
     if result.energy_closure is None:
         return "nothing dissipated"
+    closure = abs(result.energy_closure)
     law = "" if result.law_term is None else f"; gain of the law {100 * result.law_term:.2g} %"
-    return (
-        f"books closed to {100 * abs(result.energy_closure):.2g} % of what is dissipated "
-        f"(tolerance: {100 * _BOOKS_OFF:g} %){law}"
-    )
+    advice = f", more than {100 * _BOOKS_OFF:g} %: take a shorter step" * (closure > _BOOKS_OFF)
+    return f"books closed to {100 * closure:.2g} % of what is dissipated{advice}{law}"

@@ -18,19 +18,22 @@ class Result:
     particles: str
     n_particles: int
     fill_ratio: float
-    particle_mass_kg: float  # of all particles together
+    particle_mass_kg: float  # of one
+    mass_kg: float  # of all
     seed: int
+    packing: dict[str, float]  # at rest: fraction, height_m, coordination, rms_speed_m_s
     cycles: int
     discarded: int
     efficiency: float  # from the energy budget (thesis, eqs 6.8-6.10)
     efficiency_interval: tuple[float, float] | None  # [low, high]
     efficiency_contact_count: float  # the thesis's count: mu Fn times the whole sliding velocity
     efficiency_wall_work: float
-    efficiency_per_cycle: list[float]
+    efficiency_per_cycle: list[float]  # of all cycles, those that do not count too
     shares: dict[str, dict[str, float | None]]  # of what is dissipated, by pair and mechanism
     law_term: float | None  # the tangential spring's own gain, over what is dissipated
     dissipated_power_w: float
     loss_factor: float | None
+    equivalent_damping_n_s_per_m: float | None
     effective_mass: dict[str, float | None]  # in_phase_kg, out_of_phase_kg
     peak_wall_force_n: float
     bed_height_m: float | None

@@ -63,6 +63,9 @@ class Near(NamedTuple):
 
     i: np.ndarray  # (capacity,) uint32
     j: np.ndarray  # (capacity,) uint32
+    reach: np.ndarray  # (capacity,) sum of the radii [m]
+    hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
+    mass: np.ndarray  # (capacity,) reduced mass [kg]
     gap: np.ndarray  # (capacity,) between the surfaces, when the close list was made [m]
     history: np.ndarray  # (N_HISTORY, capacity), up to date while there is no close list
     first: np.ndarray  # (m + 1,) where the pairs of each sphere i begin

@@ -30,7 +30,8 @@ def summarise(case: DamperCase, samples: Trajectory, packing: Packing) -> dict[s
         "particles": case.particle.name,
         "n_particles": case.count,
         "fill_ratio": case.fill_ratio,
-        "particle_mass_kg": case.mass,
+        "particle_mass_kg": case.particle_mass,
+        "mass_kg": case.mass,
         "seed": run.seed,
         "packing": {
             "fraction": packing.fraction,

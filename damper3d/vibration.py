@@ -11,13 +11,18 @@ from campaign.checkpoint import save_checkpoint
 from campaign.folder import RunFolder
 from campaign.trajectory import TrajectoryWriter
 from damper3d.case import DamperCase
-from damper3d.efficiency import held, reference_energy
+from damper3d.efficiency import held, reference_energy, summed
+from damper3d.records import MECHANISMS
 from damper3d.simulation import Simulation
 from damper3d.steady import BLOCK, is_steady
 
 # Particles times steps between checkpoints, some seconds of work: a checkpoint must not depend on
 # how fast a machine is, and in the short runs of a map it would cost more than it saves.
 CHECKPOINT_WORK = 2e8
+# Energy that may be unaccounted for, over the dissipated: 1 us leaves 0.5 % and 0.4 of Rayleigh's
+# step 5 %; more means that the state is wrong, not coarse.
+BOOKS_OFF = 0.2
+_NOTHING = 1e-4  # efficiency below which this is not asked: next to nothing is dissipated
 _LONGEST_LOOK = 2e7  # particles times steps between looks whether to stop
 
 Progress = Callable[[float, str], None]  # fraction done (0 to 1), words
@@ -122,6 +127,19 @@ def _take(
         writer.append(row, tables_of(sim) if framed and k == last else None)
     if now % case.settings.output.samples == 0:
         clock.lost.append(float(rows["wall_work"][last] - held(rows)[last]))
+        _check_books(sim, case, clock, rows)
+
+
+def _check_books(
+    sim: Simulation, case: DamperCase, clock: Clock, rows: dict[str, np.ndarray]
+) -> None:
+    """Stop where what was lost is not what was dissipated, but for the law's own gain."""
+    dissipated = float(summed(rows, MECHANISMS)[-1])
+    gained = dissipated - float(summed(rows, ("law_term",))[-1]) - clock.lost[-1] + clock.lost[0]
+    least = _NOTHING * reference_energy(case.peak_speed, case.mass)
+    if not abs(gained) < BOOKS_OFF * max(dissipated, least):
+        whither = "came from nowhere" if gained > 0 else "went nowhere"
+        raise sim.failure(f"{abs(gained):.3g} J of energy {whither}")
 
 
 def tables_of(sim: Simulation) -> dict[str, dict[str, np.ndarray]]:

@@ -73,10 +73,7 @@ def build_world(
             force=np.zeros((n_walls, 4)),
             history=_no_history(n_walls, n),
         ),
-        block=Block(
-            *(np.zeros(state.BLOCK) for _ in Block._fields[:-1]),
-            history=np.zeros((state.N_HISTORY, state.BLOCK)),
-        ),
+        block=_block(),
         counts=counts,
         books=np.zeros(state.N_BOOKS),
         fastest=np.zeros(2),
@@ -120,6 +117,9 @@ def _near(n: int, capacity: int) -> Near:
     return Near(
         i=np.zeros(capacity, np.uint32),
         j=np.zeros(capacity, np.uint32),
+        reach=np.zeros(capacity),
+        hertz=np.zeros(capacity),
+        mass=np.zeros(capacity),
         gap=np.zeros(capacity),
         history=_no_history(capacity),
         first=np.zeros(n + 1, np.int64),
@@ -128,6 +128,11 @@ def _near(n: int, capacity: int) -> Near:
         old_first=np.zeros(n + 1, np.int64),
         place=np.zeros((n, 4)),
     )
+
+
+def _block() -> Block:
+    numbers = {name: np.zeros(state.BLOCK) for name in Block._fields}
+    return Block(**numbers | {"history": np.zeros((state.N_HISTORY, state.BLOCK))})
 
 
 def _contacts(n: int, capacity: int) -> Contacts:

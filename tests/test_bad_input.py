@@ -49,6 +49,7 @@ def assert_refused(answer: Answer, *words: str, code: int = 2) -> None:
         (["run", "A4", "--outlett", "1 cm"], ["'--outlett'", "'--outlet'"]),
         (["run", "A4", "--resume", "runs"], ["--resume", "one of them"]),
         (["run"], ["give a case", "--resume DIR"]),
+        (["run", ""], ["no such preset or file"]),
         (["run", "--resume", "nowhere"], ["nowhere", "not a run folder"]),
         (["run", "--resume", "nowhere", "--kn", "1e4 N/mm"], ["leave other options out"]),
         (["render", "nowhere"], ["nowhere", "not a run folder"]),

@@ -14,10 +14,11 @@ from hypothesis import strategies as st
 from campaign.folder import digest
 from contact.datafile import data_file, data_root
 from contact.quantity import InputError
-from damper3d.case import USUAL_FILL_RATIO, DamperCase
+from damper3d.case import DamperCase
 from damper3d.cluster import parse_particle
 from damper3d.enclosure import box, cylinder
 from damper3d.parameters import SAFE_SHARE
+from damper3d.parts import USUAL_FILL_RATIO
 from damper3d.report import warnings
 from damper3d.settings import Settings, check_settings, known_keys, to_toml
 

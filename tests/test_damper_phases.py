@@ -118,6 +118,7 @@ def test_the_contrast_of_collisions():
     assert contrast(np.array([2.0, 1.0, 2.0, 1.0])) == pytest.approx(1.0 / 3.0)
     assert contrast(np.array([1.0, 0.0, 1.0])) == 1.0
     assert contrast(np.zeros(4)) == 0.0
+    assert contrast(np.array([1.0])) == 0.0  # one counted cycle follows none
 
 
 def test_a_collision_across_the_end_of_the_cycle_has_its_phase_there():

@@ -16,15 +16,13 @@ STEEL = load_table("steel").material("steel")
 
 def test_constants_of_two_equal_materials():
     """kt/kn = 6 G*/E* = 3 (1 - nu)/(2 - nu), half of it on Mindlin's tangent stiffness
-    (eqs 5.6, 5.14 with the erratum); c_n and c_t are eqs 5.32 and 5.33."""
+    (eqs 5.6, 5.14 with the erratum); b, c_n and c_t of eqs 5.32, 5.33."""
     law = sphere_law(ACRYLIC, ACRYLIC, friction=0.52, restitution=0.86)
     assert law.hertz == pytest.approx(4 / 3 * 3.3e9 / (2 * (1 - 0.37**2)))
     assert law.tangential == pytest.approx(3 * (1 - 0.37) / (2 - 0.37))
-    b = -math.log(0.86) / math.hypot(math.log(0.86), math.pi)
-    assert law.damping == pytest.approx(math.sqrt(5) * b)
-    assert law.tangential_damping == pytest.approx(
-        math.sqrt(10 / 3) * b * math.sqrt(law.tangential)
-    )
+    assert law.damping == pytest.approx(-math.log(0.86) / math.hypot(math.log(0.86), math.pi))
+    assert law.tangential_damping == pytest.approx(math.sqrt(10 / 3 * law.tangential))
+    assert law.yielding == math.inf
     assert law.pulls
     assert not law.stored_force
 

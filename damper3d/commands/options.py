@@ -89,4 +89,4 @@ def announce_compilation(quiet: bool) -> None:
     """Say why nothing happens for a while, where kernels are compiled first."""
     from contact.jit import already_compiled
 
-    commandline.announce_compilation(quiet, already_compiled())
+    commandline.announce_compilation(quiet, already_compiled("damper3d"))

@@ -1,0 +1,117 @@
+"""The command that maps the efficiency over frequency and Gamma: map."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from campaign.commandline import engine_options, json_option, out_option, quiet_option
+from damper3d.commands.many import numbers, stop_unless_whole
+from damper3d.commands.options import announce_compilation, case_options, changes_of
+
+if TYPE_CHECKING:
+    from damper3d.map import Grid
+
+
+@click.command("map")
+@click.argument("case", required=False)
+@case_options
+@click.option("--frequencies", metavar="20,40", help="In Hz [default: the thesis's nine].")
+@click.option("--gammas", metavar="1,3,10", help="In g [default: the thesis's nineteen].")
+@click.option("--packings", type=int, default=1, metavar="N", help="Of each point [default: 1].")
+@click.option("--refine", type=int, default=0, metavar="N", help="Halve N times about each peak.")
+@engine_options
+@out_option
+@click.option("--dry-run", is_flag=True, help="Say what would be run, and end.")
+@click.option("--no-figures", is_flag=True, help="Make no picture.")
+@quiet_option
+@json_option
+def map_(
+    case: str | None, seed: str | None, material: str | None, frequencies: str | None,
+    gammas: str | None, packings: int, refine: int, workers: int | None, engine: str,
+    scheduler: str | None, out: str, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
+    **options: str | bool | None,
+) -> None:  # fmt: skip
+    """Map the efficiency over frequency and Gamma: ridges, table, picture.
+
+    Runs that are finished are not done again: the same command goes on after whatever stopped it,
+    and --refine adds to a map that is there.
+    For example: damper3d map --frequencies 20,40 --packings 3 --refine 3
+    """
+    if options.pop("motion__frequency") or options.pop("motion__gamma"):
+        raise click.UsageError("a map takes --frequencies and --gammas, lists such as 20,40,80")
+    from campaign.figure import write_figure
+    from damper3d.case import DamperCase
+    from damper3d.map import FREQUENCIES, GAMMAS, Grid, efficiency_map
+    from damper3d.map_chart import draw_map
+    from damper3d.map_report import as_text, map_folder, summary, write_map
+    from damper3d.prediction import predict
+    from damper3d.ridges import ridges
+
+    name, changes = case or "thesis", changes_of(seed, material, options)
+    loaded = DamperCase.load(name, changes)
+    prediction = predict(loaded)
+    grid = Grid(
+        numbers("--frequencies", frequencies, FREQUENCIES), numbers("--gammas", gammas, GAMMAS),
+        packings, refine, loaded.settings.run.seed,
+    )  # fmt: skip
+    if dry_run:
+        planned = _plan(name, changes, grid, Path(out))
+        click.echo(json.dumps(planned, indent=2) if as_json else _in_words(planned))
+        return
+    announce_compilation(quiet)
+    engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
+    result = efficiency_map(name, changes, grid, out=Path(out), **engines)
+    folder = map_folder(name, changes, grid, Path(out))
+    on_ridges = ridges(result, prediction)
+    answers = summary(grid, result, prediction, on_ridges, folder.path)
+    write_map(folder, result, answers)
+    click.echo(json.dumps(answers, indent=2) if as_json else as_text(answers))
+    if not no_figures and answers["done"]:
+        picture = folder.path / "map.png"
+        click.echo(write_figure(picture, lambda: draw_map(result, prediction, on_ridges)), err=True)
+    stop_unless_whole(result.rows)
+
+
+def _plan(name: str, changes: dict[str, Any], grid: "Grid", out: Path) -> dict[str, Any]:
+    """What mapping would do, but for its refinement, which follows from what is found."""
+    from damper3d.map import map_cases
+    from damper3d.map_report import map_folder
+    from damper3d.sweep import DAMPER
+
+    cases = [case for _, case in map_cases(name, changes, grid)]
+    todo = [case for case in cases if DAMPER.run_folder(case, out).state != "finished"]
+    packings = {DAMPER.packing_file(case, out): case for case in todo}
+    to_fill = [case for file, case in packings.items() if not file.exists()]
+    seconds = sum(DAMPER.expected_cpu_s(case)[1] for case in todo)
+    seconds += sum(DAMPER.expected_cpu_s(case)[0] for case in to_fill)
+    return {
+        "case": cases[0].name,
+        "folder": str(map_folder(name, changes, grid, out).path),
+        "frequencies_hz": list(grid.frequencies),
+        "gammas": list(grid.gammas),
+        "packings": grid.packings,
+        "refine": grid.refine,
+        "runs": len(cases),
+        "finished": len(cases) - len(todo),
+        "packings_to_fill": len(to_fill),
+        "expected_cpu_min": seconds / 60,
+    }
+
+
+def _in_words(planned: dict[str, Any]) -> str:
+    def listed(values: list[float]) -> str:
+        return " ".join(f"{value:g}" for value in values)
+
+    refined = f", then {planned['refine']} refinements" if planned["refine"] else ""
+    return "\n".join(
+        [
+            f"{planned['case']}: {planned['runs']} runs, {planned['finished']} of them finished; "
+            f"{planned['packings_to_fill']} packings to fill{refined}",
+            f"frequencies {listed(planned['frequencies_hz'])} Hz",
+            f"Gamma       {listed(planned['gammas'])}",
+            f"expected    about {planned['expected_cpu_min']:.1f} min of CPU",
+            f"table       {planned['folder']}/table.csv",
+        ]
+    )

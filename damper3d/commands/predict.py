@@ -1,0 +1,81 @@
+"""The command that says what the closed forms know: predict."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from campaign.commandline import engine_options, json_option, out_option, quiet_option
+from damper3d.commands.many import numbers, stop_unless_whole
+from damper3d.commands.options import announce_compilation, case_options, changes_of
+
+if TYPE_CHECKING:
+    from damper3d.prediction import Prediction
+
+
+@click.command()
+@click.argument("case", required=False)
+@case_options
+@click.option("--frequencies", metavar="20,40,80", help="In Hz [default: 20, 40, 80].")
+@click.option("--packing", type=float, metavar="0.6", help="Fill ratio of your packed bed.")
+@click.option("--full-count", type=int, metavar="N", help="How many particles fill the enclosure.")
+@click.option("--simulate", is_flag=True, help="Set runs beside the ideal curves, to Gamma 100.")
+@engine_options
+@out_option
+@click.option("--no-figures", is_flag=True, help="Make no picture.")
+@quiet_option
+@json_option
+def predict(
+    case: str | None, seed: str | None, material: str | None, frequencies: str | None,
+    packing: float | None, full_count: int | None, simulate: bool, workers: int | None,
+    engine: str, scheduler: str | None, out: str, no_figures: bool, quiet: bool, as_json: bool,
+    **options: str | bool | None,
+) -> None:  # fmt: skip
+    """Predict where a damper damps best, from its fill ratio and height.
+
+    Without CASE, --height and --count it is the thesis's damper at its four heights.
+    For example: damper3d predict --height "45 mm" --count 358 --packing 0.6
+    """
+    if options.pop("motion__frequency") or options.pop("motion__gamma"):
+        raise click.UsageError("predictions take --frequencies, a list such as 20,40,80")
+    from campaign.figure import write_figure
+    from damper3d import prediction as predicting
+    from damper3d.case import DamperCase
+    from damper3d.prediction_chart import draw_predictions
+
+    wanted = numbers("--frequencies", frequencies, predicting.FREQUENCIES)
+    fills = predicting.fills(case, changes_of(seed, material, options))
+    cases = [DamperCase.load(*fill) for fill in fills]
+    predictions = [predicting.predict(loaded, packing, full_count) for loaded in cases]
+    rows: list[dict[str, Any]] = []
+    if simulate:
+        from damper3d import beside
+
+        announce_compilation(quiet)
+        engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
+        rows = beside.simulate(fills, predictions, wanted, out=Path(out), **engines)
+    answers = {
+        "frequencies_hz": list(wanted),
+        "fills": [predicting.as_dict(p, wanted) for p in predictions],
+        "simulated": rows,
+    }
+    click.echo(json.dumps(answers, indent=2) if as_json else _in_words(predictions, wanted, rows))
+    if not no_figures:
+        picture = Path(out) / f"predict-{cases[0].name}.png"
+        write_figure(picture, lambda: draw_predictions(predictions, wanted, rows))
+        click.echo(picture, err=True)
+    stop_unless_whole(rows)
+
+
+def _in_words(
+    predictions: "list[Prediction]", frequencies: tuple[float, ...], rows: list[dict[str, Any]]
+) -> str:
+    from damper3d.prediction import as_text
+
+    parts = [as_text(prediction, frequencies) for prediction in predictions]
+    if rows:
+        from damper3d import beside
+
+        parts.append(beside.as_text(rows, predictions))
+    return "\n\n".join(parts)

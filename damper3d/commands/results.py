@@ -1,0 +1,56 @@
+"""The commands on runs that are there: render, compare, export."""
+
+import json
+from pathlib import Path
+
+import click
+
+from campaign.commandline import json_option
+
+
+@click.command()
+@click.argument("folder", metavar="RUN")
+@click.option("--no-film", is_flag=True, help="Make the pictures only.")
+@click.option(
+    "--by", default="velocity", metavar="velocity|dissipation", help="What the colours tell."
+)
+def render(folder: str, no_film: bool, by: str) -> None:
+    """Make the pictures and the film of a run again from its folder."""
+    from damper3d.picture import make_figures
+
+    for path in make_figures(folder, film=not no_film, by=by):
+        click.echo(path)
+
+
+@click.command()
+@click.argument("first", metavar="RUN")
+@click.argument("second", metavar="RUN")
+@click.option("--no-figures", is_flag=True, help="Make no picture.")
+@json_option
+def compare(first: str, second: str, no_figures: bool, as_json: bool) -> None:
+    """Set two runs side by side: efficiency, shares of the mechanisms, histories, cost."""
+    from campaign.figure import write_figure
+    from damper3d import compare as comparison
+    from damper3d.scene import NothingKept
+
+    found = comparison.compare(first, second)
+    click.echo(json.dumps(found, indent=2) if as_json else comparison.table(found))
+    if no_figures:
+        return
+    path = Path(first) / "figures" / f"beside-{Path(second).resolve().name}.png"
+    try:
+        click.echo(write_figure(path, lambda: comparison.draw(found)), err=True)
+    except NothingKept as error:  # its numbers are there all the same
+        click.echo(f"no picture: {error}", err=True)
+
+
+@click.command()
+@click.argument("folder", metavar="RUN")
+@click.option("--to", required=True, metavar="vtkhdf|csv", help="The format.")
+@click.option("-o", "--output", metavar="PATH", help="File (vtkhdf) or folder for tables (csv).")
+def export(folder: str, to: str, output: str | None) -> None:
+    """Write a run for other programs: ParaView (vtkhdf) or tables (csv)."""
+    from damper3d.export import export as write
+
+    for path in write(folder, to, output):
+        click.echo(path)
