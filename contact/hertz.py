@@ -58,57 +58,34 @@ def hertz_force(law, hertz, mass, damping, overlap, overlap_rate):
 
 
 @njit
-def mindlin_force(law, stiffness, dashpot, normal_force, history, half_step, slip_rate):
-    """Tangential force [N], what the spring holds now, and what is dissipated.
+def mindlin_force(law, stiffness, dashpot, normal_force, trial, slip_rate):
+    """Tangential force [N], what the spring holds after slip, and the power of the dashpot [W].
 
-    history: displacement [m] or force [N] of the spring half a step ago, in the present tangent
-    plane; half_step: displacement since then [m]; slip_rate: velocity now [m/s]; tuples of three.
-    Returns the force, what the spring holds after slip (add half a step to it for the next
-    history), the power of the dashpot [W], the energy lost to friction in the whole step [J] and
-    whether the contact slides (1.0 or 0.0). Friction takes the mean force of the spring over the
-    displacement that the spring did not follow, which is second order in the step.
+    trial: what the spring would hold without slip, a displacement [m] or a force [N]; slip_rate:
+    the velocity now [m/s]; tuples of three. The fourth that is returned is whether the contact
+    slides (1.0 or 0.0). What is held is in the unit of trial.
     """
     kt = law.tangential * stiffness
-    compliance = 1.0 / kt if kt > 0.0 else 0.0
-    moved = scale(kt, half_step)
-    trial = add(history if law.stored_force else scale(kt, history), moved)
-    wanted = add(trial, scale(law.tangential_damping * dashpot, slip_rate))
+    spring = trial if law.stored_force else scale(kt, trial)
+    wanted = add(spring, scale(law.tangential_damping * dashpot, slip_rate))
     size, limit = norm(wanted), law.mu * max(normal_force, 0.0)
     slides = 1.0 if size > limit else 0.0
     share = limit / size if size > limit else 1.0
-    held = add(scale(slides * share, wanted), scale(1.0 - slides, trial))
-    unfollowed = add(trial, scale(-1.0, held))
-    step_ago = add(trial, scale(-2.0, moved))
-    rubbed = 0.5 * compliance * dot(add(step_ago, held), unfollowed)
+    unit = 1.0
+    if not law.stored_force:
+        unit = 1.0 / kt if kt > 0.0 else 0.0
+    held = add(scale(slides * share * unit, wanted), scale(1.0 - slides, trial))
     power = (1.0 - slides) * law.tangential_damping * dashpot * dot(slip_rate, slip_rate)
-    kept = held if law.stored_force else scale(compliance, held)
-    return scale(-share, wanted), kept, power, rubbed, slides
+    return scale(-share, wanted), held, power, slides
 
 
 @njit
-def spring_energy(law, stiffness, history):
+def spring_energy(law, stiffness, held):
     """Energy [J] that the tangential spring holds."""
     kt = law.tangential * stiffness
     if law.stored_force:
-        return 0.5 * dot(history, history) / kt if kt > 0.0 else 0.0
-    return 0.5 * kt * dot(history, history)
-
-
-@njit
-def law_power(law, hertz, stiffness, overlap_rate, history):
-    """Energy [W] that the tangential spring gains because its stiffness changes with the overlap.
-
-    kt grows with the root of the overlap d: d kt/dt = kt d'/(2 d), and 1/d = (K sqrt(R) / kn)^2.
-    A stored displacement then holds more energy, a stored force less, and no work was done: the
-    law has no potential.
-    """
-    kt = law.tangential * stiffness
-    compliance = 1.0 / kt if kt > 0.0 else 0.0
-    softness = hertz * law.tangential * compliance
-    growth = 0.25 * softness * softness * overlap_rate
-    if law.stored_force:
-        return -growth * compliance * dot(history, history)
-    return growth * kt * dot(history, history)
+        return 0.5 * dot(held, held) / kt if kt > 0.0 else 0.0
+    return 0.5 * kt * dot(held, held)
 
 
 @njit

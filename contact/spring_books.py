@@ -26,10 +26,10 @@ def spring_books(law, kt_before, kt, held_before, trial, held):
     spring holds there, trial: what it would hold without slip; tuples of three, displacements [m],
     or forces [N] where the law stores these.
     """
-    if kt == 0.0:
-        return 0.0, 0.0
     slip = add(trial, scale(-1.0, held))
     if law.stored_force:
+        if kt == 0.0:
+            return 0.0, 0.0
         mean = 0.5 * (kt_before + kt)
         rubbed = 0.5 * dot(add(held_before, held), slip) / mean
         gained = 0.5 * dot(held, held) * (1.0 / kt - 1.0 / mean)

@@ -83,10 +83,9 @@ def collide(law, meeting, bodies, springs, reach, dt, most_steps, rows):
             kt = law.tangential * stiffness
             moved = scale(kt if law.stored_force else 1.0, half_step)
             ahead, held = across(ahead, normal), across(held, normal)
-            f_t, kept, power, _, _ = mindlin_force(
-                law, stiffness, dashpot, f_n, ahead, half_step, slip_rate
-            )
-            rubbed, gained = spring_books(law, kt_before, kt, held, add(ahead, moved), kept)
+            trial = add(ahead, moved)
+            f_t, kept, power, _ = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
+            rubbed, gained = spring_books(law, kt_before, kt, held, trial, kept)
             totals[LAW_TERM] += gained
             ahead, held, kt_before = add(kept, moved), kept, kt
         totals[NORMAL_DAMPING] += dt * inelastic * rate

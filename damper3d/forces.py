@@ -5,15 +5,15 @@ adding it up. The first two have no branch and are vectorised; a contact that do
 overlap 0, which makes its forces exact zeros, so that no bit depends on when a list was made. The
 third goes in the order of the list, which is that of the sphere numbers.
 
-A spring holds what it held at the step before, plus the mean of the velocities of then and now
-times the step. The first half of that is added at the end of a step: a history is half a step
-ahead, and no velocity need be kept.
+The displacement of a contact over a step is the mean of its velocities at both ends times the
+step, so that no velocity need be gathered twice.
 """
 
 import numpy as np
 
-from contact.hertz import damping_of_impact, hertz_force, law_power, mindlin_force
+from contact.hertz import damping_of_impact, hertz_force, mindlin_force
 from contact.jit import njit
+from contact.spring_books import spring_books
 from contact.vectors import add, dot, scale
 from damper3d.geometry import between_spheres, with_cylinder, with_planes
 from damper3d.state import (
@@ -22,6 +22,9 @@ from damper3d.state import (
     DAMPING,
     FRICTION,
     LAW_TERM,
+    MOVED_X,
+    MOVED_Y,
+    MOVED_Z,
     N_HISTORY,
     N_MECHANISMS,
     NO_CONTACT,
@@ -31,6 +34,7 @@ from damper3d.state import (
     SPRING_X,
     SPRING_Y,
     SPRING_Z,
+    STIFFNESS,
     TANGENTIAL_DAMPING,
     WALL,
     WALL_WORK,
@@ -97,33 +101,46 @@ def contact_law(law, contacts, begin, n_contacts, block, dt):
         velocity = block.velocity_x[k], block.velocity_y[k], block.velocity_z[k]
         rate = -dot(velocity, normal)
         slip_rate = add(velocity, scale(rate, normal))
-        before = history[SPRING_X, n], history[SPRING_Y, n], history[SPRING_Z, n]
-        before = add(before, scale(-dot(before, normal), normal))  # into the tangent plane of now
         known = history[DAMPING, n]
         damping = max(known, law.damping)
-
         stiffness, dashpot, f_n, inelastic = hertz_force(
             law, contacts.hertz[n], contacts.mass[n], damping, overlap, rate
         )
-        half_step = scale(0.5 * dt, slip_rate)
-        force, kept, power, rubbed, slides = mindlin_force(
-            law, stiffness, dashpot, f_n, before, half_step, slip_rate
-        )
-        ahead = half_step
-        if law.stored_force:
-            ahead = scale(law.tangential * stiffness, half_step)
-        block.law_power[k] = law_power(law, contacts.hertz[n], stiffness, rate, kept)
-        block.slip_power[k] = -slides * dot(force, slip_rate)
-        kept = scale(touches, add(kept, ahead))
-        later[SPRING_X, k], later[SPRING_Y, k], later[SPRING_Z, k] = kept
+        kt, kt_before = law.tangential * stiffness, history[STIFFNESS, n]
+        moved = scale(0.5 * dt, slip_rate)
+        held_before, trial = without_slip(law, history, n, normal, kt_before, kt, moved)
+        force, held, power, slides = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
+        rubbed, gained = spring_books(law, kt_before, kt, held_before, trial, held)
+
+        held, moved = scale(touches, held), scale(touches, moved)
+        later[SPRING_X, k], later[SPRING_Y, k], later[SPRING_Z, k] = held
+        later[MOVED_X, k], later[MOVED_Y, k], later[MOVED_Z, k] = moved
+        later[STIFFNESS, k] = kt
         later[DAMPING, k] = damping if overlap > 0.0 else NO_CONTACT
         block.begins[k] = touches * rate if known < 0.0 else 0.0
-        # The law's normal force acts on j along the normal.
         total = add(force, scale(f_n, normal))
         block.force_x[k], block.force_y[k], block.force_z[k] = total
         block.normal_power[k] = inelastic * rate
         block.tangential_power[k] = power
-        block.rubbed[k] = rubbed
+        block.rubbed[k] = touches * rubbed
+        block.gained[k] = touches * gained
+        block.slip_power[k] = -slides * dot(force, slip_rate)
+
+
+@njit
+def without_slip(law, history, n, normal, kt_before, kt, moved):
+    """What the spring of contact n held at the step before, and would hold now if it did not slip.
+
+    Both in the tangent plane of now. The displacement since then is the mean of the velocities of
+    then and now times the step: half of it is known from then, the other half is `moved` [m].
+    """
+    held = history[SPRING_X, n], history[SPRING_Y, n], history[SPRING_Z, n]
+    ahead = history[MOVED_X, n], history[MOVED_Y, n], history[MOVED_Z, n]
+    held = add(held, scale(-dot(held, normal), normal))
+    ahead = add(ahead, scale(-dot(ahead, normal), normal))
+    if law.stored_force:
+        return held, add(held, add(scale(kt_before, ahead), scale(kt, moved)))
+    return held, add(held, add(ahead, moved))
 
 
 @njit
@@ -168,7 +185,7 @@ def add_to_spheres(spheres, heat, contacts, begin, n_contacts, block, dt, sums):
             normal += block.normal_power[k]
             tangential += block.tangential_power[k]
             rubbed += block.rubbed[k]
-            gained += block.law_power[k]
+            gained += block.gained[k]
             slipped += block.slip_power[k]
     return normal, tangential, rubbed, gained, slipped
 
@@ -198,7 +215,7 @@ def add_to_walls(spheres, heat, pushed, contacts, begin, n_contacts, block, dt, 
             normal += block.normal_power[k]
             tangential += block.tangential_power[k]
             rubbed += block.rubbed[k]
-            gained += block.law_power[k]
+            gained += block.gained[k]
             slipped += block.slip_power[k]
     return normal, tangential, rubbed, gained, slipped
 
@@ -222,5 +239,5 @@ def keep_books(books, first, sums, dt):
     books[first + NORMAL_DAMPING] += sums[0] * dt
     books[first + TANGENTIAL_DAMPING] += sums[1] * dt
     books[first + FRICTION] += sums[2]
-    books[first + LAW_TERM] += sums[3] * dt
+    books[first + LAW_TERM] += sums[3]
     books[first + SLIP_COUNT] += sums[4] * dt

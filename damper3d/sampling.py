@@ -5,7 +5,7 @@ import numpy as np
 from contact.hertz import hertz_force, mindlin_force, spring_energy
 from contact.jit import njit
 from contact.vectors import add, dot, scale
-from damper3d.forces import contact_law
+from damper3d.forces import contact_law, without_slip
 from damper3d.geometry import between_spheres, with_cylinder, with_planes
 from damper3d.integrate import advance, enclosure_at
 from damper3d.neighbours import DONE
@@ -15,10 +15,8 @@ from damper3d.state import (
     DAMPING,
     N_BOOKS,
     PLANE,
-    SPRING_X,
-    SPRING_Y,
-    SPRING_Z,
     STEP,
+    STIFFNESS,
     WALL,
 )
 
@@ -123,15 +121,15 @@ def add_elastic(law, contacts, begin, n_contacts, block, dt, row, count):
         velocity = block.velocity_x[k], block.velocity_y[k], block.velocity_z[k]
         rate = -dot(velocity, normal)
         slip_rate = add(velocity, scale(rate, normal))
-        before = history[SPRING_X, n], history[SPRING_Y, n], history[SPRING_Z, n]
-        before = add(before, scale(-dot(before, normal), normal))
+        damping = max(history[DAMPING, n], law.damping)
         stiffness, dashpot, f_n, _ = hertz_force(
-            law, contacts.hertz[n], contacts.mass[n], max(history[DAMPING, n], law.damping),
-            overlap, rate,
-        )  # fmt: skip
-        held = mindlin_force(
-            law, stiffness, dashpot, f_n, before, scale(0.5 * dt, slip_rate), slip_rate
-        )[1]
+            law, contacts.hertz[n], contacts.mass[n], damping, overlap, rate
+        )
+        trial = without_slip(
+            law, history, n, normal, history[STIFFNESS, n], law.tangential * stiffness,
+            scale(0.5 * dt, slip_rate),
+        )[1]  # fmt: skip
+        held = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)[1]
         row[ELASTIC_NORMAL] += 0.4 * stiffness * overlap * overlap
         row[ELASTIC_TANGENTIAL] += spring_energy(law, stiffness, held)
         row[count] += 1.0

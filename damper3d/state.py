@@ -28,10 +28,11 @@ N_BOOKS = WALL_WORK + 1
 # the near list's reach when the close list was made.
 NEAR_SKIN, CLOSE_SKIN, WALL_SKIN = range(3)
 N_LENGTHS = 3
-# Rows of a history: what the tangential spring holds [m or N], and the b of the contact, which
-# is NO_CONTACT where there is none.
-SPRING_X, SPRING_Y, SPRING_Z, DAMPING = range(4)
-N_HISTORY = 4
+# Rows of a history: what the tangential spring holds [m or N], half of the displacement in the
+# last step [m], tangential stiffness [N/m], and the b of the contact, which is NO_CONTACT where
+# there is none.
+SPRING_X, SPRING_Y, SPRING_Z, MOVED_X, MOVED_Y, MOVED_Z, STIFFNESS, DAMPING = range(8)
+N_HISTORY = 8
 NO_CONTACT = -1.0
 
 BLOCK = 256  # contacts that the force pass works on at once: what it finds stays in cache
@@ -117,7 +118,7 @@ class Block(NamedTuple):
     normal_power: np.ndarray  # dissipated by the normal dashpot [W]
     tangential_power: np.ndarray  # dissipated by the tangential dashpot [W]
     rubbed: np.ndarray  # dissipated by friction in this step [J]
-    law_power: np.ndarray  # gained by the tangential spring, whose stiffness changes [W]
+    gained: np.ndarray  # gained by the tangential spring, whose stiffness changes [J]
     slip_power: np.ndarray  # friction force times the whole sliding velocity [W]
     begins: np.ndarray  # speed of an impact that begins in this step [m/s], else 0
     history: np.ndarray  # (N_HISTORY, BLOCK), the next one

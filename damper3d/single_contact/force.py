@@ -85,7 +85,8 @@ def _tangential(
     rows = []
     for displacement, closed in zip(path, theory, strict=True):
         step = (float(displacement - last), 0.0, 0.0)
-        simple, held, *_ = mindlin_force(law, stiffness, dashpot, force, held, step, rest)
+        trial = (held[0] + step[0], 0.0, 0.0)
+        simple, held, *_ = mindlin_force(law, stiffness, dashpot, force, trial, rest)
         exact, *_ = partial_slip_force(
             law, stiffness, dashpot, force, _NORMAL, OVERLAP, area, springs, area, step, rest
         )
