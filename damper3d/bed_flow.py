@@ -4,6 +4,7 @@ import numpy as np
 
 from damper3d.motion import Motion
 
+LOWEST = 0.05  # of the particles, about half of what a bed at rest has on its floor
 LAYERS = 5  # equal numbers of particles, by their height in each frame
 
 
@@ -46,11 +47,11 @@ def across_share(motion: Motion) -> float:
 
 
 def floor_gap(motion: Motion) -> np.ndarray:
-    """Height over the lower end below which a twentieth of the particles is (F,) [m].
+    """Height over the lower end below which LOWEST of the particles are (F,) [m].
 
-    Of their lowest points; a twentieth, since a few particles never follow the bed.
+    Of their lowest points; not of the lowest particle, since a few never follow the bed.
     """
-    return np.quantile(motion.x[:, :, 2] - motion.radius, 0.05, axis=1)
+    return np.quantile(motion.x[:, :, 2] - motion.radius, LOWEST, axis=1)
 
 
 def transport(motion: Motion) -> tuple[np.ndarray, np.ndarray]:

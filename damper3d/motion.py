@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    from campaign.ragged import Tables
     from damper3d.case import DamperCase
 
 FEWEST_FRAMES = 8  # a cycle: an eighth of it is as far as a particle may go unseen
@@ -38,6 +39,7 @@ class Motion:
     n: int  # frames a cycle
     x: np.ndarray  # (F, N, 3) positions relative to the enclosure's lower end
     v: np.ndarray  # (F, N, 3) velocities in the laboratory
+    touching: np.ndarray  # (F,) share of the particles in contact with anything
     displacement: np.ndarray  # (F,) of the enclosure, at the frames
     frame_speed: np.ndarray  # (F,) likewise its velocity
 
@@ -77,7 +79,8 @@ def take(
 
     samples     columns of the run (records.py), one row a sample and one before the first
     frames      "row" (F,) of the sample that each frame came with; "x", "v" (F, N, 3) in the
-                enclosure's axes; "radius", "mass" (N,)
+                enclosure's axes; "touching" (F,) share of the particles in contact;
+                "radius", "mass" (N,)
     discard     cycles that do not count; the case's where None
 
     None where no whole cycle counts or fewer than eight frames a cycle were kept.
@@ -110,6 +113,7 @@ def take(
         n=n,
         x=np.asarray(frames["x"][chosen], float) @ axes.T - [0.0, 0.0, low],
         v=np.asarray(frames["v"][chosen], float) @ axes.T,
+        touching=np.asarray(frames["touching"], float)[chosen],
         displacement=np.asarray(samples["displacement"][at], float),
         frame_speed=np.asarray(samples["velocity"][at], float),
     )
@@ -129,9 +133,10 @@ def of_run(folder: str | Path, discard: int | None = None) -> Motion | None:
     if discard is None and run.state == "finished":
         discard = int(run.read_summary()["discarded"])
     case, samples = DamperCase.load(run.path / "case.toml"), read_trajectory(run.path)
-    table = stored_tables(run.path).get("particles")
-    if table is None:
+    tables = stored_tables(run.path)
+    if "particles" not in tables:
         return None
+    table = tables["particles"]
 
     def vectors(*names: str) -> np.ndarray:
         columns = [table.columns[name].reshape(len(table), -1) for name in names]
@@ -141,6 +146,7 @@ def of_run(folder: str | Path, discard: int | None = None) -> Motion | None:
         "row": table.frame,
         "x": vectors("x", "y", "z"),
         "v": vectors("vx", "vy", "vz"),
+        "touching": touching(tables["contacts"], case.count),
         **spheres_around(case),
     }
     return take(case, samples, frames, discard=discard)
@@ -152,6 +158,16 @@ def spheres_around(case: "DamperCase") -> dict[str, Any]:
         "radius": np.full(case.count, case.particle.bounding_radius),
         "mass": np.full(case.count, case.particle_mass),
     }
+
+
+def touching(contacts: "Tables", count: int) -> np.ndarray:
+    """Share of the particles that are in a contact, of each table of contacts (S,)."""
+    shares = []
+    for k in range(len(contacts)):
+        bodies = contacts.at(k)
+        both = np.concatenate([bodies["body_1"], bodies["body_2"]])
+        shares.append(len(np.unique(both[both < count])) / count)  # walls come after the particles
+    return np.array(shares)
 
 
 def _axes(direction: np.ndarray) -> np.ndarray:

@@ -22,6 +22,7 @@ MEANING = {
     "agitation": "energy of moving against neighbours over the enclosure's, median",
     "travelling_share": "share of particles that do not turn back within a cycle",
     "travel": "displacement of a cycle over the farthest within it, median",
+    "packed_share": "share of particles in contact, in the frame of each cycle with most of them",
     "neighbours_kept": "share of neighbours that are neighbours a cycle later",
     "cycle_displacement": "root mean square displacement of a cycle, in diameters",
     "flight_share": "share of the time in which a particle touches nothing",

@@ -29,6 +29,7 @@ def particle_measures(motion: Motion) -> dict[str, float | None]:
         "agitation": float(np.median(agitation)),
         "travelling_share": float(np.mean(travelled > RETURNED)),
         "travel": float(np.median(travelled)),
+        "packed_share": packed_share(motion),
         "neighbours_kept": kept,
         "cycle_displacement": float(np.sqrt(cycle_msd(motion)) / diameter),
         "flight_share": free,
@@ -100,6 +101,15 @@ def travel(motion: Motion) -> np.ndarray:
         net += np.sqrt(away[-1])
         farthest += np.sqrt(away.max(axis=0))
     return np.divide(net, farthest, out=np.zeros_like(net), where=farthest > 0.0)
+
+
+def packed_share(motion: Motion) -> float:
+    """Share of the particles in contact in the frame of a cycle with most; mean over cycles.
+
+    A bed that comes together once a cycle has most of its particles in contact then.
+    """
+    whole = motion.touching[-(len(motion.touching) // motion.n) * motion.n :]
+    return float(whole.reshape(-1, motion.n).max(axis=1).mean())
 
 
 def cycle_msd(motion: Motion) -> float:

@@ -107,18 +107,24 @@ _ALWAYS: list[tuple[str, tuple[Criterion, ...]]] = [
     ),
     ("solid_like", (Criterion("carried_share", ALL),)),
 ]
+# "Significant decompaction of particles in a cycle that allows the particles to be transported"
+# (sec. 6.4.3): a bed that comes together in each cycle is not loose, whatever happens between.
+_CONVECTING = (
+    Criterion("travelling_share", MOST),
+    Criterion("packed_share", MOST, at_least=False),
+)
 _VERTICAL: list[tuple[str, tuple[Criterion, ...]]] = [
     *_ALWAYS,
     ("transition", (Criterion("coherence", MOST), Criterion("contrast", UNEVEN))),
-    ("buoyancy_convection", (Criterion("travelling_share", MOST), Criterion("circulation", SEEN))),
-    ("leidenfrost", (Criterion("travelling_share", MOST), Criterion("hot_low", HOT))),
-    ("convection", (Criterion("travelling_share", MOST),)),
+    ("buoyancy_convection", (*_CONVECTING, Criterion("circulation", SEEN))),
+    ("leidenfrost", (*_CONVECTING, Criterion("hot_low", HOT))),
+    ("convection", _CONVECTING),
     ("local_fluidisation", (Criterion("agitated_share", MOST, at_least=False),)),
     ("global_fluidisation", ()),
 ]
 _HORIZONTAL: list[tuple[str, tuple[Criterion, ...]]] = [
     *_ALWAYS,
-    ("convection", (Criterion("travelling_share", MOST),)),
+    ("convection", _CONVECTING),
     ("partial_fluidisation", (Criterion("agitated_share", MOST, at_least=False),)),
     ("fluidisation_convection", ()),
 ]

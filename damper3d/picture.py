@@ -8,6 +8,8 @@ import numpy as np
 
 from campaign.figure import GREY, INK, VERMILION, WALL, headline, write_figure
 from campaign.folder import FolderError, RunFolder
+from contact.quantity import InputError, nearest
+from damper3d import picture_3d
 from damper3d.charts import energy_chart, motion_chart
 from damper3d.colouring import Colouring, colouring
 from damper3d.enclosure_view import corners, cut, window
@@ -20,16 +22,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+ENGINES = {"matplotlib": "cycle", "pyvista": "cycle-3d"}  # and the names of their sheets
 _MOST_PANELS = 8
 _TALLEST, _WIDEST, _GAP = 3.2, 1.75, 0.1  # of a panel [inch]
 _HEADLINE, _STRIP, _LEFT, _RIGHT, _BOTTOM = 0.72, 1.1, 0.75, 1.15, 0.5
 _PIXELS = 240  # an inch of a panel
 
 
-def make_figures(run_folder: str | Path, film: bool = True, by: str = "velocity") -> list[Path]:
+def make_figures(
+    run_folder: str | Path, film: bool = True, by: str = "velocity", engine: str = "matplotlib"
+) -> list[Path]:
     """Draw a run, finished or not, into its folder figures/; the paths of the pictures.
 
-    cycle.png     particles and enclosure at even times of the last whole cycle
+    cycle.png     particles and enclosure at even times of the last whole cycle; cycle-3d.png in
+                  its place with the engine "pyvista": the whole bed, in perspective
     energy.png    what a cycle dissipates, by mechanism, as it goes on; efficiency of each cycle
     motion.png    velocity of bed and enclosure, force on the enclosure, height of the bed's mass
     film.mp4      all frames (see make_film); left out without `film`
@@ -38,11 +44,13 @@ def make_figures(run_folder: str | Path, film: bool = True, by: str = "velocity"
     frames (output.frames = 0) has neither cycle.png nor film. Raises FolderError when the folder
     holds no cycle yet or cannot be read or written, InputError for another `by`.
     """
+    if engine not in ENGINES:
+        raise InputError(f"--engine {engine!r}: {nearest(engine, ENGINES)}")
     scene = read_scene(run_folder)
     folder = RunFolder(Path(run_folder)).figures
     sheets = {"energy": energy_chart, "motion": motion_chart}
     if len(scene.tables):
-        sheets = {"cycle": partial(cycle_sheet, by=by), **sheets}
+        sheets = {ENGINES[engine]: partial(cycle_sheet, by=by, engine=engine), **sheets}
     paths = [
         write_figure(folder / f"{name}.png", partial(draw, scene)) for name, draw in sheets.items()
     ]
@@ -55,24 +63,27 @@ def panel_frames(scene: Scene) -> list[int]:
     return frames[:: -(-len(frames) // _MOST_PANELS) or 1]
 
 
-def cycle_sheet(scene: Scene, by: str = "velocity") -> "Figure":
-    """Particles behind the middle plane at even times of a cycle; below, the velocities.
+def cycle_sheet(scene: Scene, by: str = "velocity", engine: str = "matplotlib") -> "Figure":
+    """Particles and enclosure at even times of a cycle; below, the velocities.
 
-    Raises FolderError where the last cycle has no frame, InputError for another `by`.
+    Drawn by matplotlib they are those behind the middle plane, by pyvista all, in perspective.
+    Raises FolderError where the last cycle has no frame, InputError for another `by` or where
+    pyvista is not installed.
     """
     from matplotlib.figure import Figure
 
     frames = panel_frames(scene)
     if not frames:
         raise FolderError("no frame in the last cycle; run it with output.frames above 0")
-    shown = window(scene, 1.0)
+    shown, in_space = window(scene, 1.0), engine == "pyvista"
     shape = (shown.top - shown.bottom) / (shown.right - shown.left)
+    shape = picture_3d.SHAPE if in_space else shape
     wide = min(_WIDEST, _TALLEST / shape)
     high = wide * shape
     across = len(frames) * (wide + _GAP)
     width, total = _LEFT + across + _RIGHT, _HEADLINE + high + 0.3 + _STRIP + _BOTTOM
     figure = Figure(figsize=(width, total))
-    _words(figure, scene, total)
+    _words(figure, scene, total, in_space)
     colours = colouring(scene, by, frames)
     strip = figure.add_axes((_LEFT / width, _BOTTOM / total, across / width, _STRIP / total))
     _velocities(strip, scene, frames)
@@ -80,19 +91,26 @@ def cycle_sheet(scene: Scene, by: str = "velocity") -> "Figure":
     for k, frame in enumerate(frames):
         x = _LEFT + _GAP / 2 + k * (wide + _GAP)
         box = (x / width, bottom / total, wide / width, high / total)
-        draw_enclosure(figure.add_axes(box), scene, frame, colours, _PIXELS * wide)
+        panel = figure.add_axes(box)
+        panel.set_axis_off()
+        if in_space:
+            panel.imshow(picture_3d.draw_space(scene, frame, colours))
+        else:
+            draw_enclosure(panel, scene, frame, colours, _PIXELS * wide)
     bar = figure.add_axes(((width - _RIGHT + 0.15) / width, bottom / total, 0.1 / width,
                            min(high, 2.2) / total))  # fmt: skip
     figure.colorbar(colours.scale, cax=bar).set_label(colours.label)
     return figure
 
 
-def _words(figure: "Figure", scene: Scene, total: float) -> None:
+def _words(figure: "Figure", scene: Scene, total: float, in_space: bool) -> None:
     """The headline, and how to read the panels."""
     headline(figure, f"{scene.title}: {scene.outcome}")
     downwards = "gravity points down" if scene.gravity.any() else "no gravity"
     text = f"{downwards}; the half in front of the middle plane is taken away; dashed: the "
-    text += f"enclosure's place at rest; its amplitude: {_length(scene)}"
+    text += "enclosure's place at rest; its amplitude: "
+    text = f"{downwards}; the enclosure's amplitude: " if in_space else text
+    text += _length(scene)
     figure.text(0.01, 1 - 0.5 / total, text, color=GREY, va="center")
 
 
@@ -126,7 +144,6 @@ def draw_enclosure(
     panel.add_patch(Rectangle(low, wide, high, fill=False, clip_on=False, **rest))
     panel.add_patch(Rectangle(low + moved, wide, high, fill=False, clip_on=False, ec=WALL, lw=1.8))
     panel.set(xlim=(shown.left, shown.right), ylim=(shown.bottom, shown.top))
-    panel.set_axis_off()
 
 
 def _velocities(strip: "Axes", scene: Scene, frames: list[int]) -> None:

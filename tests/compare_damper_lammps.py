@@ -50,29 +50,51 @@ def print_steps() -> None:
         print(f"| {1e6 * step:g} | {here.spin[0, 1]:.2f} | {there.spin[0, 1]:.2f} |")
 
 
-def print_efficiencies(n_packings: int = 3) -> None:
-    """Eta by wall work, cycles 4-8, mean and deviation over packings of 358 spheres."""
-    print("\n| f [Hz] | Gamma | gravity | law | here | LAMMPS |\n|---|---|---|---|---|---|")
+def efficiencies(scene: Scene, steps: int) -> list[float]:
+    """Eta by wall work over cycles 4-8, here and in LAMMPS."""
+    work = [cycles_of(scene, 8, steps).wall_work]
+    with Lammps(scene) as there:
+        there.start()
+        work.append(there.cycles(8, steps).wall_work)
+    return [scene.efficiency(part[3:].sum(), 5) for part in work]
+
+
+def row(label: str, eta: list[list[float]]) -> None:
+    """Mean and standard deviation over packings."""
+    means, off = np.mean(eta, axis=0), np.std(eta, axis=0, ddof=1)
+    columns = " | ".join(f"{m:.3f} ± {s:.3f}" for m, s in zip(means, off, strict=True))
+    print(f"| {label} | {len(eta)} | {columns} |", flush=True)
+
+
+def print_small_bed(n_packings: int = 4) -> None:
+    """60 spheres in 22 mm x 24 mm at 40 Hz, Gamma 20, steps of 2 us."""
+    print("\n| 60 spheres, law | packings | here | LAMMPS |\n|---|---|---|---|")
+    for name in ("ends at zero force, no tangential dashpot", "the thesis's"):
+        scenes = (
+            shaken(60, cylinder(0.022, 0.024), acrylic(**LAWS[name]), frequency=40, gamma=20,
+                   seed=seed, steps=12500)
+            for seed in range(1, n_packings + 1)
+        )  # fmt: skip
+        row(name, [efficiencies(scene, 12500) for scene in scenes])
+
+
+def print_thesis_damper(n_packings: int = 3) -> None:
+    """358 spheres in 40 mm x 40 mm, steps of 1 us."""
+    print("\n| f [Hz], Gamma, gravity, law | packings | here | LAMMPS |\n|---|---|---|---|")
     for frequency, gamma, horizontal in POINTS:
         for name in ("ends at zero force, no tangential dashpot", "the thesis's"):
             steps = round(1e6 / frequency)
-            eta = []
-            for seed in range(1, n_packings + 1):
-                scene = shaken(358, cylinder(0.04, 0.04), acrylic(**LAWS[name]), seed=seed,
-                               frequency=frequency, gamma=gamma, steps=steps,
-                               horizontal=horizontal)  # fmt: skip
-                work = [cycles_of(scene, 8, steps).wall_work]
-                with Lammps(scene) as there:
-                    there.start()
-                    work.append(there.cycles(8, steps).wall_work)
-                eta.append([scene.efficiency(part[3:].sum(), 5) for part in work])
-            means, off = np.mean(eta, axis=0), np.std(eta, axis=0, ddof=1)
-            columns = " | ".join(f"{m:.3f} ± {s:.3f}" for m, s in zip(means, off, strict=True))
-            print(f"| {frequency} | {gamma} | {'across' if horizontal else 'along'} | {name} "
-                  f"| {columns} |", flush=True)  # fmt: skip
+            scenes = (
+                shaken(358, cylinder(0.04, 0.04), acrylic(**LAWS[name]), frequency=frequency,
+                       gamma=gamma, seed=seed, steps=steps, horizontal=horizontal)
+                for seed in range(1, n_packings + 1)
+            )  # fmt: skip
+            label = f"{frequency}, {gamma}, {'across' if horizontal else 'along'}, {name}"
+            row(label, [efficiencies(scene, steps) for scene in scenes])
 
 
 if __name__ == "__main__":
     print_impacts()
     print_steps()
-    print_efficiencies()
+    print_small_bed()
+    print_thesis_damper()

@@ -33,13 +33,15 @@ class Shaken:
         x: np.ndarray,
         push: np.ndarray | None = None,
         *,
+        together: float = 0.0,
         horizontal: bool = False,
         length: float = 8 * DIAMETER,
         clearance: float = 2 * DIAMETER,
     ) -> Motion:
         """A motion from positions (F, N, 3) relative to the enclosure; velocities by difference.
 
-        `push` (C, S, 2); None: nothing touches the ends.
+        `push` (C, S, 2); None: nothing touches the ends. `together` of the particles are in contact
+        where a cycle begins, a tenth of that in the other frames.
         """
         n = x.shape[1]
         laboratory = x.copy()
@@ -61,6 +63,7 @@ class Shaken:
             n=FRAMES,
             x=x,
             v=v,
+            touching=together * np.where(np.arange(len(x)) % FRAMES, 0.1, 1.0),
             displacement=self.u(self.time),
             frame_speed=self.peak_speed * np.cos(self.omega * self.time),
         )
@@ -94,7 +97,7 @@ def sticking() -> Motion:
     force = len(bed) * MASS * (GRAVITY - shaken.omega**2 * shaken.u(shaken.sampled))
     push = np.zeros((shaken.cycles, SAMPLES, 2))
     push[:, :, 0] = force.reshape(shaken.cycles, SAMPLES)
-    return shaken.motion(at_rest(shaken, bed), push)
+    return shaken.motion(at_rest(shaken, bed), push, together=1.0)
 
 
 def bouncing(horizontal: bool = False) -> Motion:
@@ -111,7 +114,7 @@ def bouncing(horizontal: bool = False) -> Motion:
     x = at_rest(shaken, bed)
     x[:, :, 2] += (height - height.min())[:, None]
     push = shaken.struck(len(bed), 0, 0.0, 1.0) + shaken.struck(len(bed), 1, 0.5, 1.0)
-    return shaken.motion(x, push, horizontal=horizontal)
+    return shaken.motion(x, push, together=1.0, horizontal=horizontal)
 
 
 def fluidised(
@@ -127,7 +130,7 @@ def fluidised(
     for axis in range(3):
         out_of_step = rng.uniform(0.0, 2.0 * np.pi, len(bed))
         x[:, swings, axis] += (reach * shaken.amplitude * np.sin(angle + out_of_step))[:, swings]
-    return shaken.motion(x, shaken.struck(len(bed), 0, 0.0, strength), **how)
+    return shaken.motion(x, shaken.struck(len(bed), 0, 0.0, strength), together=0.8, **how)
 
 
 def period_two() -> Motion:
@@ -141,7 +144,7 @@ def period_two() -> Motion:
     up = 0.5 * shaken.peak_speed * shaken.period * (1.0 - np.abs(cycle % 2.0 - 1.0))
     x[:, :, 2] += up[:, None] - shaken.u(shaken.time)[:, None] + shaken.amplitude
     strength = np.where(np.arange(shaken.cycles) % 2, 0.1, 1.0)
-    return shaken.motion(x, shaken.struck(len(bed), 0, 0.1, strength))
+    return shaken.motion(x, shaken.struck(len(bed), 0, 0.1, strength), together=0.8)
 
 
 def drifting(shaken: Shaken, bed: np.ndarray, speed: np.ndarray) -> np.ndarray:
@@ -158,7 +161,7 @@ def floating_cloud() -> Motion:
     speed = 0.02 * shaken.peak_speed * rng.standard_normal((len(bed), 3))
     speed[bed[:, 2] < DIAMETER] *= 3.0
     push = shaken.struck(len(bed), 0, 0.0, np.pi / 30.0)
-    return shaken.motion(drifting(shaken, bed, speed), push)
+    return shaken.motion(drifting(shaken, bed, speed), push, together=0.2)
 
 
 def rolling(kind: str, noise: float = 0.5) -> Motion:
@@ -173,7 +176,7 @@ def rolling(kind: str, noise: float = 0.5) -> Motion:
     flow *= 0.02 * shaken.peak_speed / np.sqrt((flow**2).sum(axis=1).mean() / 3.0)
     rng = np.random.default_rng(3)
     speed = flow + noise * 0.02 * shaken.peak_speed * rng.standard_normal(bed.shape)
-    return shaken.motion(drifting(shaken, bed, speed))
+    return shaken.motion(drifting(shaken, bed, speed), together=0.2)
 
 
 def gas() -> Motion:

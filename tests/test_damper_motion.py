@@ -46,7 +46,8 @@ def made_up(case: DamperCase, seed: int = 1) -> tuple[dict, dict]:
     }
     row = np.arange(0, n, output.samples // output.frames)
     spot = rng.uniform(-0.007, 0.007, (len(row), case.count, 3)) + MIDDLE
-    frames = {"row": row, "x": spot, "v": 0.1 * rng.normal(size=spot.shape)}
+    v, share = 0.1 * rng.normal(size=spot.shape), rng.uniform(size=len(row))
+    frames = {"row": row, "x": spot, "v": v, "touching": share}
     return samples, {**frames, **spheres_around(case)}
 
 

@@ -157,6 +157,16 @@ def test_neighbours_are_those_nearer_than_a_fifth_of_a_diameter():
     assert {tuple(sorted(p)) for p in zip(i.tolist(), j.tolist(), strict=True)} == {(0, 1), (0, 3)}
 
 
+def test_a_bed_that_comes_together_in_each_cycle_does_not_convect():
+    """Sec. 6.4.3: convection needs significant decompaction, however far the particles go."""
+    shaken, bed = made.Shaken(gamma=3.0), made.lattice(gap=0.1)
+    rng = np.random.default_rng(5)
+    x = made.drifting(shaken, bed, 0.1 * shaken.peak_speed * rng.standard_normal(bed.shape))
+    for horizontal in (False, True):
+        assert "fluidisation" in phase(shaken.motion(x, together=0.8, horizontal=horizontal))
+        assert "fluidisation" not in phase(shaken.motion(x, together=0.2, horizontal=horizontal))
+
+
 def test_travel_is_nothing_for_what_is_carried_and_one_for_what_goes_on():
     """In the laboratory: carried particles return in a cycle, free ones do not."""
     shaken, bed = made.Shaken(gamma=10.0), made.lattice(side=2, layers=2)

@@ -238,6 +238,7 @@ def test_run_without_frames_has_graphs_only(tmp_path):
     ("made", "arguments", "words"),
     [
         ({"keep": "summary"}, [], 'only its summary was kept (output.keep = "summary")'),
+        ({}, ["--engine", "blender"], "--engine 'blender': known: matplotlib, pyvista"),
         ({}, ["--by", "speed"], "--by 'speed': known: velocity, dissipation"),
         ({"until": 0, "finished": False}, [], "no sample yet; wait"),
         ({"until": 20, "finished": False}, [], "no whole cycle yet; wait"),
@@ -277,3 +278,30 @@ def test_pictures_need_no_simulation():
         [sys.executable, "-c", code % unwanted], capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
+
+
+def test_missing_pyvista_is_told_in_one_line(run, monkeypatch):
+    """It is an extra: the line says how to get it."""
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    answer = damper3d("render", run, "--engine", "pyvista")
+    assert answer.code == 2
+    words = "pyvista is not installed; get it with: pip install granulab[pyvista]"
+    assert words in answer.err
+    assert len(answer.err.splitlines()) == 1
+
+
+def test_the_bed_in_space_moves_with_the_enclosure(scene):
+    """The eye stands still: what is drawn rises with u from the start to a quarter of a cycle."""
+    pytest.importorskip("pyvista", reason="an extra")
+    from damper3d.colouring import colouring
+    from damper3d.picture_3d import draw_space
+
+    colours = colouring(scene, "velocity", [0, 2])
+    middle = []
+    for frame in (0, 2):
+        image = draw_space(scene, frame, colours)
+        rows, columns = np.nonzero((image != 255).any(axis=2))
+        middle.append(rows.min() + rows.max())
+        assert 0 < columns.min() < columns.max() < image.shape[1] - 1
+        assert 0 < rows.min() < rows.max() < image.shape[0] - 1
+    assert middle[1] < middle[0] - 10  # rows count downwards

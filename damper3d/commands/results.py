@@ -14,11 +14,17 @@ from campaign.commandline import json_option
 @click.option(
     "--by", default="velocity", metavar="velocity|dissipation", help="What the colours tell."
 )
-def render(folder: str, no_film: bool, by: str) -> None:
+@click.option(
+    "--engine",
+    default="matplotlib",
+    metavar="matplotlib|pyvista",
+    help="What draws the particles: a cut, or all of them in space (extra pyvista).",
+)
+def render(folder: str, no_film: bool, by: str, engine: str) -> None:
     """Make the pictures and the film of a run again from its folder."""
     from damper3d.picture import make_figures
 
-    for path in make_figures(folder, film=not no_film, by=by):
+    for path in make_figures(folder, film=not no_film, by=by, engine=engine):
         click.echo(path)
 
 

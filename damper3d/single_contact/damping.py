@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TABULATED = (0.2, 0.5, 0.7, 0.86, 0.9)  # restitutions asked for, in verification.md
+_ENDS: tuple[ContactEnd, ContactEnd] = ("overlap", "force")
 
 
 def compute() -> Found:
@@ -38,9 +39,6 @@ def compute() -> Found:
         "and to zero force, and with the damping solved for zero force"
     )
     return Found(numbers, rows, (remark,))
-
-
-_ENDS: tuple[ContactEnd, ContactEnd] = ("overlap", "force")
 
 
 def _impacts(e: float) -> dict[str, float]:
