@@ -99,6 +99,7 @@ def run_in(
             cure = "--again computes it anew beside it"
             SOURCES.check(f"{folder.path} was begun", made, cure, warn)
         if folder.state == "finished":
+            _clear(folder, case)  # it may have been killed before it could
             return Result.read(folder, reused=True)
         packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
         sim, clock = _start_or_resume(folder, case, packing)

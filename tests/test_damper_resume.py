@@ -260,6 +260,9 @@ def test_a_run_that_keeps_its_summary_has_the_same_answers_and_no_trajectory(und
     folder = the_run(runs)
     kept = {"case.toml", "materials.toml", "provenance.json", "summary.json", ".lock"}
     assert {path.name for path in folder.path.iterdir()} == kept
+    (folder.path / "parts").mkdir()  # as if killed after its summary stood
+    assert protocol.run(case, out=runs).reused
+    assert {path.name for path in folder.path.iterdir()} == kept
     assert answers(folder) == answers(undisturbed)
 
 
