@@ -44,8 +44,8 @@ class Grid:
     seed: int = 1
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "frequencies", _rising("frequencies", self.frequencies))
-        object.__setattr__(self, "gammas", _rising("gammas", self.gammas))
+        object.__setattr__(self, "frequencies", rising("frequencies", self.frequencies))
+        object.__setattr__(self, "gammas", rising("gammas", self.gammas))
         for name, value, least in (
             ("packings", self.packings, 1),
             ("refine", self.refine, 0),
@@ -184,7 +184,7 @@ def map_cases(
     return cases
 
 
-def _rising(name: str, values: Sequence[float]) -> tuple[float, ...]:
+def rising(name: str, values: Sequence[float]) -> tuple[float, ...]:
     """The values, each once and rising; InputError where there is none or one is not usable."""
     if not values:
         raise InputError(f"{name}: empty; give numbers above 0, such as 20,40,80")

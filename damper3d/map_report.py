@@ -1,16 +1,19 @@
 """What a map leaves behind: its folder, the table of its points, its answers in words."""
 
 import math
+import sys
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 from campaign.folder import RunFolder, digest, writing
+from campaign.provenance import provenance
 from campaign.table import write_table
 from damper3d.map import Grid, MapResult, Rows, map_cases
 from damper3d.prediction import Prediction
-from damper3d.protocol import run_digest
+from damper3d.protocol import PACKAGES, run_digest
 from damper3d.ridges import OnRidge
+from damper3d.sources import SOURCES
 
 
 def map_folder(name_or_path: str, changes: dict[str, Any], grid: Grid, out: Path) -> RunFolder:
@@ -22,7 +25,7 @@ def map_folder(name_or_path: str, changes: dict[str, Any], grid: Grid, out: Path
 
 
 def write_map(folder: RunFolder, result: MapResult, answers: dict[str, Any]) -> None:
-    """Write summary.json, table.csv and table.h5 (a row a point), and the same in runs/ (a run).
+    """Write provenance.json, summary.json, table.csv and table.h5 (a row a point), runs/ (a run).
 
     Raises FolderError where they cannot be written.
     """
@@ -31,6 +34,10 @@ def write_map(folder: RunFolder, result: MapResult, answers: dict[str, Any]) -> 
         runs.mkdir(parents=True, exist_ok=True)
     write_table(folder.path, points(result))
     write_table(runs, result.rows)
+    seed = min((row["seed"] for row in result.rows), default=1)
+    folder.write_provenance(
+        provenance(command=sys.argv, seed=seed, packages=PACKAGES, sources=SOURCES.folders)
+    )
     folder.write_summary(answers)
 
 

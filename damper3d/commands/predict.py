@@ -42,9 +42,10 @@ def predict(
     from campaign.figure import write_figure
     from damper3d import prediction as predicting
     from damper3d.case import DamperCase
+    from damper3d.map import rising
     from damper3d.prediction_chart import draw_predictions
 
-    wanted = numbers("--frequencies", frequencies, predicting.FREQUENCIES)
+    wanted = rising("frequencies", numbers("--frequencies", frequencies, predicting.FREQUENCIES))
     fills = predicting.fills(case, changes_of(seed, material, options))
     cases = [DamperCase.load(*fill) for fill in fills]
     predictions = [predicting.predict(loaded, packing, full_count) for loaded in cases]
