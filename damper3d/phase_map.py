@@ -41,7 +41,7 @@ def draw_phase_map(
             continue
         frequency, gamma, shared = np.array(here).T
         axes.scatter(
-            frequency, gamma, s=42, marker=look.marker, color=look.colour, edgecolors=_EDGE,
+            frequency, gamma, s=55, marker=look.marker, color=look.colour, edgecolors=_EDGE,
             linewidths=0.8, label=look.label, zorder=4, clip_on=False,
         )  # fmt: skip
         unsure = shared < 1.0
