@@ -66,15 +66,13 @@ def mindlin_force(law, stiffness, dashpot, normal_force, trial, slip_rate):
     slides (1.0 or 0.0). What is held is in the unit of trial.
     """
     kt = law.tangential * stiffness
-    spring = trial if law.stored_force else scale(kt, trial)
-    wanted = add(spring, scale(law.tangential_damping * dashpot, slip_rate))
+    unit = 1.0 if law.stored_force else kt  # of what is held [N or N/m]
+    wanted = add(scale(unit, trial), scale(law.tangential_damping * dashpot, slip_rate))
     size, limit = norm(wanted), law.mu * max(normal_force, 0.0)
     slides = 1.0 if size > limit else 0.0
-    share = limit / size if size > limit else 1.0
-    unit = 1.0
-    if not law.stored_force:
-        unit = 1.0 / kt if kt > 0.0 else 0.0
-    held = add(scale(slides * share * unit, wanted), scale(1.0 - slides, trial))
+    holds = limit / (unit * size) if size > limit else 0.0  # over what is wanted
+    share = unit * holds if size > limit else 1.0
+    held = add(scale(holds, wanted), scale(1.0 - slides, trial))
     power = (1.0 - slides) * law.tangential_damping * dashpot * dot(slip_rate, slip_rate)
     return scale(-share, wanted), held, power, slides
 
@@ -104,3 +102,12 @@ def damping_of_impact(law, hertz, mass, speed):
     if law.damping > 0.0:
         log += np.pi * law.damping / np.sqrt(1.0 - law.damping**2)
     return log / np.sqrt(log**2 + np.pi**2)
+
+
+@njit
+def with_history(law, stored_force):
+    """The law with one of the two histories: a constant here lets the compiler drop the other's."""
+    return HertzLaw(
+        law.hertz, law.tangential, law.mu, law.damping, law.tangential_damping, law.yielding,
+        law.pulls, stored_force,
+    )  # fmt: skip

@@ -11,11 +11,11 @@ step, so that no velocity need be gathered twice.
 
 import numpy as np
 
-from contact.hertz import damping_of_impact, hertz_force, mindlin_force
+from contact.hertz import damping_of_impact, hertz_force, mindlin_force, with_history
 from contact.jit import inlined, njit
 from contact.spring_books import spring_books
 from contact.vectors import add, cross, dot, scale
-from damper3d.geometry import between_spheres, with_cylinder, with_plane
+from damper3d.geometry import between_spheres, place, with_cylinder, with_plane
 from damper3d.lanes import add_loads, combine
 from damper3d.state import (
     BLOCK,
@@ -111,13 +111,26 @@ def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
 @inlined
 def contact_law(law, contacts, begin, n_contacts, block, dt):
     """Forces, histories and dissipation of a block whose geometry is known."""
+    if law.stored_force:  # out of the loop, where both ways would be calculated
+        apply_law(with_history(law, True), contacts, begin, n_contacts, block, dt)
+    else:
+        apply_law(with_history(law, False), contacts, begin, n_contacts, block, dt)
+
+
+@inlined
+def apply_law(law, contacts, begin, n_contacts, block, dt):
+    """See contact_law."""
     history, later = contacts.history, block.history
     for k in range(np.uintp(n_contacts)):
         n = np.uintp(begin) + k
         overlap = block.overlap[k]
         touches = 1.0 if overlap > 0.0 else 0.0
-        normal = block.normal[0, k], block.normal[1, k], block.normal[2, k]
-        velocity = block.velocity[0, k], block.velocity[1, k], block.velocity[2, k]
+        normal = block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)]
+        velocity = (
+            block.velocity[place(0, k)],
+            block.velocity[place(1, k)],
+            block.velocity[place(2, k)],
+        )
         rate = -dot(velocity, normal)
         slip_rate = add(velocity, scale(rate, normal))
         known = history[DAMPING, n]
@@ -133,14 +146,16 @@ def contact_law(law, contacts, begin, n_contacts, block, dt):
 
         nothing = 0.0, 0.0, 0.0  # not a product with 0: that may be -0
         held, moved = (held, moved) if overlap > 0.0 else (nothing, nothing)
-        later[SPRING_X, k], later[SPRING_Y, k], later[SPRING_Z, k] = held
-        later[MOVED_X, k], later[MOVED_Y, k], later[MOVED_Z, k] = moved
-        later[STIFFNESS, k] = kt
-        later[DAMPING, k] = damping if overlap > 0.0 else NO_CONTACT
+        later[place(SPRING_X, k)], later[place(SPRING_Y, k)], later[place(SPRING_Z, k)] = held
+        later[place(MOVED_X, k)], later[place(MOVED_Y, k)], later[place(MOVED_Z, k)] = moved
+        later[place(STIFFNESS, k)] = kt
+        later[place(DAMPING, k)] = damping if overlap > 0.0 else NO_CONTACT
         block.begins[k] = touches * rate if known < 0.0 else 0.0
-        block.couple[0, k], block.couple[1, k], block.couple[2, k] = cross(normal, force)
+        block.couple[place(0, k)], block.couple[place(1, k)], block.couple[place(2, k)] = cross(
+            normal, force
+        )
         push = add(force, scale(f_n, normal))
-        block.push[0, k], block.push[1, k], block.push[2, k] = push
+        block.push[place(0, k)], block.push[place(1, k)], block.push[place(2, k)] = push
         block.normal_power[k] = inelastic * rate
         block.tangential_power[k] = power
         block.rubbed[k] = touches * rubbed
@@ -169,7 +184,7 @@ def keep_history(contacts, begin, n_contacts, block):
     """Let the histories after this step be those of the contacts."""
     for h in range(N_HISTORY):
         for k in range(np.uintp(n_contacts)):
-            contacts.history[h, np.uintp(begin) + k] = block.history[h, k]
+            contacts.history[h, np.uintp(begin) + k] = block.history[place(h, k)]
 
 
 @inlined

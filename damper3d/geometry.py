@@ -8,6 +8,17 @@ is kept. The passes have no branch, so that the compiler vectorises them.
 import numpy as np
 
 from contact.jit import inlined, njit
+from damper3d.state import BLOCK
+
+
+@njit
+def place(row, k):
+    """Where lane k of a row of a block stands.
+
+    Rows lie one behind the other at a distance that the compiler knows, unlike that of the rows of
+    an array of two dimensions: it then knows that they do not overlap, and vectorises.
+    """
+    return np.uintp(row * BLOCK) + k
 
 
 @njit
@@ -25,18 +36,21 @@ def between_spheres(contacts, begin, n_contacts, block):
     apart, passing, turning, spin = block.separation, block.passing, block.turning, block.spin
     for k in range(np.uintp(n_contacts)):  # unsigned: numba then need not look for negative ones
         n = np.uintp(begin) + k
-        dx, dy, dz = apart[0, k], apart[1, k], apart[2, k]
+        dx, dy, dz = apart[place(0, k)], apart[place(1, k)], apart[place(2, k)]
         distance = np.sqrt(dx * dx + dy * dy + dz * dz)
         overlap = max(contacts.radius_i[n] + contacts.radius_j[n] - distance, 0.0)
         shrink = 1.0 / distance
         nx, ny, nz = shrink * dx, shrink * dy, shrink * dz
         half = 0.5 * overlap
-        sx, sy = turning[0, k] - half * spin[0, k], turning[1, k] - half * spin[1, k]
-        sz = turning[2, k] - half * spin[2, k]
-        block.velocity[0, k] = passing[0, k] - (sy * nz - sz * ny)
-        block.velocity[1, k] = passing[1, k] - (sz * nx - sx * nz)
-        block.velocity[2, k] = passing[2, k] - (sx * ny - sy * nx)
-        block.normal[0, k], block.normal[1, k], block.normal[2, k] = nx, ny, nz
+        sx, sy = (
+            turning[place(0, k)] - half * spin[place(0, k)],
+            turning[place(1, k)] - half * spin[place(1, k)],
+        )
+        sz = turning[place(2, k)] - half * spin[place(2, k)]
+        block.velocity[place(0, k)] = passing[place(0, k)] - (sy * nz - sz * ny)
+        block.velocity[place(1, k)] = passing[place(1, k)] - (sz * nx - sx * nz)
+        block.velocity[place(2, k)] = passing[place(2, k)] - (sx * ny - sy * nx)
+        block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)] = nx, ny, nz
         block.overlap[k] = overlap
         block.arm_i[k] = contacts.radius_i[n] - half
         block.arm_j[k] = contacts.radius_j[n] - half
@@ -48,7 +62,9 @@ def with_plane(plane, contacts, begin, n_contacts, block):
     apart = block.separation
     nx, ny, nz, offset = -plane[0], -plane[1], -plane[2], plane[3]
     for k in range(np.uintp(n_contacts)):
-        distance = nx * apart[0, k] + ny * apart[1, k] + nz * apart[2, k] - offset
+        distance = (
+            nx * apart[place(0, k)] + ny * apart[place(1, k)] + nz * apart[place(2, k)] - offset
+        )
         wall_contact(contacts, begin, (nx, ny, nz), distance, block, k)
 
 
@@ -57,9 +73,11 @@ def with_cylinder(radius, contacts, begin, n_contacts, block):
     """The same for contacts of spheres with the round wall, whose axis is z."""
     apart = block.separation
     for k in range(np.uintp(n_contacts)):
-        off_axis = np.sqrt(apart[0, k] * apart[0, k] + apart[1, k] * apart[1, k])
+        off_axis = np.sqrt(
+            apart[place(0, k)] * apart[place(0, k)] + apart[place(1, k)] * apart[place(1, k)]
+        )
         shrink = -1.0 / max(off_axis, 1e-300)
-        normal = (shrink * apart[0, k], shrink * apart[1, k], 0.0)
+        normal = (shrink * apart[place(0, k)], shrink * apart[place(1, k)], 0.0)
         wall_contact(contacts, begin, normal, radius - off_axis, block, k)
 
 
@@ -68,9 +86,15 @@ def wall_contact(contacts, begin, normal, distance, block, k):
     """Fill place k of a block with a contact; the normal points to the wall, at a distance [m]."""
     nx, ny, nz = normal
     spin, passing = block.spin, block.passing
-    block.velocity[0, k] = passing[0, k] - distance * (spin[1, k] * nz - spin[2, k] * ny)
-    block.velocity[1, k] = passing[1, k] - distance * (spin[2, k] * nx - spin[0, k] * nz)
-    block.velocity[2, k] = passing[2, k] - distance * (spin[0, k] * ny - spin[1, k] * nx)
-    block.normal[0, k], block.normal[1, k], block.normal[2, k] = nx, ny, nz
+    block.velocity[place(0, k)] = passing[place(0, k)] - distance * (
+        spin[place(1, k)] * nz - spin[place(2, k)] * ny
+    )
+    block.velocity[place(1, k)] = passing[place(1, k)] - distance * (
+        spin[place(2, k)] * nx - spin[place(0, k)] * nz
+    )
+    block.velocity[place(2, k)] = passing[place(2, k)] - distance * (
+        spin[place(0, k)] * ny - spin[place(1, k)] * nx
+    )
+    block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)] = nx, ny, nz
     block.overlap[k] = max(contacts.radius_i[np.uintp(begin) + k] - distance, 0.0)
     block.arm_i[k], block.arm_j[k] = distance, 0.0

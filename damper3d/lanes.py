@@ -103,7 +103,7 @@ def _combine_four(typingctx, x, u, w, i, j, separation, passing, turning, spin, 
 def combine(spheres, contacts, begin, n_contacts, block):
     """What contacts begin ... begin + n_contacts - 1 need of their spheres i and j.
 
-    Fills rows of the block, (3, BLOCK): separation x_j - x_i [m], passing u_j - u_i [m/s], turning
+    Fills rows of the block: separation x_j - x_i [m], passing u_j - u_i [m/s], turning
     R_i w_i + R_j w_j [m/s] and spin w_i + w_j [rad/s].
     """
     x, u, w = spheres.position, spheres.velocity, spheres.spin
@@ -116,10 +116,10 @@ def combine(spheres, contacts, begin, n_contacts, block):
     for k in range(whole, n_contacts):
         i, j = contacts.i[begin + k], contacts.j[begin + k]
         for c in range(3):
-            block.separation[c, k] = x[j, c] - x[i, c]
-            block.passing[c, k] = u[j, c] - u[i, c]
-            block.turning[c, k] = x[i, 3] * w[i, c] + x[j, 3] * w[j, c]
-            block.spin[c, k] = w[i, c] + w[j, c]
+            block.separation[c * BLOCK + k] = x[j, c] - x[i, c]
+            block.passing[c * BLOCK + k] = u[j, c] - u[i, c]
+            block.turning[c * BLOCK + k] = x[i, 3] * w[i, c] + x[j, 3] * w[j, c]
+            block.spin[c * BLOCK + k] = w[i, c] + w[j, c]
 
 
 @intrinsic
@@ -177,7 +177,7 @@ def add_loads(spheres, contacts, begin, n_contacts, block):
     for k in range(whole, n_contacts):
         i, j = contacts.i[begin + k], contacts.j[begin + k]
         for c in range(3):
-            force[i, c] -= block.push[c, k]
-            force[j, c] += block.push[c, k]
-            torque[i, c] -= block.arm_i[k] * block.couple[c, k]
-            torque[j, c] -= block.arm_j[k] * block.couple[c, k]
+            force[i, c] -= block.push[c * BLOCK + k]
+            force[j, c] += block.push[c * BLOCK + k]
+            torque[i, c] -= block.arm_i[k] * block.couple[c * BLOCK + k]
+            torque[j, c] -= block.arm_j[k] * block.couple[c * BLOCK + k]

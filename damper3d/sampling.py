@@ -6,7 +6,7 @@ from contact.hertz import hertz_force, mindlin_force, spring_energy
 from contact.jit import njit
 from contact.vectors import add, dot, scale
 from damper3d.forces import contact_law, meet_wall, put_enclosure, without_slip
-from damper3d.geometry import between_spheres
+from damper3d.geometry import between_spheres, place
 from damper3d.integrate import advance, enclosure_at
 from damper3d.lanes import combine
 from damper3d.neighbours import DONE
@@ -110,13 +110,17 @@ def elastic_energies(world, shift, speed, row):
 def add_elastic(law, contacts, begin, n_contacts, block, dt, row, count):
     """Add the elastic energies of a block to a row: (2/5) K d^2.5 and that of the spring."""
     history = contacts.history
-    for k in range(n_contacts):
+    for k in range(np.uintp(n_contacts)):
         overlap = block.overlap[k]
         if overlap <= 0.0:
             continue
-        n = begin + k
-        normal = block.normal[0, k], block.normal[1, k], block.normal[2, k]
-        velocity = block.velocity[0, k], block.velocity[1, k], block.velocity[2, k]
+        n = np.uintp(begin) + k
+        normal = block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)]
+        velocity = (
+            block.velocity[place(0, k)],
+            block.velocity[place(1, k)],
+            block.velocity[place(2, k)],
+        )
         rate = -dot(velocity, normal)
         slip_rate = add(velocity, scale(rate, normal))
         damping = max(history[DAMPING, n], law.damping)
@@ -167,14 +171,15 @@ def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, bodies, num
     The enclosure's row stands behind those of the spheres, so that adding a wall's number to it
     numbers the walls after the spheres.
     """
-    for k in range(n_contacts):
+    for k in range(np.uintp(n_contacts)):
         if block.overlap[k] > 0.0:
-            i, j = contacts.i[begin + k], contacts.j[begin + k]
+            n = np.uintp(begin) + k
+            i, j = contacts.i[n], contacts.j[n]
             bodies[found, 0], bodies[found, 1] = i, j + wall
             for c in range(3):
-                numbers[found, FORCE + c] = block.push[c, k]
-                numbers[found, NORMAL + c] = block.normal[c, k]
-                point = spheres.position[i, c] + block.arm_i[k] * block.normal[c, k]
+                numbers[found, FORCE + c] = block.push[place(c, k)]
+                numbers[found, NORMAL + c] = block.normal[place(c, k)]
+                point = spheres.position[i, c] + block.arm_i[k] * block.normal[place(c, k)]
                 numbers[found, POINT + c] = point
             numbers[found, OVERLAP] = block.overlap[k]
             found += 1

@@ -34,7 +34,7 @@ SPRING_X, SPRING_Y, SPRING_Z, MOVED_X, MOVED_Y, MOVED_Z, STIFFNESS, DAMPING = ra
 N_HISTORY = 8
 NO_CONTACT = -1.0
 
-BLOCK = 256  # contacts that the force pass works on at once: what it finds stays in cache
+BLOCK = 64  # contacts that the force pass works on at once: what it finds stays in the first cache
 
 
 class Bodies(NamedTuple):
@@ -105,7 +105,10 @@ class Walls(NamedTuple):
 
 
 class Block(NamedTuple):
-    """What the passes over one block of contacts hand on; (3, BLOCK) or (BLOCK,)."""
+    """What the passes over one block of contacts hand on; vectors (3 BLOCK,), numbers (BLOCK,).
+
+    The second row of a vector begins at BLOCK; see damper3d.geometry.place.
+    """
 
     separation: np.ndarray  # x_j - x_i [m]
     passing: np.ndarray  # u_j - u_i [m/s]
@@ -124,7 +127,7 @@ class Block(NamedTuple):
     gained: np.ndarray  # gained by the tangential spring, whose stiffness changes [J]
     slip_power: np.ndarray  # friction force times the whole sliding velocity [W]
     begins: np.ndarray  # speed of an impact that begins in this step [m/s], else 0
-    history: np.ndarray  # (N_HISTORY, BLOCK), the next one
+    history: np.ndarray  # (N_HISTORY BLOCK,), the next one
 
 
 class Cells(NamedTuple):

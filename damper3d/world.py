@@ -133,12 +133,7 @@ def _near(n: int, capacity: int) -> Near:
 def _block() -> Block:
     vectors = ("separation", "passing", "turning", "spin", "normal", "velocity", "push", "couple")
     rows = dict.fromkeys(vectors, 3) | {"history": state.N_HISTORY}
-    return Block(
-        **{
-            name: np.zeros((rows[name], state.BLOCK) if name in rows else state.BLOCK)
-            for name in Block._fields
-        }
-    )
+    return Block(**{name: np.zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields})
 
 
 def _contacts(n: int, capacity: int) -> Contacts:
