@@ -88,7 +88,8 @@ def draw_contours(axes: "Axes", result: MapResult) -> None:
     filled = fill_contours(axes, result)
     assert axes.figure is not None
     bar = axes.figure.colorbar(filled, ax=axes, label="efficiency [-]", ticks=LEVELS, pad=0.02)
-    bar.ax.axhline(MARKED, color=INK, lw=1.2)
+    if np.nanmin(result.efficiency) < MARKED < np.nanmax(result.efficiency):
+        bar.ax.axhline(MARKED, color=INK, lw=1.2)
 
 
 def fill_contours(axes: "Axes", result: MapResult) -> "ContourSet":

@@ -53,7 +53,13 @@ def run(
 ) -> list[Row]:
     """All points of the eight maps, or of another grid, with all packings."""
     return run_panels(
-        panels() if grid is None else grid, seeds, out=out, workers=workers, quiet=quiet, **engine
+        panels() if grid is None else grid,
+        seeds,
+        refine=0,
+        out=out,
+        workers=workers,
+        quiet=quiet,
+        **engine,
     )
 
 

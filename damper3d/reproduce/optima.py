@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from campaign.statistics import Sample, mean_sd, pooled_sd, quantile
 from damper3d.map import MapResult
@@ -18,15 +19,20 @@ class Optimum:
     """A peak of eta on a ridge at one frequency.
 
     mean        of the efficiency averaged over the packings
-    logarithms  ln Gamma of the peaks of each packing alone, of those that have one
+    alone       ln Gamma of the peak of each packing alone, of those that have one
     prediction  of the damper
     frequency   [Hz]
     """
 
     mean: Peak
-    logarithms: Sample
+    alone: tuple[float, ...]
     prediction: Prediction
     frequency: float
+
+    @cached_property
+    def logarithms(self) -> Sample:
+        """Mean and standard deviation of ln Gamma over the packings."""
+        return mean_sd(self.alone)
 
     @property
     def gamma(self) -> float:
@@ -71,12 +77,12 @@ def optimum(rows: Sequence[Row], frequency: float, ridge: str) -> Optimum | None
     mean = _on_ridge(here, prediction, ridge)
     if mean is None:
         return None
-    alone = [
+    peaks = [
         _on_ridge([row for row in here if row["seed"] == seed], prediction, ridge)
         for seed in sorted({row["seed"] for row in here})
     ]
-    logarithms = mean_sd([math.log(peak.gamma) for peak in alone if peak])
-    return Optimum(mean, logarithms, prediction, frequency)
+    alone = tuple(math.log(peak.gamma) for peak in peaks if peak)
+    return Optimum(mean, alone, prediction, frequency)
 
 
 def pooled_scatter(optima: Sequence[Optimum | None]) -> tuple[float, int] | None:
