@@ -1,4 +1,4 @@
-"""Rows of damper3d's published tables as they come from run_cases, made up: optima at known places."""
+"""Rows of damper3d's published tables as they come from run_cases, with optima at known places."""
 
 import numpy as np
 
