@@ -47,7 +47,7 @@ def draw_map(result: MapResult, prediction: Prediction, on_ridges: list[OnRidge]
         draw_contours(axes, result)
         draw_onsets(axes, prediction, result)
         draw_points(axes, result)
-        _draw_peaks(axes, on_ridges)
+        draw_peaks(axes, on_ridges)
         plane(axes, result)
     else:
         _draw_curve(axes, result, prediction)
@@ -158,7 +158,7 @@ def plane(axes: "Axes", result: MapResult) -> None:
     axes.set_ylim(result.gamma.min(), result.gamma.max())
 
 
-def _draw_peaks(axes: "Axes", on_ridges: list[OnRidge]) -> None:
+def draw_peaks(axes: "Axes", on_ridges: list[OnRidge]) -> None:
     """The peaks that were found, with the bracket that each lies in."""
     for ridge, marker in _RIDGE_MARKERS.items():
         found = [item for item in on_ridges if item.ridge == ridge]

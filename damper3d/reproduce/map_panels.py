@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from campaign.figure import headline
-from damper3d.map_chart import LEVELS, draw_onsets, draw_points, fill_contours, plane
+from damper3d.map_chart import LEVELS, draw_onsets, draw_peaks, draw_points, fill_contours, plane
 from damper3d.reproduce.map_statements import Ridges
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ def _draw(axes: "Axes", one: Ridges) -> Any:
     filled = fill_contours(axes, one.result)
     draw_onsets(axes, one.prediction, one.result)
     draw_points(axes, one.result)
+    draw_peaks(axes, one.peaks)
     plane(axes, one.result)
     return filled
 
@@ -54,6 +55,7 @@ def _legend(column: "list[Axes]") -> None:
     named: dict[str, Any] = {}
     for axes in column:
         named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    named.pop("runs", None)  # white dots, which a white ground does not show
     column[-1].legend(
         named.values(), named.keys(), loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3,
         fontsize=7, markerscale=0.8,

@@ -65,6 +65,8 @@ def _draw_heights(axes: "Axes", here: Optima, frequency: float, published: Publi
     axes.set_xlabel("height [mm]")
     axes.set_xticks(sorted({height for height, _, _ in here}))
     axes.margins(x=0.15)
+    if len({height for height, _, _ in here}) == 1:
+        axes.margins(x=2.0)  # else the two orientations stand at the ends
     axes.set_ylim(bottom=0)
 
 
@@ -72,7 +74,7 @@ def _draw_predicted(axes: "Axes", here: Optima) -> None:
     by_height = {height: one for (height, _, _), one in sorted(here.items()) if one is not None}
     for name, style in _LINES.items():
         gammas = [one.predicted(name) or np.nan for one in by_height.values()]
-        axes.plot(list(by_height), gammas, style, color=GREY, lw=1.2, zorder=1,
+        axes.plot(list(by_height), gammas, style, marker="_", color=GREY, lw=1.2, zorder=1,
                   label=f"eq. 6.11, {name} packing")  # fmt: skip
 
 

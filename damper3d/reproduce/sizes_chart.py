@@ -40,6 +40,7 @@ def draw_sizes(rows: Sequence[Row], found: Found) -> "Figure":
         axes.set_title(f"{orientation}, {frequency:g} Hz", loc="left", fontsize=9)
     for axes in panels[:, 0]:
         axes.set_ylabel("efficiency [-]")
+        axes.set_ylim(bottom=0)  # of all: they share it
     named: dict[str, Any] = {}
     for axes in panels.flat:
         named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
@@ -60,7 +61,7 @@ def _draw(axes: "Axes", rows: Sequence[Row], own: Mapping[int, Optimum | None]) 
             axes.plot(one.gamma, one.mean.efficiency, marker, color=colour, mec=INK, ms=7, zorder=4)
     _draw_onsets(axes, own)
     axes.axhline(0.3, color=GREY, lw=0.6, zorder=0)
-    axes.set(xscale="log", xlabel="Γ [-]", ylim=(0, None))
+    axes.set(xscale="log", xlabel="Γ [-]")
     gammas = sorted({row["gamma"] for row in rows})
     places = [g for g in (1, 2, 3, 5, 10, 20, 50, 100) if gammas[0] <= g <= gammas[-1]]
     axes.set_xticks(places, [f"{g:g}" for g in places])
