@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from campaign.layout import columns, done
 from damper3d.reproduce.sensitivity_statements import Peaks, peaks_of, sensitivity_statements
-from damper3d.reproduce.sensitivity_values import FREQUENCY, KEYS, in_words, points
+from damper3d.reproduce.sensitivity_values import FREQUENCY, change, in_words, points
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import as_text
 
@@ -46,8 +46,7 @@ def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[
             "motion.gamma": point["gamma"],
             "output.keep": "summary",
         }
-        if point["property"] in KEYS:
-            own[KEYS[point["property"]]] = point["value"]
+        own |= change(point["property"], point["value"])
         found += over_seeds(point, DamperCase.load("thesis", own | (changes or {})), seeds)
     return found
 

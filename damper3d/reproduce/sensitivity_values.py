@@ -18,7 +18,7 @@ VALUES = {
     "restitution": (0.6, 0.75, 0.95),  # of all contacts
     "friction": (0.1, 0.3, 0.8),  # of all contacts
 }
-KEYS = {
+_KEYS = {
     "density": "law.density",
     "modulus": "law.youngs_modulus",
     "restitution": "law.restitution",
@@ -46,3 +46,11 @@ def in_words(name: str, value: float) -> str:
 def span(name: str, value: float) -> float:
     """A value on the scale on which its trend is taken."""
     return math.log(value) if name in ("density", "modulus") else value
+
+
+def change(name: str, value: float) -> dict[str, Any]:
+    """What DamperCase.load takes for a value; nothing for the standard."""
+    if name not in _KEYS:
+        return {}
+    with_unit = name in ("density", "modulus")
+    return {_KEYS[name]: in_words(name, value) if with_unit else value}
