@@ -3,7 +3,17 @@
 import click
 
 from campaign.commandline import run_app
-from damper3d.commands import contact, files, impact, map, predict, results, run, sweep
+from damper3d.commands import (
+    contact,
+    files,
+    impact,
+    map,
+    predict,
+    reproduce,
+    results,
+    run,
+    sweep,
+)  # fmt: skip
 
 
 @click.group(
@@ -23,8 +33,9 @@ def app(context: click.Context) -> None:
 
 
 for command in (
-    run.run, sweep.sweep, map.map_, predict.predict, impact.impact, contact.contact,
-    results.render, results.compare, results.export, files.init, files.list_, files.show,
+    run.run, sweep.sweep, map.map_, reproduce.reproduce, predict.predict, impact.impact,
+    contact.contact, results.render, results.compare, results.export, files.init, files.list_,
+    files.show,
 ):  # fmt: skip
     app.add_command(command)
 

@@ -1,0 +1,31 @@
+"""The command that computes a published table: reproduce."""
+
+from typing import Any
+
+import click
+
+from campaign.reproduce import reproduce_options, reproduce_table
+from damper3d.commands.options import announce_compilation
+
+# Columns that no table needs; with them the rows of a map would be some megabytes.
+_LEFT_OUT = ("phase_next", "phase_measures.", "effective_mass.", "efficiency_per_cycle")
+
+
+@click.command()
+@reproduce_options
+def reproduce(table: str | None, **options: Any) -> None:
+    """Compute one of the thesis's tables and print it beside the published numbers.
+
+    Without TABLE it says what there is. Runs that are there already are not done again: the same
+    command goes on after whatever stopped it.
+    """
+    from damper3d.reproduce import TABLES, find
+
+    if table is None:
+        click.echo("\n".join(f"{name:12} {text}" for name, (_, text) in TABLES.items()))
+        return
+    found = find(table)
+    from damper3d.sweep import DAMPER
+
+    announce_compilation(options["quiet"])
+    reproduce_table(DAMPER, table, found, left_out=_LEFT_OUT, **options)

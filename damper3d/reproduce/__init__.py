@@ -1,0 +1,26 @@
+"""The thesis's tables and figures beside ours: a table of names, each a module of this package.
+
+A module offers what campaign.reproduce.PublishedTable says.
+"""
+
+import importlib
+from typing import Any, cast
+
+from campaign.reproduce import PublishedTable
+from contact.quantity import InputError, nearest
+
+Row = dict[str, Any]
+
+# name as in `damper3d reproduce TABLE`: module of this package, what it shows
+TABLES: dict[str, tuple[str, str]] = {
+    "map": ("maps", "efficiency over frequency and Gamma, 4 fills (thesis, Figs 6.4 and 6.5)"),
+    "optimum": ("optimum", "where the bouncing bed damps best (thesis, Table 6.3)"),
+    "sizes": ("sizes", "spheres of 3, 4, 5 and 6 mm (thesis, Figs 6.12, 6.22 and 6.26)"),
+}
+
+
+def find(name: str) -> PublishedTable:
+    """The table of a name; InputError with the names there are."""
+    if name not in TABLES:
+        raise InputError(f"reproduce {name!r}: no such table; {nearest(name, list(TABLES))}")
+    return cast(PublishedTable, importlib.import_module(f"damper3d.reproduce.{TABLES[name][0]}"))

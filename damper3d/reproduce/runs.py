@@ -1,0 +1,79 @@
+"""From a table's cases to rows: what they will cost, the runs, the refinement about the peaks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import click
+
+from campaign.overview import cost
+from campaign.sweep import Labelled, over_seeds
+from damper3d import sweep
+from damper3d.case import DamperCase
+from damper3d.map import MapResult
+
+Row = dict[str, Any]
+Point = tuple[float, float]  # frequency [Hz] and Gamma
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One damper of a table, and the points at which it is run.
+
+    labels    what tells its rows from those of the other panels
+    changes   of the thesis's case, as DamperCase.load takes them
+    points    (frequency [Hz], Gamma), before they are refined
+    """
+
+    labels: Row
+    changes: dict[str, Any]
+    points: tuple[Point, ...] = field(default=())
+
+    def of(self, rows: Sequence[Row]) -> list[Row]:
+        """Its rows among those of a table."""
+        return [row for row in rows if all(row[key] == v for key, v in self.labels.items())]
+
+    def cases(self, seeds: Sequence[int], points: Sequence[Point] | None = None) -> list[Labelled]:
+        """A case at each of its points, or at others, once for each packing."""
+        cases: list[Labelled] = []
+        for frequency, gamma in self.points if points is None else points:
+            here = {"motion.frequency": frequency, "motion.gamma": gamma, "output.keep": "summary"}
+            case = DamperCase.load("thesis", self.changes | here)
+            labels = {**self.labels, "frequency_hz": frequency, "gamma": gamma}
+            cases += over_seeds(labels, case, seeds)
+        return cases
+
+
+def run_all(
+    cases: Sequence[Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
+) -> list[Row]:
+    """The rows of the cases, in their order; see damper3d.sweep.run_cases."""
+    if not quiet:
+        click.echo(cost(sweep.DAMPER, cases), err=True)
+    return sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
+
+
+def run_panels(
+    panels: Sequence[Panel], seeds: Sequence[int], *, refine: int = 0, quiet: bool, **options: Any
+) -> list[Row]:
+    """All points of all panels; then, `refine` times, the middles beside each peak along Gamma.
+
+    A round begins when the one before is whole, so that whatever was interrupted comes to the same
+    points; see damper3d.map. `options` are those of run_all.
+    """
+    rows = run_all([c for p in panels for c in p.cases(seeds)], quiet=quiet, **options)
+    for number in range(1, refine + 1):
+        if any(row["state"] == "interrupted" for row in rows):
+            break
+        added = [
+            case
+            for panel in panels
+            for case in panel.cases(seeds, MapResult.of(panel.of(rows)).to_add())
+        ]
+        if not added:
+            break
+        if not quiet:
+            click.echo(f"refinement {number} of {refine} about the peaks:", err=True)
+        rows += run_all(added, quiet=quiet, **options)
+    return rows
