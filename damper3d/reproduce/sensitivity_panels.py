@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from campaign.figure import BLUE, GREEN, INK, ORANGE, PURPLE, headline
+from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline
 from damper3d.graph import ruled
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.sensitivity_statements import Peaks, of_value
@@ -30,6 +30,10 @@ def sensitivity_panels(rows: list[dict[str, Any]], found: Peaks) -> "Figure":
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     for axes, name in zip(panels.flat, VALUES, strict=True):
         _panel(axes, rows, found, name)
+    panels[0, 0].annotate(
+        "marks: optima with their intervals", (0.99, 0.99), xycoords="axes fraction",
+        ha="right", va="top", fontsize=7.5, color=GREY,
+    )  # fmt: skip
     for axes in panels[:, 0]:
         axes.set_ylabel("efficiency")
     for axes in panels[-1]:
@@ -52,14 +56,14 @@ def _panel(axes: "Axes", rows: list[dict[str, Any]], found: Peaks, name: str) ->
         axes.errorbar(own.x, own.mean, own.sd, fmt="o-", ms=3, color=colour, elinewidth=0.8,
                       label=label)  # fmt: skip
         if (peak := found[key].peak) is not None:
-            y = 0.97 - 0.022 * height
+            y = 1.07 - 0.025 * height
             axes.plot([peak.low, peak.high], [y, y], color=colour, lw=1)
             axes.plot([peak.gamma], [y], "|", color=colour, ms=7, mew=1.6)
     axes.set_xscale("log")
     ticks = [1, 2, 3, 5, 10, 20, 40]
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.minorticks_off()
-    axes.set_ylim(0, 1)
+    axes.set_ylim(0, 1.1)
     axes.set_title(_TITLES[name], loc="left", fontsize=10)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper left", fontsize=8)

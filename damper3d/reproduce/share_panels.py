@@ -29,11 +29,13 @@ def share_panels(
 
     figure = Figure(figsize=(9.6, 9.2), layout="constrained")
     headline(figure, "Shares of what is dissipated: vertical, fill ratio 0.466")
-    panels = figure.subplots(len(QUANTITIES), len(frequencies), sharex=True, sharey=True)
-    for axes_row, quantity in zip(panels, QUANTITIES, strict=True):
+    panels = figure.subplots(
+        len(QUANTITIES), len(frequencies), sharex=True, sharey=True, squeeze=False
+    )
+    for number, (axes_row, quantity) in enumerate(zip(panels, QUANTITIES, strict=True)):
         for axes, frequency in zip(axes_row, frequencies, strict=True):
             _panel(axes, rows, quantity, frequency)
-            _landmarks(axes, marks, frequency, named=axes_row is panels[0])
+            _landmarks(axes, marks, frequency, named=number == 0)
         axes_row[0].set_ylabel(f"{quantity} share [%]")
     for axes, frequency in zip(panels[0], frequencies, strict=True):
         axes.set_title(f"{frequency:g} Hz", loc="left", fontsize=10, pad=24)

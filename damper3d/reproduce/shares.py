@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from campaign.layout import columns
+from campaign.layout import columns, done
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.share_statements import (
     COUNTS,
@@ -91,6 +91,7 @@ def report(rows: list[Row]) -> str:
         as_text(share_statements(rows, found)),
         *(_table(rows, found, frequency) for frequency in FREQUENCIES),
         tangential_damping(rows),
+        _without_count(rows),
         _READING,
     ]
     return "\n\n".join(filter(None, parts))
@@ -119,6 +120,19 @@ def _table(rows: list[Row], found: Landmarks, frequency: float) -> str:
     header = ["  Gamma", *(f"{size} mm: {q}" for size in sizes for q in ("p-p", "fr", "fr p-p"))]
     title = f"{frequency:g} Hz, shares in %, budget / thesis's count ({found.words(frequency)})"
     return f"{title}\n{columns(header, lines)}"
+
+
+def _without_count(rows: list[Row]) -> str:
+    """How many runs do not know the thesis's shares."""
+    column = "shares_contact_count.particle_particle.friction"
+    old = sum(row.get("shares.particle_particle.friction") is not None and row.get(column) is None
+              for row in done(rows))  # fmt: skip
+    if not old:
+        return ""
+    return (
+        f"{old} of {len(done(rows))} runs were made before the shares of the thesis's count were "
+        "kept; delete their folders and the same command makes them anew"
+    )
 
 
 def draw(rows: list[Row]) -> "Figure":
