@@ -15,6 +15,7 @@ from damper3d.theory import bouncing_bed_onset
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.contour import ContourSet
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
@@ -83,14 +84,21 @@ def _values(result: MapResult, of: Floats) -> int:
 
 
 def draw_contours(axes: "Axes", result: MapResult) -> None:
+    """Filled contours of the efficiency with their bar, the level 0.3 as a line."""
+    filled = fill_contours(axes, result)
+    assert axes.figure is not None
+    bar = axes.figure.colorbar(filled, ax=axes, label="efficiency [-]", ticks=LEVELS, pad=0.02)
+    if np.nanmin(result.efficiency) < MARKED < np.nanmax(result.efficiency):
+        bar.ax.axhline(MARKED, color=INK, lw=1.2)
+
+
+def fill_contours(axes: "Axes", result: MapResult) -> "ContourSet":
     """Filled contours of the efficiency, the level 0.3 as a line."""
     frequency, gamma, eta = gridded(result)
     filled = axes.contourf(frequency, gamma, eta, levels=LEVELS, cmap="viridis", extend="both")
-    assert axes.figure is not None
-    bar = axes.figure.colorbar(filled, ax=axes, label="efficiency [-]", ticks=LEVELS, pad=0.02)
     if np.nanmin(eta) < MARKED < np.nanmax(eta):
         axes.contour(frequency, gamma, eta, levels=[MARKED], colors=INK, linewidths=1.2)
-        bar.ax.axhline(MARKED, color=INK, lw=1.2)
+    return filled
 
 
 def gridded(result: MapResult) -> tuple[Floats, Floats, Floats]:

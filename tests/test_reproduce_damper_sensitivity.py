@@ -70,7 +70,7 @@ def test_reports_and_figures_of_whole_and_of_cut_off_tables(tmp_path):
     part = [row for row in rows if row["property"] in ("standard", "friction")][:100]
     assert report(part).startswith("INCOMPLETE: ")
     write_figure(tmp_path / "part.png", lambda: draw(part))
-    assert "not judged" in report([])
+    assert "cannot be judged yet" in report([])
     assert write_figure(tmp_path / "none.png", lambda: draw([])).exists()
 
 

@@ -109,7 +109,7 @@ def test_reports_and_figures_of_whole_and_of_cut_off_tables(tmp_path):
     assert any(
         line.startswith("  lacking: diameter_mm 4, frequency_hz 40: gamma 1, 1.5") for line in rest
     )
-    assert "not judged  budget          no run there" in "\n".join(rest)
+    assert "----  budget          no run there" in "\n".join(rest)
     write_figure(tmp_path / "part.png", lambda: draw(part))
     assert report([]).startswith("INCOMPLETE: 0 of 152 points")
     assert write_figure(tmp_path / "none.png", lambda: draw([])).exists()

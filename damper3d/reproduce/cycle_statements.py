@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from campaign.layout import done
+from damper3d.reproduce.checks import Check, Judged
 from damper3d.reproduce.cycle_histories import BOUNCING, FLUIDISED, FREQUENCY
 from damper3d.reproduce.cycle_steps import fields, read
-from damper3d.reproduce.statements import Check, Statement
 
 Readings = dict[tuple[str, float], dict[str, float]]  # by orientation and Gamma: mean readings
 
@@ -48,62 +48,62 @@ def ideal_since(gamma: float) -> float | None:
     return None if math.isnan(since) else since
 
 
-def cycle_statements(found: Readings) -> list[Statement]:
+def cycle_statements(found: Readings) -> list[Judged]:
     """Secs 6.4.1, 6.4.3.1 and 6.4.3.2 in the thesis's order."""
     return [*_of_the_bouncing_bed(found), *_of_fluidisation(found)]
 
 
-def _of_the_bouncing_bed(found: Readings) -> list[Statement]:
+def _of_the_bouncing_bed(found: Readings) -> list[Judged]:
     up = _series(found, "vertical", BOUNCING)
     return [
-        Statement("Fig. 6.7: two steps a cycle in the bouncing bed.", [_steps(up, 2)]),
-        Statement("... each collision is earlier in the cycle the larger Gamma.",
+        Judged("Fig. 6.7: two steps a cycle in the bouncing bed.", [_steps(up, 2)]),
+        Judged("... each collision is earlier in the cycle the larger Gamma.",
                   [_ordered(up, "since", -1, "cycles since the greatest speed")]),
-        Statement("... and shorter.", [_ordered(up, "duration", -1, "cycles")]),
-        Statement("... most of the energy goes in the two collisions.",
+        Judged("... and shorter.", [_ordered(up, "duration", -1, "cycles")]),
+        Judged("... most of the energy goes in the two collisions.",
                   [_each(up, "within", lambda part: part > 0.5, "of the energy")]),
-        Statement("Fig. 6.10: at Gamma 20 the bed meets the enclosure when that is about fastest.",
+        Judged("Fig. 6.10: at Gamma 20 the bed meets the enclosure when that is about fastest.",
                   [_at(found, "vertical", 20.0, "enclosure", lambda v: v > _FAST, "V"),
                    _at(found, "vertical", 20.0, "half_way", lambda v: v > _FAST, "V")]),
-        Statement("... against it, with almost the same velocity amplitude.",
+        Judged("... against it, with almost the same velocity amplitude.",
                   [_at(found, "vertical", 20.0, "bed", lambda v: abs(v - 1) < _NEARLY, "V"),
                    _at(found, "vertical", 20.0, "against", lambda v: abs(v - 1) < _NEARLY, "V")]),
-        Statement("... at Gamma 100 collisions commence at a smaller velocity of the enclosure.",
+        Judged("... at Gamma 100 collisions commence at a smaller velocity of the enclosure.",
                   [_compared(found, "enclosure", ("vertical", 100.0), ("vertical", 20.0), -1)]),
-        Statement("... and the bed moves with the enclosure for longer.",
+        Judged("... and the bed moves with the enclosure for longer.",
                   [_compared(found, "together", ("vertical", 100.0), ("vertical", 20.0), 1)]),
-        Statement("... the bed's deceleration grows with Gamma.",
+        Judged("... the bed's deceleration grows with Gamma.",
                   [_ordered(up, "deceleration", 1, "m/s2")]),
     ]  # fmt: skip
 
 
-def _of_fluidisation(found: Readings) -> list[Statement]:
+def _of_fluidisation(found: Readings) -> list[Judged]:
     lying = _series(found, "horizontal", FLUIDISED)
     vertical, horizontal, bouncing = ("vertical", 3.0), ("horizontal", 3.0), ("vertical", 20.0)
     slow, fast, beyond = ("vertical", 1.5), ("vertical", 3.0), ("vertical", 4.0)
     return [
-        Statement("Fig. 6.16: one step a cycle in the vertical fluidisation (Gamma 3).",
+        Judged("Fig. 6.16: one step a cycle in the vertical fluidisation (Gamma 3).",
                   [_steps({vertical: found[vertical]} if vertical in found else {}, 1)]),
-        Statement("... two in the horizontal; sec. 6.4.3.2: at any Gamma.", [_steps(lying, 2)]),
-        Statement("... much longer than those of the bouncing bed (judged: twice; Gamma 20).",
+        Judged("... two in the horizontal; sec. 6.4.3.2: at any Gamma.", [_steps(lying, 2)]),
+        Judged("... much longer than those of the bouncing bed (judged: twice; Gamma 20).",
                   [_compared(found, "duration", horizontal, bouncing, 1, factor=2.0)]),
-        Statement("Fig. 6.18a: at Gamma 1.5 the bed meets the base when it is almost at rest.",
+        Judged("Fig. 6.18a: at Gamma 1.5 the bed meets the base when it is almost at rest.",
                   [_at(found, *slow, "enclosure", lambda v: v < _SLOW, "V")]),
-        Statement("... and moves with it for about half a cycle.",
+        Judged("... and moves with it for about half a cycle.",
                   [_at(found, *slow, "together", lambda t: _HALF[0] < t < _HALF[1], "cycles")]),
-        Statement("... at Gamma 3 when it is about fastest.",
+        Judged("... at Gamma 3 when it is about fastest.",
                   [_at(found, *fast, "enclosure", lambda v: v > _FAST, "V")]),
-        Statement("... with nearly the same velocity, opposite.",
+        Judged("... with nearly the same velocity, opposite.",
                   [_at(found, *fast, "against", lambda v: abs(v - 1) < _NEARLY, "V")]),
-        Statement("... at Gamma 4 the bed's velocity is less (judged: over V).",
+        Judged("... at Gamma 4 the bed's velocity is less (judged: over V).",
                   [_compared(found, "bed", beyond, fast, -1)]),
-        Statement("... and the collision comes at a smaller velocity of the enclosure.",
+        Judged("... and the collision comes at a smaller velocity of the enclosure.",
                   [_compared(found, "enclosure", beyond, fast, -1)]),
-        Statement("... and cycles may be unlike in turn (judged: one twice the other).",
+        Judged("... and cycles may be unlike in turn (judged: one twice the other).",
                   [_at(found, *beyond, "unevenness", lambda u: u > 1 / 3, "of both")]),
-        Statement("Fig. 6.18b: horizontally the bed's velocity over V falls as Gamma grows.",
+        Judged("Fig. 6.18b: horizontally the bed's velocity over V falls as Gamma grows.",
                   [_ordered(lying, "bed", -1, "V")]),
-        Statement("... and the velocity against the enclosure is largest at Gamma 3.",
+        Judged("... and the velocity against the enclosure is largest at Gamma 3.",
                   [_largest(lying, "relative", horizontal)]),
     ]  # fmt: skip
 

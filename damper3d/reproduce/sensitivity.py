@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from campaign.layout import columns, done
+from damper3d.reproduce.checks import as_text
 from damper3d.reproduce.sensitivity_statements import Peaks, peaks_of, sensitivity_statements
 from damper3d.reproduce.sensitivity_values import FREQUENCY, change, in_words, points
 from damper3d.reproduce.standing import standing
-from damper3d.reproduce.statements import as_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,8 +8,8 @@ from typing import Any
 from campaign.layout import done, percent, signed
 from campaign.statistics import overlap, slope
 from damper3d.peaks import Peak
+from damper3d.reproduce.checks import Check, Judged
 from damper3d.reproduce.sensitivity_values import STANDARD, VALUES, span
-from damper3d.reproduce.statements import Check, Statement
 
 Row = dict[str, Any]
 Key = tuple[str, float]  # property and value; "standard" and 1
@@ -61,27 +61,27 @@ def _level(rows: list[Row], gammas: set[float]) -> float | None:
     return math.fsum(values) / len(values) if values else None
 
 
-def sensitivity_statements(rows: Sequence[Row], found: Peaks) -> list[Statement]:
+def sensitivity_statements(rows: Sequence[Row], found: Peaks) -> list[Judged]:
     """That the optimum stays, for each property; then how the level of eta goes."""
     trends = {name: _trend(rows, found, name) for name in VALUES}
     return [
-        Statement(
+        Judged(
             "Sec. 6.4.1: the optimum amplitude is insensitive to material and contact properties.",
             [_stays(found, name) for name in VALUES],
         ),
-        Statement(
+        Judged(
             "... the level of eta differs slightly (judged: less than a quarter over the range).",
             [_slightly(name, trend) for name, trend in trends.items()],
         ),
-        Statement(
+        Judged(
             "Fig. 6.13b: a larger elastic modulus gives a larger eta.",
             [_goes("modulus", trends["modulus"], 1)],
         ),
-        Statement(
+        Judged(
             "Sec. 8.5.1.3 (Fig. 8.20a, and Fig. 6.13): eta falls slightly as the density grows.",
             [_goes("density", trends["density"], -1)],
         ),
-        Statement(
+        Judged(
             "Sec. 8.5.1.3 (Fig. 8.20c; 40 Hz, lying): a higher restitution gives a higher eta.",
             [_goes("restitution", trends["restitution"], 1)],
         ),

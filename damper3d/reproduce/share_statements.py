@@ -7,8 +7,8 @@ from typing import Any
 
 from campaign.layout import done
 from campaign.statistics import slope
+from damper3d.reproduce.checks import Check, Judged, above
 from damper3d.reproduce.curves import Curve, curve
-from damper3d.reproduce.statements import Check, Statement, above
 
 Row = dict[str, Any]
 Value = Callable[[Row], float | None]
@@ -174,7 +174,7 @@ def _about(of: str, named: list[tuple[str, float]], target: float) -> Check:
     return Check(of, abs(mean - target) <= _ABOUT, numbers)
 
 
-def share_statements(rows: list[Row], marks: Landmarks) -> list[Statement]:
+def share_statements(rows: list[Row], marks: Landmarks) -> list[Judged]:
     """Sec. 6.5, each statement for both counts."""
     e_fold = "per factor e in Gamma"
     rules: list[tuple[str, Callable[[str, _Counted], Check]]] = [
@@ -202,7 +202,7 @@ def share_statements(rows: list[Row], marks: Landmarks) -> list[Statement]:
          lambda of, c: _falls(of, c.by_size("friction"), "per mm")),
     ]  # fmt: skip
     counted = {name: _Counted(rows, column, marks) for name, column in COUNTS.items()}
-    return [Statement(words, [rule(of, c) for of, c in counted.items()]) for words, rule in rules]
+    return [Judged(words, [rule(of, c) for of, c in counted.items()]) for words, rule in rules]
 
 
 def _ratios(counted: _Counted) -> list[tuple[str, float]]:

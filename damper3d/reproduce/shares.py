@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from campaign.layout import columns, done
+from damper3d.reproduce.checks import as_text
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.share_statements import (
     COUNTS,
@@ -21,7 +22,6 @@ from damper3d.reproduce.share_statements import (
     tangential_damping,
 )
 from damper3d.reproduce.standing import standing
-from damper3d.reproduce.statements import as_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,61 +1,33 @@
-"""What the thesis says in words, checked on our numbers: each sentence, whether it holds, by what.
+"""What the thesis says in words about its figures, checked: passes, fails, or not known yet."""
 
-The thesis draws more than it prints. What it says of a drawing is judged here, by a rule that
-stands beside it, and told with the number that decided.
-"""
+from collections.abc import Sequence
+from typing import NamedTuple
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-
-_WORDS = {True: "holds", False: "fails", None: "not judged"}
+WORDS = {True: "PASS", False: "FAIL", None: "----"}
 
 
-@dataclass(frozen=True)
-class Check:
-    """Whether a statement holds for one way of counting, or one curve; None: too little to say."""
-
-    of: str  # what it was judged for; "" where there is one only
-    holds: bool | None
-    numbers: str
-
-
-@dataclass(frozen=True)
-class Statement:
-    """A sentence of the thesis with its place, and our checks of it."""
+class Statement(NamedTuple):
+    """A finding of the thesis, whether ours agrees (None: too few runs), and what was found."""
 
     words: str
-    checks: list[Check]
+    holds: bool | None
+    found: str
 
 
-def above(of: str, named: Iterable[tuple[str, float]], limit: float) -> Check:
-    """Whether all of some parts, each with its name, are above a limit.
-
-    Told are the least and the mean, and how many are not.
-    """
-    values = sorted((value, name) for name, value in named)
-    if not values:
-        return Check(of, None, "no run there")
-    low = [value for value, _ in values if value <= limit]
-    mean = sum(value for value, _ in values) / len(values)
-    least, where = values[0]
-    numbers = f"least {_percent(least)} ({where}), mean {_percent(mean)} of {len(values)} points"
-    if low:
-        numbers += f"; {len(low)} not above {_percent(limit)}"
-    return Check(of, not low, numbers)
+def all_of(verdicts: Sequence[bool]) -> bool | None:
+    """Whether all hold; None where there is none."""
+    return all(verdicts) if verdicts else None
 
 
-def as_text(statements: Iterable[Statement]) -> str:
-    """A paragraph a statement: its words, then a line a check."""
-    parts = []
-    for statement in statements:
-        width = max((len(check.of) for check in statement.checks), default=0)
-        lines = [
-            f"  {_WORDS[check.holds]:10}  {f'{check.of:{width}}  ' if width else ''}{check.numbers}"
-            for check in statement.checks
-        ]
-        parts.append("\n".join([statement.words, *lines]))
-    return "\n".join(parts)
-
-
-def _percent(part: float) -> str:
-    return f"{100 * part:.0f} %"
+def report_statements(statements: Sequence[Statement]) -> str:
+    """A line for each, and one for what was found; how many hold in front."""
+    known = [one for one in statements if one.holds is not None]
+    head = f"statements: {sum(bool(one.holds) for one in known)} of {len(known)} hold"
+    if len(known) < len(statements):
+        head += f", {len(statements) - len(known)} cannot be judged yet (----)"
+    lines = [
+        line
+        for one in statements
+        for line in (f"{WORDS[one.holds]}  {one.words}", f"      {one.found or 'no run'}")
+    ]
+    return "\n".join([head, *lines])

@@ -1,0 +1,97 @@
+"""The dampers of the thesis's chapter 6 (Table 6.1) as panels of a table."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+from damper3d.map import GAMMAS
+from damper3d.prediction import Clearance, Prediction
+from damper3d.reproduce.runs import Panel, Point, Row
+from damper3d.theory import PACKINGS, bouncing_bed_onset, fluidisation_threshold
+
+ORIENTATIONS = "vertical", "horizontal"
+HEIGHTS = 40, 45, 50, 55  # mm
+SPHERES = {3: 1659, 4: 700, 5: 358, 6: 207}  # how many of a diameter [mm]: the same volume
+_FRICTION = 0.52  # of acrylic on acrylic (Table 6.2)
+
+
+def panel(
+    orientation: str, height: int, diameter: int, points: Iterable[Point], **changes: object
+) -> Panel:
+    """A damper of Table 6.1 by its height and the spheres' diameter [mm]; with changes, another.
+
+    The names of changes are keys with "__" for the point, such as particles__count.
+    """
+    labels: Row = {"orientation": orientation, "height_mm": height, "diameter_mm": diameter}
+    case: Row = {
+        "motion.orientation": orientation,
+        "enclosure.height": f"{height} mm",
+        "particles.shape": f"sphere:{diameter}mm",
+        "particles.count": SPHERES.get(diameter),
+    }
+    case |= {key.replace("__", "."): value for key, value in changes.items()}
+    return Panel(labels, case, tuple(points))
+
+
+def about(onset: float, factor: float) -> list[float]:
+    """The thesis's Gammas within a factor of an onset."""
+    return [gamma for gamma in GAMMAS if onset / factor <= gamma <= onset * factor]
+
+
+def close_onset(height: int, frequency: float) -> float:
+    """Gamma of eq. 6.11 for the close packing in the thesis's cylinder of a height [mm]."""
+    fill = 358 * (5 / 40) ** 2 * 5 / height * 2 / 3  # spheres of 5 mm in 40 mm, eq. 6.1
+    clearance = (1 - fill / PACKINGS["close"]) * height / 1e3
+    return float(bouncing_bed_onset(frequency, clearance))
+
+
+def prediction_of(rows: Sequence[Row]) -> Prediction | None:
+    """What is predicted of the damper that rows were computed with; None where none is done."""
+    row = next((row for row in rows if row["state"] == "done"), None)
+    if row is None:
+        return None
+    fill, length = row["fill_ratio"], row["height_mm"] / 1e3
+    clearances = tuple(
+        Clearance(name, most, (1 - fill / most) * length if fill < most else None)
+        for name, most in PACKINGS.items()
+    )
+    threshold = fluidisation_threshold(row["orientation"], _FRICTION)
+    name = f"{row['height_mm']} mm, spheres of {row['diameter_mm']} mm"
+    return Prediction(name, fill, length, row["orientation"], clearances, threshold)
+
+
+def what_lacks(
+    rows: Sequence[Row], panels: Sequence[Panel], seeds: int, words: Callable[[Row], str]
+) -> list[str]:
+    """Lines that say how much of a whole table the rows are, and what is not there yet.
+
+    It counts the points before their refinement, each with so many packings.
+    """
+    done: dict[tuple[object, ...], set[int]] = {}
+    for row in rows:
+        if row["state"] == "done":
+            done.setdefault((*_key(row), row["frequency_hz"], row["gamma"]), set()).add(row["seed"])
+    lines, whole, there = [], 0, 0
+    for one in panels:
+        for frequency in dict.fromkeys(f for f, _ in one.points):
+            gammas = [gamma for f, gamma in one.points if f == frequency]
+            counts = [len(done.get((*_key(one.labels), frequency, g), ())) for g in gammas]
+            found = sum(min(count, seeds) for count in counts)
+            whole, there = whole + seeds * len(gammas), there + found
+            if found < seeds * len(gammas):
+                lines.append(
+                    f"  {words(one.labels)}, {frequency:g} Hz: {found} of {seeds * len(gammas)}"
+                )
+    if not lines:
+        return [f"complete: all {whole} runs of its grid are done"]
+    return [f"INCOMPLETE: {there} of the {whole} runs of its grid are done; of these lack some:",
+            *lines]  # fmt: skip
+
+
+def in_words(labels: Row) -> str:
+    """Which panel: "vertical, 40 mm, spheres of 5 mm"."""
+    return (
+        f"{labels['orientation']}, {labels['height_mm']} mm, spheres of {labels['diameter_mm']} mm"
+    )
+
+
+def _key(labels: Row) -> tuple[object, ...]:
+    return labels["orientation"], labels["height_mm"], labels["diameter_mm"]

@@ -1,0 +1,151 @@
+"""Figs 6.4 and 6.5: efficiency over frequency and Gamma for four fills in both orientations.
+
+358 spheres of 5 mm at the thesis's nine frequencies and nineteen Gammas; one packing unless more
+seeds are asked for.
+"""
+
+import itertools
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from campaign.layout import columns, not_done
+from damper3d.map import FREQUENCIES, GAMMAS, MapResult
+from damper3d.phases import PHASES
+from damper3d.reproduce.dampers import (
+    HEIGHTS,
+    ORIENTATIONS,
+    in_words,
+    panel,
+    prediction_of,
+    what_lacks,
+)  # fmt: skip
+from damper3d.reproduce.map_statements import Ridges, statements
+from damper3d.reproduce.runs import Panel, Row, run_panels
+from damper3d.reproduce.statements import report_statements
+from damper3d.ridges import ridges
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SEEDS = 1
+
+_CRITERION = """\
+A ridge has the highest peak of eta along Gamma within a factor of two of Gamma 3 (fluidisation) or
+of eq. 6.11 for the close packing (bouncing bed), whichever is nearer; a peak stands out of the
+noise by its prominence (docs/damper-map.md). In brackets the Gammas that it lies between."""
+
+
+def panels() -> list[Panel]:
+    """The eight maps."""
+    points = list(itertools.product(FREQUENCIES, GAMMAS))
+    return [panel(o, height, 5, points) for o in ORIENTATIONS for height in HEIGHTS]
+
+
+def run(
+    *,
+    out: Path,
+    seeds: Sequence[int],
+    workers: int | None,
+    quiet: bool,
+    grid: Sequence[Panel] | None = None,
+    **engine: str,
+) -> list[Row]:
+    """All points of the eight maps, or of another grid, with all packings."""
+    return run_panels(
+        panels() if grid is None else grid,
+        seeds,
+        refine=0,
+        out=out,
+        workers=workers,
+        quiet=quiet,
+        **engine,
+    )
+
+
+def by_panel(rows: Sequence[Row]) -> dict[tuple[str, int], list[Row]]:
+    """The rows of each orientation and height [mm]."""
+    found: dict[tuple[str, int], list[Row]] = {}
+    for row in rows:
+        found.setdefault((row["orientation"], row["height_mm"]), []).append(row)
+    return found
+
+
+def _ridges(rows: Sequence[Row]) -> Ridges | None:
+    prediction = prediction_of(rows)
+    if prediction is None:
+        return None
+    result = MapResult.of(rows)
+    return Ridges(result, prediction, ridges(result, prediction))
+
+
+def report(rows: list[Row]) -> str:
+    """What lacks, the ridges of each map, the statements, the shares of the phases."""
+    found = {key: one for key, own in by_panel(rows).items() if (one := _ridges(own)) is not None}
+    table = columns(
+        ["orientation", "height", "f [Hz]", "fluidisation", "eta", "bouncing bed", "eta", "CP",
+         "best Gamma", "eta"],
+        [line for key, one in found.items() for line in _lines(key, one)],
+    )  # fmt: skip
+    labels = ["orientation", "height_mm", "frequency_hz", "gamma", "seed"]
+    parts = [
+        "\n".join(what_lacks(rows, panels(), SEEDS, in_words)),
+        table,
+        report_statements(statements(found)),
+        _phases(found),
+        _CRITERION,
+        "\n".join(not_done(rows, labels)),
+    ]
+    return "\n\n".join(filter(None, parts))
+
+
+def _lines(key: tuple[str, int], one: Ridges) -> list[list[str]]:
+    lines = []
+    for frequency in one.frequencies:
+        eta = one.result.efficiency[one.result.at(frequency)]
+        gamma = one.result.gamma[one.result.at(frequency)]
+        onset = one.prediction.best.onset(frequency)
+        best = [f"{gamma[eta.argmax()]:g}", f"{eta.max():.3f}"]
+        lines.append(
+            [
+                key[0],
+                f"{key[1]} mm",
+                f"{frequency:g}",
+                *_peak(one, frequency, "fluidisation"),
+                *_peak(one, frequency, "bouncing_bed"),
+                "-" if onset is None else f"{onset:.3g}",
+                *best,
+            ]
+        )
+    return lines
+
+
+def _peak(one: Ridges, frequency: float, ridge: str) -> list[str]:
+    peak = one.peak(frequency, ridge)
+    if peak is None:
+        return ["-", "-"]
+    low, high = peak.bracket
+    return [f"{peak.gamma:.3g} [{low:g}, {high:g}]", f"{peak.efficiency:.3f}"]
+
+
+def _phases(found: dict[tuple[str, int], Ridges]) -> str:
+    """How many points of each map show which phase (thesis, Figs 6.2 and 6.3)."""
+    lines = []
+    for (orientation, height), one in found.items():
+        names = [phase for phase in one.result.phases if phase]
+        counts = [
+            f"{look.label} {names.count(name)}"
+            for name, look in PHASES[orientation].items()
+            if name in names
+        ]
+        lines.append(f"  {orientation}, {height} mm: {', '.join(counts) or 'none named'}")
+    return "\n".join(["points of each phase:", *lines]) if lines else ""
+
+
+def draw(rows: list[Row]) -> "Figure":
+    """A contour panel for each map, with onset lines, phases and peaks."""
+    from damper3d.reproduce.map_panels import draw_panels
+
+    return draw_panels(
+        {key: one for key, own in by_panel(rows).items() if (one := _ridges(own)) is not None}
+    )

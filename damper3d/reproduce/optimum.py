@@ -1,0 +1,167 @@
+"""Table 6.3: the Gamma at which the bouncing bed damps best, beside the thesis's own and eq. 6.11.
+
+Both orientations, the four heights with 358 spheres of 5 mm, 20 and 40 Hz, and 80 Hz where the
+close packing's onset is within Gamma 100. The thesis's Gammas within a factor of two of that onset
+are run for each packing, then the intervals beside each peak are halved three times.
+"""
+
+import csv
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from campaign.layout import columns, not_done, signed
+from contact.datafile import data_file
+from damper3d.map import GAMMAS
+from damper3d.reproduce.dampers import (
+    HEIGHTS,
+    ORIENTATIONS,
+    about,
+    close_onset,
+    in_words,
+    panel,
+    what_lacks,
+)  # fmt: skip
+from damper3d.reproduce.optima import Optimum, optimum, pooled_scatter, with_scatter
+from damper3d.reproduce.optimum_statements import statements
+from damper3d.reproduce.runs import Panel, Row, run_panels
+from damper3d.reproduce.statements import report_statements
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SEEDS = 3
+FREQUENCIES = 20.0, 40.0, 80.0  # Hz
+REFINE = 3
+_AROUND = 2.0  # factor about the onset within which the thesis's Gammas are run
+
+Line = tuple[int, float, str]  # height [mm], frequency [Hz], orientation
+
+_CRITERION = """\
+ours: where the bouncing bed's peak of eta along Gamma lies, geometric mean +- standard deviation
+  over the packings, each with its own peak (their number); bracket: between which Gammas the peak
+  of the mean curve lies by more than noise. "agrees" where the thesis's number is within
+  root((t s sqrt(1 + 1/n))^2 + b^2) of ours in ln Gamma, which stands in brackets: s is the standard
+  deviation pooled over all lines, b half the bracket. LP, CP: eq. 6.11 with 0.55 and 0.64."""
+
+
+def panels() -> list[Panel]:
+    """The dampers of the table, with the points before their refinement."""
+    return [
+        panel(orientation, height, 5, [
+            (frequency, gamma)
+            for frequency in FREQUENCIES
+            if close_onset(height, frequency) < GAMMAS[-1]
+            for gamma in about(close_onset(height, frequency), _AROUND)
+        ])
+        for height in HEIGHTS
+        for orientation in ORIENTATIONS
+    ]  # fmt: skip
+
+
+def run(
+    *,
+    out: Path,
+    seeds: Sequence[int],
+    workers: int | None,
+    quiet: bool,
+    grid: Sequence[Panel] | None = None,
+    refine: int = REFINE,
+    **engine: str,
+) -> list[Row]:
+    """All points of the table, or of another grid, with all packings."""
+    return run_panels(
+        panels() if grid is None else grid, seeds, refine=refine, out=out, workers=workers,
+        quiet=quiet, **engine,
+    )  # fmt: skip
+
+
+def published(height: int, orientation: str) -> dict[float, float | None]:
+    """The thesis's optimum by frequency [Hz]; None where it is beyond its Gammas (">100")."""
+    path = data_file("published", "damper_optimum_amplitude")
+    assert path is not None  # shipped
+    lines = path.read_text(encoding="utf-8").splitlines()
+    for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+        printed_height = round(1e3 * float(row["height_m"]))
+        if (printed_height, row["approach"]) == (height, f"DEM-{orientation}"):
+            printed = {f: row[f"f{f:g}Hz"] for f in FREQUENCIES}
+            return {f: None if v.startswith(">") else float(v) for f, v in printed.items()}
+    return dict.fromkeys(FREQUENCIES)
+
+
+def optima(rows: Sequence[Row]) -> dict[Line, Optimum | None]:
+    """The bouncing bed's optimum of each damper and frequency that there are rows of."""
+    found: dict[Line, list[Row]] = {}
+    for row in rows:
+        line = (row["height_mm"], row["frequency_hz"], row["orientation"])
+        found.setdefault(line, []).append(row)
+    return {line: optimum(own, line[1], "bouncing_bed") for line, own in sorted(found.items())}
+
+
+def report(rows: list[Row]) -> str:
+    """What lacks, each line beside the thesis's, the statements, the criterion."""
+    found = optima(rows)
+    pooled = pooled_scatter(list(found.values()))
+    table = columns(
+        ["height", "f [Hz]", "orientation", "thesis", "ours", "bracket", "eta", "difference",
+         "LP", "CP"],
+        [_line(line, one, pooled) for line, one in found.items()],
+    )  # fmt: skip
+    return "\n\n".join(
+        filter(
+            None,
+            [
+                "\n".join(what_lacks(rows, panels(), SEEDS, in_words)),
+                table,
+                _scatter(pooled),
+                report_statements(statements(found, pooled)),
+                _CRITERION,
+                "\n".join(not_done(rows, ["orientation", "height_mm", "frequency_hz", "gamma",
+                                          "seed"])),
+            ],
+        )
+    )  # fmt: skip
+
+
+def _line(line: Line, found: Optimum | None, pooled: tuple[float, int] | None) -> list[str]:
+    height, frequency, orientation = line
+    theirs = published(height, orientation).get(frequency)
+    head = [f"{height} mm", f"{frequency:g}", orientation, f"{theirs:g}" if theirs else "-"]
+    if found is None:
+        return [*head, "no peak", "-", "-", "-", "-", "-"]
+    low, high = found.mean.bracket
+    return [
+        *head,
+        with_scatter(found),
+        f"{low:.3g} to {high:.3g}",
+        f"{found.mean.efficiency:.3f}",
+        _difference(found, theirs, pooled),
+        *(_or_dash(found.predicted(name)) for name in ("loose", "close")),
+    ]
+
+
+def _difference(found: Optimum, theirs: float | None, pooled: tuple[float, int] | None) -> str:
+    """How far ours is from the thesis's, and whether that is within the scatter."""
+    if theirs is None:
+        return "-"
+    off, allowed = math.log(found.gamma / theirs), found.allowance(pooled)
+    word = "agrees" if abs(off) <= allowed else ("high" if off > 0 else "low")
+    return f"{word} {signed(math.expm1(off))} (+- {100 * allowed:.0f} %)"
+
+
+def _scatter(pooled: tuple[float, int] | None) -> str:
+    if pooled is None:
+        return "scatter over the packings: not known (one packing)"
+    return f"scatter over the packings: {100 * pooled[0]:.1f} % ({pooled[1]} degrees of freedom)"
+
+
+def _or_dash(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
+
+
+def draw(rows: list[Row]) -> "Figure":
+    """Optimum against clearance at each frequency, with eq. 6.11; and eta against Gamma."""
+    from damper3d.reproduce.optimum_chart import draw_optima
+
+    return draw_optima(rows, optima(rows), published)
