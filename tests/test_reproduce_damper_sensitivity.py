@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from made_damper_rows import done, two_peaks
+from made_damper_rows import done
 from small_damper import CASE
 
 from campaign.figure import write_figure
@@ -28,7 +28,6 @@ def _rows(optimum=lambda name, value: 5.2, level=_level) -> list[dict]:
     for labels in points():
         name, value, gamma = labels.values()
         top = optimum(name, value)
-        eta = level(name, value) * max(two_peaks(gamma, 1.5, top), 0.8 * math.exp(-gamma / 40))
         eta = level(name, value) * (0.8 - 0.4 * math.log(gamma / top) ** 2 / (1 + gamma / 20))
         for seed, off in ((1, -0.01), (2, 0.0), (3, 0.01)):
             row = done(labels, frequency_hz=20.0, efficiency=eta + off, efficiency_interval=None)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline
 from damper3d.graph import ruled
 from damper3d.reproduce.curves import curve
-from damper3d.reproduce.share_statements import COUNTS, QUANTITIES, Landmarks, of_size
+from damper3d.reproduce.share_statements import COUNTS, Landmarks, of_size, quantities
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,10 +29,9 @@ def share_panels(
 
     figure = Figure(figsize=(9.6, 9.2), layout="constrained")
     headline(figure, "Shares of what is dissipated: vertical, fill ratio 0.466")
-    panels = figure.subplots(
-        len(QUANTITIES), len(frequencies), sharex=True, sharey=True, squeeze=False
-    )
-    for number, (axes_row, quantity) in enumerate(zip(panels, QUANTITIES, strict=True)):
+    names = list(quantities("budget"))
+    panels = figure.subplots(len(names), len(frequencies), sharex=True, sharey=True, squeeze=False)
+    for number, (axes_row, quantity) in enumerate(zip(panels, names, strict=True)):
         for axes, frequency in zip(axes_row, frequencies, strict=True):
             _panel(axes, rows, quantity, frequency)
             _landmarks(axes, marks, frequency, named=number == 0)
@@ -51,8 +50,8 @@ def share_panels(
 def _panel(axes: "Axes", rows: list[dict[str, Any]], quantity: str, frequency: float) -> None:
     ruled(axes)
     for size, colour in _COLOURS.items():
-        for count, column in COUNTS.items():
-            own = curve(of_size(rows, size, frequency), QUANTITIES[quantity](column))
+        for count in COUNTS:
+            own = curve(of_size(rows, size, frequency), quantities(count)[quantity])
             if own.x:
                 shares = [100 * share for share in own.mean]
                 bars = [100 * sd for sd in own.sd] if count == "budget" else None

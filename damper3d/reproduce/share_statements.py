@@ -7,34 +7,39 @@ from typing import Any
 
 from campaign.layout import done
 from campaign.statistics import slope
+from damper3d.records import CLASSES
 from damper3d.reproduce.checks import Check, Judged, above
 from damper3d.reproduce.curves import Curve, curve
 
 Row = dict[str, Any]
 Value = Callable[[Row], float | None]
 
-# Columns of a row begin with these.
-COUNTS = {"budget": "shares", "thesis's count": "shares_contact_count"}
-_MECHANISMS = "normal_damping", "tangential_damping", "friction"
+_IMPACT, _DASHPOT, _SLIDER = "normal_damping", "tangential_damping", "friction"
+# What a row's columns begin with, and what is called friction. Eq. 6.7 has one tangential term, the
+# slider's where it slides and the dashpot's where not, and eq. 2.2 knows friction and impact alone.
+COUNTS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "budget": ("shares", (_SLIDER,)),
+    "thesis's count": ("shares_contact_count", (_SLIDER, _DASHPOT)),
+}
 _ABOUT = 0.1  # "about 80 %": the mean over the bouncing bed is between 70 and 90 %
 
 
-def _sum_of(*names: str) -> Callable[[str], Value]:
-    def of_count(column: str) -> Value:
-        def value(row: Row) -> float | None:
-            parts = [row.get(f"{column}.{name}") for name in names]
-            return None if None in parts else math.fsum(p for p in parts if p is not None)
+def _sum_of(column: str, pairs: tuple[str, ...], mechanisms: tuple[str, ...]) -> Value:
+    def value(row: Row) -> float | None:
+        parts = [row.get(f"{column}.{pair}.{name}") for pair in pairs for name in mechanisms]
+        return None if None in parts else math.fsum(p for p in parts if p is not None)
 
-        return value
-
-    return of_count
+    return value
 
 
-QUANTITIES = {
-    "inter-particle": _sum_of(*(f"particle_particle.{name}" for name in _MECHANISMS)),
-    "friction": _sum_of("particle_particle.friction", "particle_wall.friction"),
-    "inter-particle friction": _sum_of("particle_particle.friction"),
-}
+def quantities(count: str) -> dict[str, Value]:
+    """The three shares of a row as one of COUNTS has them."""
+    column, friction = COUNTS[count]
+    return {
+        "inter-particle": _sum_of(column, CLASSES[:1], (_IMPACT, _DASHPOT, _SLIDER)),
+        "friction": _sum_of(column, CLASSES, friction),
+        "inter-particle friction": _sum_of(column, CLASSES[:1], friction),
+    }
 
 
 @dataclass(frozen=True)
@@ -89,7 +94,7 @@ class _Counted:
     """The curves of one way of counting, by size and frequency, beside the landmarks."""
 
     rows: list[Row]
-    column: str
+    count: str  # of COUNTS
     marks: Landmarks
 
     def curves(self, quantity: str) -> Iterator[tuple[int, float, Curve]]:
@@ -97,7 +102,7 @@ class _Counted:
         places = sorted({(r["frequency_hz"], r["diameter_mm"]) for r in done(self.rows)})
         for frequency, size in places:
             own = of_size(self.rows, size, frequency)
-            yield size, frequency, curve(own, QUANTITIES[quantity](self.column))
+            yield size, frequency, curve(own, quantities(self.count)[quantity])
 
     def points(self, quantity: str, part: str = "") -> list[tuple[str, float]]:
         """Name and share of the points of a part of Gamma; "" is all of it."""
@@ -201,7 +206,7 @@ def share_statements(rows: list[Row], marks: Landmarks) -> list[Judged]:
         ("... generally less the larger the particles (judged: a line over the sizes).",
          lambda of, c: _falls(of, c.by_size("friction"), "per mm")),
     ]  # fmt: skip
-    counted = {name: _Counted(rows, column, marks) for name, column in COUNTS.items()}
+    counted = {name: _Counted(rows, name, marks) for name in COUNTS}
     return [Judged(words, [rule(of, c) for of, c in counted.items()]) for words, rule in rules]
 
 
@@ -214,11 +219,11 @@ def _ratios(counted: _Counted) -> list[tuple[str, float]]:
 
 def tangential_damping(rows: list[Row]) -> str:
     """What friction would have more if tangential damping were counted with it."""
-    value = _sum_of("particle_particle.tangential_damping", "particle_wall.tangential_damping")
-    shares = [s for row in done(rows) if (s := value("shares")(row)) is not None]
+    value = _sum_of("shares", CLASSES, (_DASHPOT,))
+    shares = [share for row in done(rows) if (share := value(row)) is not None]
     if not shares:
         return ""
     return (
         f"tangential damping: {100 * min(shares):.1f} to {100 * max(shares):.1f} % of what is "
-        "dissipated (budget), which friction would have more if it were counted there"
+        "dissipated (budget), which friction would have more if it were counted there too"
     )

@@ -14,10 +14,10 @@ from damper3d.reproduce.checks import as_text
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.share_statements import (
     COUNTS,
-    QUANTITIES,
     Landmarks,
     landmarks,
     of_size,
+    quantities,
     share_statements,
     tangential_damping,
 )
@@ -40,8 +40,8 @@ _LABELS = "diameter_mm", "frequency_hz", "gamma"
 
 _READING = """\
 budget: share of what normal damping, tangential damping and friction dissipate together, friction
-  being the work at the slider alone. thesis's count: friction is mu Fn times the whole sliding
-  velocity (eq. 6.7), the law's own gain with it. Tangential damping counts as impact.
+  being the work at the slider alone. thesis's count: the two terms of eq. 6.7, friction being the
+  whole tangential one: mu Fn times the whole sliding velocity, the dashpot where nothing slides.
 onset and optimum: peaks of eta along Gamma of the same runs, as `damper3d map` finds them, beyond
   noise; the thesis took them from Figs 6.8 and 6.22."""
 
@@ -103,16 +103,16 @@ def _table(rows: list[Row], found: Landmarks, frequency: float) -> str:
     if not sizes:
         return ""
     curves = {
-        (size, quantity, count): curve(of_size(rows, size, frequency), QUANTITIES[quantity](column))
+        (size, quantity, count): curve(of_size(rows, size, frequency), quantities(count)[quantity])
         for size in sizes
-        for quantity in QUANTITIES
-        for count, column in COUNTS.items()
+        for count in COUNTS
+        for quantity in quantities(count)
     }
     lines = []
     for gamma in sorted({x for one in curves.values() for x in one.x}):
         cells = []
         for size in sizes:
-            for quantity in QUANTITIES:
+            for quantity in quantities("budget"):
                 values = [curves[size, quantity, count].between(gamma, gamma) for count in COUNTS]
                 words = [f"{100 * one.mean[0]:.0f}" if one.mean else "-" for one in values]
                 cells.append(" / ".join(words))
