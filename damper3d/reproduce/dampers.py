@@ -31,9 +31,9 @@ def panel(
     return Panel(labels, case, tuple(points))
 
 
-def about(onset: float, factor: float) -> list[float]:
-    """The thesis's Gammas within a factor of an onset."""
-    return [gamma for gamma in GAMMAS if onset / factor <= gamma <= onset * factor]
+def about(onset: float, factor: float, beyond: tuple[float, ...] = ()) -> list[float]:
+    """The thesis's Gammas, and those `beyond`, within a factor of an onset."""
+    return [gamma for gamma in GAMMAS + beyond if onset / factor <= gamma <= onset * factor]
 
 
 def close_onset(height: int, frequency: float) -> float:

@@ -19,12 +19,14 @@ class Optimum:
     """A peak of eta on a ridge at one frequency.
 
     mean        of the efficiency averaged over the packings
+    top         Gamma of the largest of that average
     alone       ln Gamma of the peak of each packing alone, of those that have one
     prediction  of the damper
     frequency   [Hz]
     """
 
     mean: Peak
+    top: float
     alone: tuple[float, ...]
     prediction: Prediction
     frequency: float
@@ -82,7 +84,9 @@ def optimum(rows: Sequence[Row], frequency: float, ridge: str) -> Optimum | None
         for seed in sorted({row["seed"] for row in here})
     ]
     alone = tuple(math.log(peak.gamma) for peak in peaks if peak)
-    return Optimum(mean, alone, prediction, frequency)
+    averaged = MapResult.of(here)
+    top = float(averaged.gamma[averaged.at(frequency)][mean.index])
+    return Optimum(mean, top, alone, prediction, frequency)
 
 
 def pooled_scatter(optima: Sequence[Optimum | None]) -> tuple[float, int] | None:

@@ -1,7 +1,7 @@
 """The optimum table as a picture: optima against clearance, and the curves that they come from."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def draw_optima(rows: Sequence[Row], found: Optima, published: Published) -> "Fi
     panels[0, 0].set_ylabel("Γ at the optimum [-]")
     panels[1, 0].set_ylabel("efficiency [-]")
     for legends in panels:
-        named: dict[str, object] = {}
+        named: dict[str, Any] = {}
         for axes in legends:
             named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
         legends[-1].legend(named.values(), named.keys(), loc="upper left", bbox_to_anchor=(1, 1))

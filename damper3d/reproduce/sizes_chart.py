@@ -1,7 +1,7 @@
 """The table of sizes as a picture: efficiency against Gamma for each diameter."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def draw_sizes(rows: Sequence[Row], found: Found) -> "Figure":
         axes.set_title(f"{orientation}, {frequency:g} Hz", loc="left", fontsize=9)
     for axes in panels[:, 0]:
         axes.set_ylabel("efficiency [-]")
-    named: dict[str, object] = {}
+    named: dict[str, Any] = {}
     for axes in panels.flat:
         named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     figure.legend(named.values(), named.keys(), loc="outside right upper")
