@@ -85,11 +85,22 @@ def _prune(kernels: Path, current: Path) -> None:
             shutil.rmtree(old, ignore_errors=True)
 
 
-def njit(function):
-    """numba.njit with the project's cache folder and options."""
+def njit(function, inlined=False):
+    """numba.njit with the project's cache folder and options.
+
+    A function that is called in every step of a loop and takes many arrays is better `inlined`:
+    an array is seven numbers, and handing over a hundred of them costs as much as some contacts.
+    """
     usual = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder()  # read by numba when it decorates
     try:
-        return numba.njit(cache=True, error_model="numpy", nogil=True, noalias=True)(function)
+        return numba.njit(
+            cache=True, error_model="numpy", nogil=True, noalias=True, forceinline=inlined
+        )(function)
     finally:
         numba.config.CACHE_DIR = usual
+
+
+def inlined(function):
+    """njit for a function whose code shall stand where it is called."""
+    return njit(function, inlined=True)

@@ -39,3 +39,9 @@ def dot(a, b):
 def norm(a):
     """The length of a."""
     return np.sqrt(dot(a, a))
+
+
+@njit
+def cross(a, b):
+    """The vector product of a and b, in space."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

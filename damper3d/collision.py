@@ -13,7 +13,7 @@ from contact.hertz import hertz_force, mindlin_force
 from contact.jit import njit
 from contact.mindlin_deresiewicz import partial_slip_force
 from contact.spring_books import spring_books
-from contact.vectors import add, dot, norm, scale
+from contact.vectors import add, cross, dot, norm, scale
 
 # Columns of the history of a contact: time [s], overlap [m], normal force [N], length of the
 # tangential displacement [m], tangential force [N].
@@ -176,9 +176,3 @@ def row_of(table, first, s, second, t):
         s * table[first, 1] + t * table[second, 1],
         s * table[first, 2] + t * table[second, 2],
     )
-
-
-@njit
-def cross(a, b):
-    """a x b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

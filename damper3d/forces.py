@@ -1,9 +1,9 @@
 """Assembly: the forces of all contacts, added to spheres and walls, and what they dissipate.
 
-Three passes over a block of contacts: where they touch (geometry.py), what the law says, and
-adding it up. The first two have no branch and are vectorised; a contact that does not touch has
-overlap 0, which makes its forces exact zeros, so that no bit depends on when a list was made. The
-third goes in the order of the list, which is that of the sphere numbers.
+Passes over a block of contacts: their spheres' rows (lanes.py), where they touch (geometry.py),
+what the law says, and adding it up. The first three have no branch and are vectorised; a contact
+that does not touch has overlap 0, which makes its forces exact zeros, so that no bit depends on
+when a list was made. The last goes in the order of the list, which is that of the sphere numbers.
 
 The displacement of a contact over a step is the mean of its velocities at both ends times the
 step, so that no velocity need be gathered twice.
@@ -12,10 +12,11 @@ step, so that no velocity need be gathered twice.
 import numpy as np
 
 from contact.hertz import damping_of_impact, hertz_force, mindlin_force
-from contact.jit import njit
+from contact.jit import inlined, njit
 from contact.spring_books import spring_books
-from contact.vectors import add, dot, scale
-from damper3d.geometry import between_spheres, with_cylinder, with_planes
+from contact.vectors import add, cross, dot, scale
+from damper3d.geometry import between_spheres, with_cylinder, with_plane
+from damper3d.lanes import add_loads, combine
 from damper3d.state import (
     BLOCK,
     CLOSE,
@@ -29,67 +30,85 @@ from damper3d.state import (
     N_MECHANISMS,
     NO_CONTACT,
     NORMAL_DAMPING,
-    PLANE,
     SLIP_COUNT,
     SPRING_X,
     SPRING_Y,
     SPRING_Z,
     STIFFNESS,
     TANGENTIAL_DAMPING,
-    WALL,
     WALL_WORK,
 )
 
 
-@njit
+@inlined
 def apply_forces(world, shift, speed):
     """All contact forces of this step and the books; shift and speed are the enclosure's.
 
     The books are summed over all blocks of a class in the order of the list.
     """
-    n_close, n_planes, n_wall = world.counts[CLOSE], world.counts[PLANE], world.counts[WALL]
-    block, dt, pushed = world.block, world.time_step, world.walls.push
-    nothing = 0.0, 0.0, 0.0, 0.0, 0.0
+    spheres, books = world.spheres, world.books
+    put_enclosure(spheres, shift, speed)
+    sums = 0.0, 0.0, 0.0, 0.0, 0.0
     first = np.int64(0)  # a typed number: numba would compile the passes once more for a literal
-    sums = nothing
-    for begin in range(first, n_close, BLOCK):
-        n = min(n_close - begin, BLOCK)
-        between_spheres(world.spheres, world.close, begin, n, block)
-        contact_law(world.pair_law, world.close, begin, n, block, dt)
-        keep_history(world.close, begin, n, block)
-        sums = add_to_spheres(
-            world.spheres, world.bodies.heat, world.close, begin, n, block, dt, sums
-        )
-        begin_contacts(world.pair_law, world.close, begin, n, block, world.fastest, 0)
-    keep_books(world.books, 0, sums, dt)
-    sums = nothing
-    for begin in range(first, n_planes, BLOCK):
-        n = min(n_planes - begin, BLOCK)
-        with_planes(world.spheres, world.walls.planes, world.wall, begin, n, shift, speed, block)
-        contact_law(world.wall_law, world.wall, begin, n, block, dt)
-        keep_history(world.wall, begin, n, block)
-        sums = add_to_walls(
-            world.spheres, world.bodies.heat, pushed, world.wall, begin, n, block, dt, sums
-        )
-        begin_contacts(world.wall_law, world.wall, begin, n, block, world.fastest, 1)
-    for begin in range(n_planes, n_wall, BLOCK):
-        n = min(n_wall - begin, BLOCK)
-        with_cylinder(world.spheres, world.walls.radius, world.wall, begin, n, shift, speed, block)
-        contact_law(world.wall_law, world.wall, begin, n, block, dt)
-        keep_history(world.wall, begin, n, block)
-        sums = add_to_walls(
-            world.spheres, world.bodies.heat, pushed, world.wall, begin, n, block, dt, sums
-        )
-        begin_contacts(world.wall_law, world.wall, begin, n, block, world.fastest, 1)
-    keep_books(world.books, N_MECHANISMS, sums, dt)
-    for w in range(len(pushed)):
-        for c in range(3):
-            world.books[WALL_WORK] -= dt * speed[c] * pushed[w, c]
-            world.walls.force[w, c] += pushed[w, c]
-            pushed[w, c] = 0.0
+    for begin in range(first, world.counts[CLOSE], BLOCK):
+        n = min(world.counts[CLOSE] - begin, BLOCK)
+        combine(spheres, world.close, begin, n, world.block)
+        between_spheres(world.close, begin, n, world.block)
+        sums = push_and_count(world, world.pair_law, world.close, begin, n, 0, sums)
+    keep_books(books, 0, sums, world.time_step)
+    sums = 0.0, 0.0, 0.0, 0.0, 0.0
+    walls = world.walls
+    for w in range(len(walls.force)):
+        for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
+            n = min(walls.first[w + 1] - begin, BLOCK)
+            meet_wall(spheres, walls, world.wall, w, begin, n, world.block)
+            sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
+        books[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w], speed)
+    keep_books(books, N_MECHANISMS, sums, world.time_step)
 
 
-@njit
+@inlined
+def put_enclosure(spheres, shift, speed):
+    """Where the enclosure is and how fast it moves, in its row."""
+    last = len(spheres.inverse_mass)
+    for c in range(3):
+        spheres.position[last, c], spheres.velocity[last, c] = shift[c], speed[c]
+
+
+@inlined
+def meet_wall(spheres, walls, contacts, w, begin, n_contacts, block):
+    """Geometry of contacts with wall w."""
+    combine(spheres, contacts, begin, n_contacts, block)
+    if w < len(walls.planes):
+        with_plane(walls.planes[w], contacts, begin, n_contacts, block)
+    else:
+        with_cylinder(walls.radius, contacts, begin, n_contacts, block)
+
+
+@inlined
+def take_push(spheres, force, speed):
+    """Move the force that a wall's contacts left in the enclosure's row to the wall; its power."""
+    last = len(spheres.inverse_mass)
+    power = 0.0
+    for c in range(3):
+        power += spheres.force[last, c] * speed[c]
+        force[c] += spheres.force[last, c]
+        spheres.force[last, c] = 0.0
+    return power
+
+
+@inlined
+def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
+    """Forces of a block of a class, 0 or 1, to their spheres; the sums of the books with theirs."""
+    block, dt = world.block, world.time_step
+    contact_law(law, contacts, begin, n_contacts, block, dt)
+    keep_history(contacts, begin, n_contacts, block)
+    add_loads(world.spheres, contacts, begin, n_contacts, block)
+    begin_contacts(law, contacts, begin, n_contacts, block, world.fastest, which)
+    return add_heat(world.bodies.heat, contacts, begin, n_contacts, block, dt, sums)
+
+
+@inlined
 def contact_law(law, contacts, begin, n_contacts, block, dt):
     """Forces, histories and dissipation of a block whose geometry is known."""
     history, later = contacts.history, block.history
@@ -97,8 +116,8 @@ def contact_law(law, contacts, begin, n_contacts, block, dt):
         n = np.uintp(begin) + k
         overlap = block.overlap[k]
         touches = 1.0 if overlap > 0.0 else 0.0
-        normal = block.normal_x[k], block.normal_y[k], block.normal_z[k]
-        velocity = block.velocity_x[k], block.velocity_y[k], block.velocity_z[k]
+        normal = block.normal[0, k], block.normal[1, k], block.normal[2, k]
+        velocity = block.velocity[0, k], block.velocity[1, k], block.velocity[2, k]
         rate = -dot(velocity, normal)
         slip_rate = add(velocity, scale(rate, normal))
         known = history[DAMPING, n]
@@ -112,14 +131,16 @@ def contact_law(law, contacts, begin, n_contacts, block, dt):
         force, held, power, slides = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
         rubbed, gained = spring_books(law, kt_before, kt, held_before, trial, held)
 
-        held, moved = scale(touches, held), scale(touches, moved)
+        nothing = 0.0, 0.0, 0.0  # not a product with 0: that may be -0
+        held, moved = (held, moved) if overlap > 0.0 else (nothing, nothing)
         later[SPRING_X, k], later[SPRING_Y, k], later[SPRING_Z, k] = held
         later[MOVED_X, k], later[MOVED_Y, k], later[MOVED_Z, k] = moved
         later[STIFFNESS, k] = kt
         later[DAMPING, k] = damping if overlap > 0.0 else NO_CONTACT
         block.begins[k] = touches * rate if known < 0.0 else 0.0
-        total = add(force, scale(f_n, normal))
-        block.force_x[k], block.force_y[k], block.force_z[k] = total
+        block.couple[0, k], block.couple[1, k], block.couple[2, k] = cross(normal, force)
+        push = add(force, scale(f_n, normal))
+        block.push[0, k], block.push[1, k], block.push[2, k] = push
         block.normal_power[k] = inelastic * rate
         block.tangential_power[k] = power
         block.rubbed[k] = touches * rubbed
@@ -143,7 +164,7 @@ def without_slip(law, history, n, normal, kt_before, kt, moved):
     return held, add(held, add(ahead, moved))
 
 
-@njit
+@inlined
 def keep_history(contacts, begin, n_contacts, block):
     """Let the histories after this step be those of the contacts."""
     for h in range(N_HISTORY):
@@ -151,76 +172,7 @@ def keep_history(contacts, begin, n_contacts, block):
             contacts.history[h, np.uintp(begin) + k] = block.history[h, k]
 
 
-@njit
-def add_to_spheres(spheres, heat, contacts, begin, n_contacts, block, dt, sums):
-    """Add the forces of a block of sphere contacts, and what they dissipate, to their spheres.
-
-    Returns the sums of what is dissipated by each mechanism, with those of this block.
-    """
-    force, torque = spheres.force, spheres.torque
-    normal, tangential, rubbed, gained, slipped = sums
-    for k in range(np.uintp(n_contacts)):
-        n = np.uintp(begin) + k
-        if block.overlap[k] > 0.0:
-            i, j = contacts.i[n], contacts.j[n]
-            fx, fy, fz = block.force_x[k], block.force_y[k], block.force_z[k]
-            nx, ny, nz = block.normal_x[k], block.normal_y[k], block.normal_z[k]
-            tx, ty, tz = ny * fz - nz * fy, nz * fx - nx * fz, nx * fy - ny * fx
-            arm_i, arm_j = block.arm_i[k], block.arm_j[k]
-            force[i, 0] -= fx
-            force[i, 1] -= fy
-            force[i, 2] -= fz
-            force[j, 0] += fx
-            force[j, 1] += fy
-            force[j, 2] += fz
-            torque[i, 0] -= arm_i * tx
-            torque[i, 1] -= arm_i * ty
-            torque[i, 2] -= arm_i * tz
-            torque[j, 0] -= arm_j * tx
-            torque[j, 1] -= arm_j * ty
-            torque[j, 2] -= arm_j * tz
-            lost = (block.normal_power[k] + block.tangential_power[k]) * dt + block.rubbed[k]
-            heat[i] += 0.5 * lost
-            heat[j] += 0.5 * lost
-            normal += block.normal_power[k]
-            tangential += block.tangential_power[k]
-            rubbed += block.rubbed[k]
-            gained += block.gained[k]
-            slipped += block.slip_power[k]
-    return normal, tangential, rubbed, gained, slipped
-
-
-@njit
-def add_to_walls(spheres, heat, pushed, contacts, begin, n_contacts, block, dt, sums):
-    """The same for contacts with walls, which are pushed (n_walls, 4) by the spheres."""
-    force, torque = spheres.force, spheres.torque
-    normal, tangential, rubbed, gained, slipped = sums
-    for k in range(np.uintp(n_contacts)):
-        n = np.uintp(begin) + k
-        if block.overlap[k] > 0.0:
-            i, j = contacts.i[n], contacts.j[n]
-            fx, fy, fz = block.force_x[k], block.force_y[k], block.force_z[k]
-            nx, ny, nz = block.normal_x[k], block.normal_y[k], block.normal_z[k]
-            arm = block.arm_i[k]
-            force[i, 0] -= fx
-            force[i, 1] -= fy
-            force[i, 2] -= fz
-            torque[i, 0] -= arm * (ny * fz - nz * fy)
-            torque[i, 1] -= arm * (nz * fx - nx * fz)
-            torque[i, 2] -= arm * (nx * fy - ny * fx)
-            pushed[j, 0] += fx
-            pushed[j, 1] += fy
-            pushed[j, 2] += fz
-            heat[i] += (block.normal_power[k] + block.tangential_power[k]) * dt + block.rubbed[k]
-            normal += block.normal_power[k]
-            tangential += block.tangential_power[k]
-            rubbed += block.rubbed[k]
-            gained += block.gained[k]
-            slipped += block.slip_power[k]
-    return normal, tangential, rubbed, gained, slipped
-
-
-@njit
+@inlined
 def begin_contacts(law, contacts, begin, n_contacts, block, fastest, which):
     """Note the speeds of impacts that begin, and the damping that goes with them."""
     for k in range(np.uintp(n_contacts)):
@@ -233,7 +185,28 @@ def begin_contacts(law, contacts, begin, n_contacts, block, fastest, which):
             )
 
 
-@njit
+@inlined
+def add_heat(heat, contacts, begin, n_contacts, block, dt, sums):
+    """Half of what each contact dissipates to each of its spheres; the sums by mechanism.
+
+    A wall's half goes to the enclosure's entry, the last.
+    """
+    normal, tangential, rubbed, gained, slipped = sums
+    for k in range(np.uintp(n_contacts)):
+        if block.overlap[k] > 0.0:
+            n = np.uintp(begin) + k
+            lost = (block.normal_power[k] + block.tangential_power[k]) * dt + block.rubbed[k]
+            heat[contacts.i[n]] += 0.5 * lost
+            heat[contacts.j[n]] += 0.5 * lost
+            normal += block.normal_power[k]
+            tangential += block.tangential_power[k]
+            rubbed += block.rubbed[k]
+            gained += block.gained[k]
+            slipped += block.slip_power[k]
+    return normal, tangential, rubbed, gained, slipped
+
+
+@inlined
 def keep_books(books, first, sums, dt):
     """Add what was dissipated in this step to the books of a class."""
     books[first + NORMAL_DAMPING] += sums[0] * dt

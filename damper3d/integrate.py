@@ -9,7 +9,7 @@ extrapolated u makes them second order. The enclosure's motion is known at all t
 
 import numpy as np
 
-from contact.jit import njit
+from contact.jit import inlined, njit
 from damper3d.forces import apply_forces
 from damper3d.neighbours import DONE, search
 from damper3d.shaker import displacement, velocity
@@ -50,7 +50,7 @@ def enclosure_at(shaker, d, time):
     return (along * d[0], along * d[1], along * d[2]), (rate * d[0], rate * d[1], rate * d[2])
 
 
-@njit
+@inlined
 def move(bodies, spheres, gravity, dt):
     """One step of bodies that are spheres; wipes their loads."""
     v, w = bodies.velocity, bodies.spin
@@ -68,7 +68,7 @@ def move(bodies, spheres, gravity, dt):
             spheres.torque[i, c] = 0.0
 
 
-@njit
+@inlined
 def look_for_stale_lists(x, close, wall, counts, lengths, shift, dt):
     """Mark the lists that a sphere has moved out of."""
     since = (counts[STEP] - counts[CLOSE_MADE]) * dt
@@ -78,7 +78,7 @@ def look_for_stale_lists(x, close, wall, counts, lengths, shift, dt):
     inside_wall = lengths[WALL_SKIN] ** 2
     a, b = close.place, wall.place
     left = left_wall = 0
-    for i in range(np.uintp(len(x))):
+    for i in range(np.uintp(len(a))):
         px, py, pz = x[i, 0] - a[i, 0] - dx, x[i, 1] - a[i, 1] - dy, x[i, 2] - a[i, 2] - dz
         left |= not px * px + py * py + pz * pz <= inside  # true for NaN as well
         px, py, pz = x[i, 0] - b[i, 0] - ex, x[i, 1] - b[i, 1] - ey, x[i, 2] - b[i, 2] - ez

@@ -25,7 +25,6 @@ from damper3d.state import (
     NEAR_SEARCHES,
     NEAR_SKIN,
     NO_CONTACT,
-    PLANE,
     STALE_CLOSE,
     STALE_WALL,
     STEP,
@@ -107,7 +106,7 @@ def near_reach_left(x, place, skin):
 
     NaN where a position is no longer a finite number.
     """
-    n = len(x)
+    n = len(place)
     mean = np.zeros(3)
     for i in range(n):
         for c in range(3):
@@ -127,14 +126,14 @@ def near_reach_left(x, place, skin):
 def search_near(world, skin, shift):
     """All pairs with a gap below the skin, with the histories of those known before."""
     near, spheres, counts = world.near, world.spheres, world.counts
-    x = spheres.position
-    fill_cells(world.cells, x, shift)
+    x, n_spheres = spheres.position, len(spheres.inverse_mass)
+    fill_cells(world.cells, x, n_spheres, shift)
     n_old = counts[NEAR]
     near.old_j[:n_old] = near.j[:n_old]
     near.old_history[:, :n_old] = near.history[:, :n_old]
     near.old_first[:] = near.first
     n = 0
-    for i in range(len(x)):
+    for i in range(n_spheres):
         near.first[i] = n
         begin = n
         n = pairs_of(near, world.cells, x, skin, i, n)
@@ -142,12 +141,12 @@ def search_near(world, skin, shift):
             near.first[:] = near.old_first  # nothing is lost: the caller makes room and comes back
             near.j[:n_old] = near.old_j[:n_old]
             near.history[:, :n_old] = near.old_history[:, :n_old]
-            fill_i(near, len(x))
+            fill_i(near, n_spheres)
             return NEAR_FULL
         inherit(near, i, begin, n)
         note_constants(near, spheres, world.pair_law, i, begin, n)
-    near.first[len(x)] = n
-    near.place[:] = x
+    near.first[n_spheres] = n
+    near.place[:] = x[:n_spheres]
     counts[NEAR] = n
     counts[NEAR_SEARCHES] += 1
     return DONE
@@ -173,12 +172,12 @@ def fill_i(near, n_spheres):
 
 
 @njit
-def fill_cells(cells, x, shift):
+def fill_cells(cells, x, n_spheres, shift):
     """Sort the spheres into cells; those outside the grid go into the nearest cell."""
     nx, ny, nz = cells.shape
     n_cells = nx * ny * nz
     cells.start[:] = 0
-    for i in range(len(x)):
+    for i in range(n_spheres):
         a = min(max(int((x[i, 0] - shift[0] - cells.origin[0]) / cells.size), 0), nx - 1)
         b = min(max(int((x[i, 1] - shift[1] - cells.origin[1]) / cells.size), 0), ny - 1)
         c = min(max(int((x[i, 2] - shift[2] - cells.origin[2]) / cells.size), 0), nz - 1)
@@ -186,7 +185,7 @@ def fill_cells(cells, x, shift):
         cells.start[cells.of_sphere[i] + 1] += 1
     for cell in range(n_cells + 1):
         cells.start[cell + 1] += cells.start[cell]
-    for i in range(len(x) - 1, -1, -1):  # backwards: the spheres of a cell ascend
+    for i in range(n_spheres - 1, -1, -1):  # backwards: the spheres of a cell ascend
         cell = cells.of_sphere[i]
         cells.start[cell + 1] -= 1
         cells.spheres[cells.start[cell + 1]] = i
@@ -249,6 +248,7 @@ def filter_close(near, close, spheres, counts, skin):
             if near.gap[k] < -_DEEPEST * near.reach[k]:
                 return TOO_DEEP
             close.i[n], close.j[n], close.near[n] = near.i[k], near.j[k], k
+            close.radius_i[n], close.radius_j[n] = x[near.i[k], 3], x[near.j[k], 3]
             close.hertz[n], close.mass[n] = near.hertz[k], near.mass[k]
             for h in range(N_HISTORY):
                 close.history[h, n] = near.history[h, k]
@@ -273,49 +273,50 @@ def note_places(close, spheres):
     """Where the spheres are now, and how fast they move on the whole."""
     x, u, place = spheres.position, spheres.velocity, close.place
     a = b = c = 0.0
-    for i in range(np.uintp(len(x))):
+    n = len(place)
+    for i in range(np.uintp(n)):
         for k in range(4):
             place[i, k] = x[i, k]
         a += u[i, 0]
         b += u[i, 1]
         c += u[i, 2]
-    close.drift[0], close.drift[1], close.drift[2] = a / len(x), b / len(x), c / len(x)
+    close.drift[0], close.drift[1], close.drift[2] = a / n, b / n, c / n
 
 
 @njit
 def search_walls(world, shift):
-    """The list of wall contacts: those of the planes in turn, then of the cylinder."""
+    """The list of wall contacts, wall by wall."""
     walls, wall, counts, lengths = world.walls, world.wall, world.counts, world.lengths
     adapt(counts, lengths, WALL_SKIN, WALL_MADE, world.cells.largest)
-    store_wall_history(wall, walls.history, counts)
-    skin = lengths[WALL_SKIN]
-    n_planes = len(walls.planes)
+    store_wall_history(wall, walls, counts)
     n = np.int64(0)
-    for w in range(n_planes + (1 if walls.radius > 0.0 else 0)):
-        if w == n_planes:
-            counts[PLANE] = n
-        n = contacts_of_wall(wall, walls, world.spheres, world.wall_law, skin, shift, w, n)
+    for w in range(len(walls.force)):
+        walls.first[w] = n
+        n = contacts_of_wall(
+            wall, walls, world.spheres, world.wall_law, lengths[WALL_SKIN], shift, w, n
+        )
         if n < 0:
             return WALL_FULL if n == -1 else TOO_DEEP
-    if walls.radius <= 0.0:
-        counts[PLANE] = n
-    counts[WALL] = n
+    walls.first[len(walls.force)] = counts[WALL] = n
     counts[WALL_SEARCHES] += 1
     counts[STALE_WALL] = 0
     counts[WALL_MADE] = counts[STEP]
-    wall.place[:] = world.spheres.position
+    wall.place[:] = world.spheres.position[: len(wall.place)]
     for c in range(3):
         wall.drift[c] = shift[c]
     return DONE
 
 
 @njit
-def store_wall_history(wall, kept, counts):
+def store_wall_history(wall, walls, counts):
     """Put the histories of the wall contacts back into the walls' own table."""
-    for n in range(counts[WALL]):
-        for h in range(N_HISTORY):
-            kept[h, wall.j[n], wall.i[n]] = wall.history[h, n]
+    if counts[WALL] > 0:
+        for w in range(len(walls.force)):
+            for n in range(walls.first[w], walls.first[w + 1]):
+                for h in range(N_HISTORY):
+                    walls.history[h, w, wall.i[n]] = wall.history[h, n]
     counts[WALL] = 0
+    walls.first[:] = 0
 
 
 @njit
@@ -324,8 +325,8 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
 
     -1 if there is no room, -2 if a sphere is half outside.
     """
-    x = spheres.position
-    for i in range(len(x)):
+    x, n_spheres = spheres.position, len(spheres.inverse_mass)
+    for i in range(n_spheres):
         px, py, pz = x[i, 0] - shift[0], x[i, 1] - shift[1], x[i, 2] - shift[2]
         if w < len(walls.planes):
             plane = walls.planes[w]
@@ -341,7 +342,8 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
             if walls.curved and w == len(walls.planes):
                 # Half the cylinder's curvature, the mean of 1/r and 1/r - 1/R: r D / (D - r).
                 radius = 2.0 * radius * walls.radius / (2.0 * walls.radius - radius)
-            wall.i[n], wall.j[n] = i, w
+            wall.i[n], wall.j[n] = i, n_spheres  # the enclosure's row
+            wall.radius_i[n] = x[i, 3]
             wall.hertz[n] = law.hertz * np.sqrt(radius)
             wall.mass[n] = 1.0 / spheres.inverse_mass[i]
             for h in range(N_HISTORY):

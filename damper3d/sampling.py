@@ -5,19 +5,18 @@ import numpy as np
 from contact.hertz import hertz_force, mindlin_force, spring_energy
 from contact.jit import njit
 from contact.vectors import add, dot, scale
-from damper3d.forces import contact_law, without_slip
-from damper3d.geometry import between_spheres, with_cylinder, with_planes
+from damper3d.forces import contact_law, meet_wall, put_enclosure, without_slip
+from damper3d.geometry import between_spheres
 from damper3d.integrate import advance, enclosure_at
+from damper3d.lanes import combine
 from damper3d.neighbours import DONE
 from damper3d.state import (
     BLOCK,
     CLOSE,
     DAMPING,
     N_BOOKS,
-    PLANE,
     STEP,
     STIFFNESS,
-    WALL,
 )
 
 # Columns of a sample; the books and then the forces on the walls follow.
@@ -74,7 +73,7 @@ def mean_motion(spheres, bodies, gravity, shift, row):
     x, u, w = spheres.position, spheres.velocity, spheres.spin
     kinetic = potential = total = 0.0
     position, velocity = np.zeros(3), np.zeros(3)
-    for i in range(len(x)):
+    for i in range(len(bodies.inverse_mass)):
         mass = 1.0 / bodies.inverse_mass[i]
         total += mass
         for c in range(3):
@@ -91,21 +90,20 @@ def mean_motion(spheres, bodies, gravity, shift, row):
 @njit
 def elastic_energies(world, shift, speed, row):
     """What the springs of all contacts hold, and how many contacts there are."""
+    spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
     row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
     row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0
-    block, planes, walls = world.block, world.counts[PLANE], world.walls
+    put_enclosure(spheres, shift, speed)
     for begin in range(np.int64(0), world.counts[CLOSE], BLOCK):
         n = min(world.counts[CLOSE] - begin, BLOCK)
-        between_spheres(world.spheres, world.close, begin, n, block)
-        add_elastic(world.pair_law, world.close, begin, n, block, world.time_step, row, CONTACTS_PP)
-    for begin in range(np.int64(0), planes, BLOCK):
-        n = min(planes - begin, BLOCK)
-        with_planes(world.spheres, walls.planes, world.wall, begin, n, shift, speed, block)
-        add_elastic(world.wall_law, world.wall, begin, n, block, world.time_step, row, CONTACTS_PW)
-    for begin in range(planes, world.counts[WALL], BLOCK):
-        n = min(world.counts[WALL] - begin, BLOCK)
-        with_cylinder(world.spheres, walls.radius, world.wall, begin, n, shift, speed, block)
-        add_elastic(world.wall_law, world.wall, begin, n, block, world.time_step, row, CONTACTS_PW)
+        combine(spheres, world.close, begin, n, block)
+        between_spheres(world.close, begin, n, block)
+        add_elastic(world.pair_law, world.close, begin, n, block, dt, row, CONTACTS_PP)
+    for w in range(len(walls.force)):
+        for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
+            n = min(walls.first[w + 1] - begin, BLOCK)
+            meet_wall(spheres, walls, world.wall, w, begin, n, block)
+            add_elastic(world.wall_law, world.wall, begin, n, block, dt, row, CONTACTS_PW)
 
 
 @njit
@@ -117,8 +115,8 @@ def add_elastic(law, contacts, begin, n_contacts, block, dt, row, count):
         if overlap <= 0.0:
             continue
         n = begin + k
-        normal = block.normal_x[k], block.normal_y[k], block.normal_z[k]
-        velocity = block.velocity_x[k], block.velocity_y[k], block.velocity_z[k]
+        normal = block.normal[0, k], block.normal[1, k], block.normal[2, k]
+        velocity = block.velocity[0, k], block.velocity[1, k], block.velocity[2, k]
         rate = -dot(velocity, normal)
         slip_rate = add(velocity, scale(rate, normal))
         damping = max(history[DAMPING, n], law.damping)
@@ -142,55 +140,42 @@ def list_contacts(world, bodies, numbers):
     bodies (capacity, 2): spheres, and walls numbered after them; numbers (capacity,
     N_CONTACT_COLUMNS): force on the second, normal towards it, point in the laboratory, overlap.
     """
-    now = world.counts[STEP] * world.time_step
+    spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
+    now = world.counts[STEP] * dt
     shift, speed = enclosure_at(world.shaker, world.direction, now)
-    block, counts, n_spheres = world.block, world.counts, len(world.spheres.position)
-    found = 0
-    for begin in range(np.int64(0), counts[CLOSE], BLOCK):
-        n = min(counts[CLOSE] - begin, BLOCK)
-        between_spheres(world.spheres, world.close, begin, n, block)
-        contact_law(world.pair_law, world.close, begin, n, block, world.time_step)
-        found = copy_contacts(
-            world.spheres.position,
-            block,
-            world.close,
-            begin,
-            n,
-            np.int64(0),
-            bodies,
-            numbers,
-            found,
-        )
-    for begin in range(np.int64(0), counts[PLANE], BLOCK):
-        n = min(counts[PLANE] - begin, BLOCK)
-        with_planes(world.spheres, world.walls.planes, world.wall, begin, n, shift, speed, block)
-        contact_law(world.wall_law, world.wall, begin, n, block, world.time_step)
-        found = copy_contacts(
-            world.spheres.position, block, world.wall, begin, n, n_spheres, bodies, numbers, found
-        )
-    for begin in range(counts[PLANE], counts[WALL], BLOCK):
-        n = min(counts[WALL] - begin, BLOCK)
-        with_cylinder(world.spheres, world.walls.radius, world.wall, begin, n, shift, speed, block)
-        contact_law(world.wall_law, world.wall, begin, n, block, world.time_step)
-        found = copy_contacts(
-            world.spheres.position, block, world.wall, begin, n, n_spheres, bodies, numbers, found
-        )
+    put_enclosure(spheres, shift, speed)
+    found = np.int64(0)
+    for begin in range(np.int64(0), world.counts[CLOSE], BLOCK):
+        n = min(world.counts[CLOSE] - begin, BLOCK)
+        combine(spheres, world.close, begin, n, block)
+        between_spheres(world.close, begin, n, block)
+        contact_law(world.pair_law, world.close, begin, n, block, dt)
+        found = copy_contacts(spheres, block, world.close, begin, n, 0, bodies, numbers, found)
+    for w in range(len(walls.force)):
+        for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
+            n = min(walls.first[w + 1] - begin, BLOCK)
+            meet_wall(spheres, walls, world.wall, w, begin, n, block)
+            contact_law(world.wall_law, world.wall, begin, n, block, dt)
+            found = copy_contacts(spheres, block, world.wall, begin, n, w, bodies, numbers, found)
     return found
 
 
 @njit
-def copy_contacts(x, block, contacts, begin, n_contacts, offset, bodies, numbers, found):
-    """Append the touching contacts of a block; how many there are then."""
+def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, bodies, numbers, found):
+    """Append the touching contacts of a block; how many there are then.
+
+    The enclosure's row stands behind those of the spheres, so that adding a wall's number to it
+    numbers the walls after the spheres.
+    """
     for k in range(n_contacts):
         if block.overlap[k] > 0.0:
             i, j = contacts.i[begin + k], contacts.j[begin + k]
-            bodies[found, 0], bodies[found, 1] = i, j + offset
-            normal = block.normal_x[k], block.normal_y[k], block.normal_z[k]
-            force = block.force_x[k], block.force_y[k], block.force_z[k]
+            bodies[found, 0], bodies[found, 1] = i, j + wall
             for c in range(3):
-                numbers[found, FORCE + c] = force[c]
-                numbers[found, NORMAL + c] = normal[c]
-                numbers[found, POINT + c] = x[i, c] + block.arm_i[k] * normal[c]
+                numbers[found, FORCE + c] = block.push[c, k]
+                numbers[found, NORMAL + c] = block.normal[c, k]
+                point = spheres.position[i, c] + block.arm_i[k] * block.normal[c, k]
+                numbers[found, POINT + c] = point
             numbers[found, OVERLAP] = block.overlap[k]
             found += 1
     return found

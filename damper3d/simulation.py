@@ -47,7 +47,7 @@ class Simulation:
     @property
     def n_bodies(self) -> int:
         """How many particles there are."""
-        return len(self.world.bodies.heat)
+        return len(self.world.bodies.inverse_mass)
 
     @property
     def steps(self) -> int:
@@ -144,15 +144,16 @@ class Simulation:
     def frame(self) -> dict[str, np.ndarray]:
         """The particles now: x (n, 3) in the enclosure [m], v (n, 3) in the laboratory [m/s].
 
-        Also spin (n, 3) [rad/s] and heat (n,) [J], what their contacts dissipated so far.
+        Also spin (n, 3) [rad/s] and heat (n,) [J], half of what their contacts dissipated so far.
         """
         spheres = self.world.spheres
         shift = np.array(self._shift())
+        n = self.n_bodies
         return {
-            "x": spheres.position[:, :3] - shift,
-            "v": spheres.velocity[:, :3].copy(),
-            "spin": spheres.spin[:, :3].copy(),
-            "heat": self.world.bodies.heat.copy(),
+            "x": spheres.position[:n, :3] - shift,
+            "v": spheres.velocity[:n, :3].copy(),
+            "spin": spheres.spin[:n, :3].copy(),
+            "heat": self.world.bodies.heat[:n].copy(),
         }
 
     def contacts(self) -> dict[str, np.ndarray]:
@@ -180,9 +181,9 @@ class Simulation:
     def set_velocity(self, velocity: np.ndarray, spin: np.ndarray | None = None) -> None:
         """Give the particles velocities (n, 3) [m/s], and spins (n, 3) [rad/s]."""
         for arrays in (self.world.bodies, self.world.spheres):
-            arrays.velocity[:, :3] = velocity
+            arrays.velocity[: self.n_bodies, :3] = velocity
             if spin is not None:
-                arrays.spin[:, :3] = spin
+                arrays.spin[: self.n_bodies, :3] = spin
 
     def save(self) -> dict[str, np.ndarray]:
         """All that is needed to go on with the same bits, as arrays.
@@ -190,20 +191,22 @@ class Simulation:
         Of the lists only the contacts' histories are kept: the rest is made anew in the same
         order, and no force depends on when.
         """
-        world = self.world
-        pairs, springs = _touching(world.close, int(world.counts[state.CLOSE]))
-        wall_pairs, wall_springs = _touching(world.wall, int(world.counts[state.WALL]))
+        self.refresh()  # of a state just restored, the lists are not yet made
+        world, n = self.world, self.n_bodies
+        pairs = _touching(world.close, int(world.counts[state.CLOSE]))
+        at_walls = _touching(world.wall, int(world.counts[state.WALL]))
+        of_wall = np.searchsorted(world.walls.first, at_walls, "right") - 1
         return {
-            "position": world.spheres.position.copy(),
-            "velocity_now": world.spheres.velocity.copy(),
-            "spin_now": world.spheres.spin.copy(),
+            "position": world.spheres.position[:n].copy(),
+            "velocity_now": world.spheres.velocity[:n].copy(),
+            "spin_now": world.spheres.spin[:n].copy(),
             "velocity": world.bodies.velocity.copy(),
             "spin": world.bodies.spin.copy(),
             "heat": world.bodies.heat.copy(),
-            "pairs": pairs,
-            "springs": springs,
-            "wall_pairs": wall_pairs,
-            "wall_springs": wall_springs,
+            "pairs": np.stack([world.close.i[pairs], world.close.j[pairs]], axis=1),
+            "springs": world.close.history[:, pairs],
+            "wall_pairs": np.stack([world.wall.i[at_walls], of_wall], axis=1),
+            "wall_springs": world.wall.history[:, at_walls],
             "wall_force": world.walls.force.copy(),
             "step": world.counts[[state.STEP]],
             "books": world.books.copy(),
@@ -215,20 +218,21 @@ class Simulation:
         world = self.world
         while len(world.near.j) < len(saved["pairs"]):
             world = roomier(world, "near")
-        world.spheres.position[:] = saved["position"]
-        world.spheres.velocity[:] = saved["velocity_now"]
-        world.spheres.spin[:] = saved["spin_now"]
+        spheres, bodies = world.spheres, self.n_bodies
+        spheres.position[:bodies] = saved["position"]
+        spheres.velocity[:bodies] = saved["velocity_now"]
+        spheres.spin[:bodies] = saved["spin_now"]
         for name in ("velocity", "spin", "heat"):
             getattr(world.bodies, name)[:] = saved[name]
         n = len(saved["pairs"])
         world.near.i[:n], world.near.j[:n] = saved["pairs"].T
         world.near.history[:, :n] = saved["springs"]
-        world.near.first[:] = np.searchsorted(saved["pairs"][:, 0], np.arange(self.n_bodies + 1))
+        world.near.first[:] = np.searchsorted(saved["pairs"][:, 0], np.arange(bodies + 1))
         world.lengths[state.NEAR_SKIN] = -1.0  # its reach is used up: it is made anew
         world.walls.history[:] = 0.0
         world.walls.history[state.DAMPING] = state.NO_CONTACT
-        spheres, walls = saved["wall_pairs"].T
-        world.walls.history[:, walls, spheres] = saved["wall_springs"]
+        touching, of_wall = saved["wall_pairs"].T
+        world.walls.history[:, of_wall, touching] = saved["wall_springs"]
         world.walls.force[:] = saved["wall_force"]
         world.counts[:] = 0
         world.counts[state.STEP] = saved["step"][0]
@@ -279,9 +283,6 @@ def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:
     return named
 
 
-def _touching(contacts: state.Contacts, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """The pairs (k, 2) of a list that are in contact, and their histories (N_HISTORY, k)."""
-    history = contacts.history[:, :n]
-    touching = history[state.DAMPING] >= 0.0
-    pairs = np.stack([contacts.i[:n][touching], contacts.j[:n][touching]], axis=1)
-    return pairs, history[:, touching].copy()
+def _touching(contacts: state.Contacts, n: int) -> np.ndarray:
+    """Which of the first n contacts of a list touch."""
+    return np.flatnonzero(contacts.history[state.DAMPING, :n] >= 0.0)

@@ -12,12 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-# Entries of World.counts. STEP: of this phase; PAIRS, CLOSE, TOUCHED_WALLS: lengths of the lists;
-# PLANES: how many of the wall contacts are with planes; STALE_...: lists to be made anew.
-STEP, NEAR, CLOSE, WALL, PLANE, STALE_CLOSE, STALE_WALL = range(7)
-NEAR_SEARCHES, CLOSE_SEARCHES, WALL_SEARCHES = range(7, 10)
-CLOSE_MADE, WALL_MADE = 10, 11  # the step when the list was made
-N_COUNTS = 12
+# Entries of World.counts. STEP: of this phase; NEAR, CLOSE, WALL: lengths of the lists; STALE_...:
+# lists to be made anew; ..._MADE: the step when a list was made.
+STEP, NEAR, CLOSE, WALL, STALE_CLOSE, STALE_WALL = range(6)
+NEAR_SEARCHES, CLOSE_SEARCHES, WALL_SEARCHES, CLOSE_MADE, WALL_MADE = range(6, 11)
+N_COUNTS = 11
 # Entries of World.books [J], for particle-particle and then particle-wall contacts; then the work
 # of the enclosure on the bed.
 NORMAL_DAMPING, TANGENTIAL_DAMPING, FRICTION, LAW_TERM, SLIP_COUNT = range(5)
@@ -45,11 +44,14 @@ class Bodies(NamedTuple):
     spin: np.ndarray  # [rad/s]
     inverse_mass: np.ndarray  # (n,) [1/kg]
     inverse_inertia: np.ndarray  # (n,) of a sphere, about any axis [1/(kg m2)]
-    heat: np.ndarray  # (n,) dissipated at the body's contacts so far, half of each [J]
+    heat: np.ndarray  # (n + 1,) half of what each contact dissipated; the enclosure's last [J]
 
 
 class Spheres(NamedTuple):
-    """The spheres of the bodies, (m, 4): all that a contact needs to know and gives back."""
+    """The spheres of the bodies, all that a contact needs to know and gives back.
+
+    Arrays of (m + 1, 4): the last row is the enclosure, a sphere of no radius and no spin.
+    """
 
     position: np.ndarray  # centre [m], radius [m]
     velocity: np.ndarray  # of the centre, extrapolated to the time of the position [m/s]
@@ -80,8 +82,10 @@ class Contacts(NamedTuple):
     """Pairs that touch or nearly do, one array a quantity; of spheres, or of spheres and walls."""
 
     i: np.ndarray  # (capacity,) uint32, sphere
-    j: np.ndarray  # (capacity,) uint32, sphere or wall
-    near: np.ndarray  # (capacity,) uint32, index in the near list; for walls unused
+    j: np.ndarray  # (capacity,) uint32, sphere; of a wall contact the enclosure's row
+    near: np.ndarray  # (capacity,) uint32, index in the near list; unused for walls
+    radius_i: np.ndarray  # (capacity,) [m]
+    radius_j: np.ndarray  # (capacity,) [m]; unused for walls
     hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
     mass: np.ndarray  # (capacity,) reduced mass [kg]
     history: np.ndarray  # (N_HISTORY, capacity)
@@ -95,26 +99,25 @@ class Walls(NamedTuple):
     planes: np.ndarray  # (n_planes, 4) inward normal, offset [m]: inside n.x > offset
     radius: float  # of the cylinder round the z axis [m]; 0: there is none
     curved: bool  # whether the cylinder's curvature enters the Hertz law
-    push: np.ndarray  # (n_walls, 4) force by the particles in this step [N]
-    force: np.ndarray  # (n_walls, 4) the same, summed over the steps since last asked [N]
+    first: np.ndarray  # (n_walls + 1,) where the contacts of each wall begin
+    force: np.ndarray  # (n_walls, 3) by the particles, summed over the steps since asked [N]
     history: np.ndarray  # (N_HISTORY, n_walls, m), up to date while there is no wall list
 
 
 class Block(NamedTuple):
-    """What the passes over one block of contacts hand on; all (BLOCK,)."""
+    """What the passes over one block of contacts hand on; (3, BLOCK) or (BLOCK,)."""
 
-    normal_x: np.ndarray  # from i to j
-    normal_y: np.ndarray
-    normal_z: np.ndarray
+    separation: np.ndarray  # x_j - x_i [m]
+    passing: np.ndarray  # u_j - u_i [m/s]
+    turning: np.ndarray  # R_i w_i + R_j w_j [m/s]
+    spin: np.ndarray  # w_i + w_j [rad/s]
+    normal: np.ndarray  # from i to j
+    velocity: np.ndarray  # of j relative to i at the contact [m/s]
+    push: np.ndarray  # force on j [N]
+    couple: np.ndarray  # normal x push [N]
     overlap: np.ndarray  # [m], 0 where they do not touch
     arm_i: np.ndarray  # from the centre of i to the contact [m]
     arm_j: np.ndarray  # from the contact to the centre of j [m]
-    velocity_x: np.ndarray  # of j relative to i at the contact [m/s]
-    velocity_y: np.ndarray
-    velocity_z: np.ndarray
-    force_x: np.ndarray  # on j [N]
-    force_y: np.ndarray
-    force_z: np.ndarray
     normal_power: np.ndarray  # dissipated by the normal dashpot [W]
     tangential_power: np.ndarray  # dissipated by the tangential dashpot [W]
     rubbed: np.ndarray  # dissipated by friction in this step [J]

@@ -37,11 +37,11 @@ def build_world(
     n = len(positions)
     mass = density * 4.0 / 3.0 * math.pi * radii**3
     spheres = Spheres(
-        position=np.column_stack([positions, radii]),
-        velocity=np.zeros((n, 4)),
-        spin=np.zeros((n, 4)),
-        force=np.zeros((n, 4)),
-        torque=np.zeros((n, 4)),
+        position=np.vstack([np.column_stack([positions, radii]), np.zeros((1, 4))]),
+        velocity=np.zeros((n + 1, 4)),
+        spin=np.zeros((n + 1, 4)),
+        force=np.zeros((n + 1, 4)),
+        torque=np.zeros((n + 1, 4)),
         inverse_mass=1.0 / mass,
     )
     bodies = Bodies(
@@ -49,7 +49,7 @@ def build_world(
         spin=np.zeros((n, 4)),
         inverse_mass=1.0 / mass,
         inverse_inertia=1.0 / (0.4 * mass * radii**2),
-        heat=np.zeros(n),
+        heat=np.zeros(n + 1),
     )
     largest = float(radii.max())
     skins = np.zeros(state.N_LENGTHS)
@@ -69,8 +69,8 @@ def build_world(
             planes=enclosure.planes,
             radius=enclosure.cylinder_radius,
             curved=curved_wall,
-            push=np.zeros((n_walls, 4)),
-            force=np.zeros((n_walls, 4)),
+            first=np.zeros(n_walls + 1, np.int64),
+            force=np.zeros((n_walls, 3)),
             history=_no_history(n_walls, n),
         ),
         block=_block(),
@@ -131,8 +131,14 @@ def _near(n: int, capacity: int) -> Near:
 
 
 def _block() -> Block:
-    numbers = {name: np.zeros(state.BLOCK) for name in Block._fields}
-    return Block(**numbers | {"history": np.zeros((state.N_HISTORY, state.BLOCK))})
+    vectors = ("separation", "passing", "turning", "spin", "normal", "velocity", "push", "couple")
+    rows = dict.fromkeys(vectors, 3) | {"history": state.N_HISTORY}
+    return Block(
+        **{
+            name: np.zeros((rows[name], state.BLOCK) if name in rows else state.BLOCK)
+            for name in Block._fields
+        }
+    )
 
 
 def _contacts(n: int, capacity: int) -> Contacts:
@@ -140,6 +146,8 @@ def _contacts(n: int, capacity: int) -> Contacts:
         i=np.zeros(capacity, np.uint32),
         j=np.zeros(capacity, np.uint32),
         near=np.zeros(capacity, np.uint32),
+        radius_i=np.zeros(capacity),
+        radius_j=np.zeros(capacity),
         hertz=np.zeros(capacity),
         mass=np.zeros(capacity),
         history=_no_history(capacity),
@@ -153,7 +161,7 @@ def roomier(world: World, lists: str) -> World:
     old = getattr(world, lists)
     capacity = 2 * len(old.i)
     make: Callable[[int, int], Any] = _near if lists == "near" else _contacts
-    new = make(len(world.spheres.position), capacity)
+    new = make(len(world.near.place), capacity)
     for longer, array in zip(new, old, strict=True):
         longer[tuple(slice(0, size) for size in array.shape)] = array
     return world._replace(**{lists: new})
