@@ -46,8 +46,8 @@ ours: where eta peaks along Gamma on the ridge named, geometric mean +- standard
   packings, each with its own peak (their number); bracket: between which Gammas the peak of the
   mean curve lies by more than noise; +-: the scatter of the mean, pooled over all lines, and
   half the bracket together. A small effect: largest over least optimum at most {_SMALL:g}, about
-  what 5 mm of height do at 40 mm (eq. 6.11, close packing). The trend is the slope of ln Gamma against
-  ln diameter through the optima of all packings, with its 95 % interval."""
+  what 5 mm of height do at 40 mm (eq. 6.11, close packing). The trend is the slope of ln Gamma
+  against ln diameter through the optima of all packings, with its 95 % interval."""
 
 
 def panels() -> list[Panel]:
