@@ -88,13 +88,27 @@ def shares(samples: Samples) -> dict[str, dict[str, float | None]]:
 
     None where nothing is dissipated.
     """
-    whole = float(dissipated(samples)[-1])
+    return _shares(samples, {name: name for name in MECHANISMS})
+
+
+def shares_contact_count(samples: Samples) -> dict[str, dict[str, float | None]]:
+    """The same of what the thesis counts (see contact_count), which is more friction.
+
+    None where nothing is counted.
+    """
+    return _shares(samples, {name: name for name in MECHANISMS} | {"friction": "slip_count"})
+
+
+def _shares(samples: Samples, columns: Mapping[str, str]) -> dict[str, dict[str, float | None]]:
+    """Part of each class and mechanism in the sum of all, from the column of each mechanism."""
+    whole = float(_since(samples, tuple(columns.values()))[-1])
 
     def share(column: np.ndarray) -> float | None:
         return float(column[-1] - column[0]) / whole if whole > 0 else None
 
     return {
-        pair: {name: share(samples[f"{name}_{pair}"]) for name in MECHANISMS} for pair in CLASSES
+        pair: {name: share(samples[f"{column}_{pair}"]) for name, column in columns.items()}
+        for pair in CLASSES
     }
 
 

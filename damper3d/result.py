@@ -1,6 +1,6 @@
 """The answers of a run, as summary.json keeps them and --json prints them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 from pydantic import TypeAdapter, ValidationError
@@ -30,6 +30,10 @@ class Result:
     efficiency_wall_work: float
     efficiency_per_cycle: list[float]  # of all cycles, those that do not count too
     shares: dict[str, dict[str, float | None]]  # of what is dissipated, by pair and mechanism
+    # likewise, of the thesis's count; None in runs of earlier versions
+    shares_contact_count: dict[str, dict[str, float | None]] | None = field(
+        default=None, kw_only=True
+    )
     law_term: float | None  # the tangential spring's own gain, over what is dissipated
     dissipated_power_w: float
     loss_factor: float | None

@@ -47,6 +47,7 @@ def summarise(case: DamperCase, samples: Trajectory, packing: Packing) -> dict[s
         "efficiency_wall_work": float(eta["wall_work"].mean()),
         "efficiency_per_cycle": whole.tolist(),
         "shares": efficiency.shares(counted),
+        "shares_contact_count": efficiency.shares_contact_count(counted),
         "law_term": law_term,
         **_response(case, counted, float(eta["efficiency"].mean()) * reference),
         "energy_closure": closure,

@@ -60,12 +60,18 @@ def test_the_budget_tells_lost_from_held_energy_and_from_the_laws_gain():
         {"normal_damping": 0.1, "tangential_damping": 0.1, "friction": 0.4}
     )
     assert sum(sum(part.values()) for part in shares.values()) == pytest.approx(1.0)
+    as_counted = efficiency.shares_contact_count(counted)
+    assert as_counted["particle_wall"] == pytest.approx(
+        {"normal_damping": 1 / 10.75, "tangential_damping": 1 / 10.75, "friction": 2.25 / 10.75}
+    )
+    assert sum(sum(part.values()) for part in as_counted.values()) == pytest.approx(1.0)
 
 
 def test_nothing_dissipated_has_no_shares_and_no_closure():
     samples = at_rest()
     assert efficiency.closure(samples) == (None, None)
     assert efficiency.shares(samples)["particle_wall"]["friction"] is None
+    assert efficiency.shares_contact_count(samples)["particle_wall"]["friction"] is None
 
 
 def test_the_history_within_a_cycle_is_the_mean_of_the_cycles():

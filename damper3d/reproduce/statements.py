@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-_WORDS = {True: "PASS", False: "FAIL", None: "----"}
+WORDS = {True: "PASS", False: "FAIL", None: "----"}
 
 
 class Statement(NamedTuple):
@@ -28,6 +28,6 @@ def report_statements(statements: Sequence[Statement]) -> str:
     lines = [
         line
         for one in statements
-        for line in (f"{_WORDS[one.holds]}  {one.words}", f"      {one.found or 'no run'}")
+        for line in (f"{WORDS[one.holds]}  {one.words}", f"      {one.found or 'no run'}")
     ]
     return "\n".join([head, *lines])

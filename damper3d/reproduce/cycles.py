@@ -1,0 +1,108 @@
+"""How a cycle goes: dissipation and the bed's velocity within it (Figs 6.7, 6.10, 6.16, 6.18).
+
+358 spheres of 5 mm, fill ratio 0.466, 40 Hz: the bouncing bed at Gamma 20 to 100, and Gamma 1.5, 3
+and 4 about the fluidisation optimum in both orientations. The rows hold the histories.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from campaign.layout import columns, done
+from damper3d.reproduce.checks import as_text
+from damper3d.reproduce.cycle_histories import BOUNCING, FREQUENCY, points, with_history
+from damper3d.reproduce.cycle_statements import Readings, cycle_statements, ideal_since, readings
+from damper3d.reproduce.standing import standing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from campaign.sweep import Labelled
+
+Row = dict[str, Any]
+
+SEEDS = 3
+
+
+_CYCLES, _DISCARD = 13, 3  # five pairs of cycles
+_READING = """\
+step: a stretch of the cycle in which more than the mean power is dissipated, with at least a tenth
+  of a cycle's energy; it starts when a tenth of its energy is dissipated and ends when nine tenths
+  are. since: part of the cycle from the enclosure's greatest speed the other way to the start; in
+  brackets the ideal bouncing bed's (theory.meeting_phase), with A0 of the close packing (eq. 6.13).
+Velocities over V = Gamma g/omega. enclosure, half way: its speed when a step starts, and when half
+  of its energy is dissipated; against: the bed's greatest velocity in the quarter cycle before the
+  start, against the enclosure's half way. bed, relative: largest speed of the bed, and of the bed
+  against the enclosure. together: part of the cycle in which the two differ by less than V/10.
+  within: part of the energy that is dissipated at more than the mean power.
+  uneven: |b - a|/(b + a) of the energies of cycles in turn.
+Histories are means over five pairs of cycles after three that do not count, so cycles 4 to 13; the
+  thesis shows steady cycles and does not say which. Gamma 30, 40 and 60 are our choice."""
+
+
+def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[Labelled]":
+    """Each point once for each seed; `changes` go before what the table sets."""
+    from campaign.sweep import over_seeds
+    from damper3d.case import DamperCase
+
+    found: list[Labelled] = []
+    for point in points():
+        own = {
+            "motion.orientation": point["orientation"],
+            "motion.frequency": FREQUENCY,
+            "motion.gamma": point["gamma"],
+            "run.cycles": _CYCLES,
+            "run.discard": _DISCARD,
+        }
+        found += over_seeds(point, DamperCase.load("thesis", own | (changes or {})), seeds)
+    return found
+
+
+def run(
+    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
+) -> list[Row]:
+    """Every point for each seed, with its histories; runs that are there are not done again."""
+    from damper3d.reproduce.runs import run_all
+
+    rows = run_all(cases(seeds), out=out, workers=workers, quiet=quiet, **engine)
+    return [with_history(row) for row in rows]
+
+
+def report(rows: list[Row]) -> str:
+    """What is there, the statements of secs 6.4.1 and 6.4.3 judged, and the readings."""
+    found = readings(rows)
+    head = "\n".join(standing(rows, points()))
+    parts = [head, as_text(cycle_statements(found)), _table(rows, found), _READING]
+    return "\n\n".join(filter(None, parts))
+
+
+def _table(rows: list[Row], found: Readings) -> str:
+    """A line a point: means over the packings."""
+    numbers = ("enclosure", "half_way", "against", "bed", "relative", "together", "within")
+    lines = []
+    for (orientation, gamma), mean in found.items():
+        phases = [str(row.get("phase")).replace("_", " ") for row in done(rows)
+                  if (row["orientation"], row["gamma"]) == (orientation, gamma)]  # fmt: skip
+        ideal = ideal_since(gamma) if gamma in BOUNCING else None
+        since = _cell(mean.get("since")) + (f" ({ideal:.2f})" if ideal else "")
+        cells = [_cell(mean.get(name)) for name in ("duration", *numbers)]
+        lines.append([
+            f"  {orientation}", f"{gamma:g}", f"{mean['steps']:.2g}", since, *cells,
+            f"{mean['deceleration']:.0f}", _cell(mean["unevenness"]),
+            ", ".join(dict.fromkeys(phases)),
+        ])  # fmt: skip
+    header = ["  motion", "Gamma", "steps", "since", "duration",
+              *(name.replace("_", " ") for name in numbers), "bed m/s2", "uneven",
+              "phase"]  # fmt: skip
+    return columns(header, lines) if lines else ""
+
+
+def _cell(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+def draw(rows: list[Row]) -> "Figure":
+    """Five panels after the thesis's figures, and when the bouncing bed collides."""
+    from damper3d.reproduce.cycle_panels import cycle_panels
+
+    return cycle_panels(rows)

@@ -1,0 +1,142 @@
+"""Where the energy goes: shares of particle-particle contacts and of friction (Figs 6.28, 6.29).
+
+Vertical motion at 40 and 160 Hz, fill ratio 0.466, spheres of 3 to 6 mm, over the thesis's Gammas.
+Each share is told twice: of what our budget finds dissipated, and of the thesis's count (eq. 6.7),
+in which friction is the whole force mu Fn times the sliding velocity, so that it is more.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from campaign.layout import columns, done
+from damper3d.reproduce.checks import as_text
+from damper3d.reproduce.curves import curve
+from damper3d.reproduce.share_statements import (
+    COUNTS,
+    Landmarks,
+    landmarks,
+    of_size,
+    quantities,
+    share_statements,
+    tangential_damping,
+)
+from damper3d.reproduce.standing import standing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from campaign.sweep import Labelled
+
+Row = dict[str, Any]
+
+SEEDS = 3
+
+COUNT_OF = {5: 358, 4: 700, 6: 207, 3: 1659}  # by the diameter [mm] (Table 6.1), dearest last
+FREQUENCIES = (40.0, 160.0)  # [Hz]
+GAMMAS = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 40.0, 50.0,
+          60.0, 80.0, 100.0)  # fmt: skip
+_LABELS = "diameter_mm", "frequency_hz", "gamma"
+
+_READING = """\
+budget: share of what normal damping, tangential damping and friction dissipate together, friction
+  being the work at the slider alone. thesis's count: the two terms of eq. 6.7, friction being the
+  whole tangential one: mu Fn times the whole sliding velocity, the dashpot where nothing slides.
+onset and optimum: peaks of eta along Gamma of the same runs, as `damper3d map` finds them, beyond
+  noise; the thesis took them from Figs 6.8 and 6.22."""
+
+
+def points() -> list[dict[str, Any]]:
+    """The labels of each point of the table."""
+    return [
+        dict(zip(_LABELS, (diameter, frequency, gamma), strict=True))
+        for diameter in COUNT_OF
+        for frequency in FREQUENCIES
+        for gamma in GAMMAS
+    ]
+
+
+def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[Labelled]":
+    """Each point once for each seed; `changes` go before what the table sets."""
+    from campaign.sweep import over_seeds
+    from damper3d.case import DamperCase
+
+    found: list[Labelled] = []
+    for point in points():
+        own = {
+            "particles.shape": f"sphere:{point['diameter_mm']}mm",
+            "particles.count": COUNT_OF[point["diameter_mm"]],
+            "motion.frequency": point["frequency_hz"],
+            "motion.gamma": point["gamma"],
+            "output.keep": "summary",
+        }
+        found += over_seeds(point, DamperCase.load("thesis", own | (changes or {})), seeds)
+    return found
+
+
+def run(
+    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
+) -> list[Row]:
+    """Every point for each seed; runs that are there are not done again."""
+    from damper3d.reproduce.runs import run_all
+
+    return run_all(cases(seeds), out=out, workers=workers, quiet=quiet, **engine)
+
+
+def report(rows: list[Row]) -> str:
+    """What is there, the statements of sec. 6.5 judged, and the shares in figures."""
+    found = landmarks(rows)
+    parts = [
+        "\n".join(standing(rows, points())),
+        as_text(share_statements(rows, found)),
+        *(_table(rows, found, frequency) for frequency in FREQUENCIES),
+        tangential_damping(rows),
+        _without_count(rows),
+        _READING,
+    ]
+    return "\n\n".join(filter(None, parts))
+
+
+def _table(rows: list[Row], found: Landmarks, frequency: float) -> str:
+    """A line a Gamma: for each size the three shares, budget then the thesis's count."""
+    sizes = [size for size in sorted(COUNT_OF) if of_size(rows, size, frequency)]
+    if not sizes:
+        return ""
+    curves = {
+        (size, quantity, count): curve(of_size(rows, size, frequency), quantities(count)[quantity])
+        for size in sizes
+        for count in COUNTS
+        for quantity in quantities(count)
+    }
+    lines = []
+    for gamma in sorted({x for one in curves.values() for x in one.x}):
+        cells = []
+        for size in sizes:
+            for quantity in quantities("budget"):
+                values = [curves[size, quantity, count].between(gamma, gamma) for count in COUNTS]
+                words = [f"{100 * one.mean[0]:.0f}" if one.mean else "-" for one in values]
+                cells.append(" / ".join(words))
+        lines.append([f"  {gamma:g}", *cells])
+    header = ["  Gamma", *(f"{size} mm: {q}" for size in sizes for q in ("p-p", "fr", "fr p-p"))]
+    title = f"{frequency:g} Hz, shares in %, budget / thesis's count ({found.words(frequency)})"
+    return f"{title}\n{columns(header, lines)}"
+
+
+def _without_count(rows: list[Row]) -> str:
+    """How many runs do not know the thesis's shares."""
+    column = "shares_contact_count.particle_particle.friction"
+    old = sum(row.get("shares.particle_particle.friction") is not None and row.get(column) is None
+              for row in done(rows))  # fmt: skip
+    if not old:
+        return ""
+    return (
+        f"{old} of {len(done(rows))} runs were made before the shares of the thesis's count were "
+        "kept; delete their folders and the same command makes them anew"
+    )
+
+
+def draw(rows: list[Row]) -> "Figure":
+    """Three rows of panels as in Figs 6.28 and 6.29; see share_panels."""
+    from damper3d.reproduce.share_panels import share_panels
+
+    return share_panels(rows, landmarks(rows), FREQUENCIES)
