@@ -85,22 +85,30 @@ def _prune(kernels: Path, current: Path) -> None:
             shutil.rmtree(old, ignore_errors=True)
 
 
-def njit(function, inlined=False):
-    """numba.njit with the project's cache folder and options.
-
-    A function that is called in every step of a loop and takes many arrays is better `inlined`:
-    an array is seven numbers, and handing over a hundred of them costs as much as some contacts.
-    """
+def njit(function, **options):
+    """numba.njit with the project's cache folder and options."""
     usual = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder()  # read by numba when it decorates
     try:
-        return numba.njit(
-            cache=True, error_model="numpy", nogil=True, noalias=True, forceinline=inlined
-        )(function)
+        return numba.njit(cache=True, error_model="numpy", nogil=True, noalias=True, **options)(
+            function
+        )
     finally:
         numba.config.CACHE_DIR = usual
 
 
+def uncounted(function):
+    """njit for a function that makes no array and keeps none: without counting references.
+
+    numba counts who uses an array, at every call and every field of a tuple; in a loop over steps
+    that takes thousands of arrays through a dozen functions this costs a third of the time.
+    """
+    return njit(function, _nrt=False)
+
+
 def inlined(function):
-    """njit for a function whose code shall stand where it is called."""
-    return njit(function, inlined=True)
+    """uncounted, for a function whose code shall stand where it is called.
+
+    An array is seven numbers: handing over a hundred of them costs as much as some contacts.
+    """
+    return njit(function, _nrt=False, forceinline=True)

@@ -12,7 +12,7 @@ step, so that no velocity need be gathered twice.
 import numpy as np
 
 from contact.hertz import damping_of_impact, hertz_force, mindlin_force, with_history
-from contact.jit import inlined, njit
+from contact.jit import inlined, uncounted
 from contact.spring_books import spring_books
 from contact.vectors import add, cross, dot, scale
 from damper3d.geometry import between_spheres, place, with_cylinder, with_plane
@@ -173,7 +173,7 @@ def apply_law(law, contacts, begin, n_contacts, block, dt):
         block.slip_power[k] = -slides * dot(force, slip_rate)
 
 
-@njit
+@uncounted
 def without_slip(law, history, n, normal, kt_before, kt, moved):
     """What the spring of contact n held at the step before, and would hold now if it did not slip.
 

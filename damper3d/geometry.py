@@ -7,11 +7,11 @@ is kept. The passes have no branch, so that the compiler vectorises them.
 
 import numpy as np
 
-from contact.jit import inlined, njit
+from contact.jit import inlined, uncounted
 from damper3d.state import BLOCK
 
 
-@njit
+@uncounted
 def place(row, k):
     """Where lane k of a row of a block stands.
 
@@ -21,7 +21,7 @@ def place(row, k):
     return np.uintp(row * BLOCK) + k
 
 
-@njit
+@uncounted
 def gap_of(position, i, j):
     """Distance of the surfaces of two spheres [m]; negative where they overlap."""
     dx = position[j, 0] - position[i, 0]
@@ -81,7 +81,7 @@ def with_cylinder(radius, contacts, begin, n_contacts, block):
         wall_contact(contacts, begin, normal, radius - off_axis, block, k)
 
 
-@njit
+@uncounted
 def wall_contact(contacts, begin, normal, distance, block, k):
     """Fill place k of a block with a contact; the normal points to the wall, at a distance [m]."""
     nx, ny, nz = normal

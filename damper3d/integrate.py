@@ -9,7 +9,7 @@ extrapolated u makes them second order. The enclosure's motion is known at all t
 
 import numpy as np
 
-from contact.jit import inlined, njit
+from contact.jit import inlined, uncounted
 from damper3d.forces import apply_forces
 from damper3d.neighbours import DONE, search
 from damper3d.shaker import displacement, velocity
@@ -23,7 +23,7 @@ from damper3d.state import (
 )
 
 
-@njit
+@uncounted
 def advance(world, n_steps):
     """Up to n_steps steps; how many were taken, and DONE or why no more."""
     direction, dt = world.direction, world.time_step
@@ -43,7 +43,7 @@ def advance(world, n_steps):
     return n_steps, DONE
 
 
-@njit
+@uncounted
 def enclosure_at(shaker, d, time):
     """Displacement [m] and velocity [m/s] of the enclosure along the direction d, at a time."""
     along, rate = displacement(shaker, time), velocity(shaker, time)

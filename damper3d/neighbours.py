@@ -12,7 +12,7 @@ what does not touch adds exact zeros.
 
 import numpy as np
 
-from contact.jit import njit
+from contact.jit import uncounted
 from damper3d.geometry import gap_of
 from damper3d.state import (
     CLOSE,
@@ -46,7 +46,7 @@ _LEAST, _MOST = 0.002, 0.03  # of the close skin over the largest radius
 _DEEPEST = 0.25  # overlap over the sum of the radii that is taken for a failure
 
 
-@njit
+@uncounted
 def search(world, shift):
     """Make stale lists anew; DONE, or what is wrong."""
     counts = world.counts
@@ -61,7 +61,7 @@ def search(world, shift):
     return DONE
 
 
-@njit
+@uncounted
 def search_pairs(world, shift):
     """The close list, after the near list where its reach is used up."""
     counts, lengths, spheres, near = world.counts, world.lengths, world.spheres, world.near
@@ -82,7 +82,7 @@ def search_pairs(world, shift):
     return outcome
 
 
-@njit
+@uncounted
 def adapt(counts, lengths, skin, made, largest):
     """Widen a skin whose list was short-lived, and narrow one whose list lasted long."""
     lasted = counts[STEP] - counts[made]
@@ -92,7 +92,7 @@ def adapt(counts, lengths, skin, made, largest):
         lengths[skin] = max(_SHRINK * lengths[skin], _LEAST * largest)
 
 
-@njit
+@uncounted
 def store_history(near, close, counts):
     """Put the histories of the close list back into the near list."""
     for n in range(counts[CLOSE]):
@@ -101,59 +101,62 @@ def store_history(near, close, counts):
     counts[CLOSE] = 0
 
 
-@njit
+@uncounted
 def near_reach_left(x, place, skin):
     """The gap below which all pairs are in the near list, by how far the spheres have spread [m].
 
     NaN where a position is no longer a finite number.
     """
     n = len(place)
-    mean = np.zeros(3)
+    a = b = c = 0.0
     for i in range(n):
-        for c in range(3):
-            mean[c] += x[i, c] - place[i, c]
-    mean /= n
+        a += x[i, 0] - place[i, 0]
+        b += x[i, 1] - place[i, 1]
+        c += x[i, 2] - place[i, 2]
+    a, b, c = a / n, b / n, c / n
     farthest = 0.0
     for i in range(n):
-        square = 0.0
-        for c in range(3):
-            square += (x[i, c] - place[i, c] - mean[c]) ** 2
+        dx, dy, dz = x[i, 0] - place[i, 0] - a, x[i, 1] - place[i, 1] - b, x[i, 2] - place[i, 2] - c
+        square = dx * dx + dy * dy + dz * dz
         if not square <= farthest:
             farthest = square
     return skin - 2.0 * np.sqrt(farthest)
 
 
-@njit
+@uncounted
 def search_near(world, skin, shift):
     """All pairs with a gap below the skin, with the histories of those known before."""
     near, spheres, counts = world.near, world.spheres, world.counts
     x, n_spheres = spheres.position, len(spheres.inverse_mass)
     fill_cells(world.cells, x, n_spheres, shift)
     n_old = counts[NEAR]
-    near.old_j[:n_old] = near.j[:n_old]
-    near.old_history[:, :n_old] = near.history[:, :n_old]
-    near.old_first[:] = near.first
+    copy(near.old_j, near.j, n_old)
+    copy(near.old_first, near.first, n_spheres + 1)
+    for h in range(N_HISTORY):
+        copy(near.old_history[h], near.history[h], n_old)
     n = 0
     for i in range(n_spheres):
         near.first[i] = n
         begin = n
         n = pairs_of(near, world.cells, x, skin, i, n)
         if n < 0:
-            near.first[:] = near.old_first  # nothing is lost: the caller makes room and comes back
-            near.j[:n_old] = near.old_j[:n_old]
-            near.history[:, :n_old] = near.old_history[:, :n_old]
+            # Nothing is lost: the caller makes room and comes back.
+            copy(near.j, near.old_j, n_old)
+            copy(near.first, near.old_first, n_spheres + 1)
+            for h in range(N_HISTORY):
+                copy(near.history[h], near.old_history[h], n_old)
             fill_i(near, n_spheres)
             return NEAR_FULL
         inherit(near, i, begin, n)
         note_constants(near, spheres, world.pair_law, i, begin, n)
     near.first[n_spheres] = n
-    near.place[:] = x[:n_spheres]
+    copy_rows(near.place, x)
     counts[NEAR] = n
     counts[NEAR_SEARCHES] += 1
     return DONE
 
 
-@njit
+@uncounted
 def note_constants(near, spheres, law, i, begin, end):
     """What the law needs to know of the pairs of sphere i."""
     radius = spheres.position[:, 3]
@@ -164,7 +167,22 @@ def note_constants(near, spheres, law, i, begin, end):
         near.mass[n] = 1.0 / (spheres.inverse_mass[i] + spheres.inverse_mass[j])
 
 
-@njit
+@uncounted
+def copy(to, what, n):
+    """The first n numbers of an array, into another."""
+    for k in range(n):
+        to[k] = what[k]
+
+
+@uncounted
+def copy_rows(to, rows):
+    """As many rows of four as there is room for."""
+    for i in range(len(to)):
+        for c in range(4):
+            to[i, c] = rows[i, c]
+
+
+@uncounted
 def fill_i(near, n_spheres):
     """The first spheres of all pairs, from where the pairs of each begin."""
     for i in range(n_spheres):
@@ -172,7 +190,7 @@ def fill_i(near, n_spheres):
             near.i[n] = i
 
 
-@njit
+@uncounted
 def fill_cells(cells, x, n_spheres, shift):
     """Sort the spheres into cells; those outside the grid go into the nearest cell."""
     nx, ny, nz = cells.shape
@@ -192,7 +210,7 @@ def fill_cells(cells, x, n_spheres, shift):
         cells.spheres[cells.start[cell + 1]] = i
 
 
-@njit
+@uncounted
 def pairs_of(near, cells, x, skin, i, n):
     """Append the near pairs (i, j > i) in ascending order; the new length, or -1 for no room.
 
@@ -221,7 +239,7 @@ def pairs_of(near, cells, x, skin, i, n):
     return n
 
 
-@njit
+@uncounted
 def inherit(near, i, begin, end):
     """Give the pairs of sphere i the histories that they had; both lists ascend."""
     old, old_end = near.old_first[i], near.old_first[i + 1]
@@ -236,7 +254,7 @@ def inherit(near, i, begin, end):
             near.history[DAMPING, n] = NO_CONTACT
 
 
-@njit
+@uncounted
 def filter_close(near, close, spheres, counts, skin):
     """The close list: near pairs with a gap below the skin, or in contact so far."""
     x, n_near = spheres.position, counts[NEAR]
@@ -260,7 +278,7 @@ def filter_close(near, close, spheres, counts, skin):
     return DONE
 
 
-@njit
+@uncounted
 def gaps(near, x, n_near):
     """The gaps of all near pairs; without a branch, so that it is vectorised."""
     for k in range(np.uintp(n_near)):
@@ -269,22 +287,21 @@ def gaps(near, x, n_near):
         near.gap[k] = np.sqrt(dx * dx + dy * dy + dz * dz) - near.reach[k]
 
 
-@njit
+@uncounted
 def note_places(close, spheres):
     """Where the spheres are now, and how fast they move on the whole."""
-    x, u, place = spheres.position, spheres.velocity, close.place
+    u, place = spheres.velocity, close.place
+    copy_rows(place, spheres.position)
     a = b = c = 0.0
     n = len(place)
     for i in range(np.uintp(n)):
-        for k in range(4):
-            place[i, k] = x[i, k]
         a += u[i, 0]
         b += u[i, 1]
         c += u[i, 2]
     close.drift[0], close.drift[1], close.drift[2] = a / n, b / n, c / n
 
 
-@njit
+@uncounted
 def search_walls(world, shift):
     """The list of wall contacts, wall by wall."""
     walls, wall, counts, lengths = world.walls, world.wall, world.counts, world.lengths
@@ -302,13 +319,13 @@ def search_walls(world, shift):
     counts[WALL_SEARCHES] += 1
     counts[STALE_WALL] = 0
     counts[WALL_MADE] = counts[STEP]
-    wall.place[:] = world.spheres.position[: len(wall.place)]
+    copy_rows(wall.place, world.spheres.position)
     for c in range(3):
         wall.drift[c] = shift[c]
     return DONE
 
 
-@njit
+@uncounted
 def store_wall_history(wall, walls, counts):
     """Put the histories of the wall contacts back into the walls' own table."""
     if counts[WALL] > 0:
@@ -320,7 +337,7 @@ def store_wall_history(wall, walls, counts):
     walls.first[:] = 0
 
 
-@njit
+@uncounted
 def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
     """Append the spheres that touch wall w or nearly do; the new length.
 

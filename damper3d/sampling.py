@@ -3,7 +3,7 @@
 import numpy as np
 
 from contact.hertz import hertz_force, mindlin_force, spring_energy
-from contact.jit import njit
+from contact.jit import uncounted
 from contact.vectors import add, dot, scale
 from damper3d.forces import contact_law, meet_wall, put_enclosure, without_slip
 from damper3d.geometry import between_spheres, place
@@ -31,7 +31,7 @@ FORCE, NORMAL, POINT, OVERLAP = 0, 3, 6, 9
 N_CONTACT_COLUMNS = 10
 
 
-@njit
+@uncounted
 def advance_sampling(world, steps_per_sample, rows):
     """Fill rows, each after steps_per_sample steps; how many were filled, steps over, outcome.
 
@@ -45,7 +45,7 @@ def advance_sampling(world, steps_per_sample, rows):
     return len(rows), np.int64(0), DONE
 
 
-@njit
+@uncounted
 def sample(world, steps, row):
     """One row; forces on the walls are means over the steps since the last."""
     now = world.counts[STEP] * world.time_step
@@ -59,7 +59,8 @@ def sample(world, steps, row):
     for c in range(2):
         row[IMPACT_PP + c] = world.fastest[c]
         world.fastest[c] = 0.0
-    row[N_COLUMNS : N_COLUMNS + N_BOOKS] = world.books
+    for b in range(N_BOOKS):
+        row[N_COLUMNS + b] = world.books[b]
     force = world.walls.force
     for w in range(len(force)):
         for c in range(3):
@@ -67,27 +68,26 @@ def sample(world, steps, row):
             force[w, c] = 0.0
 
 
-@njit
+@uncounted
 def mean_motion(spheres, bodies, gravity, shift, row):
     """Kinetic and potential energy, mean position in the enclosure and mean velocity."""
     x, u, w = spheres.position, spheres.velocity, spheres.spin
     kinetic = potential = total = 0.0
-    position, velocity = np.zeros(3), np.zeros(3)
+    row[POSITION_X : VELOCITY_Z + 1] = 0.0
     for i in range(len(bodies.inverse_mass)):
         mass = 1.0 / bodies.inverse_mass[i]
         total += mass
         for c in range(3):
             kinetic += 0.5 * mass * u[i, c] ** 2 + 0.5 * w[i, c] ** 2 / bodies.inverse_inertia[i]
             potential -= mass * gravity[c] * x[i, c]
-            position[c] += mass * (x[i, c] - shift[c])
-            velocity[c] += mass * u[i, c]
+            row[POSITION_X + c] += mass * (x[i, c] - shift[c])
+            row[VELOCITY_X + c] += mass * u[i, c]
     row[KINETIC], row[POTENTIAL] = kinetic, potential
-    for c in range(3):
-        row[POSITION_X + c] = position[c] / total
-        row[VELOCITY_X + c] = velocity[c] / total
+    for c in range(6):
+        row[POSITION_X + c] /= total
 
 
-@njit
+@uncounted
 def elastic_energies(world, shift, speed, row):
     """What the springs of all contacts hold, and how many contacts there are."""
     spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
@@ -106,7 +106,7 @@ def elastic_energies(world, shift, speed, row):
             add_elastic(world.wall_law, world.wall, begin, n, block, dt, row, CONTACTS_PW)
 
 
-@njit
+@uncounted
 def add_elastic(law, contacts, begin, n_contacts, block, dt, row, count):
     """Add the elastic energies of a block to a row: (2/5) K d^2.5 and that of the spring."""
     history = contacts.history
@@ -137,7 +137,7 @@ def add_elastic(law, contacts, begin, n_contacts, block, dt, row, count):
         row[count] += 1.0
 
 
-@njit
+@uncounted
 def list_contacts(world, bodies, numbers):
     """The contacts of now and the forces that the next step will apply; how many there are.
 
@@ -164,7 +164,7 @@ def list_contacts(world, bodies, numbers):
     return found
 
 
-@njit
+@uncounted
 def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, bodies, numbers, found):
     """Append the touching contacts of a block; how many there are then.
 
