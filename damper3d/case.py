@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contact.casefile import changed
-from contact.datafile import data_file, data_root, find, is_file
+from contact.datafile import case_names, data_file, find, is_file
 from contact.hertz import HertzLaw
 from contact.quantity import InputError, located, nearest
 from contact.table import ContactTable, load_table
@@ -28,13 +28,6 @@ from damper3d.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.shaker import Sines, sine
 
 PRESETS: dict[str, dict[str, Any]] = {"thesis": {}}  # every default is the thesis's
-
-
-def shipped_cases() -> list[str]:
-    """Names of the shipped case files that are dampers; a silo's has the table [silo]."""
-    root = data_root() / "cases"
-    names = sorted(path.stem for path in root.glob("*.toml"))
-    return [n for n in names if "[silo]" not in (root / f"{n}.toml").read_text(encoding="utf-8")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +61,7 @@ class DamperCase:
             document = changed({"name": name, **PRESETS[name]}, changes, Settings)
             return cls.resolve(document, name, Path())
         if not is_file(path):
-            known = [*PRESETS, *shipped_cases()]
+            known = [*PRESETS, *case_names("enclosure")]
             shipped = data_file("cases", name)
             if shipped is None and is_file(Path(f"{name}.toml")):
                 raise InputError(f"case {name!r}: no such preset; did you mean '{name}.toml'?")

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from campaign.folder import FolderError, write_atomic, writing
 from contact.quantity import InputError, nearest
-from damper3d.colouring import power
-from damper3d.scene import Scene, read_scene
+from damper3d.pictures.colouring import power
+from damper3d.pictures.scene import Scene, read_scene
 
 _SUFFIX = ".vtkhdf"  # by which ParaView and vtkHDFReader know the format
 _SIDES = 48  # of the polygon that stands for a circle

@@ -10,7 +10,7 @@ from contact.datafile import data_file, data_names
 from contact.material import Material, Measured
 from contact.quantity import InputError, nearest, to_si
 from contact.table import ContactTable, load_table
-from damper3d.impact import Impact
+from damper3d.single_contact.impact import Impact
 
 _CONSTANTS = {"youngs_modulus": "Pa", "poisson": "1", "density": "kg/m3", "yield_strength": "Pa"}
 _NEEDED = ("youngs_modulus", "poisson", "density")

@@ -5,7 +5,7 @@ All are without dimension; C cycles of S samples (motion.py).
 
 import numpy as np
 
-from damper3d.motion import Motion
+from damper3d.phases.motion import Motion
 
 BURST = 0.15  # of a cycle: the time over which a collision's share of the impulse is taken
 
