@@ -23,7 +23,15 @@ from damper3d.parameters import (
     time_steps,
     yield_velocities,
 )
-from damper3d.parts import GRAVITY, check_protocol, count_of, enclosure_of, gravity_of, unit_vector
+from damper3d.parts import (
+    GRAVITY,
+    check_protocol,
+    count_of,
+    enclosure_of,
+    gravity_of,
+    orientation_of,
+    unit_vector,
+)
 from damper3d.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.shaker import Sines, sine
 
@@ -109,6 +117,11 @@ class DamperCase:
     def fill_ratio(self) -> float:
         """Volume of the particles over that of the void (thesis, eq. 6.1) [-]."""
         return self.count * self.particle.volume / self.enclosure.volume
+
+    @property
+    def orientation(self) -> str:
+        """How gravity lies to the motion, whatever says so: "vertical", "horizontal" or "none"."""
+        return orientation_of(self.gravity, self.direction)
 
     @property
     def period(self) -> float:

@@ -3,8 +3,7 @@
 import tomllib
 from pathlib import Path
 
-from campaign.folder import RunFolder
-from campaign.library import packings_and_runs
+from campaign.library import packings_and_runs, run_in_words
 from contact.datafile import case_names, data_file, data_names
 from contact.quantity import InputError, nearest
 from silo2d.outline import PRESETS
@@ -59,12 +58,7 @@ def _run(folder: Path) -> str:
     from silo2d.report import report
     from silo2d.result import Result
 
-    run = RunFolder(folder)
-    if run.state == "new":
-        raise InputError(f"{folder}: not a run folder (it has no case.toml); give one")
-    if run.state == "unfinished":
-        return f"{folder}: unfinished; go on with: silo2d run --resume {folder}"
-    return report(Result.read(run, reused=False))
+    return run_in_words(folder, "silo2d", lambda run: report(Result.read(run, reused=False)))
 
 
 def _shapes(name: str) -> str:

@@ -70,7 +70,7 @@ def contrast(impulse: np.ndarray) -> float:
         return 0.0
     a, b = np.maximum(impulse[:-1], 0.0), np.maximum(impulse[1:], 0.0)
     both = a + b
-    return float(np.mean(np.divide(b - a, both, out=np.zeros_like(a), where=both > 0).__abs__()))
+    return float(np.mean(np.divide(np.abs(b - a), both, out=np.zeros_like(a), where=both > 0)))
 
 
 def stroke(motion: Motion) -> float:

@@ -38,7 +38,7 @@ def about(onset: float, factor: float, beyond: tuple[float, ...] = ()) -> list[f
 
 def close_onset(height: int, frequency: float) -> float:
     """Gamma of eq. 6.11 for the close packing in the thesis's cylinder of a height [mm]."""
-    fill = 358 * (5 / 40) ** 2 * 5 / height * 2 / 3  # spheres of 5 mm in 40 mm, eq. 6.1
+    fill = SPHERES[5] * (5 / 40) ** 2 * 5 / height * 2 / 3  # spheres of 5 mm in 40 mm, eq. 6.1
     clearance = (1 - fill / PACKINGS["close"]) * height / 1e3
     return float(bouncing_bed_onset(frequency, clearance))
 
