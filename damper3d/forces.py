@@ -22,6 +22,7 @@ from damper3d.state import (
     CLOSE,
     DAMPING,
     FRICTION,
+    LANES,
     LAW_TERM,
     MOVED_X,
     MOVED_Y,
@@ -53,7 +54,7 @@ def apply_forces(world, shift, speed):
     for begin in range(first, world.counts[CLOSE], BLOCK):
         n = min(world.counts[CLOSE] - begin, BLOCK)
         combine(spheres, world.close, begin, n, world.block)
-        between_spheres(world.close, begin, n, world.block)
+        between_spheres(world.close, begin, whole(n), world.block)
         sums = push_and_count(world, world.pair_law, world.close, begin, n, 0, sums)
     keep_books(books, 0, sums, world.time_step)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -65,6 +66,15 @@ def apply_forces(world, shift, speed):
             sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
         books[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w], speed)
     keep_books(books, N_MECHANISMS, sums, world.time_step)
+
+
+@inlined
+def whole(n_contacts):
+    """So many lanes as the contacts fill, and then to the end of the processor's vector.
+
+    What stands in the lanes beyond the contacts is of no meaning, and nobody reads the results.
+    """
+    return (n_contacts + LANES - 1) // LANES * LANES
 
 
 @inlined
@@ -80,9 +90,9 @@ def meet_wall(spheres, walls, contacts, w, begin, n_contacts, block):
     """Geometry of contacts with wall w."""
     combine(spheres, contacts, begin, n_contacts, block)
     if w < len(walls.planes):
-        with_plane(walls.planes[w], contacts, begin, n_contacts, block)
+        with_plane(walls.planes[w], contacts, begin, whole(n_contacts), block)
     else:
-        with_cylinder(walls.radius, contacts, begin, n_contacts, block)
+        with_cylinder(walls.radius, contacts, begin, whole(n_contacts), block)
 
 
 @inlined
@@ -101,7 +111,7 @@ def take_push(spheres, force, speed):
 def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
     """Forces of a block of a class, 0 or 1, to their spheres; the sums of the books with theirs."""
     block, dt = world.block, world.time_step
-    contact_law(law, contacts, begin, n_contacts, block, dt)
+    contact_law(law, contacts, begin, whole(n_contacts), block, dt)
     keep_history(contacts, begin, n_contacts, block)
     add_loads(world.spheres, contacts, begin, n_contacts, block)
     begin_contacts(law, contacts, begin, n_contacts, block, world.fastest, which)

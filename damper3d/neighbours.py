@@ -20,6 +20,7 @@ from damper3d.state import (
     CLOSE_SEARCHES,
     CLOSE_SKIN,
     DAMPING,
+    LANES,
     N_HISTORY,
     NEAR,
     NEAR_SEARCHES,
@@ -243,7 +244,7 @@ def filter_close(near, close, spheres, counts, skin):
     n = 0
     for k in range(np.uintp(n_near)):
         if near.gap[k] < skin or near.history[DAMPING, k] >= 0.0:
-            if n == len(close.i):
+            if n == len(close.i) - LANES:
                 return CLOSE_FULL
             if near.gap[k] < -_DEEPEST * near.reach[k]:
                 return TOO_DEEP
@@ -336,7 +337,7 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
         if gap < skin or walls.history[DAMPING, w, i] >= 0.0:
             if not gap >= -2.0 * _DEEPEST * x[i, 3]:
                 return -2
-            if n == len(wall.i):
+            if n == len(wall.i) - LANES:
                 return -1
             radius = x[i, 3]
             if walls.curved and w == len(walls.planes):

@@ -36,6 +36,8 @@ NO_CONTACT = -1.0
 
 BLOCK = 64  # contacts that the force pass works on at once: what it finds stays in the first cache
 
+LANES = 8  # the vectorised passes go on to a whole number of these: the lists have as much room
+
 
 class Bodies(NamedTuple):
     """Rigid bodies, (n, 4) or (n,); velocities are half a step behind the positions."""

