@@ -1,10 +1,11 @@
 """What stands below a folder of runs, in words for a person; and new files for a person to edit."""
 
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from campaign.folder import FolderError, RunFolder
+from campaign.folder import FolderError, RunFolder, resume_run, write_atomic, writing
 
 
 def write_new(path: Path, text: str) -> None:
@@ -18,6 +19,21 @@ def write_new(path: Path, text: str) -> None:
         raise FolderError(f"{path}: cannot be written ({error.strerror}); give another") from None
 
 
+def write_output(path: Path, content: bytes) -> Path:
+    """Write a file where a person asked for it; its path. FolderError where it cannot be."""
+    try:
+        with writing(path.parent):
+            path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomic(path, content)
+    except FolderError as error:
+        reason = getattr(error.__cause__, "strerror", None) or "no reason given"
+        raise FolderError(
+            f"{path}: cannot be written ({reason}); make room there, or choose another place "
+            "with --output"
+        ) from error
+    return path
+
+
 def packings_and_runs(root: Path, answer: Callable[[dict[str, Any]], str]) -> list[str]:
     """A line for each packing and run below a folder: where it is, its state and size.
 
@@ -29,6 +45,17 @@ def packings_and_runs(root: Path, answer: Callable[[dict[str, Any]], str]) -> li
         *(f"packing    {path.parent}  {_size(path.parent)}" for path in packings),
         *(f"run        {p.parent}  {_state(p.parent, answer)}  {_size(p.parent)}" for p in runs),
     ]
+
+
+def run_in_words(path: Path, command: str, report: Callable[[RunFolder], str]) -> str:
+    """A run folder in words: `report` of a finished one; `command` goes on with an unfinished one.
+
+    FolderError where it is no run folder.
+    """
+    run = resume_run(path)
+    if run.state == "unfinished":
+        return f"{path}: unfinished; go on with: {command} run --resume {shlex.quote(str(path))}"
+    return report(run)
 
 
 def _state(folder: Path, answer: Callable[[dict[str, Any]], str]) -> str:

@@ -20,6 +20,16 @@ def data_names(kind: str) -> list[str]:
     return sorted(path.stem for path in (data_root() / kind).glob("*.*"))
 
 
+def case_names(table: str) -> list[str]:
+    """Names of the shipped cases that have a table, such as "silo": those of one simulator."""
+    cases = data_root() / "cases"
+    return [
+        name
+        for name in data_names("cases")
+        if f"[{table}]" in (cases / f"{name}.toml").read_text(encoding="utf-8")
+    ]
+
+
 def data_file(kind: str, name: str) -> Path | None:
     """Path of the shipped file `name` of a kind (without its ending), or None."""
     return next((p for p in sorted((data_root() / kind).glob("*.*")) if p.stem == name), None)

@@ -7,7 +7,7 @@ from contact.hertz import HertzLaw
 from contact.material import Material
 from contact.quantity import InputError
 from contact.reduced import reduced_modulus, reduced_shear_modulus
-from contact.restitution import ContactEnd
+from contact.restitution import ContactEnd, ratio_of_restitution
 
 History = Literal["displacement", "force"]
 
@@ -51,14 +51,13 @@ def sphere_law(
 
 
 def damping_ratio(restitution: float) -> float:
-    """b = -ln e / sqrt(ln^2 e + pi^2) [-]: 0 for e = 1, towards 1 as e falls to 0.
+    """Eq. 5.29: b = -ln e / sqrt(ln^2 e + pi^2) [-]: 0 for e = 1, towards 1 as e falls to 0.
 
     Raises InputError outside (0, 1].
     """
     if not 0.0 < restitution <= 1.0:
         raise InputError(f"restitution = {restitution:g}: must be above 0 and at most 1")
-    log = -math.log(restitution)
-    return log / math.hypot(log, math.pi)
+    return ratio_of_restitution(restitution)
 
 
 def yield_velocity(

@@ -44,6 +44,20 @@ class ContactTable:
             raise InputError(f"{self._name}no material {name!r}; {hint}")
         return self.materials[name]
 
+    def namesake(self) -> Material:
+        """The material that the table's file is called after, or its only one; else InputError."""
+        stem = self.path.stem if self.path else None
+        if stem in self.materials:
+            return self.materials[stem]
+        if not self.materials:
+            raise InputError(f"{self._name}holds no material; give one as [material.NAME]")
+        if len(self.materials) > 1:
+            raise InputError(
+                f"{self._name}holds several materials ({', '.join(self.materials)}); name the file "
+                "after one of them, or set materials and material in a case file"
+            )
+        return next(iter(self.materials.values()))
+
     def pair(self, first: str, second: str) -> Pair:
         """The pair of two materials, in either order; InputError lists those there are."""
         found = self.pairs.get((first, second)) or self.pairs.get((second, first))

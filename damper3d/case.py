@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contact.casefile import changed
-from contact.datafile import data_file, data_root, find, is_file
+from contact.datafile import case_names, data_file, find, is_file
 from contact.hertz import HertzLaw
 from contact.quantity import InputError, located, nearest
 from contact.table import ContactTable, load_table
@@ -23,18 +23,19 @@ from damper3d.parameters import (
     time_steps,
     yield_velocities,
 )
-from damper3d.parts import GRAVITY, check_protocol, count_of, enclosure_of, gravity_of, unit_vector
+from damper3d.parts import (
+    GRAVITY,
+    check_protocol,
+    count_of,
+    enclosure_of,
+    gravity_of,
+    orientation_of,
+    unit_vector,
+)
 from damper3d.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.shaker import Sines, sine
 
 PRESETS: dict[str, dict[str, Any]] = {"thesis": {}}  # every default is the thesis's
-
-
-def shipped_cases() -> list[str]:
-    """Names of the shipped case files that are dampers; a silo's has the table [silo]."""
-    root = data_root() / "cases"
-    names = sorted(path.stem for path in root.glob("*.toml"))
-    return [n for n in names if "[silo]" not in (root / f"{n}.toml").read_text(encoding="utf-8")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +69,7 @@ class DamperCase:
             document = changed({"name": name, **PRESETS[name]}, changes, Settings)
             return cls.resolve(document, name, Path())
         if not is_file(path):
-            known = [*PRESETS, *shipped_cases()]
+            known = [*PRESETS, *case_names("enclosure")]
             shipped = data_file("cases", name)
             if shipped is None and is_file(Path(f"{name}.toml")):
                 raise InputError(f"case {name!r}: no such preset; did you mean '{name}.toml'?")
@@ -116,6 +117,11 @@ class DamperCase:
     def fill_ratio(self) -> float:
         """Volume of the particles over that of the void (thesis, eq. 6.1) [-]."""
         return self.count * self.particle.volume / self.enclosure.volume
+
+    @property
+    def orientation(self) -> str:
+        """How gravity lies to the motion, whatever says so: "vertical", "horizontal" or "none"."""
+        return orientation_of(self.gravity, self.direction)
 
     @property
     def period(self) -> float:

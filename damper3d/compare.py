@@ -8,10 +8,10 @@ import numpy as np
 
 from campaign.figure import BLUE, GREY, INK, headline
 from campaign.folder import FolderError, RunFolder, resume_run
-from damper3d.charts import dissipated, efficiency_of_cycles
-from damper3d.graph import ruled
+from damper3d.pictures.charts import dissipated, efficiency_of_cycles
+from damper3d.pictures.graph import ruled
+from damper3d.pictures.scene import Scene, read_scene
 from damper3d.records import CLASSES, MECHANISMS
-from damper3d.scene import Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,10 +15,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.folder import FolderError, write_atomic, writing
+from campaign.folder import FolderError
+from campaign.library import write_output
 from contact.quantity import InputError, nearest
-from damper3d.colouring import power
-from damper3d.scene import Scene, read_scene
+from damper3d.pictures.colouring import power
+from damper3d.pictures.scene import Scene, read_scene
 
 _SUFFIX = ".vtkhdf"  # by which ParaView and vtkHDFReader know the format
 _SIDES = 48  # of the polygon that stands for a circle
@@ -52,7 +53,7 @@ def _to_vtkhdf(scene: Scene, place: Path, path: Path | None) -> list[Path]:
         )
     beside = path.with_name("enclosure" if path.parent == place else f"{path.stem}-enclosure")
     files = {path: particles_file(scene), beside.with_suffix(_SUFFIX): enclosure_file(scene)}
-    return [_write(name, content) for name, content in files.items()]
+    return [write_output(name, content) for name, content in files.items()]
 
 
 def _to_csv(scene: Scene, place: Path, path: Path | None) -> list[Path]:
@@ -62,27 +63,13 @@ def _to_csv(scene: Scene, place: Path, path: Path | None) -> list[Path]:
     if len(scene.tables):
         tables["particles"] = particles_csv
     folder = path or place
-    return [_write(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
+    return [write_output(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
 
 
 FORMATS: dict[str, Callable[[Scene, Path, Path | None], list[Path]]] = {
     "vtkhdf": _to_vtkhdf,
     "csv": _to_csv,
 }
-
-
-def _write(path: Path, content: bytes) -> Path:
-    try:
-        with writing(path.parent):
-            path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomic(path, content)
-    except FolderError as error:
-        reason = getattr(error.__cause__, "strerror", None) or "no reason given"
-        raise FolderError(
-            f"{path}: cannot be written ({reason}); make room there, or choose another place "
-            "with --output"
-        ) from error
-    return path
 
 
 def particles_file(scene: Scene) -> bytes:

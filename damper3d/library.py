@@ -3,18 +3,17 @@
 import tomllib
 from pathlib import Path
 
-from campaign.folder import RunFolder
-from campaign.library import packings_and_runs
-from contact.datafile import data_file, data_names
+from campaign.library import packings_and_runs, run_in_words
+from contact.datafile import case_names, data_file, data_names
 from contact.quantity import InputError, nearest
-from damper3d.case import PRESETS, DamperCase, shipped_cases
+from damper3d.case import PRESETS, DamperCase
 
 
 def listing(root: Path) -> str:
     """Presets, cases, materials, and the packings and runs below a folder."""
     lines = [
         f"presets    {', '.join(PRESETS)}",
-        f"cases      {', '.join(shipped_cases())}",
+        f"cases      {', '.join(case_names('enclosure'))}",
         f"materials  {', '.join(data_names('materials'))}",
         *packings_and_runs(root, lambda summary: f"efficiency {float(summary['efficiency']):.3f}"),
     ]
@@ -26,11 +25,11 @@ def description(name: str) -> str:
     path = Path(name)
     if path.is_dir():
         return _run(path)
-    if name in PRESETS or name in shipped_cases():
+    if name in PRESETS or name in case_names("enclosure"):
         return _case(name)
     file = path if path.is_file() else data_file("materials", name)
     if file is None:
-        known = [*PRESETS, *shipped_cases(), *data_names("materials")]
+        known = [*PRESETS, *case_names("enclosure"), *data_names("materials")]
         raise InputError(f"{name!r}: no such preset, file or run; {nearest(name, known)}")
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -49,12 +48,7 @@ def _run(folder: Path) -> str:
     from damper3d.report import report
     from damper3d.result import Result
 
-    run = RunFolder(folder)
-    if run.state == "new":
-        raise InputError(f"{folder}: not a run folder (it has no case.toml); give one")
-    if run.state == "unfinished":
-        return f"{folder}: unfinished; go on with: damper3d run --resume {folder}"
-    return report(Result.read(run, reused=False))
+    return run_in_words(folder, "damper3d", lambda run: report(Result.read(run, reused=False)))
 
 
 def _materials(name: str) -> str:

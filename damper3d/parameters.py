@@ -11,9 +11,9 @@ from contact.sphere_law import sphere_law, yield_velocity
 from contact.table import ContactTable, load_table
 from contact.timestep import rayleigh_time_step
 from damper3d.cluster import Cluster
+from damper3d.records import CLASSES
 from damper3d.settings import Law, Settings
 
-PAIRS = ("particle_particle", "particle_wall")
 USUAL_TIME_STEP = 1e-6  # [s] the thesis's (Table 6.1); 2 us gives the same within the scatter
 _USUAL_SHARE = 0.2  # of the Rayleigh step, by two digits, where the usual step is longer
 SAFE_SHARE = 0.4  # of the Rayleigh step; the thesis takes 0.1 to 0.4 of it (eq. 3.32)
@@ -39,7 +39,7 @@ def restitutions(table: ContactTable, settings: Settings) -> dict[str, float]:
     law = settings.law
     given = law.restitution, _first(law.restitution_wall, law.restitution)
     found = {}
-    for name, pair, own in zip(PAIRS, _pairs(table, settings), given, strict=True):
+    for name, pair, own in zip(CLASSES, _pairs(table, settings), given, strict=True):
         known = pair.restitution.value if pair.restitution else None
         value = _first(own, known)
         if value is None:
@@ -58,7 +58,7 @@ def frictions(table: ContactTable, settings: Settings) -> dict[str, float]:
     pairs = _pairs(table, settings)
     return {
         name: pair.friction.value if own is None else own
-        for name, pair, own in zip(PAIRS, pairs, given, strict=True)
+        for name, pair, own in zip(CLASSES, pairs, given, strict=True)
     }
 
 
@@ -80,7 +80,7 @@ def contact_laws(
     friction, restitution = frictions(table, settings), restitutions(table, settings)
     laws = [
         _law(particle, other, friction[name], restitution[name], settings.law, table.path)
-        for name, other in zip(PAIRS, (particle, wall), strict=True)
+        for name, other in zip(CLASSES, (particle, wall), strict=True)
     ]
     return laws[0], laws[1]
 
@@ -112,7 +112,7 @@ def yield_velocities(
     radius, density = particle.smallest_radius, materials[0].density.value
     mass = density * particle.volume
     found: dict[str, float | None] = {}
-    for name, other, share in zip(PAIRS, materials, (0.5, 1.0), strict=True):
+    for name, other, share in zip(CLASSES, materials, (0.5, 1.0), strict=True):
         if materials[0].yield_strength is None and other.yield_strength is None:
             found[name] = None
             continue
@@ -195,14 +195,7 @@ def named_material(file: str) -> dict[str, str]:
 
     It is the one that the table is called after, or its only one. Raises InputError otherwise.
     """
-    table = load_table(file)
-    stem = Path(file).stem
-    if stem not in table.materials and len(table.materials) > 1:
-        raise InputError(
-            f"{file}: holds several materials ({', '.join(table.materials)}); name the file after "
-            "one of them, or set materials and material in a case file"
-        )
-    name = stem if stem in table.materials else next(iter(table.materials), "none")
+    name = load_table(file).namesake().name
     return {
         "particles.materials": str(Path(file).resolve()) if Path(file).is_file() else file,
         "particles.material": name,

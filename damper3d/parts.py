@@ -13,7 +13,8 @@ GRAVITY = 9.81  # [m/s2]
 # The thesis keeps the volume of 700 spheres of 4 mm in 40 mm x 40 mm: a fill ratio of 7/15, with
 # which 3, 5 and 6 mm are 1659, 358 and 207 spheres (Table 6.1).
 USUAL_FILL_RATIO = 7 / 15
-CLOSE_PACKING = 0.64  # of random spheres; more do not go in by shaking
+# Fill ratios of spheres packed at random (thesis, below eq. 6.13); no shaking packs them closer.
+LOOSE_PACKING, CLOSE_PACKING = 0.55, 0.64
 
 
 def enclosure_of(settings: Settings, where: str) -> Enclosure:
@@ -69,6 +70,17 @@ def gravity_of(motion: Motion, where: str) -> tuple[np.ndarray, np.ndarray]:
     if motion.orientation == "none":
         return np.zeros(3), down
     return (across, across) if motion.orientation == "horizontal" else (down, down)
+
+
+def orientation_of(gravity: np.ndarray, direction: np.ndarray) -> str:
+    """How gravity (3,) lies to the motion, a unit vector (3,): vertical, horizontal or none.
+
+    Gravity is vertical where it is nearer to the axis of the motion than to the plane across it.
+    """
+    size = float(np.linalg.norm(gravity))
+    if size == 0.0:
+        return "none"
+    return "vertical" if abs(gravity @ direction) > size * math.sqrt(0.5) else "horizontal"
 
 
 def unit_vector(vector: list[float], what: str) -> np.ndarray:

@@ -27,7 +27,7 @@ from campaign.trajectory import TrajectoryWriter, read_trajectory
 from damper3d.case import DamperCase
 from damper3d.fill import fill, resting
 from damper3d.packing import Packing, damaged, load_packing, packing_folder, save_packing
-from damper3d.phases import phase_of_run
+from damper3d.phases.criteria import phase_of_run
 from damper3d.result import Result
 from damper3d.simulation import Simulation
 from damper3d.sources import SOURCES

@@ -7,11 +7,12 @@ import numpy as np
 
 from contact.hertz import HertzLaw
 from damper3d.case import DamperCase
-from damper3d.parameters import PAIRS, SAFE_SHARE
+from damper3d.parameters import SAFE_SHARE
+from damper3d.records import CLASSES
 from damper3d.result import Result
 
 _SECONDS_PER_PARTICLE_STEP = 3e-8  # on one core of a current server
-_BOOKS_OFF = 0.005  # closed at 1 us, relative to what is dissipated
+_COARSE = 0.005  # closed at 1 us, relative to what is dissipated
 _HEAVY = 25e3  # [kg/m3] above osmium and all others
 _FAST = 3.0  # peak speed of the enclosure over the yield velocity
 _MOST_CYCLES = 12  # that are told one by one
@@ -28,8 +29,8 @@ def echo(case: DamperCase, dry_run: bool) -> str:
         f"m, {case.particle_mass:.4g} kg each, {case.mass:.4g} kg together, fill ratio "
         f"{case.fill_ratio:.3f}",
         *_motion(case),
-        _law("particles", case.pair_law, case.restitution[PAIRS[0]]),
-        _law("walls", case.wall_law, case.restitution[PAIRS[1]]),
+        _law("particles", case.pair_law, case.restitution[CLASSES[0]]),
+        _law("walls", case.wall_law, case.restitution[CLASSES[1]]),
         f"  contact     {_contact(case)}",
         f"  yield       {_yield(case)}",
         f"  filling     settled for {settings.fill.settle_time:g} s under gravity "
@@ -58,7 +59,7 @@ def _motion(case: DamperCase) -> list[str]:
     motion = case.settings.motion
     ramp = f", growing over {motion.ramp:g} cycles" if motion.ramp else ""
     return [
-        f"  motion      {motion.orientation}, {motion.frequency:g} Hz, gamma {motion.gamma:g}: "
+        f"  motion      {case.orientation}, {motion.frequency:g} Hz, gamma {motion.gamma:g}: "
         f"amplitude {case.amplitude:.4g} m, peak speed {case.peak_speed:.4g} m/s{ramp};",
         f"              along {_vector(case.direction)}, gravity {_vector(case.gravity)} m/s2",
     ]
@@ -138,7 +139,7 @@ def warnings(case: DamperCase) -> list[str]:
         found.append(
             f"density {case.density:g} kg/m3: heavier than any metal; 1 g/cm3 is 1000 kg/m3"
         )
-    found += [line for pair in PAIRS for line in _impact_warnings(case, pair)]
+    found += [line for pair in CLASSES for line in _impact_warnings(case, pair)]
     return found
 
 
@@ -164,7 +165,7 @@ def _hertz_overlap(case: DamperCase, pair: str) -> float:
 
     (5 m v^2/(4 K))^(2/5) with K = law.hertz sqrt(R) and the reduced mass and radius.
     """
-    share, law = (0.5, case.pair_law) if pair == PAIRS[0] else (1.0, case.wall_law)
+    share, law = (0.5, case.pair_law) if pair == CLASSES[0] else (1.0, case.wall_law)
     stiffness = law.hertz * math.sqrt(share * case.particle.smallest_radius)
     return (1.25 * share * case.particle_mass * case.peak_speed**2 / stiffness) ** 0.4
 
@@ -176,7 +177,7 @@ def plan(case: DamperCase) -> dict[str, Any]:
         "name": case.name,
         "frequency_hz": motion.frequency,
         "gamma": motion.gamma,
-        "orientation": motion.orientation,
+        "orientation": case.orientation,
         "particles": case.particle.name,
         "n_particles": case.count,
         "fill_ratio": case.fill_ratio,
@@ -286,5 +287,5 @@ def _books(result: Result) -> str:
         return "nothing dissipated"
     closure = abs(result.energy_closure)
     law = "" if result.law_term is None else f"; gain of the law {100 * result.law_term:.2g} %"
-    advice = f", more than {100 * _BOOKS_OFF:g} %: take a shorter step" * (closure > _BOOKS_OFF)
+    advice = f", more than {100 * _COARSE:g} %: take a shorter step" * (closure > _COARSE)
     return f"books closed to {100 * closure:.2g} % of what is dissipated{advice}{law}"

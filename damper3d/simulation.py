@@ -7,11 +7,12 @@ import numpy as np
 from damper3d import sampling, state
 from damper3d.integrate import advance, enclosure_at
 from damper3d.neighbours import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL, search
+from damper3d.records import CLASSES, MECHANISMS
 from damper3d.state import World
 from damper3d.world import roomier
 
-CLASSES = ("particle_particle", "particle_wall")
-MECHANISMS = ("normal_damping", "tangential_damping", "friction", "law_term", "slip_count")
+# Of each class in the kernels' books, in their order (state.py).
+_BOOKS = (*MECHANISMS, "law_term", "slip_count")
 _FULL = {NEAR_FULL: "near", CLOSE_FULL: "close", WALL_FULL: "wall"}
 _COLUMNS = {
     "time": sampling.TIME,
@@ -29,7 +30,7 @@ _COLUMNS = {
 } | {
     f"{mechanism}_{name}": sampling.N_COLUMNS + c * state.N_MECHANISMS + m
     for c, name in enumerate(CLASSES)
-    for m, mechanism in enumerate(MECHANISMS)
+    for m, mechanism in enumerate(_BOOKS)
 }
 
 

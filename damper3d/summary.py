@@ -26,7 +26,7 @@ def summarise(case: DamperCase, samples: Trajectory, packing: Packing) -> dict[s
     return {
         "frequency_hz": case.settings.motion.frequency,
         "gamma": case.settings.motion.gamma,
-        "orientation": case.settings.motion.orientation,
+        "orientation": case.orientation,
         "particles": case.particle.name,
         "n_particles": case.count,
         "fill_ratio": case.fill_ratio,

@@ -5,8 +5,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from damper3d.pictures.scene import Scene
 from damper3d.records import UNITS
-from damper3d.scene import Scene
 
 _ENDS = {"1": "", "s": "s", "m": "m", "m/s": "m_per_s", "J": "j", "N": "n"}  # by the unit
 _MOVING = {  # columns of particles.csv and what is kept of each

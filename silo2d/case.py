@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contact.casefile import changed
-from contact.datafile import data_file, data_names, find, is_file
+from contact.datafile import case_names, data_file, find, is_file
 from contact.laws import LinearLaw
 from contact.quantity import InputError, located, nearest, to_si
 from contact.restitution import linear_restitution
@@ -63,7 +63,7 @@ class SiloCase:
             document: dict[str, Any] = {"name": name, "silo": {"preset": name}}
             return cls.resolve(_changed(document, changes), name, Path())
         if not is_file(path):
-            known = [*PRESETS, *data_names("cases")]
+            known = [*PRESETS, *case_names("silo")]
             shipped = data_file("cases", name)
             if shipped is None and is_file(Path(f"{name}.toml")):
                 raise InputError(f"case {name!r}: no such preset; did you mean '{name}.toml'?")

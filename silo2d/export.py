@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from campaign.folder import FolderError, write_atomic, writing
+from campaign.library import write_output
 from campaign.ragged import Tables
 from campaign.trajectory import stored_tables
 from contact.quantity import InputError, nearest
@@ -53,15 +53,15 @@ def _to_vtkhdf(run: Run, path: Path | None) -> list[Path]:
     path = path or run.place / f"run{_SUFFIX}"
     if path.suffix != _SUFFIX:
         raise InputError(f"--output {path}: ParaView knows the format by {_SUFFIX}; add that")
-    return [_write(path, vtkhdf(run.scene, run.contacts))]
+    return [write_output(path, vtkhdf(run.scene, run.contacts))]
 
 
 def _to_csv(run: Run, path: Path | None) -> list[Path]:
     folder, scene = path or run.place, run.scene
     tables = {"frames": _frames_csv, "grains": _grains_csv, "walls": _walls_csv}
-    paths = [_write(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
+    paths = [write_output(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
     if run.contacts is not None:
-        paths.append(_write(folder / "stress.csv", _stress_csv(scene, run.contacts)))
+        paths.append(write_output(folder / "stress.csv", _stress_csv(scene, run.contacts)))
     return paths
 
 
@@ -69,20 +69,6 @@ FORMATS: dict[str, Callable[[Run, Path | None], list[Path]]] = {
     "vtkhdf": _to_vtkhdf,
     "csv": _to_csv,
 }
-
-
-def _write(path: Path, content: bytes) -> Path:
-    try:
-        with writing(path.parent):
-            path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomic(path, content)
-    except FolderError as error:
-        reason = getattr(error.__cause__, "strerror", None) or "no reason given"
-        raise FolderError(
-            f"{path}: cannot be written ({reason}); make room there, or choose another place "
-            "with --output"
-        ) from error
-    return path
 
 
 def _frames_csv(scene: Scene) -> bytes:

@@ -3,9 +3,8 @@
 import tomllib
 from pathlib import Path
 
-from campaign.folder import RunFolder
-from campaign.library import packings_and_runs
-from contact.datafile import data_file, data_names
+from campaign.library import packings_and_runs, run_in_words
+from contact.datafile import case_names, data_file, data_names
 from contact.quantity import InputError, nearest
 from silo2d.outline import PRESETS
 
@@ -14,7 +13,7 @@ def listing(root: Path) -> str:
     """Presets, shapes, materials, and the packings and runs below a folder."""
     lines = [
         f"presets    {', '.join(PRESETS)}",
-        f"cases      {', '.join(data_names('cases'))}",
+        f"cases      {', '.join(case_names('silo'))}",
         f"shapes     {', '.join(data_names('shapes'))}",
         f"materials  {', '.join(data_names('materials'))}",
         *packings_and_runs(root, lambda summary: str(summary["outcome"])),
@@ -27,7 +26,7 @@ def description(name: str) -> str:
     path = Path(name)
     if path.is_dir():
         return _run(path)
-    if name in PRESETS or name in data_names("cases"):
+    if name in PRESETS or name in case_names("silo"):
         return _case(name)
     if name in data_names("shapes"):
         return _shapes(name)
@@ -35,7 +34,8 @@ def description(name: str) -> str:
     if file is None:
         known = [
             *PRESETS,
-            *(n for kind in ("cases", "shapes", "materials") for n in data_names(kind)),
+            *case_names("silo"),
+            *(n for kind in ("shapes", "materials") for n in data_names(kind)),
         ]
         raise InputError(f"{name!r}: no such preset, file or run; {nearest(name, known)}")
     try:
@@ -58,12 +58,7 @@ def _run(folder: Path) -> str:
     from silo2d.report import report
     from silo2d.result import Result
 
-    run = RunFolder(folder)
-    if run.state == "new":
-        raise InputError(f"{folder}: not a run folder (it has no case.toml); give one")
-    if run.state == "unfinished":
-        return f"{folder}: unfinished; go on with: silo2d run --resume {folder}"
-    return report(Result.read(run, reused=False))
+    return run_in_words(folder, "silo2d", lambda run: report(Result.read(run, reused=False)))
 
 
 def _shapes(name: str) -> str:

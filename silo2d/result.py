@@ -8,9 +8,10 @@ from functools import cache
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
-from campaign.folder import FolderError, RunFolder, write_atomic
+from campaign.answers import read_answers
+from campaign.folder import RunFolder, write_atomic
 from campaign.trajectory import read_trajectory
 from silo2d.case import SiloCase
 from silo2d.discharge import Clock
@@ -55,15 +56,7 @@ class Result:
     @classmethod
     def read(cls, folder: RunFolder, *, reused: bool) -> "Result":
         """The result kept in a finished run folder; FolderError where it is damaged."""
-        kept = {**folder.read_summary(), "reused": reused, "run_folder": str(folder.path)}
-        try:
-            return _adapter().validate_python(kept)
-        except ValidationError as error:
-            problem = error.errors()[0]
-            raise FolderError(
-                f"{folder.path / 'summary.json'}: damaged ({problem['loc'][0]}: "
-                f"{problem['msg'].lower()}); use --again to compute the run anew"
-            ) from None
+        return read_answers(_adapter(), folder, reused=reused)
 
 
 @cache

@@ -6,7 +6,7 @@ shaken by one sine along z. Nothing is simulated: positions and velocities are w
 
 import numpy as np
 
-from damper3d.motion import Motion
+from damper3d.phases.motion import Motion
 
 DIAMETER, GRAVITY = 5e-3, 9.81
 SAMPLES, FRAMES = 100, 20

@@ -108,6 +108,7 @@ def test_list_and_show_describe_what_there_is(tmp_path, finished):
     assert f"{the_run(finished).path}  empty" in listed
     nothing = silo2d("list", "-o", tmp_path / "none")
     assert nothing.code == 0
+    assert "damper" not in nothing.out  # a case of damper3d
     assert "run " not in nothing.out
     for name, word in {
         "A4": "outlet 0.15 m",

@@ -19,7 +19,7 @@ from damper3d.cluster import parse_particle
 from damper3d.enclosure import box, cylinder
 from damper3d.parameters import SAFE_SHARE
 from damper3d.parts import USUAL_FILL_RATIO
-from damper3d.report import warnings
+from damper3d.report import plan, warnings
 from damper3d.settings import Settings, check_settings, known_keys, to_toml
 
 
@@ -114,6 +114,23 @@ def test_orientation_is_that_of_the_axis(orientation, gravity):
     case = case_with(motion__orientation=orientation)
     assert tuple(case.gravity) == tuple(case.settling_gravity) == gravity
     assert tuple(case.direction) == (0, 0, 1)
+
+
+@pytest.mark.parametrize(
+    ("motion", "orientation"),
+    [
+        ({"gravity": [-1, 0, 0]}, "horizontal"),
+        ({"direction": [1, 0, 0]}, "horizontal"),
+        ({"direction": [1, 0, 0], "gravity": [-1, 0, 0]}, "vertical"),
+        ({"gravity": [-0.6, 0, -0.8]}, "vertical"),
+        ({"gravity": [-0.8, 0, -0.6]}, "horizontal"),
+        ({"orientation": "none"}, "none"),
+    ],
+)
+def test_orientation_follows_gravity_and_direction_however_they_are_given(motion, orientation):
+    case = case_with(**{f"motion__{key}": value for key, value in motion.items()})
+    assert case.orientation == orientation
+    assert plan(case)["orientation"] == orientation
 
 
 def test_without_gravity_the_particles_still_settle_under_it():

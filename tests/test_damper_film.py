@@ -9,9 +9,9 @@ from fake_damper_run import write_fake_damper_run
 
 from campaign.figure import PAPER, WALL
 from campaign.film import FPS, rgb
-from damper3d.enclosure_view import cut
-from damper3d.film import film_frames, make_film
-from damper3d.scene import read_scene
+from damper3d.pictures.enclosure_view import cut
+from damper3d.pictures.film import film_frames, make_film
+from damper3d.pictures.scene import read_scene
 
 
 @pytest.fixture(scope="module")

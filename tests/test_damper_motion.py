@@ -5,9 +5,9 @@ import pytest
 from small_damper import CASE
 
 from damper3d.case import DamperCase
-from damper3d.motion import Motion, spheres_around, take
-from damper3d.motion_measures import measure_motion
-from damper3d.phases import classify
+from damper3d.phases.criteria import classify
+from damper3d.phases.motion import Motion, spheres_around, take
+from damper3d.phases.motion_measures import measure_motion
 
 BOX = {
     **CASE,

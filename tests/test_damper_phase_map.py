@@ -4,8 +4,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from contact.quantity import InputError
-from damper3d.phase_map import draw_phase_map, phases_of_points
-from damper3d.phases import PHASES
+from damper3d.phases.criteria import PHASES
+from damper3d.phases.phase_map import draw_phase_map, phases_of_points
 
 ROWS = [
     {"frequency_hz": 40.0, "gamma": 1.0, "phase": "solid_like"},

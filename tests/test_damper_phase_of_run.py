@@ -5,7 +5,7 @@ from small_damper import CASE
 
 from campaign.folder import FolderError
 from damper3d import DamperCase, run
-from damper3d.phases import PHASES, phase_of_run
+from damper3d.phases.criteria import PHASES, phase_of_run
 
 
 def test_a_run_keeps_its_phase_and_the_folder_tells_it_again(tmp_path):

@@ -9,12 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contact.quantity import InputError
-from damper3d.bed_flow import ring_share, roll_share
-from damper3d.bed_motion import collision_phase, contrast
-from damper3d.motion import Motion, clearance
-from damper3d.motion_measures import MEANING, measure_motion
-from damper3d.particle_motion import near_pairs, neighbour_motion, travel
-from damper3d.phases import PHASES, RULES, classify
+from damper3d.phases.bed_flow import ring_share, roll_share
+from damper3d.phases.bed_motion import collision_phase, contrast
+from damper3d.phases.criteria import PHASES, RULES, classify
+from damper3d.phases.motion import Motion, clearance
+from damper3d.phases.motion_measures import MEANING, measure_motion
+from damper3d.phases.particle_motion import near_pairs, neighbour_motion, travel
 
 
 def phase(motion: Motion) -> str:

@@ -173,6 +173,7 @@ def test_list_and_show_describe_what_there_is(tmp_path):
     assert listed.code == 0
     for word in ("thesis", "damper", "acrylic", "glass"):
         assert word in listed.out
+    assert "beverloo" not in listed.out  # a case of silo2d
     assert "example" not in listed.out  # a silo
     for name, word in {
         "thesis": "358 of sphere:5mm",

@@ -10,7 +10,7 @@ from small_damper import CASE, damper3d
 from campaign.results import read_results, write_results
 from campaign.statistics import mean_sd
 from damper3d import sweep
-from damper3d.prediction import predict
+from damper3d.predict.prediction import predict
 from damper3d.reproduce import TABLES, dampers, find, maps, optimum, sizes
 from damper3d.reproduce.optimum import optima, published
 

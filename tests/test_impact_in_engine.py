@@ -7,9 +7,9 @@ import pytest
 
 from contact import load_table
 from damper3d.enclosure import box
-from damper3d.impact import Impact, run
 from damper3d.shaker import sine
 from damper3d.simulation import Simulation
+from damper3d.single_contact.impact import Impact, run
 from damper3d.world import build_world
 
 ALUMINA = load_table("alumina").material("alumina")

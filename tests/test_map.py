@@ -12,13 +12,13 @@ from made_map import made_row, made_runs
 from campaign.figure import write_figure
 from campaign.folder import RunFolder
 from contact.quantity import InputError
-from damper3d import map as mapping
 from damper3d.case import DamperCase
-from damper3d.map import FREQUENCIES, GAMMAS, Grid, MapResult, efficiency_map
-from damper3d.map_chart import draw_map, gridded
-from damper3d.map_report import as_text, points, summary, write_map
-from damper3d.prediction import predict
-from damper3d.ridges import ridges
+from damper3d.map import grid as mapping
+from damper3d.map.chart import draw_map, gridded
+from damper3d.map.grid import FREQUENCIES, GAMMAS, Grid, MapResult, efficiency_map
+from damper3d.map.report import as_text, points, summary, write_map
+from damper3d.map.ridges import ridges
+from damper3d.predict.prediction import predict
 
 SMALL = Grid((20, 40, 160), GAMMAS, packings=3)
 

@@ -5,8 +5,9 @@ import json
 import pytest
 from made_map import made_runs
 
-from damper3d import beside, cli
-from damper3d import map as mapping
+from damper3d import cli
+from damper3d.map import grid as mapping
+from damper3d.predict import beside
 
 SMALL = ["--frequencies", "20,40", "--gammas", "1,2,3,5,8,12,20,30", "--no-figures"]
 

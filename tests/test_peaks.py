@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from damper3d.peaks import between, find_peaks
+from damper3d.map.peaks import between, find_peaks
 
 GAMMAS = np.array(
     [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 20, 30, 40, 50, 60, 80, 100], float

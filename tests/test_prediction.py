@@ -5,10 +5,10 @@ from made_map import made_runs
 
 from campaign.figure import write_figure
 from contact.quantity import InputError
-from damper3d import beside, theory
 from damper3d.case import DamperCase
-from damper3d.prediction import as_dict, as_text, fills, predict
-from damper3d.prediction_chart import draw_predictions
+from damper3d.predict import beside, theory
+from damper3d.predict.chart import draw_predictions
+from damper3d.predict.prediction import as_dict, as_text, fills, predict
 
 BOX = {"enclosure.shape": "box", "enclosure.width": "40 mm", "enclosure.depth": "20 mm"}
 

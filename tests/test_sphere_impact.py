@@ -15,7 +15,7 @@ from analytic import (
 
 from contact import load_table
 from contact.material import Measured
-from damper3d.impact import STEPS_PER_CONTACT, Impact, run
+from damper3d.single_contact.impact import STEPS_PER_CONTACT, Impact, run
 
 LAWS = ("displacement", "force", "mindlin-deresiewicz")
 ALUMINA_RADIUS = 2.5e-3

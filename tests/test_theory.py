@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from contact.datafile import data_file
 from contact.quantity import InputError
 from damper3d.case import GRAVITY
-from damper3d.theory import (
+from damper3d.predict.theory import (
     PACKINGS,
     PERIOD_DOUBLING,
     WHOLE_FLIGHT,

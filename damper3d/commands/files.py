@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from damper3d.commands.options import out_option
+from campaign.commandline import out_option
 
 
 @click.command()

@@ -11,7 +11,7 @@ from damper3d.commands.many import numbers, stop_unless_whole
 from damper3d.commands.options import announce_compilation, case_options, changes_of
 
 if TYPE_CHECKING:
-    from damper3d.map import Grid
+    from damper3d.map.grid import Grid
 
 
 @click.command("map")
@@ -43,11 +43,11 @@ def map_(
         raise click.UsageError("a map takes --frequencies and --gammas, lists such as 20,40,80")
     from campaign.figure import write_figure
     from damper3d.case import DamperCase
-    from damper3d.map import FREQUENCIES, GAMMAS, Grid, efficiency_map
-    from damper3d.map_chart import draw_map
-    from damper3d.map_report import as_text, map_folder, summary, write_map
-    from damper3d.prediction import predict
-    from damper3d.ridges import ridges
+    from damper3d.map.chart import draw_map
+    from damper3d.map.grid import FREQUENCIES, GAMMAS, Grid, efficiency_map
+    from damper3d.map.report import as_text, map_folder, summary, write_map
+    from damper3d.map.ridges import ridges
+    from damper3d.predict.prediction import predict
 
     name, changes = case or "thesis", changes_of(seed, material, options)
     loaded = DamperCase.load(name, changes)
@@ -76,8 +76,8 @@ def map_(
 
 def _plan(name: str, changes: dict[str, Any], grid: "Grid", out: Path) -> dict[str, Any]:
     """What mapping would do, but for its refinement, which follows from what is found."""
-    from damper3d.map import map_cases
-    from damper3d.map_report import map_folder
+    from damper3d.map.grid import map_cases
+    from damper3d.map.report import map_folder
     from damper3d.sweep import DAMPER
 
     cases = [case for _, case in map_cases(name, changes, grid)]

@@ -7,13 +7,6 @@ from typing import Any
 import click
 
 from campaign import commandline
-from campaign.commandline import Ended, json_option, out_option, quiet_option
-
-# The shared ones stand here too, for the commands.
-__all__ = [
-    "Ended", "announce_compilation", "case_options", "changes_of", "json_option", "out_option",
-    "quiet_option",
-]  # fmt: skip
 
 # Options of `run` that change a key of the case.
 _CASE_OPTIONS = [

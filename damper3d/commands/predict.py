@@ -11,7 +11,7 @@ from damper3d.commands.many import numbers, stop_unless_whole
 from damper3d.commands.options import announce_compilation, case_options, changes_of
 
 if TYPE_CHECKING:
-    from damper3d.prediction import Prediction
+    from damper3d.predict.prediction import Prediction
 
 
 @click.command()
@@ -40,10 +40,10 @@ def predict(
     if options.pop("motion__frequency") or options.pop("motion__gamma"):
         raise click.UsageError("predictions take --frequencies, a list such as 20,40,80")
     from campaign.figure import write_figure
-    from damper3d import prediction as predicting
     from damper3d.case import DamperCase
-    from damper3d.map import rising
-    from damper3d.prediction_chart import draw_predictions
+    from damper3d.map.grid import rising
+    from damper3d.predict import prediction as predicting
+    from damper3d.predict.chart import draw_predictions
 
     wanted = rising("frequencies", numbers("--frequencies", frequencies, predicting.FREQUENCIES))
     fills = predicting.fills(case, changes_of(seed, material, options))
@@ -51,7 +51,7 @@ def predict(
     predictions = [predicting.predict(loaded, packing, full_count) for loaded in cases]
     rows: list[dict[str, Any]] = []
     if simulate:
-        from damper3d import beside
+        from damper3d.predict import beside
 
         announce_compilation(quiet)
         engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
@@ -72,11 +72,11 @@ def predict(
 def _in_words(
     predictions: "list[Prediction]", frequencies: tuple[float, ...], rows: list[dict[str, Any]]
 ) -> str:
-    from damper3d.prediction import as_text
+    from damper3d.predict.prediction import as_text
 
     parts = [as_text(prediction, frequencies) for prediction in predictions]
     if rows:
-        from damper3d import beside
+        from damper3d.predict import beside
 
         parts.append(beside.as_text(rows, predictions))
     return "\n\n".join(parts)

@@ -22,7 +22,7 @@ from campaign.commandline import json_option
 )
 def render(folder: str, no_film: bool, by: str, engine: str) -> None:
     """Make the pictures and the film of a run again from its folder."""
-    from damper3d.picture import make_figures
+    from damper3d.pictures.picture import make_figures
 
     for path in make_figures(folder, film=not no_film, by=by, engine=engine):
         click.echo(path)
@@ -37,7 +37,7 @@ def compare(first: str, second: str, no_figures: bool, as_json: bool) -> None:
     """Set two runs side by side: efficiency, shares of the mechanisms, histories, cost."""
     from campaign.figure import write_figure
     from damper3d import compare as comparison
-    from damper3d.scene import NothingKept
+    from damper3d.pictures.scene import NothingKept
 
     found = comparison.compare(first, second)
     click.echo(json.dumps(found, indent=2) if as_json else comparison.table(found))

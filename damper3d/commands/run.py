@@ -6,14 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from damper3d.commands.options import (
-    announce_compilation,
-    case_options,
-    changes_of,
-    json_option,
-    out_option,
-    quiet_option,
-)
+from campaign.commandline import json_option, out_option, quiet_option
+from damper3d.commands.options import announce_compilation, case_options, changes_of
 
 if TYPE_CHECKING:
     from damper3d.case import DamperCase
@@ -78,7 +72,7 @@ def _computed(
 
 def _draw(result: "Result", quiet: bool) -> None:
     """The figures of a run, made where they are missing."""
-    from damper3d.picture import make_figures
+    from damper3d.pictures.picture import make_figures
 
     if result.reused and any((Path(result.run_folder) / "figures").glob("*.png")):
         return

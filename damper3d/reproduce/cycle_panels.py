@@ -10,7 +10,7 @@ from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILION, h
 from campaign.layout import done
 from damper3d.case import GRAVITY
 from damper3d.efficiency import reference_energy
-from damper3d.graph import ruled
+from damper3d.pictures.graph import ruled
 from damper3d.reproduce.cycle_histories import BOUNCING, FLUIDISED
 from damper3d.reproduce.cycle_statements import ideal_since, readings
 

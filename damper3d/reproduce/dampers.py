@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
-from damper3d.map import GAMMAS
-from damper3d.prediction import Clearance, Prediction
+from damper3d.map.grid import GAMMAS
+from damper3d.predict.prediction import Clearance, Prediction
+from damper3d.predict.theory import PACKINGS, bouncing_bed_onset, fluidisation_threshold
 from damper3d.reproduce.runs import Panel, Point, Row
-from damper3d.theory import PACKINGS, bouncing_bed_onset, fluidisation_threshold
 
 ORIENTATIONS = "vertical", "horizontal"
 HEIGHTS = 40, 45, 50, 55  # mm
@@ -38,7 +38,7 @@ def about(onset: float, factor: float, beyond: tuple[float, ...] = ()) -> list[f
 
 def close_onset(height: int, frequency: float) -> float:
     """Gamma of eq. 6.11 for the close packing in the thesis's cylinder of a height [mm]."""
-    fill = 358 * (5 / 40) ** 2 * 5 / height * 2 / 3  # spheres of 5 mm in 40 mm, eq. 6.1
+    fill = SPHERES[5] * (5 / 40) ** 2 * 5 / height * 2 / 3  # spheres of 5 mm in 40 mm, eq. 6.1
     clearance = (1 - fill / PACKINGS["close"]) * height / 1e3
     return float(bouncing_bed_onset(frequency, clearance))
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from campaign.figure import headline
-from damper3d.map_chart import LEVELS, draw_onsets, draw_peaks, draw_points, fill_contours, plane
+from damper3d.map.chart import LEVELS, draw_onsets, draw_peaks, draw_points, fill_contours, plane
 from damper3d.reproduce.map_statements import Ridges
 
 if TYPE_CHECKING:

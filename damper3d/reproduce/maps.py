@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from campaign.layout import columns, not_done
-from damper3d.map import FREQUENCIES, GAMMAS, MapResult
-from damper3d.phases import PHASES
+from damper3d.map.grid import FREQUENCIES, GAMMAS, MapResult
+from damper3d.map.ridges import ridges
+from damper3d.phases.criteria import PHASES
 from damper3d.reproduce.dampers import (
     HEIGHTS,
     ORIENTATIONS,
@@ -23,7 +24,6 @@ from damper3d.reproduce.dampers import (
 from damper3d.reproduce.map_statements import Ridges, statements
 from damper3d.reproduce.runs import Panel, Row, run_panels
 from damper3d.reproduce.statements import report_statements
-from damper3d.ridges import ridges
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from campaign.statistics import Sample, mean_sd, pooled_sd, quantile
-from damper3d.map import MapResult
-from damper3d.peaks import Peak
-from damper3d.prediction import Prediction
+from damper3d.map.grid import MapResult
+from damper3d.map.peaks import Peak
+from damper3d.map.ridges import ridges
+from damper3d.predict.prediction import Prediction
 from damper3d.reproduce.dampers import prediction_of
 from damper3d.reproduce.runs import Row
-from damper3d.ridges import ridges
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Optimum:
 
 
 def optimum(rows: Sequence[Row], frequency: float, ridge: str) -> Optimum | None:
-    """The optimum of a panel's rows on a ridge (damper3d.ridges); None where none stands out."""
+    """The optimum of a panel's rows on a ridge (map.ridges); None where none stands out."""
     prediction = prediction_of(rows)
     if prediction is None:
         return None

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from campaign.layout import columns, not_done, signed
 from contact.datafile import data_file
-from damper3d.map import GAMMAS
+from damper3d.map.grid import GAMMAS
 from damper3d.reproduce.dampers import (
     HEIGHTS,
     ORIENTATIONS,

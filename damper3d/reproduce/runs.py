@@ -11,7 +11,7 @@ from campaign.overview import cost
 from campaign.sweep import Labelled, over_seeds
 from damper3d import sweep
 from damper3d.case import DamperCase
-from damper3d.map import MapResult
+from damper3d.map.grid import MapResult
 
 Row = dict[str, Any]
 Point = tuple[float, float]  # frequency [Hz] and Gamma
@@ -60,7 +60,7 @@ def run_panels(
     """All points of all panels; then, `refine` times, the middles beside each peak along Gamma.
 
     A round begins when the one before is whole, so that whatever was interrupted comes to the same
-    points; see damper3d.map. `options` are those of run_all.
+    points; see damper3d.map.grid. `options` are those of run_all.
     """
     rows = run_all([c for p in panels for c in p.cases(seeds)], quiet=quiet, **options)
     for number in range(1, refine + 1):

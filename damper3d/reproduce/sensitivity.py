@@ -25,7 +25,7 @@ SEEDS = 3
 
 _READING = """\
 Values are our choice, the thesis prints none. optimum: highest peak of eta along Gamma, from the
-  parabola through the points about it, with the interval that the noise leaves (damper3d.peaks).
+  parabola through the points about it, with the interval that the noise leaves.
 It moves where that interval and the standard's have no point in common. bouncing bed: mean eta over
   the Gammas above the optimum of every value, the same for all; a trend is the least-squares slope
   of that mean, a run a point, over the logarithm of density and modulus, and over restitution and

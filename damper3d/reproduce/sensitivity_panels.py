@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline
-from damper3d.graph import ruled
+from damper3d.pictures.graph import ruled
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.sensitivity_statements import Peaks, of_value
 from damper3d.reproduce.sensitivity_values import STANDARD, VALUES, in_words

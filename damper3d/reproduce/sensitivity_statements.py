@@ -7,7 +7,7 @@ from typing import Any
 
 from campaign.layout import done, percent, signed
 from campaign.statistics import overlap, slope
-from damper3d.peaks import Peak
+from damper3d.map.peaks import Peak
 from damper3d.reproduce.checks import Check, Judged
 from damper3d.reproduce.sensitivity_values import STANDARD, VALUES, span
 
@@ -35,7 +35,7 @@ def of_value(rows: Sequence[Row], key: Key) -> list[Row]:
 
 def peaks_of(rows: Sequence[Row]) -> Peaks:
     """By property and value, as they come; the level is over Gammas that all values have."""
-    from damper3d.map import MapResult
+    from damper3d.map.grid import MapResult
 
     keys = list(dict.fromkeys((row["property"], row["value"]) for row in done(rows)))
     found: dict[Key, Peak | None] = {}

@@ -70,9 +70,9 @@ class Landmarks:
 def landmarks(rows: list[Row]) -> Landmarks:
     """The two peaks of the efficiency along Gamma of each size and frequency in the rows."""
     from damper3d.case import DamperCase
-    from damper3d.map import MapResult
-    from damper3d.prediction import predict
-    from damper3d.ridges import ridges
+    from damper3d.map.grid import MapResult
+    from damper3d.map.ridges import ridges
+    from damper3d.predict.prediction import predict
 
     prediction = predict(DamperCase.load("thesis"))
     found: dict[str, dict[tuple[int, float], float]] = {"fluidisation": {}, "bouncing_bed": {}}

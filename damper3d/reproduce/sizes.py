@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from campaign.layout import columns, not_done
 from campaign.statistics import slope
-from damper3d.map import MapResult
+from damper3d.map.grid import MapResult
 from damper3d.reproduce.dampers import (
     ORIENTATIONS,
     SPHERES,

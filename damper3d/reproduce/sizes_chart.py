@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline
-from damper3d.map import MapResult
+from damper3d.map.grid import MapResult
 from damper3d.reproduce.optima import Optimum
 from damper3d.reproduce.runs import Row
 

@@ -1,6 +1,7 @@
-"""Studies of a single contact, with figures: a table of names, each a module of this package.
+"""One contact: the impact of a sphere, and studies with figures, each a module of this package.
 
-A study is a module with
+impact.py is what `damper3d impact` and the studies run, collision.py its kernel. A
+study is a module with
 
     compute() -> Found                 its numbers (SI, ready for JSON) and the rows of its curves
     draw(found) -> Figure              the same as a matplotlib figure

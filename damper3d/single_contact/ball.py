@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 from campaign.figure import BLUE, GREY, VERMILION, headline
 from contact.reduced import reduced_mass, reduced_radius
 from contact.sphere_law import yield_velocity
-from damper3d.collision import NORMAL_FORCE, OVERLAP, TIME
-from damper3d.impact import Impact, Outcome, run
 from damper3d.single_contact import Found
+from damper3d.single_contact.collision import NORMAL_FORCE, OVERLAP, TIME
+from damper3d.single_contact.impact import Impact, Outcome, run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

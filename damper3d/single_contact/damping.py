@@ -8,8 +8,8 @@ import numpy as np
 from campaign.figure import BLUE, GREEN, GREY, VERMILION, headline
 from contact.restitution import ContactEnd, ratio_of_restitution, restitution_of_ratio
 from contact.table import load_table
-from damper3d.impact import DampingFrom, Impact, run
 from damper3d.single_contact import Found
+from damper3d.single_contact.impact import DampingFrom, Impact, run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,8 +12,8 @@ import numpy as np
 
 from campaign.figure import BLUE, GREEN, GREY, VERMILION, headline
 from contact.table import load_table
-from damper3d.impact import Impact, Tangential, run
 from damper3d.single_contact import Found
+from damper3d.single_contact.impact import Impact, Tangential, run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING
 
 from contact.table import load_table
-from damper3d.impact import Impact
 from damper3d.single_contact import Found
 from damper3d.single_contact.ball import draw_hits, hit
+from damper3d.single_contact.impact import Impact
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,9 +9,9 @@ from contact.material import Material
 from contact.reduced import reduced_mass, reduced_radius, sphere_mass
 from contact.sphere_law import yield_velocity
 from contact.table import load_table
-from damper3d.impact import Impact, run
 from damper3d.single_contact import Found
 from damper3d.single_contact.aluminium_ball import RESTITUTIONS
+from damper3d.single_contact.impact import Impact, run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

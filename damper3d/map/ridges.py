@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from damper3d.map import MapResult
-from damper3d.peaks import Peak
-from damper3d.prediction import Prediction
+from damper3d.map.grid import MapResult
+from damper3d.map.peaks import Peak
+from damper3d.predict.prediction import Prediction
 
 FLUIDISATION = 3.0  # Gamma about which the thesis finds that ridge (sec. 6.4.3.2)
 _REACH = math.log(2.0)  # how far in ln Gamma a peak may be from where its ridge is looked for

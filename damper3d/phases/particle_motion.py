@@ -6,7 +6,7 @@ particles, and which particle counts is decided over all counted cycles together
 
 import numpy as np
 
-from damper3d.motion import Motion
+from damper3d.phases.motion import Motion
 
 SEEN = 0.1  # share of the energy below which a motion is taken as absent
 LOOKS = 10  # a cycle

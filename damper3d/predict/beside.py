@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from damper3d import theory
 from damper3d.case import DamperCase
-from damper3d.map import Grid, map_cases
-from damper3d.peaks import DIGITS
-from damper3d.prediction import Prediction
+from damper3d.map.grid import Grid, map_cases
+from damper3d.map.peaks import DIGITS
+from damper3d.predict import theory
+from damper3d.predict.prediction import Prediction
 from damper3d.sweep import run_cases
 
 Rows = list[dict[str, Any]]

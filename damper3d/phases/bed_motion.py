@@ -5,7 +5,7 @@ All are without dimension; C cycles of S samples (motion.py).
 
 import numpy as np
 
-from damper3d.motion import Motion
+from damper3d.phases.motion import Motion
 
 BURST = 0.15  # of a cycle: the time over which a collision's share of the impulse is taken
 
@@ -70,7 +70,7 @@ def contrast(impulse: np.ndarray) -> float:
         return 0.0
     a, b = np.maximum(impulse[:-1], 0.0), np.maximum(impulse[1:], 0.0)
     both = a + b
-    return float(np.mean(np.divide(b - a, both, out=np.zeros_like(a), where=both > 0).__abs__()))
+    return float(np.mean(np.divide(np.abs(b - a), both, out=np.zeros_like(a), where=both > 0)))
 
 
 def stroke(motion: Motion) -> float:

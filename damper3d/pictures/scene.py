@@ -15,6 +15,7 @@ from campaign.ragged import Tables
 from campaign.trajectory import Trajectory, read_trajectory, stored_tables
 from damper3d.efficiency import reference_energy
 from damper3d.enclosure import Enclosure, box, cylinder
+from damper3d.parts import orientation_of
 from damper3d.records import UNITS
 from damper3d.settings import Settings, check_settings, read_settings
 
@@ -212,7 +213,7 @@ class Scene:
         n, motion = len(self.radius), self.settings.motion
         kind, _, size = self.settings.particles.shape.partition(":")
         what = f"{n} {kind}s of {re.sub('(?<=[0-9])(?=[a-z])', ' ', size)}"
-        how = "no gravity" if motion.orientation == "none" else motion.orientation
+        how = orientation_of(self.gravity, self.direction).replace("none", "no gravity")
         fill = self.trajectory.attributes["fill_ratio"]
         return (
             f"{what}, fill ratio {fill:.3f}; {motion.frequency:g} Hz, \u0393 = {motion.gamma:g}, "

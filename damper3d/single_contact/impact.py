@@ -17,8 +17,8 @@ from contact.quantity import InputError
 from contact.reduced import reduced_mass, reduced_radius, sphere_mass
 from contact.restitution import ContactEnd, ratio_of_restitution
 from contact.sphere_law import sphere_law
-from damper3d import collision
-from damper3d.collision import Bodies, Meeting, collide
+from damper3d.single_contact import collision
+from damper3d.single_contact.collision import Bodies, Meeting, collide
 
 Tangential = Literal["displacement", "force", "mindlin-deresiewicz"]
 DampingFrom = Literal["published", "restitution"]

@@ -1,9 +1,9 @@
 """All measures of a run's motion that its phase is named from: one flat dict, without dimension."""
 
-from damper3d.bed_flow import flow_measures
-from damper3d.bed_motion import bed_measures
-from damper3d.motion import Motion
-from damper3d.particle_motion import particle_measures
+from damper3d.phases.bed_flow import flow_measures
+from damper3d.phases.bed_motion import bed_measures
+from damper3d.phases.motion import Motion
+from damper3d.phases.particle_motion import particle_measures
 
 # What each measure tells, for tables and help; defined in bed_motion, particle_motion, bed_flow.
 MEANING = {

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from contact.quantity import InputError, nearest
-from damper3d.particle_motion import SEEN
+from damper3d.phases.particle_motion import SEEN
 
 # What most of the particles do names the phase ("the type of dynamic motion that appeared to
 # dominate the granular medium", sec. 6.3).
@@ -168,8 +168,8 @@ def phase_of_run(folder: str | Path, discard: int | None = None) -> dict[str, An
     side, or fewer than eight frames a cycle. `discard` cycles do not count; None: as in the folder.
     Raises FolderError where the folder holds no run or a damaged one.
     """
-    from damper3d.motion import of_run
-    from damper3d.motion_measures import measure_motion
+    from damper3d.phases.motion import of_run
+    from damper3d.phases.motion_measures import measure_motion
 
     motion = of_run(folder, discard)
     if motion is None:

@@ -9,14 +9,14 @@ import numpy as np
 from campaign.figure import GREY, INK, VERMILION, WALL, headline, write_figure
 from campaign.folder import FolderError, RunFolder
 from contact.quantity import InputError, nearest
-from damper3d import picture_3d
-from damper3d.charts import energy_chart, motion_chart
-from damper3d.colouring import Colouring, colouring
-from damper3d.enclosure_view import corners, cut, window
-from damper3d.film import make_film
-from damper3d.graph import ruled
-from damper3d.scene import Scene, read_scene
-from damper3d.spheres import draw_spheres
+from damper3d.pictures import picture_3d
+from damper3d.pictures.charts import energy_chart, motion_chart
+from damper3d.pictures.colouring import Colouring, colouring
+from damper3d.pictures.enclosure_view import corners, cut, window
+from damper3d.pictures.film import make_film
+from damper3d.pictures.graph import ruled
+from damper3d.pictures.scene import Scene, read_scene
+from damper3d.pictures.spheres import draw_spheres
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from campaign.figure import WALL
 from contact.quantity import InputError
-from damper3d.colouring import Colouring
 from damper3d.export import walls
-from damper3d.scene import Scene
+from damper3d.pictures.colouring import Colouring
+from damper3d.pictures.scene import Scene
 
 _WIDTH, _HEIGHT = 480, 540  # of a picture [px]
 SHAPE = _HEIGHT / _WIDTH

@@ -1,4 +1,4 @@
-"""What the closed forms of damper3d.theory say of a case, in numbers and in words."""
+"""What the closed forms of damper3d.predict.theory say of a case, in numbers and in words."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from contact.quantity import InputError
-from damper3d import theory
 from damper3d.case import DamperCase
+from damper3d.predict import theory
 
 FREQUENCIES = (20.0, 40.0, 80.0)  # [Hz] of Table 6.3
 _HEIGHTS = ("40 mm", "45 mm", "50 mm", "55 mm")  # of the thesis's four fills (Table 6.1)

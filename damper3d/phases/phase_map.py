@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact.quantity import InputError
-from damper3d.phases import PHASES
+from damper3d.phases.criteria import PHASES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

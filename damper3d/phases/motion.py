@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from damper3d.parts import CLOSE_PACKING, LOOSE_PACKING, orientation_of
+
 if TYPE_CHECKING:
     from campaign.ragged import Tables
     from damper3d.case import DamperCase
 
 FEWEST_FRAMES = 8  # a cycle: an eighth of it is as far as a particle may go unseen
-LOOSE_PACKING, CLOSE_PACKING = 0.55, 0.64  # fill ratios of random packings (thesis, sec. 6.4.1)
 
 
 @dataclass(frozen=True)
@@ -51,11 +52,7 @@ class Motion:
     @property
     def orientation(self) -> str:
         """vertical, horizontal or none: how gravity points to the motion."""
-        size = float(np.linalg.norm(self.gravity))
-        if size == 0.0:
-            return "none"
-        # Nearer to the axis of the motion than to the plane across it.
-        return "vertical" if abs(self.gravity[2]) > size * np.sqrt(0.5) else "horizontal"
+        return orientation_of(self.gravity, np.array([0.0, 0.0, 1.0]))
 
 
 def clearance(fill_ratio: float, length: float) -> float:

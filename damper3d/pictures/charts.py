@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, headline
 from damper3d.efficiency import efficiencies
-from damper3d.graph import legend_beside, ruled
+from damper3d.pictures.graph import legend_beside, ruled
+from damper3d.pictures.scene import Scene
 from damper3d.records import cut
-from damper3d.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,7 @@ from contact.datafile import data_file, data_names
 from contact.material import Material, Measured
 from contact.quantity import InputError, nearest, to_si
 from contact.table import ContactTable, load_table
-from damper3d.impact import Impact
+from damper3d.single_contact.impact import Impact
 
 _CONSTANTS = {"youngs_modulus": "Pa", "poisson": "1", "density": "kg/m3", "yield_strength": "Pa"}
 _NEEDED = ("youngs_modulus", "poisson", "density")
@@ -108,14 +108,7 @@ def _named_material(
         known = [*others, *data_names("materials")]
         raise InputError(f"{field} = {name!r}: no such table or file; {nearest(name, known)}")
     table = load_table(name)
-    stem = Path(name).stem
-    if stem not in table.materials and len(table.materials) != 1:
-        raise InputError(
-            f"{field} = {name}: holds several materials ({', '.join(table.materials)}); "
-            "name the file after one of them"
-        )
-    found = stem if stem in table.materials else next(iter(table.materials))
-    return table.material(found), table
+    return table.namesake(), table
 
 
 def _pair_constants(

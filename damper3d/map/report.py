@@ -9,10 +9,10 @@ from typing import Any
 from campaign.folder import RunFolder, digest, writing
 from campaign.provenance import provenance
 from campaign.table import write_table
-from damper3d.map import Grid, MapResult, Rows, map_cases
-from damper3d.prediction import Prediction
+from damper3d.map.grid import Grid, MapResult, Rows, map_cases
+from damper3d.map.ridges import OnRidge
+from damper3d.predict.prediction import Prediction
 from damper3d.protocol import PACKAGES, run_digest
-from damper3d.ridges import OnRidge
 from damper3d.sources import SOURCES
 
 

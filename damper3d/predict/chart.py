@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, headline
-from damper3d import theory
-from damper3d.prediction import Prediction
+from damper3d.predict import theory
+from damper3d.predict.prediction import Prediction
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from campaign.figure import GREY, INK, PAPER, VERMILION, WALL
 from campaign.film import Image, font, pace, rgb, write_film, write_words
-from damper3d.colouring import colouring
-from damper3d.enclosure_view import corners, cut, window
-from damper3d.scene import Scene
-from damper3d.spheres import draw_spheres
+from damper3d.pictures.colouring import colouring
+from damper3d.pictures.enclosure_view import corners, cut, window
+from damper3d.pictures.scene import Scene
+from damper3d.pictures.spheres import draw_spheres
 
 _LONGEST, _PIXELS = 640, 460 * 520  # of the part that shows the enclosure
 _NARROWEST = 560  # room for the words

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from damper3d.scene import Scene
-from damper3d.spheres import Window
+from damper3d.pictures.scene import Scene
+from damper3d.pictures.spheres import Window
 
 Array = NDArray[np.float64]
 

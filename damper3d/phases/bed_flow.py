@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damper3d.motion import Motion
+from damper3d.phases.motion import Motion
 
 LOWEST = 0.05  # of the particles, about half of what a bed at rest has on its floor
 LAYERS = 5  # equal numbers of particles, by their height in each frame

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.quantity import InputError, nearest
-from damper3d.scene import Scene
+from damper3d.pictures.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable

@@ -16,7 +16,7 @@ from campaign.statistics import mean_sd, quantile
 from campaign.sweep import Labelled, over_seeds
 from contact.quantity import InputError, nearest
 from damper3d.case import DamperCase
-from damper3d.peaks import Peak, between, find_peaks
+from damper3d.map.peaks import Peak, between, find_peaks
 from damper3d.sweep import run_cases
 
 Floats = NDArray[np.float64]
@@ -33,7 +33,7 @@ class Grid:
     """Where a map is computed: frequencies [Hz] times Gammas, each for N packings.
 
     `seed` is that of the first packing; the others follow. `refine` is how often the intervals
-    about each peak along Gamma are halved (damper3d.peaks).
+    about each peak along Gamma are halved (damper3d.map.peaks).
     Raises InputError where a list is empty or holds what is not above zero.
     """
 

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaign.figure import INK, PAPER, SKY, VERMILION, headline
-from damper3d.map import MapResult
-from damper3d.phase_map import draw_phase_map
-from damper3d.prediction import Clearance, Prediction
-from damper3d.ridges import OnRidge
-from damper3d.theory import bouncing_bed_onset
+from damper3d.map.grid import MapResult
+from damper3d.map.ridges import OnRidge
+from damper3d.phases.phase_map import draw_phase_map
+from damper3d.predict.prediction import Clearance, Prediction
+from damper3d.predict.theory import bouncing_bed_onset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
