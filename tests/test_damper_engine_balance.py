@@ -132,7 +132,7 @@ def test_the_energy_books_close_to_second_order(options):
 @pytest.mark.parametrize("shape", ["cylinder", "box"])
 def test_work_of_the_walls_is_dissipated_in_steady_state(shape):
     """Over ten whole cycles, after five in which the start is forgotten: what was stored may differ
-    by a part of a cycle's work, as the bed is not quite periodic; the rest closes as the books do.
+    by what flies about, less than a tenth of ten cycles' work; the rest closes as the books do.
     """
     sim = bed(shape, steps_per_sample=10_000)
     sim.run(5)
@@ -141,7 +141,7 @@ def test_work_of_the_walls_is_dissipated_in_steady_state(shape):
         {name: np.concatenate([first[name], column]) for name, column in rows.items()}
     )
     assert open_share < 0.005
-    assert change["wall_work"] == pytest.approx(lost, rel=0.05)
+    assert change["wall_work"] == pytest.approx(lost, rel=0.1)
     assert lost > 10 * first["kinetic"][0]  # ten cycles' work, against what flies about
 
 

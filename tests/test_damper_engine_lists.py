@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from damper_beds import DOWN, bed
+from damper_beds import DOWN, LARGEST, NOWHERE, acrylic, bed, lone
 
 from damper3d import state
+from damper3d.shaker import Sines
 from damper3d.world import _contacts, _near
 
 SHAPES = ["cylinder", "box"]
@@ -104,6 +105,19 @@ def test_a_restored_bed_goes_on_with_the_same_bits(shape):
     assert np.array_equal(sim.world.books, books)
     heat = sim.frame()["heat"]
     assert (heat > 0.0).any()
+
+
+@pytest.mark.parametrize("wall", [-1.0, 1.0])
+def test_a_wall_that_comes_to_a_sphere_at_rest_meets_it(wall):
+    """The list of wall contacts is of places in the enclosure: floor or lid, at 1 m/s, strike a
+    sphere that has never moved, and part from it at e times that. Tolerance: 1/40, the inverse of
+    the steps of a contact."""
+    slow = 1e-5  # so that the sine is a uniform motion
+    uniform = Sines(np.array([-wall / slow]), np.array([slow]), np.zeros(1), 0.0)
+    height = 3 * LARGEST if wall < 0.0 else 1.0 - 3 * LARGEST
+    sim = lone(acrylic(), height=height, gravity=NOWHERE, shaker=uniform)
+    sim.step(round(2.5 * LARGEST / 1e-6))
+    assert sim.frame()["v"][0, 2] == pytest.approx(-1.86 * wall, rel=1 / 40)
 
 
 def test_lists_without_room_are_made_longer_and_change_no_bit():

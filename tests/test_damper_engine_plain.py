@@ -34,9 +34,8 @@ def test_steps_are_those_of_the_plain_engine(shape, options, direction, gravity)
     """Motion, wall forces and all books of a vigorous bed, with its pairs and walls of different
     laws.
 
-    Rounding, 1e-16 a step, grows with each impact (a ball deflects a small difference by the ratio
-    of the free path to the radius, about 2 here; a sphere has some 5 impacts in these 1.5 ms):
-    1e-10 is two orders above what is found, and any mistake is of order one.
+    Rounding grows with each impact, of which a sphere has one or two in 0.7 ms: 2e-14 is found.
+    Mistakes are larger than the overlaps, 1e-3, in something.
     """
     pair = acrylic(**LAWS[options])
     wall = acrylic(0.3, 0.7, **LAWS[options])._replace(hertz=1.3 * pair.hertz)
