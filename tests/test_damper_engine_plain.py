@@ -54,5 +54,8 @@ def test_steps_are_those_of_the_plain_engine(shape, options, direction, gravity)
         assert error(arrays.spin[:n, :3], angular) < 1e-10
     assert error(forces, plain.wall_force / STEPS) < 1e-10
     assert error(world.books, plain.books) < 1e-10
+    pairs, walls = (plain.books[first : first + 3].sum() for first in (0, 5))
+    assert world.bodies.heat.sum() == pytest.approx(pairs + walls, rel=1e-10)
+    assert world.bodies.heat[n] == pytest.approx(walls / 2, rel=1e-10)  # the enclosure's half
     touched = np.abs(plain.wall_force).max(axis=1) > 0.0
     assert touched.sum() >= 2
