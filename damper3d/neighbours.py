@@ -262,7 +262,7 @@ def filter_close(near, close, spheres, counts, skin):
     n = 0
     for k in range(np.uintp(n_near)):
         if near.gap[k] < skin or near.history[DAMPING, k] >= 0.0:
-            if n == len(close.i) - LANES:
+            if n + LANES >= len(close.i):
                 return CLOSE_FULL
             if near.gap[k] < -_DEEPEST * near.reach[k]:
                 return TOO_DEEP
@@ -354,7 +354,7 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
         if gap < skin or walls.history[DAMPING, w, i] >= 0.0:
             if not gap >= -2.0 * _DEEPEST * x[i, 3]:
                 return -2
-            if n == len(wall.i) - LANES:
+            if n + LANES >= len(wall.i):
                 return -1
             radius = x[i, 3]
             if walls.curved and w == len(walls.planes):
