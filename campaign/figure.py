@@ -16,6 +16,7 @@ BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
 SKY, PURPLE, GREY = "#56b4e9", "#cc79a7", "#8a8a8a"
 
 _DPI = 160
+_BOLD_ADVANCE = 0.7  # mean width of a bold letter over the size of the type
 _STYLE: Any = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so pictures look alike everywhere
     "font.size": 9,
@@ -32,8 +33,10 @@ _STYLE: Any = {
 
 
 def headline(figure: "Figure", words: str) -> None:
-    """Put what a figure shows over it, on the left."""
-    figure.suptitle(words, x=0.01, ha="left", fontsize=13, fontweight="bold")
+    """Put what a figure shows over it, on the left; long words smaller, so that they fit."""
+    room = 0.98 * 72.0 * figure.get_figwidth()  # points
+    size = min(13.0, room / (_BOLD_ADVANCE * max(map(len, words.split("\n")))))
+    figure.suptitle(words, x=0.01, ha="left", fontsize=size, fontweight="bold")
 
 
 def write_figure(path: Path, draw: "Callable[[], Figure]") -> Path:

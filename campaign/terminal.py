@@ -8,6 +8,7 @@ from time import monotonic
 from typing import Any, Self
 
 _LINE_INTERVAL = 10.0  # s between lines where stderr is a file or a pipe
+_TELLING = 0.01  # part done from which on its speed says something; before, it is start-up
 
 
 class Progress:
@@ -66,7 +67,7 @@ def _bar(memory: float):
 
 def _time_left(fraction: float, elapsed: float) -> str:
     """The words "(3 min left)" at the mean speed so far, or nothing while that says nothing."""
-    if fraction <= 0.0 or fraction >= 1.0:
+    if fraction < _TELLING or fraction >= 1.0:
         return ""
     left = elapsed * (1.0 - fraction) / fraction
     return f" ({left / 60:.0f} min left)" if left >= 90 else f" ({left:.0f} s left)"

@@ -69,7 +69,10 @@ def parse_particle(text: str, equal_volume_radius: float | None = None) -> Clust
         return sphere(equal_volume_radius)
     if not size:
         raise InputError(f"shape = {text!r}: the size is missing; write such as 'sphere:5mm'")
-    diameter = to_si(size, "m", "shape")
+    try:
+        diameter = to_si(size, "m", "shape")
+    except InputError:
+        raise InputError(f"shape = {text!r}: not a diameter; write such as 'sphere:5mm'") from None
     if diameter <= 0:
         raise InputError(f"shape = {text!r}: the diameter must be above 0, such as 'sphere:5mm'")
     return sphere(0.5 * diameter, text)

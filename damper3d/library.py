@@ -2,6 +2,7 @@
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from campaign.library import packings_and_runs, run_in_words
 from contact.datafile import case_names, data_file, data_names
@@ -15,9 +16,18 @@ def listing(root: Path) -> str:
         f"presets    {', '.join(PRESETS)}",
         f"cases      {', '.join(case_names('enclosure'))}",
         f"materials  {', '.join(data_names('materials'))}",
-        *packings_and_runs(root, lambda summary: f"efficiency {float(summary['efficiency']):.3f}"),
+        *packings_and_runs(root, _answer),
     ]
     return "\n".join(lines)
+
+
+def _answer(summary: dict[str, Any]) -> str:
+    """What tells a finished run from others, and its efficiency."""
+    return (
+        f"{summary['n_particles']} of {summary['particles']}, {summary['orientation']}, "
+        f"{float(summary['frequency_hz']):g} Hz, gamma {float(summary['gamma']):g}: efficiency "
+        f"{float(summary['efficiency']):.3f}"
+    )
 
 
 def description(name: str) -> str:

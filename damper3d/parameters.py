@@ -39,15 +39,16 @@ def restitutions(table: ContactTable, settings: Settings) -> dict[str, float]:
     law = settings.law
     given = law.restitution, _first(law.restitution_wall, law.restitution)
     found = {}
-    for name, pair, own in zip(CLASSES, _pairs(table, settings), given, strict=True):
-        known = pair.restitution.value if pair.restitution else None
-        value = _first(own, known)
-        if value is None:
-            raise InputError(
-                f"{table.path}: [pair.{pair.first}-{pair.second}] restitution is missing; give it "
-                "there, or [law] restitution"
-            )
-        found[name] = value
+    for name, names, own in zip(CLASSES, _pairs(settings), given, strict=True):
+        if own is None:
+            known = _pair(table, names, "restitution").restitution
+            if known is None:
+                raise InputError(
+                    f"{table.path}: [pair.{'-'.join(names)}] restitution is missing; give it "
+                    "there, or [law] restitution (--restitution)"
+                )
+            own = known.value
+        found[name] = own
     return found
 
 
@@ -55,17 +56,24 @@ def frictions(table: ContactTable, settings: Settings) -> dict[str, float]:
     """Friction of each kind of contact [-], as the restitution."""
     law = settings.law
     given = law.friction, _first(law.friction_wall, law.friction)
-    pairs = _pairs(table, settings)
     return {
-        name: pair.friction.value if own is None else own
-        for name, pair, own in zip(CLASSES, pairs, given, strict=True)
+        name: _pair(table, names, "friction").friction.value if own is None else own
+        for name, names, own in zip(CLASSES, _pairs(settings), given, strict=True)
     }
 
 
-def _pairs(table: ContactTable, settings: Settings) -> tuple[Pair, Pair]:
-    """Particle-particle and particle-wall."""
+def _pairs(settings: Settings) -> tuple[tuple[str, str], tuple[str, str]]:
+    """The materials of particle-particle and particle-wall contacts."""
     particle, wall = settings.particles.material, settings.enclosure.material
-    return table.pair(particle, particle), table.pair(particle, wall)
+    return (particle, particle), (particle, wall)
+
+
+def _pair(table: ContactTable, names: tuple[str, str], key: str) -> Pair:
+    """A pair of the table; InputError that says what of the case stands in for it."""
+    try:
+        return table.pair(*names)
+    except InputError as error:
+        raise InputError(f"{error}; or give [law] {key} (--{key})") from None
 
 
 def _first(*values: float | None) -> float | None:

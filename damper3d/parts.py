@@ -7,7 +7,7 @@ import numpy as np
 from contact.quantity import InputError
 from damper3d.cluster import Cluster
 from damper3d.enclosure import Enclosure, box, cylinder
-from damper3d.settings import Motion, Settings
+from damper3d.settings import MOST_PARTICLES, Motion, Settings
 
 GRAVITY = 9.81  # [m/s2]
 # The thesis keeps the volume of 700 spheres of 4 mm in 40 mm x 40 mm: a fill ratio of 7/15, with
@@ -51,6 +51,11 @@ def count_of(enclosure: Enclosure, particle: Cluster, given: int | None, where: 
         raise InputError(
             f"{where}: [particles] count = {count}: fill ratio {count / room:.3f}, above random "
             f"close packing, {CLOSE_PACKING:g}; at most {fit} fit"
+        )
+    if count > MOST_PARTICLES:
+        raise InputError(
+            f"{where}: [particles] count = {count}, from the usual fill ratio: must be at most "
+            f"{MOST_PARTICLES}; check the units of sizes, or give a count"
         )
     return count
 

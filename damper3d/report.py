@@ -98,8 +98,8 @@ def _end(case: DamperCase) -> str:
     run = case.settings.run
     if run.steady:
         return (
-            f"when steady, {run.cycles} cycles at least, the first {run.discard} left out, and "
-            f"{run.max_cycles} cycles at most"
+            f"when steady, {min(run.cycles, run.max_cycles)} cycles at least, the first "
+            f"{run.discard} left out, and {run.max_cycles} cycles at most"
         )
     return (
         f"after {run.cycles} cycles of {case.period:.4g} s, the last {run.cycles - run.discard} "
@@ -138,6 +138,12 @@ def warnings(case: DamperCase) -> list[str]:
     if case.density > _HEAVY:
         found.append(
             f"density {case.density:g} kg/m3: heavier than any metal; 1 g/cm3 is 1000 kg/m3"
+        )
+    motion, run = case.settings.motion, case.settings.run
+    if motion.ramp > run.discard:
+        found.append(
+            f"the amplitude grows over {motion.ramp:g} cycles and only {run.discard} are left out: "
+            "the efficiency is low, as it is taken over the full amplitude; discard as many"
         )
     found += [line for pair in CLASSES for line in _impact_warnings(case, pair)]
     return found

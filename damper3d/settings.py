@@ -18,6 +18,7 @@ from contact.casefile import (
 )
 
 SCHEMA = 1
+MOST_PARTICLES = 10_000_000
 
 Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
 Restitution = Annotated[Positive, Field(le=1)]
@@ -39,7 +40,7 @@ class Particles(Section):
 
     shape: str = "sphere:5mm"
     equal_volume_radius: Size | None = None  # where the shape names no size
-    count: Annotated[int, Field(ge=1, le=10_000_000, strict=True)] | None = None
+    count: Annotated[int, Field(ge=1, le=MOST_PARTICLES, strict=True)] | None = None
     material: str = "acrylic"
     materials: str = "acrylic"
 

@@ -266,11 +266,25 @@ def test_a_step_near_the_rayleigh_step_is_warned_of():
         ({"law__density": "26 g/cm3"}, "heavier than any metal"),
         ({"motion__frequency": 1, "motion__gamma": 10}, "times the yield velocity"),
         ({"law__youngs_modulus": "0.1 MPa"}, "overlap by"),
+        ({"motion__ramp": 3.5}, "full amplitude"),
     ],
 )
 def test_absurd_values_are_warned_of(changes, word):
     assert not warnings(case_with())
     assert any(word in line for line in warnings(case_with(**changes)))
+
+
+def test_a_material_without_pairs_takes_friction_and_restitution_from_the_case():
+    case = case_with(
+        particles__materials="glass", particles__material="glass", enclosure__material="glass",
+        law__friction=0.3, law__restitution=0.9,
+    )  # fmt: skip
+    assert case.pair_law.mu == case.wall_law.mu == 0.3
+    assert set(case.restitution.values()) == {0.9}
+
+
+def test_a_ramp_that_is_left_out_is_not_warned_of():
+    assert not warnings(case_with(motion__ramp=3))
 
 
 # What names a packing and a run

@@ -109,8 +109,8 @@ class Outcome:
     law_term_j: float  # gained by the tangential spring of the law, which has no potential
     max_force_ratio: float  # tangential over normal force, at most the friction [-]
     max_tilt: float  # cosine of the angle between tangential force and line of centres
-    momentum_error: float  # linear, relative; of a pair
-    angular_momentum_error: float  # relative; of a pair
+    momentum_error: float | None  # linear, relative; None against a wall, which takes momentum
+    angular_momentum_error: float | None  # relative; likewise
     time_step_s: float
     steps: int
     history: np.ndarray  # (n, 5), columns of collision.py
@@ -221,6 +221,8 @@ def _outcome(
     moves = before.tangential > 0.0 and impact.angle > 0.0
     scale = impact.mass * impact.speed
     turning = scale * impact.radius + 0.4 * impact.mass * impact.radius**2 * abs(impact.spin)
+    shift = float(np.abs(after.momentum - before.momentum).max())
+    turn = abs(after.angular - before.angular)
     return Outcome(
         normal_restitution=-after.normal / before.normal,
         tangential_restitution=after.tangential / before.tangential if moves else None,
@@ -237,8 +239,8 @@ def _outcome(
         law_term_j=float(totals[collision.LAW_TERM]),
         max_force_ratio=float(totals[collision.MAX_RATIO]),
         max_tilt=float(totals[collision.MAX_TILT]),
-        momentum_error=float(np.abs(after.momentum - before.momentum).max()) / scale,
-        angular_momentum_error=abs(after.angular - before.angular) / turning,
+        momentum_error=shift / scale if impact.sphere else None,
+        angular_momentum_error=turn / turning if impact.sphere else None,
         time_step_s=dt,
         steps=steps,
         history=rows[np.isfinite(rows[:, 0])],
