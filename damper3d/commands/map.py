@@ -36,7 +36,7 @@ def map_(
     """Map the efficiency over frequency and Gamma: ridges, table, picture.
 
     Runs that are finished are not done again: the same command goes on after whatever stopped it,
-    and --refine adds to a map that is there.
+    and --refine or --packings take the runs of a smaller map, into a map of their own.
     For example: damper3d map --frequencies 20,40 --packings 3 --refine 3
     """
     if options.pop("motion__frequency") or options.pop("motion__gamma"):
