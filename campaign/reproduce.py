@@ -81,12 +81,8 @@ def reproduce_table(
     left_out: beginnings of names of columns that the CSV does not keep. Raises Ended where runs
     lack or failed, and click.UsageError for options that do not go with the table.
     """
-    from campaign.folder import writing
     from campaign.results import origin, write_results
 
-    for folder in {Path(out), Path(write or out)}:  # before the work of hours, not after it
-        with writing(folder):
-            folder.mkdir(parents=True, exist_ok=True)
     numbers = _numbers(seeds, workers, table)
     rows = table.run(
         out=Path(out), seeds=numbers, workers=workers, quiet=quiet,
