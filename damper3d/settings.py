@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, FiniteFloat
 
 from contact import casefile
 from contact.casefile import (
@@ -20,7 +20,7 @@ from contact.casefile import (
 SCHEMA = 1
 MOST_PARTICLES = 10_000_000
 
-Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+Vector = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Restitution = Annotated[Positive, Field(le=1)]
 
 

@@ -106,7 +106,7 @@ BAD_CASES: list[tuple[dict[str, Any], list[str]]] = [
     # vectors
     ({"motion.direction": [0, 0, 0]}, ["[motion] direction = [0.0, 0.0, 0.0]", "no direction"]),
     ({"motion.direction": [0, 1]}, ["direction = [0, 1]", "at least 3"]),
-    ({"motion.gravity": [0, 0, float("nan")]}, ["[motion] gravity", "no direction"]),
+    ({"motion.gravity": [0, 0, float("nan")]}, ["[motion] gravity", "must be a finite number"]),
     ({"motion.gravity": "down"}, ["gravity = 'down'", "valid list"]),
     (
         {"motion.gravity": [0, 0, 1], "motion.orientation": "none"},

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from campaign.folder import digest
@@ -487,6 +487,7 @@ def case_or_line(changes: dict[str, Any]) -> DamperCase | str:
 
 
 @given(any_changes())
+@example({"motion.direction": [0.0, 1.0, math.nan]})
 @settings(deadline=None, max_examples=400)
 def test_whatever_stands_in_a_case_file_is_resolved_or_refused_in_one_line(changes):
     """A case is all finite numbers and can be told in words; else one line says what is wrong."""
