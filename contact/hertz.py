@@ -31,9 +31,7 @@ class HertzLaw(NamedTuple):
     mu: float  # coefficient of friction [-]
     damping: float  # b, from the restitution below the yield velocity [-]
     tangential_damping: float  # c_t / (b sqrt(kn m)) = sqrt(10/3 kt/kn); 0: no such dashpot [-]
-    yielding: (
-        float  # v_y sqrt(m / R^3), eq. 5.26 [kg^0.5 / (m^0.5 s)]; inf: restitution is constant
-    )
+    yielding: float  # v_y sqrt(m / R^3), eq. 5.26 [kg^0.5/(m^0.5 s)]; inf: it does not yield
     pulls: bool  # True: the contact ends at zero overlap; False: it ends at zero force
     stored_force: bool  # True: the spring's force is carried on; False: its displacement
 

@@ -14,7 +14,6 @@ import numpy as np
 from contact.jit import njit
 from damper3d.enclosure import Enclosure
 
-DENSEST = 0.64  # random close packing of equal spheres: no random filling goes beyond it
 _START = 0.1  # fill ratio of the radii that the first stage begins with
 _STAGES = 24  # of equal growth of the radius, from there to full size
 _MARGIN = 1e-3  # that the balls grow beyond their size: they end without an overlap
