@@ -1,9 +1,9 @@
 """Assembly: the forces of all contacts, added to spheres and walls, and what they dissipate.
 
-Passes over a block of contacts: their spheres' rows (lanes.py), where they touch (geometry.py),
-what the law says, and adding it up. The first three have no branch and are vectorised; a contact
-that does not touch has overlap 0, which makes its forces exact zeros, so that no bit depends on
-when a list was made. The last goes in the order of the list, which is that of the sphere numbers.
+Passes over blocks of the contacts that touch (touching.py): their spheres' rows (lanes.py), where
+they touch (geometry.py), what the law says, and adding it up. The first three have no branch and
+are vectorised; a contact that has just ended has overlap 0, which makes its forces exact zeros. The
+last goes in the order of the list, which is that of the sphere numbers.
 
 The displacement of a contact over a step is the mean of its velocities at both ends times the
 step, so that no velocity need be gathered twice.
@@ -16,18 +16,18 @@ from contact.jit import inlined, uncounted
 from contact.spring_books import spring_books
 from contact.vectors import add, cross, dot, scale
 from damper3d.geometry import between_spheres, place, with_cylinder, with_plane
-from damper3d.lanes import add_loads, combine
+from damper3d.lanes import add_loads, gather, keep_history, whole
 from damper3d.state import (
     BLOCK,
     CLOSE,
     DAMPING,
     FRICTION,
-    LANES,
+    HERTZ,
     LAW_TERM,
+    MASS,
     MOVED_X,
     MOVED_Y,
     MOVED_Z,
-    N_HISTORY,
     N_MECHANISMS,
     NO_CONTACT,
     NORMAL_DAMPING,
@@ -39,6 +39,7 @@ from damper3d.state import (
     TANGENTIAL_DAMPING,
     WALL_WORK,
 )
+from damper3d.touching import touching_pairs, touching_wall
 
 
 @inlined
@@ -47,34 +48,25 @@ def apply_forces(world, shift, speed):
 
     The books are summed over all blocks of a class in the order of the list.
     """
-    spheres, books = world.spheres, world.books
+    spheres, walls, block, books = world.spheres, world.walls, world.block, world.books
     put_enclosure(spheres, shift, speed)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
-    first = np.int64(0)  # a typed number: numba would compile the passes once more for a literal
-    for begin in range(first, world.counts[CLOSE], BLOCK):
-        n = min(world.counts[CLOSE] - begin, BLOCK)
-        combine(spheres, world.close, begin, n, world.block)
-        between_spheres(world.close, begin, whole(n), world.block)
+    n_touching = touching_pairs(spheres, world.close, world.counts[CLOSE], block)
+    for begin in range(np.int64(0), n_touching, BLOCK):
+        n = min(n_touching - begin, BLOCK)
+        gather(spheres, world.close, begin, n, block)
+        between_spheres(whole(n), block)
         sums = push_and_count(world, world.pair_law, world.close, begin, n, 0, sums)
     keep_books(books, 0, sums, world.time_step)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
-    walls = world.walls
     for w in range(len(walls.force)):
-        for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
-            n = min(walls.first[w + 1] - begin, BLOCK)
-            meet_wall(spheres, walls, world.wall, w, begin, n, world.block)
+        n_touching = touching_wall(spheres, walls, world.wall, w, block)
+        for begin in range(np.int64(0), n_touching, BLOCK):
+            n = min(n_touching - begin, BLOCK)
+            meet_wall(spheres, walls, world.wall, w, begin, n, block)
             sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
         books[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w], speed)
     keep_books(books, N_MECHANISMS, sums, world.time_step)
-
-
-@inlined
-def whole(n_contacts):
-    """So many lanes as the contacts fill, and then to the end of the processor's vector.
-
-    What stands in the lanes beyond the contacts is of no meaning, and nobody reads the results.
-    """
-    return (n_contacts + LANES - 1) // LANES * LANES
 
 
 @inlined
@@ -88,11 +80,11 @@ def put_enclosure(spheres, shift, speed):
 @inlined
 def meet_wall(spheres, walls, contacts, w, begin, n_contacts, block):
     """Geometry of contacts with wall w."""
-    combine(spheres, contacts, begin, n_contacts, block)
+    gather(spheres, contacts, begin, n_contacts, block)
     if w < len(walls.planes):
-        with_plane(walls.planes[w], contacts, begin, whole(n_contacts), block)
+        with_plane(walls.planes[w], whole(n_contacts), block)
     else:
-        with_cylinder(walls.radius, contacts, begin, whole(n_contacts), block)
+        with_cylinder(walls.radius, whole(n_contacts), block)
 
 
 @inlined
@@ -111,28 +103,27 @@ def take_push(spheres, force, speed):
 def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
     """Forces of a block of a class, 0 or 1, to their spheres; the sums of the books with theirs."""
     block, dt = world.block, world.time_step
-    contact_law(law, contacts, begin, whole(n_contacts), block, dt)
+    contact_law(law, whole(n_contacts), block, dt)
+    begin_contacts(law, n_contacts, block, world.fastest, which)
     keep_history(contacts, begin, n_contacts, block)
     add_loads(world.spheres, contacts, begin, n_contacts, block)
-    begin_contacts(law, contacts, begin, n_contacts, block, world.fastest, which)
     return add_heat(world.bodies.heat, contacts, begin, n_contacts, block, dt, sums)
 
 
 @inlined
-def contact_law(law, contacts, begin, n_contacts, block, dt):
+def contact_law(law, n_contacts, block, dt):
     """Forces, histories and dissipation of a block whose geometry is known."""
     if law.stored_force:  # out of the loop, where both ways would be calculated
-        apply_law(with_history(law, True), contacts, begin, n_contacts, block, dt)
+        apply_law(with_history(law, True), n_contacts, block, dt)
     else:
-        apply_law(with_history(law, False), contacts, begin, n_contacts, block, dt)
+        apply_law(with_history(law, False), n_contacts, block, dt)
 
 
 @inlined
-def apply_law(law, contacts, begin, n_contacts, block, dt):
+def apply_law(law, n_contacts, block, dt):
     """See contact_law."""
-    history, later = contacts.history, block.history
+    history, later = block.history, block.later
     for k in range(np.uintp(n_contacts)):
-        n = np.uintp(begin) + k
         overlap = block.overlap[k]
         touches = 1.0 if overlap > 0.0 else 0.0
         normal = block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)]
@@ -143,14 +134,19 @@ def apply_law(law, contacts, begin, n_contacts, block, dt):
         )
         rate = -dot(velocity, normal)
         slip_rate = add(velocity, scale(rate, normal))
-        known = history[DAMPING, n]
+        known = history[place(DAMPING, k)]
         damping = max(known, law.damping)
         stiffness, dashpot, f_n, inelastic = hertz_force(
-            law, contacts.hertz[n], contacts.mass[n], damping, overlap, rate
+            law,
+            block.constants[place(HERTZ, k)],
+            block.constants[place(MASS, k)],
+            damping,
+            overlap,
+            rate,
         )
-        kt, kt_before = law.tangential * stiffness, history[STIFFNESS, n]
+        kt, kt_before = law.tangential * stiffness, history[place(STIFFNESS, k)]
         moved = scale(0.5 * dt, slip_rate)
-        held_before, trial = without_slip(law, history, n, normal, kt_before, kt, moved)
+        held_before, trial = without_slip(law, history, k, normal, kt_before, kt, moved)
         force, held, power, slides = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
         rubbed, gained = spring_books(law, kt_before, kt, held_before, trial, held)
 
@@ -174,14 +170,14 @@ def apply_law(law, contacts, begin, n_contacts, block, dt):
 
 
 @uncounted
-def without_slip(law, history, n, normal, kt_before, kt, moved):
+def without_slip(law, history, k, normal, kt_before, kt, moved):
     """What the spring of contact n held at the step before, and would hold now if it did not slip.
 
     Both in the tangent plane of now. The displacement since then is the mean of the velocities of
     then and now times the step: half of it is known from then, the other half is `moved` [m].
     """
-    held = history[SPRING_X, n], history[SPRING_Y, n], history[SPRING_Z, n]
-    ahead = history[MOVED_X, n], history[MOVED_Y, n], history[MOVED_Z, n]
+    held = history[place(SPRING_X, k)], history[place(SPRING_Y, k)], history[place(SPRING_Z, k)]
+    ahead = history[place(MOVED_X, k)], history[place(MOVED_Y, k)], history[place(MOVED_Z, k)]
     held = add(held, scale(-dot(held, normal), normal))
     ahead = add(ahead, scale(-dot(ahead, normal), normal))
     if law.stored_force:
@@ -190,23 +186,14 @@ def without_slip(law, history, n, normal, kt_before, kt, moved):
 
 
 @inlined
-def keep_history(contacts, begin, n_contacts, block):
-    """Let the histories after this step be those of the contacts."""
-    for h in range(N_HISTORY):
-        for k in range(np.uintp(n_contacts)):
-            contacts.history[h, np.uintp(begin) + k] = block.history[place(h, k)]
-
-
-@inlined
-def begin_contacts(law, contacts, begin, n_contacts, block, fastest, which):
+def begin_contacts(law, n_contacts, block, fastest, which):
     """Note the speeds of impacts that begin, and the damping that goes with them."""
     for k in range(np.uintp(n_contacts)):
         speed = block.begins[k]
         if speed > 0.0:
-            n = np.uintp(begin) + k
             fastest[which] = max(fastest[which], speed)
-            contacts.history[DAMPING, n] = damping_of_impact(
-                law, contacts.hertz[n], contacts.mass[n], speed
+            block.later[place(DAMPING, k)] = damping_of_impact(
+                law, block.constants[place(HERTZ, k)], block.constants[place(MASS, k)], speed
             )
 
 
@@ -219,7 +206,7 @@ def add_heat(heat, contacts, begin, n_contacts, block, dt, sums):
     normal, tangential, rubbed, gained, slipped = sums
     for k in range(np.uintp(n_contacts)):
         if block.overlap[k] > 0.0:
-            n = np.uintp(begin) + k
+            n = contacts.touching[np.uintp(begin) + k]
             lost = (block.normal_power[k] + block.tangential_power[k]) * dt + block.rubbed[k]
             heat[contacts.i[n]] += 0.5 * lost
             heat[contacts.j[n]] += 0.5 * lost

@@ -1,6 +1,6 @@
 """Geometry: where spheres, and spheres and walls, touch, and how fast they pass there.
 
-Each pass takes what damper3d.lanes.combine has put into a block, and adds normal, overlap, arms and
+Each pass takes what damper3d.lanes.gather has put into a block, and adds normal, overlap, arms and
 the relative velocity of the two surfaces. The arms add up to the distance, so that angular momentum
 is kept. The passes have no branch, so that the compiler vectorises them.
 """
@@ -8,7 +8,7 @@ is kept. The passes have no branch, so that the compiler vectorises them.
 import numpy as np
 
 from contact.jit import inlined, uncounted
-from damper3d.state import BLOCK
+from damper3d.state import BLOCK, RADIUS_I, RADIUS_J
 
 
 @uncounted
@@ -30,15 +30,38 @@ def gap_of(position, i, j):
     return np.sqrt(dx * dx + dy * dy + dz * dz) - (position[i, 3] + position[j, 3])
 
 
+@uncounted
+def apart(block, k):
+    """x_j - x_i of place k of a block [m]."""
+    separation = block.separation
+    return separation[place(0, k)], separation[place(1, k)], separation[place(2, k)]
+
+
+@uncounted
+def to_plane(plane, separation):
+    """Distance of a sphere's centre from a flat wall [m]; the separation is the origin's."""
+    x, y, z = separation
+    return -plane[0] * x - plane[1] * y - plane[2] * z - plane[3]
+
+
+@uncounted
+def off_axis(separation):
+    """Distance of a sphere's centre from the axis of the round wall, z [m]."""
+    return np.sqrt(separation[0] * separation[0] + separation[1] * separation[1])
+
+
 @inlined
-def between_spheres(contacts, begin, n_contacts, block):
-    """The contacts begin ... begin + n_contacts - 1 of spheres with spheres."""
-    apart, passing, turning, spin = block.separation, block.passing, block.turning, block.spin
+def between_spheres(n_contacts, block):
+    """The contacts of spheres with spheres in the first lanes of a block."""
+    passing, turning, spin = block.passing, block.turning, block.spin
     for k in range(np.uintp(n_contacts)):  # unsigned: numba then need not look for negative ones
-        n = np.uintp(begin) + k
-        dx, dy, dz = apart[place(0, k)], apart[place(1, k)], apart[place(2, k)]
+        radius_i, radius_j = (
+            block.constants[place(RADIUS_I, k)],
+            block.constants[place(RADIUS_J, k)],
+        )
+        dx, dy, dz = apart(block, k)
         distance = np.sqrt(dx * dx + dy * dy + dz * dz)
-        overlap = max(contacts.radius_i[n] + contacts.radius_j[n] - distance, 0.0)
+        overlap = max(radius_i + radius_j - distance, 0.0)
         shrink = 1.0 / distance
         nx, ny, nz = shrink * dx, shrink * dy, shrink * dz
         half = 0.5 * overlap
@@ -52,37 +75,29 @@ def between_spheres(contacts, begin, n_contacts, block):
         block.velocity[place(2, k)] = passing[place(2, k)] - (sx * ny - sy * nx)
         block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)] = nx, ny, nz
         block.overlap[k] = overlap
-        block.arm_i[k] = contacts.radius_i[n] - half
-        block.arm_j[k] = contacts.radius_j[n] - half
+        block.arm_i[k], block.arm_j[k] = radius_i - half, radius_j - half
 
 
 @inlined
-def with_plane(plane, contacts, begin, n_contacts, block):
-    """The same for contacts of spheres with a flat wall; their separation is the origin's."""
-    apart = block.separation
-    nx, ny, nz, offset = -plane[0], -plane[1], -plane[2], plane[3]
+def with_plane(plane, n_contacts, block):
+    """The same for contacts of spheres with a flat wall."""
     for k in range(np.uintp(n_contacts)):
-        distance = (
-            nx * apart[place(0, k)] + ny * apart[place(1, k)] + nz * apart[place(2, k)] - offset
-        )
-        wall_contact(contacts, begin, (nx, ny, nz), distance, block, k)
+        distance = to_plane(plane, apart(block, k))
+        wall_contact((-plane[0], -plane[1], -plane[2]), distance, block, k)
 
 
 @inlined
-def with_cylinder(radius, contacts, begin, n_contacts, block):
-    """The same for contacts of spheres with the round wall, whose axis is z."""
-    apart = block.separation
+def with_cylinder(radius, n_contacts, block):
+    """The same for contacts of spheres with the round wall."""
     for k in range(np.uintp(n_contacts)):
-        off_axis = np.sqrt(
-            apart[place(0, k)] * apart[place(0, k)] + apart[place(1, k)] * apart[place(1, k)]
-        )
-        shrink = -1.0 / max(off_axis, 1e-300)
-        normal = (shrink * apart[place(0, k)], shrink * apart[place(1, k)], 0.0)
-        wall_contact(contacts, begin, normal, radius - off_axis, block, k)
+        x, y, z = apart(block, k)
+        away = off_axis((x, y, z))
+        shrink = -1.0 / max(away, 1e-300)
+        wall_contact((shrink * x, shrink * y, 0.0), radius - away, block, k)
 
 
 @uncounted
-def wall_contact(contacts, begin, normal, distance, block, k):
+def wall_contact(normal, distance, block, k):
     """Fill place k of a block with a contact; the normal points to the wall, at a distance [m]."""
     nx, ny, nz = normal
     spin, passing = block.spin, block.passing
@@ -96,5 +111,5 @@ def wall_contact(contacts, begin, normal, distance, block, k):
         spin[place(0, k)] * ny - spin[place(1, k)] * nx
     )
     block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)] = nx, ny, nz
-    block.overlap[k] = max(contacts.radius_i[np.uintp(begin) + k] - distance, 0.0)
+    block.overlap[k] = max(block.constants[place(RADIUS_I, k)] - distance, 0.0)
     block.arm_i[k], block.arm_j[k] = distance, 0.0

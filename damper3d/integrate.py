@@ -27,19 +27,16 @@ from damper3d.state import (
 def advance(world, n_steps):
     """Up to n_steps steps; how many were taken, and DONE or why no more."""
     direction, dt = world.direction, world.time_step
+    shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
     for taken in range(n_steps):
-        shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
         if world.counts[STALE_CLOSE] or world.counts[STALE_WALL]:
             outcome = search(world, shift)
             if outcome != DONE:
                 return taken, outcome
         apply_forces(world, shift, speed)
-        move(world.bodies, world.spheres, world.gravity, dt)
         world.counts[STEP] += 1
-        look_for_stale_lists(
-            world.spheres.position, world.close, world.wall, world.counts, world.lengths,
-            enclosure_at(world.shaker, direction, world.counts[STEP] * dt)[0], dt,
-        )  # fmt: skip
+        shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
+        move(world, shift)
     return n_steps, DONE
 
 
@@ -51,9 +48,21 @@ def enclosure_at(shaker, d, time):
 
 
 @inlined
-def move(bodies, spheres, gravity, dt):
-    """One step of bodies that are spheres; wipes their loads."""
-    v, w = bodies.velocity, bodies.spin
+def move(world, shift):
+    """One step of bodies that are spheres; wipes their loads and marks the lists they have left.
+
+    shift is that of the enclosure after the step.
+    """
+    bodies, spheres, gravity = world.bodies, world.spheres, world.gravity
+    counts, lengths, dt = world.counts, world.lengths, world.time_step
+    x, v, w = spheres.position, bodies.velocity, bodies.spin
+    a, b, drift, was = world.close.place, world.wall.place, world.close.drift, world.wall.drift
+    since = (counts[STEP] - counts[CLOSE_MADE]) * dt
+    dx, dy, dz = since * drift[0], since * drift[1], since * drift[2]
+    ex, ey, ez = shift[0] - was[0], shift[1] - was[1], shift[2] - was[2]
+    inside = (0.5 * lengths[CLOSE_SKIN]) ** 2
+    inside_wall = lengths[WALL_SKIN] ** 2
+    left = left_wall = 0
     for i in range(np.uintp(len(v))):
         per_mass, per_inertia = dt * bodies.inverse_mass[i], dt * bodies.inverse_inertia[i]
         for c in range(4):  # the fourth moves the radius by nothing
@@ -63,22 +72,9 @@ def move(bodies, spheres, gravity, dt):
             w[i, c] += dw
             spheres.velocity[i, c] = v[i, c] + 0.5 * dv
             spheres.spin[i, c] = w[i, c] + 0.5 * dw
-            spheres.position[i, c] += dt * v[i, c]
+            x[i, c] += dt * v[i, c]
             spheres.force[i, c] = 0.0
             spheres.torque[i, c] = 0.0
-
-
-@inlined
-def look_for_stale_lists(x, close, wall, counts, lengths, shift, dt):
-    """Mark the lists that a sphere has moved out of."""
-    since = (counts[STEP] - counts[CLOSE_MADE]) * dt
-    dx, dy, dz = since * close.drift[0], since * close.drift[1], since * close.drift[2]
-    ex, ey, ez = shift[0] - wall.drift[0], shift[1] - wall.drift[1], shift[2] - wall.drift[2]
-    inside = (0.5 * lengths[CLOSE_SKIN]) ** 2
-    inside_wall = lengths[WALL_SKIN] ** 2
-    a, b = close.place, wall.place
-    left = left_wall = 0
-    for i in range(np.uintp(len(a))):
         px, py, pz = x[i, 0] - a[i, 0] - dx, x[i, 1] - a[i, 1] - dy, x[i, 2] - a[i, 2] - dz
         left |= not px * px + py * py + pz * pz <= inside  # true for NaN as well
         px, py, pz = x[i, 0] - b[i, 0] - ex, x[i, 1] - b[i, 1] - ey, x[i, 2] - b[i, 2] - ez

@@ -1,10 +1,11 @@
 """Rows of four numbers to lanes and back: where the processor's vectors are spelt out.
 
-A contact needs six rows (position, velocity and spin of two spheres) and adds to four (their forces
-and torques), while the passes over contacts want one array a quantity. A compiler makes of that
-some forty scattered loads, insertions and stores a contact, which take half of the time of a step.
-Here four contacts are worked at once: rows are loaded whole and transposed in registers. What is
-left over at the end of a block, fewer than four contacts, is done one by one, in the plain form.
+A contact needs nine rows (position, velocity and spin of two spheres, its own constants and its
+history) and adds to four (forces and torques), while the passes over contacts want one array a
+quantity. A compiler makes of that some forty scattered loads, insertions and stores a contact,
+which take half of the time of a step. Here four contacts are worked at once: rows are loaded whole
+and transposed in registers. What is left over at the end of a block, fewer than four contacts, is
+done one by one, in the plain form.
 """
 
 import numpy as np
@@ -13,7 +14,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from contact.jit import inlined
-from damper3d.state import BLOCK
+from damper3d.state import BLOCK, LANES, N_CONSTANTS, N_HISTORY
 
 _ROW = ir.VectorType(ir.DoubleType(), 4)
 _NUMBER = ir.IntType(64)
@@ -54,11 +55,21 @@ def _load(builder, pointer, number, ahead=0):
     return builder.load(_at(builder, pointer, number, ahead), align=8)
 
 
-def _rows_of(builder, index, begin, k, lane):
-    """Where the row of the sphere that contact begin + k + lane names begins."""
-    n = builder.add(builder.add(begin, k), ir.Constant(_NUMBER, lane))
-    sphere = builder.zext(builder.load(builder.gep(index, [n])), _NUMBER)
-    return builder.shl(sphere, ir.Constant(_NUMBER, 2))
+def _store_columns(builder, rows, out, k, first=0):
+    """Four rows to lanes k ... of the columns from the first on, as many as rows have numbers."""
+    for c, column in enumerate(_transposed(builder, rows)):
+        builder.store(column, _at(builder, out, k, (first + c) * BLOCK), align=8)
+
+
+def _named(builder, numbers, begin, lane):
+    """Entry begin + lane of an array of uint32, as a number."""
+    n = builder.add(begin, ir.Constant(_NUMBER, lane))
+    return builder.zext(builder.load(builder.gep(numbers, [n])), _NUMBER)
+
+
+def _row(builder, number, rows_of_four=1):
+    """Where a row begins that has so many times four numbers."""
+    return builder.mul(number, ir.Constant(_NUMBER, 4 * rows_of_four))
 
 
 def _data(context, builder, signature, arguments):
@@ -71,18 +82,71 @@ def _data(context, builder, signature, arguments):
     ]
 
 
+@inlined
+def whole(n_contacts):
+    """So many lanes as the contacts fill, and then to the end of the processor's vector.
+
+    What stands in the lanes beyond the contacts is of no meaning, and nobody reads the results.
+    """
+    return (n_contacts + LANES - 1) // LANES * LANES
+
+
 @intrinsic
-def _combine_four(typingctx, x, u, w, i, j, separation, passing, turning, spin, begin, k):
-    """Contacts begin + k ... + 3: their spheres' rows, combined, to lanes k ... of the block."""
+def _separate_four(typingctx, x, i, j, separation, begin, k):
+    """x_j - x_i of contacts begin + k ... + 3 to lanes k ... of the block."""
     number = types.int64
-    signature = types.void(x, u, w, i, j, separation, passing, turning, spin, number, number)
+    signature = types.void(x, i, j, separation, number, number)
 
     def generate(context, builder, signature, arguments):
-        x, u, w, i, j, *columns, begin, k = _data(context, builder, signature, arguments)
-        combined = [[] for _ in columns]
+        x, i, j, separation, begin, k = _data(context, builder, signature, arguments)
+        first = builder.add(begin, k)
+        rows = []
         for lane in range(4):
-            at_i = _rows_of(builder, i, begin, k, lane)
-            at_j = _rows_of(builder, j, begin, k, lane)
+            at_i = _row(builder, _named(builder, i, first, lane))
+            at_j = _row(builder, _named(builder, j, first, lane))
+            rows.append(builder.fsub(_load(builder, x, at_j), _load(builder, x, at_i)))
+        for c, column in enumerate(_transposed(builder, rows)[:3]):
+            builder.store(column, _at(builder, separation, k, c * BLOCK), align=8)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@inlined
+def separate(spheres, contacts, begin, n_contacts, block):
+    """Separations x_j - x_i [m] of contacts begin ... begin + n_contacts - 1, into the block."""
+    x = spheres.position
+    fours = n_contacts - n_contacts % 4
+    for k in range(np.int64(0), fours, 4):
+        _separate_four(x, contacts.i, contacts.j, block.separation, begin, k)
+    for k in range(fours, n_contacts):
+        i, j = contacts.i[begin + k], contacts.j[begin + k]
+        for c in range(3):
+            block.separation[c * BLOCK + k] = x[j, c] - x[i, c]
+
+
+@intrinsic
+def _gather_four(
+    typingctx, x, u, w, i, j, constants, history, touching, separation, passing, turning, spin,
+    own, known, begin, k,
+):  # fmt: skip
+    """What the contacts that entries begin + k ... + 3 name need, to lanes k ... of the block."""
+    number = types.int64
+    signature = types.void(
+        x, u, w, i, j, constants, history, touching, separation, passing, turning, spin, own,
+        known, number, number,
+    )  # fmt: skip
+
+    def generate(context, builder, signature, arguments):
+        x, u, w, i, j, constants, history, touching, *columns, own, known, begin, k = _data(
+            context, builder, signature, arguments
+        )
+        first = builder.add(begin, k)
+        combined = [[] for _ in columns]
+        numbers = [_named(builder, touching, first, lane) for lane in range(4)]
+        for n in numbers:
+            at_i = _row(builder, _named(builder, i, n, 0))
+            at_j = _row(builder, _named(builder, j, n, 0))
             xi, xj = _load(builder, x, at_i), _load(builder, x, at_j)
             wi, wj = _load(builder, w, at_i), _load(builder, w, at_j)
             turning_i = builder.fmul(_spread(builder, xi, 3), wi)
@@ -94,44 +158,88 @@ def _combine_four(typingctx, x, u, w, i, j, separation, passing, turning, spin, 
         for rows, out in zip(combined, columns, strict=True):
             for c, column in enumerate(_transposed(builder, rows)[:3]):
                 builder.store(column, _at(builder, out, k, c * BLOCK), align=8)
+        rows = [_load(builder, constants, _row(builder, n)) for n in numbers]
+        _store_columns(builder, rows, own, k)
+        for half in range(0, N_HISTORY, 4):
+            rows = [_load(builder, history, _row(builder, n, 2), half) for n in numbers]
+            _store_columns(builder, rows, known, k, half)
         return context.get_dummy_value()
 
     return signature, generate
 
 
 @inlined
-def combine(spheres, contacts, begin, n_contacts, block):
-    """What contacts begin ... begin + n_contacts - 1 need of their spheres i and j.
+def gather(spheres, contacts, begin, n_contacts, block):
+    """What the contacts need that entries begin ... begin + n_contacts - 1 of `touching` name.
 
     Fills rows of the block: separation x_j - x_i [m], passing u_j - u_i [m/s], turning
-    R_i w_i + R_j w_j [m/s] and spin w_i + w_j [rad/s].
+    R_i w_i + R_j w_j [m/s] and spin w_i + w_j [rad/s], constants and history of the contacts.
     """
     x, u, w = spheres.position, spheres.velocity, spheres.spin
-    whole = n_contacts - n_contacts % 4
-    for k in range(np.int64(0), whole, 4):
-        _combine_four(
-            x, u, w, contacts.i, contacts.j, block.separation, block.passing, block.turning,
-            block.spin, begin, k,
+    fours = n_contacts - n_contacts % 4
+    for k in range(np.int64(0), fours, 4):
+        _gather_four(
+            x, u, w, contacts.i, contacts.j, contacts.constants, contacts.history,
+            contacts.touching, block.separation, block.passing, block.turning, block.spin,
+            block.constants, block.history, begin, k,
         )  # fmt: skip
-    for k in range(whole, n_contacts):
-        i, j = contacts.i[begin + k], contacts.j[begin + k]
+    for k in range(fours, n_contacts):
+        n = contacts.touching[begin + k]
+        i, j = contacts.i[n], contacts.j[n]
         for c in range(3):
             block.separation[c * BLOCK + k] = x[j, c] - x[i, c]
             block.passing[c * BLOCK + k] = u[j, c] - u[i, c]
             block.turning[c * BLOCK + k] = x[i, 3] * w[i, c] + x[j, 3] * w[j, c]
             block.spin[c * BLOCK + k] = w[i, c] + w[j, c]
+        for c in range(N_CONSTANTS):
+            block.constants[c * BLOCK + k] = contacts.constants[n, c]
+        for h in range(N_HISTORY):
+            block.history[h * BLOCK + k] = contacts.history[n, h]
 
 
 @intrinsic
-def _add_four(typingctx, force, torque, i, j, push, couple, arm_i, arm_j, begin, k):
-    """Contacts begin + k ... + 3, one after the other: their loads to their spheres."""
+def _keep_four(typingctx, history, touching, later, begin, k):
+    """Histories in lanes k ... of the block to the contacts that entries begin + k ... + 3 name."""
     number = types.int64
-    signature = types.void(force, torque, i, j, push, couple, arm_i, arm_j, number, number)
+    signature = types.void(history, touching, later, number, number)
 
     def generate(context, builder, signature, arguments):
-        force, torque, i, j, push, couple, arm_i, arm_j, begin, k = _data(
+        history, touching, later, begin, k = _data(context, builder, signature, arguments)
+        first = builder.add(begin, k)
+        numbers = [_named(builder, touching, first, lane) for lane in range(4)]
+        for half in range(0, N_HISTORY, 4):
+            columns = [_load(builder, later, k, (half + c) * BLOCK) for c in range(4)]
+            for n, row in zip(numbers, _transposed(builder, columns), strict=True):
+                builder.store(row, _at(builder, history, _row(builder, n, 2), half), align=8)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@inlined
+def keep_history(contacts, begin, n_contacts, block):
+    """Let the histories after this step be those of the contacts."""
+    fours = n_contacts - n_contacts % 4
+    for k in range(np.int64(0), fours, 4):
+        _keep_four(contacts.history, contacts.touching, block.later, begin, k)
+    for k in range(fours, n_contacts):
+        for h in range(N_HISTORY):
+            contacts.history[contacts.touching[begin + k], h] = block.later[h * BLOCK + k]
+
+
+@intrinsic
+def _add_four(typingctx, force, torque, i, j, touching, push, couple, arm_i, arm_j, begin, k):
+    """Loads of contacts k ... k + 3 of the block, one after the other, to their spheres."""
+    number = types.int64
+    signature = types.void(
+        force, torque, i, j, touching, push, couple, arm_i, arm_j, number, number
+    )
+
+    def generate(context, builder, signature, arguments):
+        force, torque, i, j, touching, push, couple, arm_i, arm_j, begin, k = _data(
             context, builder, signature, arguments
         )
+        first = builder.add(begin, k)
         nothing = ir.Constant(_ROW, [0.0] * 4)
 
         def rows(columns):
@@ -141,8 +249,9 @@ def _add_four(typingctx, force, torque, i, j, push, couple, arm_i, arm_j, begin,
         pushes, couples = rows(push), rows(couple)
         arms_i, arms_j = _load(builder, arm_i, k), _load(builder, arm_j, k)
         for lane in range(4):
-            at_i = _rows_of(builder, i, begin, k, lane)
-            at_j = _rows_of(builder, j, begin, k, lane)
+            n = _named(builder, touching, first, lane)
+            at_i = _row(builder, _named(builder, i, n, 0))
+            at_j = _row(builder, _named(builder, j, n, 0))
             turn_i = builder.fmul(_spread(builder, arms_i, lane), couples[lane])
             turn_j = builder.fmul(_spread(builder, arms_j, lane), couples[lane])
             for array, at, change, add in (
@@ -166,16 +275,15 @@ def add_loads(spheres, contacts, begin, n_contacts, block):
     and arm_j from the centres; couple is normal x push.
     """
     force, torque = spheres.force, spheres.torque
-    whole = n_contacts - n_contacts % 4
-    for k in range(np.int64(0), whole, 4):
-        touching = block.overlap[k] + block.overlap[k + 1] + block.overlap[k + 2]
-        if touching + block.overlap[k + 3] > 0.0:
-            _add_four(
-                force, torque, contacts.i, contacts.j, block.push, block.couple, block.arm_i,
-                block.arm_j, begin, k,
-            )  # fmt: skip
-    for k in range(whole, n_contacts):
-        i, j = contacts.i[begin + k], contacts.j[begin + k]
+    fours = n_contacts - n_contacts % 4
+    for k in range(np.int64(0), fours, 4):
+        _add_four(
+            force, torque, contacts.i, contacts.j, contacts.touching, block.push, block.couple,
+            block.arm_i, block.arm_j, begin, k,
+        )  # fmt: skip
+    for k in range(fours, n_contacts):
+        n = contacts.touching[begin + k]
+        i, j = contacts.i[n], contacts.j[n]
         for c in range(3):
             force[i, c] -= block.push[c * BLOCK + k]
             force[j, c] += block.push[c * BLOCK + k]

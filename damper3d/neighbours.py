@@ -20,12 +20,16 @@ from damper3d.state import (
     CLOSE_SEARCHES,
     CLOSE_SKIN,
     DAMPING,
+    HERTZ,
     LANES,
+    MASS,
     N_HISTORY,
     NEAR,
     NEAR_SEARCHES,
     NEAR_SKIN,
     NO_CONTACT,
+    RADIUS_I,
+    RADIUS_J,
     STALE_CLOSE,
     STALE_WALL,
     STEP,
@@ -97,7 +101,7 @@ def store_history(near, close, counts):
     """Put the histories of the close list back into the near list."""
     for n in range(counts[CLOSE]):
         for h in range(N_HISTORY):
-            near.history[h, close.near[n]] = close.history[h, n]
+            near.history[close.near[n], h] = close.history[n, h]
     counts[CLOSE] = 0
 
 
@@ -132,8 +136,7 @@ def search_near(world, skin, shift):
     n_old = counts[NEAR]
     copy(near.old_j, near.j, n_old)
     copy(near.old_first, near.first, n_spheres + 1)
-    for h in range(N_HISTORY):
-        copy(near.old_history[h], near.history[h], n_old)
+    copy_histories(near.old_history, near.history, n_old)
     n = 0
     for i in range(n_spheres):
         near.first[i] = n
@@ -143,8 +146,7 @@ def search_near(world, skin, shift):
             # Nothing is lost: the caller makes room and comes back.
             copy(near.j, near.old_j, n_old)
             copy(near.first, near.old_first, n_spheres + 1)
-            for h in range(N_HISTORY):
-                copy(near.history[h], near.old_history[h], n_old)
+            copy_histories(near.history, near.old_history, n_old)
             fill_i(near, n_spheres)
             return NEAR_FULL
         inherit(near, i, begin, n)
@@ -172,6 +174,14 @@ def copy(to, what, n):
     """The first n numbers of an array, into another."""
     for k in range(n):
         to[k] = what[k]
+
+
+@uncounted
+def copy_histories(to, histories, n):
+    """The first n histories, into others."""
+    for k in range(n):
+        for h in range(N_HISTORY):
+            to[k, h] = histories[k, h]
 
 
 @uncounted
@@ -248,10 +258,10 @@ def inherit(near, i, begin, end):
             old += 1
         if old < old_end and near.old_j[old] == near.j[n]:
             for h in range(N_HISTORY):
-                near.history[h, n] = near.old_history[h, old]
+                near.history[n, h] = near.old_history[old, h]
         else:
-            near.history[:DAMPING, n] = 0.0
-            near.history[DAMPING, n] = NO_CONTACT
+            near.history[n, :] = 0.0
+            near.history[n, DAMPING] = NO_CONTACT
 
 
 @uncounted
@@ -261,16 +271,18 @@ def filter_close(near, close, spheres, counts, skin):
     gaps(near, x, n_near)
     n = 0
     for k in range(np.uintp(n_near)):
-        if near.gap[k] < skin or near.history[DAMPING, k] >= 0.0:
+        if near.gap[k] < skin or near.history[k, DAMPING] >= 0.0:
             if n + LANES >= len(close.i):
                 return CLOSE_FULL
             if near.gap[k] < -_DEEPEST * near.reach[k]:
                 return TOO_DEEP
             close.i[n], close.j[n], close.near[n] = near.i[k], near.j[k], k
-            close.radius_i[n], close.radius_j[n] = x[near.i[k], 3], x[near.j[k], 3]
-            close.hertz[n], close.mass[n] = near.hertz[k], near.mass[k]
+            close.reach[n] = near.reach[k]
+            close.constants[n, RADIUS_I] = x[near.i[k], 3]
+            close.constants[n, RADIUS_J] = x[near.j[k], 3]
+            close.constants[n, HERTZ], close.constants[n, MASS] = near.hertz[k], near.mass[k]
             for h in range(N_HISTORY):
-                close.history[h, n] = near.history[h, k]
+                close.history[n, h] = near.history[k, h]
             n += 1
     counts[CLOSE] = n
     counts[CLOSE_SEARCHES] += 1
@@ -332,7 +344,7 @@ def store_wall_history(wall, walls, counts):
         for w in range(len(walls.force)):
             for n in range(walls.first[w], walls.first[w + 1]):
                 for h in range(N_HISTORY):
-                    walls.history[h, w, wall.i[n]] = wall.history[h, n]
+                    walls.history[w, wall.i[n], h] = wall.history[n, h]
     counts[WALL] = 0
     walls.first[:] = 0
 
@@ -351,7 +363,7 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
             gap = plane[0] * px + plane[1] * py + plane[2] * pz - plane[3] - x[i, 3]
         else:
             gap = walls.radius - np.sqrt(px * px + py * py) - x[i, 3]
-        if gap < skin or walls.history[DAMPING, w, i] >= 0.0:
+        if gap < skin or walls.history[w, i, DAMPING] >= 0.0:
             if not gap >= -2.0 * _DEEPEST * x[i, 3]:
                 return -2
             if n + LANES >= len(wall.i):
@@ -361,10 +373,10 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
                 # Half the cylinder's curvature, the mean of 1/r and 1/r - 1/R: r D / (D - r).
                 radius = 2.0 * radius * walls.radius / (2.0 * walls.radius - radius)
             wall.i[n], wall.j[n] = i, n_spheres  # the enclosure's row
-            wall.radius_i[n] = x[i, 3]
-            wall.hertz[n] = law.hertz * np.sqrt(radius)
-            wall.mass[n] = 1.0 / spheres.inverse_mass[i]
+            wall.reach[n] = wall.constants[n, RADIUS_I] = x[i, 3]
+            wall.constants[n, HERTZ] = law.hertz * np.sqrt(radius)
+            wall.constants[n, MASS] = 1.0 / spheres.inverse_mass[i]
             for h in range(N_HISTORY):
-                wall.history[h, n] = walls.history[h, w, i]
+                wall.history[n, h] = walls.history[w, i, h]
             n += 1
     return n

@@ -8,16 +8,19 @@ from contact.vectors import add, dot, scale
 from damper3d.forces import contact_law, meet_wall, put_enclosure, without_slip
 from damper3d.geometry import between_spheres, place
 from damper3d.integrate import advance, enclosure_at
-from damper3d.lanes import combine
+from damper3d.lanes import gather
 from damper3d.neighbours import DONE
 from damper3d.state import (
     BLOCK,
     CLOSE,
     DAMPING,
+    HERTZ,
+    MASS,
     N_BOOKS,
     STEP,
     STIFFNESS,
 )
+from damper3d.touching import touching_pairs, touching_wall
 
 # Columns of a sample; the books and then the forces on the walls follow.
 (
@@ -94,27 +97,28 @@ def elastic_energies(world, shift, speed, row):
     row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
     row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0
     put_enclosure(spheres, shift, speed)
-    for begin in range(np.int64(0), world.counts[CLOSE], BLOCK):
-        n = min(world.counts[CLOSE] - begin, BLOCK)
-        combine(spheres, world.close, begin, n, block)
-        between_spheres(world.close, begin, n, block)
-        add_elastic(world.pair_law, world.close, begin, n, block, dt, row, CONTACTS_PP)
+    n_touching = touching_pairs(spheres, world.close, world.counts[CLOSE], block)
+    for begin in range(np.int64(0), n_touching, BLOCK):
+        n = min(n_touching - begin, BLOCK)
+        gather(spheres, world.close, begin, n, block)
+        between_spheres(n, block)
+        add_elastic(world.pair_law, n, block, dt, row, CONTACTS_PP)
     for w in range(len(walls.force)):
-        for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
-            n = min(walls.first[w + 1] - begin, BLOCK)
+        n_touching = touching_wall(spheres, walls, world.wall, w, block)
+        for begin in range(np.int64(0), n_touching, BLOCK):
+            n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
-            add_elastic(world.wall_law, world.wall, begin, n, block, dt, row, CONTACTS_PW)
+            add_elastic(world.wall_law, n, block, dt, row, CONTACTS_PW)
 
 
 @uncounted
-def add_elastic(law, contacts, begin, n_contacts, block, dt, row, count):
+def add_elastic(law, n_contacts, block, dt, row, count):
     """Add the elastic energies of a block to a row: (2/5) K d^2.5 and that of the spring."""
-    history = contacts.history
+    history = block.history
     for k in range(np.uintp(n_contacts)):
         overlap = block.overlap[k]
         if overlap <= 0.0:
             continue
-        n = np.uintp(begin) + k
         normal = block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)]
         velocity = (
             block.velocity[place(0, k)],
@@ -123,12 +127,17 @@ def add_elastic(law, contacts, begin, n_contacts, block, dt, row, count):
         )
         rate = -dot(velocity, normal)
         slip_rate = add(velocity, scale(rate, normal))
-        damping = max(history[DAMPING, n], law.damping)
+        damping = max(history[place(DAMPING, k)], law.damping)
         stiffness, dashpot, f_n, _ = hertz_force(
-            law, contacts.hertz[n], contacts.mass[n], damping, overlap, rate
+            law,
+            block.constants[place(HERTZ, k)],
+            block.constants[place(MASS, k)],
+            damping,
+            overlap,
+            rate,
         )
         trial = without_slip(
-            law, history, n, normal, history[STIFFNESS, n], law.tangential * stiffness,
+            law, history, k, normal, history[place(STIFFNESS, k)], law.tangential * stiffness,
             scale(0.5 * dt, slip_rate),
         )[1]  # fmt: skip
         held = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)[1]
@@ -149,17 +158,19 @@ def list_contacts(world, bodies, numbers):
     shift, speed = enclosure_at(world.shaker, world.direction, now)
     put_enclosure(spheres, shift, speed)
     found = np.int64(0)
-    for begin in range(np.int64(0), world.counts[CLOSE], BLOCK):
-        n = min(world.counts[CLOSE] - begin, BLOCK)
-        combine(spheres, world.close, begin, n, block)
-        between_spheres(world.close, begin, n, block)
-        contact_law(world.pair_law, world.close, begin, n, block, dt)
+    n_touching = touching_pairs(spheres, world.close, world.counts[CLOSE], block)
+    for begin in range(np.int64(0), n_touching, BLOCK):
+        n = min(n_touching - begin, BLOCK)
+        gather(spheres, world.close, begin, n, block)
+        between_spheres(n, block)
+        contact_law(world.pair_law, n, block, dt)
         found = copy_contacts(spheres, block, world.close, begin, n, 0, bodies, numbers, found)
     for w in range(len(walls.force)):
-        for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
-            n = min(walls.first[w + 1] - begin, BLOCK)
+        n_touching = touching_wall(spheres, walls, world.wall, w, block)
+        for begin in range(np.int64(0), n_touching, BLOCK):
+            n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
-            contact_law(world.wall_law, world.wall, begin, n, block, dt)
+            contact_law(world.wall_law, n, block, dt)
             found = copy_contacts(spheres, block, world.wall, begin, n, w, bodies, numbers, found)
     return found
 
@@ -173,7 +184,7 @@ def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, bodies, num
     """
     for k in range(np.uintp(n_contacts)):
         if block.overlap[k] > 0.0:
-            n = np.uintp(begin) + k
+            n = contacts.touching[np.uintp(begin) + k]
             i, j = contacts.i[n], contacts.j[n]
             bodies[found, 0], bodies[found, 1] = i, j + wall
             for c in range(3):

@@ -205,9 +205,9 @@ class Simulation:
             "spin": world.bodies.spin.copy(),
             "heat": world.bodies.heat.copy(),
             "pairs": np.stack([world.close.i[pairs], world.close.j[pairs]], axis=1),
-            "springs": world.close.history[:, pairs],
+            "springs": world.close.history[pairs].T,
             "wall_pairs": np.stack([world.wall.i[at_walls], of_wall], axis=1),
-            "wall_springs": world.wall.history[:, at_walls],
+            "wall_springs": world.wall.history[at_walls].T,
             "wall_force": world.walls.force.copy(),
             "step": world.counts[[state.STEP]],
             "books": world.books.copy(),
@@ -227,13 +227,13 @@ class Simulation:
             getattr(world.bodies, name)[:] = saved[name]
         n = len(saved["pairs"])
         world.near.i[:n], world.near.j[:n] = saved["pairs"].T
-        world.near.history[:, :n] = saved["springs"]
+        world.near.history[:n] = saved["springs"].T
         world.near.first[:] = np.searchsorted(saved["pairs"][:, 0], np.arange(bodies + 1))
         world.lengths[state.NEAR_SKIN] = -1.0  # its reach is used up: it is made anew
         world.walls.history[:] = 0.0
-        world.walls.history[state.DAMPING] = state.NO_CONTACT
+        world.walls.history[..., state.DAMPING] = state.NO_CONTACT
         touching, of_wall = saved["wall_pairs"].T
-        world.walls.history[:, of_wall, touching] = saved["wall_springs"]
+        world.walls.history[of_wall, touching] = saved["wall_springs"].T
         world.walls.force[:] = saved["wall_force"]
         world.counts[:] = 0
         world.counts[state.STEP] = saved["step"][0]
@@ -286,4 +286,4 @@ def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:
 
 def _touching(contacts: state.Contacts, n: int) -> np.ndarray:
     """Which of the first n contacts of a list touch."""
-    return np.flatnonzero(contacts.history[state.DAMPING, :n] >= 0.0)
+    return np.flatnonzero(contacts.history[:n, state.DAMPING] >= 0.0)

@@ -27,14 +27,18 @@ N_BOOKS = WALL_WORK + 1
 # the near list's reach when the close list was made.
 NEAR_SKIN, CLOSE_SKIN, WALL_SKIN = range(3)
 N_LENGTHS = 3
-# Rows of a history: what the tangential spring holds [m or N], half of the displacement in the
+# Entries of the constants of a contact: radii [m] (none of a wall), (4/3) E sqrt(R) [N/m^1.5], and
+# the reduced mass [kg].
+RADIUS_I, RADIUS_J, HERTZ, MASS = range(4)
+N_CONSTANTS = 4
+# Entries of a history: what the tangential spring holds [m or N], half of the displacement in the
 # last step [m], tangential stiffness [N/m], and the b of the contact, which is NO_CONTACT where
 # there is none.
 SPRING_X, SPRING_Y, SPRING_Z, MOVED_X, MOVED_Y, MOVED_Z, STIFFNESS, DAMPING = range(8)
 N_HISTORY = 8
 NO_CONTACT = -1.0
 
-BLOCK = 64  # contacts that the force pass works on at once: what it finds stays in the first cache
+BLOCK = 32  # contacts that the force pass works on at once: what it finds stays in the first cache
 
 LANES = 8  # the vectorised passes go on to a whole number of these: the lists have as much room
 
@@ -72,7 +76,7 @@ class Near(NamedTuple):
     hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
     mass: np.ndarray  # (capacity,) reduced mass [kg]
     gap: np.ndarray  # (capacity,) between the surfaces, when the close list was made [m]
-    history: np.ndarray  # (N_HISTORY, capacity), up to date while there is no close list
+    history: np.ndarray  # (capacity, N_HISTORY), up to date while there is no close list
     first: np.ndarray  # (m + 1,) where the pairs of each sphere i begin
     old_j: np.ndarray  # the previous list, while a new one is made
     old_history: np.ndarray
@@ -81,16 +85,15 @@ class Near(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """Pairs that touch or nearly do, one array a quantity; of spheres, or of spheres and walls."""
+    """Pairs that touch or nearly do, of spheres, or of spheres and walls."""
 
     i: np.ndarray  # (capacity,) uint32, sphere
     j: np.ndarray  # (capacity,) uint32, sphere; of a wall contact the enclosure's row
     near: np.ndarray  # (capacity,) uint32, index in the near list; unused for walls
-    radius_i: np.ndarray  # (capacity,) [m]
-    radius_j: np.ndarray  # (capacity,) [m]; unused for walls
-    hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
-    mass: np.ndarray  # (capacity,) reduced mass [kg]
-    history: np.ndarray  # (N_HISTORY, capacity)
+    reach: np.ndarray  # (capacity,) sum of the radii [m]
+    constants: np.ndarray  # (capacity, N_CONSTANTS)
+    history: np.ndarray  # (capacity, N_HISTORY)
+    touching: np.ndarray  # (capacity,) uint32, those of them that touch or did a step ago
     place: np.ndarray  # (m, 4) positions when the list was made [m]
     drift: np.ndarray  # (4,) mean velocity of the spheres then [m/s]; of walls: where they were
 
@@ -103,7 +106,7 @@ class Walls(NamedTuple):
     curved: bool  # whether the cylinder's curvature enters the Hertz law
     first: np.ndarray  # (n_walls + 1,) where the contacts of each wall begin
     force: np.ndarray  # (n_walls, 3) by the particles, summed over the steps since asked [N]
-    history: np.ndarray  # (N_HISTORY, n_walls, m), up to date while there is no wall list
+    history: np.ndarray  # (n_walls, m, N_HISTORY), up to date while there is no wall list
 
 
 class Block(NamedTuple):
@@ -112,6 +115,9 @@ class Block(NamedTuple):
     The second row of a vector begins at BLOCK; see damper3d.geometry.place.
     """
 
+    constants: np.ndarray  # (N_CONSTANTS BLOCK,)
+    history: np.ndarray  # (N_HISTORY BLOCK,), after the last step
+    later: np.ndarray  # (N_HISTORY BLOCK,), after this one
     separation: np.ndarray  # x_j - x_i [m]
     passing: np.ndarray  # u_j - u_i [m/s]
     turning: np.ndarray  # R_i w_i + R_j w_j [m/s]
@@ -120,6 +126,7 @@ class Block(NamedTuple):
     velocity: np.ndarray  # of j relative to i at the contact [m/s]
     push: np.ndarray  # force on j [N]
     couple: np.ndarray  # normal x push [N]
+    clearance: np.ndarray  # negative where they may touch
     overlap: np.ndarray  # [m], 0 where they do not touch
     arm_i: np.ndarray  # from the centre of i to the contact [m]
     arm_j: np.ndarray  # from the contact to the centre of j [m]
@@ -129,7 +136,6 @@ class Block(NamedTuple):
     gained: np.ndarray  # gained by the tangential spring, whose stiffness changes [J]
     slip_power: np.ndarray  # friction force times the whole sliding velocity [W]
     begins: np.ndarray  # speed of an impact that begins in this step [m/s], else 0
-    history: np.ndarray  # (N_HISTORY BLOCK,), the next one
 
 
 class Cells(NamedTuple):

@@ -102,8 +102,8 @@ def _zeros(*shape: int) -> np.ndarray:
 
 
 def _no_history(*shape: int) -> np.ndarray:
-    history = _zeros(state.N_HISTORY, *shape)
-    history[state.DAMPING] = state.NO_CONTACT
+    history = _zeros(*shape, state.N_HISTORY)
+    history[..., state.DAMPING] = state.NO_CONTACT
     return history
 
 
@@ -142,7 +142,8 @@ def _near(n: int, capacity: int) -> Near:
 
 def _block() -> Block:
     vectors = ("separation", "passing", "turning", "spin", "normal", "velocity", "push", "couple")
-    rows = dict.fromkeys(vectors, 3) | {"history": state.N_HISTORY}
+    rows = dict.fromkeys(vectors, 3) | dict.fromkeys(("history", "later"), state.N_HISTORY)
+    rows["constants"] = state.N_CONSTANTS
     return Block(**{name: _zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields})
 
 
@@ -151,11 +152,10 @@ def _contacts(n: int, capacity: int) -> Contacts:
         i=np.zeros(capacity, np.uint32),
         j=np.zeros(capacity, np.uint32),
         near=np.zeros(capacity, np.uint32),
-        radius_i=_zeros(capacity),
-        radius_j=_zeros(capacity),
-        hertz=_zeros(capacity),
-        mass=_zeros(capacity),
+        reach=_zeros(capacity),
+        constants=_zeros(capacity, state.N_CONSTANTS),
         history=_no_history(capacity),
+        touching=np.zeros(capacity, np.uint32),
         place=_zeros(n, 4),
         drift=np.zeros(4),
     )
