@@ -9,77 +9,22 @@ done one by one, in the plain form.
 """
 
 import numpy as np
-from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
 from contact.jit import inlined
+from damper3d.rows import (
+    NOTHING,
+    begin_of,
+    data,
+    load,
+    named,
+    spread,
+    store,
+    store_columns,
+    transposed,
+)  # fmt: skip
 from damper3d.state import BLOCK, LANES, N_CONSTANTS, N_HISTORY
-
-_ROW = ir.VectorType(ir.DoubleType(), 4)
-_NUMBER = ir.IntType(64)
-
-
-def _lanes(*numbers):
-    return ir.Constant(ir.VectorType(ir.IntType(32), len(numbers)), list(numbers))
-
-
-def _transposed(builder, rows):
-    """Four rows of four as four columns."""
-    a, b, c, d = rows
-    even, odd = _lanes(0, 4, 2, 6), _lanes(1, 5, 3, 7)
-    ab0, ab1 = builder.shuffle_vector(a, b, even), builder.shuffle_vector(a, b, odd)
-    cd0, cd1 = builder.shuffle_vector(c, d, even), builder.shuffle_vector(c, d, odd)
-    low, high = _lanes(0, 1, 4, 5), _lanes(2, 3, 6, 7)
-    return [
-        builder.shuffle_vector(ab0, cd0, low),
-        builder.shuffle_vector(ab1, cd1, low),
-        builder.shuffle_vector(ab0, cd0, high),
-        builder.shuffle_vector(ab1, cd1, high),
-    ]
-
-
-def _spread(builder, vector, lane):
-    """A vector with one lane of another in all of its own."""
-    return builder.shuffle_vector(vector, vector, _lanes(*[lane] * 4))
-
-
-def _at(builder, pointer, number, ahead=0):
-    """The four numbers of an array of doubles from number + ahead on, as a pointer to a vector."""
-    if ahead:
-        number = builder.add(number, ir.Constant(_NUMBER, ahead))
-    return builder.bitcast(builder.gep(pointer, [number]), _ROW.as_pointer())
-
-
-def _load(builder, pointer, number, ahead=0):
-    return builder.load(_at(builder, pointer, number, ahead), align=8)
-
-
-def _store_columns(builder, rows, out, k, first=0):
-    """Four rows to lanes k ... of the columns from the first on, as many as rows have numbers."""
-    for c, column in enumerate(_transposed(builder, rows)):
-        builder.store(column, _at(builder, out, k, (first + c) * BLOCK), align=8)
-
-
-def _named(builder, numbers, begin, lane):
-    """Entry begin + lane of an array of uint32, as a number."""
-    n = builder.add(begin, ir.Constant(_NUMBER, lane))
-    return builder.zext(builder.load(builder.gep(numbers, [n])), _NUMBER)
-
-
-def _row(builder, number, rows_of_four=1):
-    """Where a row begins that has so many times four numbers."""
-    return builder.mul(number, ir.Constant(_NUMBER, 4 * rows_of_four))
-
-
-def _data(context, builder, signature, arguments):
-    """Pointers to the data of the arrays among the arguments; the numbers as they are."""
-    return [
-        context.make_array(kind)(context, builder, argument).data
-        if isinstance(kind, types.Array)
-        else argument
-        for kind, argument in zip(signature.args, arguments, strict=True)
-    ]
 
 
 @inlined
@@ -98,15 +43,14 @@ def _separate_four(typingctx, x, i, j, separation, begin, k):
     signature = types.void(x, i, j, separation, number, number)
 
     def generate(context, builder, signature, arguments):
-        x, i, j, separation, begin, k = _data(context, builder, signature, arguments)
+        x, i, j, separation, begin, k = data(context, builder, signature, arguments)
         first = builder.add(begin, k)
         rows = []
         for lane in range(4):
-            at_i = _row(builder, _named(builder, i, first, lane))
-            at_j = _row(builder, _named(builder, j, first, lane))
-            rows.append(builder.fsub(_load(builder, x, at_j), _load(builder, x, at_i)))
-        for c, column in enumerate(_transposed(builder, rows)[:3]):
-            builder.store(column, _at(builder, separation, k, c * BLOCK), align=8)
+            at_i = begin_of(builder, named(builder, i, first, lane))
+            at_j = begin_of(builder, named(builder, j, first, lane))
+            rows.append(builder.fsub(load(builder, x, at_j), load(builder, x, at_i)))
+        store_columns(builder, rows, separation, k, range(3))
         return context.get_dummy_value()
 
     return signature, generate
@@ -138,31 +82,30 @@ def _gather_four(
     )  # fmt: skip
 
     def generate(context, builder, signature, arguments):
-        x, u, w, i, j, constants, history, touching, *columns, own, known, begin, k = _data(
+        x, u, w, i, j, constants, history, touching, *columns, own, known, begin, k = data(
             context, builder, signature, arguments
         )
         first = builder.add(begin, k)
         combined = [[] for _ in columns]
-        numbers = [_named(builder, touching, first, lane) for lane in range(4)]
+        numbers = [named(builder, touching, first, lane) for lane in range(4)]
         for n in numbers:
-            at_i = _row(builder, _named(builder, i, n, 0))
-            at_j = _row(builder, _named(builder, j, n, 0))
-            xi, xj = _load(builder, x, at_i), _load(builder, x, at_j)
-            wi, wj = _load(builder, w, at_i), _load(builder, w, at_j)
-            turning_i = builder.fmul(_spread(builder, xi, 3), wi)
-            turning_j = builder.fmul(_spread(builder, xj, 3), wj)
+            at_i = begin_of(builder, named(builder, i, n, 0))
+            at_j = begin_of(builder, named(builder, j, n, 0))
+            xi, xj = load(builder, x, at_i), load(builder, x, at_j)
+            wi, wj = load(builder, w, at_i), load(builder, w, at_j)
+            turning_i = builder.fmul(spread(builder, xi, 3), wi)
+            turning_j = builder.fmul(spread(builder, xj, 3), wj)
             combined[0].append(builder.fsub(xj, xi))
-            combined[1].append(builder.fsub(_load(builder, u, at_j), _load(builder, u, at_i)))
+            combined[1].append(builder.fsub(load(builder, u, at_j), load(builder, u, at_i)))
             combined[2].append(builder.fadd(turning_i, turning_j))
             combined[3].append(builder.fadd(wi, wj))
         for rows, out in zip(combined, columns, strict=True):
-            for c, column in enumerate(_transposed(builder, rows)[:3]):
-                builder.store(column, _at(builder, out, k, c * BLOCK), align=8)
-        rows = [_load(builder, constants, _row(builder, n)) for n in numbers]
-        _store_columns(builder, rows, own, k)
+            store_columns(builder, rows, out, k, range(3))
+        rows = [load(builder, constants, begin_of(builder, n)) for n in numbers]
+        store_columns(builder, rows, own, k, range(N_CONSTANTS))
         for half in range(0, N_HISTORY, 4):
-            rows = [_load(builder, history, _row(builder, n, 2), half) for n in numbers]
-            _store_columns(builder, rows, known, k, half)
+            rows = [load(builder, history, begin_of(builder, n, 2), half) for n in numbers]
+            store_columns(builder, rows, known, k, range(half, half + 4))
         return context.get_dummy_value()
 
     return signature, generate
@@ -204,13 +147,13 @@ def _keep_four(typingctx, history, touching, later, begin, k):
     signature = types.void(history, touching, later, number, number)
 
     def generate(context, builder, signature, arguments):
-        history, touching, later, begin, k = _data(context, builder, signature, arguments)
+        history, touching, later, begin, k = data(context, builder, signature, arguments)
         first = builder.add(begin, k)
-        numbers = [_named(builder, touching, first, lane) for lane in range(4)]
+        numbers = [named(builder, touching, first, lane) for lane in range(4)]
         for half in range(0, N_HISTORY, 4):
-            columns = [_load(builder, later, k, (half + c) * BLOCK) for c in range(4)]
-            for n, row in zip(numbers, _transposed(builder, columns), strict=True):
-                builder.store(row, _at(builder, history, _row(builder, n, 2), half), align=8)
+            columns = [load(builder, later, k, (half + c) * BLOCK) for c in range(4)]
+            for n, row in zip(numbers, transposed(builder, columns), strict=True):
+                store(builder, row, history, begin_of(builder, n, 2), half)
         return context.get_dummy_value()
 
     return signature, generate
@@ -236,32 +179,30 @@ def _add_four(typingctx, force, torque, i, j, touching, push, couple, arm_i, arm
     )
 
     def generate(context, builder, signature, arguments):
-        force, torque, i, j, touching, push, couple, arm_i, arm_j, begin, k = _data(
+        force, torque, i, j, touching, push, couple, arm_i, arm_j, begin, k = data(
             context, builder, signature, arguments
         )
         first = builder.add(begin, k)
-        nothing = ir.Constant(_ROW, [0.0] * 4)
 
-        def rows(columns):
-            lanes = [_load(builder, columns, k, c * BLOCK) for c in range(3)]
-            return _transposed(builder, [*lanes, nothing])
+        def rows_of(columns):
+            lanes = [load(builder, columns, k, c * BLOCK) for c in range(3)]
+            return transposed(builder, [*lanes, NOTHING])
 
-        pushes, couples = rows(push), rows(couple)
-        arms_i, arms_j = _load(builder, arm_i, k), _load(builder, arm_j, k)
+        pushes, couples = rows_of(push), rows_of(couple)
+        arms_i, arms_j = load(builder, arm_i, k), load(builder, arm_j, k)
         for lane in range(4):
-            n = _named(builder, touching, first, lane)
-            at_i = _row(builder, _named(builder, i, n, 0))
-            at_j = _row(builder, _named(builder, j, n, 0))
-            turn_i = builder.fmul(_spread(builder, arms_i, lane), couples[lane])
-            turn_j = builder.fmul(_spread(builder, arms_j, lane), couples[lane])
-            for array, at, change, add in (
+            n = named(builder, touching, first, lane)
+            at_i = begin_of(builder, named(builder, i, n, 0))
+            at_j = begin_of(builder, named(builder, j, n, 0))
+            turn_i = builder.fmul(spread(builder, arms_i, lane), couples[lane])
+            turn_j = builder.fmul(spread(builder, arms_j, lane), couples[lane])
+            for array, begin_at, change, add in (
                 (force, at_i, pushes[lane], builder.fsub),
                 (force, at_j, pushes[lane], builder.fadd),
                 (torque, at_i, turn_i, builder.fsub),
                 (torque, at_j, turn_j, builder.fsub),
             ):
-                place = _at(builder, array, at)
-                builder.store(add(builder.load(place, align=8), change), place, align=8)
+                store(builder, add(load(builder, array, begin_at), change), array, begin_at)
         return context.get_dummy_value()
 
     return signature, generate
