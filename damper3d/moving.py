@@ -24,17 +24,17 @@ def move(world, shift):
     """
     bodies, spheres, gravity = world.bodies, world.spheres, world.gravity
     counts, lengths, dt = world.counts, world.lengths, world.time_step
-    close, wall, x = world.close, world.wall, world.spheres.position
+    close, wall, x, v = world.close, world.wall, spheres.position, bodies.velocity
     fall = dt * gravity[0], dt * gravity[1], dt * gravity[2]
     since = (counts[STEP] - counts[CLOSE_MADE]) * dt
     drift = since * close.drift[0], since * close.drift[1], since * close.drift[2]
     carried = shift[0] - wall.drift[0], shift[1] - wall.drift[1], shift[2] - wall.drift[2]
     inside, inside_wall = (0.5 * lengths[CLOSE_SKIN]) ** 2, lengths[WALL_SKIN] ** 2
     left = left_wall = False
-    for i in range(np.uintp(len(bodies.velocity))):
-        v, w, spin = bodies.velocity, bodies.spin, spheres.spin
-        _kick(v, spheres.velocity, spheres.force, dt * bodies.inverse_mass[i], fall, i)
-        _kick(w, spin, spheres.torque, dt * bodies.inverse_inertia[i], (0.0, 0.0, 0.0), i)
+    for i in range(np.uintp(len(v))):
+        per_mass, per_inertia = dt * bodies.inverse_mass[i], dt * bodies.inverse_inertia[i]
+        _kick(v, spheres.velocity, spheres.force, per_mass, fall, i)
+        _kick(bodies.spin, spheres.spin, spheres.torque, per_inertia, (0.0, 0.0, 0.0), i)
         _drift(x, v, dt, i)
         left |= not _square_off(x, close.place, drift, i) <= inside  # true for NaN as well
         left_wall |= not _square_off(x, wall.place, carried, i) <= inside_wall
