@@ -11,7 +11,7 @@ from campaign.results import read_results, write_results
 from campaign.statistics import mean_sd
 from damper3d import sweep
 from damper3d.predict.prediction import predict
-from damper3d.reproduce import TABLES, dampers, find, maps, optimum, sizes
+from damper3d.reproduce import TABLES, chapter, dampers, find, maps, optimum, sizes
 from damper3d.reproduce.optimum import optima, published
 
 OPTIONS = {"workers": 1, "quiet": True}
@@ -128,6 +128,46 @@ def test_a_weak_fluidisation_ridge_fails(made):
     assert verdict(text, "on the ridge of fluidisation") == "FAIL"
     assert verdict(text, "on the ridge of the bouncing bed") == "PASS"
     assert verdict(text, "alike in both") == "----"
+
+
+@pytest.mark.parametrize(("how", "expected"), [
+    ({"tilt": 0.2, "lying": 0.8}, ["PASS", "PASS", "PASS", "PASS"]),
+    ({"tilt": -0.2, "lying": 1.1}, ["FAIL", "FAIL", "FAIL", "PASS"]),
+])  # fmt: skip
+def test_fluidisation_optimum_over_frequency_orientation_and_fill(made, how, expected):
+    """Sec. 6.4.3: it falls with frequency, its eta rises, lying dampers have less, fill is nothing.
+
+    The steps of FEW, up to Gamma 6, are at most a factor of 2; the shift from 80 to 320 Hz is
+    4^0.2 = 1.3, between 3 and 2, so that more frequencies are run.
+    """
+    points = [(f, g) for f in (80.0, 160.0, 320.0, 625.0) for _, g in FEW[:14]]
+    grid = [dampers.panel(o, h, 5, points) for o in dampers.ORIENTATIONS for h in (40, 55)]
+    text = maps.report(made(maps, seeds=[1], grid=grid, **how))
+    words = "falls with frequency", "rises with frequency", "smaller in the horiz", "insensitive to"
+    assert [verdict(text, one) for one in words] == expected, text
+
+
+def test_chapter_judges_each_size_and_sets_it_beside_5_mm(made, tmp_path):
+    """The made optima go as d^exponent, so that a map of 3 mm is shifted against that of 5 mm."""
+    grid = [dampers.panel(o, 40, d, FEW) for d in (3, 5) for o in dampers.ORIENTATIONS]
+    rows = made(chapter, seeds=[1], grid=grid, size_exponent=-0.3)
+    text = chapter.report(rows)
+    assert text.startswith("INCOMPLETE: ")
+    assert "  vertical, 45 mm, spheres of 6 mm, 1024 Hz: 0 of 19" in text.splitlines()
+    of_3, of_5 = ([line.split() for line in text.splitlines() if line.startswith(f"{d} mm  ")]
+                  for d in (3, 5))  # fmt: skip
+    assert [line[2] for line in of_3] == [line[2] for line in of_5] == list(dampers.ORIENTATIONS)
+    assert all(0.5 < float(line[-2]) < 1 and float(line[-1]) > 0.01 for line in of_3)
+    assert all(line[-2:] == ["-", "-"] for line in of_5)
+    assert text.count("spheres of 3 mm, statements: ") == 1
+    assert text.count("PASS  eta > 0.3 on the ridge of fluidisation") == 2
+    kept, *_ = write_results(
+        tmp_path, "chapter", rows, ["command: x"], text, lambda: chapter.draw(rows)
+    )
+    assert chapter.report(read_results(kept)[1]) == text
+    nothing = [row | {"state": "interrupted"} for row in rows]
+    assert chapter.report(nothing).startswith("INCOMPLETE: 0 of the ")
+    chapter.draw(nothing)
 
 
 @pytest.mark.parametrize(("exponent", "expected"), [(-0.2, "PASS"), (0.2, "FAIL")])

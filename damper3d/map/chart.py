@@ -140,10 +140,9 @@ def _onset_label(clearance: Clearance) -> str:
 def draw_points(axes: "Axes", result: MapResult) -> None:
     """Where runs are: the marker of the phase that they show, or a dot where none was named."""
     unnamed = np.array([phase is None for phase in result.phases])
-    axes.plot(
-        result.frequency[unnamed], result.gamma[unnamed], ".", color=PAPER, ms=3, alpha=0.6,
-        clip_on=False, label="runs" if unnamed.any() else None,
-    )  # fmt: skip
+    if unnamed.any():  # no points would be drawn at the origin, which spoils the layout
+        axes.plot(result.frequency[unnamed], result.gamma[unnamed], ".", color=PAPER, ms=3,
+                  alpha=0.6, clip_on=False, label="runs")  # fmt: skip
     named = [row for row in result.rows if row.get("phase")]
     if named:
         draw_phase_map(axes, named, named[0]["orientation"])

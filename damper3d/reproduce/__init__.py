@@ -13,6 +13,7 @@ Row = dict[str, Any]
 
 # name as in `damper3d reproduce TABLE`: module of this package, what it shows
 TABLES: dict[str, tuple[str, str]] = {
+    "chapter": ("chapter", "the maps of 4 sizes, 4 fills and 2 orientations (thesis, chapter 6)"),
     "cycles": (
         "cycles",
         "within the cycle (thesis, Figs 6.7, 6.10, 6.16 and 6.18)",

@@ -13,31 +13,31 @@ if TYPE_CHECKING:
 
 
 def draw_panels(maps: Mapping[tuple[str, int], Ridges]) -> "Figure":
-    """A row for each height, a column for each orientation; one legend a column below."""
+    """A column for each orientation, with its own bar and legend, and in it a row a height."""
     from matplotlib.figure import Figure
 
     orientations = list(dict.fromkeys(orientation for orientation, _ in maps))
     heights = sorted({height for _, height in maps})
-    size = (1.0 + 5.4 * max(len(orientations), 1), 2.6 + 3.1 * max(len(heights), 1))
+    size = (1.0 + 6.2 * max(len(orientations), 1), 2.6 + 3.1 * max(len(heights), 1))
     figure = Figure(figsize=size, layout="constrained")
     headline(figure, "Efficiency of 358 spheres of 5 mm")
     if not maps:
         return figure
-    grid = figure.subplots(len(heights), len(orientations), squeeze=False)
-    filled = None
-    for column, orientation in enumerate(orientations):
-        for row, height in enumerate(heights):
+    columns = figure.subfigures(1, len(orientations), squeeze=False)[0]
+    for column, orientation in zip(columns, orientations, strict=True):
+        *grid, below = column.subplots(
+            len(heights) + 1, 1, height_ratios=[*[1] * len(heights), 0.4]
+        )
+        for axes, height in zip(grid, heights, strict=True):
             one = maps.get((orientation, height))
-            axes = grid[row, column]
             if one is None or len(one.frequencies) < 2:
                 axes.axis("off")
                 continue
             filled = _draw(axes, one)
             title = f"{orientation}, {height} mm, fill ratio {one.prediction.fill_ratio:.3f}"
             axes.set_title(title, loc="left", fontsize=9)
-        _legend(list(grid[:, column]))
-    if filled is not None:
-        figure.colorbar(filled, ax=grid, label="efficiency [-]", ticks=LEVELS, shrink=0.5)
+            column.colorbar(filled, ax=axes, label="efficiency [-]", ticks=LEVELS)
+        _legend(below, grid)
     return figure
 
 
@@ -50,13 +50,13 @@ def _draw(axes: "Axes", one: Ridges) -> Any:
     return filled
 
 
-def _legend(column: "list[Axes]") -> None:
-    """All that any panel of a column shows, below the last of them."""
+def _legend(below: "Axes", panels: "list[Axes]") -> None:
+    """All that any panel of a column shows."""
     named: dict[str, Any] = {}
-    for axes in column:
+    for axes in panels:
         named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     named.pop("runs", None)  # white dots, which a white ground does not show
-    column[-1].legend(
-        named.values(), named.keys(), loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3,
-        fontsize=7, markerscale=0.8,
-    )  # fmt: skip
+    below.axis("off")
+    below.legend(
+        list(named.values()), list(named), loc="upper center", ncols=3, fontsize=7, markerscale=0.8
+    )

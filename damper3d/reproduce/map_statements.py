@@ -1,7 +1,7 @@
 """What the thesis says about Figs 6.4 and 6.5 (sec. 6.3), judged from our maps."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,8 +56,7 @@ Maps = Mapping[tuple[str, int], Ridges]  # by orientation and height [mm]
 def statements(maps: Maps) -> list[Statement]:
     """The findings, each over all maps that there are."""
     return [
-        _effective(maps, "bouncing_bed"),
-        _effective(maps, "fluidisation"),
+        _effective(maps),
         _near_three(maps),
         _independent_of_frequency(maps),
         _follows_frequency_squared(maps),
@@ -65,22 +64,29 @@ def statements(maps: Maps) -> list[Statement]:
     ]
 
 
-def _effective(maps: Maps, ridge: str) -> Statement:
-    """Whether eta exceeds 0.3 at the peak of a ridge wherever it can be seen."""
-    low, number = [], 0
+def _effective(maps: Maps) -> Statement:
+    """Whether eta exceeds 0.3 at the peak of the bouncing bed wherever it can be seen."""
+    found = []
     for key, one in maps.items():
-        for frequency in one.expected(ridge):
-            peak = one.peak(frequency, ridge)
-            number += 1
-            if peak is None or peak.efficiency <= EFFECTIVE:
-                eta = "no peak" if peak is None else f"{peak.efficiency:.2f}"
-                low.append(f"{_place(key)} {frequency:g} Hz {eta}")
-    words = f"eta > {EFFECTIVE:g} on the ridge of {_RIDGE_WORDS[ridge]}"
-    found = f"{number - len(low)} of {number} frequencies" + (f"; not {', '.join(low)}" * bool(low))
-    return Statement(words, not low if number else None, found if number else "")
+        for frequency in one.expected("bouncing_bed"):
+            peak = one.peak(frequency, "bouncing_bed")
+            found.append((key, frequency, peak.efficiency if peak else None))
+    return effective("the bouncing bed", found)
 
 
-_RIDGE_WORDS = {"bouncing_bed": "the bouncing bed", "fluidisation": "fluidisation"}
+def effective(
+    ridge: str, found: Sequence[tuple[tuple[str, int], float, float | None]]
+) -> Statement:
+    """Whether eta exceeds 0.3 on a ridge: from key, frequency [Hz] and eta (None: no peak)."""
+    low = [
+        f"{place(key)} {frequency:g} Hz " + ("no peak" if eta is None else f"{eta:.2f}")
+        for key, frequency, eta in found
+        if eta is None or eta <= EFFECTIVE
+    ]
+    text = f"{len(found) - len(low)} of {len(found)} frequencies"
+    text += f"; not {', '.join(low)}" * bool(low)
+    words = f"eta > {EFFECTIVE:g} on the ridge of {ridge}"
+    return Statement(words, not low if found else None, text if found else "")
 
 
 def _near_three(maps: Maps) -> Statement:
@@ -90,7 +96,7 @@ def _near_three(maps: Maps) -> Statement:
         if points:
             means[key] = math.exp(sum(math.log(peak.gamma) for _, peak in points) / len(points))
     holds = [abs(math.log(mean / FLUIDISATION)) <= math.log(_NEAR) for mean in means.values()]
-    found = ", ".join(f"{_place(key)} {mean:.2f}" for key, mean in means.items())
+    found = ", ".join(f"{place(key)} {mean:.2f}" for key, mean in means.items())
     words = f"the fluidisation ridge lies near Gamma 3: mean within a factor of {_NEAR:g}"
     return Statement(words, all_of(holds), found)
 
@@ -101,7 +107,7 @@ def _independent_of_frequency(maps: Maps) -> Statement:
         exponent = _exponent(_points(one, "fluidisation"))
         if exponent is not None:
             holds.append(abs(exponent) <= _INDEPENDENT)
-            found.append(f"{_place(key)} {exponent:+.2f}")
+            found.append(f"{place(key)} {exponent:+.2f}")
     words = (
         "the fluidisation ridge hardly depends on frequency: |exponent of f| at most "
         f"{_INDEPENDENT:g}"
@@ -120,7 +126,7 @@ def _follows_frequency_squared(maps: Maps) -> Statement:
         span = math.log(points[-1][0] / points[0][0])
         error = math.hypot(_resolution(points[0][1]), _resolution(points[-1][1])) / span
         holds.append(abs(exponent - 2) <= error)
-        found.append(f"{_place(key)} {exponent:.2f} +- {error:.2f}")
+        found.append(f"{place(key)} {exponent:.2f} +- {error:.2f}")
     words = "the ridge of the bouncing bed follows f^2: exponent 2 within the grid's resolution"
     return Statement(words, all_of(holds), ", ".join(found))
 
@@ -131,7 +137,7 @@ def _alike(maps: Maps) -> Statement:
         pair = [maps.get((o, height)) for o in ("vertical", "horizontal")]
         if pair[0] is None or pair[1] is None:
             continue
-        first, second = (_values(one.result) for one in pair if one is not None)
+        first, second = (values_of(one.result) for one in pair if one is not None)
         common = sorted(first.keys() & second.keys())
         a, b = np.array([[one[point] for point in common] for one in (first, second)])
         if len(common) < 3 or not (a.std() and b.std()):
@@ -144,8 +150,13 @@ def _alike(maps: Maps) -> Statement:
     return Statement(words, all_of(holds), ", ".join(found))
 
 
+def points_of(one: Ridges, ridge: str) -> tuple[list[tuple[float, Peak]], float | None]:
+    """Frequency [Hz] and peak of a ridge where it can be seen, and the exponent of f."""
+    points = _points(one, ridge)
+    return points, _exponent(points)
+
+
 def _points(one: Ridges, ridge: str) -> list[tuple[float, Peak]]:
-    """Frequency [Hz] and peak of a ridge where it can be seen."""
     peaks = [(frequency, one.peak(frequency, ridge)) for frequency in one.expected(ridge)]
     return [(frequency, peak) for frequency, peak in peaks if peak is not None]
 
@@ -162,10 +173,12 @@ def _resolution(peak: Peak) -> float:
     return math.log(peak.bracket[1] / peak.bracket[0]) / 2
 
 
-def _values(result: MapResult) -> dict[tuple[float, float], float]:
+def values_of(result: MapResult) -> dict[tuple[float, float], float]:
+    """The efficiencies by frequency [Hz] and Gamma."""
     points = zip(result.frequency, result.gamma, result.efficiency, strict=True)
     return {(float(f), float(g)): float(eta) for f, g, eta in points if np.isfinite(eta)}
 
 
-def _place(key: tuple[str, int]) -> str:
+def place(key: tuple[str, int]) -> str:
+    """A map in words."""
     return f"{key[0]} {key[1]} mm"

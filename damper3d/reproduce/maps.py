@@ -13,6 +13,7 @@ from campaign.layout import columns, not_done
 from damper3d.map.grid import FREQUENCIES, GAMMAS, MapResult
 from damper3d.map.ridges import ridges
 from damper3d.phases.criteria import PHASES
+from damper3d.reproduce import fluidisation_statements
 from damper3d.reproduce.dampers import (
     HEIGHTS,
     ORIENTATIONS,
@@ -30,10 +31,14 @@ if TYPE_CHECKING:
 
 SEEDS = 1
 
+_WALL_WORK = "efficiency_wall_work"
+
 _CRITERION = """\
 A ridge has the highest peak of eta along Gamma within a factor of two of Gamma 3 (fluidisation) or
 of eq. 6.11 for the close packing (bouncing bed), whichever is nearer; a peak stands out of the
-noise by its prominence (docs/damper-map.md). In brackets the Gammas that it lies between."""
+noise by its prominence (docs/damper-map.md). In brackets the Gammas that it lies between. The last
+column has the best eta from the work of the walls: the rest of what is dissipated there the bed
+gives itself, which packs down while it is shaken."""
 
 
 def panels() -> list[Panel]:
@@ -71,6 +76,11 @@ def by_panel(rows: Sequence[Row]) -> dict[tuple[str, int], list[Row]]:
     return found
 
 
+def ridges_by_panel(rows: Sequence[Row]) -> dict[tuple[str, int], Ridges]:
+    """The maps that rows have, by orientation and height [mm]; all of one diameter."""
+    return {key: one for key, own in by_panel(rows).items() if (one := _ridges(own)) is not None}
+
+
 def _ridges(rows: Sequence[Row]) -> Ridges | None:
     prediction = prediction_of(rows)
     if prediction is None:
@@ -81,17 +91,17 @@ def _ridges(rows: Sequence[Row]) -> Ridges | None:
 
 def report(rows: list[Row]) -> str:
     """What lacks, the ridges of each map, the statements, the shares of the phases."""
-    found = {key: one for key, own in by_panel(rows).items() if (one := _ridges(own)) is not None}
+    found = ridges_by_panel(rows)
     table = columns(
         ["orientation", "height", "f [Hz]", "fluidisation", "eta", "bouncing bed", "eta", "CP",
-         "best Gamma", "eta"],
+         "best Gamma", "eta", "of walls"],
         [line for key, one in found.items() for line in _lines(key, one)],
     )  # fmt: skip
     labels = ["orientation", "height_mm", "frequency_hz", "gamma", "seed"]
     parts = [
         "\n".join(what_lacks(rows, panels(), SEEDS, in_words)),
         table,
-        report_statements(statements(found)),
+        report_statements([*statements(found), *fluidisation_statements.statements(found)]),
         _phases(found),
         _CRITERION,
         "\n".join(not_done(rows, labels)),
@@ -105,7 +115,7 @@ def _lines(key: tuple[str, int], one: Ridges) -> list[list[str]]:
         eta = one.result.efficiency[one.result.at(frequency)]
         gamma = one.result.gamma[one.result.at(frequency)]
         onset = one.prediction.best.onset(frequency)
-        best = [f"{gamma[eta.argmax()]:g}", f"{eta.max():.3f}"]
+        best = [f"{gamma[eta.argmax()]:g}", f"{eta.max():.3f}", _by_the_walls(one, frequency)]
         lines.append(
             [
                 key[0],
@@ -118,6 +128,14 @@ def _lines(key: tuple[str, int], one: Ridges) -> list[list[str]]:
             ]
         )
     return lines
+
+
+def _by_the_walls(one: Ridges, frequency: float) -> str:
+    """The best eta of a frequency, from the work of the walls instead of what is dissipated."""
+    at = one.result.at(frequency)
+    best = at[one.result.efficiency[at].argmax()]
+    known = _WALL_WORK in one.result.columns
+    return f"{one.result.mean(_WALL_WORK)[best]:.3f}" if known else "-"
 
 
 def _peak(one: Ridges, frequency: float, ridge: str) -> list[str]:
@@ -146,6 +164,4 @@ def draw(rows: list[Row]) -> "Figure":
     """A contour panel for each map, with onset lines, phases and peaks."""
     from damper3d.reproduce.map_panels import draw_panels
 
-    return draw_panels(
-        {key: one for key, own in by_panel(rows).items() if (one := _ridges(own)) is not None}
-    )
+    return draw_panels(ridges_by_panel(rows))
