@@ -28,6 +28,7 @@ FREQUENCIES = (20, 40, 80, 125, 160, 200, 320, 625, 1024)  # of the thesis's map
 AMPLITUDES = 19  # of Gamma, at each of them
 _STRETCH = 2000  # steps at rest
 _TILE = 0.04  # [m], the box that large beds are made of
+_SETTLING = 10_000  # steps after the walls between the boxes have gone
 
 Run = Callable[[int], object]  # so many steps
 
@@ -150,13 +151,14 @@ def against_number(largest: int, repeats: int) -> None:
             break
         sim, wide = side_by_side(case, state, n, m)
         go = steps_of(sim)
-        go(500)
+        go(_SETTLING)
         rest = min(user_us(go, 200) for _ in range(repeats))
+        contacts = len(sim.contacts()["overlap"]) / wide.count
         sim.begin_phase(shaker=wide.shaker, time_step=wide.time_step)
         bouncing = user_us(go, round(wide.period / wide.time_step))
         scale = 1e3 / wide.count
-        print(f"  {wide.count:6} spheres   at rest {scale * rest:6.2f}   first cycle at 40 Hz, "
-              f"Gamma 20 {scale * bouncing:6.2f}", flush=True)  # fmt: skip
+        print(f"  {wide.count:6} spheres   at rest {scale * rest:6.2f} ({contacts:.2f} contacts)"
+              f"   first cycle at 40 Hz, Gamma 20 {scale * bouncing:6.2f}", flush=True)  # fmt: skip
 
 
 def of_a_point(us: float) -> None:

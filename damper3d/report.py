@@ -11,7 +11,7 @@ from damper3d.parameters import SAFE_SHARE
 from damper3d.records import CLASSES
 from damper3d.result import Result
 
-_SECONDS_PER_PARTICLE_STEP = 3e-8  # on one core of a current server
+_SECONDS_PER_PARTICLE_STEP = 2.5e-8  # on one core of a current server
 _COARSE = 0.005  # closed at 1 us, relative to what is dissipated
 _HEAVY = 25e3  # [kg/m3] above osmium and all others
 _FAST = 3.0  # peak speed of the enclosure over the yield velocity
