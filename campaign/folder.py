@@ -20,17 +20,34 @@ class FolderError(ValueError):
 
 
 @contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn an OSError of the enclosed lines into a FolderError about `path`."""
+def writing(path: Path, option: str = "--out") -> Iterator[None]:
+    """Turn an OSError of the enclosed lines into a FolderError about `path`.
+
+    option: of the command line, which says where to write.
+    """
     try:
         yield
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
             cure = "make room there and start the run again: it goes on from its last checkpoint"
         else:
-            cure = "choose a folder you may write to with --out"
+            cure = f"choose a folder you may write to with {option}"
         reason = error.strerror or type(error).__name__
         raise FolderError(f"{path}: cannot be written ({reason}); {cure}") from error
+
+
+def refuse_unless_writable(folder: Path, option: str) -> None:
+    """Raise FolderError where a folder cannot be made or written to; nothing is made.
+
+    option: of the command line, which gave the folder.
+    """
+    with writing(folder, option):
+        whole = folder.absolute()
+        there = next(p for p in (whole, *whole.parents) if p.exists() or p.is_symlink())
+        if not there.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
+        if not os.access(there, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
 
 def write_atomic(path: str | Path, content: bytes | str) -> None:

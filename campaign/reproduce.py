@@ -79,15 +79,17 @@ def reproduce_table(
     """Compute a table, print it, and keep it as reproduce-NAME.csv, .txt and .png.
 
     left_out: beginnings of names of columns that the CSV does not keep. Raises Ended where runs
-    lack or failed, and click.UsageError for options that do not go with the table.
+    lack or failed, click.UsageError for options that do not go with the table, and FolderError
+    where a folder cannot be written: before anything is run, or at the end, when it is printed.
     """
+    from campaign.folder import refuse_unless_writable
     from campaign.results import origin, write_results
 
     numbers = _numbers(seeds, workers, table)
-    rows = table.run(
-        out=Path(out), seeds=numbers, workers=workers, quiet=quiet,
-        **_engine(name, table, engine, scheduler),
-    )  # fmt: skip
+    where = _engine(name, table, engine, scheduler)
+    refuse_unless_writable(Path(out), "--out")  # before the hours of work, not after them
+    refuse_unless_writable(Path(write or out), "--write")
+    rows = table.run(out=Path(out), seeds=numbers, workers=workers, quiet=quiet, **where)
     text = table.report(rows)
     click.echo(json.dumps({"table": name, "rows": rows}, indent=2) if as_json else text)
     _stop_unless_whole(rows)

@@ -1,5 +1,6 @@
 """The paper's tables beside ours: words of the reports, files, and the command line."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -233,13 +234,45 @@ def test_failed_runs_give_exit_code_3_and_the_table(monkeypatch, tmp_path):
     assert [row["reason"] for row in rows if row["state"] == "failed"] == ["no space left"]
 
 
-def test_the_answer_is_printed_even_where_no_file_can_be_written(asked, tmp_path):
+def test_the_answer_is_printed_even_where_no_file_can_be_written(monkeypatch, tmp_path):
     """Hours of work are not lost: the runs stand below --out, the words on stdout."""
-    (tmp_path / "file").write_text("in the way")
-    answer = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", "-o", tmp_path / "file")
+    from silo2d import sweep
+
+    def run_cases(cases, **how):
+        (tmp_path / "kept").write_text("came in between")
+        return [ended("clogged", **labels) for labels, _ in cases]
+
+    monkeypatch.setattr(sweep, "run_cases", run_cases)
+    answer = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", "-o", tmp_path / "runs",
+                    "--write", tmp_path / "kept")  # fmt: skip
     assert answer.code == 2
     assert answer.err.count("\n") == 1
     assert "of 12 silos agree with the experiment" in answer.out
+
+
+@pytest.mark.parametrize("place", ["file", "file/below", "link"])
+@pytest.mark.parametrize("option", ["--out", "--write"])
+def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_run(
+    asked, tmp_path, monkeypatch, place, option
+):
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("in the way")
+    Path("link").symlink_to("nowhere")
+    before = sorted(tmp_path.iterdir())
+    answer = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", option, place)
+    assert (answer.code, answer.out, asked) == (2, "", [])
+    assert answer.err.count("\n") == 1
+    for word in (f"{place}: cannot be written", f"with {option}"):
+        assert word in answer.err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_folder_without_permission_to_write_is_refused(asked, tmp_path, monkeypatch):
+    """What the system answers is made up here: root may write anywhere."""
+    monkeypatch.setattr("campaign.folder.os.access", lambda path, mode: path != tmp_path)
+    answer = silo2d("reproduce", "clogging", "--quiet", "--write", tmp_path / "new" / "results")
+    assert (answer.code, answer.out, asked) == (2, "", [])
+    assert "results: cannot be written (Permission denied)" in answer.err
 
 
 def test_without_a_table_it_lists_them():

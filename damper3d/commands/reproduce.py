@@ -5,7 +5,6 @@ from typing import Any
 import click
 
 from campaign.reproduce import reproduce_options, reproduce_table
-from damper3d.commands.options import announce_compilation
 
 # Columns that no table needs; with them the rows of a map would be some megabytes.
 _LEFT_OUT = ("phase_next", "phase_measures.", "effective_mass.", "efficiency_per_cycle")
@@ -27,5 +26,4 @@ def reproduce(table: str | None, **options: Any) -> None:
     found = find(table)
     from damper3d.sweep import DAMPER
 
-    announce_compilation(options["quiet"])
     reproduce_table(DAMPER, table, found, left_out=_LEFT_OUT, **options)
