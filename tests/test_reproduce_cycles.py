@@ -129,7 +129,7 @@ def test_a_report_says_first_what_is_missing(tmp_path):
     reason = "overlap beyond half a radius"
     rows = [ideal_bouncing_bed(100.0, 18.0), failed(points()[0], reason)]
     first, *rest = cycles.report(rows).splitlines()
-    assert first == "INCOMPLETE: 1 of 11 points are there, with 1 packing at most"
+    assert first == "INCOMPLETE: 1 of 11 points are there, with 1 of 3 packings at most"
     assert "  lacking: orientation vertical: gamma 1.5, 3, 4, 20, 30, 40, 60" in rest
     assert f"failed: orientation vertical, gamma 1.5, seed 1: {reason}" in rest
     assert write_figure(tmp_path / "some.png", lambda: cycles.draw(rows)).stat().st_size > 10_000

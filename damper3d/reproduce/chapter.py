@@ -12,20 +12,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from campaign.layout import columns, not_done
+from campaign.layout import columns
 from damper3d.map.grid import FREQUENCIES, GAMMAS
-from damper3d.reproduce.dampers import (
-    HEIGHTS,
-    ORIENTATIONS,
-    SPHERES,
-    in_words,
-    panel,
-    what_lacks,
-)  # fmt: skip
+from damper3d.reproduce.dampers import HEIGHTS, ORIENTATIONS, SPHERES, panel
 from damper3d.reproduce.fluidisation_statements import statements as fluidised
 from damper3d.reproduce.map_statements import Ridges, points_of, statements, values_of
 from damper3d.reproduce.maps import ridges_by_panel
-from damper3d.reproduce.runs import Panel, Row, run_panels
+from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
+from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
 
 if TYPE_CHECKING:
@@ -83,13 +77,11 @@ def report(rows: list[Row]) -> str:
         f"spheres of {size} mm, {report_statements([*statements(maps), *fluidised(maps)])}"
         for size, maps in found.items()
     ]
-    labels = ["orientation", "height_mm", "diameter_mm", "frequency_hz", "gamma", "seed"]
     parts = [
-        "\n".join(what_lacks(rows, panels(), SEEDS, in_words)),
+        standing(rows, labels_of(panels()), SEEDS),
         table,
         *judged,
         _CRITERION,
-        "\n".join(not_done(rows, labels)),
     ]
     return "\n\n".join(filter(None, parts))
 

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from campaign.layout import done
-from damper3d.reproduce.checks import Check, Judged
 from damper3d.reproduce.cycle_histories import BOUNCING, FLUIDISED, FREQUENCY
 from damper3d.reproduce.cycle_steps import fields, read
+from damper3d.reproduce.statements import Check, Statement
 
 Readings = dict[tuple[str, float], dict[str, float]]  # by orientation and Gamma: mean readings
 
@@ -48,62 +48,62 @@ def ideal_since(gamma: float) -> float | None:
     return None if math.isnan(since) else since
 
 
-def cycle_statements(found: Readings) -> list[Judged]:
+def cycle_statements(found: Readings) -> list[Statement]:
     """Secs 6.4.1, 6.4.3.1 and 6.4.3.2 in the thesis's order."""
     return [*_of_the_bouncing_bed(found), *_of_fluidisation(found)]
 
 
-def _of_the_bouncing_bed(found: Readings) -> list[Judged]:
+def _of_the_bouncing_bed(found: Readings) -> list[Statement]:
     up = _series(found, "vertical", BOUNCING)
     return [
-        Judged("Fig. 6.7: two steps a cycle in the bouncing bed.", [_steps(up, 2)]),
-        Judged("... each collision is earlier in the cycle the larger Gamma.",
+        Statement("Fig. 6.7: two steps a cycle in the bouncing bed.", [_steps(up, 2)]),
+        Statement("... each collision is earlier in the cycle the larger Gamma.",
                   [_ordered(up, "since", -1, "cycles since the greatest speed")]),
-        Judged("... and shorter.", [_ordered(up, "duration", -1, "cycles")]),
-        Judged("... most of the energy goes in the two collisions.",
+        Statement("... and shorter.", [_ordered(up, "duration", -1, "cycles")]),
+        Statement("... most of the energy goes in the two collisions.",
                   [_each(up, "within", lambda part: part > 0.5, "of the energy")]),
-        Judged("Fig. 6.10: at Gamma 20 the bed meets the enclosure when that is about fastest.",
+        Statement("Fig. 6.10: at Gamma 20 the bed meets the enclosure when that is about fastest.",
                   [_at(found, "vertical", 20.0, "enclosure", lambda v: v > _FAST, "V"),
                    _at(found, "vertical", 20.0, "half_way", lambda v: v > _FAST, "V")]),
-        Judged("... against it, with almost the same velocity amplitude.",
+        Statement("... against it, with almost the same velocity amplitude.",
                   [_at(found, "vertical", 20.0, "bed", lambda v: abs(v - 1) < _NEARLY, "V"),
                    _at(found, "vertical", 20.0, "against", lambda v: abs(v - 1) < _NEARLY, "V")]),
-        Judged("... at Gamma 100 collisions commence at a smaller velocity of the enclosure.",
+        Statement("... at Gamma 100 collisions commence at a smaller velocity of the enclosure.",
                   [_compared(found, "enclosure", ("vertical", 100.0), ("vertical", 20.0), -1)]),
-        Judged("... and the bed moves with the enclosure for longer.",
+        Statement("... and the bed moves with the enclosure for longer.",
                   [_compared(found, "together", ("vertical", 100.0), ("vertical", 20.0), 1)]),
-        Judged("... the bed's deceleration grows with Gamma.",
+        Statement("... the bed's deceleration grows with Gamma.",
                   [_ordered(up, "deceleration", 1, "m/s2")]),
     ]  # fmt: skip
 
 
-def _of_fluidisation(found: Readings) -> list[Judged]:
+def _of_fluidisation(found: Readings) -> list[Statement]:
     lying = _series(found, "horizontal", FLUIDISED)
     vertical, horizontal, bouncing = ("vertical", 3.0), ("horizontal", 3.0), ("vertical", 20.0)
     slow, fast, beyond = ("vertical", 1.5), ("vertical", 3.0), ("vertical", 4.0)
     return [
-        Judged("Fig. 6.16: one step a cycle in the vertical fluidisation (Gamma 3).",
+        Statement("Fig. 6.16: one step a cycle in the vertical fluidisation (Gamma 3).",
                   [_steps({vertical: found[vertical]} if vertical in found else {}, 1)]),
-        Judged("... two in the horizontal; sec. 6.4.3.2: at any Gamma.", [_steps(lying, 2)]),
-        Judged("... much longer than those of the bouncing bed (judged: twice; Gamma 20).",
+        Statement("... two in the horizontal; sec. 6.4.3.2: at any Gamma.", [_steps(lying, 2)]),
+        Statement("... much longer than those of the bouncing bed (judged: twice; Gamma 20).",
                   [_compared(found, "duration", horizontal, bouncing, 1, factor=2.0)]),
-        Judged("Fig. 6.18a: at Gamma 1.5 the bed meets the base when it is almost at rest.",
+        Statement("Fig. 6.18a: at Gamma 1.5 the bed meets the base when it is almost at rest.",
                   [_at(found, *slow, "enclosure", lambda v: v < _SLOW, "V")]),
-        Judged("... and moves with it for about half a cycle.",
+        Statement("... and moves with it for about half a cycle.",
                   [_at(found, *slow, "together", lambda t: _HALF[0] < t < _HALF[1], "cycles")]),
-        Judged("... at Gamma 3 when it is about fastest.",
+        Statement("... at Gamma 3 when it is about fastest.",
                   [_at(found, *fast, "enclosure", lambda v: v > _FAST, "V")]),
-        Judged("... with nearly the same velocity, opposite.",
+        Statement("... with nearly the same velocity, opposite.",
                   [_at(found, *fast, "against", lambda v: abs(v - 1) < _NEARLY, "V")]),
-        Judged("... at Gamma 4 the bed's velocity is less (judged: over V).",
+        Statement("... at Gamma 4 the bed's velocity is less (judged: over V).",
                   [_compared(found, "bed", beyond, fast, -1)]),
-        Judged("... and the collision comes at a smaller velocity of the enclosure.",
+        Statement("... and the collision comes at a smaller velocity of the enclosure.",
                   [_compared(found, "enclosure", beyond, fast, -1)]),
-        Judged("... and cycles may be unlike in turn (judged: one twice the other).",
+        Statement("... and cycles may be unlike in turn (judged: one twice the other).",
                   [_at(found, *beyond, "unevenness", lambda u: u > 1 / 3, "of both")]),
-        Judged("Fig. 6.18b: horizontally the bed's velocity over V falls as Gamma grows.",
+        Statement("Fig. 6.18b: horizontally the bed's velocity over V falls as Gamma grows.",
                   [_ordered(lying, "bed", -1, "V")]),
-        Judged("... and the velocity against the enclosure is largest at Gamma 3.",
+        Statement("... and the velocity against the enclosure is largest at Gamma 3.",
                   [_largest(lying, "relative", horizontal)]),
     ]  # fmt: skip
 
@@ -117,7 +117,7 @@ def _steps(points: Readings, wanted: int) -> Check:
     """Whether all points have so many steps a cycle in every packing."""
     told = ", ".join(f"{mean['steps']:.2g} at {gamma:g}" for (_, gamma), mean in points.items())
     holds = all(mean["steps"] == wanted for mean in points.values()) if points else None
-    return Check("", holds, told or "no run there")
+    return Check(holds, told or "no run there")
 
 
 def _ordered(points: Readings, name: str, sign: int, unit: str) -> Check:
@@ -125,16 +125,16 @@ def _ordered(points: Readings, name: str, sign: int, unit: str) -> Check:
     known = [(gamma, mean[name]) for (_, gamma), mean in points.items() if name in mean]
     told = ", ".join(f"{value:.3g} at {gamma:g}" for gamma, value in known)
     if len(known) < 2:
-        return Check("", None, f"{told or 'no run there'}; needs two Gammas")
+        return Check(None, f"{told or 'no run there'}; needs two Gammas")
     pairs = itertools.pairwise(known)
-    return Check("", all(sign * (b - a) > 0 for (_, a), (_, b) in pairs), f"{told} ({unit})")
+    return Check(all(sign * (b - a) > 0 for (_, a), (_, b) in pairs), f"{told} ({unit})")
 
 
 def _each(points: Readings, name: str, rule: Callable[[float], bool], unit: str) -> Check:
     known = [(gamma, mean[name]) for (_, gamma), mean in points.items() if name in mean]
     told = ", ".join(f"{value:.2f} at {gamma:g}" for gamma, value in known)
     holds = all(rule(value) for _, value in known) if known else None
-    return Check("", holds, f"{told} ({unit})" if told else "no run there")
+    return Check(holds, f"{told} ({unit})" if told else "no run there")
 
 
 def _at(
@@ -143,8 +143,8 @@ def _at(
 ) -> Check:  # fmt: skip
     value = found.get((orientation, gamma), {}).get(name)
     if value is None:
-        return Check("", None, "no run there")
-    return Check("", rule(value), f"{name.replace('_', ' ')} {value:.2f} {unit}")
+        return Check(None, "no run there")
+    return Check(rule(value), f"{name.replace('_', ' ')} {value:.2f} {unit}")
 
 
 def _compared(
@@ -154,14 +154,14 @@ def _compared(
     """Whether a number of one point is above (sign 1) or below (-1) a factor times the other's."""
     a, b = (found.get(key, {}).get(name) for key in (one, other))
     if a is None or b is None:
-        return Check("", None, "no run there")
+        return Check(None, "no run there")
     told = f"{name} {a:.3f} at {one[0]} {one[1]:g}, {b:.3f} at {other[0]} {other[1]:g}"
-    return Check("", sign * (a - factor * b) > 0, told)
+    return Check(sign * (a - factor * b) > 0, told)
 
 
 def _largest(points: Readings, name: str, wanted: tuple[str, float]) -> Check:
     told = ", ".join(f"{mean[name]:.2f} at {gamma:g}" for (_, gamma), mean in points.items())
     if len(points) < len(FLUIDISED):
-        return Check("", None, told or "no run there")
+        return Check(None, told or "no run there")
     best = max(points, key=lambda key: points[key][name])
-    return Check("", best == wanted, f"{told} (V)")
+    return Check(best == wanted, f"{told} (V)")

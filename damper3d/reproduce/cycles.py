@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from campaign.layout import columns, done
-from damper3d.reproduce.checks import as_text
 from damper3d.reproduce.cycle_histories import BOUNCING, FREQUENCY, points, with_history
 from damper3d.reproduce.cycle_statements import Readings, cycle_statements, ideal_since, readings
 from damper3d.reproduce.standing import standing
+from damper3d.reproduce.statements import report_statements
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -71,8 +71,12 @@ def run(
 def report(rows: list[Row]) -> str:
     """What is there, the statements of secs 6.4.1 and 6.4.3 judged, and the readings."""
     found = readings(rows)
-    head = "\n".join(standing(rows, points()))
-    parts = [head, as_text(cycle_statements(found)), _table(rows, found), _READING]
+    parts = [
+        standing(rows, points(), SEEDS),
+        report_statements(cycle_statements(found)),
+        _table(rows, found),
+        _READING,
+    ]
     return "\n\n".join(filter(None, parts))
 
 

@@ -1,6 +1,6 @@
 """The dampers of the thesis's chapter 6 (Table 6.1) as panels of a table."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 from damper3d.map.grid import GAMMAS
 from damper3d.predict.prediction import Clearance, Prediction
@@ -56,42 +56,3 @@ def prediction_of(rows: Sequence[Row]) -> Prediction | None:
     threshold = fluidisation_threshold(row["orientation"], _FRICTION)
     name = f"{row['height_mm']} mm, spheres of {row['diameter_mm']} mm"
     return Prediction(name, fill, length, row["orientation"], clearances, threshold)
-
-
-def what_lacks(
-    rows: Sequence[Row], panels: Sequence[Panel], seeds: int, words: Callable[[Row], str]
-) -> list[str]:
-    """Lines that say how much of a whole table the rows are, and what is not there yet.
-
-    It counts the points before their refinement, each with so many packings.
-    """
-    done: dict[tuple[object, ...], set[int]] = {}
-    for row in rows:
-        if row["state"] == "done":
-            done.setdefault((*_key(row), row["frequency_hz"], row["gamma"]), set()).add(row["seed"])
-    lines, whole, there = [], 0, 0
-    for one in panels:
-        for frequency in dict.fromkeys(f for f, _ in one.points):
-            gammas = [gamma for f, gamma in one.points if f == frequency]
-            counts = [len(done.get((*_key(one.labels), frequency, g), ())) for g in gammas]
-            found = sum(min(count, seeds) for count in counts)
-            whole, there = whole + seeds * len(gammas), there + found
-            if found < seeds * len(gammas):
-                lines.append(
-                    f"  {words(one.labels)}, {frequency:g} Hz: {found} of {seeds * len(gammas)}"
-                )
-    if not lines:
-        return [f"complete: all {whole} runs of its grid are done"]
-    return [f"INCOMPLETE: {there} of the {whole} runs of its grid are done; of these lack some:",
-            *lines]  # fmt: skip
-
-
-def in_words(labels: Row) -> str:
-    """Which panel: "vertical, 40 mm, spheres of 5 mm"."""
-    return (
-        f"{labels['orientation']}, {labels['height_mm']} mm, spheres of {labels['diameter_mm']} mm"
-    )
-
-
-def _key(labels: Row) -> tuple[object, ...]:
-    return labels["orientation"], labels["height_mm"], labels["diameter_mm"]

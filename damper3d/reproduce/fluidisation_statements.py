@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damper3d.reproduce.map_statements import Maps, Ridges, effective, place
-from damper3d.reproduce.statements import Statement, all_of
+from damper3d.reproduce.statements import Check, Statement, all_of
 
 _MOST = 6.0  # Gamma up to which the optimum is looked for: twice that of the thesis
 _ALIKE = 1.25  # largest over least mean of four fills that is insensitive; the grid steps are more
@@ -62,7 +62,7 @@ def _trend(found: Found, words: str, of: str, holds: Callable[[float], bool]) ->
             f = np.log([p.frequency for p in points])
             exponents[key] = float(np.polyfit(f, np.log([getattr(p, of) for p in points]), 1)[0])
     text = ", ".join(f"{place(key)} f^{x:+.2f}" for key, x in exponents.items())
-    return Statement(words, all_of([holds(x) for x in exponents.values()]), text)
+    return Statement(words, [Check(all_of([holds(x) for x in exponents.values()]), text)])
 
 
 def _less_when_lying(found: Found) -> Statement:
@@ -79,7 +79,7 @@ def _less_when_lying(found: Found) -> Statement:
             verdicts.append(means[1] < means[0])
             texts.append(f"{height} mm {means[1]:.2f} against {means[0]:.2f}")
     words = "around the fluidisation optimum eta is smaller in the horizontal case"
-    return Statement(words, all_of(verdicts), ", ".join(texts))
+    return Statement(words, [Check(all_of(verdicts), ", ".join(texts))])
 
 
 def _whatever_the_fill(found: Found) -> Statement:
@@ -91,7 +91,7 @@ def _whatever_the_fill(found: Found) -> Statement:
     )
     common = _common(own)
     if len(own) < 2 or not common:
-        return Statement(words, None, "")
+        return Statement(words, [Check(None, "")])
     gamma, eta = (
         {
             height: math.exp(
@@ -103,7 +103,7 @@ def _whatever_the_fill(found: Found) -> Statement:
     )
     ratios = [max(values.values()) / min(values.values()) for values in (gamma, eta)]
     texts = (f"{height} mm Gamma {gamma[height]:.2f} eta {eta[height]:.2f}" for height in own)
-    return Statement(words, all(ratio <= _ALIKE for ratio in ratios), ", ".join(texts))
+    return Statement(words, [Check(all(ratio <= _ALIKE for ratio in ratios), ", ".join(texts))])
 
 
 def _common(own: Mapping[int, list[Optimum]]) -> set[float]:

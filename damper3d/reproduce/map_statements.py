@@ -10,7 +10,7 @@ from damper3d.map.grid import MapResult
 from damper3d.map.peaks import Peak
 from damper3d.map.ridges import FLUIDISATION, OnRidge
 from damper3d.predict.prediction import Prediction
-from damper3d.reproduce.statements import Statement, all_of
+from damper3d.reproduce.statements import Check, Statement, all_of
 
 EFFECTIVE = 0.3  # of eta, the level that the thesis marks
 _APART = 2.0  # by which factor the onset is above Gamma 3 where the two ridges are told apart
@@ -86,7 +86,7 @@ def effective(
     text = f"{len(found) - len(low)} of {len(found)} frequencies"
     text += f"; not {', '.join(low)}" * bool(low)
     words = f"eta > {EFFECTIVE:g} on the ridge of {ridge}"
-    return Statement(words, not low if found else None, text if found else "")
+    return Statement(words, [Check(not low if found else None, text if found else "")])
 
 
 def _near_three(maps: Maps) -> Statement:
@@ -98,7 +98,7 @@ def _near_three(maps: Maps) -> Statement:
     holds = [abs(math.log(mean / FLUIDISATION)) <= math.log(_NEAR) for mean in means.values()]
     found = ", ".join(f"{place(key)} {mean:.2f}" for key, mean in means.items())
     words = f"the fluidisation ridge lies near Gamma 3: mean within a factor of {_NEAR:g}"
-    return Statement(words, all_of(holds), found)
+    return Statement(words, [Check(all_of(holds), found)])
 
 
 def _independent_of_frequency(maps: Maps) -> Statement:
@@ -112,7 +112,7 @@ def _independent_of_frequency(maps: Maps) -> Statement:
         "the fluidisation ridge hardly depends on frequency: |exponent of f| at most "
         f"{_INDEPENDENT:g}"
     )
-    return Statement(words, all_of(holds), ", ".join(found))
+    return Statement(words, [Check(all_of(holds), ", ".join(found))])
 
 
 def _follows_frequency_squared(maps: Maps) -> Statement:
@@ -128,7 +128,7 @@ def _follows_frequency_squared(maps: Maps) -> Statement:
         holds.append(abs(exponent - 2) <= error)
         found.append(f"{place(key)} {exponent:.2f} +- {error:.2f}")
     words = "the ridge of the bouncing bed follows f^2: exponent 2 within the grid's resolution"
-    return Statement(words, all_of(holds), ", ".join(found))
+    return Statement(words, [Check(all_of(holds), ", ".join(found))])
 
 
 def _alike(maps: Maps) -> Statement:
@@ -147,7 +147,7 @@ def _alike(maps: Maps) -> Statement:
         holds.append(correlation >= _ALIKE)
         found.append(f"{height} mm {correlation:.3f} (rms difference of eta {away:.3f})")
     words = f"the map is alike in both orientations: correlation at least {_ALIKE:g}"
-    return Statement(words, all_of(holds), ", ".join(found))
+    return Statement(words, [Check(all_of(holds), ", ".join(found))])
 
 
 def points_of(one: Ridges, ridge: str) -> tuple[list[tuple[float, Peak]], float | None]:

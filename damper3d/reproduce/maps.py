@@ -9,21 +9,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from campaign.layout import columns, not_done
+from campaign.layout import columns
 from damper3d.map.grid import FREQUENCIES, GAMMAS, MapResult
 from damper3d.map.ridges import ridges
 from damper3d.phases.criteria import PHASES
 from damper3d.reproduce import fluidisation_statements
-from damper3d.reproduce.dampers import (
-    HEIGHTS,
-    ORIENTATIONS,
-    in_words,
-    panel,
-    prediction_of,
-    what_lacks,
-)  # fmt: skip
+from damper3d.reproduce.dampers import HEIGHTS, ORIENTATIONS, panel, prediction_of
 from damper3d.reproduce.map_statements import Ridges, statements
-from damper3d.reproduce.runs import Panel, Row, run_panels
+from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
+from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
 
 if TYPE_CHECKING:
@@ -97,14 +91,12 @@ def report(rows: list[Row]) -> str:
          "best Gamma", "eta", "of walls"],
         [line for key, one in found.items() for line in _lines(key, one)],
     )  # fmt: skip
-    labels = ["orientation", "height_mm", "frequency_hz", "gamma", "seed"]
     parts = [
-        "\n".join(what_lacks(rows, panels(), SEEDS, in_words)),
+        standing(rows, labels_of(panels()), SEEDS),
         table,
         report_statements([*statements(found), *fluidisation_statements.statements(found)]),
         _phases(found),
         _CRITERION,
-        "\n".join(not_done(rows, labels)),
     ]
     return "\n\n".join(filter(None, parts))
 

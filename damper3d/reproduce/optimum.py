@@ -12,21 +12,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from campaign.layout import columns, not_done, signed
+from campaign.layout import columns, signed
 from contact.datafile import data_file
 from damper3d.map.grid import GAMMAS
-from damper3d.reproduce.dampers import (
-    HEIGHTS,
-    ORIENTATIONS,
-    about,
-    close_onset,
-    in_words,
-    panel,
-    what_lacks,
-)  # fmt: skip
+from damper3d.reproduce.dampers import HEIGHTS, ORIENTATIONS, about, close_onset, panel
 from damper3d.reproduce.optima import Optimum, optimum, pooled_scatter, with_scatter
 from damper3d.reproduce.optimum_statements import statements
-from damper3d.reproduce.runs import Panel, Row, run_panels
+from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
+from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
 
 if TYPE_CHECKING:
@@ -112,20 +105,14 @@ def report(rows: list[Row]) -> str:
          "LP", "CP"],
         [_line(line, one, pooled) for line, one in found.items()],
     )  # fmt: skip
-    return "\n\n".join(
-        filter(
-            None,
-            [
-                "\n".join(what_lacks(rows, panels(), SEEDS, in_words)),
-                table,
-                _scatter(pooled),
-                report_statements(statements(found, pooled)),
-                _CRITERION,
-                "\n".join(not_done(rows, ["orientation", "height_mm", "frequency_hz", "gamma",
-                                          "seed"])),
-            ],
-        )
-    )  # fmt: skip
+    parts = [
+        standing(rows, labels_of(panels()), SEEDS),
+        table,
+        _scatter(pooled),
+        report_statements(statements(found, pooled)),
+        _CRITERION,
+    ]
+    return "\n\n".join(parts)
 
 
 def _line(line: Line, found: Optimum | None, pooled: tuple[float, int] | None) -> list[str]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 
 from damper3d.reproduce.optima import Optimum
-from damper3d.reproduce.statements import Statement, all_of
+from damper3d.reproduce.statements import Check, Statement, all_of
 
 Optima = Mapping[tuple[int, float, str], Optimum | None]  # by height, frequency, orientation
 Pooled = tuple[float, int] | None
@@ -31,14 +31,11 @@ def _rises_with_clearance(known: Mapping[tuple[int, float, str], Optimum]) -> St
             ratio /= known[low, frequency, orientation].gamma
             steps[f"{orientation} {frequency:g} Hz {low} to {high} mm"] = ratio
     fell = [f"{name}: x {ratio:.2f}" for name, ratio in steps.items() if ratio <= 1]
-    return Statement(
-        "the optimum rises with the clearance: each height's is above the one below",
-        all_of([ratio > 1 for ratio in steps.values()]),
-        f"{len(steps) - len(fell)} of {len(steps)} steps rise"
-        + (f"; not {', '.join(fell)}" if fell else "")
-        if steps
-        else "",
-    )
+    found = f"{len(steps) - len(fell)} of {len(steps)} steps rise"
+    found += f"; not {', '.join(fell)}" if fell else ""
+    words = "the optimum rises with the clearance: each height's is above the one below"
+    holds = all_of([ratio > 1 for ratio in steps.values()])
+    return Statement(words, [Check(holds, found if steps else "")])
 
 
 def _goes_as_frequency_squared(
@@ -58,7 +55,7 @@ def _goes_as_frequency_squared(
                 f"{height} mm {orientation} {low:g}-{high:g} Hz {exponent:.2f} +- {error:.2f}"
             )
     words = "the optimum rises with the square of the frequency: exponent 2 within its error"
-    return Statement(words, all_of(holds), "; ".join(found))
+    return Statement(words, [Check(all_of(holds), "; ".join(found))])
 
 
 def _orientation_matters_little(known: Mapping[tuple[int, float, str], Optimum]) -> Statement:
@@ -76,7 +73,7 @@ def _orientation_matters_little(known: Mapping[tuple[int, float, str], Optimum])
         holds.append(abs(math.log(change)) < math.log(step))
         found.append(f"{height} mm {frequency:g} Hz {100 * (change - 1):+.0f} %")
     words = "orientation matters little: less than 5 mm of height (horizontal against vertical)"
-    return Statement(words, all_of(holds), "; ".join(found))
+    return Statement(words, [Check(all_of(holds), "; ".join(found))])
 
 
 def _close_is_better(known: Mapping[tuple[int, float, str], Optimum]) -> Statement:
@@ -93,4 +90,4 @@ def _close_is_better(known: Mapping[tuple[int, float, str], Optimum]) -> Stateme
         f"{mean['close']:.0f} % of CP, {mean['loose']:.0f} % of LP"
     )
     words = "close packing (CP) predicts it better than loose packing (LP), in every line"
-    return Statement(words, all_of(nearer), found if nearer else "")
+    return Statement(words, [Check(all_of(nearer), found if nearer else "")])

@@ -42,9 +42,20 @@ class Panel:
         for frequency, gamma in self.points if points is None else points:
             here = {"motion.frequency": frequency, "motion.gamma": gamma, "output.keep": "summary"}
             case = DamperCase.load("thesis", self.changes | here)
-            labels = {**self.labels, "frequency_hz": frequency, "gamma": gamma}
-            cases += over_seeds(labels, case, seeds)
+            cases += over_seeds(self._labels(frequency, gamma), case, seeds)
         return cases
+
+    def labelled(self) -> list[Row]:
+        """The labels of each of its points, without the seed."""
+        return [self._labels(*point) for point in self.points]
+
+    def _labels(self, frequency: float, gamma: float) -> Row:
+        return {**self.labels, "frequency_hz": frequency, "gamma": gamma}
+
+
+def labels_of(panels: Sequence[Panel]) -> list[Row]:
+    """The labels of each point of a table of panels, before it is refined."""
+    return [labels for panel in panels for labels in panel.labelled()]
 
 
 def run_all(

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from campaign.layout import columns, done
-from damper3d.reproduce.checks import as_text
 from damper3d.reproduce.sensitivity_statements import Peaks, peaks_of, sensitivity_statements
 from damper3d.reproduce.sensitivity_values import FREQUENCY, change, in_words, points
 from damper3d.reproduce.standing import standing
+from damper3d.reproduce.statements import report_statements
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,8 +64,8 @@ def report(rows: list[Row]) -> str:
     """What is there, the statements judged, and a line a value with its optimum."""
     found = peaks_of(rows)
     parts = [
-        "\n".join(standing(rows, points())),
-        as_text(sensitivity_statements(rows, found)),
+        standing(rows, points(), SEEDS),
+        report_statements(sensitivity_statements(rows, found)),
         _table(found),
         _READING,
         _ended(rows),

@@ -8,8 +8,8 @@ from typing import Any
 from campaign.layout import done, percent, signed
 from campaign.statistics import overlap, slope
 from damper3d.map.peaks import Peak
-from damper3d.reproduce.checks import Check, Judged
 from damper3d.reproduce.sensitivity_values import STANDARD, VALUES, span
+from damper3d.reproduce.statements import Check, Statement
 
 Row = dict[str, Any]
 Key = tuple[str, float]  # property and value; "standard" and 1
@@ -61,29 +61,29 @@ def _level(rows: list[Row], gammas: set[float]) -> float | None:
     return math.fsum(values) / len(values) if values else None
 
 
-def sensitivity_statements(rows: Sequence[Row], found: Peaks) -> list[Judged]:
+def sensitivity_statements(rows: Sequence[Row], found: Peaks) -> list[Statement]:
     """That the optimum stays, for each property; then how the level of eta goes."""
     trends = {name: _trend(rows, found, name) for name in VALUES}
     return [
-        Judged(
+        Statement(
             "Sec. 6.4.1: the optimum amplitude is insensitive to material and contact properties.",
             [_stays(found, name) for name in VALUES],
         ),
-        Judged(
+        Statement(
             "... the level of eta differs slightly (judged: less than a quarter over the range).",
             [_slightly(name, trend) for name, trend in trends.items()],
         ),
-        Judged(
+        Statement(
             "Fig. 6.13b: a larger elastic modulus gives a larger eta.",
-            [_goes("modulus", trends["modulus"], 1)],
+            [_goes(trends["modulus"], 1)],
         ),
-        Judged(
+        Statement(
             "Sec. 8.5.1.3 (Fig. 8.20a, and Fig. 6.13): eta falls slightly as the density grows.",
-            [_goes("density", trends["density"], -1)],
+            [_goes(trends["density"], -1)],
         ),
-        Judged(
+        Statement(
             "Sec. 8.5.1.3 (Fig. 8.20c; 40 Hz, lying): a higher restitution gives a higher eta.",
-            [_goes("restitution", trends["restitution"], 1)],
+            [_goes(trends["restitution"], 1)],
         ),
     ]
 
@@ -93,7 +93,7 @@ def _stays(found: Peaks, name: str) -> Check:
     standard = found.get(("standard", 1.0), Optimum(None, None)).peak
     own = {value: one.peak for (n, value), one in sorted(found.items()) if n == name and one.peak}
     if standard is None or not own:
-        return Check(name, None, "no peak found for the standard, or for any value")
+        return Check(None, "no peak found for the standard, or for any value", name)
     moved = [
         v for v, p in own.items() if not overlap((p.low, p.high), (standard.low, standard.high))
     ]
@@ -104,7 +104,7 @@ def _stays(found: Peaks, name: str) -> Check:
     )
     if moved:
         numbers += f"; moves at {', '.join(f'{value:g}' for value in moved)}"
-    return Check(name, not moved, numbers)
+    return Check(not moved, numbers, name)
 
 
 @dataclass(frozen=True)
@@ -135,17 +135,17 @@ def _trend(rows: Sequence[Row], found: Peaks, name: str) -> _Trend | None:
     return _Trend(line.value * scale, line.half_width * scale)
 
 
-def _goes(name: str, trend: _Trend | None, sign: int) -> Check:
+def _goes(trend: _Trend | None, sign: int) -> Check:
     """Whether the level changes that way by more than noise."""
     if trend is None:
-        return Check(name, None, "too few runs for a trend")
+        return Check(None, "too few runs for a trend")
     clear = sign * trend.change > trend.noise
     word = "" if abs(trend.change) > trend.noise else ", flat within noise"
-    return Check(name, clear, f"{signed(trend.change)} (+- {percent(trend.noise)}){word}")
+    return Check(clear, f"{signed(trend.change)} (+- {percent(trend.noise)}){word}")
 
 
 def _slightly(name: str, trend: _Trend | None) -> Check:
     if trend is None:
-        return Check(name, None, "too few runs for a trend")
+        return Check(None, "too few runs for a trend", name)
     told = f"{signed(trend.change)} (+- {percent(trend.noise)}) of eta over the range"
-    return Check(name, abs(trend.change) < _SLIGHTLY, told)
+    return Check(abs(trend.change) < _SLIGHTLY, told, name)

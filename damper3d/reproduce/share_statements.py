@@ -8,8 +8,9 @@ from typing import Any
 from campaign.layout import done
 from campaign.statistics import slope
 from damper3d.records import CLASSES
-from damper3d.reproduce.checks import Check, Judged, above
 from damper3d.reproduce.curves import Curve, curve
+from damper3d.reproduce.share_rules import about, above, falls
+from damper3d.reproduce.statements import Check, Statement
 
 Row = dict[str, Any]
 Value = Callable[[Row], float | None]
@@ -21,7 +22,6 @@ COUNTS: dict[str, tuple[str, tuple[str, ...]]] = {
     "budget": ("shares", (_SLIDER,)),
     "thesis's count": ("shares_contact_count", (_SLIDER, _DASHPOT)),
 }
-_ABOUT = 0.1  # "about 80 %": the mean over the bouncing bed is between 70 and 90 %
 
 
 def _sum_of(column: str, pairs: tuple[str, ...], mechanisms: tuple[str, ...]) -> Value:
@@ -154,32 +154,7 @@ def _part(name: str, marks: dict[str, float]) -> tuple[float, float]:
     return 0.0, math.inf
 
 
-def _falls(of: str, slopes: list[tuple[str, float]], unit: str) -> Check:
-    """Whether all slopes are below zero; told in points of per cent."""
-    if not slopes:
-        return Check(of, None, "too few points, or no peak to part them at")
-    rising = [name for name, value in slopes if value >= 0]
-    mean = 100 * math.fsum(value for _, value in slopes) / len(slopes)
-    numbers = f"{len(slopes) - len(rising)} of {len(slopes)} fall, mean {mean:+.1f} points {unit}"
-    if rising:
-        rest = ", ..." if len(rising) > 3 else ""
-        numbers += f"; not {'; '.join(rising[:3])}{rest}"
-    return Check(of, not rising, numbers)
-
-
-def _about(of: str, named: list[tuple[str, float]], target: float) -> Check:
-    if not named:
-        return Check(of, None, "no run there, or no onset found")
-    values = [value for _, value in named]
-    mean = math.fsum(values) / len(values)
-    numbers = (
-        f"{100 * min(values):.0f} to {100 * max(values):.0f} %, mean {100 * mean:.0f} % of "
-        f"{len(values)} points"
-    )
-    return Check(of, abs(mean - target) <= _ABOUT, numbers)
-
-
-def share_statements(rows: list[Row], marks: Landmarks) -> list[Judged]:
+def share_statements(rows: list[Row], marks: Landmarks) -> list[Statement]:
     """Sec. 6.5, each statement for both counts."""
     e_fold = "per factor e in Gamma"
     rules: list[tuple[str, Callable[[str, _Counted], Check]]] = [
@@ -188,26 +163,26 @@ def share_statements(rows: list[Row], marks: Landmarks) -> list[Judged]:
         ("... more than 80 % up to the fluidisation optimum.",
          lambda of, c: above(of, c.points("inter-particle", "to the optimum"), 0.8)),
         ("... less and less from there to the bouncing-bed onset, or to the end without one.",
-         lambda of, c: _falls(of, c.slopes("inter-particle", "beyond the optimum"), e_fold)),
+         lambda of, c: falls(of, c.slopes("inter-particle", "beyond the optimum"), e_fold)),
         ("... generally more than 80 % beyond the bouncing-bed onset (judged: each point).",
          lambda of, c: above(of, c.points("inter-particle", "bouncing bed"), 0.8)),
         ("... the less the larger the particles (judged: a line over the sizes at each Gamma).",
-         lambda of, c: _falls(of, c.by_size("inter-particle"), "per mm")),
+         lambda of, c: falls(of, c.by_size("inter-particle"), "per mm")),
         ("Friction is the dominant source everywhere (judged: more than 50 %).",
          lambda of, c: above(of, c.points("friction"), 0.5)),
         ("... mainly between particles (judged: more than half of the friction).",
          lambda of, c: above(of, _ratios(c), 0.5)),
         ("... falls from low amplitudes to the fluidisation optimum.",
-         lambda of, c: _falls(of, c.slopes("friction", "to the optimum"), e_fold)),
+         lambda of, c: falls(of, c.slopes("friction", "to the optimum"), e_fold)),
         ("... goes on falling beyond the optimum, where there is convection.",
-         lambda of, c: _falls(of, c.slopes("friction", "beyond the optimum"), e_fold)),
+         lambda of, c: falls(of, c.slopes("friction", "beyond the optimum"), e_fold)),
         ("... is about 80 % in the bouncing bed (judged: the mean is between 70 and 90 %).",
-         lambda of, c: _about(of, c.points("friction", "bouncing bed"), 0.8)),
+         lambda of, c: about(of, c.points("friction", "bouncing bed"), 0.8)),
         ("... generally less the larger the particles (judged: a line over the sizes).",
-         lambda of, c: _falls(of, c.by_size("friction"), "per mm")),
+         lambda of, c: falls(of, c.by_size("friction"), "per mm")),
     ]  # fmt: skip
     counted = {name: _Counted(rows, name, marks) for name in COUNTS}
-    return [Judged(words, [rule(of, c) for of, c in counted.items()]) for words, rule in rules]
+    return [Statement(words, [rule(of, c) for of, c in counted.items()]) for words, rule in rules]
 
 
 def _ratios(counted: _Counted) -> list[tuple[str, float]]:

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from campaign.layout import columns, done
-from damper3d.reproduce.checks import as_text
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.share_statements import (
     COUNTS,
@@ -22,6 +21,7 @@ from damper3d.reproduce.share_statements import (
     tangential_damping,
 )
 from damper3d.reproduce.standing import standing
+from damper3d.reproduce.statements import report_statements
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -87,8 +87,8 @@ def report(rows: list[Row]) -> str:
     """What is there, the statements of sec. 6.5 judged, and the shares in figures."""
     found = landmarks(rows)
     parts = [
-        "\n".join(standing(rows, points())),
-        as_text(share_statements(rows, found)),
+        standing(rows, points(), SEEDS),
+        report_statements(share_statements(rows, found)),
         *(_table(rows, found, frequency) for frequency in FREQUENCIES),
         tangential_damping(rows),
         _without_count(rows),

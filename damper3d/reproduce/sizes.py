@@ -11,21 +11,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from campaign.layout import columns, not_done
+from campaign.layout import columns
 from campaign.statistics import slope
 from damper3d.map.grid import MapResult
-from damper3d.reproduce.dampers import (
-    ORIENTATIONS,
-    SPHERES,
-    about,
-    close_onset,
-    in_words,
-    panel,
-    what_lacks,
-)  # fmt: skip
+from damper3d.reproduce.dampers import ORIENTATIONS, SPHERES, about, close_onset, panel
 from damper3d.reproduce.optima import Optimum, optimum, pooled_scatter, with_scatter
-from damper3d.reproduce.runs import Panel, Row, run_panels
-from damper3d.reproduce.statements import Statement, all_of, report_statements
+from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
+from damper3d.reproduce.standing import standing
+from damper3d.reproduce.statements import Check, Statement, all_of, report_statements
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -117,13 +110,11 @@ def report(rows: list[Row]) -> str:
         "LP",
         "CP",
     ]
-    labels = ["orientation", "diameter_mm", "frequency_hz", "gamma", "seed"]
     parts = [
-        "\n".join(what_lacks(rows, panels(), SEEDS, in_words)),
+        standing(rows, labels_of(panels()), SEEDS),
         columns(heads, lines),
         report_statements(statements(rows, found)),
         _CRITERION,
-        "\n".join(not_done(rows, labels)),
     ]
     return "\n\n".join(filter(None, parts))
 
@@ -164,7 +155,7 @@ def _small_effect(found: Found, what: str) -> Statement:
         if len(gammas) > 1:
             ratios[key] = max(gammas) / min(gammas)
     shown = ", ".join(f"{_place(key)} {ratio:.2f}" for key, ratio in ratios.items())
-    return Statement(words, all_of([ratio <= _SMALL for ratio in ratios.values()]), shown)
+    return Statement(words, [Check(all_of([ratio <= _SMALL for ratio in ratios.values()]), shown)])
 
 
 def _falls_with_size(found: Found) -> Statement:
@@ -179,7 +170,7 @@ def _falls_with_size(found: Found) -> Statement:
             noise = " (within noise)" if abs(trend.value) <= trend.half_width else ""
             shown.append(f"{_place(key)} d^{trend.value:.2f} +- {trend.half_width:.2f}{noise}")
     words = "the bouncing bed's optimum generally falls with size: slope below 0"
-    return Statement(words, all_of(holds), ", ".join(shown))
+    return Statement(words, [Check(all_of(holds), ", ".join(shown))])
 
 
 def _alone(one: Optimum) -> tuple[float, ...]:
@@ -202,7 +193,7 @@ def _curves_alike(rows: Sequence[Row], keys: Sequence[Key]) -> Statement:
                 squares = [(curve[gamma] - curves[5][gamma]) ** 2 for gamma in common]
                 away[f"{diameter} mm"] = math.sqrt(math.fsum(squares) / len(squares))
     shown = ", ".join(f"{name} {value:.3f}" for name, value in away.items())
-    return Statement(words, all_of([value <= _NOTABLE for value in away.values()]), shown)
+    return Statement(words, [Check(all_of([value <= _NOTABLE for value in away.values()]), shown)])
 
 
 def _curve(rows: Sequence[Row]) -> dict[float, float]:

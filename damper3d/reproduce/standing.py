@@ -7,30 +7,46 @@ from campaign.layout import done, not_done
 
 Row = Mapping[str, Any]
 
-_MOST = 12  # lines of runs that lack or failed
+_MOST = 12  # lines of points that lack, and of runs that failed or were cut off
 
 
-def standing(rows: Sequence[dict[str, Any]], points: Sequence[Row]) -> list[str]:
-    """Runs that are done of those that the table has, and which lack.
+def standing(rows: Sequence[dict[str, Any]], points: Sequence[Row], seeds: int) -> str:
+    """Whether a table is whole, which points lack, and which runs failed or were cut off.
 
-    points: the labels of each point, without the seed; the last label is told as a list. A point
-    lacks where it has no run that is done, or fewer than another has.
+    points   the labels of each point, without the seed; the last label is told as a list
+    seeds    the packings of a point by default; with fewer a table is not whole
+
+    A point lacks where it has no run that is done, or fewer packings than another has.
     """
     labels = list(points[0])
-    counts = {tuple(point.values()): 0 for point in points}
+    found: dict[tuple[Any, ...], set[int]] = {tuple(point.values()): set() for point in points}
     for row in done(rows):
         key = tuple(row[name] for name in labels)
-        if key in counts:
-            counts[key] += 1
-    most = max(counts.values(), default=0)
+        if key in found:  # points that a refinement added are in no table
+            found[key].add(row["seed"])
+    counts = {key: len(own) for key, own in found.items()}
+    least, most = min(counts.values()), max(counts.values())
+    packings = f"{_packings(most, seeds)} {'each' if least == most else 'at most'}"
     there = sum(count > 0 for count in counts.values())
-    packings = f"{most} packing{'' if most == 1 else 's'}"
-    if most and min(counts.values()) == most:
-        return [f"complete: {len(points)} points, {packings} each"]
-    head = f"INCOMPLETE: {there} of {len(points)} points are there, with {packings} at most"
-    lines = _lacking(labels, counts, most) + not_done(rows, [*labels, "seed"])
-    rest = [f"  ... and {len(lines) - _MOST} more such lines"] if len(lines) > _MOST else []
-    return [head, *lines[:_MOST], *rest]
+    if least == most >= seeds:
+        head = f"complete: {len(points)} points, {packings}"
+    else:
+        head = f"INCOMPLETE: {there} of {len(points)} points are there"
+        head += f", with {packings}" if there else ""
+    lacking = _lacking(labels, counts, most)
+    return "\n".join([head, *_first(lacking), *_first(not_done(rows, [*labels, "seed"]))])
+
+
+def _packings(number: int, seeds: int) -> str:
+    """ "1 packing", "3 packings"; "1 of 3 packings" where the table has more by default."""
+    if number < seeds:
+        return f"{number} of {seeds} packings"
+    return f"{number} packing{'' if number == 1 else 's'}"
+
+
+def _first(lines: list[str]) -> list[str]:
+    more = len(lines) - _MOST
+    return [*lines[:_MOST], f"  ... and {more} more such lines"] if more > 0 else lines
 
 
 def _lacking(labels: Sequence[str], counts: dict[tuple[Any, ...], int], most: int) -> list[str]:
