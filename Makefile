@@ -31,7 +31,7 @@ validate: $(VENV)/with-tests ## comparisons with published results (minutes)
 reproduce: $(VENV)/installed ## every published table beside ours, into docs/results (hours)
 	for command in silo2d damper3d; do \
 		for table in $$($(BIN)/$$command reproduce | cut -d' ' -f1); do \
-			$(BIN)/$$command reproduce $$table --out $(RUNS) --write docs/results || exit 1; \
+			$(BIN)/$$command reproduce $$table --out $(RUNS) --write docs/results/$$command || exit 1; \
 		done; \
 	done
 

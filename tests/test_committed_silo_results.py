@@ -10,7 +10,7 @@ from campaign.statistics import mean_sd
 from silo2d import SiloCase, run
 from silo2d.reproduce import find
 
-RESULTS = Path(__file__).parent.parent / "docs" / "results"
+RESULTS = Path(__file__).parent.parent / "docs" / "results" / "silo2d"
 
 # Table: how many lines it has, and at least how many seeds a line.
 WHOLE = {"discharge": (16, 5), "clogging": (12, 20), "sensitivity": (68, 3)}
