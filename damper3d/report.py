@@ -12,6 +12,7 @@ from damper3d.records import CLASSES
 from damper3d.result import Result
 
 _SECONDS_PER_PARTICLE_STEP = 2.5e-8  # on one core of a current server
+_UNSTEADY = 0.1  # of the efficiency, by which the walls' work may differ without a word
 _COARSE = 0.005  # closed at 1 us, relative to what is dissipated
 _HEAVY = 25e3  # [kg/m3] above osmium and all others
 _FAST = 3.0  # peak speed of the enclosure over the yield velocity
@@ -213,6 +214,7 @@ def report(result: Result) -> str:
         f"  cycles           {_cycles(result)}",
         f"  by other counts  {result.efficiency_contact_count:.3f} as the thesis counts, "
         f"{result.efficiency_wall_work:.3f} from the work of the walls",
+        *_own_energy(result),
         *_shares(result),
         f"  design           {result.dissipated_power_w:.4g} W dissipated, loss factor "
         f"{_number(result.loss_factor)}, like a damper of "
@@ -228,6 +230,15 @@ def report(result: Result) -> str:
         f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
     ]
     return "\n".join(lines)
+
+
+def _own_energy(result: Result) -> list[str]:
+    """A line where much of what is dissipated is not the shaker's work."""
+    own = result.efficiency - result.efficiency_wall_work
+    if not abs(own) > _UNSTEADY * abs(result.efficiency):
+        return []
+    whence = "the bed gives itself (it sinks or slows down)" if own > 0 else "the bed takes up"
+    return [f"                   they differ by what {whence}: go on until it is steady (--steady)"]
 
 
 def _interval(interval: tuple[float, float] | None) -> str:

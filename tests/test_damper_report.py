@@ -196,6 +196,16 @@ def test_the_answer_has_the_keys_that_scripts_rely_on():
     assert {field.name for field in dataclasses.fields(Result)} >= KEYS
 
 
+@pytest.mark.parametrize(("by_walls", "words"), [
+    (0.75, ""), (0.5, "the bed gives itself"), (1.2, "the bed takes up"),
+])  # fmt: skip
+def test_the_report_says_where_what_is_dissipated_is_not_the_shakers_work(by_walls, words):
+    """Efficiency 0.812: more than a tenth of it from elsewhere is worth a line."""
+    text = report(dataclasses.replace(ANSWER, efficiency_wall_work=by_walls))
+    assert ("they differ by" in text) == bool(words)
+    assert words in text
+
+
 def test_the_report_tells_each_answer():
     told = report(ANSWER)
     for words in (
