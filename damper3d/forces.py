@@ -15,7 +15,7 @@ from contact.hertz import damping_of_impact, hertz_force, mindlin_force, with_hi
 from contact.jit import inlined, uncounted
 from contact.spring_books import spring_books
 from contact.vectors import add, cross, dot, scale
-from damper3d.geometry import between_spheres, place, with_cylinder, with_plane
+from damper3d.geometry import between_spheres, place, put, vector, with_cylinder, with_plane
 from damper3d.lanes import add_loads, gather, keep_history, whole
 from damper3d.state import (
     BLOCK,
@@ -110,6 +110,14 @@ def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
     return add_heat(world.bodies.heat, contacts, begin, n_contacts, block, dt, sums)
 
 
+@uncounted
+def surface_motion(block, k):
+    """Of contact k: normal, rate of the overlap [m/s], velocity of slip [m/s]."""
+    normal, velocity = vector(block.normal, k), vector(block.velocity, k)
+    rate = -dot(velocity, normal)
+    return normal, rate, add(velocity, scale(rate, normal))
+
+
 @inlined
 def contact_law(law, n_contacts, block, dt):
     """Forces, histories and dissipation of a block whose geometry is known."""
@@ -126,24 +134,11 @@ def apply_law(law, n_contacts, block, dt):
     for k in range(np.uintp(n_contacts)):
         overlap = block.overlap[k]
         touches = 1.0 if overlap > 0.0 else 0.0
-        normal = block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)]
-        velocity = (
-            block.velocity[place(0, k)],
-            block.velocity[place(1, k)],
-            block.velocity[place(2, k)],
-        )
-        rate = -dot(velocity, normal)
-        slip_rate = add(velocity, scale(rate, normal))
+        normal, rate, slip_rate = surface_motion(block, k)
         known = history[place(DAMPING, k)]
         damping = max(known, law.damping)
-        stiffness, dashpot, f_n, inelastic = hertz_force(
-            law,
-            block.constants[place(HERTZ, k)],
-            block.constants[place(MASS, k)],
-            damping,
-            overlap,
-            rate,
-        )
+        hertz, mass = block.constants[place(HERTZ, k)], block.constants[place(MASS, k)]
+        stiffness, dashpot, f_n, inelastic = hertz_force(law, hertz, mass, damping, overlap, rate)
         kt, kt_before = law.tangential * stiffness, history[place(STIFFNESS, k)]
         moved = scale(0.5 * dt, slip_rate)
         held_before, trial = without_slip(law, history, k, normal, kt_before, kt, moved)
@@ -157,11 +152,8 @@ def apply_law(law, n_contacts, block, dt):
         later[place(STIFFNESS, k)] = kt
         later[place(DAMPING, k)] = damping if overlap > 0.0 else NO_CONTACT
         block.begins[k] = touches * rate if known < 0.0 else 0.0
-        block.couple[place(0, k)], block.couple[place(1, k)], block.couple[place(2, k)] = cross(
-            normal, force
-        )
-        push = add(force, scale(f_n, normal))
-        block.push[place(0, k)], block.push[place(1, k)], block.push[place(2, k)] = push
+        put(block.couple, k, cross(normal, force))
+        put(block.push, k, add(force, scale(f_n, normal)))
         block.normal_power[k] = inelastic * rate
         block.tangential_power[k] = power
         block.rubbed[k] = touches * rubbed

@@ -8,6 +8,7 @@ is kept. The passes have no branch, so that the compiler vectorises them.
 import numpy as np
 
 from contact.jit import inlined, uncounted
+from contact.vectors import cross, dot, scale
 from damper3d.state import BLOCK, RADIUS_I, RADIUS_J
 
 
@@ -31,10 +32,15 @@ def gap_of(position, i, j):
 
 
 @uncounted
-def apart(block, k):
-    """x_j - x_i of place k of a block [m]."""
-    separation = block.separation
-    return separation[place(0, k)], separation[place(1, k)], separation[place(2, k)]
+def vector(rows, k):
+    """The vector in lane k of three rows of a block."""
+    return rows[place(0, k)], rows[place(1, k)], rows[place(2, k)]
+
+
+@uncounted
+def put(rows, k, v):
+    """Let a vector stand in lane k of three rows of a block."""
+    rows[place(0, k)], rows[place(1, k)], rows[place(2, k)] = v
 
 
 @uncounted
@@ -53,27 +59,20 @@ def off_axis(separation):
 @inlined
 def between_spheres(n_contacts, block):
     """The contacts of spheres with spheres in the first lanes of a block."""
-    passing, turning, spin = block.passing, block.turning, block.spin
     for k in range(np.uintp(n_contacts)):  # unsigned: numba then need not look for negative ones
-        radius_i, radius_j = (
-            block.constants[place(RADIUS_I, k)],
-            block.constants[place(RADIUS_J, k)],
-        )
-        dx, dy, dz = apart(block, k)
-        distance = np.sqrt(dx * dx + dy * dy + dz * dz)
+        radius_i = block.constants[place(RADIUS_I, k)]
+        radius_j = block.constants[place(RADIUS_J, k)]
+        separation = vector(block.separation, k)
+        distance = np.sqrt(dot(separation, separation))
         overlap = max(radius_i + radius_j - distance, 0.0)
-        shrink = 1.0 / distance
-        nx, ny, nz = shrink * dx, shrink * dy, shrink * dz
+        normal = scale(1.0 / distance, separation)
         half = 0.5 * overlap
-        sx, sy = (
-            turning[place(0, k)] - half * spin[place(0, k)],
-            turning[place(1, k)] - half * spin[place(1, k)],
-        )
-        sz = turning[place(2, k)] - half * spin[place(2, k)]
-        block.velocity[place(0, k)] = passing[place(0, k)] - (sy * nz - sz * ny)
-        block.velocity[place(1, k)] = passing[place(1, k)] - (sz * nx - sx * nz)
-        block.velocity[place(2, k)] = passing[place(2, k)] - (sx * ny - sy * nx)
-        block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)] = nx, ny, nz
+        (ax, ay, az), (bx, by, bz) = vector(block.turning, k), vector(block.spin, k)
+        turning = ax - half * bx, ay - half * by, az - half * bz
+        px, py, pz = vector(block.passing, k)
+        tx, ty, tz = cross(turning, normal)
+        put(block.velocity, k, (px - tx, py - ty, pz - tz))
+        put(block.normal, k, normal)
         block.overlap[k] = overlap
         block.arm_i[k], block.arm_j[k] = radius_i - half, radius_j - half
 
@@ -82,7 +81,7 @@ def between_spheres(n_contacts, block):
 def with_plane(plane, n_contacts, block):
     """The same for contacts of spheres with a flat wall."""
     for k in range(np.uintp(n_contacts)):
-        distance = to_plane(plane, apart(block, k))
+        distance = to_plane(plane, vector(block.separation, k))
         wall_contact((-plane[0], -plane[1], -plane[2]), distance, block, k)
 
 
@@ -90,7 +89,7 @@ def with_plane(plane, n_contacts, block):
 def with_cylinder(radius, n_contacts, block):
     """The same for contacts of spheres with the round wall."""
     for k in range(np.uintp(n_contacts)):
-        x, y, z = apart(block, k)
+        x, y, z = vector(block.separation, k)
         away = off_axis((x, y, z))
         shrink = -1.0 / max(away, 1e-300)
         wall_contact((shrink * x, shrink * y, 0.0), radius - away, block, k)
@@ -98,18 +97,10 @@ def with_cylinder(radius, n_contacts, block):
 
 @uncounted
 def wall_contact(normal, distance, block, k):
-    """Fill place k of a block with a contact; the normal points to the wall, at a distance [m]."""
-    nx, ny, nz = normal
-    spin, passing = block.spin, block.passing
-    block.velocity[place(0, k)] = passing[place(0, k)] - distance * (
-        spin[place(1, k)] * nz - spin[place(2, k)] * ny
-    )
-    block.velocity[place(1, k)] = passing[place(1, k)] - distance * (
-        spin[place(2, k)] * nx - spin[place(0, k)] * nz
-    )
-    block.velocity[place(2, k)] = passing[place(2, k)] - distance * (
-        spin[place(0, k)] * ny - spin[place(1, k)] * nx
-    )
-    block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)] = nx, ny, nz
+    """Fill lane k of a block with a contact; the normal points to the wall, at a distance [m]."""
+    px, py, pz = vector(block.passing, k)
+    tx, ty, tz = cross(vector(block.spin, k), normal)
+    put(block.velocity, k, (px - distance * tx, py - distance * ty, pz - distance * tz))
+    put(block.normal, k, normal)
     block.overlap[k] = max(block.constants[place(RADIUS_I, k)] - distance, 0.0)
     block.arm_i[k], block.arm_j[k] = distance, 0.0

@@ -4,8 +4,8 @@ import numpy as np
 
 from contact.hertz import hertz_force, mindlin_force, spring_energy
 from contact.jit import uncounted
-from contact.vectors import add, dot, scale
-from damper3d.forces import contact_law, meet_wall, put_enclosure, without_slip
+from contact.vectors import scale
+from damper3d.forces import contact_law, meet_wall, put_enclosure, surface_motion, without_slip
 from damper3d.geometry import between_spheres, place
 from damper3d.integrate import advance, enclosure_at
 from damper3d.lanes import gather
@@ -119,23 +119,10 @@ def add_elastic(law, n_contacts, block, dt, row, count):
         overlap = block.overlap[k]
         if overlap <= 0.0:
             continue
-        normal = block.normal[place(0, k)], block.normal[place(1, k)], block.normal[place(2, k)]
-        velocity = (
-            block.velocity[place(0, k)],
-            block.velocity[place(1, k)],
-            block.velocity[place(2, k)],
-        )
-        rate = -dot(velocity, normal)
-        slip_rate = add(velocity, scale(rate, normal))
+        normal, rate, slip_rate = surface_motion(block, k)
         damping = max(history[place(DAMPING, k)], law.damping)
-        stiffness, dashpot, f_n, _ = hertz_force(
-            law,
-            block.constants[place(HERTZ, k)],
-            block.constants[place(MASS, k)],
-            damping,
-            overlap,
-            rate,
-        )
+        hertz, mass = block.constants[place(HERTZ, k)], block.constants[place(MASS, k)]
+        stiffness, dashpot, f_n, _ = hertz_force(law, hertz, mass, damping, overlap, rate)
         trial = without_slip(
             law, history, k, normal, history[place(STIFFNESS, k)], law.tangential * stiffness,
             scale(0.5 * dt, slip_rate),

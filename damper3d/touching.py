@@ -8,7 +8,7 @@ once more, so that its history ends.
 import numpy as np
 
 from contact.jit import inlined
-from damper3d.geometry import apart, off_axis, to_plane
+from damper3d.geometry import off_axis, to_plane, vector
 from damper3d.lanes import separate, whole
 from damper3d.state import BLOCK, DAMPING
 
@@ -23,7 +23,7 @@ def touching_pairs(spheres, contacts, n_contacts, block):
         n = min(n_contacts - begin, BLOCK)
         separate(spheres, contacts, begin, n, block)
         for k in range(np.uintp(whole(n))):
-            x, y, z = apart(block, k)
+            x, y, z = vector(block.separation, k)
             reach = contacts.reach[np.uintp(begin) + k]
             block.clearance[k] = x * x + y * y + z * z - _ROUNDING * (reach * reach)
         found = note_touching(contacts, begin, n, block, found)
@@ -39,11 +39,11 @@ def touching_wall(spheres, walls, contacts, w, block):
         separate(spheres, contacts, begin, n, block)
         if w < len(walls.planes):
             for k in range(np.uintp(whole(n))):
-                distance = to_plane(walls.planes[w], apart(block, k))
+                distance = to_plane(walls.planes[w], vector(block.separation, k))
                 block.clearance[k] = distance - contacts.reach[np.uintp(begin) + k]
         else:
             for k in range(np.uintp(whole(n))):
-                distance = walls.radius - off_axis(apart(block, k))
+                distance = walls.radius - off_axis(vector(block.separation, k))
                 block.clearance[k] = distance - contacts.reach[np.uintp(begin) + k]
         found = note_touching(contacts, begin, n, block, found)
     return found
