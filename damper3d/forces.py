@@ -163,7 +163,7 @@ def apply_law(law, n_contacts, block, dt):
 
 @uncounted
 def without_slip(law, history, k, normal, kt_before, kt, moved):
-    """What the spring of contact n held at the step before, and would hold now if it did not slip.
+    """What the spring of contact k held at the step before, and would hold now if it did not slip.
 
     Both in the tangent plane of now. The displacement since then is the mean of the velocities of
     then and now times the step: half of it is known from then, the other half is `moved` [m].
