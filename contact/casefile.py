@@ -11,7 +11,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo
 
 from contact.datafile import read_toml
-from contact.quantity import InputError, nearest, to_si
+from contact.quantity import InputError, is_plain_number, nearest, to_si
 from contact.schema import Table
 
 
@@ -29,6 +29,12 @@ def _read(unit: str) -> BeforeValidator:
     return BeforeValidator(read)
 
 
+def _read_frequency(value: object, info: ValidationInfo) -> float:
+    """A plain number is in Hz; a text may also carry a unit."""
+    name = info.field_name or "value"
+    return to_si(value, "1" if is_plain_number(value) else "Hz", name)
+
+
 Length = Annotated[float, _read("m"), Unit("m")]
 Size = Annotated[float, _read("m"), Unit("m"), Field(gt=0)]
 Time = Annotated[float, _read("s"), Unit("s"), Field(gt=0)]
@@ -37,6 +43,7 @@ Stiffness = Annotated[float, _read("N/m"), Unit("N/m"), Field(gt=0)]
 Rate = Annotated[float, _read("1/s"), Unit("1/s"), Field(ge=0)]
 Number = Annotated[float, _read("1"), Field(ge=0)]
 Positive = Annotated[float, _read("1"), Field(gt=0)]
+Frequency = Annotated[float, BeforeValidator(_read_frequency), Field(gt=0)]
 Speed = Annotated[float, _read("m/s"), Unit("m/s"), Field(gt=0)]
 Density = Annotated[float, _read("kg/m3"), Unit("kg/m3"), Field(gt=0)]
 Pressure = Annotated[float, _read("Pa"), Unit("Pa"), Field(gt=0)]

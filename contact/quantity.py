@@ -21,6 +21,7 @@ _EXAMPLE = {
     "kg/m3": "0.45 g/cm3",
     "N/m": "1.0e4 N/mm",
     "1/s": "6085 1/s",
+    "Hz": "40 Hz",
     "rad": "60 deg",
     "m/s": "0.5 m/s",
     "m/s2": "9.81 m/s2",
@@ -103,6 +104,14 @@ def _spelled_for_pint(unit: str) -> str:
     unit = unit.translate(_SUPERSCRIPTS).replace("%", "percent")
     unit = re.sub(r"(?<=[^\W\d_])(-?[0-9])", r"**\1", unit)
     return f"1{unit}" if unit.startswith("/") else unit
+
+
+def is_plain_number(value: object) -> bool:
+    """Whether a value, or its text, is a number without a unit."""
+    if not isinstance(value, str):
+        return isinstance(value, int | float)
+    match = _QUANTITY.fullmatch(value.strip())
+    return match is not None and not match["unit"]
 
 
 def from_si(value: float, unit: str) -> str:

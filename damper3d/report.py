@@ -8,6 +8,7 @@ import numpy as np
 from contact.hertz import HertzLaw
 from damper3d.case import DamperCase
 from damper3d.parameters import SAFE_SHARE
+from damper3d.predict.theory import fluidisation_threshold
 from damper3d.records import CLASSES
 from damper3d.result import Result
 
@@ -146,8 +147,23 @@ def warnings(case: DamperCase) -> list[str]:
             f"the amplitude grows over {motion.ramp:g} cycles and only {run.discard} are left out: "
             "the efficiency is low, as it is taken over the full amplitude; discard as many"
         )
+    found += _still_bed_warning(case)
     found += [line for pair in CLASSES for line in _impact_warnings(case, pair)]
     return found
+
+
+def _still_bed_warning(case: DamperCase) -> list[str]:
+    """Whether gravity or friction keeps a rigid bed where it is in its enclosure."""
+    gamma = case.settings.motion.gamma
+    if case.orientation not in ("vertical", "horizontal"):
+        return []
+    threshold = fluidisation_threshold(case.orientation, case.wall_law.mu)
+    if gamma > threshold:
+        return []
+    return [
+        f"gamma {gamma:g}: up to {threshold:g} a rigid bed moves with its enclosure; what is "
+        "dissipated is little, and may be the bed's own settling"
+    ]
 
 
 def _impact_warnings(case: DamperCase, pair: str) -> list[str]:

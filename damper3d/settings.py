@@ -8,6 +8,7 @@ from pydantic import AfterValidator, Field, FiniteFloat
 from contact import casefile
 from contact.casefile import (
     Density,
+    Frequency,
     Number,
     Positive,
     Pressure,
@@ -49,7 +50,7 @@ class Motion(Section):
     """[motion]: how the enclosure moves, and where gravity points."""
 
     orientation: Literal["vertical", "horizontal", "none"] = "vertical"
-    frequency: Positive = 40.0  # [Hz]
+    frequency: Frequency = 40.0  # [Hz]
     gamma: Positive = 20.0  # largest acceleration over g [-]
     direction: Vector | None = None  # of the motion; the axis if left out
     gravity: Vector | None = None  # its direction; the orientation's if left out

@@ -267,11 +267,18 @@ def test_a_step_near_the_rayleigh_step_is_warned_of():
         ({"motion__frequency": 1, "motion__gamma": 10}, "times the yield velocity"),
         ({"law__youngs_modulus": "0.1 MPa"}, "overlap by"),
         ({"motion__ramp": 3.5}, "full amplitude"),
+        ({"motion__gamma": 1}, "moves with its enclosure"),
+        ({"motion__gamma": 0.5, "motion__orientation": "horizontal"}, "up to 0.52 a rigid bed"),
     ],
 )
 def test_absurd_values_are_warned_of(changes, word):
     assert not warnings(case_with())
     assert any(word in line for line in warnings(case_with(**changes)))
+
+
+@pytest.mark.parametrize("frequency", [40, 40.0, "40", "40 Hz", "0.04 kHz", "40 1/s"])
+def test_a_frequency_is_a_number_of_hertz_or_carries_its_unit(frequency):
+    assert case_with(motion__frequency=frequency).settings == case_with().settings
 
 
 def test_a_material_without_pairs_takes_friction_and_restitution_from_the_case():

@@ -10,7 +10,7 @@ from campaign import commandline
 
 # Options of `run` that change a key of the case.
 _CASE_OPTIONS = [
-    ("--frequency", "motion.frequency", "40", "Of the motion, in Hz."),
+    ("--frequency", "motion.frequency", "40", "Of the motion, in Hz, or with a unit."),
     ("--gamma", "motion.gamma", "20", "Largest acceleration of the enclosure, in g."),
     ("--orientation", "motion.orientation", "vertical|horizontal|none", "Of axis and gravity."),
     ("--ramp", "motion.ramp", "0", "Cycles over which the amplitude grows."),
