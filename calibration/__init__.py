@@ -1,0 +1,1 @@
+"""Measurements to contact parameters: videos, tables and signals to values with uncertainty."""

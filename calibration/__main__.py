@@ -1,0 +1,5 @@
+"""python -m calibration: the command calibrate."""
+
+from calibration.cli import main
+
+main()
