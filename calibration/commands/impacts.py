@@ -1,0 +1,80 @@
+"""The command that finds impacts in a signal and takes the restitution from their times."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from campaign.commandline import json_option, quiet_option
+from contact.quantity import InputError, to_si
+
+if TYPE_CHECKING:
+    from calibration.impacts.measure import Impacts
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--rate", type=float, metavar="200000", help="Samples/s of a table without times.")
+@click.option("--column", metavar="NAME", help="The only column wanted of a table.")
+@click.option(
+    "--window", metavar='"2 ms"',
+    help="Longer than a contact, shorter than a flight [default: 2 ms].",
+)  # fmt: skip
+@click.option("--drop-height", metavar='"1.5 m"', help="Of the first fall: a check.")
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for the sheet (PNG).")
+@quiet_option
+@json_option
+def command(
+    file: Path, rate: float | None, column: str | None, window: str | None,
+    drop_height: str | None, out: Path | None, quiet: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Restitution from the times between impacts: force, acceleration or sound (WAV, CSV).
+
+    For example: calibrate impacts drop.wav --out sheets
+    """
+    from calibration.impacts.measure import measure_impacts
+    from calibration.impacts.search import WINDOW
+
+    found = measure_impacts(
+        file,
+        rate=rate,
+        column=column,
+        window=WINDOW if window is None else to_si(window, "s", "--window"),
+        drop_height=None if drop_height is None else to_si(drop_height, "m", "--drop-height"),
+    )
+    sheet = None if out is None else _sheet(found, file, out)
+    if as_json:
+        click.echo(json.dumps(found.as_json() | {"sheet": sheet and str(sheet)}, indent=2))
+        return
+    click.echo(_report(found))
+    if sheet is not None and not quiet:
+        click.echo(f"sheet: {sheet}", err=True)
+
+
+def _sheet(found: "Impacts", file: Path, out: Path) -> Path:
+    from calibration.impacts.sheet import draw_sheet
+    from campaign.figure import write_figure
+
+    if out.exists() and not out.is_dir():
+        raise InputError(f"--out = {out}: not a folder")
+    return write_figure(out / f"{file.stem}-impacts.png", lambda: draw_sheet(found))
+
+
+def _report(found: "Impacts") -> str:
+    """Impacts, pairs and what is made of them, as text."""
+    lines = ["impact  time [s]                flight [s]"]
+    for k, (time, sigma) in enumerate(zip(found.times_s, found.sigmas_s, strict=True)):
+        flight = f"{found.times_s[k + 1] - time:.6f}" if k + 1 < len(found.times_s) else "-"
+        lines.append(f"{k + 1:6d}  {time:.6f} ± {sigma:.6f}  {flight}")
+    one = found.restitution
+    for k, (value, sigma, speed) in enumerate(
+        zip(one.per_pair, one.per_pair_sigma, one.impact_speeds_m_s, strict=True), start=2
+    ):
+        lines.append(f"impact {k}: e = {value:.4f} ± {sigma:.4f} at {speed:.2f} m/s")
+    if one.value is not None and one.sigma is not None:
+        told = "" if one.p is None else f" (p = {one.p:.2g} that one number describes the pairs)"
+        lines.append(f"restitution {one.value:.4f} ± {one.sigma:.4f}{told}")
+    if found.first_restitution is not None:
+        lines.append(f"drop height and first flight: {found.first_restitution:.4f}")
+    return "\n".join([*lines, *(f"warning: {words}" for words in found.warnings)])

@@ -1,0 +1,186 @@
+"""A signal with impacts to their times and the restitution, with what has to be said about it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.impacts.onset import onset
+from calibration.impacts.ratios import Restitution, first_restitution, restitution
+from calibration.impacts.search import RISE, WINDOW, Search, search
+from calibration.impacts.sequence import bouncing
+from calibration.impacts.shape import with_shape
+from calibration.signals import Signal, read_signal
+from contact.quantity import InputError
+
+_MOST_LISTED = 6  # events that a warning names
+
+
+@dataclass(frozen=True)
+class Impacts:
+    """What a signal says.
+
+    times_s, sigmas_s   (n,) of the impacts, and their standard uncertainty
+    rejected_times_s    events that are no impacts of the row: echoes, ringing, knocks
+    first_restitution   from the drop height and the first flight; None without a height
+    """
+
+    signal: Signal
+    search: Search
+    times_s: NDArray[np.float64]
+    sigmas_s: NDArray[np.float64]
+    rejected_times_s: tuple[float, ...]
+    restitution: Restitution
+    first_restitution: float | None
+    warnings: tuple[str, ...]
+
+    def as_json(self) -> dict[str, object]:
+        """The object that --json prints."""
+        found = self.restitution
+        return {
+            "impact_times_s": self.times_s.tolist(),
+            "impact_sigmas_s": self.sigmas_s.tolist(),
+            "flights_s": np.diff(self.times_s).tolist(),
+            "restitution": {
+                "value": found.value,
+                "sigma": found.sigma,
+                "per_pair": list(found.per_pair),
+                "per_pair_sigma": list(found.per_pair_sigma),
+                "impact_speeds_m_s": list(found.impact_speeds_m_s),
+                "constant_within_noise": found.constant_within_noise,
+                "p": found.p,
+            },
+            "first_restitution": self.first_restitution,
+            "rejected_times_s": list(self.rejected_times_s),
+            "rate_hz": self.signal.rate,
+            "warnings": list(self.warnings),
+        }
+
+
+def measure_impacts(
+    path: str | Path,
+    *,
+    rate: float | None = None,
+    column: str | None = None,
+    window: float = WINDOW,
+    drop_height: float | None = None,
+) -> Impacts:
+    """Impact times and restitution from force, acceleration or sound against time (WAV, CSV).
+
+    rate         samples per second [Hz] of a table without times
+    column       the only channel wanted of a table
+    window       time [s] over which energy is taken: longer than a contact, shorter than a flight
+    drop_height  [m] of the fall before the first impact, a check; with two impacts the measurement
+
+    Raises InputError for what is no signal, and where there are fewer than two impacts.
+    """
+    signal = read_signal(path, rate=rate, column=column)
+    return measure_signal(signal, window=window, drop_height=drop_height)
+
+
+def measure_signal(
+    signal: Signal, *, window: float = WINDOW, drop_height: float | None = None
+) -> Impacts:
+    """The same of a signal that has been read; see measure_impacts."""
+    if drop_height is not None and not 0.0 < drop_height < 1e3:
+        raise InputError(
+            f"--drop-height = {drop_height:g} m: expected more than 0, such as '1.5 m'"
+        )
+    found = search(signal, _checked(window, signal))
+    starts, ends = found.begins * found.block, found.peaks * found.block
+    chosen = bouncing(starts / signal.rate, found.level[found.peaks])
+    remarks = list(signal.remarks) + _clipped(signal)
+    if not chosen:
+        chosen = list(range(len(starts)))
+        remarks += _no_row(signal.path, len(starts), drop_height)
+    clearest = _clearest(found)
+    x, white = signal.channels[:, clearest], found.white[:, clearest]
+    onsets = [onset(x, white, (int(starts[k]), int(ends[k])), found.window) for k in chosen]
+    times = signal.start + np.array([one.time for one in onsets]) / signal.rate
+    sigmas = with_shape(x, onsets) / signal.rate
+    others = np.delete(starts, chosen) / signal.rate + signal.start
+    value, first = _restitution(times, sigmas, drop_height)
+    remarks += _remarks(value, first, others)
+    return Impacts(
+        signal, found, times, sigmas, tuple(map(float, others)), value, first, tuple(remarks)
+    )
+
+
+def _clearest(found: Search) -> int:
+    """The channel in which the sharpest event stands highest over the noise."""
+    return int(np.argmax(np.abs(found.white).max(axis=0)))
+
+
+def _checked(window: float, signal: Signal) -> float:
+    length = len(signal.channels) / signal.rate
+    if not 0.0 < window <= length / 10:
+        raise InputError(
+            f"--window = {window:g} s: expected more than 0 and up to a tenth of the signal "
+            f"({length / 10:.3g} s)"
+        )
+    return window
+
+
+def _clipped(signal: Signal) -> list[str]:
+    """A warning where three samples running stand at the largest value."""
+    words = []
+    for name, x in zip(signal.names, signal.channels.T, strict=True):
+        full = np.abs(x) >= np.abs(x).max() * (1.0 - 1e-12)
+        if (full[2:] & full[1:-1] & full[:-2]).any():
+            words.append(f"{name}: {int(full.sum())} samples clipped at {np.abs(x).max():g}")
+    return words
+
+
+def _no_row(path: Path, n: int, drop_height: float | None) -> list[str]:
+    """What to say where no three events make a row; InputError for fewer than two events."""
+    if n == 0:
+        raise InputError(f"{path}: no impact: nothing rises by {RISE:g} dB out of the noise")
+    if n == 1:
+        raise InputError(
+            f"{path}: one impact alone; a restitution needs three, one after the other"
+        )
+    if n > 2:
+        return [f"none of the {n} events make a row of shrinking flights: no restitution"]
+    if drop_height is None:
+        return ["two impacts make one flight: no restitution without a third or --drop-height"]
+    return ["two impacts: the restitution is that of the drop height and the one flight"]
+
+
+def _restitution(
+    times: NDArray[np.float64], sigmas: NDArray[np.float64], drop_height: float | None
+) -> tuple[Restitution, float | None]:
+    """The restitution of a row, and that of its first impact from the drop height."""
+    first = None if drop_height is None else first_restitution(times[1] - times[0], drop_height)
+    flights = np.diff(times)
+    if len(times) > 2 and (flights[1:] < flights[:-1]).all():
+        return restitution(times, sigmas), first
+    if len(times) == 2 and first is not None:
+        relative = np.hypot(*sigmas) / flights[0]
+        return Restitution(first, float(first * relative)), first
+    return Restitution(None, None), first
+
+
+def _remarks(found: Restitution, first: float | None, others: NDArray[np.float64]) -> list[str]:
+    """What a person should know before believing the value."""
+    words = []
+    if len(found.per_pair) == 1:
+        words.append("three impacts give one ratio: nothing tells whether they are of one body")
+    if found.constant_within_noise is False:
+        low, high = min(found.per_pair), max(found.per_pair)
+        words.append(
+            f"one number does not describe the pairs ({low:.4f} to {high:.4f}, p = {found.p:.2g}): "
+            "the value is their mean, its sigma from their scatter"
+        )
+    if len(others):
+        listed = ", ".join(f"{t:.4f}" for t in others[:_MOST_LISTED])
+        more = ", ..." if len(others) > _MOST_LISTED else ""
+        words.append(f"{len(others)} events left out that fit no row of flights: {listed}{more} s")
+    if first is not None and found.value is not None and found.per_pair:
+        missed = np.log(first / found.value) / np.log(found.value)
+        if abs(missed) >= 0.5:
+            words.append(
+                f"drop height and first flight give {first:.3f}, not {found.value:.3f}: as if "
+                f"{missed:.1f} impacts more came before the first one here (or air slowed the fall)"
+            )
+    return words

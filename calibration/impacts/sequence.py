@@ -1,0 +1,98 @@
+"""Which candidates are the impacts of one bouncing body: intervals that shrink geometrically.
+
+A body that bounces with a restitution e flies T, e T, e^2 T, ... (thesis, eqs 7.3 to 7.5). Release
+clicks, echoes at walls, knocks and speech have no such times. Of all rows of candidates whose
+intervals shrink, by a ratio that changes little from pair to pair, and whose levels fall as the
+speed may let them, the one is taken with the largest sum of levels over the noise; less for a
+changing ratio, and for events inside it that are much louder than the impact before. A row of
+echoes repeats that of the impacts a little later: of two such rows the earlier one is taken.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+STEADY = 0.15  # the largest change of ln(e) from one pair of flights to the next
+LOUDER = 6.0  # [dB] that an impact may be louder than the one before, on another spot
+_STEEPEST = 3.0  # largest power of the impact speed with which the amplitude goes
+LEAST, MOST = 0.05, 1.0  # of a ratio of two flights that is taken for a restitution
+_SAME = 0.03  # of the shortest flight: how far an echo's row may be from the impacts' in step
+_MOST_CANDIDATES = 60  # the strongest; the search takes the cube of it
+
+
+def bouncing(times: ArrayLike, levels: ArrayLike) -> list[int]:
+    """The indices of the candidates that are impacts of one body, ascending; empty for none.
+
+    times (m,) [s] ascending, levels (m,) > 0 [dB]. Three impacts make a row at least.
+    """
+    kept = np.sort(np.argsort(levels)[::-1][:_MOST_CANDIDATES])
+    t, weight = np.asarray(times, float)[kept], np.asarray(levels, float)[kept]
+    best: dict[tuple[int, int], list[_Row]] = {}
+    found = _Row(0.0, 0.0, ())
+    for last in range(len(t)):
+        for middle in range(last):
+            rows = _rows_that_end(middle, last, t, weight, best)
+            best[middle, last] = rows
+            found = max([found, *rows], key=lambda row: row.weight)
+    return [int(kept[k]) for k in _earliest(list(found.members), t)]
+
+
+def _earliest(row: list[int], t: NDArray[np.float64]) -> list[int]:
+    """The row, or an earlier one with its very flights: of the two, it is the echo."""
+    if not row:
+        return row
+    shortest = t[row[-1]] - t[row[-2]]
+    for begin in range(row[0]):
+        delay = t[row[0]] - t[begin]
+        wanted = t[row] - delay
+        near = [int(np.argmin(np.abs(t - time))) for time in wanted]
+        if delay < shortest and np.abs(t[near] - wanted).max() < _SAME * shortest:
+            return near
+    return row
+
+
+class _Row:
+    """Impacts that end with a certain flight, and the ratio of their last two flights."""
+
+    __slots__ = ("members", "ratio", "weight")
+
+    def __init__(self, weight: float, ratio: float, members: tuple[int, ...]) -> None:
+        self.weight, self.ratio, self.members = weight, ratio, members
+
+
+def _rows_that_end(
+    middle: int,
+    last: int,
+    t: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    best: dict[tuple[int, int], list[_Row]],
+) -> list[_Row]:
+    """For each flight before the flight middle to last, the best row that ends with both."""
+    rows = []
+    flight = t[last] - t[middle]
+    gain = float(weight[last]) - _louder(middle, last, weight)
+    for first in range(middle):
+        ratio = float(flight / (t[middle] - t[first]))
+        if weight[middle] - weight[first] > LOUDER:
+            continue
+        if not LEAST < ratio < MOST or not _fits(weight[last] - weight[middle], ratio):
+            continue
+        begun = float(weight[first] + weight[middle]) - _louder(first, middle, weight)
+        longest = _Row(begun, ratio, (first, middle))
+        for row in best[first, middle]:
+            change = abs(np.log(ratio / row.ratio)) / STEADY
+            if change < 1.0 and row.weight - change * weight[last] > longest.weight:
+                longest = _Row(row.weight - change * weight[last], row.ratio, row.members)
+        rows.append(_Row(longest.weight + gain, ratio, (*longest.members, last)))
+    return rows
+
+
+def _fits(change: float, ratio: float) -> bool:
+    """Whether the level may change so [dB] when the speed falls by a ratio."""
+    softest = _STEEPEST * 20.0 * np.log10(ratio) - LOUDER
+    return bool(softest <= change <= LOUDER)
+
+
+def _louder(before: int, after: int, weight: NDArray[np.float64]) -> float:
+    """The levels of events between two impacts that are too loud for echoes of the first."""
+    between = weight[before + 1 : after]
+    return float(between[between > weight[before] + LOUDER].sum())
