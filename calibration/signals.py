@@ -14,6 +14,9 @@ from contact.quantity import InputError, nearest
 
 _TIME_NAMES = ("time", "t", "zeit")
 _LEAST_SAMPLES = 16
+_UNREADABLE = (  # what scipy raises, depending on which byte of the head is wrong
+    ValueError, TypeError, ArithmeticError, struct.error, EOFError, MemoryError, UnboundLocalError,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ def _wav(path: Path) -> Signal:
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always", wavfile.WavFileWarning)
             rate, raw = wavfile.read(path)
-    except (ValueError, struct.error, EOFError, MemoryError, UnboundLocalError) as error:
+    except _UNREADABLE as error:
         raise InputError(f"{path}: not a WAV that can be read ({error})") from None
     early = next((str(one.message) for one in said if "EOF" in str(one.message)), None)
     if early is not None:
