@@ -95,16 +95,8 @@ def _wav(path: Path) -> Signal:
 
 def _table(table: Table, rate: float | None, column: str | None) -> Signal:
     """Channels of a table: all but the column of times, or the one that is named."""
-    if rate is not None and not (math.isfinite(rate) and rate > 0):
-        raise InputError(f"--rate = {rate:g}: samples per second, such as 200000")
-    timed = next((name for name in table.columns if name.lower() in _TIME_NAMES), None)
-    if timed is None and rate is None and _counts_up(table):
-        timed = next(iter(table.columns))
-    if timed is None and rate is None:
-        raise InputError(
-            f"{table.path}: no column called 'time'; give --rate, such as --rate 200000"
-        )
-    names = [name for name in table.columns if name != timed]
+    clock = clock_of(table, rate)
+    names = [name for name in table.columns if name != clock.column]
     if column is not None:
         names = [name for name in names if name.lower() == column.lower()]
         if not names:
@@ -114,13 +106,38 @@ def _table(table: Table, rate: float | None, column: str | None) -> Signal:
     if not names:
         raise InputError(f"{table.path}: one column alone, and it holds times; no signal")
     channels = np.column_stack([table.columns[name] for name in names])
-    if rate is not None or timed is None:
-        assert rate is not None
+    return Signal(table.path, channels, tuple(names), clock.rate, clock.start, clock.remarks)
+
+
+@dataclass(frozen=True)
+class Clock:
+    """When the samples of a table were taken: rate [Hz], start [s], and the column of times."""
+
+    rate: float
+    start: float
+    column: str | None
+    remarks: tuple[str, ...]
+
+
+def clock_of(table: Table, rate: float | None) -> Clock:
+    """The clock of a table, from a rate [Hz] or from its column of times.
+
+    Raises InputError where there is neither, and where the times do not grow evenly.
+    """
+    if rate is not None and not (math.isfinite(rate) and rate > 0):
+        raise InputError(f"--rate = {rate:g}: samples per second, such as 200000")
+    timed = next((name for name in table.columns if name.lower() in _TIME_NAMES), None)
+    if rate is not None:
         unused = () if timed is None else (f"--rate was used, not the column {timed!r}",)
-        return Signal(table.path, channels, tuple(names), rate, remarks=unused)
+        return Clock(rate, 0.0, timed, unused)
+    if timed is None and _counts_up(table):
+        timed = next(iter(table.columns))
+    if timed is None:
+        raise InputError(
+            f"{table.path}: no column called 'time'; give --rate, such as --rate 200000"
+        )
     times, remarks = _times(table, timed)
-    step = (times[-1] - times[0]) / (len(times) - 1)
-    return Signal(table.path, channels, tuple(names), 1.0 / step, float(times[0]), remarks=remarks)
+    return Clock((len(times) - 1) / (times[-1] - times[0]), float(times[0]), timed, remarks)
 
 
 def _counts_up(table: Table) -> bool:

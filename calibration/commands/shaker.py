@@ -1,0 +1,86 @@
+"""The command that takes dissipated power and efficiency from a shaken enclosure's signals."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from campaign.commandline import json_option
+from contact.quantity import to_si
+
+if TYPE_CHECKING:
+    from calibration.shaker import Dissipation
+    from calibration.uncertainty import Estimate
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--empty", type=click.Path(path_type=Path), multiple=True,
+    help="Record of the enclosure without particles; once for each amplitude.",
+)  # fmt: skip
+@click.option(
+    "--frequency", type=float, multiple=True, metavar="40",
+    help="That the shaker was given, in Hz; once for each tone [default: the strongest].",
+)  # fmt: skip
+@click.option("--particle-mass", metavar='"27.9 g"', help="For the efficiency.")
+@click.option("--harmonics", type=click.IntRange(1, 50), default=5, help="Counted [default: 5].")
+@click.option("--rate", type=float, metavar="40000", help="Samples/s of tables without times.")
+@json_option
+def command(
+    file: Path, empty: tuple[Path, ...], frequency: tuple[float, ...], particle_mass: str | None,
+    harmonics: int, rate: float | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Dissipated power and efficiency from force and acceleration (thesis, eqs 7.6 to 7.12).
+
+    For example: calibrate shaker full.csv --empty empty.csv --particle-mass "27.9 g"
+    """
+    from calibration.shaker import dissipation, read_record
+
+    mass = None if particle_mass is None else to_si(particle_mass, "kg", "--particle-mass")
+    loaded, *others = (
+        read_record(path, rate=rate, frequencies=frequency, harmonics=harmonics)
+        for path in (file, *empty)
+    )
+    found = dissipation(loaded, others, mass)
+    click.echo(json.dumps(_as_json(found), indent=2) if as_json else _report(found))
+
+
+def _as_json(found: "Dissipation") -> dict[str, object]:
+    def pair(one: "Estimate | None") -> dict[str, float | None]:
+        return {"value": one and one.value, "sigma": one and one.sigma}
+
+    return {
+        "frequency_hz": found.frequency_hz,
+        "gamma": found.gamma,
+        "dissipated_power_w": pair(found.power),
+        "energy_per_cycle_j": pair(found.energy_per_cycle),
+        "efficiency": pair(found.efficiency),
+        "enclosure_mass_kg": found.enclosure_mass_kg,
+        "tones": [asdict(tone) for tone in found.tones],
+        "warnings": list(found.warnings),
+    }
+
+
+def _report(found: "Dissipation") -> str:
+    """Tones and what is made of them, as text."""
+    lines = ["tone [Hz]    force [N]    accel. [m/s2]    phase error [mrad]    power [W]"]
+    lines += [
+        f"{tone.frequency_hz:9.3f}    {tone.force_n:9.4g}    {tone.acceleration_m_s2:13.4g}    "
+        f"{1e3 * tone.phase_error_rad:8.3f} ± {1e3 * tone.phase_error_sigma:<7.3f}    "
+        f"{tone.power_w:.4g} ± {tone.sigma_w:.2g}"
+        for tone in found.tones
+    ]
+    rows = [("gamma", f"{found.gamma:.4g} g")]
+    for name, one, unit in (
+        ("dissipated power", found.power, "W"),
+        ("energy per cycle", found.energy_per_cycle, "J"),
+        ("efficiency", found.efficiency, ""),
+    ):
+        rows += [(name, f"{one.value:.5g} ± {one.sigma:.2g} {unit}")] if one is not None else []
+    if found.enclosure_mass_kg is not None:
+        rows.append(("empty enclosure", f"{found.enclosure_mass_kg:.4g} kg"))
+    lines += [f"{name:20} {value}" for name, value in rows]
+    return "\n".join([*lines, *(f"warning: {words}" for words in found.warnings)])

@@ -1,0 +1,252 @@
+"""Power that a shaken bed dissipates, from force and acceleration (thesis, eqs 7.6 to 7.12).
+
+    P = sum_k Re(F_k V_k*)/2,     V_k = A_k/(j omega_k)      (eqs 7.9 to 7.11, one-sided, k >= 1)
+    E = 2 pi P/omega,             efficiency = E/(4 V_1^2 M)  (eqs 7.7, 7.8, 6.10)
+
+The sums run over tones: each excited frequency and its harmonics. Force is that of the shaker on
+the enclosure, so that an empty one of mass m has F = m A; where the transducer points the other
+way (phase pi, as in the thesis) its sign is turned. What is left of the phase between F and A of
+the empty enclosure is the error of the measuring chain, phi(frequency, amplitude): it is taken off
+the phase of F (eq. 7.12). Sigma comes from the scatter of P over blocks of the record, with the
+cycles' own irregularity in it, and from that of phi.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.signals import clock_of
+from calibration.tables import read_table
+from calibration.tones import amplitudes, strongest, tuned
+from calibration.uncertainty import Estimate
+from contact.quantity import InputError
+
+GRAVITY = 9.81  # [m/s2]
+BLOCKS = 16  # of a record, whose scatter gives sigma
+_SAME = 0.01  # of a frequency: how far that of the empty enclosure may be from it
+_KNOWN_PHASE = 0.1  # [rad] sigma above which the empty enclosure's tone is lost in noise
+_STANDS_OUT = 10.0  # sigmas of its mean over blocks, for a tone that is shaken and not noise
+_LEAST_CYCLES = 2.0  # of the lowest tone, or the lowest difference of two, in a block
+
+
+@dataclass(frozen=True)
+class Record:
+    """Force [N] and acceleration [m/s2] at tones (k,) [Hz] in each of b blocks: (b, k) complex."""
+
+    path: Path
+    frequencies: NDArray[np.float64]
+    force: NDArray[np.complex128]
+    acceleration: NDArray[np.complex128]
+
+    @property
+    def mass(self) -> NDArray[np.complex128]:
+        """F/A (b, k) [kg]: what rides along, and the phase between them."""
+        return self.force / self.acceleration
+
+
+@dataclass(frozen=True)
+class Tone:
+    """One line of the sum: amplitudes, the phase error taken off, its power."""
+
+    frequency_hz: float
+    force_n: float
+    acceleration_m_s2: float
+    phase_error_rad: float
+    phase_error_sigma: float
+    power_w: float
+    reactive_power_w: float
+    sigma_w: float
+
+
+@dataclass(frozen=True)
+class Dissipation:
+    """The answer: gamma is A_1/g; efficiency None without a particle mass or for several tones."""
+
+    frequency_hz: float
+    gamma: float
+    power: Estimate  # [W]
+    energy_per_cycle: Estimate  # [J]
+    efficiency: Estimate | None
+    enclosure_mass_kg: float | None
+    tones: tuple[Tone, ...]
+    warnings: tuple[str, ...]
+
+
+def read_record(
+    path: str | Path,
+    *,
+    rate: float | None = None,
+    frequencies: Sequence[float] = (),
+    harmonics: int = 5,
+) -> Record:
+    """Tones in the columns 'force' and 'acceleration' of a table, their units in the head.
+
+    frequencies [Hz] are those that the shaker was given (each is tuned to the signal); without
+    any, the strongest line of the acceleration. Each is followed by its harmonics 2 to `harmonics`.
+    Raises InputError for a table without these columns, and a record too short for the tones.
+    """
+    table = read_table(path)
+    clock = clock_of(table, rate)
+    force = _finite(path, "force", table.column("force", "N"))
+    moved = _finite(path, "acceleration", table.column("acceleration", "m/s2"))
+    if not np.ptp(moved) > 0:
+        raise InputError(f"{path}: the acceleration does not change: nothing is shaken")
+    given = list(frequencies) or [strongest(moved, clock.rate)]
+    block = len(moved) // BLOCKS / clock.rate
+    for frequency in given:
+        _check(path, frequency, clock.rate, block)
+    first = [tuned(moved, clock.rate, frequency, BLOCKS) for frequency in given]
+    tones = np.array(
+        [k * f for f in first for k in range(1, harmonics + 1) if k * f < 0.5 * clock.rate]
+    )
+    apart = np.diff(np.sort(tones)).min(initial=np.inf)
+    if apart * block < _LEAST_CYCLES:
+        raise InputError(
+            f"{path}: two tones or harmonics are {apart:.3g} Hz apart; a record of "
+            f"{BLOCKS * _LEAST_CYCLES / max(apart, 1e-9):.3g} s or fewer --harmonics would do"
+        )
+    moves = amplitudes(moved, clock.rate, tones, BLOCKS)
+    for frequency in first:
+        _check_tone(path, frequency, moves[:, int(np.argmin(np.abs(tones - frequency)))])
+    return Record(Path(path), tones, amplitudes(force, clock.rate, tones, BLOCKS), moves)
+
+
+def _finite(path: str | Path, name: str, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    if not np.isfinite(x).all():
+        raise InputError(f"{path}: column {name!r}: a sample is missing or not finite")
+    return x
+
+
+def _check(path: str | Path, frequency: float, rate: float, block: float) -> None:
+    """InputError where a tone cannot be seen in the record."""
+    if not 0.0 < frequency < 0.5 * rate:
+        raise InputError(
+            f"{path}: {frequency:g} Hz: expected more than 0 and less than half the rate, "
+            f"{0.5 * rate:g} Hz"
+        )
+    if frequency * block < _LEAST_CYCLES:
+        raise InputError(
+            f"{path}: {BLOCKS * block:.3g} s hold {BLOCKS * block * frequency:.3g} cycles of "
+            f"{frequency:g} Hz; at least {BLOCKS * _LEAST_CYCLES:g}"
+        )
+
+
+def _check_tone(path: str | Path, frequency: float, moves: NDArray[np.complex128]) -> None:
+    """InputError where the blocks (b,) of the acceleration hold no steady tone."""
+    scatter = float(moves.std()) / np.sqrt(BLOCKS)
+    if abs(moves.mean()) < _STANDS_OUT * scatter:
+        raise InputError(
+            f"{path}: no steady tone of {frequency:g} Hz stands out of the acceleration's noise"
+        )
+
+
+def dissipation(
+    loaded: Record, empty: Sequence[Record] = (), particle_mass: float | None = None
+) -> Dissipation:
+    """Power, energy per cycle and efficiency of a bed, from records with and without it.
+
+    empty: of the enclosure without particles at the same frequencies, at one amplitude or several
+    (the phase error is interpolated). particle_mass [kg]. Raises InputError where it is <= 0.
+    """
+    if particle_mass is not None and not 0.0 < particle_mass < np.inf:
+        raise InputError(f"--particle-mass = {particle_mass:g} kg: expected more than 0")
+    warnings = [] if empty else ["no record of the empty enclosure: the phase error stays in"]
+    sign = np.sign(loaded.mass[:, 0].real.mean())
+    tones, totals = [], np.zeros(len(loaded.force))
+    for k, frequency in enumerate(loaded.frequencies):
+        known = _phase_error(loaded, k, empty, warnings)
+        # A tone that the empty enclosure does not have: as far off as the first one's delay makes.
+        delay = tones[0].phase_error_rad / tones[0].frequency_hz if tones else 0.0
+        error, sigma = known or (0.0, abs(delay) * frequency)
+        velocity = loaded.acceleration[:, k] / (2j * np.pi * frequency)
+        flow = 0.5 * sign * loaded.force[:, k] * np.exp(-1j * error) * velocity.conj()
+        totals += flow.real
+        tones.append(_tone(loaded, k, (error, sigma), flow))
+    phases = [tone.reactive_power_w * tone.phase_error_sigma for tone in tones]
+    scatter = float(totals.std(ddof=1)) / np.sqrt(BLOCKS)
+    power = Estimate(float(totals.mean()), float(np.hypot(scatter, np.linalg.norm(phases))), BLOCKS)
+    if power.value < -2.0 * np.hypot(scatter, np.linalg.norm(phases)):
+        warnings.append("the power is below zero: is the phase error that of this very set-up?")
+    return _with_cycle(loaded, tones, power, empty, particle_mass, warnings)
+
+
+def _tone(loaded: Record, k: int, phase: tuple[float, float], flow: NDArray[np.complex128]) -> Tone:
+    """A tone from the complex power (b,) of its blocks."""
+    mean = flow.mean()
+    scatter = flow.real.std(ddof=1) / np.sqrt(BLOCKS)
+    return Tone(
+        float(loaded.frequencies[k]),
+        float(np.abs(loaded.force[:, k]).mean()),
+        float(np.abs(loaded.acceleration[:, k]).mean()),
+        *phase,
+        float(mean.real),
+        float(mean.imag),
+        float(np.hypot(scatter, mean.imag * phase[1])),
+    )
+
+
+def _with_cycle(
+    loaded: Record,
+    tones: Sequence[Tone],
+    power: Estimate,
+    empty: Sequence[Record],
+    particle_mass: float | None,
+    warnings: Sequence[str],
+) -> Dissipation:
+    """What follows from the power: eqs 7.7, 7.8, 6.10."""
+    assert power.sigma is not None
+    first = tones[0]
+    speed = first.acceleration_m_s2 / (2.0 * np.pi * first.frequency_hz)
+
+    def scaled(factor: float) -> Estimate:
+        assert power.sigma is not None
+        return Estimate(factor * power.value, factor * power.sigma, power.trials)
+
+    per_cycle = 1.0 / first.frequency_hz
+    orders = loaded.frequencies / first.frequency_hz
+    alone = np.allclose(orders, np.round(orders), rtol=1e-6)
+    most = 4.0 * speed**2 * particle_mass if particle_mass is not None and alone else None
+    own = [abs(record.mass[:, 0].mean()) for record in empty]
+    return Dissipation(
+        first.frequency_hz,
+        first.acceleration_m_s2 / GRAVITY,
+        power,
+        scaled(per_cycle),
+        None if most is None else scaled(per_cycle / most),
+        float(np.mean(own)) if own else None,
+        tuple(tones),
+        tuple(warnings),
+    )
+
+
+def _phase_error(
+    loaded: Record, k: int, empty: Sequence[Record], warnings: list[str]
+) -> tuple[float, float] | None:
+    """Phase error [rad] of a tone and its sigma at the loaded record's amplitude; None: unknown."""
+    frequency, amplitude = loaded.frequencies[k], float(np.abs(loaded.acceleration[:, k]).mean())
+    known = []
+    for record in empty:
+        near = int(np.argmin(np.abs(record.frequencies - frequency)))
+        if abs(record.frequencies[near] - frequency) > _SAME * frequency:
+            continue
+        masses = record.mass[:, near] * np.sign(record.mass[:, 0].real.mean())
+        sigma = float(np.angle(masses / masses.mean()).std(ddof=1) / np.sqrt(BLOCKS))
+        if sigma < _KNOWN_PHASE:
+            size = float(np.abs(record.acceleration[:, near]).mean())
+            known.append((size, float(np.angle(masses.mean())), sigma))
+    if not known:
+        if empty and k == 0:
+            warnings.append(
+                f"no record of the empty enclosure at {frequency:g} Hz: the phase error stays in"
+            )
+        return None
+    sizes, errors, sigmas = np.array(sorted(known)).T
+    if not sizes[0] * 0.95 <= amplitude <= sizes[-1] * 1.05:
+        warnings.append(
+            f"{frequency:g} Hz: {amplitude:.3g} m/s2 lies outside the empty enclosure's "
+            f"{sizes[0]:.3g} to {sizes[-1]:.3g}: the nearest phase error was taken off"
+        )
+    return float(np.interp(amplitude, sizes, errors)), float(np.interp(amplitude, sizes, sigmas))
