@@ -37,7 +37,8 @@ def command(
 
     For example: calibrate shaker full.csv --empty empty.csv --particle-mass "27.9 g"
     """
-    from calibration.shaker import dissipation, read_record
+    from calibration.shaken import read_record
+    from calibration.shaker import dissipation
 
     mass = None if particle_mass is None else to_si(particle_mass, "kg", "--particle-mass")
     loaded, *others = (
@@ -50,7 +51,9 @@ def command(
 
 def _as_json(found: "Dissipation") -> dict[str, object]:
     def pair(one: "Estimate | None") -> dict[str, float | None]:
-        return {"value": one and one.value, "sigma": one and one.sigma}
+        if one is None:
+            return {"value": None, "sigma": None}
+        return {"value": one.value, "sigma": one.sigma}
 
     return {
         "frequency_hz": found.frequency_hz,

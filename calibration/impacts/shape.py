@@ -57,7 +57,6 @@ def _swing(
     x: NDArray[np.float64], one: Onset, t: NDArray[np.float64], shift: float
 ) -> NDArray[np.float64]:
     """An impact at times t (k,) in samples from its onset and a shift, over its first peak."""
-    at = np.arange(len(x))
     begin, end = (int(np.clip(one.time + side * t[-1], 0, len(x))) for side in (-2.0, 2.0))
-    samples = np.interp(one.time + shift + t, at[begin:end], x[begin:end])
+    samples = np.interp(one.time + shift + t, np.arange(begin, end), x[begin:end])
     return (samples - one.base) / one.height
