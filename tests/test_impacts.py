@@ -93,7 +93,9 @@ def test_the_channel_with_the_impacts_is_taken(tmp_path):
     assert_impacts_are(found, BOUNCES)
 
 
-@pytest.mark.parametrize(("e", "n", "flight"), [(0.3, 4, 0.4), (0.9, 12, 0.35), (0.95, 16, 0.3)])
+@pytest.mark.parametrize(
+    ("e", "n", "flight"), [(0.3, 4, 0.4), (0.9, 12, 0.35), (0.95, 16, 0.3), (0.985, 20, 0.08)]
+)
 def test_few_and_many_bounces(tmp_path, e, n, flight):
     bounces = Bounces(e, n, flight)
     found = measure_impacts(wav(tmp_path, Room(length=5.0), bounces))
@@ -165,6 +167,16 @@ def test_a_row_of_echoes_is_not_the_impacts():
     times = np.sort(np.concatenate([impacts, impacts + 0.06]))
     levels = np.where(np.isin(times, impacts), 30.0, 31.0)
     assert times[bouncing(times, levels)] == pytest.approx(impacts)
+
+
+def test_the_last_echo_is_no_impact():
+    """It comes where the next flight would end, but all impacts have it: 131 ms after each."""
+    impacts = Bounces(0.8, 6).times
+    echoes = impacts + 0.8 * (impacts[-1] - impacts[-2])
+    times = np.concatenate([impacts, echoes])
+    levels = np.concatenate([np.linspace(40, 30, 6), np.linspace(34, 24, 6)])
+    order = np.argsort(times)
+    assert times[order][bouncing(times[order], levels[order])] == pytest.approx(impacts)
 
 
 def test_drop_height_gives_the_first_restitution(tmp_path):

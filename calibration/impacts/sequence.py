@@ -11,11 +11,14 @@ echoes repeats that of the impacts a little later: of two such rows the earlier 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-STEADY = 0.15  # the largest change of ln(e) from one pair of flights to the next
+STEADY = 0.1  # the largest change of ln(e) from one pair of flights to the next, and
+YIELDING = 0.25  # this part of ln(e): e ~ v^(-1/4) where a contact yields (Johnson 1985, sec. 11.5)
 LOUDER = 6.0  # [dB] that an impact may be louder than the one before, on another spot
 _STEEPEST = 3.0  # largest power of the impact speed with which the amplitude goes
 LEAST, MOST = 0.05, 1.0  # of a ratio of two flights that is taken for a restitution
 _SAME = 0.03  # of the shortest flight: how far an echo's row may be from the impacts' in step
+_CHANCE = 5e-3  # below which events in step are echoes, and not there by chance
+_NEAR = 2e-3  # [s] how far echoes may be from in step with their impacts
 _MOST_CANDIDATES = 60  # the strongest; the search takes the cube of it
 
 
@@ -26,6 +29,40 @@ def bouncing(times: ArrayLike, levels: ArrayLike) -> list[int]:
     """
     kept = np.sort(np.argsort(levels)[::-1][:_MOST_CANDIDATES])
     t, weight = np.asarray(times, float)[kept], np.asarray(levels, float)[kept]
+    while True:
+        row = _earliest(_heaviest(t, weight), t)
+        echo = next((k for k in row if _is_echo(k, row, t, weight)), None)
+        if echo is None:
+            return [int(kept[k]) for k in row]
+        kept, t, weight = (np.delete(of_all, echo) for of_all in (kept, t, weight))
+
+
+def _is_echo(
+    member: int, row: list[int], t: NDArray[np.float64], weight: NDArray[np.float64]
+) -> bool:
+    """Whether a member follows another as weaker events follow others, more often than by chance.
+
+    Flights shrink and never repeat; the way by a wall is as long for every impact.
+    """
+    from scipy.stats import binom
+
+    outside = ~np.isin(np.arange(len(t)), row)  # flights near e = 1 are nearly in step themselves
+    chance = min(1.0, 2.0 * _NEAR * len(t) / (t[-1] - t[0]))  # of an event at a given time
+    for source in row[: row.index(member)]:
+        delay = t[member] - t[source]
+        others = [k for k in row if k not in (member, source) and t[k] + delay < t[-1] + _NEAR]
+        followed = [
+            k for k in others
+            if (outside & (np.abs(t - t[k] - delay) < _NEAR) & (weight < weight[k])).any()
+        ]  # fmt: skip
+        by_chance = binom.sf(len(followed) - 1, len(others), chance)
+        if weight[member] < weight[source] and by_chance < _CHANCE:
+            return True
+    return False
+
+
+def _heaviest(t: NDArray[np.float64], weight: NDArray[np.float64]) -> list[int]:
+    """The row with the largest sum of levels: see the head of this file."""
     best: dict[tuple[int, int], list[_Row]] = {}
     found = _Row(0.0, 0.0, ())
     for last in range(len(t)):
@@ -33,7 +70,7 @@ def bouncing(times: ArrayLike, levels: ArrayLike) -> list[int]:
             rows = _rows_that_end(middle, last, t, weight, best)
             best[middle, last] = rows
             found = max([found, *rows], key=lambda row: row.weight)
-    return [int(kept[k]) for k in _earliest(list(found.members), t)]
+    return list(found.members)
 
 
 def _earliest(row: list[int], t: NDArray[np.float64]) -> list[int]:
@@ -79,7 +116,7 @@ def _rows_that_end(
         begun = float(weight[first] + weight[middle]) - _louder(first, middle, weight)
         longest = _Row(begun, ratio, (first, middle))
         for row in best[first, middle]:
-            change = abs(np.log(ratio / row.ratio)) / STEADY
+            change = abs(np.log(ratio / row.ratio)) / (STEADY - YIELDING * np.log(ratio))
             if change < 1.0 and row.weight - change * weight[last] > longest.weight:
                 longest = _Row(row.weight - change * weight[last], row.ratio, row.members)
         rows.append(_Row(longest.weight + gain, ratio, (*longest.members, last)))
