@@ -7,7 +7,15 @@ import click
 from campaign.commandline import run_app
 
 # name: module of calibration.commands, what it does; loaded when it is called or asked for help
-_COMMANDS: dict[str, str] = {}
+_COMMANDS: dict[str, str] = {
+    "incline": "incline",
+    "slide": "slide",
+    "compression": "compression",
+    "interface": "interface",
+    "roughness": "roughness",
+    "density": "density",
+    "published": "published",
+}
 
 
 class Lazy(click.Group):

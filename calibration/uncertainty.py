@@ -69,18 +69,35 @@ def student(freedom: int) -> float:
 
 def pooled(groups: Mapping[str, Sequence[float]]) -> Pooled:
     """The mean over the trials of all groups; see Pooled for what counts once."""
-    from scipy.stats import f_oneway
+    return pooled_summaries({name: of_trials(values) for name, values in groups.items()})
 
-    each = {name: of_trials(values) for name, values in groups.items()}
-    whole = of_trials([value for values in groups.values() for value in values])
-    several = len(groups) > 1 and any(len(values) > 1 for values in groups.values())
-    if not several or not any(one.scatter for one in each.values()):
-        return Pooled(whole, each, None)
-    found = Pooled(whole, each, float(f_oneway(*groups.values()).pvalue))
+
+def pooled_summaries(groups: Mapping[str, Estimate]) -> Pooled:
+    """The same from each group's mean, scatter and trials, which are all that it depends on.
+
+    One-way analysis of variance: the sum of squares about the mean of all is that within the
+    groups and that between them. A group without a scatter has one trial.
+    """
+    from scipy.stats import f
+
+    ones = list(groups.values())
+    n, k = sum(one.trials for one in ones), len(ones)
+    mean = math.fsum(one.trials * one.value for one in ones) / n
+    within = math.fsum((one.trials - 1) * (one.scatter or 0.0) ** 2 for one in ones)
+    between = math.fsum(one.trials * (one.value - mean) ** 2 for one in ones)
+    if n == 1:
+        return Pooled(ones[0], dict(groups), None)
+    scatter = math.sqrt((within + between) / (n - 1))
+    whole = Estimate(mean, student(n - 1) * scatter / math.sqrt(n), n, scatter)
+    if k == 1 or n == k or within == 0:
+        return Pooled(whole, dict(groups), None)
+    p = float(f.sf(between / (k - 1) / (within / (n - k)), k - 1, n - k))
+    found = Pooled(whole, dict(groups), p)
     if found.alike:
         return found
-    mean = of_trials([one.value for one in each.values()])
-    return replace(found, all=replace(whole, value=mean.value, sigma=mean.sigma))
+    each_once = of_trials([one.value for one in ones])
+    counted = replace(whole, value=each_once.value, sigma=each_once.sigma)
+    return Pooled(counted, dict(groups), p)
 
 
 def through(formula: Callable[..., float], *known: Estimate) -> Estimate:
