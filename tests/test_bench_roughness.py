@@ -76,7 +76,7 @@ def test_paths_by_particle_and_in_any_order(tmp_path):
     z = np.where(particle == "smooth", 1.0, 9.0) * np.sin(2 * np.pi * x / 1e-4)
     table = write(tmp_path / "p.csv", "x_mm;z_um;particle;path", [1e3 * x, z, particle, path])
     found = calibrate("roughness", table, "--trial", "path", "--group", "particle", "--json").json
-    groups = found["groups"]
+    groups = found["ra_m"]["groups"]
     assert groups["smooth"]["value"] == pytest.approx(2e-6 / math.pi, rel=0.01)
     assert groups["rough"]["value"] == pytest.approx(18e-6 / math.pi, rel=0.01)
     assert [one["trials"] for one in groups.values()] == [2, 2]

@@ -16,7 +16,7 @@ def test_friction_is_the_tangent_of_the_angle_of_slip(tmp_path):
     tilt = write(tmp_path / "t.csv", "angle_deg", [[20.0, 25.0, 30.0]])
     found = calibrate("incline", tilt, "--json").json
     mu = [math.tan(math.radians(a)) for a in (20, 25, 30)]
-    assert [one["value"] for one in found["per_trial"]] == pytest.approx(mu, rel=1e-14)
+    assert [one["value"] for one in found["friction"]["per_trial"]] == pytest.approx(mu, rel=1e-14)
     assert found["friction"]["value"] == pytest.approx(np.mean(mu), rel=1e-14)
     assert found["friction"]["scatter"] == pytest.approx(np.std(mu, ddof=1), rel=1e-12)
 
@@ -31,7 +31,7 @@ def test_heights_and_length_give_the_angle_they_were_made_from(tmp_path, along, 
     ).json
     assert found["friction"]["value"] == pytest.approx(math.tan(0.36), rel=1e-12)
     assert found["friction"]["sigma"] is None  # one trial, and no reading has an uncertainty
-    assert f"along the {along}" in found["remarks"][0]
+    assert f"along the {along}" in found["friction"]["remarks"][0]
 
 
 def test_what_all_trials_share_is_no_smaller_for_many_trials(tmp_path):
@@ -40,7 +40,7 @@ def test_what_all_trials_share_is_no_smaller_for_many_trials(tmp_path):
     found = calibrate("incline", table, "--instrument", "angle=0.5 deg", "--json").json
     expected = math.radians(0.5) / math.cos(math.radians(20)) ** 2
     assert found["friction"]["sigma"] == pytest.approx(expected, rel=1e-3)
-    assert found["sigma_shared"]["angle"] == pytest.approx(expected, rel=1e-3)
+    assert found["friction"]["sigma_shared"]["angle"] == pytest.approx(expected, rel=1e-3)
 
 
 def test_a_reading_is_the_sigma_of_a_single_trial(tmp_path):
@@ -72,9 +72,9 @@ def test_pairings_are_told_apart_and_tested(tmp_path):
     angles = [20.0, 20.2, 19.8, 20.1, 25.0, 25.1, 24.9, 25.2]
     table = write(tmp_path / "t.csv", "pairing;angle_deg", [pairings, angles])
     found = calibrate("incline", table, "--json").json
-    assert list(found["groups"]) == ["a", "b"]
-    assert found["groups_alike"] is False
-    assert found["groups"]["a"]["trials"] == 4
+    assert list(found["friction"]["groups"]) == ["a", "b"]
+    assert found["friction"]["groups_alike"] is False
+    assert found["friction"]["groups"]["a"]["trials"] == 4
     said = calibrate("incline", table).out
     assert "the groups differ: each counts once (analysis of variance: p =" in said
 
@@ -85,13 +85,13 @@ def test_markers_of_table_1_within_the_rounding_of_their_displacements():
     """
     found = calibrate("interface", MARKERS, "--group", "surface", "--json").json
     lines = [line for line in MARKERS.read_text().splitlines() if line[:4] in ("flat", "roug")]
-    for line, one in zip(lines, found["per_trial"], strict=True):
+    for line, one in zip(lines, found["kt_over_kn"]["per_trial"], strict=True):
         dx_t, dx_n, sigma_t, sigma_n, _, _, printed = (abs(float(v)) for v in line.split(",")[2:])
         assert one["value"] == pytest.approx(sigma_t / sigma_n * dx_n / dx_t, rel=1e-12)
         low = sigma_t / sigma_n * (dx_n - 0.005) / (dx_t + 0.005) - 0.005
         high = sigma_t / sigma_n * (dx_n + 0.005) / (dx_t - 0.005) + 0.005
         assert low <= printed <= high, line
-    flat, rough = found["groups"]["flat"], found["groups"]["rough"]
+    flat, rough = found["kt_over_kn"]["groups"]["flat"], found["kt_over_kn"]["groups"]["rough"]
     assert (round(flat["value"], 2), round(flat["scatter"], 2)) == (0.28, 0.09)
     assert (round(rough["value"], 3), round(rough["scatter"], 2)) == (0.065, 0.04)
 
@@ -132,7 +132,7 @@ def test_a_row_with_an_empty_field_is_left_out_and_told(tmp_path):
     table = write(tmp_path / "t.csv", "mass_g;volume_cm3", [[2.7, "", 2.8], [6.0, 6.0, 6.0]])
     found = calibrate("density", table, "--json").json
     assert found["density_kg_m3"]["trials"] == 2
-    assert "1 of 3 rows left out" in found["remarks"][0]
+    assert "1 of 3 rows left out" in found["density_kg_m3"]["remarks"][0]
 
 
 @pytest.mark.parametrize(

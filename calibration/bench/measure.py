@@ -37,8 +37,7 @@ class Result:
 
     def as_json(self) -> dict[str, Any]:
         """The keys of docs/calibration-bench.md."""
-        return {
-            self.key: asdict(self.pooled.all),
+        whole = asdict(self.pooled.all) | {
             "groups": {name: asdict(one) for name, one in self.pooled.groups.items()},
             "groups_alike": self.pooled.alike,
             "groups_p": self.pooled.p,
@@ -48,7 +47,8 @@ class Result:
                 for name, group, one in self.trials
             ],
             "remarks": list(self.remarks),
-        } | self.details
+        }
+        return {self.key: whole} | self.details
 
 
 def measure(

@@ -77,7 +77,7 @@ def _without_circle(x: NDArray[np.float64], z: NDArray[np.float64]) -> NDArray[n
         c = 0 is a straight line: written so that nothing is divided by c.
         """
         c, s, z0 = p
-        at, here = np.sqrt(1 - s**2), np.sqrt(np.maximum(1 - (c * u + s) ** 2, 0))
+        at, here = (np.sqrt(np.maximum(1 - w**2, 0)) for w in (s, c * u + s))
         return z0 + u * (c * u + 2 * s) / (at + here)
 
     begin = [2 * bend, slope / np.hypot(1, slope), offset]

@@ -84,7 +84,6 @@ def _show(results: "list[Result]", as_json: bool, quiet: bool) -> None:
     from calibration.bench.report import as_text, values
 
     if as_json:
-        first, *others = (result.as_json() for result in results)
-        click.echo(json.dumps(first | {"also": others}, indent=2))
+        click.echo(json.dumps({k: v for r in results for k, v in r.as_json().items()}, indent=2))
     else:
         click.echo(values(results) if quiet else as_text(results))
