@@ -15,6 +15,8 @@ _COMMANDS: dict[str, str] = {
     "roughness": "roughness",
     "density": "density",
     "published": "published",
+    "damping": "damping",
+    "report": "report",
 }
 
 
