@@ -36,14 +36,14 @@ def rows(text: str, where: str) -> list[Row]:
 
 def number(field: str) -> float | None:
     """The number that a field holds, with a decimal point or comma; NaN where it is empty."""
-    if field.lower() in _MISSING:
-        return float("nan")
     if "_" in field:  # which float takes for a thousand's mark
         return None
     try:
-        return float(field.replace(",", ".") if _DECIMAL_COMMA.fullmatch(field) else field)
+        return float(field)
     except ValueError:
-        return None
+        if field.lower() in _MISSING:
+            return float("nan")
+        return float(field.replace(",", ".")) if _DECIMAL_COMMA.fullmatch(field) else None
 
 
 def name_and_unit(field: str) -> tuple[str, str]:
@@ -114,15 +114,22 @@ def _separator(lines: Sequence[str]) -> str:
 def _fields(line: str, separator: str, where: str, number: int) -> list[str]:
     if not separator:
         return [field.strip('"').strip() for field in _SPACED_FIELD.findall(line)]
+    if '"' not in line:
+        return [part.strip() for part in line.split(separator)]
+    return _quoted(line, separator, f"{where}: line {number}")
+
+
+def _quoted(line: str, separator: str, where: str) -> list[str]:
+    """The fields of a line in which quotes may hold separators."""
     try:
         parts = next(csv.reader([line], delimiter=separator, skipinitialspace=separator in ",;"))
     except csv.Error as error:
-        raise InputError(f"{where}: line {number}: {error}") from None
+        raise InputError(f"{where}: {error}") from None
     parts = [part.strip() for part in parts]
     unclear = next((p for p in parts if separator == "," and _DECIMAL_COMMA.fullmatch(p)), None)
     if unclear is not None:
         raise InputError(
-            f"{where}: line {number}: {unclear!r}: a comma in quotes may be decimal or mark "
+            f"{where}: {unclear!r}: a comma in quotes may be decimal or mark "
             "thousands; separate the fields by semicolons, or write decimal points"
         )
     return parts

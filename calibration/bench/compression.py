@@ -123,8 +123,8 @@ def _contact_stiffness(
     used = (modulus(first).value, *(float(first[name][0]) for name in _CONTACT))
     if np.allclose(used, _PAPER, rtol=1e-6):
         remarks.append(
-            f"the paper prints {_PAPER_KN / 1e3:.3g} N/mm for these E, A and L (sec. 3.2.1); "
-            f"E A/L is {used[0] * used[1] / used[2] / 1e3:.3g} N/mm"
+            f"the paper prints {_PAPER_KN / 1e3:.0f} N/mm for these E, A and L (sec. 3.2.1); "
+            f"E A/L is {used[0] * used[1] / used[2] / 1e3:.0f} N/mm"
         )
     return measure(
         sections, kn, what, key="kn_n_per_m", name="normal stiffness kn = E A/L",
@@ -140,7 +140,7 @@ def _given(what: Asked) -> Section:
 
 
 def _modulus_given(columns: Columns) -> Estimate:
-    return Estimate(_positive(columns, "modulus"), None, 1)
+    return Estimate(_positive(columns, "modulus"), None, 0)  # nobody said of how many trials
 
 
 def _positive(columns: Columns, name: str) -> float:

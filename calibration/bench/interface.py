@@ -18,20 +18,33 @@ INPUTS = (
     Input("dx_n", "m", "displacement across it"),
     Input("sigma_t", "Pa", "shear stress"),
     Input("sigma_n", "Pa", "normal stress"),
+    Input("kn", "N/m", "normal stiffness, a constant, where kt is wanted"),
 )
+_READ = [one.name for one in INPUTS[:4]]
 
 
 def stiffness_ratio(files: Sequence[str | Path], what: Asked) -> list[Result]:
-    """kt/kn, one row a marker."""
+    """kt/kn, one row a marker; and kt where kn is given."""
     sections, remarks = rows(files, INPUTS, what)
-    names = [one.name for one in INPUTS]
     for section in sections:
-        need(section, [names], INPUTS)
+        need(section, [_READ], INPUTS)
 
-    def evaluate(columns: Columns) -> Estimate:
-        dx_t, dx_n, sigma_t, sigma_n = (abs(float(columns[name][0])) for name in names)
-        if dx_t == 0 or sigma_n == 0:
-            raise InputError(f"dx_t = {dx_t:g} m, sigma_n = {sigma_n:g} Pa: neither may be 0")
-        return Estimate(sigma_t / sigma_n * dx_n / dx_t, None, 1)
+    def kt(columns: Columns) -> Estimate:
+        return Estimate(_ratio(columns).value * float(columns["kn"][0]), None, 1)
 
-    return [measure(sections, evaluate, what, key="kt_over_kn", name="kt/kn", remarks=remarks)]
+    results = [measure(sections, _ratio, what, key="kt_over_kn", name="kt/kn", remarks=remarks)]
+    if "kn" in what.constants:
+        results.append(
+            measure(
+                sections, kt, what,
+                key="kt_n_per_m", name="tangential stiffness kt", si="N/m", unit="N/mm",
+            )
+        )  # fmt: skip
+    return results
+
+
+def _ratio(columns: Columns) -> Estimate:
+    dx_t, dx_n, sigma_t, sigma_n = (abs(float(columns[name][0])) for name in _READ)
+    if dx_t == 0 or sigma_n == 0:
+        raise InputError(f"dx_t = {dx_t:g} m, sigma_n = {sigma_n:g} Pa: neither may be 0")
+    return Estimate(sigma_t / sigma_n * dx_n / dx_t, None, 1)

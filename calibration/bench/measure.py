@@ -62,7 +62,8 @@ def measure(
     for one, sigma in what.shared.items():
         if all(one in section.columns for section in sections):
             slopes = [_half_difference(section, evaluate, one, sigma) for section in sections]
-            found, shared[one] = _widened(found, sections, slopes)
+            if any(slopes):  # not an input that only another result of the method needs
+                found, shared[one] = _widened(found, sections, slopes)
     trials = tuple((s.name, s.group, v) for s, v in zip(sections, values, strict=True))
     return Result(key, name, si, unit, found, trials, shared, tuple(remarks))
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from calibration.bench.measure import Result
+from calibration.quantity import plus_minus
 from calibration.uncertainty import Estimate
 from contact.quantity import to_si
 
@@ -48,17 +49,13 @@ def _lines(result: Result) -> list[str]:
 
 
 def value(one: Estimate, scale: float = 1.0) -> str:
-    """A value and its sigma, as many digits as two of sigma's ask for."""
-    if one.sigma is None or one.sigma == 0:
-        return f"{one.value / scale:.4g}"
-    sigma = one.sigma / scale
-    decimals = max(0, 1 - int(f"{sigma:e}".split("e")[1]))
-    if decimals > 6:
-        return f"{one.value / scale:.4g} +- {sigma:.2g}"
-    return f"{one.value / scale:.{decimals}f} +- {sigma:.{decimals}f}"
+    """A value and its sigma in a unit of `scale` SI units."""
+    return plus_minus(one.value / scale, None if one.sigma is None else one.sigma / scale)
 
 
 def _trials(one: Estimate, scale: float) -> str:
+    if not one.trials:
+        return "from constants"
     if one.scatter is None:
         return "1 trial" if one.trials == 1 else f"{one.trials} trials"
     share = f" ({100 * one.scatter / abs(one.value):.0f} %)" if one.value else ""

@@ -1,6 +1,5 @@
 """Tables cut into trials: the inputs of each, in SI, its group, and where it was written."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.quantity import measured_quantity
 from calibration.tables import Table, read_table
 from contact.quantity import InputError, nearest, to_si
 
 Columns = Mapping[str, NDArray[np.float64]]
 
 _GROUPS = ("group", "pairing")  # columns that tell groups apart unless another is asked for
-_PLUS_MINUS = re.compile(r"\s*(?:\+-|\+/-|±)\s*")
 
 
 class Input(NamedTuple):
@@ -43,6 +42,7 @@ class Asked:
     shared      {input: sigma} of what all trials share: an instrument, a constant
     single      {input: sigma} of what differs from trial to trial: a reading
     group       the column that tells groups apart, None for "group" or "pairing" if there is one
+    only        the one group to be evaluated, None for all
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -50,6 +50,7 @@ class Asked:
     shared: Mapping[str, float] = field(default_factory=dict)
     single: Mapping[str, float] = field(default_factory=dict)
     group: str | None = None
+    only: str | None = None
 
 
 def asked(
@@ -59,6 +60,7 @@ def asked(
     instruments: Sequence[str] = (),
     readings: Sequence[str] = (),
     group: str | None = None,
+    only: str | None = None,
 ) -> Asked:
     """The options "load=Force [kN]", "length=300 mm +- 1 mm", "angle=0.5 deg", read.
 
@@ -67,17 +69,17 @@ def asked(
     units = {one.name: one.unit for one in inputs}
     values, shared = {}, {}
     for name, text in _pairs(constants, units, "--constant"):
-        value, *sigma = _PLUS_MINUS.split(text, maxsplit=1)
-        values[name] = to_si(value, units[name], f"--constant {name}")
-        if sigma:
-            shared[name] = _sigma(sigma[0], units[name], values[name], f"--constant {name}")
+        known = measured_quantity(text, units[name], f"--constant {name}")
+        values[name] = known.value
+        if known.sigma is not None:
+            shared[name] = known.sigma
     for name, text in _pairs(instruments, units, "--instrument"):
-        shared[name] = _sigma(text, units[name], values.get(name), f"--instrument {name}")
+        shared[name] = _sigma(text, units[name], f"--instrument {name}")
     single = {
-        name: _sigma(text, units[name], None, f"--reading {name}")
+        name: _sigma(text, units[name], f"--reading {name}")
         for name, text in _pairs(readings, units, "--reading")
     }
-    return Asked(dict(_pairs(columns, units, "--column")), values, shared, single, group)
+    return Asked(dict(_pairs(columns, units, "--column")), values, shared, single, group, only)
 
 
 def _pairs(
@@ -92,12 +94,8 @@ def _pairs(
         yield name, value
 
 
-def _sigma(text: str, unit: str, value: float | None, where: str) -> float:
-    """An uncertainty; of a known value it may be a share, "7 %"."""
-    if value is not None and text.endswith("%"):
-        sigma = to_si(text, "1", where) * abs(value)
-    else:
-        sigma = to_si(text, unit, where)
+def _sigma(text: str, unit: str, where: str) -> float:
+    sigma = to_si(text, unit, where)
     if sigma < 0:
         raise InputError(f"{where} = {text!r}: an uncertainty is not negative")
     return sigma
@@ -116,7 +114,7 @@ def rows(
             name = f"line {table.lines[k]}" + (f" of {table.path.name}" if several else "")
             one = {key: values[k : k + 1] for key, values in columns.items()}
             sections.append(Section(groups[k], name, one))
-    return sections, remarks
+    return _chosen(sections, what.only), remarks
 
 
 def curves(
@@ -137,7 +135,17 @@ def curves(
             if chosen.any():
                 one = {key: values[chosen] for key, values in columns.items()}
                 sections.append(Section(*label, one))
-    return sections, remarks
+    return _chosen(sections, what.only), remarks
+
+
+def _chosen(sections: list[Section], only: str | None) -> list[Section]:
+    if only is None:
+        return sections
+    kept = [section for section in sections if section.group == only]
+    if not kept:
+        there = dict.fromkeys(section.group for section in sections)
+        raise InputError(f"--only {only}: no such group; {nearest(only, there)}")
+    return kept
 
 
 def _tables(

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from calibration.bench.sections import Asked
 
 
-@bench_command(INPUTS, files=False)
+@bench_command(INPUTS, {"kn": "kn_n_per_m", "youngs_modulus": "youngs_modulus_pa"}, files=False)
 @trial_option
 @click.option(
     "--range",

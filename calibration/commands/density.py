@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from calibration.bench.sections import Asked
 
 
-@bench_command(INPUTS)
+@bench_command(INPUTS, {"density": "density_kg_m3"})
 def command(files: tuple[str, ...], what: "Asked") -> "list[Result]":
     """Density, mass over volume, from masses and sizes; a row a particle.
 

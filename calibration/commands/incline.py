@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from calibration.bench.sections import Asked
 
 
-@bench_command(INPUTS)
+@bench_command(INPUTS, {"friction": "friction"})
 @click.option(
     "--length-along", "along", type=click.Choice(["slope", "base"]), default="slope",
     help="Where L was measured [default: slope, sin(alpha) = |H1 - H2|/L].",

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from calibration.bench.sections import Asked
 
 
-@bench_command(INPUTS)
+@bench_command(INPUTS, {"kt": "kt_n_per_m"})
 def command(files: tuple[str, ...], what: "Asked") -> "list[Result]":
     """kt/kn = (sigma_t/sigma_n) (dx_n/dx_t) of displacements and stresses, eq. 3.3; a row a marker.
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from calibration.bench.sections import Asked
 
 
-@bench_command(INPUTS)
+@bench_command(INPUTS, {})
 @trial_option
 @click.option(
     "--form", type=click.Choice(FORMS), default="line",

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from calibration.bench.sections import Asked
 
 
-@bench_command(INPUTS)
+@bench_command(INPUTS, {"gamma_t": "gamma_t_per_s"})
 @trial_option
 @click.option(
     "--start", type=click.Choice(["rest", "any"]), default="rest",
