@@ -24,6 +24,20 @@ class Cycle:
     points: int
 
 
+def oriented(
+    displacement: NDArray[np.float64], load: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Both with compression positive, (n,) each: some machines write it negative.
+
+    The larger loads are compression, and the specimen is shorter at the highest than at the lowest.
+    """
+    if -np.min(load) > np.max(load):
+        load = -load
+    if displacement[np.argmax(load)] < displacement[np.argmin(load)]:
+        displacement = -displacement
+    return displacement, load
+
+
 def unloadings(load: NDArray[np.float64], least: float) -> list[tuple[int, int]]:
     """(first, last) of every fall of the load [N], (n,), from a peak to the lowest before the next.
 
@@ -55,9 +69,10 @@ def unloading_stiffness(
 ) -> list[Cycle]:
     """Every cycle's slope dF/dx between `upper` and `lower` shares of the fall of its load.
 
-    Load in N and displacement in m, (n,), in the order in which they were measured. Raises
+    Signs as in `oriented`. Load in N and displacement in m, (n,), in the order in which they were measured. Raises
     InputError where no load falls, or too few points lie in the range.
     """
+    displacement, load = oriented(displacement, load)
     found = []
     for first, last in unloadings(load, least):
         x, force = displacement[first : last + 1], load[first : last + 1]
@@ -90,8 +105,8 @@ def line(x: NDArray[np.float64], y: NDArray[np.float64]) -> Estimate:
     xx, yy, xy = dx @ dx, dy @ dy, dx @ dy
     if xy <= 0:
         raise InputError(
-            "the load does not fall with the displacement; compression and displacement are both "
-            "positive, in the order in which they were measured"
+            "the displacement does not fall with the load; both stand in the order in which they "
+            "were measured"
         )
     r2 = min(xy**2 / (xx * yy), 1.0)
     slope = np.sqrt(yy / xx)

@@ -33,11 +33,16 @@ def _lines(result: Result) -> list[str]:
     scale = _scale(result)
     lines = [_title(result)]
     shown = result.trials[:_MOST_TRIALS] if len(result.trials) > 1 else ()
-    width = max([8, *(len(f"{group}, {name}") for name, group, _ in shown)])
-    lines += [f"  {f'{group}, {name}':{width}}  {value(v, scale)}" for name, group, v in shown]
+    several = len(result.pooled.groups) > 1
+    names = [f"{group}, {name}" if several else name for name, group, _ in shown]
+    width = max(map(len, [*names, *result.pooled.groups, "all"]))
+    lines += [
+        f"  {name:{width}}  {value(one, scale)}"
+        for name, (_, _, one) in zip(names, shown, strict=True)
+    ]
     if len(result.trials) > len(shown) > 0:
         lines.append(f"  ... and {len(result.trials) - len(shown)} more")
-    if len(result.pooled.groups) > 1:
+    if several:
         lines += [
             f"  {name:{width}}  {value(one, scale)}, {_trials(one, scale)}"
             for name, one in result.pooled.groups.items()
@@ -50,7 +55,9 @@ def _lines(result: Result) -> list[str]:
 
 def value(one: Estimate, scale: float = 1.0) -> str:
     """A value and its sigma in a unit of `scale` SI units."""
-    return plus_minus(one.value / scale, None if one.sigma is None else one.sigma / scale)
+    if not one.sigma:
+        return f"{one.value / scale:.4g}"
+    return plus_minus(one.value / scale, one.sigma / scale)
 
 
 def _trials(one: Estimate, scale: float) -> str:
