@@ -69,8 +69,8 @@ def unloading_stiffness(
 ) -> list[Cycle]:
     """Every cycle's slope dF/dx between `upper` and `lower` shares of the fall of its load.
 
-    Signs as in `oriented`. Load in N and displacement in m, (n,), in the order in which they were measured. Raises
-    InputError where no load falls, or too few points lie in the range.
+    Signs as in `oriented`. Load in N and displacement in m, (n,), in the order in which they were
+    measured. Raises InputError where no load falls, or too few points lie in the range.
     """
     displacement, load = oriented(displacement, load)
     found = []
