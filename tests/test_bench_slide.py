@@ -67,6 +67,18 @@ def test_friction_while_sliding_comes_from_the_curve_and_the_slope(tmp_path):
     assert found["gamma_t_per_s"]["remarks"] == []
 
 
+def test_a_single_run_has_the_sigma_of_its_fit(tmp_path):
+    """The diagonal of the covariance: v0, gamma_t."""
+    v = V0 * (1 - np.exp(-GAMMA * TIME)) + np.random.default_rng(8).normal(0, 0.01, 90)
+    table = write(tmp_path / "run.csv", "time_s;velocity_m_s", [TIME, v])
+    found = calibrate("slide", table, "--json").json
+    _, covariance = fit(TIME, v, "rest")
+    for key, variance in zip(
+        ("terminal_velocity_m_s", "gamma_t_per_s"), np.diag(covariance), strict=True
+    ):
+        assert found[key]["sigma"] == pytest.approx(math.sqrt(variance), rel=1e-9)
+
+
 def test_terminal_velocity_gives_the_paper_its_gamma_at_30_degrees():
     """Eq. 3.11c with v0 = 0.43 m/s and mu = 0.43: 2.91 1/s at 30 deg (printed 3.0 +- 0.5)."""
     assert of_terminal_velocity(0.43, math.pi / 6, 0.43) == pytest.approx(2.91, abs=0.005)
