@@ -152,13 +152,16 @@ def _all_numbers(fields: tuple[str, ...], where: str) -> NDArray[np.float64] | N
 def _text(path: Path) -> str:
     """What a file says, in UTF-8, UTF-16 with its mark, or the older code of Windows."""
     try:
-        if path.stat().st_size > _MOST_BYTES:
-            raise InputError(f"{path}: larger than {_MOST_BYTES >> 20} MiB")
-        data = path.read_bytes()
+        if path.is_char_device() or path.is_block_device():  # without an end
+            raise InputError(f"{path}: not a file")
+        with path.open("rb") as file:
+            data = file.read(_MOST_BYTES + 1)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError:  # a name that no file can have
         raise InputError(f"{str(path)!r}: cannot be read (no such name)") from None
+    if len(data) > _MOST_BYTES:
+        raise InputError(f"{path}: larger than {_MOST_BYTES >> 20} MiB")
     wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
     for encoding in ("utf-16",) if wide else ("utf-8-sig", "cp1252"):
         try:

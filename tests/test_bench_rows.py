@@ -140,7 +140,8 @@ def test_a_row_with_an_empty_field_is_left_out_and_told(tmp_path):
     [
         ("incline", "angle", [20], [], "the unit is missing; write it into the head"),
         ("incline", "angle_deg", [95], [], "line 2: angle = 95 deg: takes 0 to below 90 deg"),
-        ("incline", "tilt_deg", [20], [], "this needs the columns angle [rad] or h1 [m], h2"),
+        ("incline", "tilt_deg", [20], [], "it has tilt_deg; say which is which: --column 'angle"),
+        ("incline", "h1_mm", [20], [], "this needs the columns angle [rad] or h1 [m], h2"),
         ("incline", "angle_deg", [20], ["--group", "pair"], "no column 'pair'"),
         ("incline", "angle_deg", ["steep"], [], "no column of numbers"),
         ("incline", "angle_deg;n", ["x", 1], [], "line 2: angle_deg = 'x' is no number"),

@@ -167,6 +167,12 @@ def test_a_missing_column_unit_or_number_is_told_with_what_would_do(tmp_path):
         table.column("x", "N")
 
 
+def test_a_device_is_no_file():
+    """It may have no end: /dev/zero would fill the memory."""
+    with pytest.raises(InputError, match="/dev/null: not a file"):
+        read_table("/dev/null")
+
+
 def test_there_is_no_table_where_there_is_no_file(tmp_path):
     for path in (tmp_path / "no.csv", tmp_path, "a\0b"):
         with pytest.raises(InputError, match="cannot be read"):

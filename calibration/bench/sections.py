@@ -161,11 +161,16 @@ def _tables(
                 columns[one.name] = np.full(n, what.constants[one.name])
             elif table.has(one.name, one.unit):
                 columns[one.name] = table.column(one.name, one.unit)
+        if not columns:
+            raise InputError(
+                f"{path}: none of the columns {', '.join(one.name for one in inputs)}; it has "
+                f"{', '.join(table.texts)}; say which is which: --column '{inputs[0].name}=HEAD'"
+            )
         kept = np.ones(n, dtype=bool)
         for values in columns.values():
             kept &= np.isfinite(values)
         if not kept.any():
-            raise InputError(f"{path}: no row in which {', '.join(columns) or 'an input'} is there")
+            raise InputError(f"{path}: no row in which {', '.join(columns)} is there")
         if not kept.all():
             remarks.append(f"{path}: {n - kept.sum()} of {n} rows left out: a field is empty")
         yield table, columns, kept
@@ -187,7 +192,7 @@ def need(section: Section, choices: Sequence[Sequence[str]], inputs: Sequence[In
     sets = " or ".join(
         ", ".join(f"{n} [{units[n]}]" if units[n] != "1" else n for n in names) for names in choices
     )
-    there = ", ".join(section.columns) or "none of them"
+    there = ", ".join(section.columns) or "nothing"
     raise InputError(
         f"{section.name}: found {there}; this needs the columns {sets}; name others by "
         f"--column '{choices[0][0]}=HEAD [UNIT]', constants by --constant"
