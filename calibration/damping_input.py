@@ -1,14 +1,15 @@
 """What calibrate damping works on: given on the command line, else what a parameter file says."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
+from calibration.provenance import read_values
 from calibration.quantity import measured_quantity
 from contact.damping import reduced_mass_of
 from contact.material import PROPERTIES, Measured, check_range
 from contact.quantity import InputError, located
 from contact.restitution import ContactEnd
-from contact.table import ContactTable, load_table
 
 
 @dataclass(frozen=True)
@@ -30,16 +31,14 @@ def impact_of(
 ) -> Impact:  # fmt: skip
     """Put together what is given and what the pair of a parameter file holds.
 
-    Raises InputError, one line that says what is missing, wrong or given twice.
+    The file may be one in the making. Raises InputError, one line that says what is missing,
+    wrong or given twice.
     """
-    names = _names(pair, materials)
-    table = load_table(materials) if materials else None
     if contacts < 1:
         raise InputError(f"--contacts {contacts}: must be at least 1")
-    e = _value("restitution", restitution, table, names)
-    stiffness = _value("kn", kn, table, names)
-    first = _mass(mass, area, table, names)
-    reduced = _reduced(first, other_mass, wall)
+    known = _Known.of(materials, pair) if materials else None
+    e, stiffness = _value("restitution", restitution, known), _value("kn", kn, known)
+    reduced = _reduced(_mass(mass, area, known), other_mass, wall)
     remarks = [
         f"{name} has no uncertainty and counts as exact; give one such as '+- 5 %'"
         for name, value in (("restitution", e), ("kn", stiffness), ("the mass", reduced))
@@ -48,38 +47,48 @@ def impact_of(
     return Impact(e, stiffness, reduced, contacts, end, remarks)
 
 
-def _names(pair: str | None, materials: str | None) -> tuple[str, str] | None:
-    if materials is None:
-        return None
-    first, _, second = (pair or "").partition("-")
-    if not first or not second:
-        raise InputError(f"{materials}: say which pair is meant, such as --pair wood-steel")
-    return first, second
+@dataclass(frozen=True)
+class _Known:
+    """What a file says of a pair, its own name or turned round."""
+
+    path: Path
+    first: str
+    second: str
+    values: dict[tuple[str, str], Measured]
+
+    @classmethod
+    def of(cls, materials: str, pair: str | None) -> "_Known":
+        first, _, second = (pair or "").partition("-")
+        if not first or not second:
+            raise InputError(f"{materials}: say which pair is meant, such as --pair wood-steel")
+        path, values, _ = read_values(materials)
+        return cls(path, first, second, values)
+
+    def of_pair(self, key: str) -> Measured | None:
+        linear = ".linear" if key == "kn" else ""
+        names = (f"{self.first}-{self.second}", f"{self.second}-{self.first}")
+        found = (self.values.get((f"pair.{name}{linear}", key)) for name in names)
+        return next((value for value in found if value is not None), None)
 
 
-def _value(
-    key: str, given: str | None, table: ContactTable | None, names: tuple[str, str] | None
-) -> Measured:
+def _value(key: str, given: str | None, known: _Known | None) -> Measured:
     """A property of the pair: as given, else from the file."""
     option = f"--{key}"
     if given is not None:
         value = measured_quantity(given, PROPERTIES[key].unit, option)
         check_range(key, value)
         return value
-    if table is None or names is None:
+    if known is None:
         raise InputError(f"{option} is missing; give it, or --materials FILE and --pair A-B")
-    pair = table.pair(*names)
-    holder = pair.linear if key == "kn" else pair
-    found = getattr(holder, key) if holder else None
+    found = known.of_pair(key)
     if found is None:
-        raise InputError(f"{table.path}: [pair.{'-'.join(names)}] has no {key}; give {option}")
+        raise InputError(
+            f"{known.path}: no {key} of pair {known.first}-{known.second}; give {option}"
+        )
     return found
 
 
-def _mass(
-    mass: str | None, area: str | None, table: ContactTable | None,
-    names: tuple[str, str] | None,
-) -> Measured:  # fmt: skip
+def _mass(mass: str | None, area: str | None, known: _Known | None) -> Measured:
     """Of one body [kg]: as given, or of a prism of the first material of the pair."""
     if (mass is None) == (area is None):
         raise InputError(
@@ -90,12 +99,15 @@ def _mass(
         return _positive(measured_quantity(mass, "kg", "--mass"), "--mass", mass)
     assert area is not None
     section = _positive(measured_quantity(area, "m2", "--area"), "--area", area)
-    if table is None or names is None:
+    if known is None:
         raise InputError("--area needs the density and length of --materials FILE and --pair A-B")
-    material = table.material(names[0])
-    if material.length is None:
-        raise InputError(f"{table.path}: [material.{names[0]}] has no length; give --mass")
-    return _product(material.density, material.length, section)
+    factors = [section]
+    for key in ("density", "length"):
+        found = known.values.get((f"material.{known.first}", key))
+        if found is None:
+            raise InputError(f"{known.path}: [material.{known.first}] has no {key}; give --mass")
+        factors.append(found)
+    return _product(*factors)
 
 
 def _product(*factors: Measured) -> Measured:

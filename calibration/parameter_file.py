@@ -10,14 +10,13 @@ import hashlib
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from calibration.shared_file import alone, write
 from calibration.toml_edit import inline, with_entry
 from calibration.uncertainty import Estimate
-from campaign.folder import FolderError, write_atomic
 from contact.datafile import read_toml
 from contact.material import PROPERTIES, Measured, check_range
 from contact.quantity import InputError, located, to_si
@@ -28,7 +27,6 @@ _NEW = (
     "# Contact parameters, written by calibrate; each value with its method, source and date.\n"
     f"schema = {SCHEMA}\n"
 )
-_LONGEST_WAIT = 60.0  # for another writer, who needs milliseconds [s]
 _HOLDS = {
     "material": set(MaterialTable.model_fields),
     "pair": set(PairTable.model_fields) | set(LinearTable.model_fields),
@@ -82,7 +80,7 @@ def into(
     )  # fmt: skip
     with located(f"{path}: [{'.'.join(section)}]"):
         check_range(key, measured)
-    with _alone(path):
+    with alone(path):
         return _put(path, section, key, _rounded(measured))
 
 
@@ -130,24 +128,6 @@ def digest_of(files: Iterable[Path]) -> str:
     return hashlib.sha256("\n".join(digests).encode()).hexdigest()
 
 
-@contextmanager
-def _alone(path: Path) -> Iterator[None]:
-    """Keep other writers off a file; remove what a killed one left beside it."""
-    from filelock import FileLock, Timeout
-
-    file = path.resolve()
-    try:
-        # The system's own lock: it ends with its process.
-        with FileLock(file.with_name(f".{file.name}.lock"), timeout=_LONGEST_WAIT):
-            for leftover in file.parent.glob(f".{file.name}.*.tmp"):
-                leftover.unlink(missing_ok=True)
-            yield
-    except Timeout:
-        raise InputError(f"{path}: another command is writing it; try again") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
-
-
 def _put(path: Path, section: list[str], key: str, measured: Measured) -> Written:
     """Read the file, change one entry, and write it; see into."""
     tables, text = {}, _NEW
@@ -168,7 +148,7 @@ def _put(path: Path, section: list[str], key: str, measured: Measured) -> Writte
             holder[key] = entry | _history(old)
             text = _edited(text, section, key, tables)
     if changed:
-        _write(path.resolve(), text)  # what a link points at, not the link
+        write(path, text)
     return Written(path, ".".join(section), key, changed, replaces, lacking(path, tables))
 
 
@@ -227,16 +207,6 @@ def _edited(text: str, section: list[str], key: str, tables: dict[str, Any]) -> 
             f"{key} = {' '.join(inline(holder[key]).split())}"
         )
     return edited.replace("\n", ends)
-
-
-def _write(path: Path, text: str) -> None:
-    mode = path.stat().st_mode if path.exists() else None
-    try:
-        write_atomic(path, text)
-    except FolderError as error:
-        raise InputError(str(error)) from None
-    if mode is not None:
-        path.chmod(mode)
 
 
 def _rounded(measured: Measured) -> Measured:

@@ -144,7 +144,13 @@ def entries(draw, section: str, key: str) -> str:
     value = number if unit == "1" else f'"{number} {unit}"'
     more = draw(
         st.sampled_from(
-            ["", ', sigma = "6 %"', ', date = 2013-09-17, source = "a } # b"', ", trials = 3"]
+            [
+                "",
+                ', sigma = "6 %"',
+                ', date = 2013-09-17, source = "a } # b"',
+                ", trials = 3",
+                ", date = 2013-09-17",
+            ]
         )
     )
     indent = draw(st.sampled_from(["", "  "]))
