@@ -90,15 +90,16 @@ def _named(
 
 
 def _separator(lines: Sequence[str]) -> str:
-    """Semicolon or tab where most lines have it, a comma that is no decimal one, else spaces.
+    """Tab or semicolon where most lines have it, a comma that is no decimal one, else spaces.
 
     " " is one space, between fields of which some are empty; "" any number of them.
     """
 
     def most(separator: str) -> bool:
-        return sum(separator in line for line in lines) > len(lines) / 2
+        share = sum(separator in line for line in lines) / len(lines)
+        return separator in lines[0] and share > 0.5
 
-    for separator in (";", "\t"):
+    for separator in ("\t", ";"):  # text holds tabs least of all
         if most(separator):
             return separator
     fields = [line.replace('"', "").split() for line in lines]

@@ -152,14 +152,14 @@ def _all_numbers(fields: tuple[str, ...], where: str) -> NDArray[np.float64] | N
 def _text(path: Path) -> str:
     """What a file says, in UTF-8, UTF-16 with its mark, or the older code of Windows."""
     try:
-        if path.is_char_device() or path.is_block_device():  # without an end
-            raise InputError(f"{path}: not a file")
-        with path.open("rb") as file:
-            data = file.read(_MOST_BYTES + 1)
+        endless = path.is_char_device() or path.is_block_device()
+        data = b"" if endless else _start(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     except ValueError:  # a name that no file can have
         raise InputError(f"{str(path)!r}: cannot be read (no such name)") from None
+    if endless:
+        raise InputError(f"{path}: not a file")
     if len(data) > _MOST_BYTES:
         raise InputError(f"{path}: larger than {_MOST_BYTES >> 20} MiB")
     wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
@@ -171,3 +171,9 @@ def _text(path: Path) -> str:
         if not any(ord(c) < 32 and c not in "\t\n\r\f\v\x1c\x1d\x1e\x1f" for c in set(text)):
             return text
     raise InputError(f"{path}: not a text file")
+
+
+def _start(path: Path) -> bytes:
+    """As much of a file as a table may have, and one byte more."""
+    with path.open("rb") as file:
+        return file.read(_MOST_BYTES + 1)
