@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from bench_calls import calibrate, write
+from bench_calls import write
+from calibrating import calibrate
 from numpy.typing import NDArray
 
 from calibration.bench.cycles import line, unloading_stiffness, unloadings

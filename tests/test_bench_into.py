@@ -3,7 +3,8 @@
 import tomllib
 
 import pytest
-from bench_calls import calibrate, write
+from bench_calls import write
+from calibrating import calibrate
 
 from contact.datafile import data_root
 

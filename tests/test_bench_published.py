@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bench_calls import calibrate
+from calibrating import calibrate
 from scipy.stats import f_oneway
 
 from calibration.uncertainty import Estimate, pooled, pooled_summaries

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from bench_calls import calibrate, write
+from bench_calls import write
+from calibrating import calibrate
 
 from calibration.bench.slide import GRAVITY, fit, of_terminal_velocity
 

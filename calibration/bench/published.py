@@ -88,11 +88,13 @@ def stiffness() -> list[Statement]:
         what = Asked(constants=constants, shared={"modulus": modulus * 1e6 * share})
         (found,) = compression.stiffness([], what, compression.Branch())
         whole = found.pooled.all
+        needed = printed * 1e3 * 20e-3 / 1200e-6 / 1e6
+        remark = f"{printed:g} needs E = {needed:.0f} MPa" if round(needed) != modulus else ""
         statements.append(
             Statement(
                 f"kn = E A/L, {name} = {modulus:g} MPa [N/mm]", printed, 0.18e4,
                 whole.value / 1e3, None, (whole.sigma or 0.0) / 1e3,
-                remark=f"{printed:g} needs E = {printed / 1200 * 20:.0f} MPa",
+                remark=remark,
             )
         )  # fmt: skip
     return statements
