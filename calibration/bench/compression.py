@@ -53,60 +53,71 @@ class Branch:
             )
 
 
+class _Records:
+    """What follows from the curve of one trial; its cycles are looked for once."""
+
+    def __init__(self, by_load: bool, branch: Branch) -> None:
+        self.x, self.y = _CURVE if by_load else _STRESS
+        self.branch = branch
+        self._known: dict[tuple[bytes, bytes], list[Cycle]] = {}
+
+    def cycles(self, columns: Columns) -> list[Cycle]:
+        """Every unloading of the curve."""
+        x, y = columns[self.x], columns[self.y]
+        key = x.tobytes(), y.tobytes()
+        if key not in self._known:
+            upper, lower, least = self.branch.upper, self.branch.lower, self.branch.least
+            self._known[key] = unloading_stiffness(x, y, upper=upper, lower=lower, least=least)
+        return self._known[key]
+
+    def slope(self, columns: Columns) -> Estimate:
+        """The mean of the cycles, with their scatter; of one cycle, its fit."""
+        found = [one.stiffness for one in self.cycles(columns)]
+        return found[0] if len(found) == 1 else of_trials([one.value for one in found])
+
+    def modulus(self, columns: Columns) -> Estimate:
+        """E = k L/A, or the slope of stress against strain itself."""
+        if self.y == "stress":
+            return self.slope(columns)
+        area, length = (_positive(columns, name) for name in _SPECIMEN)
+        return _times(self.slope(columns), length / area)
+
+
 def stiffness(
     files: Sequence[str | Path], what: Asked, branch: Branch, *, trial: str | None = None
 ) -> list[Result]:
     """Unloading stiffness, modulus and kn, as far as what is given tells them; a curve a trial."""
     if not files:
-        return [_contact_stiffness([_given(what)], what, lambda c: _modulus_given(c))]
+        return [_contact_stiffness([_given(what)], what, _modulus_given)]
     sections, remarks = curves(files, INPUTS, what, trial)
     by_load = {need(section, [_CURVE, _STRESS], INPUTS) == 0 for section in sections}
     if len(by_load) > 1:
         raise InputError("some files have loads and some stresses; measure them one by one")
-    x, y = _CURVE if by_load == {True} else _STRESS
-    known: dict[tuple[bytes, bytes], list[Cycle]] = {}
-
-    def cycles(columns: Columns) -> list[Cycle]:
-        key = columns[x].tobytes(), columns[y].tobytes()
-        if key not in known:
-            known[key] = unloading_stiffness(
-                columns[x], columns[y],
-                upper=branch.upper, lower=branch.lower, least=branch.least,
-            )  # fmt: skip
-        return known[key]
-
-    def slope(columns: Columns) -> Estimate:
-        found = [one.stiffness for one in cycles(columns)]
-        return found[0] if len(found) == 1 else of_trials([one.value for one in found])
-
-    def modulus(columns: Columns) -> Estimate:
-        factor = 1.0
-        if y == "load":
-            area, length = (_positive(columns, name) for name in _SPECIMEN)
-            factor = length / area
-        return _times(slope(columns), factor)
-
+    records = _Records(by_load.pop(), branch)
     remarks.append(
         f"slopes between {branch.upper:.0%} and {branch.lower:.0%} of each unloading; its upper "
-        "over its lower half: " + _bends(sections, cycles)
+        "over its lower half: " + _bends(sections, records.cycles)
     )
-    results = []
-    if y == "load":
-        k = measure(
-            sections, slope, what, key="unloading_stiffness_n_per_m", name="unloading stiffness",
-            si="N/m", unit="N/mm", remarks=remarks,
+    found = []
+    if records.y == "load":
+        found.append(
+            measure(
+                sections, records.slope, what,
+                key="unloading_stiffness_n_per_m", name="unloading stiffness", si="N/m",
+                unit="N/mm",
+            )
         )  # fmt: skip
-        results.append(replace(k, details=_per_cycle(sections, cycles, "n")))
-    if y == "stress" or _all_have(sections, _SPECIMEN):
-        e = measure(
-            sections, modulus, what, key="youngs_modulus_pa", name="modulus", si="Pa", unit="MPa",
-            remarks=() if results else remarks,
+    if records.y == "stress" or _all_have(sections, _SPECIMEN):
+        found.append(
+            measure(
+                sections, records.modulus, what,
+                key="youngs_modulus_pa", name="modulus", si="Pa", unit="MPa",
+            )
         )  # fmt: skip
-        details = {} if results else _per_cycle(sections, cycles, "pa")
-        results.append(replace(e, details=details))
         if _all_have(sections, _CONTACT):
-            results.append(_contact_stiffness(sections, what, modulus))
-    return results
+            found.append(_contact_stiffness(sections, what, records.modulus))
+    details = _per_cycle(sections, records.cycles, "n" if records.y == "load" else "pa")
+    return [replace(found[0], remarks=tuple(remarks), details=details), *found[1:]]
 
 
 def _contact_stiffness(

@@ -75,24 +75,29 @@ def unloading_stiffness(
     displacement, load = oriented(displacement, load)
     found = []
     for first, last in unloadings(load, least):
-        x, force = displacement[first : last + 1], load[first : last + 1]
-        share = (force - force[-1]) / (force[0] - force[-1])
-        used = (share <= upper) & (share >= lower)
-        if used.sum() < 4 or np.ptp(x[used]) == 0:
-            raise InputError(
-                f"the unloading from {load[first]:g} N has {used.sum()} points between {upper:.0%} "
-                f"and {lower:.0%} of its fall; at least 4 with unlike displacements: widen --range"
-            )
-        slope = line(x[used], force[used])
-        found.append(
-            Cycle(float(load[first]), float(displacement[first]), slope,
-                  _bend(x[used], force[used]), int(used.sum()))
-        )  # fmt: skip
+        branch = slice(first, last + 1)
+        x, force = _in_range(displacement[branch], load[branch], upper, lower)
+        peak = float(load[first]), float(displacement[first])
+        found.append(Cycle(*peak, line(x, force), _bend(x, force), len(x)))
     if not found:
         raise InputError(
             f"no unloading: the load never falls by {least:.0%} of its range; see --least-cycle"
         )
     return found
+
+
+def _in_range(
+    x: NDArray[np.float64], force: NDArray[np.float64], upper: float, lower: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The points of one unloading between two shares of its fall."""
+    share = (force - force[-1]) / (force[0] - force[-1])
+    used = (share <= upper) & (share >= lower)
+    if used.sum() < 4 or np.ptp(x[used]) == 0:
+        raise InputError(
+            f"the unloading from {force[0]:g} N has {used.sum()} points between {upper:.0%} and "
+            f"{lower:.0%} of its fall; at least 4 with unlike displacements: widen --range"
+        )
+    return x[used], force[used]
 
 
 def line(x: NDArray[np.float64], y: NDArray[np.float64]) -> Estimate:

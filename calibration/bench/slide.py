@@ -30,7 +30,39 @@ INPUTS = (
 )
 GRAVITY = 9.80665  # [m/s2], standard
 
+Fit = tuple[NDArray[np.float64], NDArray[np.float64]]  # parameters, their covariance
+
 _CURVE, _TERMINAL = ["time", "velocity"], ["terminal_velocity", "incline", "friction"]
+
+
+class _Curves:
+    """What follows from the fit of one curve; each is fitted once."""
+
+    def __init__(self, start: str) -> None:
+        self.start = start
+        self._known: dict[tuple[bytes, bytes], Fit] = {}
+
+    def fitted(self, columns: Columns) -> Fit:
+        """(v0, gamma_t[, v_s]) and their covariance."""
+        time, velocity = (columns[name] for name in _CURVE)
+        key = time.tobytes(), velocity.tobytes()
+        if key not in self._known:
+            self._known[key] = fit(time, velocity, self.start)
+        return self._known[key]
+
+    def terminal(self, columns: Columns) -> Estimate:
+        """v0 [m/s]."""
+        p, covariance = self.fitted(columns)
+        return Estimate(float(p[0]), float(np.sqrt(covariance[0, 0])), 1)
+
+    def gamma(self, columns: Columns) -> Estimate:
+        """gamma_t [1/s]."""
+        p, covariance = self.fitted(columns)
+        return Estimate(float(p[1]), float(np.sqrt(covariance[1, 1])), 1)
+
+    def friction(self, columns: Columns) -> Estimate:
+        """While sliding."""
+        return sliding_friction(*self.fitted(columns), float(columns["incline"][0]))
 
 
 def damping(
@@ -40,49 +72,29 @@ def damping(
 
     `start`: "rest" for eq. 3.11b with t = 0 at the release, "any" for an unknown velocity there.
     """
-    by_curve, remarks = curves(files, INPUTS, what, trial)
-    if any(need(section, [_CURVE, _TERMINAL], INPUTS) == 1 for section in by_curve):
+    sections, remarks = curves(files, INPUTS, what, trial)
+    if any(need(section, [_CURVE, _TERMINAL], INPUTS) == 1 for section in sections):
         return [_from_terminal(files, what)]
-    fits: dict[tuple[bytes, bytes], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
-
-    def fitted(columns: Columns) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        key = columns["time"].tobytes(), columns["velocity"].tobytes()
-        if key not in fits:
-            fits[key] = fit(columns["time"], columns["velocity"], start)
-        return fits[key]
-
-    for section in by_curve:
+    by_curve = _Curves(start)
+    for section in sections:
         with located(f"{section.name}:"):
-            remarks += _not_random(section, fitted(section.columns)[0])
-
-    def gamma(columns: Columns) -> Estimate:
-        p, covariance = fitted(columns)
-        return Estimate(float(p[1]), float(np.sqrt(covariance[1, 1])), 1)
-
-    def terminal(columns: Columns) -> Estimate:
-        p, covariance = fitted(columns)
-        return Estimate(float(p[0]), float(np.sqrt(covariance[0, 0])), 1)
-
-    def friction(columns: Columns) -> Estimate:
-        return sliding_friction(*fitted(columns), float(columns["incline"][0]))
-
-    results = [_gamma_t(by_curve, gamma, what, remarks)]
-    results.append(
+            remarks += _not_random(section, by_curve.fitted(section.columns)[0])
+    results = [
+        _gamma_t(sections, by_curve.gamma, what, remarks),
         measure(
-            by_curve, terminal, what,
+            sections, by_curve.terminal, what,
             key="terminal_velocity_m_s", name="terminal velocity v0", si="m/s", unit="m/s",
-        )
-    )  # fmt: skip
-    if all("incline" in section.columns for section in by_curve):
+        ),
+    ]  # fmt: skip
+    if all("incline" in section.columns for section in sections):
+        friction = by_curve.friction
         results.append(
-            measure(by_curve, friction, what, key="friction_sliding", name="friction, sliding")
+            measure(sections, friction, what, key="friction_sliding", name="friction, sliding")
         )
     return results
 
 
-def fit(
-    time: NDArray[np.float64], velocity: NDArray[np.float64], start: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def fit(time: NDArray[np.float64], velocity: NDArray[np.float64], start: str) -> Fit:
     """(v0, gamma_t[, v_s]) of v(t) in (n,) s and m/s, and their covariance from the residuals.
 
     Raises InputError where there are too few points, or nothing bends so that gamma_t is open.
