@@ -10,6 +10,15 @@ from campaign.commandline import run_app
 _COMMANDS: dict[str, str] = {
     "impacts": "impacts",
     "shaker": "shaker",
+    "incline": "incline",
+    "slide": "slide",
+    "compression": "compression",
+    "interface": "interface",
+    "roughness": "roughness",
+    "density": "density",
+    "published": "published",
+    "damping": "damping",
+    "report": "report",
 }
 
 

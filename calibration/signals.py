@@ -126,7 +126,7 @@ def clock_of(table: Table, rate: float | None) -> Clock:
     """
     if rate is not None and not (math.isfinite(rate) and rate > 0):
         raise InputError(f"--rate = {rate:g}: samples per second, such as 200000")
-    timed = next((name for name in table.columns if name.lower() in _TIME_NAMES), None)
+    timed = next((key for name in _TIME_NAMES if (key := _called(table, name))), None)
     if rate is not None:
         unused = () if timed is None else (f"--rate was used, not the column {timed!r}",)
         return Clock(rate, 0.0, timed, unused)
@@ -140,6 +140,14 @@ def clock_of(table: Table, rate: float | None) -> Clock:
     return Clock((len(times) - 1) / (times[-1] - times[0]), float(times[0]), timed, remarks)
 
 
+def _called(table: Table, name: str) -> str | None:
+    """The column of a name, alone or with a unit of time behind it: time, time_ms."""
+    if not table.has(name, "s"):
+        return None
+    low = [key for key in table.columns if key.lower() == name]
+    return next(iter([*low, *(k for k in table.columns if k.lower().startswith(f"{name}_"))]), None)
+
+
 def _counts_up(table: Table) -> bool:
     """Whether the first of several columns without names grows from line to line, as times do."""
     first = next(iter(table.columns.values()))
@@ -149,8 +157,10 @@ def _counts_up(table: Table) -> bool:
 
 def _times(table: Table, name: str) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """The times [s]; InputError where they do not grow evenly, rounding left aside."""
-    remarks = () if table.units[name] else (f"the column {name!r} was taken to be in seconds",)
-    times = table.column(name, "s", "s")
+    short = name if name.lower() in _TIME_NAMES else name.split("_")[0]
+    told = table.units[name] or short != name
+    remarks = () if told else (f"the column {name!r} was taken to be in seconds",)
+    times = table.column(short if table.has(short, "s") else name, "s", "s")
     n = len(times)
     if n < _LEAST_SAMPLES:
         raise InputError(f"{table.path}: {n} samples; at least {_LEAST_SAMPLES}")

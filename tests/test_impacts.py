@@ -2,6 +2,7 @@
 
 import json
 import os
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -215,6 +216,16 @@ def test_command_prints_the_keys_and_draws_the_sheet(tmp_path):
     assert Path(answer["sheet"]).stat().st_size > 10_000
     text = CliRunner().invoke(app, ["impacts", str(path)])
     assert "restitution 0.80" in text.output
+
+
+def test_the_restitution_goes_into_the_parameter_file(tmp_path):
+    path, table = wav(tmp_path, Room()), tmp_path / "pairs.toml"
+    pair = ["--into", str(table), "--pair", "steel-glass"]
+    run = CliRunner().invoke(app, ["impacts", str(path), *pair])
+    assert run.exit_code == 0, run.output
+    entry = tomllib.loads(table.read_text())["pair"]["steel-glass"]["restitution"]
+    assert float(entry["value"]) == pytest.approx(0.8, abs=1e-3)
+    assert entry["trials"] == 3
 
 
 def bad_text(path, words):

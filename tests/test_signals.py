@@ -64,6 +64,15 @@ def test_a_table_comes_back_in_seconds(tmp_path, values, separator, unit):
     assert signal.names == ("force",)
 
 
+def test_a_unit_behind_the_name_counts(tmp_path):
+    path = tmp_path / "ms.csv"
+    path.write_text("time_ms,force_N\n" + "".join(f"{k},{k % 3}\n" for k in range(50)))
+    signal = read_signal(path)
+    assert signal.rate == pytest.approx(1000.0)
+    assert signal.names == ("force_N",)
+    assert not signal.remarks
+
+
 def test_full_scale_is_one(tmp_path):
     path = tmp_path / "a.wav"
     wavfile.write(path, 8000, np.array([-(2**15), 0, 2**14] * 10, dtype=np.int16))

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from calibration.commands.options import Into, into_options
 from campaign.commandline import json_option, quiet_option
 from contact.quantity import InputError, to_si
 
 if TYPE_CHECKING:
     from calibration.impacts.measure import Impacts
+    from calibration.uncertainty import Estimate
 
 
 @click.command()
@@ -23,11 +25,12 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option("--drop-height", metavar='"1.5 m"', help="Of the first fall: a check.")
 @click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for the sheet (PNG).")
+@into_options("restitution")
 @quiet_option
 @json_option
 def command(
     file: Path, rate: float | None, column: str | None, window: str | None,
-    drop_height: str | None, out: Path | None, quiet: bool, as_json: bool,
+    drop_height: str | None, out: Path | None, into: Into | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution from the times between impacts: force, acceleration or sound (WAV, CSV).
 
@@ -43,6 +46,8 @@ def command(
         window=WINDOW if window is None else to_si(window, "s", "--window"),
         drop_height=None if drop_height is None else to_si(drop_height, "m", "--drop-height"),
     )
+    if into is not None:
+        into.put("restitution", _estimate(found), method="impact times", files=[file])
     sheet = None if out is None else _sheet(found, file, out)
     if as_json:
         click.echo(json.dumps(found.as_json() | {"sheet": sheet and str(sheet)}, indent=2))
@@ -50,6 +55,16 @@ def command(
     click.echo(_report(found))
     if sheet is not None and not quiet:
         click.echo(f"sheet: {sheet}", err=True)
+
+
+def _estimate(found: "Impacts") -> "Estimate":
+    """The pooled restitution; InputError where the signal gives none."""
+    from calibration.uncertainty import Estimate
+
+    one = found.restitution
+    if one.value is None:
+        raise InputError(f"{found.signal.path}: no restitution to write: {found.warnings[0]}")
+    return Estimate(one.value, one.sigma, max(1, len(one.per_pair)))
 
 
 def _sheet(found: "Impacts", file: Path, out: Path) -> Path:
