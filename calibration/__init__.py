@@ -1,1 +1,18 @@
 """Measurements to contact parameters: videos, tables and signals to values with uncertainty."""
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from calibration.drop import measure_drop
+
+__all__ = ["measure_drop"]
+
+_HOMES = {"measure_drop": "drop"}
+
+
+def __getattr__(name: str):
+    # Imported when first asked for: --help must answer at once.
+    if name not in _HOMES:
+        raise AttributeError(f"module 'calibration' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"calibration.{_HOMES[name]}"), name)

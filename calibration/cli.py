@@ -7,7 +7,9 @@ import click
 from campaign.commandline import run_app
 
 # name: module of calibration.commands, what it does; loaded when it is called or asked for help
-_COMMANDS: dict[str, str] = {}
+_COMMANDS: dict[str, str] = {
+    "drop": "drop",
+}
 
 
 class Lazy(click.Group):
