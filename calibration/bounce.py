@@ -33,6 +33,7 @@ from contact.quantity import InputError
 
 STANDARD_GRAVITY = Estimate(9.80665, 0.03, 1)  # m/s2; sigma: what it varies by over the earth
 _CHANCE = 0.05  # p below which one number does not describe the clip
+_EXACT = 1e-9  # sigma of restitution that numbers without noise have from their rounding
 _UNEVEN = 0.05  # of a frame: stamps that vary by more are set beside an even clock
 
 _Formula = Callable[[Array, Array], Array]
@@ -126,6 +127,10 @@ def _on_clock(track: Track, clock: Array) -> Bounces | None:
     if track.covariance is not None:
         spread = np.sqrt(track.covariance[base.rows, 1, 1])
     fitted = fit(t, y, ranges, spread)
+    parabolas = fitted.centre, fitted.coefficients
+    in_order = np.all(np.diff(contact_times(*parabolas)) > 0)
+    if not (in_order and np.all(from_velocities(*parabolas) > 0)):  # or one is NaN
+        return None
     return _measured(track, base, fitted)
 
 
@@ -146,7 +151,7 @@ def _measured(track: Track, base: TimeBase, fitted: Flights) -> Bounces:
     e, covariance = known(lambda c: best(centre, c))
     off = _with_sigma(*known(lambda c: other(centre, c) - best(centre, c)))
     off = np.where(np.abs(off[:, 0]) > 3 * off[:, 1], off[:, 0], 0.0)  # also where it is NaN
-    covariance = covariance + np.diag(off**2)
+    covariance = covariance + np.diag(off**2 + _EXACT**2)
     pooled, p = _pooled(e, covariance)
     found = Bounces(
         track, base, fitted, contacts, _with_sigma(plate, plate_covariance),
@@ -162,7 +167,7 @@ def _measured(track: Track, base: TimeBase, fitted: Flights) -> Bounces:
 def _propagated(fitted: Flights, quantity: Callable[[Array], Array]) -> tuple[Array, Array]:
     """A vector of quantities of the parabolas, and its covariance to first order (GUM 5.1)."""
     value = quantity(fitted.coefficients)
-    sigma = np.sqrt(np.diag(fitted.covariance))
+    sigma = np.sqrt(np.clip(np.diag(fitted.covariance), 0, None))
     slopes = np.zeros((len(value), len(sigma)))
     for k in np.flatnonzero(sigma > 0):
         step = np.zeros(len(sigma))
@@ -214,7 +219,7 @@ def _exponent(fitted: Flights, best: _Formula, variance: Array, off: Array) -> E
         return weight * speed / (weight @ speed**2)
 
     def slope(c: Array) -> Array:
-        return np.atleast_1d(lever(c) @ np.log(best(centre, c)))
+        return np.atleast_1d(lever(c) @ np.log(np.abs(best(centre, c))))
 
     value, covariance = _propagated(fitted, slope)
     extra = np.sum((lever(fitted.coefficients) * off / best(centre, fitted.coefficients)) ** 2)

@@ -84,9 +84,10 @@ def _fit(t: Array, y: Array, rows: list[Rows], spread: Array | None) -> Flights:
     beta, covariance, residuals, weights, sigma = _on_rows(
         _design(t, rows, centre) @ mapping, y, rows, spread, _lean(len(rows), scatter)
     )
+    acceleration = float(beta[-1]), float(np.sqrt(max(covariance[-1, -1], 0.0)))
     return Flights(
         centre, (mapping @ beta).reshape(-1, 3), mapping @ covariance @ mapping.T, rows, residuals,
-        weights, sigma, (float(beta[-1]), float(np.sqrt(covariance[-1, -1]))), scatter, own, p,
+        weights, sigma, acceleration, scatter, own, p,
     )  # fmt: skip
 
 
@@ -97,7 +98,7 @@ def _own(
     from scipy.stats import chi2
 
     beta, covariance, *_ = _on_rows(_design(t, rows, centre), y, rows, spread)
-    own = np.stack([beta[2::3], np.sqrt(np.diag(covariance)[2::3])], axis=1)
+    own = np.stack([beta[2::3], np.sqrt(np.maximum(np.diag(covariance)[2::3], 1e-300))], axis=1)
     if len(rows) < 2:
         return own, None
     return own, float(chi2.sf(chi_square(own), len(rows) - 1))

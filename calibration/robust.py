@@ -38,7 +38,7 @@ def robust_fit(
         if moved < 1e-6 * sigma:
             break
     residual = y - design @ beta
-    variance = _variance(residual, sigma, p)
+    variance = max(_variance(residual, sigma, p), floor**2)
     information = design.T @ design / variance + lean.T @ lean
     covariance = np.asarray(np.linalg.pinv(information), dtype=float)
     return np.asarray(beta, dtype=float), covariance, _bisquare(residual / sigma), float(sigma)
@@ -69,7 +69,7 @@ def for_correlation(residuals: Array, rows: list[Rows]) -> float:
     first, second = np.concatenate(pairs, axis=1)
     limit = 4 * np.median(np.abs(first)) * _MEDIAN_TO_SIGMA  # outliers say nothing about it
     near = (np.abs(first) < limit) & (np.abs(second) < limit)
-    if near.sum() < 8:
+    if near.sum() < 8 or not np.any(first[near]):
         return 1.0
     r = float(np.sum(first[near] * second[near]) / np.sum(first[near] ** 2))
     r = min(r, 0.9)
@@ -77,10 +77,15 @@ def for_correlation(residuals: Array, rows: list[Rows]) -> float:
 
 
 def run_left_out(residuals: Array, weights: Array) -> bool:
-    """Whether three points in a row were left out on one side.
+    """Whether three points in a row were left out that lie on one side and off by about as much.
 
-    Bad points come alone; in a row they say that the path is no parabola there (perspective, a
-    lens, drag), and belong to the noise of the fit rather than out of it.
+    Bad points come alone, and lie anywhere; a row of them, each off by less than twice its
+    neighbour, says that the path is no parabola there (perspective, a lens, drag, blur). They then
+    belong to the noise of the fit rather than out of it.
     """
-    side = np.where(weights == 0, np.sign(residuals), 0.0)
-    return bool(np.any(np.abs(side[:-2] + side[1:-1] + side[2:]) == 3))
+    off = np.where(weights == 0, residuals, 0.0)
+    pairs = off[:-1] * off[1:] > 0
+    sizes = np.abs(off)
+    alike = np.maximum(sizes[:-1], sizes[1:]) < 2 * np.minimum(sizes[:-1], sizes[1:])
+    linked = pairs & alike
+    return bool(np.any(linked[:-1] & linked[1:]))

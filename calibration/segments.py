@@ -214,7 +214,8 @@ def _meets(last: Stretch, one: Stretch, acceleration: float, step: float) -> boo
     contact = middle - (place(one, middle) - place(last, middle)) / jump
     between = last.end - 2 * step <= contact <= one.start + 2 * step
     down, up = np.sign(acceleration) * np.array([speed(last, contact), speed(one, contact)])
-    return bool(between and down > 0 and up < 0)
+    least = abs(acceleration) * step  # what a frame of flight changes: less turns nothing
+    return bool(between and down > least and up < -least)
 
 
 def _continues(last: Stretch, one: Stretch, acceleration: float) -> bool:

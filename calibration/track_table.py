@@ -152,8 +152,8 @@ def _columns(path: Path, head: list[str], width: int, rows: list[list[float]]) -
             raise InputError(
                 f"{path}: {width} columns without names; write a first line such as 'frame,x,y'"
             )
-        first = [row[0] for row in rows]
-        kind = "frame" if all(value == round(value) for value in first) else "time"
+        first = [row[0] for row in rows if np.isfinite(row[0])]
+        kind = "frame" if all(value.is_integer() for value in first) else "time"
         return [_Column(k, "", "") for k in ([kind, "x", "y"] if width == 3 else [kind, "y"])]
     columns = [_column(field) for field in head]
     if not any(column.kind == "y" for column in columns):

@@ -83,7 +83,7 @@ def test_time_stamps_are_used_where_they_are_true(made):
 
 
 def test_uneven_stamps_of_an_even_camera_are_not_used(made):
-    """Stamps of arrival, a third of a frame late or early: free fall shows that they are not true."""
+    """Stamps of arrival, a third of a frame off: free fall shows that they are not true."""
     late = np.random.default_rng(5).normal(0, 0.3, len(made.track.frame)).clip(-0.45, 0.45)
     track = made.track
     stamped = Track(track.frame, track.x, track.y, time=(track.frame + late) / 100)

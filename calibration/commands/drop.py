@@ -73,7 +73,7 @@ def _bounces(drop: "Drop") -> list[str]:
     ]
     for k, (clock, _) in enumerate(found.contacts):
         ways = [found.times[k], found.velocities[k], found.heights[k]]
-        cells = [f"{e:.4f} +- {s:.4f}" if isfinite(e) else "-" for e, s in ways]
+        cells = [f"{e:.4f} +- {s:.1g}" if isfinite(e) else "-" for e, s in ways]
         speed = drop.speed(k)
         cells.append(f"{speed.value:.3f} m/s" if speed else "-")
         lines.append(
