@@ -9,6 +9,8 @@ from campaign.commandline import run_app
 # name: module of calibration.commands, what it does; loaded when it is called or asked for help
 _COMMANDS: dict[str, str] = {
     "drop": "drop",
+    "damping": "damping",
+    "report": "report",
 }
 
 

@@ -39,7 +39,10 @@ PROPERTIES = {
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Measured:
-    """A value and what is known of its origin; with a sigma it stands for a distribution."""
+    """A value and what is known of its origin; with a sigma it stands for a distribution.
+
+    Where a scatter is given, sigma is how well the value itself, a mean, is known.
+    """
 
     value: float  # SI
     sigma: float | None = None  # standard deviation of the normal distribution, SI, absolute
@@ -47,6 +50,14 @@ class Measured:
     method: str | None = None  # how it was measured
     trials: int | None = None  # how many measurements are behind it
     date: datetime.date | None = None  # when it was measured
+    scatter: float | None = None  # standard deviation of a single trial, SI, absolute
+    digest: str | None = None  # SHA-256 of what was measured from, in hexadecimal
+    history: "tuple[Measured, ...]" = ()  # what stood here before, the oldest first
+
+    @property
+    def spread(self) -> float | None:
+        """Standard deviation from one contact to the next: scatter, or sigma where it is alone."""
+        return self.sigma if self.scatter is None else self.scatter
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -108,14 +119,19 @@ class Pair:
 def _check_ranges(record: Material | LinearParameters | Pair) -> None:
     for field in dataclasses.fields(record):
         measured = getattr(record, field.name)
-        if not isinstance(measured, Measured):
-            continue
-        name, unit = field.name, PROPERTIES[field.name].unit
-        shown = "" if unit == "1" else f" {unit}"
-        value, sigma, trials = measured.value, measured.sigma, measured.trials
-        if not (math.isfinite(value) and PROPERTIES[name].holds(value)):
-            raise InputError(f"{name} = {value:g}{shown}: must be {PROPERTIES[name].allowed}")
-        if sigma is not None and not 0 <= sigma < math.inf:
-            raise InputError(f"{name}.sigma = {sigma:g}{shown}: must be at least 0")
-        if trials is not None and trials < 1:
-            raise InputError(f"{name}.trials = {trials}: must be at least 1")
+        if isinstance(measured, Measured):
+            check_range(field.name, measured)
+
+
+def check_range(name: str, measured: Measured) -> None:
+    """Raise InputError where a value of that name is out of its range in PROPERTIES."""
+    unit, value, trials = PROPERTIES[name].unit, measured.value, measured.trials
+    shown = "" if unit == "1" else f" {unit}"
+    if not (math.isfinite(value) and PROPERTIES[name].holds(value)):
+        raise InputError(f"{name} = {value:g}{shown}: must be {PROPERTIES[name].allowed}")
+    for key in ("sigma", "scatter"):
+        width = getattr(measured, key)
+        if width is not None and not 0 <= width < math.inf:
+            raise InputError(f"{name}.{key} = {width:g}{shown}: must be at least 0")
+    if trials is not None and trials < 1:
+        raise InputError(f"{name}.trials = {trials}: must be at least 1")

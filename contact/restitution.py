@@ -27,6 +27,9 @@ from typing import Literal
 
 ContactEnd = Literal["overlap", "force"]
 
+# |1 - r^2| where both terms of the slope cancel to 10 digits or fewer; its limit is as good there.
+_NEARLY_CRITICAL = 1e-6
+
 
 def linear_restitution(
     gamma: float, kn: float, mass: float, *, end: ContactEnd = "overlap", contacts: int = 1
@@ -52,15 +55,36 @@ def restitution_of_ratio(ratio: float, end: ContactEnd = "overlap") -> float:
     return math.exp(-ratio / w * 2 * math.log(ratio + w))
 
 
-def damping_for_restitution(
-    restitution: float, kn: float, mass: float, *, end: ContactEnd = "overlap"
-) -> float:
-    """The damping gamma [1/s] with which ONE contact gives `restitution`, in (0, 1].
+def slope_of_restitution(ratio: float, end: ContactEnd = "overlap") -> float:
+    """How restitution_of_ratio changes with the ratio [-]; never above 0.
 
-    Closed form where the contact ends at zero overlap, a root search where it ends at zero
-    force. Raises ValueError outside (0, 1].
+    From eq. 3.8, de/dr = -pi e/w^3 with w = sqrt(1 - r^2). From eq. 5.30, which is
+    ln e = -2 r arccos(r)/w, de/dr = -2 e (arccos(r) - r w)/w^3, and beyond critical damping the
+    same with arcosh and W = sqrt(r^2 - 1).
     """
-    return 2 * math.sqrt(kn / mass) * ratio_of_restitution(restitution, end)
+    if end == "overlap" and ratio >= 1:
+        return 0.0
+    e, w2 = restitution_of_ratio(ratio, end), abs(1 - ratio**2)
+    if end == "overlap":
+        return -math.pi * e / w2**1.5
+    if w2 < _NEARLY_CRITICAL:
+        return -4 / 3 * e
+    w = math.sqrt(w2)
+    if ratio < 1:
+        return -2 * e * (math.acos(ratio) - ratio * w) / w**3
+    return -2 * e * (ratio * w - math.acosh(ratio)) / w**3
+
+
+def damping_for_restitution(
+    restitution: float, kn: float, mass: float, *, end: ContactEnd = "overlap", contacts: int = 1
+) -> float:
+    """The damping gamma [1/s] with which `contacts` in parallel give `restitution`, in (0, 1].
+
+    kn [N/m] and gamma are of each contact; see linear_restitution. Closed form where the contact
+    ends at zero overlap, a root search where it ends at zero force. Raises ValueError outside
+    (0, 1].
+    """
+    return 2 * math.sqrt(kn / (contacts * mass)) * ratio_of_restitution(restitution, end)
 
 
 def ratio_of_restitution(restitution: float, end: ContactEnd = "overlap") -> float:

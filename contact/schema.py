@@ -39,6 +39,9 @@ class Entry(Table):
     method: str | None = None
     trials: int | None = None
     date: datetime.date | None = None
+    scatter: Any = None  # of a single trial, as sigma
+    digest: str | None = None
+    history: "list[Entry]" = []
 
     @model_validator(mode="before")
     @classmethod
@@ -85,19 +88,44 @@ def read_file(path: Path) -> File:
     try:
         return File.model_validate(read_toml(path, "materials", SCHEMA))
     except ValidationError as error:
-        raise InputError(f"{path}: {_one_line(error)}") from None
+        raise InputError(f"{path}: {_one_line(error.errors()[0])}") from None
 
 
-def _one_line(error: ValidationError) -> str:
-    """The first thing that is wrong with the structure of a file."""
-    problem = error.errors()[0]
-    place = [str(part) for part in problem["loc"]]
+def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
+    """What simulators need and the tables of a file in the making do not have yet.
+
+    As in "[pair.wood-steel] friction". Raises InputError for a wrong key or structure.
+    """
+    try:
+        File.model_validate(tables)
+    except ValidationError as error:
+        problems = error.errors()
+    else:
+        problems = []
+    absent = [p["loc"] for p in problems if p["type"] == "missing" and p["loc"][-1] != "value"]
+    for problem in problems:
+        if problem["loc"] not in absent:
+            raise InputError(f"{path}: {_one_line(problem)}")
+    materials = tables.get("material", {})
+    named = dict.fromkeys(name for pair in tables.get("pair", {}) for name in pair.split("-"))
+    unknown = [f"{section('material', name)} density" for name in named if name not in materials]
+    return unknown + [_place(loc) for loc in absent if loc != ("material",)]
+
+
+def _place(loc: tuple[int | str, ...]) -> str:
+    """Where something stands in the file, such as [pair.wood-wood] friction."""
+    place = [str(part) for part in loc]
     depth = 3 if place[2:3] == ["linear"] else 2
-    where = " ".join(filter(None, [section(*place[:depth]), ".".join(place[depth:])]))
+    return " ".join(filter(None, [section(*place[:depth]), ".".join(place[depth:])]))
+
+
+def _one_line(problem: Any) -> str:
+    """One thing that is wrong with the structure of a file, as pydantic has it."""
+    where = _place(problem["loc"])
     if problem["type"] == "value_error":  # raised by Table
         return f"{where}: {problem['ctx']['error']}".removeprefix(": ")
     if problem["type"] == "missing":
-        known = PROPERTIES.get(place[-1])
+        known = PROPERTIES.get(str(problem["loc"][-1]))
         unit = known.unit_in_files if known else "1"
         return f"{where} is missing" + ("" if unit == "1" else f"; give it in {unit}")
     return f"{where} = {reprlib.repr(problem['input'])}: {problem['msg'].lower()}"

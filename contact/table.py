@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from contact.datafile import data_file
-from contact.material import PROPERTIES, LinearParameters, Material, Measured, Pair, Property
+from contact.material import PROPERTIES, LinearParameters, Material, Measured, Pair
 from contact.quantity import InputError, from_si, located, nearest, to_si
 from contact.schema import SCHEMA, Entry, PairTable, Table, read_file, section
 
@@ -99,17 +99,35 @@ def _pair(path: Path, names: str, written: PairTable) -> Pair:
 
 
 def _quantities(table: Table) -> dict[str, Measured]:
-    return {key: _measured(key, entry) for key, entry in table if isinstance(entry, Entry)}
+    return {key: measured(key, entry) for key, entry in table if isinstance(entry, Entry)}
 
 
-def _measured(name: str, entry: Entry) -> Measured:
+def measured(name: str, entry: Entry) -> Measured:
+    """A quantity of that name in PROPERTIES as it is written, in SI; see Entry."""
+    return _measured(name, entry, name)
+
+
+def _measured(name: str, entry: Entry, field: str) -> Measured:
     unit = PROPERTIES[name].unit
-    value, sigma = to_si(entry.value, unit, name), entry.sigma
-    if isinstance(sigma, str) and sigma.rstrip().endswith(("%", "percent")):
-        sigma = abs(value) * to_si(sigma, "1", f"{name}.sigma")
-    elif sigma is not None:
-        sigma = to_si(sigma, unit, f"{name}.sigma")
-    return Measured(value, sigma, entry.source, entry.method, entry.trials, entry.date)
+    value = to_si(entry.value, unit, field)
+    return Measured(
+        value,
+        _width(entry.sigma, value, unit, f"{field}.sigma"),
+        entry.source,
+        entry.method,
+        entry.trials,
+        entry.date,
+        _width(entry.scatter, value, unit, f"{field}.scatter"),
+        entry.digest,
+        tuple(_measured(name, old, f"{field}.history") for old in entry.history),
+    )
+
+
+def _width(written: object, value: float, unit: str, field: str) -> float | None:
+    """A standard deviation, given as a quantity or in % of the value."""
+    if isinstance(written, str) and written.rstrip().endswith(("%", "percent")):
+        return abs(value) * to_si(written, "1", field)
+    return None if written is None else to_si(written, unit, field)
 
 
 def write_table(table: ContactTable, path: str | Path) -> None:
@@ -139,27 +157,32 @@ def write_table(table: ContactTable, path: str | Path) -> None:
 
 def _toml_lines(record: Material | LinearParameters | Pair) -> list[str]:
     return [
-        f"{field.name} = {_toml_entry(getattr(record, field.name), PROPERTIES[field.name])}"
+        f"{field.name} = {toml_entry(field.name, getattr(record, field.name))}"
         for field in dataclasses.fields(record)
         if isinstance(getattr(record, field.name), Measured)
     ]
 
 
-def _toml_entry(measured: Measured, known: Property) -> str:
+def toml_entry(name: str, measured: Measured, unit: str | None = None) -> str:
+    """A quantity of that name in PROPERTIES as TOML, in `unit` or the usual one of files."""
+    unit = unit or PROPERTIES[name].unit_in_files
     written = {}
-    for key in ("value", "sigma"):
+    for key in ("value", "sigma", "scatter"):
         number = getattr(measured, key)
-        if number is not None and known.unit == "1":
+        if number is not None and unit == "1":
             written[key] = repr(float(number))
         elif number is not None:
-            written[key] = _toml_text(from_si(number, known.unit_in_files))
-    for key in ("source", "method"):
-        if (text := getattr(measured, key)) is not None:
-            written[key] = _toml_text(text)
+            written[key] = _toml_text(from_si(number, unit))
     if measured.trials is not None:
         written["trials"] = str(measured.trials)
+    for key in ("method", "source", "digest"):
+        if (text := getattr(measured, key)) is not None:
+            written[key] = _toml_text(text)
     if measured.date is not None:
         written["date"] = measured.date.isoformat()
+    if measured.history:
+        old = ", ".join(toml_entry(name, one, unit) for one in measured.history)
+        written["history"] = f"[{old}]"
     if len(written) == 1:
         return written["value"]
     return "{ " + ", ".join(f"{key} = {text}" for key, text in written.items()) + " }"

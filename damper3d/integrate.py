@@ -9,8 +9,9 @@ extrapolated u makes them second order. The enclosure's motion is known at all t
 
 from contact.jit import uncounted
 from damper3d.forces import apply_forces
+from damper3d.lists import DONE
 from damper3d.moving import move
-from damper3d.neighbours import DONE, search
+from damper3d.neighbours import search
 from damper3d.shaker import displacement, velocity
 from damper3d.state import STALE_CLOSE, STALE_WALL, STEP
 

@@ -1,19 +1,31 @@
-"""The search for contacts: cells, a list of near pairs, and lists of what touches or nearly does.
+"""The search for pairs of spheres: a list of near pairs, and one of what touches or nearly does.
 
 Near pairs are found with cells and kept for hundreds of steps; close ones are filtered from them
 and kept for tens of steps. What matters is how pairs move against each other: the close list is
 made anew when a sphere has left the mean motion of all by half the skin, so that a bed that flies
 as one keeps its lists; the list of wall contacts when one has moved by its skin against the
-enclosure. Skins follow the speed, so that a list lasts for a few tens of steps whatever it is.
+enclosure.
 
 Lists are in ascending order of the spheres' numbers. No force depends on when a list was made:
-what does not touch adds exact zeros.
+what does not touch is not asked.
 """
 
 import numpy as np
 
 from contact.jit import uncounted
-from damper3d.geometry import gap_of
+from damper3d.cells import fill_cells, pairs_of
+from damper3d.lists import (
+    CLOSE_FULL,
+    DEEPEST,
+    DONE,
+    NEAR_FULL,
+    NOT_FINITE,
+    TOO_DEEP,
+    adapt,
+    copy,
+    copy_histories,
+    copy_rows,
+)
 from damper3d.state import (
     CLOSE,
     CLOSE_MADE,
@@ -33,21 +45,10 @@ from damper3d.state import (
     STALE_CLOSE,
     STALE_WALL,
     STEP,
-    WALL,
-    WALL_MADE,
-    WALL_SEARCHES,
-    WALL_SKIN,
 )
+from damper3d.wall_list import search_walls
 
-DONE, NEAR_FULL, CLOSE_FULL, WALL_FULL, NOT_FINITE, TOO_DEEP = range(6)
-
-# How many steps a list should last, and by how much its skin changes where it does not. Short
-# lists are quick to pass through, long ones to make; the cost is flat about these.
-_SHORT, _LONG = 12, 40
 _NEAR_SHARE = 8.0  # near skin over close skin
-_GROW, _SHRINK = 1.25, 0.9
-_LEAST, _MOST = 0.002, 0.03  # of the close skin over the largest radius
-_DEEPEST = 0.25  # overlap over the sum of the radii that is taken for a failure
 
 
 @uncounted
@@ -84,16 +85,6 @@ def search_pairs(world, shift):
         counts[STALE_CLOSE] = 0
         counts[CLOSE_MADE] = counts[STEP]
     return outcome
-
-
-@uncounted
-def adapt(counts, lengths, skin, made, largest):
-    """Widen a skin whose list was short-lived, and narrow one whose list lasted long."""
-    lasted = counts[STEP] - counts[made]
-    if 0 < lasted < _SHORT:
-        lengths[skin] = min(_GROW * lengths[skin], _MOST * largest)
-    elif lasted > _LONG:
-        lengths[skin] = max(_SHRINK * lengths[skin], _LEAST * largest)
 
 
 @uncounted
@@ -170,83 +161,11 @@ def note_constants(near, spheres, law, i, begin, end):
 
 
 @uncounted
-def copy(to, what, n):
-    """The first n numbers of an array, into another."""
-    for k in range(n):
-        to[k] = what[k]
-
-
-@uncounted
-def copy_histories(to, histories, n):
-    """The first n histories, into others."""
-    for k in range(n):
-        for h in range(N_HISTORY):
-            to[k, h] = histories[k, h]
-
-
-@uncounted
-def copy_rows(to, rows):
-    """As many rows of four as there is room for."""
-    for i in range(len(to)):
-        for c in range(4):
-            to[i, c] = rows[i, c]
-
-
-@uncounted
 def fill_i(near, n_spheres):
     """The first spheres of all pairs, from where the pairs of each begin."""
     for i in range(n_spheres):
         for n in range(near.first[i], near.first[i + 1]):
             near.i[n] = i
-
-
-@uncounted
-def fill_cells(cells, x, n_spheres, shift):
-    """Sort the spheres into cells; those outside the grid go into the nearest cell."""
-    nx, ny, nz = cells.shape
-    n_cells = nx * ny * nz
-    cells.start[:] = 0
-    for i in range(n_spheres):
-        a = min(max(int((x[i, 0] - shift[0] - cells.origin[0]) / cells.size), 0), nx - 1)
-        b = min(max(int((x[i, 1] - shift[1] - cells.origin[1]) / cells.size), 0), ny - 1)
-        c = min(max(int((x[i, 2] - shift[2] - cells.origin[2]) / cells.size), 0), nz - 1)
-        cells.of_sphere[i] = (c * ny + b) * nx + a
-        cells.start[cells.of_sphere[i] + 1] += 1
-    for cell in range(n_cells + 1):
-        cells.start[cell + 1] += cells.start[cell]
-    for i in range(n_spheres - 1, -1, -1):  # backwards: the spheres of a cell ascend
-        cell = cells.of_sphere[i]
-        cells.start[cell + 1] -= 1
-        cells.spheres[cells.start[cell + 1]] = i
-
-
-@uncounted
-def pairs_of(near, cells, x, skin, i, n):
-    """Append the near pairs (i, j > i) in ascending order; the new length, or -1 for no room.
-
-    After fill_cells the spheres of a cell stand between its own entry of `start`, shifted by one,
-    and the next.
-    """
-    nx, ny, nz = cells.shape
-    cell = cells.of_sphere[i]
-    a, b, c = cell % nx, (cell // nx) % ny, cell // (nx * ny)
-    begin = n
-    for cc in range(max(c - 1, 0), min(c + 2, nz)):
-        for bb in range(max(b - 1, 0), min(b + 2, ny)):
-            row = (cc * ny + bb) * nx
-            first, last = row + max(a - 1, 0), row + min(a + 1, nx - 1)
-            for k in range(cells.start[first + 1], cells.start[last + 2]):
-                j = cells.spheres[k]
-                if j > i and gap_of(x, i, j) < skin:
-                    if n == len(near.j):
-                        return -1
-                    at = n  # insertion: a sphere has a handful of neighbours
-                    while at > begin and near.j[at - 1] > j:
-                        near.j[at] = near.j[at - 1]
-                        at -= 1
-                    near.i[n], near.j[at] = i, j
-                    n += 1
-    return n
 
 
 @uncounted
@@ -274,7 +193,7 @@ def filter_close(near, close, spheres, counts, skin):
         if near.gap[k] < skin or near.history[k, DAMPING] >= 0.0:
             if n + LANES >= len(close.i):
                 return CLOSE_FULL
-            if near.gap[k] < -_DEEPEST * near.reach[k]:
+            if near.gap[k] < -DEEPEST * near.reach[k]:
                 return TOO_DEEP
             close.i[n], close.j[n], close.near[n] = near.i[k], near.j[k], k
             close.reach[n] = near.reach[k]
@@ -311,72 +230,3 @@ def note_places(close, spheres):
         b += u[i, 1]
         c += u[i, 2]
     close.drift[0], close.drift[1], close.drift[2] = a / n, b / n, c / n
-
-
-@uncounted
-def search_walls(world, shift):
-    """The list of wall contacts, wall by wall."""
-    walls, wall, counts, lengths = world.walls, world.wall, world.counts, world.lengths
-    adapt(counts, lengths, WALL_SKIN, WALL_MADE, world.cells.largest)
-    store_wall_history(wall, walls, counts)
-    n = np.int64(0)
-    for w in range(len(walls.force)):
-        walls.first[w] = n
-        n = contacts_of_wall(
-            wall, walls, world.spheres, world.wall_law, lengths[WALL_SKIN], shift, w, n
-        )
-        if n < 0:
-            return WALL_FULL if n == -1 else TOO_DEEP
-    walls.first[len(walls.force)] = counts[WALL] = n
-    counts[WALL_SEARCHES] += 1
-    counts[STALE_WALL] = 0
-    counts[WALL_MADE] = counts[STEP]
-    copy_rows(wall.place, world.spheres.position)
-    for c in range(3):
-        wall.drift[c] = shift[c]
-    return DONE
-
-
-@uncounted
-def store_wall_history(wall, walls, counts):
-    """Put the histories of the wall contacts back into the walls' own table."""
-    if counts[WALL] > 0:
-        for w in range(len(walls.force)):
-            for n in range(walls.first[w], walls.first[w + 1]):
-                for h in range(N_HISTORY):
-                    walls.history[w, wall.i[n], h] = wall.history[n, h]
-    counts[WALL] = 0
-    walls.first[:] = 0
-
-
-@uncounted
-def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
-    """Append the spheres that touch wall w or nearly do; the new length.
-
-    -1 if there is no room, -2 if a sphere is half outside.
-    """
-    x, n_spheres = spheres.position, len(spheres.inverse_mass)
-    for i in range(n_spheres):
-        px, py, pz = x[i, 0] - shift[0], x[i, 1] - shift[1], x[i, 2] - shift[2]
-        if w < len(walls.planes):
-            plane = walls.planes[w]
-            gap = plane[0] * px + plane[1] * py + plane[2] * pz - plane[3] - x[i, 3]
-        else:
-            gap = walls.radius - np.sqrt(px * px + py * py) - x[i, 3]
-        if gap < skin or walls.history[w, i, DAMPING] >= 0.0:
-            if not gap >= -2.0 * _DEEPEST * x[i, 3]:
-                return -2
-            if n + LANES >= len(wall.i):
-                return -1
-            radius = x[i, 3]
-            if walls.curved and w == len(walls.planes):
-                # Half the cylinder's curvature, the mean of 1/r and 1/r - 1/R: r D / (D - r).
-                radius = 2.0 * radius * walls.radius / (2.0 * walls.radius - radius)
-            wall.i[n], wall.j[n] = i, n_spheres  # the enclosure's row
-            wall.reach[n] = wall.constants[n, RADIUS_I] = x[i, 3]
-            wall.constants[n, HERTZ] = law.hertz * np.sqrt(radius)
-            wall.constants[n, MASS] = 1.0 / spheres.inverse_mass[i]
-            for h in range(N_HISTORY):
-                wall.history[n, h] = walls.history[w, i, h]
-            n += 1
-    return n

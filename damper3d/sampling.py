@@ -9,7 +9,7 @@ from damper3d.forces import contact_law, meet_wall, put_enclosure, surface_motio
 from damper3d.geometry import between_spheres, place
 from damper3d.integrate import advance, enclosure_at
 from damper3d.lanes import gather
-from damper3d.neighbours import DONE
+from damper3d.lists import DONE
 from damper3d.state import (
     BLOCK,
     CLOSE,

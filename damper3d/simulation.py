@@ -6,7 +6,8 @@ import numpy as np
 
 from damper3d import sampling, state
 from damper3d.integrate import advance, enclosure_at
-from damper3d.neighbours import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL, search
+from damper3d.lists import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL
+from damper3d.neighbours import search
 from damper3d.records import CLASSES, MECHANISMS
 from damper3d.state import World
 from damper3d.world import roomier

@@ -88,13 +88,13 @@ def _relative(
     if asked is False:
         return 0.0
     if asked is True:
-        if known.sigma is None:
+        if known.spread is None:
             raise InputError(
                 f"{file} {name} has no sigma; give one, or [disorder] {key} = '10 %' or false"
             )
         if known.value == 0:
             return 0.0
-        asked = known.sigma / known.value
+        asked = known.spread / known.value
     if asked * FARTHEST >= 1:
         raise InputError(
             f"{where}: [disorder] {key}: a standard deviation of {100 * asked:.3g} % would draw "

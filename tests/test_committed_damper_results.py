@@ -12,6 +12,7 @@ from damper3d.protocol import run
 from damper3d.reproduce import TABLES, find
 
 RESULTS = Path(__file__).parent.parent / "docs" / "results" / "damper3d"
+BEGUN = {"chapter"}  # whose rows are not all there yet; their report says which lack
 KEPT = sorted(path.stem.removeprefix("reproduce-") for path in RESULTS.glob("*.csv"))
 
 
@@ -27,12 +28,12 @@ def test_every_table_has_its_results():
 def test_committed_results_are_whole_and_their_words_are_what_the_rows_say(table):
     """The report is made again from the rows: neither can be changed alone."""
     head, rows = committed(table)
-    assert {row["state"] for row in rows} == {"done"}
     assert head["command"].startswith(f"damper3d reproduce {table} --seeds ")
     text = (RESULTS / f"reproduce-{table}.txt").read_text(encoding="utf-8")
     words = "\n".join(line for line in text.splitlines() if not line.startswith("# "))
     assert words.strip() == find(table).report(rows).strip()
-    assert words.strip().startswith("complete: ")
+    assert words.strip().startswith("INCOMPLETE: " if table in BEGUN else "complete: ")
+    assert all(row["state"] == "done" for row in rows if table not in BEGUN)
 
 
 @pytest.mark.parametrize("gamma", [3.0, 10.0])

@@ -142,7 +142,8 @@ _numbers = {
 _text = st.none() | st.text(max_size=20)
 
 
-def measured(name: str) -> st.SearchStrategy[Measured]:
+def measured(name: str, depth: int = 1) -> st.SearchStrategy[Measured]:
+    older = st.lists(measured(name, depth - 1), max_size=2).map(tuple) if depth else st.just(())
     return st.builds(
         Measured,
         value=_numbers.get(name, st.floats(1e-12, 1e15)),
@@ -151,6 +152,9 @@ def measured(name: str) -> st.SearchStrategy[Measured]:
         method=_text,
         trials=st.none() | st.integers(1, 10**6),
         date=st.none() | st.dates(),
+        scatter=st.none() | st.floats(0.0, 1e15),
+        digest=_text,
+        history=older,
     )
 
 

@@ -366,3 +366,21 @@ def test_disorder_needs_measured_deviations(tmp_path):
         "disorder.friction": 0.1,
     }
     assert silo2d("run", write_case(tmp_path, given), "--dry-run").code == 0
+
+
+@pytest.mark.parametrize(("sigma", "scatter", "code"), [("50 %", "10 %", 0), ("10 %", "50 %", 2)])
+def test_what_is_drawn_is_the_scatter_of_trials_not_the_uncertainty_of_their_mean(
+    sigma, scatter, code, tmp_path
+):
+    """Contacts differ as single trials do. More than 38.1 % would draw values below zero."""
+    from contact.datafile import data_file
+
+    path = data_file("materials", "wood")
+    assert path is not None
+    both = f'sigma = "{sigma}", scatter = "{scatter}", '
+    text = path.read_text(encoding="utf-8").replace('sigma = "10 %", ', both)
+    (tmp_path / "both.toml").write_text(text, encoding="utf-8")
+    changes = SLOW | {"disorder.per": "pair", "particles.materials": "both.toml"}
+    answer = silo2d("run", write_case(tmp_path, changes), "--dry-run")
+    assert answer.code == code, answer.err
+    assert code == 0 or "a standard deviation of 50 %" in answer.err

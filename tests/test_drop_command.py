@@ -5,6 +5,7 @@ import io
 import json
 import os
 import sys
+import tomllib
 from pathlib import Path
 from unittest import mock
 
@@ -96,6 +97,18 @@ def test_seconds_in_the_table_are_the_rate(tmp_path):
     doubled = json.loads(calibrate("drop", path, "--json", "--fps", 240)[1])
     assert doubled["fps_used"] == 240
     assert doubled["scale_m_per_px"] == pytest.approx(answer["scale_m_per_px"] / 4, rel=1e-2)
+
+
+def test_the_pooled_value_goes_into_a_parameter_file(tmp_path):
+    path = write(tmp_path / "ball.csv", made_track([0.7] * 4).track)
+    wood = tmp_path / "wood.toml"
+    code, out, err = calibrate("drop", path, "--json", "--into", wood, "--pair", "wood-acrylic")
+    assert code == 0, err
+    (stored,) = tomllib.loads(wood.read_text(encoding="utf-8"))["pair"].values()
+    value = json.loads(out)["restitution"]["value"]
+    assert stored["restitution"]["value"] == pytest.approx(value, abs=1e-3)
+    assert stored["restitution"]["method"] == "drop test"
+    assert stored["restitution"]["source"] == "ball.csv"
 
 
 def test_two_things_that_bounce_are_told_apart_by_name(tmp_path):

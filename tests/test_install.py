@@ -28,11 +28,11 @@ def wheel(tmp_path_factory) -> zipfile.ZipFile:
 def test_the_wheel_holds_the_packages_whole(wheel):
     """Every module of the tree, byte for byte, and no tests, runs or caches."""
     names = wheel.namelist()
-    for package in ("contact", "campaign", "silo2d", "damper3d"):
+    for package in ("contact", "campaign", "silo2d", "damper3d", "calibration"):
         for source in (ROOT / package).rglob("*.py"):
             assert wheel.read(source.relative_to(ROOT).as_posix()) == source.read_bytes()
     tops = {name.partition("/")[0] for name in names if ".dist-info/" not in name}
-    assert tops == {"contact", "campaign", "silo2d", "damper3d", "granulab_data"}
+    assert tops == {"contact", "campaign", "silo2d", "damper3d", "calibration", "granulab_data"}
     assert not [name for name in names if "__pycache__" in name or "/." in name]
 
 
@@ -47,8 +47,9 @@ def test_the_wheel_holds_the_data_files_under_a_name_of_their_own(wheel):
 
 def test_the_wheel_installs_the_commands(wheel):
     (points,) = [name for name in wheel.namelist() if name.endswith("/entry_points.txt")]
-    for command in ("silo2d", "damper3d"):
-        assert f"{command} = {command}.cli:main" in wheel.read(points).decode()
+    packages = {"silo2d": "silo2d", "damper3d": "damper3d", "calibrate": "calibration"}
+    for command, package in packages.items():
+        assert f"{command} = {package}.cli:main" in wheel.read(points).decode()
 
 
 def test_an_unpacked_wheel_finds_its_data(wheel, tmp_path):

@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from calibration.commands.options import into_options
+
 if TYPE_CHECKING:
+    from calibration.commands.options import Into
     from calibration.drop import Drop
     from calibration.uncertainty import Estimate
 
@@ -18,10 +21,11 @@ if TYPE_CHECKING:
 @click.option("--track", metavar="NAME", help="Which of several things that bounce.")
 @click.option("--one-bounce", is_flag=True, help="Take a single bounce, unchecked by another.")
 @click.option("-o", "--out", metavar="DIR", help="Draw the sheet there.")
+@into_options("restitution")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(
     file: str, fps: float | None, scale: str | None, track: str | None, one_bounce: bool,
-    out: str | None, as_json: bool,
+    out: str | None, into: "Into | None", as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution from the track of a thing that falls on a plate and bounces (eq. 3.5).
 
@@ -33,6 +37,8 @@ def command(
     from calibration.drop import measure_drop
 
     drop = measure_drop(file, fps=fps, scale=scale, track=track, one_bounce=one_bounce, out=out)
+    if into is not None:
+        into.put("restitution", drop.restitution, method="drop test", files=[file])
     click.echo(json.dumps(drop.as_json(), indent=2) if as_json else _report(drop))
 
 

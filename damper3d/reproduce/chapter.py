@@ -35,9 +35,10 @@ that both have, correlation of eta and root-mean-square difference."""
 
 
 def panels() -> list[Panel]:
-    """The 32 maps."""
+    """The 32 maps, the dearest last."""
     points = list(itertools.product(FREQUENCIES, GAMMAS))
-    return [panel(o, h, size, points) for size in SPHERES for o in ORIENTATIONS for h in HEIGHTS]
+    sizes = sorted(SPHERES, reverse=True)
+    return [panel(o, h, size, points) for size in sizes for o in ORIENTATIONS for h in HEIGHTS]
 
 
 def run(

@@ -1,0 +1,24 @@
+"""The command that says where each number of a parameter file came from: report."""
+
+import json
+
+import click
+
+from campaign.commandline import json_option
+
+
+@click.command()
+@click.argument("file")
+@json_option
+def command(file: str, as_json: bool) -> None:
+    """Show where each number of a parameter file came from, and what it replaced.
+
+    FILE is a .toml file or a shipped table, such as wood. For example: calibrate report wood.toml
+    """
+    from calibration import provenance
+
+    read = provenance.read_values(file)
+    if as_json:
+        click.echo(json.dumps(provenance.as_json(*read), indent=2))
+    else:
+        click.echo(provenance.as_text(*read))

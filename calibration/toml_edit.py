@@ -1,0 +1,89 @@
+"""One entry of a TOML text changed or added; every other character stays as it was."""
+
+from collections.abc import Mapping
+from difflib import SequenceMatcher
+from typing import Any
+
+import tomlkit
+from tomlkit.items import InlineTable, Table
+
+
+def with_entry(text: str, section: list[str], key: str, entry: Mapping[str, Any]) -> str:
+    """The text with `key` of the table [section] holding `entry`, an inline table.
+
+    What is there is replaced where it stands, and its comment stays; what is new comes after the
+    last key of its section, and a new section at the end of the text. A text whose layout hinders
+    that gives another result, or ValueError (tomlkit's): the caller compares.
+    """
+    document = tomlkit.parse(text)
+    table = _find(document, section)
+    if table is None:
+        gap = "" if not text or text.endswith("\n\n") else "\n" if text.endswith("\n") else "\n\n"
+        return f"{text}{gap}[{'.'.join(section)}]\n{key} = {inline(entry)}\n"
+    # tomlkit drops the blank behind a date: it is given marks, which the values then replace.
+    mark = "value"
+    while mark in text:
+        mark += "_"
+    put: dict[str, Any] = {}
+    if isinstance(old := table.get(key), Table):  # [section.key], or key.value = ...
+        for name in [name for name in old if name not in entry]:
+            del old[name]
+        for name, value in entry.items():
+            put[f"{mark} {name}"] = value
+            old[name] = f"{mark} {name}"
+    else:
+        put[mark] = entry
+        if key in table or isinstance(table, InlineTable):
+            table[key] = mark
+        else:
+            _add_after_last(table, key, f'"{mark}"')
+    edited = _with_lines_of(text, tomlkit.dumps(tomlkit.parse(text)), tomlkit.dumps(document))
+    for held, value in put.items():
+        edited = edited.replace(f'"{held}"', inline(value))
+    return edited
+
+
+def _with_lines_of(text: str, read: str, edited: str) -> str:
+    """The edited text, with the lines that did not change as they are in the first text.
+
+    read is that text as tomlkit gives it back, without the blank behind a date.
+    """
+    own, before, after = (one.splitlines(keepends=True) for one in (text, read, edited))
+    if len(own) != len(before):
+        return edited
+    lines = []
+    for kind, start, end, first, last in SequenceMatcher(None, before, after, False).get_opcodes():
+        lines += own[start:end] if kind == "equal" else after[first:last]
+    return "".join(lines)
+
+
+def inline(value: Any) -> str:
+    """A value as TOML on one line; but each table of an array on a line of its own."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {inline(held)}" for key, held in value.items()) + " }"
+    if isinstance(value, list):
+        return "[\n" + "".join(f"    {inline(held)},\n" for held in value) + "]"
+    return tomlkit.item(value).as_string()
+
+
+def _find(document: Any, section: list[str]) -> Any:
+    """The table with a head of its own, or an inline one; None where there is none."""
+    table = document
+    for name in section:
+        if name not in table:
+            return None
+        table = table[name]
+    return None if isinstance(table, Table) and table.is_super_table() else table
+
+
+def _add_after_last(table: Any, key: str, written: str) -> None:
+    """Put a key behind the last one of a table, or behind its head.
+
+    Not at the table's end, where tomlkit would: blank lines and comments there belong to the head
+    of the next one. The text goes into what trails the last key, so that its place is certain.
+    """
+    plain = [item for item in table.values() if not isinstance(item, Table)]
+    last = plain[-1] if plain else table
+    trail = last.trivia.trail
+    line = f"{last.trivia.indent if plain else ''}{key} = {written}\n"
+    last.trivia.trail = f"{trail}{line}" if trail.endswith("\n") else f"{trail}\n{line}"
