@@ -9,6 +9,13 @@ from campaign.commandline import run_app
 # name: module of calibration.commands, what it does; loaded when it is called or asked for help
 _COMMANDS: dict[str, str] = {
     "drop": "drop",
+    "incline": "incline",
+    "slide": "slide",
+    "compression": "compression",
+    "interface": "interface",
+    "roughness": "roughness",
+    "density": "density",
+    "published": "published",
     "damping": "damping",
     "report": "report",
 }

@@ -1,12 +1,14 @@
 """A measured value and how well it is known: from trials, from groups of trials, through a formula.
 
-sigma is a standard uncertainty of the value (one standard deviation, 68 %); scatter is that of a
-single trial. Formulas carry sigma to first order (GUM, JCGM 100:2008, sec. 5.1).
+sigma is such that value +- sigma covers the truth in 68.3 % of all measurements: one standard
+deviation where that is known, Student's t times the standard error where a few trials must tell it
+(GUM, JCGM 100:2008, sec. G.3). scatter is the standard deviation of a single trial. Formulas carry
+sigma to first order (sec. 5.1).
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from campaign.statistics import mean_sd
 from contact.quantity import InputError
@@ -27,6 +29,8 @@ class Pooled:
     """All trials of several groups as one value, and whether the groups differ by more than chance.
 
     p is that of a one-way analysis of variance: None for one group, or where no group has two.
+    Where the groups differ, each group counts once and sigma is that of the groups' mean: more
+    trials with the same few samples do not make the value better known.
     """
 
     all: Estimate
@@ -40,7 +44,7 @@ class Pooled:
 
 
 def of_trials(values: Sequence[float]) -> Estimate:
-    """The mean of trials, its standard error, and their scatter.
+    """The mean of trials, half its 68.3 % interval (Student's t), and their scatter.
 
     Raises InputError where there is no trial, or one is not a finite number.
     """
@@ -50,21 +54,50 @@ def of_trials(values: Sequence[float]) -> Estimate:
         raise InputError("a trial is not a finite number")
     found = mean_sd(values)
     assert found.mean is not None
-    error = None if found.sd is None else found.sd / math.sqrt(found.n)
+    if found.sd is None:
+        return Estimate(found.mean, None, 1)
+    error = student(found.n - 1) * found.sd / math.sqrt(found.n)
     return Estimate(found.mean, error, found.n, found.sd)
 
 
-def pooled(groups: dict[str, Sequence[float]]) -> Pooled:
-    """The mean over all trials of all groups, each trial counting once; see Pooled."""
-    from scipy.stats import f_oneway
+def student(freedom: int) -> float:
+    """Half the 68.3 % interval of a mean, in standard errors; 1.84 for one degree of freedom."""
+    from scipy.stats import norm, t
 
-    each = {name: of_trials(values) for name, values in groups.items()}
-    whole = of_trials([value for values in groups.values() for value in values])
-    several = len(groups) > 1 and any(len(values) > 1 for values in groups.values())
-    if not several or not whole.scatter:
-        return Pooled(whole, each, None)
-    p = float(f_oneway(*groups.values()).pvalue)
-    return Pooled(whole, each, p if math.isfinite(p) else None)
+    return float(t.ppf(norm.cdf(1), freedom))
+
+
+def pooled(groups: Mapping[str, Sequence[float]]) -> Pooled:
+    """The mean over the trials of all groups; see Pooled for what counts once."""
+    return pooled_summaries({name: of_trials(values) for name, values in groups.items()})
+
+
+def pooled_summaries(groups: Mapping[str, Estimate]) -> Pooled:
+    """The same from each group's mean, scatter and trials, which are all that it depends on.
+
+    One-way analysis of variance: the sum of squares about the mean of all is that within the
+    groups and that between them. A group without a scatter has one trial.
+    """
+    from scipy.stats import f
+
+    ones = list(groups.values())
+    n, k = sum(one.trials for one in ones), len(ones)
+    mean = math.fsum(one.trials * one.value for one in ones) / n
+    within = math.fsum((one.trials - 1) * (one.scatter or 0.0) ** 2 for one in ones)
+    between = math.fsum(one.trials * (one.value - mean) ** 2 for one in ones)
+    if n == 1:
+        return Pooled(ones[0], dict(groups), None)
+    scatter = math.sqrt((within + between) / (n - 1))
+    whole = Estimate(mean, student(n - 1) * scatter / math.sqrt(n), n, scatter)
+    if k == 1 or n == k or within == 0:
+        return Pooled(whole, dict(groups), None)
+    p = float(f.sf(between / (k - 1) / (within / (n - k)), k - 1, n - k))
+    found = Pooled(whole, dict(groups), p)
+    if found.alike:
+        return found
+    each_once = of_trials([one.value for one in ones])
+    counted = replace(whole, value=each_once.value, sigma=each_once.sigma)
+    return Pooled(counted, dict(groups), p)
 
 
 def through(formula: Callable[..., float], *known: Estimate) -> Estimate:

@@ -1,0 +1,1 @@
+"""Measurements at the bench, from tables: friction, damping, stiffness, roughness, density."""

@@ -1,0 +1,121 @@
+"""Trials evaluated and pooled, with what readings and instruments add to the uncertainty."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from calibration.bench.sections import Asked, Columns, Section
+from calibration.uncertainty import Estimate, Pooled, pooled
+from contact.quantity import InputError, located
+
+Evaluate = Callable[[Columns], Estimate]
+
+
+@dataclass(frozen=True)
+class Result:
+    """One quantity of all trials.
+
+    key      its name in JSON, with the SI unit: "density_kg_m3"
+    unit     in which people read it
+    pooled   over all trials, and by group; sigma with what instruments add
+    trials   (name, group, value) of each
+    shared   {input: how much its uncertainty, which all trials share, adds to sigma}
+    """
+
+    key: str
+    name: str
+    si: str
+    unit: str
+    pooled: Pooled
+    trials: tuple[tuple[str, str, Estimate], ...]
+    shared: dict[str, float] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+    details: dict[str, Any] = field(default_factory=dict)  # more of the method's own, for JSON
+
+    def as_json(self) -> dict[str, Any]:
+        """The keys of docs/calibration-bench.md."""
+        whole = asdict(self.pooled.all) | {
+            "groups": {name: asdict(one) for name, one in self.pooled.groups.items()},
+            "groups_alike": self.pooled.alike,
+            "groups_p": self.pooled.p,
+            "sigma_shared": self.shared,
+            "per_trial": [
+                {"trial": name, "group": group, "value": one.value, "sigma": one.sigma}
+                for name, group, one in self.trials
+            ],
+            "remarks": list(self.remarks),
+        }
+        return {self.key: whole} | self.details
+
+
+def measure(
+    sections: Sequence[Section], evaluate: Evaluate, what: Asked, *, key: str, name: str,
+    si: str = "1", unit: str = "1", remarks: Sequence[str] = (),
+) -> Result:  # fmt: skip
+    """Evaluate every trial, pool them by group and together, and add what instruments share."""
+    values = [_one(section, evaluate, what) for section in sections]
+    found = _pooled(sections, values)
+    shared = {}
+    for one, sigma in what.shared.items():
+        if all(one in section.columns for section in sections):
+            slopes = [_half_difference(section, evaluate, one, sigma) for section in sections]
+            if any(slopes):  # not an input that only another result of the method needs
+                found, shared[one] = _widened(found, sections, slopes)
+    trials = tuple((s.name, s.group, v) for s, v in zip(sections, values, strict=True))
+    return Result(key, name, si, unit, found, trials, shared, tuple(remarks))
+
+
+def _one(section: Section, evaluate: Evaluate, what: Asked) -> Estimate:
+    """One trial, its sigma that of its fit and of its readings."""
+    with located(f"{section.name}:"):
+        found = evaluate(section.columns)
+        variance = 0.0 if found.sigma is None else found.sigma**2
+        for one, sigma in what.single.items():
+            if one in section.columns:
+                variance += _half_difference(section, evaluate, one, sigma) ** 2
+    if not math.isfinite(found.value):
+        raise InputError(f"{section.name}: gives no finite number")
+    return replace(found, sigma=math.sqrt(variance) if variance else found.sigma)
+
+
+def _half_difference(section: Section, evaluate: Evaluate, name: str, sigma: float) -> float:
+    """By how much a trial moves with an input that is one sigma off: a central difference."""
+    high, low = (
+        evaluate(section.columns | {name: section.columns[name] + by}).value
+        for by in (sigma, -sigma)
+    )
+    return (high - low) / 2
+
+
+def _pooled(sections: Sequence[Section], values: Sequence[Estimate]) -> Pooled:
+    """Of the trials by group; a group of one trial has that trial's own sigma."""
+    groups: dict[str, list[Estimate]] = {}
+    for section, value in zip(sections, values, strict=True):
+        groups.setdefault(section.group, []).append(value)
+    found = pooled({name: [one.value for one in ones] for name, ones in groups.items()})
+    alone = {
+        name: ones[0] if len(ones) == 1 else found.groups[name] for name, ones in groups.items()
+    }
+    whole = values[0] if len(values) == 1 else found.all
+    return Pooled(whole, alone, found.p)
+
+
+def _widened(
+    found: Pooled, sections: Sequence[Section], moved: Sequence[float]
+) -> tuple[Pooled, float]:
+    """Every sigma with what moves all trials together, and by how much that moves the whole."""
+    by_group = {
+        name: float(np.mean([m for s, m in zip(sections, moved, strict=True) if s.group == name]))
+        for name in found.groups
+    }
+    each_once = found.alike is False
+    whole = abs(float(np.mean(list(by_group.values()) if each_once else moved)))
+
+    def wider(one: Estimate, by: float) -> Estimate:
+        return replace(one, sigma=math.hypot(one.sigma or 0.0, by))
+
+    groups = {name: wider(one, by_group[name]) for name, one in found.groups.items()}
+    return Pooled(wider(found.all, whole), groups, found.p), whole

@@ -1,0 +1,199 @@
+"""Tables cut into trials: the inputs of each, in SI, its group, and where it was written."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.quantity import measured_quantity
+from calibration.tables import Table, read_table
+from contact.quantity import InputError, nearest, to_si
+
+Columns = Mapping[str, NDArray[np.float64]]
+
+_GROUPS = ("group", "pairing")  # columns that tell groups apart unless another is asked for
+
+
+class Input(NamedTuple):
+    """A column that a method reads, or a constant in its place."""
+
+    name: str
+    unit: str  # SI
+    meaning: str
+
+
+class Section(NamedTuple):
+    """One trial: a row of a table, or the rows of one curve."""
+
+    group: str
+    name: str
+    columns: dict[str, NDArray[np.float64]]  # (n,) each, SI; constants too
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the command line says about the inputs; sigmas in SI.
+
+    columns     {input: head in the file}, such as {"load": "Force [kN]"}
+    constants   {input: value} for what is the same in all trials
+    shared      {input: sigma} of what all trials share: an instrument, a constant
+    single      {input: sigma} of what differs from trial to trial: a reading
+    group       the column that tells groups apart, None for "group" or "pairing" if there is one
+    only        the one group to be evaluated, None for all
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    constants: Mapping[str, float] = field(default_factory=dict)
+    shared: Mapping[str, float] = field(default_factory=dict)
+    single: Mapping[str, float] = field(default_factory=dict)
+    group: str | None = None
+    only: str | None = None
+
+
+def asked(
+    inputs: Sequence[Input],
+    columns: Sequence[str] = (),
+    constants: Sequence[str] = (),
+    instruments: Sequence[str] = (),
+    readings: Sequence[str] = (),
+    group: str | None = None,
+    only: str | None = None,
+) -> Asked:
+    """The options "load=Force [kN]", "length=300 mm +- 1 mm", "angle=0.5 deg", read.
+
+    Raises InputError for an unknown input, a wrong unit, or what has no value.
+    """
+    units = {one.name: one.unit for one in inputs}
+    values, shared = {}, {}
+    for name, text in _pairs(constants, units, "--constant"):
+        known = measured_quantity(text, units[name], f"--constant {name}")
+        values[name] = known.value
+        if known.sigma is not None:
+            shared[name] = known.sigma
+    for name, text in _pairs(instruments, units, "--instrument"):
+        shared[name] = _sigma(text, units[name], f"--instrument {name}")
+    single = {
+        name: _sigma(text, units[name], f"--reading {name}")
+        for name, text in _pairs(readings, units, "--reading")
+    }
+    return Asked(dict(_pairs(columns, units, "--column")), values, shared, single, group, only)
+
+
+def _pairs(
+    options: Sequence[str], units: Mapping[str, str], flag: str
+) -> Iterator[tuple[str, str]]:
+    for option in options:
+        name, sign, value = (part.strip() for part in option.partition("="))
+        if not sign or not value:
+            raise InputError(f"{flag} {option!r}: write it as '{next(iter(units))}=...'")
+        if name not in units:
+            raise InputError(f"{flag} {option!r}: no input {name!r}; {nearest(name, units)}")
+        yield name, value
+
+
+def _sigma(text: str, unit: str, where: str) -> float:
+    sigma = to_si(text, unit, where)
+    if sigma < 0:
+        raise InputError(f"{where} = {text!r}: an uncertainty is not negative")
+    return sigma
+
+
+def rows(
+    files: Sequence[str | Path], inputs: Sequence[Input], what: Asked
+) -> tuple[list[Section], list[str]]:
+    """Each row a trial; and remarks on rows that were left out."""
+    sections: list[Section] = []
+    remarks: list[str] = []
+    for table, columns, kept in _tables(files, inputs, what, remarks):
+        groups = _labels(table, what.group)
+        several = len(files) > 1
+        for k in np.flatnonzero(kept):
+            name = f"line {table.lines[k]}" + (f" of {table.path.name}" if several else "")
+            one = {key: values[k : k + 1] for key, values in columns.items()}
+            sections.append(Section(groups[k], name, one))
+    return _chosen(sections, what.only), remarks
+
+
+def curves(
+    files: Sequence[str | Path], inputs: Sequence[Input], what: Asked, trial: str | None = None
+) -> tuple[list[Section], list[str]]:
+    """Each file a trial, or each value of its column `trial` (None: "trial", if there is one)."""
+    sections: list[Section] = []
+    remarks: list[str] = []
+    for table, columns, kept in _tables(files, inputs, what, remarks):
+        groups = _labels(table, what.group)
+        if trial is not None or table.has("trial"):
+            names = table.labels(trial or "trial")
+        else:
+            names = (table.path.stem,) * len(groups)
+        labels = list(zip(groups, names, strict=True))
+        for label in dict.fromkeys(labels):
+            chosen = kept & np.array([one == label for one in labels])
+            if chosen.any():
+                one = {key: values[chosen] for key, values in columns.items()}
+                sections.append(Section(*label, one))
+    return _chosen(sections, what.only), remarks
+
+
+def _chosen(sections: list[Section], only: str | None) -> list[Section]:
+    if only is None:
+        return sections
+    kept = [section for section in sections if section.group == only]
+    if not kept:
+        there = dict.fromkeys(section.group for section in sections)
+        raise InputError(f"--only {only}: no such group; {nearest(only, there)}")
+    return kept
+
+
+def _tables(
+    files: Sequence[str | Path], inputs: Sequence[Input], what: Asked, remarks: list[str]
+) -> Iterator[tuple[Table, dict[str, NDArray[np.float64]], NDArray[np.bool_]]]:
+    """Each file's inputs as far as they are there, and which rows have them all."""
+    for path in files:
+        table = read_table(path).renamed(what.columns)
+        n = len(table.lines)
+        columns = {}
+        for one in inputs:
+            if one.name in what.constants:
+                columns[one.name] = np.full(n, what.constants[one.name])
+            elif table.has(one.name, one.unit):
+                columns[one.name] = table.column(one.name, one.unit)
+        if not columns:
+            raise InputError(
+                f"{path}: none of the columns {', '.join(one.name for one in inputs)}; it has "
+                f"{', '.join(table.texts)}; say which is which: --column '{inputs[0].name}=HEAD'"
+            )
+        kept = np.ones(n, dtype=bool)
+        for values in columns.values():
+            kept &= np.isfinite(values)
+        if not kept.any():
+            raise InputError(f"{path}: no row in which {', '.join(columns)} is there")
+        if not kept.all():
+            remarks.append(f"{path}: {n - kept.sum()} of {n} rows left out: a field is empty")
+        yield table, columns, kept
+
+
+def _labels(table: Table, group: str | None) -> tuple[str, ...]:
+    if group is not None:
+        return table.labels(group)
+    found = next((name for name in _GROUPS if table.has(name)), None)
+    return table.labels(found) if found else ("all",) * len(table.lines)
+
+
+def need(section: Section, choices: Sequence[Sequence[str]], inputs: Sequence[Input]) -> int:
+    """Which of several sets of inputs is there, the first that is whole; InputError for none."""
+    for k, names in enumerate(choices):
+        if all(name in section.columns for name in names):
+            return k
+    units = {one.name: one.unit for one in inputs}
+    sets = " or ".join(
+        ", ".join(f"{n} [{units[n]}]" if units[n] != "1" else n for n in names) for names in choices
+    )
+    there = ", ".join(section.columns) or "nothing"
+    raise InputError(
+        f"{section.name}: found {there}; this needs the columns {sets}; name others by "
+        f"--column '{choices[0][0]}=HEAD [UNIT]', constants by --constant"
+    )

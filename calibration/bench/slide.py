@@ -1,0 +1,191 @@
+"""Tangential damping from a block that slides down an incline (paper sec. 3.4, eqs 3.11a-c).
+
+dv/dt = -gamma_t v + g sin(theta) - mu g cos(theta)     (3.11a)
+v = v0 (1 - exp(-gamma_t t)), from rest                 (3.11b)
+v0 = g (sin(theta) - mu cos(theta))/gamma_t             (3.11c)
+
+From curves of v(t): least squares of 3.11b, or of v0 + (v_s - v0) exp(-gamma_t t), which solves
+3.11a for any velocity v_s at t = 0. From terminal velocities: 3.11c solved for gamma_t. A curve
+with theta also gives the friction while sliding, tan(theta) - gamma_t v0/(g cos(theta)).
+"""
+
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.bench.measure import Result, measure
+from calibration.bench.sections import Asked, Columns, Input, Section, curves, need, rows
+from calibration.uncertainty import Estimate
+from contact.quantity import InputError, located
+
+INPUTS = (
+    Input("time", "s", "of a sliding block, and"),
+    Input("velocity", "m/s", "its velocity,"),
+    Input("terminal_velocity", "m/s", "or its terminal velocity, with"),
+    Input("incline", "rad", "the inclination of the slope and"),
+    Input("friction", "1", "the coefficient of friction"),
+)
+GRAVITY = 9.80665  # [m/s2], standard
+
+Fit = tuple[NDArray[np.float64], NDArray[np.float64]]  # parameters, their covariance
+
+_CURVE, _TERMINAL = ["time", "velocity"], ["terminal_velocity", "incline", "friction"]
+
+
+class _Curves:
+    """What follows from the fit of one curve; each is fitted once."""
+
+    def __init__(self, start: str) -> None:
+        self.start = start
+        self._known: dict[tuple[bytes, bytes], Fit] = {}
+
+    def fitted(self, columns: Columns) -> Fit:
+        """(v0, gamma_t[, v_s]) and their covariance."""
+        time, velocity = (columns[name] for name in _CURVE)
+        key = time.tobytes(), velocity.tobytes()
+        if key not in self._known:
+            self._known[key] = fit(time, velocity, self.start)
+        return self._known[key]
+
+    def terminal(self, columns: Columns) -> Estimate:
+        """v0 [m/s]."""
+        p, covariance = self.fitted(columns)
+        return Estimate(float(p[0]), float(np.sqrt(covariance[0, 0])), 1)
+
+    def gamma(self, columns: Columns) -> Estimate:
+        """gamma_t [1/s]."""
+        p, covariance = self.fitted(columns)
+        return Estimate(float(p[1]), float(np.sqrt(covariance[1, 1])), 1)
+
+    def friction(self, columns: Columns) -> Estimate:
+        """While sliding."""
+        return sliding_friction(*self.fitted(columns), float(columns["incline"][0]))
+
+
+def damping(
+    files: Sequence[str | Path], what: Asked, *, trial: str | None = None, start: str = "rest"
+) -> list[Result]:
+    """gamma_t of curves, with terminal velocity and friction; or of terminal velocities.
+
+    `start`: "rest" for eq. 3.11b with t = 0 at the release, "any" for an unknown velocity there.
+    """
+    sections, remarks = curves(files, INPUTS, what, trial)
+    if any(need(section, [_CURVE, _TERMINAL], INPUTS) == 1 for section in sections):
+        return [_from_terminal(files, what)]
+    by_curve = _Curves(start)
+    for section in sections:
+        with located(f"{section.name}:"):
+            remarks += _not_random(section, by_curve.fitted(section.columns)[0])
+    results = [
+        _gamma_t(sections, by_curve.gamma, what, remarks),
+        measure(
+            sections, by_curve.terminal, what,
+            key="terminal_velocity_m_s", name="terminal velocity v0", si="m/s", unit="m/s",
+        ),
+    ]  # fmt: skip
+    if all("incline" in section.columns for section in sections):
+        friction = by_curve.friction
+        results.append(
+            measure(sections, friction, what, key="friction_sliding", name="friction, sliding")
+        )
+    return results
+
+
+def fit(time: NDArray[np.float64], velocity: NDArray[np.float64], start: str) -> Fit:
+    """(v0, gamma_t[, v_s]) of v(t) in (n,) s and m/s, and their covariance from the residuals.
+
+    Raises InputError where there are too few points, or nothing bends so that gamma_t is open.
+    """
+    from scipy.optimize import OptimizeWarning, curve_fit
+
+    model = _from_rest if start == "rest" else _from_any
+    unknown = 2 if start == "rest" else 3
+    if len(time) < unknown + 2 or np.ptp(time) == 0:
+        raise InputError(f"{len(time)} velocities: at least {unknown + 2} at unlike times")
+    span = float(np.ptp(time))
+    guess = [float(velocity[np.argmax(time)]), 3 / span, 0.0][:unknown]
+    try:
+        with warnings.catch_warnings(), np.errstate(over="ignore"):
+            warnings.simplefilter("error", OptimizeWarning)
+            p, covariance = curve_fit(model, time, velocity, p0=guess)
+    except (RuntimeError, OptimizeWarning):
+        p = np.full(unknown, np.nan)
+    if not np.all(np.isfinite(p)) or p[1] <= 0 or covariance[1, 1] > p[1] ** 2:
+        raise InputError(
+            f"the velocities over {span:g} s do not tell gamma_t: they do not bend towards a "
+            "terminal velocity; measure longer"
+        )
+    return p, covariance
+
+
+def _from_rest(t: NDArray[np.float64], v0: float, gamma: float) -> NDArray[np.float64]:
+    return v0 * (1 - np.exp(-gamma * t))
+
+
+def _from_any(t: NDArray[np.float64], v0: float, gamma: float, v_s: float) -> NDArray[np.float64]:
+    return v0 + (v_s - v0) * np.exp(-gamma * t)
+
+
+def sliding_friction(
+    p: NDArray[np.float64], covariance: NDArray[np.float64], incline: float
+) -> Estimate:
+    """mu = tan(theta) - gamma_t v0/(g cos(theta)), from eq. 3.11c, with the fit's covariance."""
+    v0, gamma = p[:2]
+    slope = np.array([gamma, v0]) / (GRAVITY * np.cos(incline))
+    sigma = float(np.sqrt(slope @ covariance[:2, :2] @ slope))
+    return Estimate(float(np.tan(incline) - v0 * slope[0]), sigma, 1)
+
+
+def of_terminal_velocity(v0: float, incline: float, friction: float) -> float:
+    """gamma_t [1/s] by eq. 3.11c; InputError where nothing pulls the block down the slope."""
+    driving = GRAVITY * (np.sin(incline) - friction * np.cos(incline))
+    if driving <= 0 or v0 <= 0:
+        raise InputError(
+            f"an incline of {np.degrees(incline):g} deg, friction {friction:g} and a terminal "
+            f"velocity of {v0:g} m/s: eq. 3.11c needs tan(incline) above friction and v0 above 0"
+        )
+    return float(driving / v0)
+
+
+def _from_terminal(files: Sequence[str | Path], what: Asked) -> Result:
+    sections, remarks = rows(files, INPUTS, what)
+
+    def gamma(columns: Columns) -> Estimate:
+        v0, incline, friction = (float(columns[name][0]) for name in _TERMINAL)
+        return Estimate(of_terminal_velocity(v0, incline, friction), None, 1)
+
+    return _gamma_t(sections, gamma, what, remarks)
+
+
+def _gamma_t(
+    sections: Sequence[Section], gamma: Callable[[Columns], Estimate], what: Asked,
+    remarks: Sequence[str],
+) -> Result:  # fmt: skip
+    return measure(
+        sections, gamma, what,
+        key="gamma_t_per_s", name="tangential damping gamma_t", si="1/s", unit="1/s",
+        remarks=remarks,
+    )  # fmt: skip
+
+
+def _not_random(section: Section, p: NDArray[np.float64]) -> list[str]:
+    """A remark where neighbouring residuals go together, as they do not in white noise.
+
+    Their correlation then has a standard deviation of 1/sqrt(n); beyond three it is told.
+    """
+    order = np.argsort(section.columns["time"])
+    time, velocity = (section.columns[name][order] for name in _CURVE)
+    model = _from_rest if len(p) == 2 else _from_any
+    left = velocity - model(time, *p)
+    square = float(left @ left)
+    r = float(left[1:] @ left[:-1]) / square if square else 0.0
+    if abs(r) * np.sqrt(len(left)) < 3:
+        return []
+    return [
+        f"{section.name}: neighbouring residuals go together (correlation {r:.2f}): eq. 3.11a "
+        "does not describe the run, or its noise is not white; sigma is too "
+        + ("small" if r > 0 else "large")
+    ]

@@ -1,0 +1,27 @@
+"""The command that sets printed measurements beside what follows from them: published."""
+
+import json
+
+import click
+
+from campaign.commandline import json_option
+
+
+@click.command("published")
+@click.argument("tables", nargs=-1, metavar="[TABLE]...")
+@json_option
+def command(tables: tuple[str, ...], as_json: bool) -> None:
+    """The sources' bench measurements beside what follows from their own parts.
+
+    Tables: friction, restitution, interface, stiffness, damping, density, roughness; all of them
+    where none is named. Only means are printed but for the interface's markers: single trials,
+    curves and profiles cannot be evaluated again.
+    """
+    from calibration.bench import statement
+    from calibration.bench.published import statements
+
+    found = statements(tables)
+    if as_json:
+        click.echo(json.dumps(statement.as_json(found), indent=2))
+    else:
+        click.echo(statement.as_text(found))
