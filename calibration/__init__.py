@@ -1,15 +1,19 @@
 """Measurements to contact parameters: videos, tables and signals to values with uncertainty."""
 
 import importlib
+from typing import TYPE_CHECKING
 
-_WHERE = {
-    "measure_impacts": "calibration.impacts.measure",
-}
-__all__ = [*_WHERE]
+if TYPE_CHECKING:
+    from calibration.drop import measure_drop
+    from calibration.impacts.measure import measure_impacts
+
+__all__ = ["measure_drop", "measure_impacts"]
+
+_HOMES = {"measure_drop": "drop", "measure_impacts": "impacts.measure"}
 
 
-def __getattr__(name: str) -> object:
-    """A public function, imported with what it needs when it is first asked for."""
-    if name not in _WHERE:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(_WHERE[name]), name)
+def __getattr__(name: str):
+    # Imported when first asked for: --help must answer at once.
+    if name not in _HOMES:
+        raise AttributeError(f"module 'calibration' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"calibration.{_HOMES[name]}"), name)

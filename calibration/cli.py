@@ -8,6 +8,7 @@ from campaign.commandline import run_app
 
 # name: module of calibration.commands, what it does; loaded when it is called or asked for help
 _COMMANDS: dict[str, str] = {
+    "drop": "drop",
     "impacts": "impacts",
     "shaker": "shaker",
     "incline": "incline",

@@ -1,0 +1,271 @@
+"""Restitution of every bounce of a track, with uncertainty: paper eq. 3.5, and times of flight.
+
+Bounce k is at contact k, where flight k ends and flight k + 1 begins:
+    from times       T(k+1)/T(k), T the time between the contacts that bound a flight
+    from velocities  speed after over speed before, of the two parabolas at the contact
+    from heights     sqrt(H1/H0), eq. 3.5, H from the plate to the highest point of a flight
+No scale and no rate are needed for these. sigma comes from the covariance of all parabolas: two
+bounces that share a flight are correlated, and the pooled value and the test know it. Where two
+ways disagree by more than three sigma (a plate that drifts, a contact that takes time), the clip is
+no set of parabolas on a level plate, and what they disagree by is added to sigma.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from calibration.parabolas import Flights, fit, scatter_beyond_noise
+from calibration.rebound import (
+    contact_times,
+    from_heights,
+    from_times,
+    from_velocities,
+    inner_velocities,
+    levels,
+    speeds,
+)
+from calibration.segments import flights
+from calibration.timebase import TimeBase, check
+from calibration.track import Array, Track
+from calibration.uncertainty import Estimate
+from contact.quantity import InputError
+
+STANDARD_GRAVITY = Estimate(9.80665, 0.03, 1)  # m/s2; sigma: what it varies by over the earth
+_CHANCE = 0.05  # p below which one number does not describe the clip
+_EXACT = 1e-9  # sigma of restitution that numbers without noise have from their rounding
+_UNEVEN = 0.05  # of a frame: stamps that vary by more are set beside an even clock
+
+_Formula = Callable[[Array, Array], Array]
+
+
+@dataclass(frozen=True)
+class Bounces:
+    """What a clip says; times in frames, lengths in the track's unit. Covariances are joint.
+
+    track, base   the positions and the clock used; flights are fitted on base.clock
+    flights       parabolas
+    contacts      (n,) time of each contact on base.clock, and sigma
+    plate         (n,) level of each contact, and sigma
+    drift         change of the plate's level from first to last contact, and sigma
+    speeds        (n,) before each contact, normal to the plate (along y), and sigma
+    times, velocities, heights   restitution (n, 2) of each bounce, sigma; NaN where it has none
+    best, sigma   (b,) restitution from `method` of every bounce that has it, and its whole sigma
+    disagreement  (b,) what the next way gives less `best`, where more than three sigma; else 0
+    pooled        one restitution from `best`, p of the test that one number describes the clip
+    exponent      n of e ~ speed^n, with sigma; None for fewer than two bounces
+    """
+
+    track: Track
+    base: TimeBase
+    flights: Flights
+    contacts: Array
+    plate: Array
+    drift: Estimate
+    speeds: Array
+    times: Array
+    velocities: Array
+    heights: Array
+    method: str
+    best: Array
+    sigma: Array
+    disagreement: Array
+    pooled: Estimate
+    p: float | None
+    exponent: Estimate | None
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def constant_within_noise(self) -> bool | None:
+        """Whether one number describes the clip (p at least 0.05); None for one bounce."""
+        return None if self.p is None else self.p >= _CHANCE
+
+
+def find_bounces(track: Track, *, one_is_enough: bool = False) -> Bounces:
+    """All bounces of a track.
+
+    Raises InputError where nothing falls in it, or it bounces less than twice (less than once with
+    one_is_enough: then eq. 3.5 and the velocities alone give the restitution).
+    """
+    track = track.seen()
+    if len(track.frame) < 8:
+        raise InputError(f"{len(track.frame)} positions; a fall and two bounces need 8 and more")
+    found, other = _on_clock(track, track.clock), _on_even_clock(track)
+    if other is not None and (found is None or other.flights.sigma < 0.7 * found.flights.sigma):
+        remark = "the time stamps are uneven and free fall is not: an even clock is used"
+        found = replace(other, base=replace(other.base, remarks=[*other.base.remarks, remark]))
+    if found is None:
+        raise InputError("nothing falls: no stretch of the track is a parabola with a bounce after")
+    if len(found.contacts) < 2 and not one_is_enough:
+        e, sigma = found.velocities[0]
+        raise InputError(
+            f"one bounce, at frame {_frame(found, found.contacts[0, 0]):.2f} (its velocities give "
+            f"{e:.3f}, sigma {sigma:.3f}); two and more are needed to check one by another, or "
+            "--one-bounce"
+        )
+    return found
+
+
+def _on_even_clock(track: Track) -> Bounces | None:
+    """The same with frame numbers as time, where stamps are uneven."""
+    if track.time is None:
+        return None
+    even = np.round(track.frame - track.frame[0])
+    if np.any(np.diff(even) < 1) or np.abs(track.clock - track.clock[0] - even).max() < _UNEVEN:
+        return None
+    return _on_clock(track, even)
+
+
+def _on_clock(track: Track, clock: Array) -> Bounces | None:
+    """All bounces with this clock; None where nothing falls and bounces."""
+    base = check(track, clock)
+    t, y = base.clock, track.y[base.rows]
+    ranges, _ = flights(t, y)
+    if len(ranges) < 2:
+        return None
+    spread = None
+    if track.covariance is not None:
+        spread = np.sqrt(track.covariance[base.rows, 1, 1])
+    fitted = fit(t, y, ranges, spread)
+    parabolas = fitted.centre, fitted.coefficients
+    in_order = np.all(np.diff(contact_times(*parabolas)) > 0)
+    if not (in_order and np.all(from_velocities(*parabolas) > 0)):  # or one is NaN
+        return None
+    return _measured(track, base, fitted)
+
+
+def _measured(track: Track, base: TimeBase, fitted: Flights) -> Bounces:
+    centre = fitted.centre
+
+    def known(quantity: Callable[[Array], Array]) -> tuple[Array, Array]:
+        return _propagated(fitted, lambda c: np.asarray(quantity(c)))
+
+    contacts = _with_sigma(*known(lambda c: contact_times(centre, c)))
+    plate, plate_covariance = known(lambda c: levels(centre, c))
+    before = _with_sigma(*known(lambda c: np.abs(speeds(centre, c)[0])))
+    times = np.full((len(contacts), 2), np.nan)
+    method, best, other = "velocities", from_velocities, from_heights
+    if len(contacts) > 2:
+        method, best, other = "times", from_times, inner_velocities
+        times[1:-1] = _with_sigma(*known(lambda c: best(centre, c)))
+    e, covariance = known(lambda c: best(centre, c))
+    off = _with_sigma(*known(lambda c: other(centre, c) - best(centre, c)))
+    off = np.where(np.abs(off[:, 0]) > 3 * off[:, 1], off[:, 0], 0.0)  # also where it is NaN
+    covariance = covariance + np.diag(off**2 + _EXACT**2)
+    pooled, p = _pooled(e, covariance)
+    found = Bounces(
+        track, base, fitted, contacts, _with_sigma(plate, plate_covariance),
+        _drift(plate, plate_covariance), before, times,
+        _with_sigma(*known(lambda c: from_velocities(centre, c))),
+        _with_sigma(*known(lambda c: from_heights(centre, c))),
+        method, e, np.sqrt(np.diag(covariance)), off, pooled, p,
+        _exponent(fitted, best, np.diag(covariance), off) if len(e) > 1 else None,
+    )  # fmt: skip
+    return replace(found, warnings=_warnings(found))
+
+
+def _propagated(fitted: Flights, quantity: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """A vector of quantities of the parabolas, and its covariance to first order (GUM 5.1)."""
+    value = quantity(fitted.coefficients)
+    sigma = np.sqrt(np.clip(np.diag(fitted.covariance), 0, None))
+    slopes = np.zeros((len(value), len(sigma)))
+    for k in np.flatnonzero(sigma > 0):
+        step = np.zeros(len(sigma))
+        step[k] = sigma[k] * 1e-2  # small: bends of the formula do not count, rounding neither
+        high, low = (quantity(fitted.coefficients + s * step.reshape(-1, 3)) for s in (1, -1))
+        slopes[:, k] = (high - low) / (2 * step[k])
+    return value, slopes @ fitted.covariance @ slopes.T
+
+
+def _with_sigma(value: Array, covariance: Array) -> Array:
+    return np.stack([value, np.sqrt(np.clip(np.diag(covariance), 0, None))], axis=1)
+
+
+def _pooled(e: Array, covariance: Array) -> tuple[Estimate, float | None]:
+    """The weighted mean of correlated values; p of the chi-square test that they are one.
+
+    Where they are not one, their scatter beyond noise counts with every bounce: the mean is then
+    that of such bounces, and its sigma how well the clip's few tell it.
+    """
+    from scipy.stats import chi2
+
+    mean, variance, square = _weighted_mean(e, covariance)
+    if len(e) == 1:
+        return Estimate(mean, float(np.sqrt(variance)), 1), None
+    p = float(chi2.sf(square, len(e) - 1))
+    if p < _CHANCE:
+        extra = scatter_beyond_noise(_with_sigma(e, covariance)) ** 2
+        mean, variance, _ = _weighted_mean(e, covariance + extra * np.eye(len(e)))
+    return Estimate(mean, float(np.sqrt(variance)), len(e)), p
+
+
+def _weighted_mean(e: Array, covariance: Array) -> tuple[float, float, float]:
+    """Mean, its variance, and chi-square about it."""
+    inverse = np.linalg.pinv(covariance, hermitian=True)
+    variance = 1 / inverse.sum()
+    mean = float(variance * inverse.sum(axis=0) @ e)
+    return mean, float(variance), float((e - mean) @ inverse @ (e - mean))
+
+
+def _exponent(fitted: Flights, best: _Formula, variance: Array, off: Array) -> Estimate:
+    """n of e ~ speed^n from the logarithms, each bounce weighted by its own sigma."""
+    centre = fitted.centre
+    weight = best(centre, fitted.coefficients) ** 2 / variance  # of ln e
+
+    def lever(c: Array) -> Array:
+        speed = np.log(np.abs(speeds(centre, c)[0]))
+        speed = speed[1:-1] if len(speed) > len(weight) else speed
+        speed = speed - weight @ speed / weight.sum()
+        return weight * speed / (weight @ speed**2)
+
+    def slope(c: Array) -> Array:
+        return np.atleast_1d(lever(c) @ np.log(np.abs(best(centre, c))))
+
+    value, covariance = _propagated(fitted, slope)
+    extra = np.sum((lever(fitted.coefficients) * off / best(centre, fitted.coefficients)) ** 2)
+    return Estimate(float(value[0]), float(np.sqrt(covariance[0, 0] + extra)), len(weight))
+
+
+def _drift(levels: Array, covariance: Array) -> Estimate:
+    """Change of the plate's level from the first contact to the last."""
+    ends = np.zeros(len(levels))
+    ends[0], ends[-1] = (-1.0, 1.0) if len(levels) > 1 else (0.0, 0.0)
+    return Estimate(float(ends @ levels), float(np.sqrt(ends @ covariance @ ends)), len(levels))
+
+
+def _warnings(found: Bounces) -> list[str]:
+    """What a person should look at before believing the numbers."""
+    warnings = list(found.track.remarks)
+    fitted = found.flights
+    if fitted.scatter:
+        own = ", ".join(f"{a:.4g}" for a in fitted.own[:, 0])
+        warnings.append(
+            f"the flights do not share one acceleration (p = {fitted.p:.1g}: {own}): drag, "
+            "perspective, or a clock that changes; each was given its own, as far as it is known"
+        )
+    if found.drift.sigma and abs(found.drift.value) > 3 * found.drift.sigma:
+        warnings.append(
+            f"the plate's level changes by {found.drift.value:.3g} "
+            f"(sigma {found.drift.sigma:.2g}) over the clip"
+        )
+    used = np.isfinite(fitted.weights)
+    out = int(np.sum(fitted.weights[used] == 0))
+    if out:
+        warnings.append(f"{out} of {int(used.sum())} positions fit no parabola: left out")
+    if np.any(found.disagreement):
+        other = "velocities" if found.method == "times" else "heights"
+        warnings.append(
+            f"{found.method} and {other} disagree by up to {np.abs(found.disagreement).max():.2g}: "
+            "the plate is not level or a contact takes time; it is in the sigma"
+        )
+    if found.constant_within_noise is False:
+        warnings.append(
+            f"one number does not describe the clip (p = {found.p:.2g}): see restitution against "
+            "impact speed"
+        )
+    return warnings
+
+
+def _frame(found: Bounces, time: float) -> float:
+    """The frame number at a time of the clock."""
+    return float(np.interp(time, found.base.clock, found.track.frame[found.base.rows]))
