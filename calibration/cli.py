@@ -6,7 +6,7 @@ import click
 
 from campaign.commandline import run_app
 
-# name: module of calibration.commands, what it does; loaded when it is called or asked for help
+# name: module of calibration.commands, imported when it is called or asked for help
 _COMMANDS: dict[str, str] = {
     "drop": "drop",
     "impacts": "impacts",
