@@ -155,7 +155,7 @@ def test_chapter_judges_each_size_and_sets_it_beside_5_mm(made, tmp_path):
     text = chapter.report(rows)
     assert text.startswith("INCOMPLETE: ")
     start = (
-        "  lacking: orientation vertical, height_mm 45, diameter_mm 3, frequency_hz 20: gamma 1, "
+        "  lacking: orientation vertical, height_mm 40, diameter_mm 6, frequency_hz 20: gamma 1, "
     )
     assert any(line.startswith(start) for line in text.splitlines())
     of_3, of_5 = ([line.split() for line in text.splitlines() if line.startswith(f"{d} mm  ")]
