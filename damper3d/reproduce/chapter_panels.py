@@ -16,7 +16,8 @@ def draw_chapter(maps: Mapping[int, Mapping[tuple[str, int], Ridges]]) -> "Figur
     """A column for each diameter, a row for each orientation and height; one legend, one bar."""
     from matplotlib.figure import Figure
 
-    keys = list(dict.fromkeys(key for own in maps.values() for key in own))
+    found = {key for own in maps.values() for key in own}
+    keys = sorted(found, key=lambda key: (key[0] != "vertical", key[1]))
     size = (1.0 + 3.2 * max(len(maps), 1), 1.4 + 2.4 * max(len(keys), 1))
     figure = Figure(figsize=size, layout="constrained")
     headline(figure, "Efficiency, spheres of the same volume in all columns")
