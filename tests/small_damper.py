@@ -1,14 +1,10 @@
 """A damper of twenty spheres, and the command to run it."""
 
-import contextlib
-import io
 import json
-import sys
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
-from small_silo import Answer
+from small_silo import Answer, answer
 
 from damper3d.cli import main
 
@@ -52,16 +48,5 @@ def write_damper(folder: Path, changes: dict[str, Any] | None = None, name: str 
 
 
 def damper3d(*arguments: object) -> Answer:
-    """Run the command in this process, which has the kernels; a traceback fails the test."""
-    out, err = io.StringIO(), io.StringIO()
-    code = 0
-    with (
-        mock.patch.object(sys, "argv", ["damper3d", *map(str, arguments)]),
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
-    ):
-        try:
-            main()
-        except SystemExit as leave:
-            code = int(leave.code or 0)
-    return Answer(code, out.getvalue(), err.getvalue())
+    """What the command gives back; see small_silo.answer."""
+    return answer("damper3d", main, *arguments)

@@ -101,12 +101,12 @@ class Answer:
         return json.loads(self.out)
 
 
-def silo2d(*arguments: object) -> Answer:
-    """Run the command in this process, which has the kernels; a traceback fails the test."""
+def answer(name: str, main: Callable[[], None], *arguments: object) -> Answer:
+    """Run a command in this process, which has the kernels; a traceback fails the test."""
     out, err = io.StringIO(), io.StringIO()
     code = 0
     with (
-        mock.patch.object(sys, "argv", ["silo2d", *map(str, arguments)]),
+        mock.patch.object(sys, "argv", [name, *map(str, arguments)]),
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(err),
     ):
@@ -115,6 +115,11 @@ def silo2d(*arguments: object) -> Answer:
         except SystemExit as leave:
             code = int(leave.code or 0)
     return Answer(code, out.getvalue(), err.getvalue())
+
+
+def silo2d(*arguments: object) -> Answer:
+    """What the command gives back; see answer."""
+    return answer("silo2d", main, *arguments)
 
 
 def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:

@@ -1,19 +1,14 @@
 """The command calibrate drop on tracks: report, JSON, sheet, refusals; recordings of strangers."""
 
-import contextlib
-import io
 import json
 import os
-import sys
 import tomllib
 from pathlib import Path
-from unittest import mock
 
+import calibrating
 import numpy as np
 import pytest
 from made_tracks import made_track
-
-from calibration.cli import main
 
 MEDIA = Path(os.environ.get("GRANULAB_MEDIA") or Path(__file__).parents[2] / "shared" / "media")
 needs_media = pytest.mark.skipif(not MEDIA.is_dir(), reason=f"no recordings in {MEDIA}")
@@ -29,18 +24,8 @@ BOUNCE_KEYS = {
 
 def calibrate(*arguments):
     """Exit code, stdout, stderr; a traceback fails the test."""
-    out, err = io.StringIO(), io.StringIO()
-    code = 0
-    with (
-        mock.patch.object(sys, "argv", ["calibrate", *map(str, arguments)]),
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
-    ):
-        try:
-            main()
-        except SystemExit as leave:
-            code = int(leave.code or 0)
-    return code, out.getvalue(), err.getvalue()
+    found = calibrating.calibrate(*arguments)
+    return found.code, found.out, found.err
 
 
 def write(path, track, head="frame,x,y"):

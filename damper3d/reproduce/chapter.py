@@ -16,9 +16,10 @@ from campaign.layout import columns
 from damper3d.map.grid import FREQUENCIES, GAMMAS
 from damper3d.reproduce.dampers import HEIGHTS, ORIENTATIONS, SPHERES, panel
 from damper3d.reproduce.fluidisation_statements import statements as fluidised
-from damper3d.reproduce.map_statements import Ridges, points_of, statements, values_of
+from damper3d.reproduce.map_statements import Ridges, likeness, points_of, statements
 from damper3d.reproduce.maps import ridges_by_panel
-from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
+from damper3d.reproduce.maps import run as run_maps
+from damper3d.reproduce.runs import Panel, Row, labels_of
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
 
@@ -51,10 +52,8 @@ def run(
     **engine: str,
 ) -> list[Row]:
     """All points of the 32 maps, or of another grid, with all packings."""
-    return run_panels(
-        panels() if grid is None else grid, seeds, refine=0, out=out, workers=workers,
-        quiet=quiet, **engine,
-    )  # fmt: skip
+    grid = panels() if grid is None else grid
+    return run_maps(out=out, seeds=seeds, workers=workers, quiet=quiet, grid=grid, **engine)
 
 
 def by_size(rows: Sequence[Row]) -> dict[int, dict[tuple[str, int], Ridges]]:
@@ -122,12 +121,8 @@ def _ridge(one: Ridges, ridge: str) -> list[str]:
 def _beside(one: Ridges, standard: Ridges | None, size: int) -> list[str]:
     if standard is None or size == _STANDARD:
         return ["-", "-"]
-    first, second = values_of(one.result), values_of(standard.result)
-    common = sorted(first.keys() & second.keys())
-    a, b = np.array([[values[point] for point in common] for values in (first, second)])
-    if len(common) < 3 or not (a.std() and b.std()):
-        return ["-", "-"]
-    return [f"{np.corrcoef(a, b)[0, 1]:.3f}", f"{np.sqrt(np.mean((a - b) ** 2)):.3f}"]
+    alike = likeness(one.result, standard.result)
+    return ["-", "-"] if alike is None else [f"{number:.3f}" for number in alike]
 
 
 def draw(rows: list[Row]) -> "Figure":

@@ -137,17 +137,27 @@ def _alike(maps: Maps) -> Statement:
         pair = [maps.get((o, height)) for o in ("vertical", "horizontal")]
         if pair[0] is None or pair[1] is None:
             continue
-        first, second = (values_of(one.result) for one in pair if one is not None)
-        common = sorted(first.keys() & second.keys())
-        a, b = np.array([[one[point] for point in common] for one in (first, second)])
-        if len(common) < 3 or not (a.std() and b.std()):
+        alike = likeness(pair[0].result, pair[1].result)
+        if alike is None:
             continue
-        correlation = float(np.corrcoef(a, b)[0, 1])
-        away = float(np.sqrt(np.mean((a - b) ** 2)))
+        correlation, away = alike
         holds.append(correlation >= _ALIKE)
         found.append(f"{height} mm {correlation:.3f} (rms difference of eta {away:.3f})")
     words = f"the map is alike in both orientations: correlation at least {_ALIKE:g}"
     return Statement(words, [Check(all_of(holds), ", ".join(found))])
+
+
+def likeness(first: MapResult, second: MapResult) -> tuple[float, float] | None:
+    """Correlation of eta over the points that both have, and root-mean-square difference.
+
+    None for fewer than three points, or where one does not vary.
+    """
+    known = [_values(result) for result in (first, second)]
+    common = sorted(known[0].keys() & known[1].keys())
+    a, b = np.array([[values[point] for point in common] for values in known])
+    if len(common) < 3 or not (a.std() and b.std()):
+        return None
+    return float(np.corrcoef(a, b)[0, 1]), float(np.sqrt(np.mean((a - b) ** 2)))
 
 
 def points_of(one: Ridges, ridge: str) -> tuple[list[tuple[float, Peak]], float | None]:
@@ -173,8 +183,7 @@ def _resolution(peak: Peak) -> float:
     return math.log(peak.bracket[1] / peak.bracket[0]) / 2
 
 
-def values_of(result: MapResult) -> dict[tuple[float, float], float]:
-    """The efficiencies by frequency [Hz] and Gamma."""
+def _values(result: MapResult) -> dict[tuple[float, float], float]:
     points = zip(result.frequency, result.gamma, result.efficiency, strict=True)
     return {(float(f), float(g)): float(eta) for f, g, eta in points if np.isfinite(eta)}
 
