@@ -5,10 +5,10 @@ The line of layer k at a time t, over columns j two grains wide (silo2d.measures
     y_k(j) = <y(0)>_k + <y(t) - y(0)>_kj
 
 with means over grains: the layer's at the start, and those in column j that have not left, two at
-least. A film shows material and no list of grains. So the tracers are parted into grains that might
-have been: squares of a grain's area, placed and turned by chance, many times. The line is the mean
-over these partings. Their scatter is how far the line depends on which grains there are, to which
-that of the tracers' own errors is added.
+least. A film shows material and no list of grains. So the tracers are parted many times into grains
+that might have been: what is nearest to the points of a lattice, turned and shifted by chance. The
+line is the mean over these partings. Their scatter is how far the line depends on which grains there
+are, to which that of the tracers' own errors is added.
 """
 
 from dataclasses import dataclass
@@ -120,10 +120,17 @@ class Lines:
         self._partings = [self._parting(size, random) for _ in range(_PARTINGS)]
 
     def _parting(self, size: float, random: np.random.Generator) -> NDArray[np.int64]:
-        """A grain for each tracer (n,), numbered; -1 where what is left of a square is too little."""
-        angle, shift = random.uniform(0, np.pi / 2), random.uniform(0, size, 2)
+        """A grain for each tracer (n,), numbered; -1 where too little is of its layer."""
+        from scipy.spatial import cKDTree
+
+        middle, reach = self._start.mean(axis=0), np.ptp(self._start, axis=0).max() * 0.75
+        row = np.arange(-reach, reach, size)
+        lattice = np.stack(np.meshgrid(row, row), axis=-1).reshape(-1, 2)
+        angle = random.uniform(0, np.pi / 2)
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        cell = np.floor((self._start @ turn + shift) / size).astype(np.int64)
+        # Shifted by up to half a grain, so that no row of grains reaches across the silo.
+        centres = middle + lattice @ turn + random.uniform(-size / 2, size / 2, lattice.shape)
+        cell = cKDTree(centres).query(self._start)[1]
         key = np.column_stack([cell, self._layer])
         _, number, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
         number = number.ravel()

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from calibration.film.reader import Film, Picture, open_film
 from calibration.flow.layers import Band, Lines, Profile, drawn_bands, of_bands, painted_bands
 from calibration.flow.material import material_mask, outlet_columns, seeds
-from calibration.flow.outlet import Opening, Streak
+from calibration.flow.outlet import UNIFORM, Crossing, Opening
 from calibration.flow.silo import CLEAR, Silo, find_silo
 from calibration.flow.survey import Grey, Survey, survey, to_grey
 from calibration.flow.tones import Tones, find_tones
@@ -148,12 +148,14 @@ class _Watch:
         start, tone = seeds(self.mask, labels, silo, self.grain)
         if len(start) < 100:
             raise InputError(f"{film.path}: no material is seen in the silo; check --roi")
-        self.tracers = Tracers(start, max(round(self.grain) | 1, 7))
+        self.left = self._without_edges()
+        self._contrast = max(self.tones.contrast / 2, CLEAR * seen.noise)
+        self.tracers = Tracers(start, self.grain)
         self.outlet = outlet_columns(self.mask, silo, self.grain)
         self.bands = self._bands(labels, start)
         self.lines = self._lines(start, tone)
         self._lowest = self._above_outlet(start)
-        self.opening, self.streak = Opening(self.grain), Streak(self.grain)
+        self.opening, self.crossing = Opening(self.grain), Crossing(self.grain)
         self.velocities = Velocities(silo, self.grain)
         self._series: list[tuple[float, float, float, float]] = []
         self._waiting: deque[tuple[int, Grey, Floats, Floats]] = deque()
@@ -163,6 +165,18 @@ class _Watch:
         self._last = 0
         self.profiles: list[Profile] = []
         self._area = 0.0
+
+    def _without_edges(self) -> NDArray[np.bool_]:
+        """What is left in the last picture (rows, columns); lines along walls go from the mask."""
+        import cv2
+
+        box = self.silo.box
+        material = (self.tones.labels(self.seen.last)[box] != 2) & self.mask[box]
+        size = (max(round(self.grain / 2), 3),) * 2
+        kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, size)
+        opened = cv2.morphologyEx(material.astype(np.uint8), cv2.MORPH_OPEN, kernel).astype(bool)
+        self.area = self.mask[box] & ~(material & ~opened)
+        return opened
 
     def _bands(self, labels: NDArray[np.int64], start: NDArray) -> list[Band]:
         bands = painted_bands(labels, self.silo, self.mask, self.grain)
@@ -193,6 +207,7 @@ class _Watch:
     def see(self, number: int, picture: Picture) -> None:
         """Take the next frame."""
         grey = to_grey(picture)
+        height = self.tracers.place[:, 1].copy()
         if self._grey is not None and self._differs(grey):
             self.tracers.follow(self._grey, grey)
             self.tracers.drop(self.tracers.place[:, 1] > self.silo.outlet + 2 * self.grain)
@@ -200,7 +215,7 @@ class _Watch:
         elif self._grey is None:
             self._grey = grey
         self._last = number
-        self._crossing(number, picture)
+        self._cross(number, picture, height)
         self._series.append((float(number), *self._seen_area(picture), self._share()))
         fall = self.tracers.place[self._lowest, 1] - self.tracers.start[self._lowest, 1]
         if len(fall):
@@ -213,20 +228,22 @@ class _Watch:
         apart = np.abs(grey[wider].astype(np.int16) - self._grey[wider])
         return bool((apart > CLEAR * self.seen.noise * np.sqrt(2)).mean() > _STILL)
 
-    def _crossing(self, number: int, picture: Picture) -> None:
+    def _cross(self, number: int, picture: Picture, before: Floats) -> None:
+        """See what stands in the outlet's row, and how fast tracers that began above it pass."""
         row = round(self.silo.outlet)
         part = slice(max(row - 1, 0), row + 2), slice(*self.outlet)
-        apart = np.abs(picture[part].astype(np.int16) - self.seen.last[part]).max(axis=2)
-        # The mean over three rows has the noise of one over a root of three.
-        limit = CLEAR * self.seen.noise * np.sqrt(2 / 3)
-        self.streak.see(number, apart.mean(axis=0) > limit if len(apart) else np.zeros(0, bool))
+        apart = picture[part].astype(np.float32).mean(axis=0) - self.seen.last[part].mean(axis=0)
+        now = self.tracers.place[:, 1]
+        passing = (before < self.silo.outlet) & (now >= self.silo.outlet)
+        speed = float(np.median((now - before)[passing])) if passing.any() else np.nan
+        self.crossing.see(number, np.linalg.norm(apart, axis=1) > self._contrast, speed)
 
     def _seen_area(self, picture: Picture) -> tuple[float, float]:
         """Pixels of material in the silo, and the mean height of its free surface."""
         if self.tones.backing is None:
             return np.nan, np.nan
         rows, columns = self.silo.box
-        material = (self.tones.labels(picture[rows, columns]) != 2) & self.mask[rows, columns]
+        material = (self.tones.labels(picture[rows, columns]) != 2) & self.area
         wide = self.grain * 2
         edges = np.arange(0, material.shape[1] + 1e-9, wide).astype(int)
         tops = []
@@ -280,15 +297,15 @@ class _Watch:
         still = time <= 0
         whole = float(np.mean(area[still])) if still.any() else float(area[0])
         curve = Curve(time, area / whole, share, surface)
-        outcome = self._outcome(area[-1])
+        outcome = self._outcome()
         discharge = None
-        last = self.streak.last()
+        last = self.crossing.last()
         if last is not None and outcome in ("empty", "dead_zones"):
             sigma = np.hypot(last.sigma or 0.0, opening.sigma or 0.0) / self.rate
             discharge = Estimate((last.value - opening.value) / self.rate, float(sigma), 1)
         return Flow(
             self.film, self.rate, self.silo, self._outlet_ends(), opening, outcome, discharge,
-            curve, self.bands, self.lines.edges, self.interval, self._with_scale(),
+            curve, self.bands, self.lines.edges, self.interval, self._with_shared(opening),
             self.velocities.fields(self.interval), self.seen, self._warnings(curve),
         )  # fmt: skip
 
@@ -297,27 +314,33 @@ class _Watch:
         left, right = ((column - self.silo.left) * scale for column in self.outlet)
         return left, right
 
-    def _outcome(self, area: float) -> str:
+    def _outcome(self) -> str:
         """How the discharge ended, by what the last picture shows (spec: clogged, dead zones)."""
         if (self._last - self._moved) / self.rate < _REST:
             return "unfinished"
-        rows, columns = self.silo.box
-        left = (self.tones.labels(self.seen.last[rows, columns]) != 2) & self.mask[rows, columns]
-        if self.tones.backing is None or left.sum() < self.grain**2:
-            return "empty" if self.tones.backing is not None else "clogged"
+        columns, left = self.silo.box[1], self.left
+        if self.tones.backing is None:
+            return "clogged"
+        if left.sum() < self.grain**2:
+            return "empty"
         middle = round(sum(self.outlet) / 2) - columns.start
         strip = left[:, max(middle - 1, 0) : middle + 2]
         return "clogged" if strip.all(axis=1).sum() > self.grain / 2 else "dead_zones"
 
-    def _with_scale(self) -> list[Profile]:
-        """Profiles with the uncertainty of scale and outlet level, which all heights share."""
+    def _with_shared(self, start: Estimate) -> list[Profile]:
+        """Profiles with the uncertainty of scale, outlet level and opening, which all lines share."""
         scale = self.silo.scale
         relative = (scale.sigma or 0.0) / scale.value
+        late = (start.sigma or 0.0) / self.rate
         level = self.silo.edge * scale.value
-        return [
-            Profile(p.time, p.lines, np.sqrt(p.sigma**2 + (relative * p.lines) ** 2 + level**2), p.grains)
-            for p in self.profiles
-        ]
+        out = []
+        for k, p in enumerate(self.profiles):
+            near = self.profiles[max(k - 1, 0)], self.profiles[min(k + 1, len(self.profiles) - 1)]
+            step = max(near[1].time - near[0].time, self.interval)
+            speed = np.nan_to_num((near[1].lines - near[0].lines) / step)
+            shared = np.square(relative * p.lines) + np.square(late * speed) + level**2
+            out.append(replace(p, sigma=np.sqrt(p.sigma**2 + shared)))
+        return out
 
     def _warnings(self, curve: Curve) -> list[str]:
         told = []

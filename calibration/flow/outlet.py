@@ -2,12 +2,9 @@
 
 The opening is the vertex of the parabola that the lowest material's fall draws against time, as it
 does from rest at a constant acceleration. Its height is left free, as it may spring off the rest,
-and the first tenths of a pixel are hardly seen. The last grain's time is that of the middle of its patch in the streak
-picture of the outlet's row: columns across, frames down. A rigid thing that crosses at a constant
-speed draws itself there, so that the middle is where its centroid passes.
+and the first tenths of a pixel are hardly seen. The last grain passes with its centroid half its
+length before it has left the outlet's row.
 """
-
-from collections import deque
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +15,10 @@ Floats = NDArray[np.float64]
 
 _CLEAR = 3.0  # standard deviations of the place of the lowest tracers that make a fall
 _PLACE = 0.1  # px: standard deviation of their mean place from frame to frame
-_KEPT = 600  # rows of the streak picture: one thing that crosses takes less
+_WIDE = 0.25  # grains across, from which on something is no speck
 _FEWEST = 5  # moments that show how a fall begins
 _MOST = 2.0  # grains by which it is followed at most
-_UNIFORM = 1 / np.sqrt(12)  # standard deviation of a uniform distribution of width 1
+UNIFORM = 1 / np.sqrt(12)  # standard deviation of a uniform distribution of width 1
 
 
 class Opening:
@@ -55,7 +52,7 @@ class Opening:
     def _start(self) -> Estimate:
         """Where the parabola of the falls has its vertex; between two frames if there are few."""
         t, s = np.array(self._falls).T
-        seen = Estimate((self._still + t[0]) / 2, float((t[0] - self._still) * _UNIFORM), 1)
+        seen = Estimate((self._still + t[0]) / 2, float((t[0] - self._still) * UNIFORM), 1)
         if len(t) < _FEWEST:
             return seen
         (a, b, c), cov = np.polyfit(t - t[0], s, 2, cov="unscaled")
@@ -70,56 +67,28 @@ class Opening:
         return Estimate(vertex, sigma, len(t)) if early <= vertex <= late else seen
 
 
-class Streak:
-    """What crosses the outlet's row, for as long as it takes the last grain."""
+class Crossing:
+    """What crosses the outlet's row, frame by frame."""
 
     def __init__(self, grain: float) -> None:
         self._grain = grain  # px
-        self._rows: deque[tuple[int, NDArray[np.bool_]]] = deque(maxlen=_KEPT)
-        self.columns: NDArray[np.int64] | None = None  # in how many frames each was crossed
+        self._last: float | None = None
+        self._speed = np.nan  # px/frame
 
-    def see(self, frame: int, crossed: NDArray[np.bool_]) -> None:
-        """Where something stands in the outlet's row (w,) in a frame."""
-        if self.columns is None:
-            self.columns = np.zeros(len(crossed), dtype=np.int64)
-        self.columns += crossed
-        if crossed.any():
-            self._rows.append((frame, crossed))
+    def see(self, frame: float, crossed: NDArray[np.bool_], speed: float) -> None:
+        """Where something stands in the outlet's row (w,); speed of tracers that cross it."""
+        if crossed.sum() > _WIDE * self._grain:
+            self._last = frame
+        if np.isfinite(speed):
+            self._speed = speed
 
     def last(self) -> Estimate | None:
-        """Frame at which the last grain's centroid passed; None where nothing crossed."""
-        if not self._rows:
+        """Frame at which the last grain's centroid passed; None where nothing crossed.
+
+        Half a grain before its end did. Grains are twice as long as wide, and lie as they may.
+        """
+        if self._last is None:
             return None
-        end = self._rows[-1][0]
-        first = self._rows[0][0]
-        picture = np.zeros((end - first + 1, len(self._rows[0][1])), dtype=bool)
-        for frame, crossed in self._rows:
-            picture[frame - first] = crossed
-        patch = _last_patch(picture, self._grain)
-        if patch is None:
-            return None
-        rows = np.flatnonzero(patch.any(axis=1))
-        middle = float(np.nonzero(patch)[0].mean()) + first
-        # The frames cut the patch at both ends; its middle moves by a part of either cut.
-        cut = _UNIFORM / np.sqrt(2)
-        return Estimate(middle, float(cut), len(rows))
-
-
-def _last_patch(picture: NDArray[np.bool_], grain: float) -> NDArray[np.bool_] | None:
-    """The last thing of a tenth of a grain's width that crossed, cut off from what touches it."""
-    import cv2
-
-    _, label, stats, _ = cv2.connectedComponentsWithStats(picture.astype(np.uint8))
-    wide = np.flatnonzero(stats[1:, cv2.CC_STAT_WIDTH] >= max(0.1 * grain, 2)) + 1
-    if len(wide) == 0:
-        return None
-    ends = stats[wide, cv2.CC_STAT_TOP] + stats[wide, cv2.CC_STAT_HEIGHT]
-    patch = label == wide[int(ends.argmax())]
-    low = np.flatnonzero(patch.any(axis=1))[-1]
-    middle = np.flatnonzero(patch[low]).mean()
-    near = np.abs(np.arange(picture.shape[1]) - middle) <= grain
-    patch &= near
-    # One grain: the run of frames up to the last in which that place was free.
-    free = np.flatnonzero(~patch[: low + 1].any(axis=1))
-    patch[: free[-1] if len(free) else 0] = False
-    return patch
+        half = self._grain / 2 / self._speed if self._speed > 0 else 0.0
+        # It was last seen in one frame and gone in the next: on average half a frame later.
+        return Estimate(self._last + 0.5 - half, float(np.hypot(UNIFORM, half / 2)), 1)

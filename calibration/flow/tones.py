@@ -27,6 +27,12 @@ class Tones:
     backing: int | None
     spread: float
 
+    @property
+    def contrast(self) -> float:
+        """Between the backing and the nearer tone of the material [grey levels]."""
+        apart = np.linalg.norm(self.colours[:2] - self.colours[2], axis=1)
+        return float(apart.min())
+
     def labels(self, picture: Picture) -> Labels:
         """Tone of each pixel (height, width): the nearest; 0 dark, 1 light, 2 backing."""
         import cv2

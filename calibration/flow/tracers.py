@@ -14,6 +14,8 @@ from calibration.flow.survey import Grey
 Points = NDArray[np.float32]
 
 _RETURN = 1.0  # px by which a point may miss its beginning after there and back
+_WINDOW = 2 / 3  # of a grain: what a window sees should mostly be of one grain
+_SMALLEST = 7  # px
 _NEIGHBOURS = 8
 _MEDIAN_LIMIT = 3.0  # residuals over the neighbours' median residual
 _FLOOR = 0.1  # px of noise that is allowed beside it (as in the reference)
@@ -24,12 +26,12 @@ _STOP = (3, 20, 0.03)  # iterations or px
 class Tracers:
     """Points (n, 2) [px, pixel k from k to k + 1], and the variance of each [px^2]."""
 
-    def __init__(self, start: Points, window: int) -> None:
+    def __init__(self, start: Points, grain: float) -> None:
         self.start = start.astype(np.float32)
         self.place = self.start.copy()
         self.variance = np.zeros(len(start))
         self.alive = np.ones(len(start), dtype=bool)
-        self._window = window
+        self._window = max(round(_WINDOW * grain) | 1, _SMALLEST)
 
     def follow(self, before: Grey, after: Grey) -> None:
         """Move all points that are alive as the picture does."""
@@ -51,7 +53,7 @@ class Tracers:
         good = (found[:, 0] > 0) & (again[:, 0] > 0) & (miss < _RETURN)
         step, variance = _carried((there - at)[:, 0], self.place[live], miss, good)
         self.place[live] += step
-        self.variance[live] += variance
+        self.variance[live] = np.square(np.sqrt(self.variance[live]) + np.sqrt(variance))
 
     def drop(self, gone: NDArray[np.bool_]) -> None:
         """Follow these points (n,) no longer."""
