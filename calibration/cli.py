@@ -19,6 +19,8 @@ _COMMANDS: dict[str, str] = {
     "density": "density",
     "published": "published",
     "damping": "damping",
+    "flow": "flow",
+    "compare": "compare",
     "report": "report",
 }
 

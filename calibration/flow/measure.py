@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ Floats = NDArray[np.float64]
 
 INTERVAL = 0.25  # s, as in the paper's figures
 COLUMNS = 11  # two grains wide each in the paper's silo
-_STILL = 1e-4  # of the inside's pixels that must change for anything to have moved
+_STILL = 0.1  # of a grain's pixels that must change for anything to have moved
 _REST = 0.1  # s without motion at the end of the film, for what is left to be at rest
 
 
@@ -94,6 +95,22 @@ class Flow:
     seen: Survey
     warnings: list[str] = field(default_factory=list)
 
+    def depths(self) -> tuple[Floats, Floats]:
+        """Depth of each layer's V, and its sigma, (times, layers); NaN for none.
+
+        The mean of the line's outermost columns less the column at the outlet, as silo2d has it.
+        """
+        middle = int(np.digitize(sum(self.outlet) / 2, self.edges[1:-1]))
+        out = np.full((2, len(self.profiles), len(self.bands)), np.nan)
+        for t, layer in np.ndindex(out.shape[1:]):
+            line, sigma = self.profiles[t].lines[layer], self.profiles[t].sigma[layer]
+            filled = np.flatnonzero(np.isfinite(line))
+            if len(filled) and filled[0] < middle < filled[-1] and np.isfinite(line[middle]):
+                ends = filled[[0, -1]]
+                out[0, t, layer] = line[ends].mean() - line[middle]
+                out[1, t, layer] = np.sqrt(np.sum(sigma[ends] ** 2) / 4 + sigma[middle] ** 2)
+        return out[0], out[1]
+
 
 def measure_flow(
     path: str | Path, settings: Settings, tell: Callable[[float, str], None] = lambda f, w: None
@@ -133,6 +150,16 @@ def _rate(film: Film, fps: float | None) -> float:
     return film.rate
 
 
+class _Moment(NamedTuple):
+    """A frame, where the bed is in the silo's box, and the tracers along the silo's axes."""
+
+    number: int
+    grey: Grey
+    bed: NDArray[np.bool_]
+    place: Floats
+    variance: Floats  # px^2
+
+
 class _Watch:
     """What is kept while a film goes by: the tracers, a few frames, and series of numbers."""
 
@@ -158,8 +185,9 @@ class _Watch:
         self.opening, self.crossing = Opening(self.grain), Crossing(self.grain)
         self.velocities = Velocities(silo, self.grain)
         self._series: list[tuple[float, float, float, float]] = []
-        self._waiting: deque[tuple[int, Grey, Floats, Floats]] = deque()
-        self._before: tuple[int, Grey, Floats, Floats] | None = None
+        self._waiting: deque[_Moment] = deque()
+        self._before: _Moment | None = None
+        self._bed = self.mask[silo.box]
         self._grey: Grey | None = None
         self._moved = 0  # number of the last frame in which something did
         self._last = 0
@@ -223,10 +251,13 @@ class _Watch:
         self._keep(number, grey)
 
     def _differs(self, grey: Grey) -> bool:
+        import cv2
+
         rows, columns = self.silo.box
         wider = slice(rows.start, rows.stop + round(2 * self.grain)), columns
-        apart = np.abs(grey[wider].astype(np.int16) - self._grey[wider])
-        return bool((apart > CLEAR * self.seen.noise * np.sqrt(2)).mean() > _STILL)
+        apart = cv2.blur(cv2.absdiff(grey[wider], self._grey[wider]), (3, 3))
+        changed = np.count_nonzero(apart > CLEAR * self.seen.noise)
+        return bool(changed > _STILL * self.grain**2)
 
     def _cross(self, number: int, picture: Picture, before: Floats) -> None:
         """See what stands in the outlet's row, and how fast tracers that began above it pass."""
@@ -244,6 +275,7 @@ class _Watch:
             return np.nan, np.nan
         rows, columns = self.silo.box
         material = (self.tones.labels(picture[rows, columns]) != 2) & self.area
+        self._bed = self._closed(material)
         wide = self.grain * 2
         edges = np.arange(0, material.shape[1] + 1e-9, wide).astype(int)
         tops = []
@@ -254,13 +286,21 @@ class _Watch:
         height = float(np.mean(tops)) * self.silo.scale.value if tops else 0.0
         return float(material.sum()), height
 
+    def _closed(self, material: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Material with the gaps between its grains."""
+        import cv2
+
+        size = max(round(self.grain / 2), 3)
+        kernel = np.ones((size, size), np.uint8)
+        return cv2.morphologyEx(material.astype(np.uint8), cv2.MORPH_CLOSE, kernel).astype(bool)
+
     def _share(self) -> float:
         return float((self.tracers.place[:, 1] < self.silo.outlet).mean())
 
     def _keep(self, number: int, grey: Grey) -> None:
         """Hold frames back until the opening is known, then measure in turn what they show."""
         here = self.silo.metres(self.tracers.place.astype(float))
-        self._waiting.append((number, grey, here, self.tracers.variance.copy()))
+        self._waiting.append(_Moment(number, grey, self._bed, here, self.tracers.variance.copy()))
         if self.opening.clock is None:
             while not self.opening.moving and len(self._waiting) > 3:
                 self._waiting.popleft()
@@ -268,21 +308,23 @@ class _Watch:
         while self._waiting:
             self._take(self._waiting.popleft())
 
-    def _take(self, now: tuple[int, Grey, Floats, Floats]) -> None:
+    def _take(self, now: _Moment) -> None:
         before, self._before = self._before, now
         if before is None or self.opening.clock is None:
             return
         start = self.opening.clock.value
-        first, last = (max(moment[0] - start, 0.0) / self.rate for moment in (before, now))
+        first, last = (max(one.number - start, 0.0) / self.rate for one in (before, now))
         scale = self.silo.scale.value
         while (wanted := len(self.profiles) * self.interval) <= last:
             part = np.clip((wanted - first) / max(last - first, 1e-12), 0.0, 1.0)
-            place = before[2] + part * (now[2] - before[2])
-            variance = (before[3] + part * (now[3] - before[3])) * scale**2
-            self.profiles.append(self.lines.at(wanted, place, variance))
-        if self.settings.velocity:
-            index = int((first + last) / 2 / self.interval)
-            self.velocities.add(index, before[1], now[1], (now[0] - before[0]) / self.rate)
+            place = before.place + part * (now.place - before.place)
+            variance = before.variance + part * (now.variance - before.variance)
+            self.profiles.append(self.lines.at(wanted, place, variance * scale**2))
+        middle = (first + last) / 2
+        if self.settings.velocity and self.velocities.wants(middle, self.interval):
+            step = (now.number - before.number) / self.rate
+            bed = before.bed & now.bed
+            self.velocities.add(int(middle / self.interval), before.grey, now.grey, bed, step)
 
     def flow(self) -> Flow:
         """All that the film told."""

@@ -52,19 +52,24 @@ class Opening:
     def _start(self) -> Estimate:
         """Where the parabola of the falls has its vertex; between two frames if there are few."""
         t, s = np.array(self._falls).T
-        seen = Estimate((self._still + t[0]) / 2, float((t[0] - self._still) * UNIFORM), 1)
         if len(t) < _FEWEST:
-            return seen
+            return self._between(self._still, t[0])
         (a, b, c), cov = np.polyfit(t - t[0], s, 2, cov="unscaled")
         if a <= 0:
-            return seen
+            return self._between(self._still, t[0])
         misfit = np.square(s - np.polyval((a, b, c), t - t[0])).sum() / (len(t) - 3)
         slopes = np.array([b / (2 * a * a), -1 / (2 * a), 0.0])
         sigma = float(np.sqrt(slopes @ cov @ slopes * max(misfit, _PLACE**2)))
         vertex = float(t[0] - b / (2 * a))
+        # What is too little to be seen takes this long.
+        earliest = self._still - np.sqrt(_CLEAR * _PLACE / a)
+        if earliest - sigma <= vertex <= t[0]:
+            return Estimate(vertex, sigma, len(t))
         # A door that is drawn, or grains that hang on, begin otherwise than by a constant pull.
-        late, early = t[0], self._still - 1
-        return Estimate(vertex, sigma, len(t)) if early <= vertex <= late else seen
+        return self._between(earliest, t[0])
+
+    def _between(self, early: float, late: float) -> Estimate:
+        return Estimate(float(early + late) / 2, float((late - early) * UNIFORM), 1)
 
 
 class Crossing:

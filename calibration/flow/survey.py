@@ -12,7 +12,7 @@ from contact.quantity import InputError
 Grey = NDArray[np.uint8]
 
 _FEWEST = 5  # frames of a film in which something flows
-_TO_SIGMA = 1.4826  # standard deviation over median deviation, of a normal distribution
+TO_SIGMA = 1.4826  # standard deviation over median deviation, of a normal distribution
 _EVEN = 0.25  # of a frame: how far time stamps may stray from an even clock
 
 
@@ -40,9 +40,9 @@ def survey(film: Film, tell: Callable[[float], None] = lambda part: None) -> Sur
     for frame in film.frames():
         grey = to_grey(frame.picture)
         if last is not None:
-            apart = np.abs(grey.astype(np.int16) - last[1])
-            repeated += not apart.any()
-            deviations.append(_deviation(apart))
+            counts = _differences(grey, last[1])
+            repeated += counts[0] == grey.size
+            deviations.append(_deviation(counts))
         else:
             first = frame.picture
         last = frame.picture, grey
@@ -64,14 +64,22 @@ def to_grey(picture: Picture) -> Grey:
     return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8)
 
 
-def _deviation(apart: NDArray[np.int16]) -> float:
-    """Of one picture's pixels, from the differences of two [grey levels]; counted, not sorted."""
-    below = np.cumsum(np.bincount(apart.ravel(), minlength=256))
+def _differences(one: Grey, other: Grey) -> NDArray[np.float64]:
+    """How many pixels differ by 0, 1, ... 255 grey levels."""
+    import cv2
+
+    apart = cv2.absdiff(one, other)
+    return np.asarray(cv2.calcHist([apart], [0], None, [256], [0, 256]).ravel(), np.float64)
+
+
+def _deviation(counts: NDArray[np.float64]) -> float:
+    """Of one picture's pixels, from the differences of two, counted by grey level."""
+    below = np.cumsum(counts)
     k = int(np.searchsorted(below, below[-1] / 2))
     under = below[k - 1] if k else 0
     # Grey levels are whole numbers: where in its bin the median lies is told by the counts.
-    median = k - 0.5 + (below[-1] / 2 - under) / max(below[k] - under, 1)
-    return _TO_SIGMA * max(median, 0.0) / np.sqrt(2)
+    median = k - 0.5 + (below[-1] / 2 - under) / max(counts[k], 1)
+    return TO_SIGMA * max(median, 0.0) / np.sqrt(2)
 
 
 def _uneven(stamps: list[tuple[int, float]]) -> bool:
