@@ -63,7 +63,7 @@ def _textured(
     import cv2
 
     spots = np.random.default_rng(seed).standard_normal((height, width)).astype(np.float32)
-    spots = cv2.GaussianBlur(spots, (0, 0), grain)
+    spots = np.asarray(cv2.GaussianBlur(spots, (0, 0), grain), dtype=np.float32)
     spots *= spread / spots.std()
     return np.clip(np.array(colour, dtype=np.float32) + spots[:, :, None], 0, 1)
 

@@ -44,12 +44,10 @@ class Camera:
         import cv2
 
         inner = (np.arange(self.moments) + 0.5) / self.moments - 0.5
-        light = np.zeros((), dtype=np.float32)
-        for s in inner:
-            light = light + paint(time + s * self.exposure / self.rate)
-        light /= self.moments
+        seen = sum(paint(time + s * self.exposure / self.rate) for s in inner)
+        light = np.asarray(seen / self.moments, dtype=np.float32)
         if self.blur > 0:
-            light = cv2.GaussianBlur(light, (0, 0), self.blur)
+            light = np.asarray(cv2.GaussianBlur(light, (0, 0), self.blur), dtype=np.float32)
         grey = 255 * light * self._light(light.shape)[:, :, None]
         grey += self.noise * random.standard_normal(grey.shape, dtype=np.float32)
         return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
