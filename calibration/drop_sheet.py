@@ -8,7 +8,7 @@ import numpy as np
 
 from calibration.drop import Drop
 from calibration.film.marks import Still
-from calibration.scale_bar import scale_bar
+from calibration.labels import scale_bar, with_sigma
 from campaign.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline, write_figure
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def _sheet(drop: Drop, name: str, pictures: Sequence[Still]) -> "Figure":
         for k, still in enumerate(pictures):
             _still(figure.add_subplot(row[k]), still, drop if k == 0 else None)
     e = drop.restitution
-    words = f"{name}: restitution {e.value:.3f} \N{PLUS-MINUS SIGN} {e.sigma:.3f}"
+    words = f"{name}: restitution {with_sigma(e.value, e.sigma)}"
     if drop.bounces.constant_within_noise is False:
         words += ", not one number for the whole clip"
     headline(figure, words)
@@ -151,4 +151,4 @@ def _against_speed(axes: "Axes", drop: Drop) -> None:
     axes.axhline(e.value, color=GREY, lw=0.8)
     axes.set_xlabel("impact speed [m/s]" if drop.scale else f"impact speed [{_unit(drop)}/frame]")
     axes.set_ylabel("restitution")
-    axes.legend(loc="best")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)

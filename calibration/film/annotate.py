@@ -4,7 +4,6 @@ Drawn are the thing followed, its path of late, the plate and the contacts; besi
 frame, time, the restitution of each bounce once it has happened, and a scale bar.
 """
 
-import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from calibration.drop import Drop
 from calibration.film.marks import Marks, Still
 from calibration.film.reader import Film
-from calibration.scale_bar import scale_bar
+from calibration.labels import scale_bar, with_sigma
 from campaign.figure import INK, PAPER
 from campaign.film import Image, font, pace, rgb, write_film, write_words
 
@@ -114,14 +113,6 @@ def _restitutions(drop: Drop, happened: NDArray[np.bool_]) -> list[str]:
     inner = np.isfinite(found.times[:, :1])
     known = np.where(inner, found.times, found.velocities)
     return [f"bounce {k + 1}   {with_sigma(*known[k])}" for k in np.flatnonzero(happened)]
-
-
-def with_sigma(value: float, sigma: float) -> str:
-    """Both to the first place of sigma, two to four of them; "0.80" where sigma is not known."""
-    if not sigma > 0:
-        return f"{value:.2f}"
-    places = min(max(-math.floor(math.log10(sigma)), 2), 4)
-    return f"{value:.{places}f} \N{PLUS-MINUS SIGN} {max(sigma, 10.0**-places):.{places}f}"
 
 
 def _short(name: str) -> str:

@@ -1,4 +1,4 @@
-"""The length of a scale bar: round, and written in the unit that suits it."""
+"""Words in figures and films: a scale bar of round length, a value with its sigma."""
 
 import math
 
@@ -11,3 +11,11 @@ def scale_bar(longest: float) -> tuple[float, str]:
     length = power * max(k for k in (1, 2, 5) if k * power <= longest)
     size, unit = next((one for one in _UNITS if length >= 0.999 * one[0]), _UNITS[-1])
     return length, f"{length / size:.3g} {unit}"
+
+
+def with_sigma(value: float, sigma: float | None) -> str:
+    """Both to the first place of sigma, two to four of them; "0.80" where it is not known."""
+    if sigma is None or not sigma > 0:
+        return f"{value:.2f}"
+    places = min(max(-math.floor(math.log10(sigma)), 2), 4)
+    return f"{value:.{places}f} \N{PLUS-MINUS SIGN} {max(sigma, 10.0**-places):.{places}f}"
