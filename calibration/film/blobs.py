@@ -16,11 +16,12 @@ from calibration.film.background import Mask
 from calibration.film.reader import Picture
 
 _LOW, _HIGH = 0.25, 0.75  # share of a thing from and to which a pixel counts in part
+_NEW = 1.13  # mean difference of two normal deviates, in their sigma
 _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
 _LARGEST = 0.1  # share of the picture beyond which a thing is not taken as a whole
 _FEWEST = 3  # pixels of the difference that make a thing
 _MOST = 8  # things in one picture: the strongest
-_ACROSS = 96  # px of a thing's window; larger ones are reduced, their place is no less known
+_ACROSS = 160  # px of a thing's window; larger ones are reduced, their place is no less known
 _THIN = 0.5  # of the half thickness of a thing: what is thinner hangs on it (strings, fingers)
 
 
@@ -34,6 +35,7 @@ class Blob(NamedTuple):
     contrast   difference of that to the background [grey levels]
     whole      False where it touches the edge of the picture
     box        x, y, width, height
+    changed    whether the picture there is another than that of the frame before
     """
 
     x: float
@@ -46,6 +48,7 @@ class Blob(NamedTuple):
     contrast: float
     whole: bool
     box: tuple[int, int, int, int]
+    changed: bool = True
 
 
 class Candidate(NamedTuple):
@@ -77,7 +80,7 @@ def candidates(difference: Picture, limit: Picture, reduce: int) -> tuple[list[C
     if covered > 0.5:
         return [], covered
     mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
-    n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
+    _n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
     found = []
     big = np.flatnonzero(stats[1:, cv2.CC_STAT_AREA] >= _FEWEST) + 1
     big = big[np.argsort(-stats[big, cv2.CC_STAT_AREA], kind="stable")][: 4 * _MOST]
@@ -135,6 +138,19 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
         left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
         area * reduce**2, colour, contrast, inside, box,
     )  # fmt: skip
+
+
+def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool:
+    """Whether a thing's picture is another than in the frame before, by more than noise.
+
+    Half of the thing's rim is new where it moves: a repeated picture, coded anew, differs less.
+    """
+    import cv2
+
+    x, y, w, h = (max(value, 0) for value in blob.box)
+    cut = np.s_[y : y + h, x : x + w]
+    mean = np.mean(cv2.mean(cv2.absdiff(picture[cut], before[cut]))[:3])
+    return float(mean) > _NEW * noise
 
 
 def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate:

@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from calibration.film.background import Background, Mask, is_ghost
-from calibration.film.blobs import Blob, Candidate, candidates, measure
+from calibration.film.blobs import Blob, Candidate, candidates, changed, measure
 from calibration.film.camera_motion import CameraMotion, largest_shift
 from calibration.film.linking import Linker, Path
 from calibration.film.reader import Film, Picture
 from calibration.film.stamps import clean_stamps
-from calibration.track import Array, Rows, Track
+from calibration.track import Array, Track
 from contact.quantity import InputError
 
 Told = Callable[[float, str], None]  # share done, words
@@ -120,6 +120,7 @@ class _Search:
         self._further = -(-max(self._size) // _SEARCHED)
         self._camera = CameraMotion()
         self._background: Background | None = None
+        self._before: Picture | None = None
         self._still: dict[tuple[int, int, int, int], int] = {}
         self._odd = 0
         self.linker = Linker(*self._size)
@@ -149,6 +150,7 @@ class _Search:
         self.linker.add(number, [_moved(blob, motion) for blob in blobs])
         self._background.learn(picture, difference, things)
         self._background.adjust(picture, things)
+        self._before = picture
         if number % _CORNERS_FOR == 0:
             self._camera.look_at(self._small(self._background.picture), self._small(things))
 
@@ -211,8 +213,12 @@ class _Search:
             if lasted >= _GHOST and self._left_behind(picture, one):
                 continue
             blob = measure(picture, self._background.picture, self._background.noise, one)
-            if blob is not None:
-                blobs.append(blob)
+            if blob is None:
+                continue
+            new = self._before is None or changed(
+                picture, self._before, self._background.noise, blob
+            )
+            blobs.append(blob._replace(changed=new))
         return blobs
 
     def _left_behind(self, picture: Picture, one: Candidate) -> bool:
@@ -280,7 +286,8 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     ).reshape(-1, 2, 2)
     radius = np.sqrt(area[kept] * fx * fy / np.pi)
     frame = np.array([path.frames[k] for k in kept], dtype=float)
-    return Track(frame, x, y, None, covariance, radius=radius)
+    repeated = tuple(float(path.frames[k]) for k in kept if not path.blobs[k].changed)
+    return Track(frame, x, y, None, covariance, radius=radius, repeated=repeated)
 
 
 def _usual(area: Array) -> np.ndarray:

@@ -14,6 +14,7 @@ from contact.quantity import InputError
 Picture = NDArray[np.uint8]
 
 _PICTURES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+_FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm", ".wmv")
 
 
 class Frame(NamedTuple):
@@ -90,6 +91,19 @@ def open_film(path: str | Path) -> Film:
     if path.suffix.lower() in _PICTURES:
         raise InputError(f"{path}: one picture is no film; name its folder, or a pattern 'im*.png'")
     return _open_video(path)
+
+
+def is_film(path: str | Path) -> bool:
+    """Whether a file is to be read as a film: a folder, a pattern, a film's ending, no text."""
+    path = Path(path)
+    if path.is_dir() or any(mark in path.name for mark in "*?["):
+        return True
+    if path.suffix.lower() in _PICTURES + _FILMS:
+        return True
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return b"\0" in file.read(4096)
 
 
 def _open_video(path: Path) -> Film:
