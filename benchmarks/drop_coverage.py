@@ -19,8 +19,6 @@ from typing import NamedTuple
 import numpy as np
 
 from calibration.drop import measure_drop
-from calibration.film.follow import follow
-from calibration.film.reader import open_film
 from calibration.rendered.backdrop import Backdrop
 from calibration.rendered.camera import Camera
 from calibration.rendered.drop import Ball, DropScene, film_drop, sharp
@@ -76,11 +74,11 @@ def measured(case: tuple[float, float, str, int]) -> list[Row]:
         path = Path(folder) / f"clip.{'mp4' if codec == 'mp4v' else 'avi'}"
         truth = film_drop(scene, camera, path, duration=duration, seed=case[3], codec=codec)
         try:
-            drop = measure_drop(follow(open_film(path)))
+            drop = measure_drop(path)
         except InputError as error:
             return [Row(*case, None, str(error).replace(str(path), "clip"), 0.0, 0.0)]
     e = drop.restitution
-    rows = [Row(*case, "restitution, pooled", e.value, e.sigma or 0.0, ball.restitution)]
+    rows = [Row(*case, "restitution (pooled)", e.value, e.sigma or 0.0, ball.restitution)]
     found = drop.bounces
     for (time, sigma), velocities, times in zip(
         found.contacts, found.velocities, found.times, strict=True
@@ -88,9 +86,9 @@ def measured(case: tuple[float, float, str, int]) -> list[Row]:
         frame = drop.frame(time)
         k = int(np.argmin(np.abs(truth.frame - frame)))
         rows.append(Row(*case, "contact [frames]", frame, sigma, truth.frame[k]))
-        rows.append(Row(*case, "restitution, velocities", *velocities, truth.restitution[k]))
+        rows.append(Row(*case, "restitution (velocities)", *velocities, truth.restitution[k]))
         if np.isfinite(times[0]):
-            rows.append(Row(*case, "restitution, times", *times, truth.restitution[k]))
+            rows.append(Row(*case, "restitution (times)", *times, truth.restitution[k]))
     return rows
 
 

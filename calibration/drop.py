@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from calibration.drop_choice import the_one_that_bounces
@@ -35,7 +34,7 @@ def measure_drop(
     roi         x, y, width, height of the part of a film to look at [px]
     hint        frame, x, y [px] of the thing in a film
     progress    told the share of a film that is read, and a few words
-    out         folder for the sheet
+    out         folder for the sheet and the annotated film
 
     Raises InputError, one line, for what cannot be measured.
     """
@@ -50,10 +49,9 @@ def measure_drop(
     drop = with_free_fall(found, fps, found.track.scale if length is None else length, header)
     if out is None:
         return drop
-    from calibration.drop_sheet import draw_sheet
+    from calibration.drop_pictures import with_pictures
 
-    name = Path(source).stem if isinstance(source, str | Path) else found.track.name or "track"
-    return replace(drop, sheet=draw_sheet(drop, Path(out) / f"drop-{name}.png", name))
+    return with_pictures(drop, source, Path(out), progress)
 
 
 def _metres(scale: str | float | None) -> float | None:

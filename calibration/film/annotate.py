@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.drop import Drop
+from calibration.drop_result import Drop
 from calibration.film.marks import Marks, Still
 from calibration.film.reader import Film
 from calibration.labels import scale_bar, with_sigma
