@@ -55,8 +55,9 @@ class Marks:
         import cv2
 
         area = cv2.INTER_AREA if self.zoom < 1 else cv2.INTER_LINEAR
-        image = cv2.resize(frame.picture, (self.width, self.height), interpolation=area)
-        image = np.ascontiguousarray(image[:, :, ::-1])
+        size = (self.width, self.height)
+        shown = cv2.resize(frame.picture, size, interpolation=area)[:, :, ::-1]
+        image = np.ascontiguousarray(shown, dtype=np.uint8)
         moved = np.array([np.interp(frame.number, self.frames, c) for c in self.camera.T])
         self._draw_plate(image, frame.number, moved)
         self._draw_track(image, frame.number, moved)
