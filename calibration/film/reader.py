@@ -17,6 +17,9 @@ Picture = NDArray[np.uint8]
 _PICTURES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 _FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm", ".wmv")
 
+# What is wrong with a file is told in our own lines; FFmpeg reads this when it is first used.
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+
 _BAD_IN_A_ROW = 1000  # frames that may be missing before a film is taken to end
 
 
@@ -155,8 +158,6 @@ def _picture(path: Path) -> Picture | None:
 
 
 def _capture(path: Path) -> Any:
-    # A file that is no film, or a bad frame, is told in our own line: before FFmpeg is loaded.
-    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     import cv2
 
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
