@@ -67,7 +67,12 @@ def nearer(found: Bounces) -> list[str]:
         return []
     from scipy.stats import theilslopes
 
-    rows = np.concatenate([found.base.rows[one] for one in found.flights.rows])
+    flying = np.concatenate(found.flights.rows)
+    fall = np.abs(np.gradient(found.track.y[found.base.rows], found.base.clock)[flying])
+    slow = fall <= np.quantile(fall, 0.3)  # the blur of motion makes things larger
+    rows = found.base.rows[flying[slow]]
+    if len(rows) < 8:
+        return []
     frame, size = found.track.frame[rows], np.log(radius[rows])
     slope, _, low, high = theilslopes(size, frame, alpha=0.997)
     grown = slope * np.ptp(frame)

@@ -18,6 +18,7 @@ from calibration.film.reader import Picture
 _LOW, _HIGH = 0.25, 0.75  # share of a thing from and to which a pixel counts in part
 _NEW = 1.13  # mean difference of two normal deviates, in their sigma
 _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
+_CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
 _LARGEST = 0.1  # share of the picture beyond which a thing is not taken as a whole
 _FEWEST = 3  # pixels of the difference that make a thing
 _MOST = 8  # things in one picture: the strongest
@@ -64,8 +65,8 @@ class Candidate(NamedTuple):
     mask: Mask
 
 
-def candidates(difference: Picture, limit: Picture, reduce: int) -> tuple[list[Candidate], float]:
-    """Things that differ, the strongest first, and the share of the picture that they cover.
+def candidates(difference: Picture, limit: Picture, reduce: int) -> list[Candidate] | None:
+    """Things that differ, the strongest first; None where the picture shows something else.
 
     They are looked for in the picture reduced by a whole number, in which noise is less.
     """
@@ -76,9 +77,8 @@ def candidates(difference: Picture, limit: Picture, reduce: int) -> tuple[list[C
     small, least = (cv2.resize(one, size, interpolation=cv2.INTER_AREA) if reduce > 1 else one
                     for one in (difference, limit))  # fmt: skip
     mask = cv2.compare(small, least, cv2.CMP_GT)
-    covered = cv2.countNonZero(mask) / mask.size
-    if covered > 0.5:
-        return [], covered
+    if cv2.countNonZero(mask) > _CUT * mask.size:
+        return None
     mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
     _n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
     found = []
@@ -92,7 +92,7 @@ def candidates(difference: Picture, limit: Picture, reduce: int) -> tuple[list[C
         whole = cv2.resize(inside, box[2:], interpolation=cv2.INTER_NEAREST)
         found.append(Candidate(box, strength, np.asarray(whole, dtype=np.uint8)))
     found.sort(key=lambda one: -one.strength)
-    return found[:_MOST], covered
+    return found[:_MOST]
 
 
 def measure(picture: Picture, background: Picture, noise: float, one: Candidate) -> Blob | None:

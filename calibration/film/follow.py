@@ -25,12 +25,12 @@ Told = Callable[[float, str], None]  # share done, words
 
 _LONGEST = 1280  # px of a picture that things are measured in
 _SEARCHED = 640  # px of a picture that they are looked for in
-_DRIFT = 0.25  # px of the picture searched, from which the camera's motion is taken off
-_CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
-_NEW_VIEW = 3  # such frames in a row are another view
+_DRIFT = 0.5  # px of the picture searched, from which the camera's motion is taken off
+_NEW_VIEW = 3  # frames in a row that show something else are another view
 _CORNERS_FOR = 32  # frames for which the same corners show how the camera moves
 _GHOST = 3  # frames for which a thing that has left its image behind stands still
-_FEWEST = 5  # positions of a track
+_POINTED = 3  # own radii by which a hint may miss a thing
+_FEWEST = 8  # positions of a track
 
 
 class Region(NamedTuple):
@@ -140,8 +140,8 @@ class _Search:
             return
         difference = self._background.difference(picture)
         limit = self._background.limit()
-        found, covered = candidates(difference, limit, self._further)
-        if covered > _CUT:
+        found = candidates(difference, limit, self._further)
+        if found is None:
             self._odd_one(number, picture, notes)
             return
         self._odd = 0
@@ -187,6 +187,7 @@ class _Search:
         notes.junk.append(number)
         if self._odd >= _NEW_VIEW:
             self._background = Background(picture)
+            self._camera.look_at(self._small(picture))
             notes.views.append(number)
             del notes.junk[-self._odd :]
             self._odd = 0
@@ -330,7 +331,9 @@ def film_remarks(film: Film, notes: Notes) -> list[str]:
     if notes.views:
         remarks.append(f"the view changes at frame {', '.join(map(str, notes.views))}")
     if film.count > read + len(film.corrupt):
-        remarks.append(f"the header says {film.count} frames, {read} can be read: cut off?")
+        remarks.append(
+            f"the header says {film.count} frames, {read} can be read: damaged or cut off"
+        )
     return remarks
 
 
@@ -338,14 +341,15 @@ def _nearest(film: Film, tracks: list[Track], hint: Hint) -> Track:
     """The track that the hint points at."""
 
     def off(track: Track) -> float:
+        """In radii; before it moves a thing is where its track begins."""
         k = int(np.argmin(np.abs(track.frame - hint.frame)))
-        late = abs(float(track.frame[k]) - hint.frame)
-        far = float(np.hypot(track.x[k] - hint.x, track.y[k] - hint.y))
+        late = max(hint.frame - float(track.frame[k]), 0.0)
         assert track.radius is not None
-        return far / float(track.radius[k]) + late
+        away = np.hypot(track.x[k] - hint.x, track.y[k] - hint.y)
+        return float(away / track.radius[k]) + late
 
     best = min(tracks, key=off)
-    if off(best) > 5:
+    if off(best) > _POINTED:
         raise InputError(
             f"{film.path}: nothing that moves is near x = {hint.x:g}, y = {hint.y:g} px in frame "
             f"{hint.frame:g}"
