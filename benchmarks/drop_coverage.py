@@ -143,7 +143,9 @@ def main() -> None:
     asked.folder.mkdir(parents=True, exist_ok=True)
     path = asked.folder / "drop-coverage.csv"
     done = {row[:4] for row in read(path)}
-    cases = [c for c in product(RATES, NOISE, BLUR, range(asked.clips)) if c not in done]
+    grid = list(product(RATES, NOISE, BLUR))
+    cases = [(*point, clip) for clip in range(asked.clips) for point in grid]
+    cases = [case for case in cases if case not in done]
     with (
         ProcessPoolExecutor(asked.jobs) as pool,
         path.open("a", newline="", encoding="utf-8") as file,
