@@ -11,6 +11,8 @@ from calibration.track import Track
 from calibration.track_table import read_tracks
 from contact.quantity import InputError, to_si
 
+_SLOWEST, _FASTEST = 1.0, 1e6  # frames/s: a bounce within 20 m has four; cameras reach a million
+
 
 def measure_drop(
     source: str | Path | Track | Sequence[Track],
@@ -40,8 +42,11 @@ def measure_drop(
     """
     where = f"{source}: " if isinstance(source, str | Path) else ""
     length = _metres(scale)
-    if fps is not None and not 0 < fps < math.inf:
-        raise InputError(f"--fps = {fps!r}: frames per second of the camera, such as 240")
+    if fps is not None and not _SLOWEST <= fps <= _FASTEST:
+        raise InputError(
+            f"--fps = {fps!r}: frames per second of the camera, from {_SLOWEST:g} to {_FASTEST:g}, "
+            "such as 240"
+        )
     tracks, header = _tracks(source, roi, hint, progress)
     found = the_one_that_bounces(tracks, track, one_bounce, where)
     if length is not None and found.track.scale is not None:
