@@ -63,7 +63,7 @@ if TYPE_CHECKING:
 @click.option("--along", metavar='"0.03 mm"', help="Travel that shears [default: Table 1].")
 @click.option("--random-profiles", type=click.IntRange(1, 200), default=8, help="[default: 8].")
 @click.option(
-    "--mesh", type=click.IntRange(16, 800), default=160, help="Columns of elements [default: 160]."
+    "--mesh", type=click.IntRange(16, 400), default=160, help="Columns of elements [default: 160]."
 )
 @click.option("--seed", type=click.IntRange(0), default=1, help="[default: 1].")
 @click.option("--no-assumptions", is_flag=True, help="Do not vary what had to be assumed.")

@@ -108,7 +108,7 @@ def _changes(setting: Setting) -> list[tuple[str, str, bool, Change]]:
         ("height of each block", "double", True, lambda s: _case(s, height=s.case.height * 2)),
         ("plane", plane, True, lambda s: _material(s, plane=plane)),
         ("shear", "with compression", True, lambda s: _case(s, together=not s.case.together)),
-        *_of_surface(setting.surface),
+        *_of_surface(setting.surface, case.width),
         *_of_load("travel across", "across", True),
         *_of_load("travel along", "along", True),
         *_of_load("friction", "friction", False),
@@ -121,21 +121,24 @@ def _changes(setting: Setting) -> list[tuple[str, str, bool, Change]]:
     return rows
 
 
-def _of_surface(surface: Waves | Paths) -> list[tuple[str, str, bool, Change]]:
+def _of_surface(surface: Waves | Paths, width: float) -> list[tuple[str, str, bool, Change]]:
     """Changes of a made surface; a measured one is what it is."""
     if isinstance(surface, Paths):
         return []
-    return [
+    rows: list[tuple[str, str, bool, Change]] = [
         ("roughness Ra", "half", True, lambda s: _waves(s, ra=surface.ra / 2)),
         ("roughness Ra", "double", True, lambda s: _waves(s, ra=surface.ra * 2)),
         # as many columns a wave as before
         ("shortest wave", "half", True,
          lambda s: _case(_waves(s, wavelength=surface.wavelength / 2), columns=2 * s.case.columns)),
-        ("shortest wave", "double", True, lambda s: _waves(s, wavelength=surface.wavelength * 2)),
         ("longest wave", "twice the shortest", True,
          lambda s: _waves(s, longest=2 * surface.wavelength)),
         ("rough surfaces", "one of the two", True, lambda s: _waves(s, one_sided=True)),
     ]  # fmt: skip
+    if 2 * surface.wavelength <= width:
+        longer = 2 * surface.wavelength
+        rows.append(("shortest wave", "double", True, lambda s: _waves(s, wavelength=longer)))
+    return rows
 
 
 def _of_load(what: str, key: str, assumed: bool) -> list[tuple[str, str, bool, Change]]:

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_GROWTH = 1.2  # of a layer over the one nearer to the surface: neighbours are nearly alike
-_LAYERS = 12  # no layer is thicker than the block's height over this
+_COARSEST = 16  # thickness of a layer a block's width or more below the surface, in columns
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,8 @@ class Block:
         from skfem.models.elasticity import linear_elasticity
 
         self.material, self.base, self.sides = material, base, sides
-        shares = layers(float(np.diff(x).mean() / np.abs(z - base).mean()))
+        width = float(np.ptp(x))
+        shares = layers(1 / (len(x) - 1), float(np.abs(z - base).mean()) / width)
         mesh = _mesh(x, z, base, shares)
         self.basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=3)  # 2 x 2 points
         self.points: Array = np.column_stack([x, z])
@@ -129,16 +129,18 @@ def _spread(dofs: NDArray[np.int64], sides: str) -> Any:
     return csr_matrix((np.ones(len(rows)), (rows, column)), shape=(dofs.size, len(unknowns)))
 
 
-def layers(first: float) -> Array:
+def layers(column: float, height: float) -> Array:
     """Heights of the layers' borders in shares of the block's height, from 0 to 1.
 
-    The layer at the surface, 1, has the thickness `first`, or a little less, so that they add up.
+    column and height in widths of the block. The layer at the surface, 1, is as thick as a column,
+    or a little less, so that they add up; the thickness grows in proportion to the depth. All of
+    them halve with the columns, so that the mesh converges.
     """
-    thick = [first]
-    while sum(thick) < 1:
-        thick.append(min(_GROWTH * thick[-1], 1 / _LAYERS))
-    borders = np.concatenate([[0.0], np.cumsum(thick)])
-    shares: Array = 1 - borders[::-1] / borders[-1]
+    borders = [0.0]
+    while borders[-1] < height:
+        grown = 1 + (_COARSEST - 1) * min(borders[-1], 1.0)
+        borders.append(borders[-1] + column * grown)
+    shares: Array = 1 - np.array(borders[::-1]) / borders[-1]
     return shares
 
 

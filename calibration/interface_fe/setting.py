@@ -9,6 +9,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from calibration.interface_fe import markers
 from calibration.interface_fe.assumptions import Setting
 from calibration.interface_fe.blocks import Elastic
@@ -22,6 +24,7 @@ _FRICTION = {"flat": 0.37, "rough": 0.2}  # sec. 3.2.2
 _AMPLITUDE = 100e-6  # m, across the fibres (sec. 3.2.1), taken from valley to summit
 _RA = _AMPLITUDE / math.pi  # Ra of a sine of that range, thesis eq. 7.1
 _WAVELENGTH = 1e-3  # m: ours; the text gives none
+_COLUMNS_A_WAVE = 8  # four on half as many columns, by which the mesh's error is told
 _LARGEST_STRAIN = 0.1  # the theory is one of small strains
 _ROUGHEST = 0.1  # of a block's height: rougher ones have no bulk
 
@@ -36,7 +39,9 @@ def read_setting(given: Mapping[str, Any]) -> tuple[Setting, float]:
     flat, rough = (_load(given, name) for name in ("flat", "rough"))
     for load in (flat, rough):
         _check_travel(load, case)
-    return Setting(case, flat, rough, _surface(given, case)), (modulus.sigma or 0.0) / modulus.value
+    surface = _surface(given, case)
+    surface.draw(case.points(), False, np.random.default_rng(0))  # refuses what does not fit
+    return Setting(case, flat, rough, surface), (modulus.sigma or 0.0) / modulus.value
 
 
 def read_kn(text: str | None) -> Estimate | None:
@@ -74,6 +79,12 @@ def _surface(given: Mapping[str, Any], case: Case) -> Waves | Paths:
         raise InputError(
             f"--roughness = {ra:g} m: at most a tenth of the blocks' height, "
             f"{_ROUGHEST * case.height:g} m"
+        )
+    least = _COLUMNS_A_WAVE * case.width / case.columns
+    if wavelength < least * (1 - 1e-9):
+        raise InputError(
+            f"--wavelength = {wavelength:g} m: {case.columns} columns on {case.width:g} m show "
+            f"waves from {least:g} m on; a larger --mesh would do, or a smaller --width"
         )
     return Waves(ra, wavelength)
 

@@ -50,8 +50,9 @@ def _sheet(found: Found) -> "Figure":
     plots[0].set(xlabel="along the interface [mm]", ylabel="pressure [MPa]")
     plots[1].set(xlabel="travel across [mm]", ylabel="mean normal stress [MPa]")
     plots[2].set(xlabel="travel along [mm]", ylabel="mean shear stress [MPa]")
-    for axes in plots:
-        axes.legend(loc="best")
+    plots[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)  # peaks are anywhere
+    for axes in plots[1:]:
+        axes.legend(loc="upper left")
     words = ", ".join(
         f"{name} {plus_minus(one.ratio.whole.value, known_sigma(one.ratio))}"
         for name, one in contacts.items()

@@ -19,8 +19,6 @@ from contact.quantity import InputError, located
 
 Array = NDArray[np.float64]
 
-_COLUMNS_PER_WAVE = 4  # fewer cannot show a wave's summit
-
 
 @dataclass(frozen=True)
 class Waves:
@@ -38,11 +36,6 @@ class Waves:
         """Heights z(x) [m] of the lower and the upper surface, (n,) each, about their means."""
         width = float(np.ptp(x))
         numbers = self._numbers(width)
-        if self.wavelength < _COLUMNS_PER_WAVE * width / (len(x) - 1):
-            raise InputError(
-                f"wavelength = {self.wavelength:g} m: {len(x) - 1} columns on {width:g} m need at "
-                f"least {_COLUMNS_PER_WAVE * width / (len(x) - 1):g} m; more columns would do"
-            )
         lower = self._one(x, numbers, rng)
         return lower, np.zeros_like(x) if self.one_sided else -self._one(x, numbers, rng)
 
