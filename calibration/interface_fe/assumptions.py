@@ -88,8 +88,8 @@ def together(rows: list[Row]) -> Values:
 
 
 def _values(setting: Setting, seed: int) -> Values:
-    half = {"columns": setting.case.columns // 2, "steps": setting.case.steps // 2}
-    case = replace(setting.case, **half)
+    whole = setting.case
+    case = replace(whole, columns=whole.columns // 2, steps=whole.steps // 2)
     flat = one_test(case, setting.flat, None, 0, seed)
     rough = [one_test(case, setting.rough, setting.surface, k, seed) for k in range(_PROFILES)]
     ratio, kn, kt = np.mean([(one.ratio, one.kn, one.kt) for one in rough], axis=0)
@@ -113,12 +113,8 @@ def _changes(setting: Setting) -> list[tuple[str, str, bool, Change]]:
         *_of_load("travel along", "along", True),
         *_of_load("friction", "friction", False),
     ]
-    rows += [
-        ("Poisson's ratio", f"{other:g}", False, lambda s, o=other: _material(s, poisson=o))
-        for other in (nu - 0.1, nu + 0.1)
-        if -1 < other < 0.5
-    ]
-    return rows
+    others = [other for other in (nu - 0.1, nu + 0.1) if -1 < other < 0.5]
+    return rows + [("Poisson's ratio", f"{other:g}", False, _poisson(other)) for other in others]
 
 
 def _of_surface(surface: Waves | Paths, width: float) -> list[tuple[str, str, bool, Change]]:
@@ -154,6 +150,10 @@ def _of_load(what: str, key: str, assumed: bool) -> list[tuple[str, str, bool, C
         return change
 
     return [(what, "half", assumed, by(0.5)), (what, "double", assumed, by(2.0))]
+
+
+def _poisson(value: float) -> Change:
+    return lambda setting: _material(setting, poisson=value)
 
 
 def _case(setting: Setting, **changes: object) -> Setting:

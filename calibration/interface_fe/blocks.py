@@ -58,7 +58,8 @@ class Block:
         self._surface, self._platen = dofs[:, :, -1], dofs[:, :, 0]
         self._spread = _spread(dofs, sides)
         self._stiffness = linear_elasticity(*material.lame()).assemble(self.basis).tocsc()
-        self._solver = splu((self._spread.T @ self._stiffness @ self._spread).tocsc())
+        inner = (self._spread.T @ self._stiffness @ self._spread).tocsc()
+        self._solver = splu(inner, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
     def flexibility(self) -> Array:
         """Displacements of the surface's points under unit forces there [m2/N], (2, n, 2, n).

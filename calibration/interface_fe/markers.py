@@ -51,7 +51,7 @@ def positions() -> Array:
     flat = np.array([label == "flat" for label in table.labels("surface")])
     spots = 1e-3 * np.column_stack([table.column(name, "1")[flat] for name in ("x_mm", "y_mm")])
     rows = spots[:3], spots[3:]
-    slope = float(np.mean([np.polyfit(*row.T, 1)[0] for row in rows]))
+    slope = float(np.mean([np.polyfit(row[:, 0], row[:, 1], 1)[0] for row in rows]))
     along = np.array([1.0, slope]) / np.hypot(1.0, slope)
     from_middle = spots - np.mean([row.mean(axis=0) for row in rows], axis=0)
     return from_middle @ np.array([along, [-along[1], along[0]]]).T

@@ -40,7 +40,8 @@ def read_setting(given: Mapping[str, Any]) -> tuple[Setting, float]:
     for load in (flat, rough):
         _check_travel(load, case)
     surface = _surface(given, case)
-    surface.draw(case.points(), False, np.random.default_rng(0))  # refuses what does not fit
+    if given["surface"] != "flat":
+        _check_surface(surface, case)
     return Setting(case, flat, rough, surface), (modulus.sigma or 0.0) / modulus.value
 
 
@@ -80,13 +81,18 @@ def _surface(given: Mapping[str, Any], case: Case) -> Waves | Paths:
             f"--roughness = {ra:g} m: at most a tenth of the blocks' height, "
             f"{_ROUGHEST * case.height:g} m"
         )
-    least = _COLUMNS_A_WAVE * case.width / case.columns
-    if wavelength < least * (1 - 1e-9):
-        raise InputError(
-            f"--wavelength = {wavelength:g} m: {case.columns} columns on {case.width:g} m show "
-            f"waves from {least:g} m on; a larger --mesh would do, or a smaller --width"
-        )
     return Waves(ra, wavelength)
+
+
+def _check_surface(surface: Waves | Paths, case: Case) -> None:
+    """Refuse now what would not do after the flat contact's test."""
+    least = _COLUMNS_A_WAVE * case.width / case.columns
+    if isinstance(surface, Waves) and surface.wavelength < least * (1 - 1e-9):
+        raise InputError(
+            f"--wavelength = {surface.wavelength:g} m: {case.columns} columns on {case.width:g} m "
+            f"show waves from {least:g} m on; a larger --mesh would do, or a smaller --width"
+        )
+    surface.draw(case.points(), False, np.random.default_rng(0))
 
 
 def _check_travel(load: Load, case: Case) -> None:

@@ -34,7 +34,8 @@ def _sheet(found: Found) -> "Figure":
 
     contacts = _contacts(found)
     figure = Figure(figsize=(11.5, 8.2), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=[1.25, 1.0])
+    halves: Any = figure.subfigures(2, 1, height_ratios=[1.25, 1.0])
+    upper, lower = halves
     widths = [1.5, *(1.0 for _ in contacts)]
     fields: Any = upper.subplots(1, len(widths), width_ratios=widths)
     _mesh(fields[0], list(contacts.values())[-1].outcomes[0])
@@ -85,6 +86,7 @@ def _pressing(outcome: Outcome) -> float:
 def _field(axes: "Axes", outcome: Outcome, reach: float) -> Any:
     """sigma_yy where the blocks are at the end, displacements as they are."""
     stack, state = outcome.stack, outcome.state
+    draw: Any = axes.tripcolor
     for block, forces, shift in (
         (stack.upper, state.upper, state.platen), (stack.lower, state.lower, np.zeros(2)),
     ):  # fmt: skip
@@ -92,7 +94,7 @@ def _field(axes: "Axes", outcome: Outcome, reach: float) -> Any:
         mesh = block.basis.mesh
         x, y = 1e3 * (mesh.p + block.by_point(moved) + shift[:, None])
         corners = np.concatenate([mesh.t[[0, 1, 2]], mesh.t[[0, 2, 3]]], axis=1).T
-        drawn = axes.tripcolor(
+        drawn = draw(
             x, y, corners, 1e-6 * block.stress(moved)[1], shading="gouraud", cmap="RdBu",
             vmin=-reach, vmax=reach, rasterized=True,
         )  # fmt: skip
