@@ -58,7 +58,7 @@ def positions() -> Array:
 
 
 def read(outcome: Outcome) -> dict[str, Array] | None:
-    """Displacements [m] and stresses [Pa] at the markers, (6,) each; None where one is outside."""
+    """Displacements [m], stresses [Pa] and kt/kn at the markers, (6,) each; None if one is outside."""
     stack, state = outcome.stack, outcome.state
     spots = positions()
     middle = stack.lower.points[:, 0].mean()
@@ -73,8 +73,11 @@ def read(outcome: Outcome) -> dict[str, Array] | None:
         moved = block.displacements(forces)
         shifted = block.at(block.by_point(moved), at) + shift[:, None]
         found.append(np.vstack([shifted, block.at(block.stress(moved)[1:], at)]))
-    names = ("dx_t", "dx_n", "sigma_n", "sigma_t")
-    return dict(zip(names, np.hstack(found), strict=True))
+    dx_t, dx_n, sigma_n, sigma_t = np.hstack(found)
+    return {
+        "dx_t_m": dx_t, "dx_n_m": dx_n, "sigma_t_pa": sigma_t, "sigma_n_pa": sigma_n,
+        "kt_over_kn": np.abs(sigma_t / sigma_n * dx_n / dx_t),
+    }  # fmt: skip
 
 
 def _table() -> Table:

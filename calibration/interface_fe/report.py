@@ -142,8 +142,7 @@ def _contact(found: Found, name: str) -> dict[str, Any] | None:
             "normal_n_per_m": first.force[:, 1].tolist(),
         },
         "markers": None if read is None else {
-            f"{key}_{'m' if key.startswith('dx') else 'pa'}": values.tolist()
-            for key, values in read.items()
+            key: values.tolist() for key, values in read.items()
         },
     }  # fmt: skip
 
