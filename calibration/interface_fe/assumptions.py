@@ -68,21 +68,22 @@ def applied(found: Found, rows: list[Row]) -> Found:
     assert found.flat is not None
     assert found.rough is not None
     assert found.stress is not None
-    relative = together(rows)
+    sigma, depth = together(rows), found.case.depth
     return replace(
-        found, flat=found.flat.with_assumed(*relative[:3]),
-        rough=found.rough.with_assumed(*relative[3:6]),
-        stress=found.stress.with_assumed(relative.stress),
-    )  # fmt: skip
+        found,
+        flat=found.flat.with_assumed(sigma.flat, depth * sigma.flat_kn, depth * sigma.flat_kt),
+        rough=found.rough.with_assumed(sigma.rough, depth * sigma.rough_kn, depth * sigma.rough_kt),
+        stress=found.stress.with_assumed(sigma.stress),
+    )
 
 
 def together(rows: list[Row]) -> Values:
-    """Relative standard uncertainty of each value by all that is assumed."""
+    """Standard uncertainty of each value by all that is assumed."""
     base, *others = (np.array(row.values) for row in rows)
     largest: dict[str, Array] = {}
     for row, values in zip(rows[1:], others, strict=True):
         if row.assumed:
-            change = np.abs(values - base) / np.abs(base)
+            change = np.abs(values - base)
             largest[row.what] = np.maximum(largest.get(row.what, 0.0), change)
     return Values(*np.sqrt(sum(change**2 for change in largest.values())))
 

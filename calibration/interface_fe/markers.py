@@ -58,7 +58,7 @@ def positions() -> Array:
 
 
 def read(outcome: Outcome) -> dict[str, Array] | None:
-    """Displacements [m], stresses [Pa] and kt/kn at the markers, (6,) each; None if one is outside."""
+    """Displacements, stresses and kt/kn at the markers, (6,) each, SI; None if one is outside."""
     stack, state = outcome.stack, outcome.state
     spots = positions()
     middle = stack.lower.points[:, 0].mean()

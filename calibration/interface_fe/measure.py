@@ -28,9 +28,8 @@ class Quantity:
     profiles: float | None  # None for one profile, or a flat surface
     assumed: float | None = None  # None where the assumptions were not varied
 
-    def with_assumed(self, relative: float) -> "Quantity":
-        """With the relative sigma that the assumptions make."""
-        assumed = relative * abs(self.whole.value)
+    def with_assumed(self, assumed: float) -> "Quantity":
+        """With the sigma that the assumptions make."""
         sigma = math.hypot(self.whole.sigma or 0.0, assumed)
         return replace(self, whole=replace(self.whole, sigma=sigma), assumed=assumed)
 
@@ -51,7 +50,7 @@ class Contact:
     outcomes: tuple[Outcome, ...]
 
     def with_assumed(self, ratio: float, kn: float, kt: float) -> "Contact":
-        """With the relative sigmas that the assumptions make."""
+        """With the sigmas that the assumptions make."""
         return replace(
             self, ratio=self.ratio.with_assumed(ratio), kn=self.kn.with_assumed(kn),
             kt=self.kt.with_assumed(kt),
