@@ -25,7 +25,8 @@ Told = Callable[[float, str], None]  # share done, words
 
 _LONGEST = 1280  # px of a picture that things are measured in
 _SEARCHED = 640  # px of a picture that they are looked for in
-_DRIFT = 0.5  # px of the picture searched, from which the camera's motion is taken off
+_DRIFT = 0.5  # px of the picture searched, from which pictures are steadied
+_MOVES = 1.0  # px of the picture measured in, from which the camera's motion is taken off
 _NEW_VIEW = 3  # frames in a row that show something else are another view
 _CORNERS_FOR = 32  # frames for which the same corners show how the camera moves
 _GHOST = 3  # frames for which a thing that has left its image behind stands still
@@ -301,14 +302,15 @@ def _usual(area: Array) -> np.ndarray:
 
 def _camera(notes: Notes, scale: tuple[float, float], region: Region) -> tuple[Array | None, str]:
     """(n, 3, 3) the camera's motion in pixels of the region where it moves; and what is said."""
+    from scipy.ndimage import median_filter
+
     motion = np.array(notes.motion)
     to_film = np.array([[scale[0], 0, (scale[0] - 1) / 2], [0, scale[1], (scale[1] - 1) / 2],
                         [0, 0, 1]])  # fmt: skip
     motion = to_film @ motion @ np.linalg.inv(to_film)
-    farthest = largest_shift(motion, region.width, region.height)
-    steps = np.abs(np.diff(motion[:, :2, 2], axis=0))
-    noise = float(np.median(steps)) if len(steps) else 0.0
-    if farthest < max(_DRIFT * scale[0], 5 * noise):
+    lasting = median_filter(motion, size=(5, 1, 1), mode="nearest")  # not a frame's noise
+    farthest = largest_shift(lasting, region.width, region.height)
+    if farthest < _MOVES * scale[0]:
         return None, ""
     return motion, f"the camera moves by up to {farthest:.1f} px: taken off"
 
