@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from calibration.bounce import STANDARD_GRAVITY, Bounces, find_bounces
+from calibration.quantity import metres_per_pixel
 from calibration.track import Track
 from calibration.track_table import read_tracks
 from calibration.uncertainty import Estimate, through
-from contact.quantity import InputError, to_si
+from contact.quantity import InputError
 
 _FAR = 0.05  # share by which g may miss before scale or rate is doubted
 
@@ -178,10 +179,7 @@ def _metres(scale: str | float | None) -> float | None:
     if scale is None:
         return None
     if isinstance(scale, str):
-        length, slash, per = scale.partition("/")
-        if not slash or per.strip() not in ("px", "pixel"):
-            raise InputError(f"--scale = {scale!r}: a length per pixel, such as '0.81 mm/px'")
-        scale = to_si(length.strip(), "m", "--scale")
+        return metres_per_pixel(scale)
     if not 0 < scale < math.inf:
         raise InputError(f"--scale = {scale!r}: must be positive, such as '0.81 mm/px'")
     return scale

@@ -45,9 +45,9 @@ class Grid:
             yield slice(start, start + step)
 
     def cut(self, picture: NDArray, rows: slice) -> NDArray:
-        """(rows, columns, size, size) the windows of some rows; a view where that can be."""
+        """(rows, columns, size, size) a copy of the windows of some rows."""
         view = np.lib.stride_tricks.sliding_window_view(picture, (self.size, self.size))
-        return view[self.top[rows]][:, self.left]
+        return view[self.top[rows][:, None], self.left[None, :]]
 
     def sums(self, picture: NDArray) -> NDArray[np.float64]:
         """(rows, columns) sum of a picture's pixels over each window."""
