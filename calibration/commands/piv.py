@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
 @click.option("--window", default=32, metavar="32", help="Side of a window [px, default: 32].")
-@click.option("--overlap", default=0.5, metavar="0.5", help="Share of it, 0 to 0.75 [default: 0.5].")
+@click.option(
+    "--overlap", default=0.5, metavar="0.5", help="Share of it, 0 to 0.75 [default: 0.5]."
+)
 @click.option(
     "--method", type=click.Choice(["piv", "flow"]), default="piv",
     help="Correlation of windows, or optical flow [default: piv].",
@@ -79,7 +81,9 @@ def _written(answer: "Answer", out: Path) -> tuple[Path, Path]:
 def _report(answer: "Answer") -> str:
     """What was found, as text."""
     told = answer.as_json()
-    lines = [f"{told['valid']} of {told['vectors']} vectors valid, windows of {told['window_px']} px"]
+    lines = [
+        f"{told['valid']} of {told['vectors']} vectors valid, windows of {told['window_px']} px"
+    ]
     lost = {name: n for name, n in told["reasons"].items() if n and name != "measured"}
     lines += [f"  {n} {name.replace('_', ' ')}" for name, n in lost.items()]
     lines.append(f"{'[px]':6}{'mean':>10}{'sd':>10}{'lowest':>10}{'highest':>10}")

@@ -67,12 +67,14 @@ class Answer:
         if self.unit != "px":
             columns |= {f"{name} [{self.unit}]": self.factor * v for name, v in vectors.items()}
         columns["peak_ratio" if field.method == "piv" else "residual [px]"] = field.quality
-        rows = np.ndindex(*field.x.shape)
-        return [
-            {name: _number(values[at]) for name, values in columns.items()}
-            | {"valid": int(field.valid[at]), "reason": _name(field.reason[at])}
-            for at in rows
-        ]
+        numbers = np.stack([values.ravel() for values in columns.values()], axis=1).tolist()
+        rows = []
+        for values, reason in zip(numbers, field.reason.ravel().tolist(), strict=True):
+            row: dict[str, float | int | str | None] = {
+                name: _number(value) for name, value in zip(columns, values, strict=True)
+            }
+            rows.append(row | {"valid": int(reason == Reason.MEASURED), "reason": _name(reason)})
+        return rows
 
     def as_json(self) -> dict[str, Any]:
         """One object for scripts; numbers of the valid vectors."""

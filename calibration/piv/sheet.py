@@ -28,11 +28,11 @@ def _sheet(answer: Answer) -> "Figure":
     wide = np.ptp(answer.field.x) + answer.field.window
     figure = Figure(figsize=(11.0, float(np.clip(1.2 + 6.3 * tall / wide, 5.5, 11.0))),
                     layout="constrained")  # fmt: skip
-    left, right = figure.add_gridspec(1, 2, width_ratios=[2, 1])
-    _vectors(figure.add_subplot(left), answer)
-    upper, lower = right.subgridspec(2, 1, height_ratios=[1.8, 1])
-    _sigma(figure, figure.add_subplot(upper), answer)
-    _fractions(figure.add_subplot(lower), answer)
+    columns = figure.add_gridspec(1, 2, width_ratios=[2, 1])
+    _vectors(figure.add_subplot(columns[0]), answer)
+    beside = columns[1].subgridspec(2, 1, height_ratios=[1.8, 1])
+    _sigma(figure, figure.add_subplot(beside[0]), answer)
+    _fractions(figure.add_subplot(beside[1]), answer)
     field = answer.field
     known = f"{field.valid.sum()} of {(field.reason != Reason.MASKED).sum()} vectors valid"
     middle = np.median(field.sigma[field.valid])
@@ -51,7 +51,10 @@ def _vectors(axes: "Axes", answer: Answer) -> None:
     longest = float(np.percentile(np.hypot(field.u, field.v)[field.valid], 95)) or 1.0
     scale = longest / (1.3 * max(step, 1.0))  # pixels of displacement per pixel drawn
     replaced = ~field.valid & (field.reason != Reason.MASKED)
-    for which, colour, words in ((field.valid, BLUE, "measured"), (replaced, VERMILION, "replaced")):
+    for which, colour, words in (
+        (field.valid, BLUE, "measured"),
+        (replaced, VERMILION, "replaced"),
+    ):
         if which.any():
             axes.quiver(field.x[which], field.y[which], field.u[which], field.v[which],
                         color=colour, angles="xy", scale_units="xy", scale=scale, width=0.0022,
@@ -96,7 +99,7 @@ def _sigma(figure: "Figure", axes: "Axes", answer: Answer) -> None:
 def _fractions(axes: "Axes", answer: Answer) -> None:
     """Peaks at 0 and 1 in a field that varies by pixels show that vectors lock to whole ones."""
     field = answer.field
-    bins = np.linspace(0, 1, 21)
+    bins = np.linspace(0, 1, 21).tolist()
     for values, colour, name in ((field.u, BLUE, "u"), (field.v, VERMILION, "v")):
         axes.hist(values[field.valid] % 1, bins, histtype="step", color=colour, label=name)
     axes.set_xlim(0, 1)

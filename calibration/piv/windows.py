@@ -31,12 +31,12 @@ class Grid:
     @property
     def y(self) -> NDArray[np.float64]:
         """(rows,) middle of the windows [px]."""
-        return self.top + (self.size - 1) / 2.0
+        return np.asarray(self.top + (self.size - 1) / 2.0, dtype=float)
 
     @property
     def x(self) -> NDArray[np.float64]:
         """(columns,) middle of the windows [px]."""
-        return self.left + (self.size - 1) / 2.0
+        return np.asarray(self.left + (self.size - 1) / 2.0, dtype=float)
 
     def chunks(self) -> Iterator[slice]:
         """Rows of windows, a few at a time."""
