@@ -7,9 +7,10 @@ from pathlib import Path
 from calibration.drop_choice import the_one_that_bounces
 from calibration.drop_fall import with_free_fall
 from calibration.drop_result import Drop
+from calibration.quantity import metres_per_pixel
 from calibration.track import Track
 from calibration.track_table import read_tracks
-from contact.quantity import InputError, to_si
+from contact.quantity import InputError
 
 _SLOWEST, _FASTEST = 1.0, 1e6  # frames/s: a bounce within 20 m has four; cameras reach a million
 
@@ -64,10 +65,7 @@ def _metres(scale: str | float | None) -> float | None:
     if scale is None:
         return None
     if isinstance(scale, str):
-        length, slash, per = scale.partition("/")
-        if not slash or per.strip() not in ("px", "pixel"):
-            raise InputError(f"--scale = {scale!r}: a length per pixel, such as '0.81 mm/px'")
-        scale = to_si(length.strip(), "m", "--scale")
+        return metres_per_pixel(scale)
     if not 0 < scale < math.inf:
         raise InputError(f"--scale = {scale!r}: must be positive, such as '0.81 mm/px'")
     return scale
