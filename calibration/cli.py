@@ -11,6 +11,7 @@ _COMMANDS: dict[str, str] = {
     "drop": "drop",
     "impacts": "impacts",
     "shaker": "shaker",
+    "piv": "piv",
     "incline": "incline",
     "slide": "slide",
     "compression": "compression",
@@ -21,6 +22,7 @@ _COMMANDS: dict[str, str] = {
     "damping": "damping",
     "flow": "flow",
     "compare": "compare",
+    "stiffness-fe": "stiffness_fe",
     "report": "report",
 }
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _PANELS = 5
+_PANEL = 2.0  # inches across one
 
 
 def draw_sheet(flow: Flow, path: Path, name: str) -> Path:
@@ -42,8 +43,10 @@ def _pictures(flow: Flow, panels: list[Profile]) -> list[Picture]:
 def _sheet(flow: Flow, name: str, panels: list[Profile], pictures: list[Picture]) -> "Figure":
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 8.4), layout="constrained")
-    grid = figure.add_gridspec(2, 1, height_ratios=[1.5, 1])
+    height, width = pictures[0].shape[:2]
+    tall = _PANEL * min(height / width, height / flow.silo.width) + 0.8
+    figure = Figure(figsize=(11, tall + 3.6), layout="constrained")
+    grid = figure.add_gridspec(2, 1, height_ratios=[tall, 3.2])
     above = grid[0].subgridspec(1, max(len(panels), 3))
     below = grid[1].subgridspec(1, 3, width_ratios=[1.5, 1, 1])
     for k, (one, picture) in enumerate(zip(panels, pictures, strict=True)):
@@ -114,7 +117,7 @@ def _depth(axes: "Axes", flow: Flow) -> None:
     axes.set_xlabel("time since the opening [s]")
     axes.set_ylabel(f"depth of the layers' V [{flow.silo.unit}]")
     if len(flow.bands) > 1:
-        axes.legend(loc="upper left", fontsize=8)
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, fontsize=8, borderaxespad=0.2)
 
 
 def _velocity(axes: "Axes", flow: Flow) -> None:
