@@ -1,9 +1,9 @@
 """Rendered discharge films of known truth through `calibrate flow`: bias, scatter and coverage.
 
-python benchmarks/flow_coverage.py RUN FOLDER FILM ... renders a run folder as each FILM's camera sees
-it, measures the film, and adds a line to FOLDER/flow.jsonl; without FILM it prints the table of all
-lines. A 68 % interval covers where |line of the film - line of the run| is below the stated sigma,
-counted over all layers, columns and times after the opening at which both have a line.
+python benchmarks/flow_coverage.py RUN FOLDER FILM ... renders a run folder as each FILM's camera
+sees it, measures the film, and adds a line to FOLDER/flow.jsonl; without FILM it prints the table
+of all lines. A 68 % interval covers where |line of the film - line of the run| is below the stated
+sigma, counted over all layers, columns and times after the opening at which both have a line.
 """
 
 import json
@@ -91,7 +91,9 @@ def table(rows: list[dict]) -> str:
             f"{r['opening_off_frames']:+.2f} +- {r['opening_sigma']:.2f} | {end} | {r['outcome']} |"
         )
     n, within = (sum(r[key] for r in rows) for key in ("lines", "within"))
-    return "\n".join([*lines, "", f"All: {within} of {n} lines within one sigma, {within / n:.0%}."])
+    return "\n".join(
+        [*lines, "", f"All: {within} of {n} lines within one sigma, {within / n:.0%}."]
+    )
 
 
 def main() -> None:

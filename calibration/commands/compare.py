@@ -61,8 +61,9 @@ def _report(found: "Comparison", figure: Path | None) -> str:
     from calibration.quantity import plus_minus
 
     d, c = found.distance, found.curve_distance
+    apart = plus_minus(1e3 * d.value, 1e3 * (d.sigma or 0))
     lines = [
-        f"lines    {plus_minus(1e3 * d.value, 1e3 * (d.sigma or 0))} mm apart (rms over {d.trials}); "
+        f"lines    {apart} mm apart (rms over {d.trials}); "
         f"equal flows would be {1e3 * found.floor:.2g} mm apart",
         f"curve    {plus_minus(c.value, c.sigma)} of the filling apart (rms)",
     ]

@@ -17,7 +17,9 @@ def film_options(command: Any) -> Any:
     """What is said of a film: rate, scale, and where the silo is."""
     for option in (
         click.option("--roi", metavar="x,y,w,h", help="The silo's inside, outlet to top [px]."),
-        click.option("--width", metavar='"300 mm"', help="The silo's inner width: gives the scale."),
+        click.option(
+            "--width", metavar='"300 mm"', help="The silo's inner width: gives the scale."
+        ),
         click.option("--scale", metavar='"0.81 mm/px"', help="Length of a pixel."),
         click.option("--fps", type=float, metavar="240", help="Frames per second of the camera."),
     ):
@@ -45,8 +47,8 @@ def command(
 ) -> None:  # fmt: skip
     """Discharge time, curve, profiles of the layers and velocities from the film of a silo.
 
-    VIDEO is a film from a camera that stands still, from before the opening to after the last grain,
-    or a folder of pictures. Without --scale or --width lengths are in pixels.
+    VIDEO is a film from a camera that stands still, from before the opening to after the last
+    grain, or a folder of pictures. Without --scale or --width lengths are in pixels.
 
     For example: calibrate flow silo.mp4 --width "300 mm" --out sheets
     """
@@ -129,7 +131,9 @@ def _report(flow: "Flow", files: dict[str, Any]) -> str:
 
 def _collapse_report(answer: dict[str, Any]) -> str:
     unit = answer["length_unit"]
-    lines = [f"{'time [s]':>9} {'left':>10} {'right':>10} {'half width':>11} {'surface':>9} [{unit}]"]
+    lines = [
+        f"{'time [s]':>9} {'left':>10} {'right':>10} {'half width':>11} {'surface':>9} [{unit}]"
+    ]
     shown = range(0, len(answer["time_s"]), max(len(answer["time_s"]) // 20, 1))
     for k in shown:
         cells = [answer[key][k] for key in ("front_left", "front_right", "half_width", "surface")]

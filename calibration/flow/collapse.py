@@ -1,10 +1,9 @@
 """A column that spreads on a plate: position of its front and of its free surface against time.
 
-The material is what differs from the first picture, by more than half of how much the backing and the
-material differ (Otsu's threshold, IEEE Trans. SMC 9 (1979) 62, of the last picture's differences),
-together with where it stood before: its largest patch. The front is where the patch ends on the left
-and on the right; half of its width is the radius of a heap that spreads evenly, whichever way a
-camera looks down on it. Edges are told to a part of a pixel by where half of the change is reached.
+The material is what differs from the first picture by more than half of how much backing and
+material differ (which do is told by Otsu's threshold, IEEE Trans. SMC 9 (1979) 62, of the last
+picture): its largest patch. The front is where the patch ends on the left and on the right. Half of
+its width is the radius of a heap that spreads evenly, whichever way a camera looks down on it.
 """
 
 from collections.abc import Callable
@@ -104,8 +103,10 @@ def measure_collapse(
     offset = part[1].start or 0, part[0].start or 0
     warnings = _warnings(seen, film.corrupt)
     if film.rate is not None and fps is None:
-        warnings.append(f"the rate is that of the file's head, {film.rate:g} frames/s: a film shown "
-                        "slowly has another; nothing in free fall is looked for here")  # fmt: skip
+        warnings.append(
+            f"the rate is that of the file's head, {film.rate:g} frames/s; a film that is shown "
+            "slowly was taken at another: --fps"
+        )
     return Collapse(
         Path(path), film.rate, rate, known, "px" if scale is None else "m", time,
         k * (left + offset[0]), k * (right + offset[0]), k * (top + offset[1]),
@@ -162,5 +163,3 @@ def _warnings(seen: Survey, corrupt: list[int]) -> list[str]:
     if corrupt:
         told.append(f"{len(corrupt)} frames could not be decoded and were left out")
     return told
-
-

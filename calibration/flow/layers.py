@@ -5,13 +5,14 @@ The line of layer k at a time t, over columns j two grains wide (silo2d.measures
     y_k(j) = <y(0)>_k + <y(t) - y(0)>_kj
 
 with means over grains: the layer's at the start, and those in column j that have not left, two at
-least. A film shows material and no list of grains. So the tracers are parted many times into grains
-that might have been: what is nearest to the points of a lattice, turned and shifted by chance. The
-line is the mean over these partings. Their scatter is how far the line depends on which grains there
-are, to which that of the tracers' own errors is added.
+least. A film shows material and no list of grains. So the tracers are parted many times into
+grains that might have been: what is nearest to the points of a lattice, turned and shifted by
+chance. The line is the mean over these partings. Their scatter is how far the line depends on which
+grains there are, to which that of the tracers' own errors is added.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -66,24 +67,28 @@ def painted_bands(labels: Labels, silo: Silo, use: NDArray[np.bool_], grain: flo
     share = dark[first:end] / np.maximum(both[first:end], 1.0)
     edges = [0, *_long_runs(share < 0.5, grain), end - first]
     bands = []
-    for top, bottom in zip(edges[:-1], edges[1:], strict=True):
+    for top, bottom in pairwise(edges):
         tone = 0 if share[top:bottom].mean() > 0.5 else 1
-        bands.append(Band(silo.box[0].start + first + top, silo.box[0].start + first + bottom, tone))
-    purest = [max(p, 1 - p) for p in (share[a:b].mean() for a, b in zip(edges, edges[1:], strict=False))]
+        bands.append(
+            Band(silo.box[0].start + first + top, silo.box[0].start + first + bottom, tone)
+        )
+    purest = [max(p, 1 - p) for p in (share[a:b].mean() for a, b in pairwise(edges))]
     if len(bands) < 2 or np.mean(purest) < _PURE:
         return []
     return bands[::-1]
 
 
 def _long_runs(light: NDArray[np.bool_], least: float) -> list[int]:
-    """Where runs of a value that last as long as `least` begin; shorter ones join their neighbour."""
+    """Where runs as long as `least` begin; shorter ones join their neighbours."""
     changes = np.flatnonzero(np.diff(light)) + 1
     kept: list[int] = []
     for k, at in enumerate(changes):
         end = changes[k + 1] if k + 1 < len(changes) else len(light)
         before = kept[-1] if kept else 0
-        if end - at >= least and at - before >= least and (
-            light[at] != light[before + (at - before) // 2]
+        if (
+            end - at >= least
+            and at - before >= least
+            and (light[at] != light[before + (at - before) // 2])
         ):
             kept.append(int(at))
     return kept
@@ -94,7 +99,9 @@ def drawn_bands(silo: Silo, height: float, top: float) -> list[Band]:
     count = int(np.ceil((silo.outlet - top) / height))
     if count > 200:
         raise InputError(f"--layer-height: {count} layers; take a larger height")
-    return [Band(silo.outlet - (k + 1) * height, silo.outlet - k * height, -1) for k in range(count)]
+    return [
+        Band(silo.outlet - (k + 1) * height, silo.outlet - k * height, -1) for k in range(count)
+    ]
 
 
 def of_bands(bands: list[Band], place: NDArray, tone: NDArray, grain: float) -> NDArray[np.int64]:
@@ -110,7 +117,9 @@ def of_bands(bands: list[Band], place: NDArray, tone: NDArray, grain: float) -> 
 class Lines:
     """Profiles of tracers that started at `start` (n, 2) along the silo's axes, in layers (n,)."""
 
-    def __init__(self, start: Floats, layer: NDArray[np.int64], edges: Floats, share: float) -> None:
+    def __init__(
+        self, start: Floats, layer: NDArray[np.int64], edges: Floats, share: float
+    ) -> None:
         """share: of a grain's area that one tracer stands for; edges of the columns (c + 1,)."""
         self.edges = edges
         self._start, self._layer, self._share = start, layer, share

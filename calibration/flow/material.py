@@ -44,7 +44,7 @@ def material_mask(seen: Survey, silo: Silo, labels: Labels, grain: float) -> Mas
 
 
 def seeds(mask: Mask, labels: Labels, silo: Silo, grain: float) -> tuple[Points, NDArray[np.int64]]:
-    """Tracers (n, 2) [px] on a grid over material in the first picture, and the tone of each (n,)."""
+    """Tracers (n, 2) [px] on a grid over the first picture's material, and the tone of each."""
     step = max(grain / _PER_GRAIN, _CLOSEST)
     x, y = np.meshgrid(
         np.arange(silo.left + step / 2, silo.left + silo.width, step),

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from calibration.film.reader import Film, Picture, open_film
 from calibration.flow.layers import Band, Lines, Profile, drawn_bands, of_bands, painted_bands
 from calibration.flow.material import material_mask, outlet_columns, seeds
-from calibration.flow.outlet import UNIFORM, Crossing, Opening
+from calibration.flow.outlet import Crossing, Opening
 from calibration.flow.silo import CLEAR, Silo, find_silo
 from calibration.flow.survey import Grey, Survey, survey, to_grey
 from calibration.flow.tones import Tones, find_tones
@@ -122,7 +123,9 @@ def measure_flow(
     """
     film = open_film(path)
     rate = _rate(film, settings.fps)
-    interval = INTERVAL if settings.interval is None else to_si(settings.interval, "s", "--interval")
+    interval = (
+        INTERVAL if settings.interval is None else to_si(settings.interval, "s", "--interval")
+    )
     if not interval * rate >= 1:
         raise InputError(f"--interval {settings.interval}: shorter than a frame, {1 / rate:.3g} s")
     if settings.columns < 3 or settings.columns % 2 == 0:
@@ -279,7 +282,7 @@ class _Watch:
         wide = self.grain * 2
         edges = np.arange(0, material.shape[1] + 1e-9, wide).astype(int)
         tops = []
-        for a, b in zip(edges[:-1], edges[1:], strict=True):
+        for a, b in pairwise(edges.tolist()):
             filled = np.flatnonzero(material[:, a:b].mean(axis=1) > 0.5)
             if len(filled):
                 tops.append(material.shape[0] - filled[0])
@@ -370,7 +373,7 @@ class _Watch:
         return "clogged" if strip.all(axis=1).sum() > self.grain / 2 else "dead_zones"
 
     def _with_shared(self, start: Estimate) -> list[Profile]:
-        """Profiles with the uncertainty of scale, outlet level and opening, which all lines share."""
+        """Profiles with the uncertainty of scale, outlet level and opening, which all share."""
         scale = self.silo.scale
         relative = (scale.sigma or 0.0) / scale.value
         late = (start.sigma or 0.0) / self.rate

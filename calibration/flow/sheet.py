@@ -108,12 +108,12 @@ def _curve(axes: "Axes", flow: Flow) -> None:
 
 def _depth(axes: "Axes", flow: Flow) -> None:
     depth, sigma = flow.depths()
-    time = [p.time for p in flow.profiles]
+    time, ends = [p.time for p in flow.profiles], (0, len(flow.bands) - 1)
     for k in range(len(flow.bands)):
         shade = k / max(len(flow.bands) - 1, 1)
         axes.errorbar(time, depth[:, k], sigma[:, k], fmt="o-", ms=3, lw=1,
                       color=(0.1 + 0.75 * shade, 0.35 + 0.4 * shade, 0.7),
-                      label=f"layer {k + 1}" if k in (0, len(flow.bands) - 1) else None)  # fmt: skip
+                      label=f"layer {k + 1}" if k in ends else None)  # fmt: skip
     axes.set_xlabel("time since the opening [s]")
     axes.set_ylabel(f"depth of the layers' V [{flow.silo.unit}]")
     if len(flow.bands) > 1:

@@ -19,7 +19,7 @@ Mask = NDArray[np.bool_]
 CLEAR = 5.0  # standard deviations of the noise that make a change
 _SOME = 0.05  # of a side that must have changed for a row or column to be of the inside
 _SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' grains
-_EDGE = 0.41  # px: standard uncertainty of a found side, which falls on whole pixels at both its ends of a blur
+_EDGE = 0.41  # px, of a found side: whole pixels, 1/sqrt(12), for the edge and for the limit each
 _NEAR = 7  # px about an edge in which its whole change is found
 _PLAIN = 0.5  # of the usual roughness of a row, below which it shows a door and not grains
 

@@ -1,4 +1,4 @@
-"""A first look at a film, frame by frame: how it begins and ends, its noise, its repeated frames."""
+"""A first look at a film, frame by frame: how it begins and ends, its noise, repeated frames."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

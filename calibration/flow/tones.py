@@ -47,7 +47,9 @@ def find_tones(seen: Survey, silo: Silo) -> Tones:
     import cv2
 
     rows, columns = silo.box
-    parts = [cv2.medianBlur(p, _MEDIAN)[rows, columns].reshape(-1, 3) for p in (seen.first, seen.last)]
+    parts = [
+        cv2.medianBlur(p, _MEDIAN)[rows, columns].reshape(-1, 3) for p in (seen.first, seen.last)
+    ]
     random = np.random.default_rng(0)
     pick = [random.choice(len(p), min(len(p), _SAMPLE), replace=False) for p in parts]
     sample = np.concatenate([p[k] for p, k in zip(parts, pick, strict=True)]).astype(np.float32)

@@ -124,7 +124,7 @@ class Stage:
             px, py = points[start[kind[grain]] : start[kind[grain] + 1]].T
             cos, sin = np.cos(places.angle[k]), np.sin(places.angle[k])
             around = np.column_stack([px * cos - py * sin, px * sin + py * cos])
-            yield k, self._corners(around + (places.x[k], places.y[k]))
+            yield k, self._corners(around + np.array([places.x[k], places.y[k]]))
 
     def _fill(self, canvas: Light, index: NDArray[np.int32], places: Places) -> None:
         """Give every pixel of a grain its colour and the texture that stands there on the grain."""
@@ -168,9 +168,7 @@ def places_at(scene: Scene, time: float) -> Places:
     return Places(which, *out)
 
 
-def film_of_run(
-    stage: Stage, camera: Camera, seed: int = 1
-) -> tuple[Floats, Iterator[Picture]]:
+def film_of_run(stage: Stage, camera: Camera, seed: int = 1) -> tuple[Floats, Iterator[Picture]]:
     """Times of the pictures (n,) [s of the run] and the pictures of a whole discharge.
 
     The first picture stands `lead` before the opening, less a part of a frame drawn by chance.
@@ -205,7 +203,7 @@ def truth(
     from silo2d.measures.profile import measure
 
     scene, look = stage.scene, stage.look
-    left, right, _, top = scene.window
+    left, right, _, _ = scene.window
     (x0, y0), (x1, y1) = stage.pixels(np.array([[left, scene.walls[..., 1].max()], [right, 0.0]]))
     lips = np.array(scene.trajectory.attributes["lips"])[:, 0] - left
     profile = measure(Path(folder), interval)
