@@ -6,7 +6,7 @@ rise r are fitted to the samples up to that peak, by least squares,
     x(t) = b + A sin^p(pi/2 (t - t0)/r)  after t0,      x(t) = b  before.
 
 p = 1 is exact for a linear spring (a half sine) and for a tone; force goes with overlap^(3/2) in a
-Hertz contact, so that p is about 3/2 there. It is common to all impacts (calibration.impacts.power).
+Hertz contact, so that p is about 3/2 there. It is common to all impacts (impacts.power).
 What else the true shape adds to t0 goes with r; where r is the same for all impacts, it does not
 enter the intervals. calibration.impacts.shape looks whether they have the same shape. Where the
 rise takes fewer samples than the fit has unknowns, the onset is only known to lie between two

@@ -1,8 +1,8 @@
 """With which power of a sine the force of all impacts rises: the onsets that follow from it.
 
 A pulse that is not a half sine begins earlier or later than one fitted to it, by a part of its
-rise. Contacts that get stiffer with overlap rise slower at lower speed (Hertz: as v^(-1/5)), and the
-flights in between would be off by what their two rises differ. The power is therefore fitted to
+rise. Contacts that get stiffer with overlap rise slower at lower speed (Hertz: as v^(-1/5)), and
+the flights in between would be off by what their two rises differ. The power is therefore fitted to
 all edges together, and what remains unknown of it is carried to the onsets' uncertainty.
 """
 
