@@ -44,17 +44,19 @@ class Camera:
         import cv2
 
         inner = (np.arange(self.moments) + 0.5) / self.moments - 0.5
-        light = np.mean([paint(time + s * self.exposure / self.rate) for s in inner], axis=0)
+        seen = sum(paint(time + s * self.exposure / self.rate) for s in inner)
+        light = np.asarray(seen / self.moments, dtype=np.float32)
         if self.blur > 0:
-            light = cv2.GaussianBlur(light, (0, 0), self.blur)
+            light = np.asarray(cv2.GaussianBlur(light, (0, 0), self.blur), dtype=np.float32)
         grey = 255 * light * self._light(light.shape)[:, :, None]
-        grey += self.noise * random.standard_normal(grey.shape)
+        grey += self.noise * random.standard_normal(grey.shape, dtype=np.float32)
         return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
 
-    def _light(self, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    def _light(self, shape: tuple[int, ...]) -> Light:
         """Light against the place: a parabola about the middle, 1 - falloff in the corners."""
         y, x = np.linspace(-1, 1, shape[0]), np.linspace(-1, 1, shape[1])
-        return np.asarray(1 - self.falloff * (x[None, :] ** 2 + y[:, None] ** 2) / 2)
+        light = 1 - self.falloff * (x[None, :] ** 2 + y[:, None] ** 2) / 2
+        return light.astype(np.float32)
 
 
 def write_film(pictures: Iterable[Picture], path: Path, rate: float, codec: str = "mp4v") -> Path:
