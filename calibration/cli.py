@@ -11,6 +11,7 @@ _COMMANDS: dict[str, str] = {
     "drop": "drop",
     "impacts": "impacts",
     "shaker": "shaker",
+    "piv": "piv",
     "incline": "incline",
     "slide": "slide",
     "compression": "compression",
@@ -19,6 +20,7 @@ _COMMANDS: dict[str, str] = {
     "density": "density",
     "published": "published",
     "damping": "damping",
+    "stiffness-fe": "stiffness_fe",
     "report": "report",
 }
 
