@@ -20,8 +20,8 @@ def draw_sheet(found: Dissipation, loaded: Record) -> "Figure":
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11.0, 7.5), layout="constrained")
-    left, right = figure.add_gridspec(1, 2, width_ratios=[1.2, 1.0])
-    spectra = left.subgridspec(2, 1)
+    halves = figure.add_gridspec(1, 2, width_ratios=[1.2, 1.0])
+    spectra = halves[0].subgridspec(2, 1)
     force = figure.add_subplot(spectra[0])
     _spectrum(force, loaded, 0, "force [N]", [tone.force_n for tone in found.tones])
     moved = figure.add_subplot(spectra[1], sharex=force)
@@ -29,7 +29,7 @@ def draw_sheet(found: Dissipation, loaded: Record) -> "Figure":
     _spectrum(moved, loaded, 1, "acceleration [m/s²]", heights)
     moved.set_xlabel("frequency [Hz]")
     force.legend(loc="upper right")
-    rows = right.subgridspec(3, 1)
+    rows = halves[1].subgridspec(3, 1)
     _phases(figure.add_subplot(rows[0]), found)
     _powers(figure.add_subplot(rows[1]), found)
     _efficiencies(figure.add_subplot(rows[2]), found)

@@ -14,11 +14,10 @@ samples.
 """
 
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 _FIRST_PEAK = 0.25  # of the largest sample of the impact: what counts as its first peak
 _CLEAR = 5.0  # standard deviations of the noise, over which a sample is not noise
@@ -78,7 +77,8 @@ def edge_of(
     begin, last = max(0, rise[0] - 2 * window), rise[1] + window
     raw = x[begin : last + window]
     first = _change(white[begin:last], window)
-    base = np.polyval(np.polyfit(np.arange(first), raw[:first], 2), np.arange(len(raw)))
+    fit = np.polyfit(np.arange(first), raw[:first], 2)
+    base = np.asarray(np.polyval(fit, np.arange(len(raw))), dtype=float)
     part = raw - base
     noise = max(float(np.std(part[:first])), 1e-9 * float(np.abs(part).max()), 1e-300)
     clear = np.flatnonzero(np.abs(part[first : last - begin]) > _CLEAR * noise)
@@ -136,9 +136,9 @@ def _fitted(edge: Edge, power: float) -> Onset | None:
     return Onset(edge, edge.begin + time, sigma, rise, found)
 
 
-def rising(t: NDArray[np.float64], shape: Sequence[float], power: float) -> NDArray[np.float64]:
+def rising(t: NDArray[np.float64], shape: ArrayLike, power: float) -> NDArray[np.float64]:
     """The model of the edge, see the head of this file; shape: base, height, begin, rise."""
-    base, height, begin, rise = shape
+    base, height, begin, rise = np.asarray(shape)
     part = np.clip((t - begin) / rise, 0.0, 2.0)  # the peak may lie between two samples
     return base + height * np.maximum(np.sin(0.5 * np.pi * part), 0.0) ** power
 

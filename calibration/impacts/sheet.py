@@ -87,7 +87,7 @@ def _flights(axes: "Axes", found: Impacts) -> None:
     """Flights on a logarithmic axis, where a constant restitution is a straight line."""
     flights = np.diff(found.times_s)
     axes.semilogy(np.arange(1, len(flights) + 1), flights, "o-", color=BLUE)
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set_xticks(np.arange(1, len(flights) + 1))
     axes.set_xlabel("flight")
     axes.set_ylabel("duration [s]")
 
