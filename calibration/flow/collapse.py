@@ -95,7 +95,7 @@ def measure_collapse(
     rows = []
     first = to_grey(seen.first)[part]
     for frame in film.frames():
-        apart = cv2.absdiff(to_grey(frame.picture)[part], first)
+        apart = np.asarray(cv2.absdiff(to_grey(frame.picture)[part], first), np.uint8)
         rows.append((frame.number / rate, *_ends(apart, limit)))
         tell(0.3 + 0.7 * frame.number / seen.count)
     time, left, right, top = np.array(rows).T
@@ -130,8 +130,8 @@ def _ends(apart: Grey, limit: float) -> tuple[float, float, float]:
     """Left end, right end and top of the largest patch that changed [px]; NaN for none."""
     import cv2
 
-    changed = (apart > limit).astype(np.uint8)
-    changed = cv2.morphologyEx(changed, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    kernel = np.ones((3, 3), np.uint8)
+    changed = cv2.morphologyEx((apart > limit).astype(np.uint8), cv2.MORPH_OPEN, kernel)
     _, label, stats, _ = cv2.connectedComponentsWithStats(changed)
     if len(stats) < 2 or stats[1:, cv2.CC_STAT_AREA].max() < _SMALLEST:
         return np.nan, np.nan, np.nan

@@ -172,7 +172,7 @@ class Lines:
         grain, n = parting[use], np.bincount(parting[use])
         there = np.flatnonzero(n)
 
-        def of_grains(values: Floats) -> Floats:
+        def of_grains(values: NDArray) -> Floats:
             return np.bincount(grain, values[use])[there] / n[there]
 
         x, y = (of_grains(place[:, axis]) for axis in (0, 1))

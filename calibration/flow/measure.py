@@ -17,7 +17,7 @@ from calibration.flow.outlet import Crossing, Opening
 from calibration.flow.silo import CLEAR, Silo, find_silo
 from calibration.flow.survey import Grey, Survey, survey, to_grey
 from calibration.flow.tones import Tones, find_tones
-from calibration.flow.tracers import Tracers
+from calibration.flow.tracers import Points, Tracers
 from calibration.flow.velocity import Velocities, VelocityField
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError, to_si
@@ -239,7 +239,7 @@ class _Watch:
         """Take the next frame."""
         grey = to_grey(picture)
         height = self.tracers.place[:, 1].copy()
-        if self._grey is not None and self._differs(grey):
+        if self._grey is not None and self._differs(self._grey, grey):
             self.tracers.follow(self._grey, grey)
             self.tracers.drop(self.tracers.place[:, 1] > self.silo.outlet + 2 * self.grain)
             self._grey, self._moved = grey, number
@@ -253,16 +253,16 @@ class _Watch:
             self.opening.see(number, float(fall.mean()))
         self._keep(number, grey)
 
-    def _differs(self, grey: Grey) -> bool:
+    def _differs(self, before: Grey, grey: Grey) -> bool:
         import cv2
 
         rows, columns = self.silo.box
         wider = slice(rows.start, rows.stop + round(2 * self.grain)), columns
-        apart = cv2.blur(cv2.absdiff(grey[wider], self._grey[wider]), (3, 3))
+        apart = cv2.blur(cv2.absdiff(grey[wider], before[wider]), (3, 3))
         changed = np.count_nonzero(apart > CLEAR * self.seen.noise)
         return bool(changed > _STILL * self.grain**2)
 
-    def _cross(self, number: int, picture: Picture, before: Floats) -> None:
+    def _cross(self, number: int, picture: Picture, before: Points) -> None:
         """See what stands in the outlet's row, and how fast tracers that began above it pass."""
         row = round(self.silo.outlet)
         part = slice(max(row - 1, 0), row + 2), slice(*self.outlet)

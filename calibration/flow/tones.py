@@ -54,8 +54,9 @@ def find_tones(seen: Survey, silo: Silo) -> Tones:
     pick = [random.choice(len(p), min(len(p), _SAMPLE), replace=False) for p in parts]
     sample = np.concatenate([p[k] for p, k in zip(parts, pick, strict=True)]).astype(np.float32)
     cv2.setRNGSeed(0)
+    none = np.zeros((len(sample), 1), np.int32)  # to begin with
     stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 50, 0.1)
-    inertia, label, centres = cv2.kmeans(sample, 3, None, stop, 5, cv2.KMEANS_PP_CENTERS)
+    inertia, label, centres = cv2.kmeans(sample, 3, none, stop, 5, cv2.KMEANS_PP_CENTERS)
     half = len(pick[0])
     share = [np.bincount(part, minlength=3) / len(part) for part in np.split(label.ravel(), [half])]
     growth = share[1] - share[0]
@@ -63,4 +64,6 @@ def find_tones(seen: Survey, silo: Silo) -> Tones:
     others = sorted((k for k in range(3) if k != grown), key=lambda k: float(centres[k].sum()))
     backing = 2 if growth[grown] > _GROWTH else None
     order = [*others, grown]
-    return Tones(centres[order], backing, float(np.sqrt(inertia / len(sample))))
+    return Tones(
+        np.asarray(centres[order], np.float32), backing, float(np.sqrt(inertia / len(sample)))
+    )

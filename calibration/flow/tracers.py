@@ -44,10 +44,10 @@ class Tracers:
         at = (self.place[live] - np.float32(0.5))[:, None]  # OpenCV counts from pixels' middles
         size = self._window, self._window
         there, found, _ = cv2.calcOpticalFlowPyrLK(
-            before, after, at, None, winSize=size, maxLevel=_LEVELS, criteria=_STOP
+            before, after, at, at.copy(), winSize=size, maxLevel=_LEVELS, criteria=_STOP
         )
         back, again, _ = cv2.calcOpticalFlowPyrLK(
-            after, before, there, None, winSize=size, maxLevel=_LEVELS, criteria=_STOP
+            after, before, there, at.copy(), winSize=size, maxLevel=_LEVELS, criteria=_STOP
         )
         miss = np.hypot(*(back - at)[:, 0].T)
         good = (found[:, 0] > 0) & (again[:, 0] > 0) & (miss < _RETURN)

@@ -83,7 +83,8 @@ class Velocities:
         u, v, sigma = (
             np.where(found.valid, a, 0.0) / step for a in (found.u, found.v, found.sigma)
         )
-        empty = _Sum(*(np.zeros(u.shape) for _ in range(4)), np.zeros(u.shape, dtype=np.int64))
+        u0, v0, squares, variance = (np.zeros(u.shape) for _ in range(4))
+        empty = _Sum(u0, v0, squares, variance, np.zeros(u.shape, dtype=np.int64))
         total = self._sums.setdefault(interval, empty)
         total.u += u
         total.v += v

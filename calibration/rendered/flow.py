@@ -139,7 +139,9 @@ class Stage:
         maps = np.zeros((2, *index.shape), np.float32)
         maps[0, row, column] = np.mod(dx * cos - dy * sin + self._origin[0, grain], _TEXELS)
         maps[1, row, column] = np.mod(dx * sin + dy * cos + self._origin[1, grain], _TEXELS)
-        texture = cv2.remap(self._texture, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP)
+        texture = cv2.remap(
+            self._texture, maps[0], maps[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
+        )
         shade = self.look.texture * texture[row, column]
         canvas[row, column] = self._colour[grain] + shade[:, None]
 
