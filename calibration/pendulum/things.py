@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from calibration.film.reader import Film, open_film
+from calibration.pendulum.colours import by_colour
 from calibration.pendulum.contacts import FEWEST, found_swings
 from calibration.segments import noise
 from calibration.track import Array, Track
@@ -42,6 +44,8 @@ class Things:
     rate: float | None
     rate_header: float | None
     remarks: tuple[str, ...] = ()
+    repeated: tuple[float, ...] = ()
+    time_remarks: tuple[str, ...] = ()
 
     @property
     def gap(self) -> Array:
@@ -94,10 +98,24 @@ def _read(
         if roi is not None:
             raise InputError(f"{source}: --roi is a part of a film; this is a table")
         return read_tracks(source)
-    from calibration.film.follow import follow
-    from calibration.film.reader import open_film
+    return _of_film(open_film(source), roi, progress)
 
-    return follow(open_film(source), roi=roi, progress=progress)
+
+def _of_film(
+    film: Film,
+    roi: tuple[int, int, int, int] | None,
+    progress: Callable[[float, str], None] | None,
+) -> list[Track]:
+    """By colour; where no colour is that of what moves (grey on grey), by what moves."""
+    from calibration.film.follow import follow, inside
+
+    region = inside(film, roi)
+    try:
+        tracks = by_colour(film, roi=region, progress=progress)
+        _chosen(tracks)
+    except InputError:
+        return follow(film, roi=region, progress=progress)
+    return tracks
 
 
 def _named(tracks: list[Track], names: Sequence[str], where: str) -> list[Track]:

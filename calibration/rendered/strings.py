@@ -6,6 +6,7 @@ theta is the angle in the plane of the swing, tau a small one out of it. Contact
 act in the plane. Picture coordinates: x to the right, y down.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,11 +53,12 @@ class Swinging:
     """The motion of Strings.
 
     contacts   (n,) times [s]
+    pieces     angles and their rates at times, from the release and from each contact on
     """
 
     strings: Strings
     contacts: Array
-    pieces: tuple["object", ...]
+    pieces: tuple[Callable[[Array], Array], ...]
 
     def angles(self, time: Array) -> Array:
         """(b, n) in the plane, rad, to the right, at (n,) times [s]."""
@@ -67,7 +69,8 @@ class Swinging:
         found[:, held] = _at_rest(one)[: one.things, None]
         for k, piece in enumerate(self.pieces):
             inside = (time >= ends[k]) & (time < ends[k + 1])
-            found[:, inside] = piece(time[inside])[: one.things]  # type: ignore[operator]
+            if inside.any():
+                found[:, inside] = piece(time[inside])[: one.things]
         return found
 
     def out_of_plane(self, time: Array) -> Array:
