@@ -10,7 +10,11 @@ if TYPE_CHECKING:
 
 __all__ = ["measure_drop", "measure_impacts", "measure_pendulum"]
 
-_HOMES = {"measure_drop": "drop", "measure_impacts": "impacts.measure", "measure_pendulum": "pendulum.measure"}
+_HOMES = {
+    "measure_drop": "drop",
+    "measure_impacts": "impacts.measure",
+    "measure_pendulum": "pendulum.measure",
+}
 
 
 def __getattr__(name: str):

@@ -7,6 +7,8 @@ import numpy as np
 from calibration.rendered.strings import Strings, swing
 from calibration.track import Track
 
+PLAIN = Strings()
+
 
 @dataclass(frozen=True)
 class Made:
@@ -17,7 +19,7 @@ class Made:
     strings: Strings
 
 
-def made(strings=Strings(), *, rate=100.0, scale=2e-3, noise=0.1, seed=1, tilt=0.0, extra=0.3):
+def made(strings=PLAIN, *, rate=100.0, scale=2e-3, noise=0.1, seed=1, tilt=0.0, extra=0.3):
     """Tracks at `rate` frames/s and `scale` m/px, y downwards; tilt: of the camera, in rad.
 
     A camera that looks down by `tilt` sees what comes nearer lower in the picture.

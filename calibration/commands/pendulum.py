@@ -11,7 +11,6 @@ from contact.quantity import InputError, to_si
 
 if TYPE_CHECKING:
     from calibration.commands.options import Into
-    from calibration.pendulum.measure import Pendulum
 
 
 @click.command()
@@ -60,7 +59,9 @@ def _region(text: str | None) -> tuple[int, int, int, int] | None:
     try:
         x, y, width, height = (int(word) for word in text.split(","))
     except ValueError:
-        raise InputError(f"--roi = {text!r}: x,y,width,height in px, such as 0,100,640,380") from None
+        raise InputError(
+            f"--roi = {text!r}: x,y,width,height in px, such as 0,100,640,380"
+        ) from None
     return x, y, width, height
 
 

@@ -10,7 +10,7 @@ from calibration.uncertainty import Estimate
 
 _CURVED = 5  # sigma by which a path must be curved for its circle to be known
 _NOISY = 3  # times the noise: what lies nearer to the circle is on it
-_HEIGHTS_OFF = 0.02  # of the highest rise: a restitution from heights is then off by a hundredth
+HEIGHTS_OFF = 0.02  # of the highest rise: a restitution from heights is then off by a hundredth
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Arc:
         """
         if not self.known:
             return None if self.deviation == 0 else False
-        return self.deviation < _HEIGHTS_OFF * self.rise
+        return self.deviation < HEIGHTS_OFF * self.rise
 
     def along(self, x: Array, y: Array) -> Array:
         """Arc length from below the pivot [px]."""
@@ -88,7 +88,7 @@ def arc_through(x: Array, y: Array, swings: list[Rows], noise: float) -> Arc:
 
 
 def _parabola(x: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Lowest point (x, y) and curvature there; covariance, of which the last is right; residuals."""
+    """Lowest point (x, y), curvature there; covariance, right in the last alone; residuals."""
     middle, size = float(np.mean(x)), float(np.ptp(x))
     u = (x - middle) / size
     design = np.stack([u**0, u, u**2], axis=1)

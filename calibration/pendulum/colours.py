@@ -1,8 +1,8 @@
 """Things that swing, found by their colours: those that are seen more often in motion than at rest.
 
 A string, a shadow or a hand has the colours of what stands still around it, or is there for a
-moment only; a thing that swings carries its own. Things on strings cannot pass each other: where two
-are seen they are told apart by their order, and where they touch none is.
+moment only; a thing that swings carries its own. Things on strings cannot pass each other: where
+two are seen they are told apart by their order, and where they touch none is.
 """
 
 import math
@@ -150,8 +150,9 @@ def _spots(look: _Look, picture: Picture) -> list[_Spot]:
         if area * skip**2 < _LEAST or not whole:
             continue
         mask = np.repeat(np.repeat(label[rows, columns] == k, skip, axis=0), skip, axis=1)
-        here = slice(rows.start * skip, rows.stop * skip), slice(
-            columns.start * skip, columns.stop * skip
+        here = (
+            slice(rows.start * skip, rows.stop * skip),
+            slice(columns.start * skip, columns.stop * skip),
         )
         spots.append(_placed(picture[here], look.still[here], mask, here))
     return sorted(spots, reverse=True)
@@ -161,7 +162,7 @@ def _placed(
     picture: Picture, still: NDArray[np.float32], mask: NDArray[np.bool_],
     here: tuple[slice, slice],
 ) -> _Spot:  # fmt: skip
-    """The centroid of how far a thing covers each pixel: of its colour mixed with what is behind."""
+    """The centroid of how far a thing covers each pixel: its colour mixed with what is behind."""
     import cv2
 
     rows, columns = (min(n) for n in zip(mask.shape, picture.shape[:2], strict=True))

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calibration.correlated import pool
+from calibration.pendulum.arc import HEIGHTS_OFF
 from calibration.segments import noise
 
 if TYPE_CHECKING:
@@ -38,7 +39,8 @@ def _plane(found: "Pendulum") -> list[str]:
                 f"the swing is not planar: the path is off a circle by {arc.deviation:.2g} {unit} "
                 f"where it rises {arc.rise:.3g} {unit}; heights are not used, x alone is"
             )
-        if abs(arc.apart.value) > _SURE * arc.apart.sigma and abs(arc.apart.value) > arc.deviation:
+        known = abs(arc.apart.value) > _SURE * arc.apart.sigma
+        if known and abs(arc.apart.value) / 2 > HEIGHTS_OFF * arc.rise:
             lines.append(
                 f"the path back is {abs(arc.apart.value):.2g} {unit} from the path out, at the "
                 "lowest point of the widest swing"
@@ -59,7 +61,9 @@ def _size(found: "Pendulum") -> list[str]:
         thirds = np.array_split(rows[np.argsort(x[rows])], 3)
         ends = np.array([np.median(radius[one]) for one in (thirds[0], thirds[2])])
         change = float(np.ptp(ends) / ends.mean())
-        scatter = noise(found.things.t, radius) * np.sqrt(2 * np.pi / 2 / len(thirds[0]))
+        scatter = noise(found.things.t[rows], radius[rows]) * np.sqrt(
+            np.pi / len(thirds[0])
+        )  # of medians
         if change > _GROWS and np.ptp(ends) > _SURE * scatter:
             lines.append(
                 f"the apparent size changes by {100 * change:.2g} % from end to end: blur, or the "
@@ -81,20 +85,24 @@ def _air(found: "Pendulum") -> list[str]:
             f"{found.pooled.value + found.untold:.3f}, a rectangular share of that is in sigma"
         ]
     if known and beta.value < 0:
-        return ["the swings gain speed between contacts: something drives them, or the clock is off"]
+        return [
+            "the swings gain speed between contacts: something drives them, or the clock is off"
+        ]
     return []
 
 
 def _place(found: "Pendulum") -> list[str]:
     """Whether contacts are where the swing is fastest, which eq. 3.6 needs."""
     whole = found.collisions.from_heights
+    seen = found.from_amplitudes()
     mean = pool(whole[:, 0], np.diag(whole[:, 1] ** 2))[0].value
     assert found.pooled.sigma is not None
     lines = []
     if abs(mean - found.pooled.value) > _SURE * found.pooled.sigma:
+        ratio = "" if seen is None else f", amplitudes seen from the wall {np.mean(seen):.3f}"
         lines.append(
-            f"heights of whole swings (eq. 3.6) give {mean:.3f}: contacts beside the lowest point, "
-            "or air; the speeds at the contacts are used"
+            f"heights of whole swings (eq. 3.6) give {mean:.3f}{ratio}: contacts are beside the "
+            "lowest point, or air slows the swings; the speeds at the contacts are used"
         )
     gaps = found.collisions.gaps
     if len(gaps) > 1:
@@ -115,7 +123,8 @@ def _misfit(found: "Pendulum") -> list[str]:
     if fitted.sigma > _MISFIT * own:
         lines.append(
             f"the swings are no pendulum's to within the noise: residuals of {fitted.sigma:.2g} "
-            f"{found.things.unit}, noise {own:.2g}; the thing turns on its string, or leaves its plane"
+            f"{found.things.unit}, noise {own:.2g}; the thing turns on its string, leaves "
+            "its plane, or its tracking depends on where it is"
         )
     if out:
         lines.append(f"{out} of {int(used.sum())} positions fit no swing: left out")

@@ -1,9 +1,8 @@
-"""measure_pendulum: tracks of a ball on a string before a wall, or of two blocks, to restitution."""
+"""measure_pendulum: a ball on a string before a wall, or two blocks on strings, to restitution."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from calibration.pendulum.things import Things, things_in
 from calibration.segments import noise
 from calibration.track import Array, Track
 from calibration.uncertainty import Estimate
+from contact.quantity import InputError
 
 _GRAVITY = 9.80665  # m/s2
 
@@ -33,7 +33,7 @@ class Pendulum:
     damped       the same with the damping free, which is what the contacts' times come from
     collisions   by `fitted`
     times        (n, 2) contacts, where the swings of `damped` meet; sigma [frames]
-    untold       what the damping of `damped` would add to the restitution, where it is not taken off
+    untold       what the damping of `damped` would add to the restitution, where it is left in
     pooled       one restitution, and p of the test that it describes the clip
     masses       of the two blocks, where they were given
     """
@@ -59,7 +59,7 @@ class Pendulum:
 
     @property
     def planar(self) -> bool | None:
-        """Whether the path is an arc to which heights can be trusted; None where it looks straight."""
+        """Whether the path is an arc that heights can be read off; None where it looks straight."""
         return planar(self.arcs)
 
     @property
@@ -87,8 +87,13 @@ class Pendulum:
             arc = arc + side * wall
         return arc[:, self.swings.before], arc[:, self.swings.after]
 
+    def from_amplitudes(self) -> Array | None:
+        """(n,) amplitude after over before, as seen from the wall; None for two blocks."""
+        before, after = self.amplitudes()
+        return after[0] / before[0] if len(before) == 1 else None
+
     def heights(self) -> tuple[Array, Array] | None:
-        """(b, n) before and after each contact, H = L (1 - cos theta) [px]; None without a length."""
+        """(b, n) H = L (1 - cos theta) before and after contacts [px]; None without a length."""
         found = self.fitted
         if found.law.kappa == 0:
             return None
@@ -128,6 +133,8 @@ def measure_pendulum(
     Raises InputError, one line, for what cannot be measured.
     """
     things = things_in(source, fps=fps, names=tracks, roi=roi, progress=progress)
+    if masses is not None and len(things.x) == 1:
+        raise InputError("--masses: of two blocks; this is one thing against a wall")
     rough, found = found_swings(things.t, things.gap)
     arcs = tuple(
         arc_through(x, y, found.rows, noise(things.t, y))

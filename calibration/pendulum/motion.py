@@ -2,8 +2,8 @@
 
     q'' = -omega^2 sin(kappa q)/kappa - 2 beta q'
 
-q [px] along the arc from where it hangs at rest, kappa = 1/length of the string [1/px]; kappa = 0 is
-the isochronous swing. The damping is linear in the speed, as of a slow thing in air.
+q [px] along the arc from where it hangs at rest, kappa = 1/length of the string [1/px]; kappa = 0
+is the isochronous swing. The damping is linear in the speed, as of a slow thing in air.
 """
 
 from typing import NamedTuple
@@ -55,7 +55,7 @@ def amplitude(law: Law, q: Array, v: Array) -> Array:
 
 
 def root_of_height(law: Law, arc: Array) -> Array:
-    """sqrt(2 H/kappa), H = (1 - cos theta)/kappa the height over the lowest point; arc at kappa 0 [px].
+    """sqrt(2 H/kappa) [px], H = (1 - cos theta)/kappa the height; the arc itself for kappa = 0.
 
     Times omega it is the speed at the lowest point.
     """

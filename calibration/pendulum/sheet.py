@@ -32,7 +32,8 @@ def _sheet(found: Pendulum, name: str) -> "Figure":
 
     pictures = _frames(found)
     figure = Figure(figsize=(11, 10.4 if pictures else 7.8), layout="constrained")
-    grid = figure.add_gridspec(4 if pictures else 3, 2, height_ratios=[2, 1, 2, 2][: 4 if pictures else 3])  # fmt: skip
+    ratios = [2, 1, 2, 2] if pictures else [2, 1, 2]
+    grid = figure.add_gridspec(len(ratios), 2, height_ratios=ratios)
     above = figure.add_subplot(grid[0, :])
     _swings(above, found)
     _residuals(figure.add_subplot(grid[1, :], sharex=above), found)
@@ -61,7 +62,8 @@ def _swings(axes: "Axes", found: Pendulum) -> None:
     for k, z in enumerate(seen.z):
         axes.plot(seen.t, z, ".", color=GREY, ms=3)
         bad = found.fitted.weights[k] == 0
-        axes.plot(seen.t[bad], z[bad], "x", color=ORANGE, ms=5, label="fit no swing" if k == 0 else None)  # fmt: skip
+        label = "fit no swing" if bad.any() else None
+        axes.plot(seen.t[bad], z[bad], "x", color=ORANGE, ms=5, label=label)
         for i, rows in enumerate(seen.rows):
             t = np.linspace(seen.t[rows[0]], seen.t[rows[-1]], 80)
             q, _ = states(p, seen, np.full(len(t), i), t)

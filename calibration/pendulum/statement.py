@@ -14,6 +14,7 @@ def as_json(found: Pendulum) -> dict[str, Any]:
     assert damping.sigma is not None
     length, heights = found.length_m(), found.heights()
     before, after = found.amplitudes()
+    seen = found.from_amplitudes()
     return {
         "restitution": {
             "value": found.pooled.value,
@@ -22,6 +23,7 @@ def as_json(found: Pendulum) -> dict[str, Any]:
             "per_collision_sigma": np.sqrt(np.diag(hit.covariance)).tolist(),
             "from_heights": hit.from_heights[:, 0].tolist(),
             "from_heights_sigma": hit.from_heights[:, 1].tolist(),
+            "from_amplitudes": None if seen is None else seen.tolist(),
             "constant_within_noise": found.constant_within_noise,
             "p": found.p,
         },
@@ -67,13 +69,14 @@ def as_text(found: Pendulum) -> str:
         None: "one value: nothing to compare it with",
     }[found.constant_within_noise]
     what = "a ball against a wall" if len(found.arcs) == 1 else "two blocks"
+    rate = found.things.rate
     lines = [
         f"restitution {found.pooled.value:.4f} +- {found.pooled.sigma:.2g}, {what}; {one}",
         *_contacts(found),
         f"plane   {_plane(found)}",
         f"string  {_string(found)}",
         f"air     {_air(found)}",
-        f"rate    {'not known' if found.things.rate is None else f'{found.things.rate:.5g} frames/s'}",
+        f"rate    {'not known' if rate is None else f'{rate:.5g} frames/s'}",
     ]
     if found.collisions.mass_ratio is not None:
         value, sigma = found.collisions.mass_ratio
@@ -113,7 +116,11 @@ def _plane(found: Pendulum) -> str:
 
 def _string(found: Pendulum) -> str:
     unit, length = found.things.unit, found.length_m()
-    known = [f"{one.length.value:.4g} +- {one.length.sigma:.2g} {unit}" for one in found.arcs if one.known]  # fmt: skip
+    known = [
+        f"{one.length.value:.4g} +- {one.length.sigma:.2g} {unit}"
+        for one in found.arcs
+        if one.known
+    ]
     metres = [] if length is None else [f"{length.value:.4g} m by its period"]
     period = 2 * np.pi / found.fitted.law.omega
     return "; ".join([*known, *metres, f"period {period:.5g} frames"])

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from calibration.film.reader import Film, open_film
+from calibration.pendulum.clock import held_until, repeats
 from calibration.pendulum.colours import by_colour
 from calibration.pendulum.contacts import FEWEST, found_swings
 from calibration.segments import noise
@@ -81,7 +82,7 @@ def things_in(
     header = found.tracks[0].rate
     name = (path.stem or path.parent.name) if path is not None else found.tracks[0].name
     return replace(
-        found, name=name or "track", source=path, rate=fps or header, rate_header=header
+        put_right(found), name=name or "track", source=path, rate=fps or header, rate_header=header
     )
 
 
@@ -122,9 +123,7 @@ def _named(tracks: list[Track], names: Sequence[str], where: str) -> list[Track]
     known = [track.name for track in tracks]
     missing = next((name for name in names if name not in known), None)
     if missing is not None:
-        raise InputError(
-            f"{where}no track {missing!r}; there are {', '.join(map(repr, known))}"
-        )
+        raise InputError(f"{where}no track {missing!r}; there are {', '.join(map(repr, known))}")
     if len(names) > 2:
         raise InputError(f"--track: one ball or two blocks, not {len(names)}")
     return [track for track in tracks if track.name in names]
@@ -209,4 +208,30 @@ def _together(tracks: Sequence[Track]) -> Things:
         np.array([one.x for one in each]), np.array([one.y for one in each]),
         np.array(known) if len(known) == len(each) else None, None, None,
         tuple(dict.fromkeys(remark for one in each for remark in one.remarks)),
+    )  # fmt: skip
+
+
+def put_right(things: Things) -> Things:
+    """Without positions that repeat the one before in a swing, and without the time they take."""
+    rows, late, remarks = *repeats(things.t, things.gap), []
+    told = {float(frame) for one in things.tracks for frame in one.repeated}
+    numbers = sorted(told | {float(things.frame[k]) for k in rows})
+    held = held_until(things.t, things.gap)
+    if held is not None:
+        remarks.append(
+            f"held until frame {things.frame[held]:g}: what the clock does until then is not used"
+        )
+    clock = things.t.copy()
+    for k in rows[late]:
+        clock[k:] -= 1
+    if len(rows):
+        remarks.append(
+            f"{len(rows)} positions repeat the one before in a swing: left out, "
+            f"{int(late.sum())} of them took no time"
+        )
+    kept = np.setdiff1d(np.arange(len(clock)), rows)
+    radius = None if things.radius is None else things.radius[:, kept]
+    return replace(
+        things, t=clock[kept], frame=things.frame[kept], x=things.x[:, kept], y=things.y[:, kept],
+        radius=radius, repeated=tuple(numbers), time_remarks=tuple(remarks),
     )  # fmt: skip

@@ -93,7 +93,11 @@ class PendulumScene:
         for k, (place, per_metre) in enumerate(zip(places[:, 0], zoom[:, 0], strict=True)):
             half = self.size / 2 * per_metre
             for side in (-0.7, 0.7) if self.strings.things == 2 else (0.0,):
-                _string(light, (self.hung(k) + side * half, self.pivot), place + [side * half, 0])
+                _string(
+                    light,
+                    (self.hung(k) + side * half, self.pivot),
+                    (place[0] + side * half, place[1]),
+                )
             if self.strings.things == 1:
                 blend(light, disc(*place, half, self.colours[k], 0.1))
             else:
@@ -107,7 +111,7 @@ class PendulumScene:
         light += cover.astype(np.float32) * (np.array(_WALL, dtype=np.float32) - light)
 
 
-def _string(light: Light, pivot: tuple[float, float], end: Array) -> None:
+def _string(light: Light, pivot: tuple[float, float], end: tuple[float, float]) -> None:
     """A thread one pixel wide."""
     import cv2
 
