@@ -20,6 +20,7 @@ _COMMANDS: dict[str, str] = {
     "density": "density",
     "published": "published",
     "damping": "damping",
+    "stiffness-fe": "stiffness_fe",
     "report": "report",
 }
 
