@@ -144,6 +144,8 @@ def _chosen(tracks: list[Track]) -> Things:
             "turned must be put upright)"
         )
     moving = [one for one in tracks if _range(one) > _MOVES * _range(tracks[0])]
+    if not moving:
+        raise InputError("nothing moves along x: a swing is seen from the side")
     pairs = [found for pair in combinations(moving, 2) if (found := _pair(pair)) is not None]
     if pairs:
         return max(pairs, key=lambda pair: float(np.ptp(pair.gap)))
