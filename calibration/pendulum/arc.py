@@ -62,6 +62,9 @@ def arc_through(x: Array, y: Array, swings: list[Rows], noise: float) -> Arc:
     noise   standard deviation of a position [px]
     """
     every = np.concatenate(swings)
+    if np.ptp(y[every]) == 0:  # a table of x alone
+        unknown = Estimate(0.0, np.inf, 1)
+        return Arc((float(np.mean(x)), -np.inf), 1, unknown, unknown, 0.0, 0.0, unknown)
     everywhere = np.full(len(x), np.nan)
 
     def with_correlation(residual: Array, covariance: Array) -> float:
