@@ -12,6 +12,7 @@ _COMMANDS: dict[str, str] = {
     "pendulum": "pendulum",
     "impacts": "impacts",
     "shaker": "shaker",
+    "piv": "piv",
     "incline": "incline",
     "slide": "slide",
     "compression": "compression",
