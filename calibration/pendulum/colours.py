@@ -124,8 +124,8 @@ def _without_things(median: Picture, share: NDArray[np.float32]) -> NDArray[np.f
     import cv2
 
     there = (cv2.GaussianBlur(share[_binned(median)], (0, 0), 1.0) > 0.5).astype(np.uint8)
-    there = cv2.dilate(there, np.ones((5, 5), dtype=np.uint8))
-    return np.asarray(cv2.inpaint(median, there, 3, cv2.INPAINT_TELEA), dtype=np.float32)
+    wider = cv2.dilate(there, np.ones((5, 5), dtype=np.uint8))
+    return np.asarray(cv2.inpaint(median, wider, 3, cv2.INPAINT_TELEA), dtype=np.float32)
 
 
 def _binned(picture: Picture) -> tuple[NDArray[np.intp], ...]:

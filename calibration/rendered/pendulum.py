@@ -98,10 +98,11 @@ class PendulumScene:
                     (self.hung(k) + side * half, self.pivot),
                     (place[0] + side * half, place[1]),
                 )
+            x, y = map(float, place)
             if self.strings.things == 1:
-                blend(light, disc(*place, half, self.colours[k], 0.1))
+                blend(light, disc(x, y, half, self.colours[k], 0.1))
             else:
-                blend(light, _block(*place, half, self.colours[k]))
+                blend(light, _block(x, y, half, self.colours[k]))
         return light
 
     def _wall(self, light: Light) -> None:
