@@ -70,8 +70,8 @@ def test_a_film_in_which_nothing_swings_is_refused_in_one_line(tmp_path):
 def test_a_strangers_ball_on_a_string_gives_its_reference():
     """Reference of another's measurement: e = 0.79 (0.03), not planar, eight contacts.
 
-    Contacts to 0.4 frame and amplitudes to 5 %: two ways of tracking a blurred ball that turns,
-    at 30 px/frame.
+    Contacts to 0.4 frame: two ways of tracking a blurred ball that turns, at 30 px/frame.
+    Amplitudes to 5 px: the place of contact, from which they are seen, moves by that.
     """
     file = STRANGERS / "necrosskull_ball_on_string_wall.mp4"
     if not file.exists():
@@ -80,7 +80,7 @@ def test_a_strangers_ball_on_a_string_gives_its_reference():
     frames = [found.frame(time) for time in found.times[:8, 0]]
     assert frames == pytest.approx([18.6, 40.5, 61.9, 82.9, 103.6, 123.4, 142.6, 161.2], abs=0.4)
     amplitudes = [190, 146.7, 116.4, 89.6, 73.0, 58.3, 48.3, 37.3]
-    assert found.amplitudes()[1][0, :8] == pytest.approx(amplitudes, rel=0.05)
+    assert found.amplitudes()[1][0, :8] == pytest.approx(amplitudes, abs=5)
     assert found.planar is False
     e = found.restitution
     assert abs(e.value - 0.79) < 2 * np.hypot(e.sigma, 0.03)
