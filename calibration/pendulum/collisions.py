@@ -74,7 +74,9 @@ def collide(fitted: Fit, swings: Swings, rough: Array) -> Collisions:
     known = with_sigma(value, covariance)
     at = _meet(p, fitted, swings, time, 1)
     return Collisions(
-        *(known[k * n : (k + 1) * n] for k in (1, 2, 3)),
+        known[n : 2 * n],
+        known[2 * n : 3 * n],
+        known[3 * n : 4 * n],
         value[:n],
         covariance[:n, :n],
         known[4 * n : 5 * n],
