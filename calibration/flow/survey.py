@@ -41,7 +41,7 @@ def survey(film: Film, tell: Callable[[float], None] = lambda part: None) -> Sur
         grey = to_grey(frame.picture)
         if last is not None:
             counts = _differences(grey, last[1])
-            repeated += counts[0] == grey.size
+            repeated += int(counts[0] == grey.size)
             deviations.append(_deviation(counts))
         else:
             first = frame.picture

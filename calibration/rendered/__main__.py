@@ -8,6 +8,7 @@ from pathlib import Path
 _SAMPLES: dict[str, str] = {
     "drop": "drop_sample",
     "flow": "flow_sample",
+    "pendulum": "pendulum_sample",
 }
 
 
