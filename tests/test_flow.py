@@ -200,6 +200,7 @@ def test_front_of_a_spreading_heap_comes_back(tmp_path):
     np.testing.assert_allclose(1e3 * found[10:], radius[10:], atol=1.2)
 
 
+@pytest.mark.validation
 def test_front_of_a_filmed_collapse_follows_its_table():
     """Webb's column at 240 frames/s: one scale and one start make our half width the table's front.
 
