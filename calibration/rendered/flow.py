@@ -193,6 +193,14 @@ def _texture(size: float, random: np.random.Generator) -> NDArray[np.float32]:
     return np.asarray(smooth / smooth.std(), np.float32)
 
 
+def simulated(case: str | Path, out: str | Path) -> Path:
+    """Run a case file; the run folder, below `out`."""
+    from silo2d.case import SiloCase
+    from silo2d.protocol import run
+
+    return Path(run(SiloCase.load(case), out=out).run_folder)
+
+
 def truth(
     folder: str | Path, stage: Stage, times: Floats, camera: Camera, interval: float
 ) -> dict[str, Any]:

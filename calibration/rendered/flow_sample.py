@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 
 from calibration.rendered.camera import Camera, write_film
-from calibration.rendered.flow import Look, Stage, film_of_run, truth
+from calibration.rendered.flow import Look, Stage, film_of_run, simulated, truth
 
 CASE = """schema = 1
 [silo]
@@ -23,17 +23,15 @@ INTERVAL = 0.1  # s
 
 def write(folder: Path) -> list[Path]:
     """Write flow.mp4 and flow.json; a simulation of some seconds comes first."""
-    from silo2d import SiloCase, run
-
     clip, facts = folder / "flow.mp4", folder / "flow.json"
     with tempfile.TemporaryDirectory() as room:
         case = Path(room) / "sample.toml"
         case.write_text(CASE, encoding="utf-8")
-        found = run(SiloCase.load(case), out=Path(room) / "runs")
-        stage = Stage(found.run_folder, LOOK)
+        folder_of_run = simulated(case, Path(room) / "runs")
+        stage = Stage(folder_of_run, LOOK)
         times, pictures = film_of_run(stage, CAMERA)
         write_film(pictures, clip, CAMERA.rate)
-        known = truth(found.run_folder, stage, times, CAMERA, INTERVAL)
+        known = truth(folder_of_run, stage, times, CAMERA, INTERVAL)
     recipe = {"recipe": "python -m calibration.rendered flow data/media", "schema": 1}
     facts.write_text(json.dumps(recipe | known, indent=1) + "\n", encoding="utf-8")
     return [clip, facts]
