@@ -16,6 +16,7 @@ Mask = NDArray[np.uint8]  # 255 where true
 _MEMORY = 16  # pictures that the running mean spans
 _SAMPLE = 4  # every such pixel tells the light as a whole
 _EVERY = 4  # frames from one learning to the next, once it has begun
+_LIMIT_FOR = 4  # learnings for which the limit is kept: noise changes slowly
 _LIMIT = 6.0  # noise that differs by more: less than one pixel in a picture of millions
 _MEAN_OF_LARGEST = 1.33  # mean of the largest of three normal deviates' sizes
 _TREMBLE = 0.5  # px by which an edge may move: what the camera's motion is known to
@@ -62,7 +63,8 @@ class Background:
         if self._seen >= _MEMORY / 2 and self._frames % _EVERY:
             return False
         self._seen += 1
-        self._limit = None
+        if self._seen < _MEMORY or self._seen % _LIMIT_FOR == 0:
+            self._limit = None
         share = 1 / min(self._seen, _MEMORY)
         still = cv2.bitwise_not(things)
         cv2.accumulateWeighted(picture, self._mean, share, still)

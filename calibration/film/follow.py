@@ -29,6 +29,9 @@ _DRIFT = 0.5  # px of the picture searched, from which pictures are steadied
 _MOVES = 1.0  # px of the picture measured in, from which the camera's motion is taken off
 _NEW_VIEW = 3  # frames in a row that show something else are another view
 _CORNERS_FOR = 32  # frames for which the same corners show how the camera moves
+_STILL = 0.25  # px of the picture searched, within which the camera stands
+_STANDS = 16  # frames for which it has stood, from which on
+_SEEN_TO = 4  # it is looked at in every such frame alone
 _GHOST = 3  # frames for which a thing that has left its image behind stands still
 _POINTED = 3  # own radii by which a hint may miss a thing
 _FEWEST = 8  # positions of a track
@@ -120,6 +123,8 @@ class _Search:
         self.scale = width / self._size[0], height / self._size[1]
         self._further = -(-max(self._size) // _SEARCHED)
         self._camera = CameraMotion()
+        self._moved = np.eye(3)
+        self._stood = self._frames = 0
         self._background: Background | None = None
         self._before: Picture | None = None
         self._still: dict[tuple[int, int, int, int], int] = {}
@@ -156,10 +161,15 @@ class _Search:
             self._camera.look_at(self._small(self._background.picture), self._small(things))
 
     def _motion(self, picture: Picture) -> Array:
-        """The camera's, in the picture measured in."""
+        """The camera's, in the picture measured in; looked for now and then while it stands."""
+        self._frames += 1
+        if self._stood >= _STANDS and self._frames % _SEEN_TO:
+            return self._moved
         factor = np.diag([self._further, self._further, 1.0])
         small = self._camera.follow(self._small(picture))
-        return np.asarray(factor @ small @ np.linalg.inv(factor))
+        self._stood = self._stood + 1 if largest_shift(small, *self._size) < _STILL else 0
+        self._moved = np.asarray(factor @ small @ np.linalg.inv(factor))
+        return self._moved
 
     def _small(self, picture: Picture) -> Picture:
         """The picture that things are looked for in."""
