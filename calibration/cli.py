@@ -11,6 +11,7 @@ _COMMANDS: dict[str, str] = {
     "drop": "drop",
     "impacts": "impacts",
     "shaker": "shaker",
+    "piv": "piv",
     "incline": "incline",
     "slide": "slide",
     "compression": "compression",

@@ -2,15 +2,17 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from calibration.drop_choice import the_one_that_bounces
 from calibration.drop_fall import with_free_fall
 from calibration.drop_result import Drop
+from calibration.quantity import metres_per_pixel
 from calibration.track import Track
 from calibration.track_table import read_tracks
-from contact.quantity import InputError, to_si
+from contact.quantity import InputError
+
+_SLOWEST, _FASTEST = 1.0, 1e6  # frames/s: a bounce within 20 m has four; cameras reach a million
 
 
 def measure_drop(
@@ -35,14 +37,17 @@ def measure_drop(
     roi         x, y, width, height of the part of a film to look at [px]
     hint        frame, x, y [px] of the thing in a film
     progress    told the share of a film that is read, and a few words
-    out         folder for the sheet
+    out         folder for the sheet and the annotated film
 
     Raises InputError, one line, for what cannot be measured.
     """
     where = f"{source}: " if isinstance(source, str | Path) else ""
     length = _metres(scale)
-    if fps is not None and not 0 < fps < math.inf:
-        raise InputError(f"--fps = {fps!r}: frames per second of the camera, such as 240")
+    if fps is not None and not _SLOWEST <= fps <= _FASTEST:
+        raise InputError(
+            f"--fps = {fps!r}: frames per second of the camera, from {_SLOWEST:g} to {_FASTEST:g}, "
+            "such as 240"
+        )
     tracks, header = _tracks(source, roi, hint, progress)
     found = the_one_that_bounces(tracks, track, one_bounce, where)
     if length is not None and found.track.scale is not None:
@@ -50,10 +55,9 @@ def measure_drop(
     drop = with_free_fall(found, fps, found.track.scale if length is None else length, header)
     if out is None:
         return drop
-    from calibration.drop_sheet import draw_sheet
+    from calibration.drop_pictures import with_pictures
 
-    name = Path(source).stem if isinstance(source, str | Path) else found.track.name or "track"
-    return replace(drop, sheet=draw_sheet(drop, Path(out) / f"drop-{name}.png", name))
+    return with_pictures(drop, source, Path(out), progress)
 
 
 def _metres(scale: str | float | None) -> float | None:
@@ -61,10 +65,7 @@ def _metres(scale: str | float | None) -> float | None:
     if scale is None:
         return None
     if isinstance(scale, str):
-        length, slash, per = scale.partition("/")
-        if not slash or per.strip() not in ("px", "pixel"):
-            raise InputError(f"--scale = {scale!r}: a length per pixel, such as '0.81 mm/px'")
-        scale = to_si(length.strip(), "m", "--scale")
+        return metres_per_pixel(scale)
     if not 0 < scale < math.inf:
         raise InputError(f"--scale = {scale!r}: must be positive, such as '0.81 mm/px'")
     return scale

@@ -19,6 +19,7 @@ class Drop:
     scale         m per unit of the track; sigma 0 where it was given
     gravity       from free fall, where scale and rate are both known [m/s2]
     remarks       on the time base
+    sheet, film   the picture and the annotated film, where they were asked for
     """
 
     bounces: Bounces
@@ -29,6 +30,7 @@ class Drop:
     remarks: tuple[str, ...]
     warnings: tuple[str, ...]
     sheet: Path | None = None
+    film: Path | None = None
 
     @property
     def restitution(self) -> Estimate:
@@ -83,6 +85,7 @@ class Drop:
             "track": found.track.name,
             "warnings": list(self.warnings),
             "sheet": None if self.sheet is None else str(self.sheet),
+            "annotated_film": None if self.film is None else str(self.film),
         }
 
     def _contact_times(self) -> list[float] | None:

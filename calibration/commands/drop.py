@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @click.option("--one-bounce", is_flag=True, help="Take a single bounce, unchecked by another.")
 @click.option("--roi", metavar="x,y,w,h", help="Part of the picture to look at, in pixels.")
 @click.option("--at", metavar="frame,x,y", help="Where the thing is in some frame of a film.")
-@click.option("-o", "--out", metavar="DIR", help="Draw the sheet there.")
+@click.option("-o", "--out", metavar="DIR", help="Put sheet and annotated film there.")
 @into_options("restitution")
 @click.option("--quiet", is_flag=True, help="No progress on stderr.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
@@ -80,6 +80,8 @@ def _report(drop: "Drop") -> str:
     lines += [f"warning: {warning}" for warning in drop.warnings]
     if drop.sheet is not None:
         lines.append(f"sheet {drop.sheet}")
+    if drop.film is not None:
+        lines.append(f"annotated film {drop.film}")
     return "\n".join(lines)
 
 
