@@ -243,4 +243,4 @@ def test_green_ball_in_a_room_as_measured_by_others():
     assert found.bounces.times[1:3, 0] == pytest.approx([0.706, 0.719], abs=0.012)
     flights = np.diff(found.bounces.contacts[:4, 0]) / found.rate.value
     assert flights == pytest.approx([0.508, 0.359, 0.258], abs=0.004)
-    assert any("comes nearer" in warning for warning in found.warnings)
+    assert any("plate's level changes" in warning for warning in found.warnings)

@@ -21,7 +21,7 @@ _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behin
 _CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
 _LARGEST = 0.1  # share of the picture beyond which a thing is not taken as a whole
 _FEWEST = 3  # pixels of the difference that make a thing
-_MOST = 8  # things in one picture: the strongest
+_MOST = 6  # things in one picture: the strongest
 _ACROSS = 80  # px of a thing's window; larger ones are reduced, their place is no less known
 _THIN = 0.5  # of the half thickness of a thing: what is thinner hangs on it (strings, fingers)
 
@@ -191,7 +191,7 @@ def _shares(
     nothing = np.zeros(3)
     if inside.sum() < 2:
         return None, nothing, 0.0, size
-    core = inside & (size >= 0.6 * np.percentile(size[inside], 97))
+    core = inside & (size >= 0.6 * _near_largest(size[inside]))
     colour = np.asarray(np.median(seen[core], axis=0), dtype=float)
     towards = colour.astype(np.float32) - behind_it
     square = _dot(towards, towards)
@@ -200,6 +200,12 @@ def _shares(
     share = np.where(square > least, _dot(away, towards) / np.maximum(square, least), 0)
     share = np.maximum(share, size / max(contrast, np.sqrt(least)))  # things of several colours
     return share, colour, contrast, noise / np.sqrt(np.maximum(square, least))
+
+
+def _near_largest(values: Channels) -> float:
+    """What three in a hundred exceed: highlights do not count."""
+    k = int(0.97 * (len(values) - 1))
+    return float(np.partition(values, k)[k])
 
 
 def _dot(a: Channels, b: Channels) -> Channels:
@@ -211,16 +217,14 @@ def _body(share: NDArray[np.float64], mask: Mask) -> Mask | None:
     """The largest connected part that is half the thing or more, without what is thin."""
     import cv2
 
-    half = np.where(share > (_LOW + _HIGH) / 2, 255, 0).astype(np.uint8)
-    half = cv2.bitwise_and(half, cv2.dilate(mask, np.ones((5, 5), np.uint8)))
-    half = _largest(half)
+    more = np.where(share > (_LOW + _HIGH) / 2, 255, 0).astype(np.uint8)
+    more[cv2.dilate(mask, np.ones((5, 5), np.uint8)) == 0] = 0
+    half = _largest(more)
     if half is None:
         return None
     half = _filled(half)
-    thick = float(
-        cv2.distanceTransform(cv2.copyMakeBorder(half, 1, 1, 1, 1, 0), cv2.DIST_L2, 3).max()
-    )
-    radius = int(_THIN * thick)
+    edged = cv2.copyMakeBorder(half, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    radius = int(_THIN * float(cv2.distanceTransform(edged, cv2.DIST_L2, 3).max()))
     if radius < 1:
         return half
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
