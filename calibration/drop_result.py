@@ -43,11 +43,16 @@ class Drop:
         return float(np.interp(clock, self.bounces.base.clock, frames))
 
     def seconds(self, clock: float) -> float | None:
-        """Time of the recording in s at a time of the clock, from its first position on."""
+        """Time of the recording in s at a time of the clock, at the rate used.
+
+        It starts where stamps do; without them at the first position.
+        """
         if self.rate is None:
             return None
         stamps = self.bounces.track.time
-        start = 0.0 if stamps is None or self.rate.value != self.rate_header else float(stamps[0])
+        start = 0.0
+        if stamps is not None and self.rate_header:
+            start = float(stamps[0]) * self.rate_header / self.rate.value
         return start + (clock - self.bounces.track.clock[0]) / self.rate.value
 
     def as_json(self) -> dict[str, Any]:

@@ -114,7 +114,7 @@ def test_sigma_has_its_parts_added_as_squares():
     assert found.stress.whole.value == pytest.approx(
         found.rough.kn.whole.value / found.flat.kn.whole.value
     )
-    assumed = found.rough.with_assumed(0.1, 0.1, 0.1).ratio
+    assumed = found.rough.ratio.with_assumed(0.1)
     assert assumed.whole.sigma == pytest.approx(np.hypot(found.rough.ratio.whole.sigma, 0.1))
 
 
@@ -188,6 +188,7 @@ def test_what_was_assumed_is_varied_and_counts(tmp_path):
         (["--profile", "a.csv", "--roughness", "10 um"], "--roughness is of a made surface"),
         (["--kn", "0 N/mm"], "--kn = 0 N/m: must be more than 0"),
         (["--pair", "wood-wood"], "--into wood.toml"),
+        (["--into", "new.toml", "--pair", "wood-wood"], "--into: kt = (kt/kn) kn: give kn"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line(arguments, words):

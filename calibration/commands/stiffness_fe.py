@@ -70,7 +70,7 @@ if TYPE_CHECKING:
 @click.option(
     "--kn",
     metavar='"1e4 N/mm +- 18 %"',
-    help="Measured kn that --into multiplies by kt/kn [default: that of the blocks].",
+    help="Measured kn, which kt/kn makes the kt that --into writes.",
 )
 @click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for the sheet (PNG).")
 @into_options("kt")
@@ -87,8 +87,8 @@ def command(
 ) -> None:
     """kt/kn of two blocks with a flat or a rough contact, by plane finite elements (sec. 3.2.2).
 
-    Without options it is the paper's case, as far as the paper gives it. --into writes kt of the
-    rough contact, of the flat one with --surface flat.
+    Without options it is the paper's case, as far as the paper gives it. --into writes
+    kt = (kt/kn) kn of the rough contact, of the flat one with --surface flat.
 
     For example: calibrate stiffness-fe --roughness "12 um" --wavelength "0.8 mm" --out sheets
     """
@@ -102,7 +102,7 @@ def command(
     if out is not None and out.exists() and not out.is_dir():
         raise InputError(f"--out = {out}: not a folder")
     setting, sigma_e = read_setting(given)
-    known_kn = read_kn(kn)
+    known_kn = read_kn(kn, into is not None)
     wanted, seed = given["surface"], given["seed"]
 
     def progress(words: str) -> None:
@@ -121,7 +121,7 @@ def command(
     rows = [] if no_assumptions or wanted != "both" else vary(setting, seed, progress)
     if rows:
         found = applied(found, rows)
-    if into is not None:
+    if into is not None and known_kn is not None:
         into.put(
             "kt",
             _kt(found, known_kn),
@@ -139,14 +139,12 @@ def command(
         click.echo(f"sheet: {sheet}", err=True)
 
 
-def _kt(found: "Found", kn: "Estimate | None") -> "Estimate":
-    """kt [N/m] of the rough contact, or of the flat one where that alone was asked for."""
+def _kt(found: "Found", kn: "Estimate") -> "Estimate":
+    """kt = (kt/kn) kn [N/m] of the rough contact, or of the flat one where only that was tested."""
     from calibration.uncertainty import through
 
     contact = found.rough or found.flat
     assert contact is not None
-    if kn is None:
-        return contact.kt.whole
     return through(lambda ratio, normal: ratio * normal, contact.ratio.whole, kn)
 
 

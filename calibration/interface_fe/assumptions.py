@@ -30,14 +30,10 @@ class Setting:
 
 
 class Values(NamedTuple):
-    """Of the flat and of the rough contact: kt/kn, kn and kt [N/m2]; normal stress rough/flat."""
+    """kt/kn of the flat and of the rough contact, and the rough one's normal stress in parts."""
 
     flat: float
-    flat_kn: float
-    flat_kt: float
     rough: float
-    rough_kn: float
-    rough_kt: float
     stress: float
 
 
@@ -64,17 +60,14 @@ def vary(setting: Setting, seed: int, progress: Progress) -> list[Row]:
 
 
 def applied(found: Found, rows: list[Row]) -> Found:
-    """What was found, with the uncertainty that all assumptions make together."""
+    """What was found, the ratios with the uncertainty that all assumptions make together."""
     assert found.flat is not None
     assert found.rough is not None
     assert found.stress is not None
-    sigma, depth = together(rows), found.case.depth
-    return replace(
-        found,
-        flat=found.flat.with_assumed(sigma.flat, depth * sigma.flat_kn, depth * sigma.flat_kt),
-        rough=found.rough.with_assumed(sigma.rough, depth * sigma.rough_kn, depth * sigma.rough_kt),
-        stress=found.stress.with_assumed(sigma.stress),
-    )
+    sigma = together(rows)
+    flat = replace(found.flat, ratio=found.flat.ratio.with_assumed(sigma.flat))
+    rough = replace(found.rough, ratio=found.rough.ratio.with_assumed(sigma.rough))
+    return replace(found, flat=flat, rough=rough, stress=found.stress.with_assumed(sigma.stress))
 
 
 def together(rows: list[Row]) -> Values:
@@ -93,8 +86,8 @@ def _values(setting: Setting, seed: int) -> Values:
     case = replace(whole, columns=whole.columns // 2, steps=whole.steps // 2)
     flat = one_test(case, setting.flat, None, 0, seed)
     rough = [one_test(case, setting.rough, setting.surface, k, seed) for k in range(_PROFILES)]
-    ratio, kn, kt = np.mean([(one.ratio, one.kn, one.kt) for one in rough], axis=0)
-    return Values(flat.ratio, flat.kn, flat.kt, ratio, kn, kt, kn / flat.kn)
+    ratio, kn = np.mean([(one.ratio, one.kn) for one in rough], axis=0)
+    return Values(flat.ratio, float(ratio), float(kn) / flat.kn)
 
 
 def _changes(setting: Setting) -> list[tuple[str, str, bool, Change]]:

@@ -49,13 +49,6 @@ class Contact:
     kt: Quantity
     outcomes: tuple[Outcome, ...]
 
-    def with_assumed(self, ratio: float, kn: float, kt: float) -> "Contact":
-        """With the sigmas that the assumptions make."""
-        return replace(
-            self, ratio=self.ratio.with_assumed(ratio), kn=self.kn.with_assumed(kn),
-            kt=self.kt.with_assumed(kt),
-        )  # fmt: skip
-
     def mean(self, value: Callable[[Outcome], float]) -> float:
         """The mean of something over the profiles."""
         return float(np.mean([value(one) for one in self.outcomes]))

@@ -45,9 +45,11 @@ def read_setting(given: Mapping[str, Any]) -> tuple[Setting, float]:
     return Setting(case, flat, rough, surface), (modulus.sigma or 0.0) / modulus.value
 
 
-def read_kn(text: str | None) -> Estimate | None:
-    """A measured normal stiffness [N/m]."""
+def read_kn(text: str | None, needed: bool) -> Estimate | None:
+    """A measured normal stiffness [N/m]; the blocks' own is that of their size, not a contact's."""
     if text is None:
+        if needed:
+            raise InputError('--into: kt = (kt/kn) kn: give kn, such as --kn "1e4 N/mm +- 18 %"')
         return None
     known = measured_quantity(text, "N/m", "--kn")
     _positive(known.value, "N/m", "--kn")

@@ -26,7 +26,7 @@ def _sheet(answer: Answer) -> "Figure":
 
     tall = np.ptp(answer.field.y) + answer.field.window
     wide = np.ptp(answer.field.x) + answer.field.window
-    figure = Figure(figsize=(11.0, float(np.clip(1.2 + 6.3 * tall / wide, 5.5, 11.0))),
+    figure = Figure(figsize=(11.0, float(np.clip(1.7 + 6.3 * tall / wide, 5.5, 11.0))),
                     layout="constrained")  # fmt: skip
     columns = figure.add_gridspec(1, 2, width_ratios=[2, 1])
     _vectors(figure.add_subplot(columns[0]), answer)
@@ -37,7 +37,7 @@ def _sheet(answer: Answer) -> "Figure":
     known = f"{field.valid.sum()} of {(field.reason != Reason.MASKED).sum()} vectors valid"
     middle = np.median(field.sigma[field.valid])
     headline(figure, f"{answer.first.name} to {answer.second.name}: {known}, "
-                     f"sigma {middle:.3f} px in the middle ({field.method})")  # fmt: skip
+                     f"sigma {middle:.3f} px, median ({field.method})")  # fmt: skip
     return figure
 
 
@@ -75,7 +75,7 @@ def _key(axes: "Axes", length: float, value: float, unit: str) -> str:
     axes.annotate("", (right, y), (right - length, y), annotation_clip=False,
                   arrowprops={"arrowstyle": "->", "color": INK, "lw": 1.2,
                               "shrinkA": 0, "shrinkB": 0})  # fmt: skip
-    return f"displacement; the arrow above on the right: {value:g} {unit}"
+    return f"from the middle of each window; the arrow on the right is {value:g} {unit}"
 
 
 def _second_axes(axes: "Axes", scale: float) -> None:
