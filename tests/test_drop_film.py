@@ -103,7 +103,7 @@ def scene_truth(tmp_path, scene):
 
 def test_repeated_and_lost_frames_are_found(tmp_path):
     """In flight, away from the apex, where free fall shows them."""
-    path, _ = filmed(tmp_path / "a.mp4", repeated=(45, 46), dropped=(70,))
+    path, _ = filmed(tmp_path / "a.mp4", repeated=(36, 54), dropped=(70,))
     found = measure_drop(path)
     assert len(found.bounces.base.duplicated_frames) == 2
     assert len(found.bounces.base.dropped_frames) == 1

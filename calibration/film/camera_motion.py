@@ -56,6 +56,7 @@ class CameraMotion:
         flow: Any = {"winSize": (15, 15), "maxLevel": 2, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
         stored: Any = self._grey
         guess = cv2.perspectiveTransform(self._corners, self.now).astype(np.float32)
+        there: Any
         there, seen, _ = cv2.calcOpticalFlowPyrLK(stored, grey, self._corners, guess, **flow)
         back, seen_back, _ = cv2.calcOpticalFlowPyrLK(
             grey, stored, there, self._corners.copy(), **flow

@@ -279,7 +279,7 @@ def _tracks(film: Film, search: _Search, notes: Notes, region: Region) -> list[T
                 track.frame, track.x if offset is None else track.x - offset[:, 0],
                 track.y if offset is None else track.y - offset[:, 1],
                 None if time is None else time[at], track.covariance, None,
-                str(len(tracks) + 1), track.radius, offset, (), tuple(remarks),
+                str(len(tracks) + 1), track.radius, offset, track.repeated, tuple(remarks),
             )
         )  # fmt: skip
     return tracks
