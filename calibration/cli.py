@@ -9,6 +9,7 @@ from campaign.commandline import run_app
 # name: module of calibration.commands, imported when it is called or asked for help
 _COMMANDS: dict[str, str] = {
     "drop": "drop",
+    "pendulum": "pendulum",
     "impacts": "impacts",
     "shaker": "shaker",
     "piv": "piv",

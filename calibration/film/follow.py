@@ -80,7 +80,7 @@ def follow(
     x, y are in pixels of the film, y downwards, the centre of the first pixel is 0, 0; where the
     camera moves they are places in its first frame. Raises InputError where nothing moves.
     """
-    region = _inside(film, roi)
+    region = inside(film, roi)
     notes = Notes()
     search = _Search(region.width, region.height)
     for frame in film.frames():
@@ -98,7 +98,7 @@ def follow(
     return [_nearest(film, tracks, Hint(*hint))] if hint is not None else tracks
 
 
-def _inside(film: Film, roi: Region | tuple[int, int, int, int] | None) -> Region:
+def inside(film: Film, roi: Region | tuple[int, int, int, int] | None) -> Region:
     """The region, checked to lie in the picture and to have a size."""
     if roi is None:
         return Region(0, 0, film.width, film.height)

@@ -7,6 +7,7 @@ from pathlib import Path
 # name: module of calibration.rendered with a function write(folder) -> paths written
 _SAMPLES: dict[str, str] = {
     "drop": "drop_sample",
+    "pendulum": "pendulum_sample",
 }
 
 
