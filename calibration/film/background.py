@@ -16,6 +16,7 @@ Mask = NDArray[np.uint8]  # 255 where true
 _MEMORY = 16  # pictures that the running mean spans
 _SAMPLE = 4  # every such pixel tells the light as a whole
 _EVERY = 4  # frames from one learning to the next, once it has begun
+_LIMIT_FOR = 4  # learnings for which the limit is kept: noise changes slowly
 _LIMIT = 6.0  # noise that differs by more: less than one pixel in a picture of millions
 _MEAN_OF_LARGEST = 1.33  # mean of the largest of three normal deviates' sizes
 _TREMBLE = 0.5  # px by which an edge may move: what the camera's motion is known to
@@ -47,31 +48,38 @@ class Background:
         if self._limit is None:
             noise = np.maximum(self._spread / _MEAN_OF_LARGEST, self.noise)
             edges = cv2.morphologyEx(self.picture, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
-            limit = _LIMIT * noise + _ROUNDING + _TREMBLE / 2 * _largest(edges)
+            limit = (
+                _LIMIT * noise
+                + _ROUNDING
+                + _TREMBLE / 2 * _largest(np.asarray(edges, dtype=np.uint8))
+            )
             self._limit = np.asarray(np.minimum(limit, 254), dtype=np.uint8)
         return self._limit
 
-    def learn(self, picture: Picture, difference: Picture, things: Mask) -> bool:
-        """Take in a picture but for the things in it; whether it was this frame's turn."""
+    def due(self) -> bool:
+        """Whether it is this frame's turn to be learned; asked once a frame."""
+        self._frames += 1
+        return self._seen < _MEMORY / 2 or self._frames % _EVERY == 0
+
+    def learn(self, picture: Picture, difference: Picture, things: Mask) -> None:
+        """Take in a picture but for the things in it."""
         import cv2
 
-        self._frames += 1
         if self._seen == 1:
             self._spread[:] = _mean_of_quiet(difference)
             self._limit = None
-        if self._seen >= _MEMORY / 2 and self._frames % _EVERY:
-            return False
         self._seen += 1
-        self._limit = None
+        if self._seen < _MEMORY or self._seen % _LIMIT_FOR == 0:
+            self._limit = None
         share = 1 / min(self._seen, _MEMORY)
         still = cv2.bitwise_not(things)
         cv2.accumulateWeighted(picture, self._mean, share, still)
         cv2.accumulateWeighted(difference, self._spread, share, still)
         cv2.convertScaleAbs(self._mean, dst=self.picture)
         self.noise = max(_mean_of_quiet(difference) / _MEAN_OF_LARGEST, _ROUNDING / 2)
-        return True
+        self._adjust(picture, things)
 
-    def adjust(self, picture: Picture, things: Mask) -> None:
+    def _adjust(self, picture: Picture, things: Mask) -> None:
         """Follow a change of the light as a whole: one factor a channel."""
         import cv2
 
@@ -112,8 +120,9 @@ def is_ghost(picture: Picture, background: Picture, thing: Mask) -> bool:
     import cv2
 
     kernel = np.ones((3, 3), np.uint8)
-    ring = cv2.dilate(thing, kernel, iterations=2) & ~cv2.erode(thing, kernel, iterations=2)
-    if not ring.any():
+    outside, inside = (change(thing, kernel, iterations=2) for change in (cv2.dilate, cv2.erode))
+    ring = cv2.subtract(outside, inside)
+    if not cv2.countNonZero(ring):
         return False
     seen, stored = (
         cv2.mean(cv2.morphologyEx(one, cv2.MORPH_GRADIENT, kernel), ring)[:3]

@@ -21,9 +21,12 @@ _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behin
 _CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
 _LARGEST = 0.1  # share of the picture beyond which a thing is not taken as a whole
 _FEWEST = 3  # pixels of the difference that make a thing
-_MOST = 8  # things in one picture: the strongest
-_ACROSS = 160  # px of a thing's window; larger ones are reduced, their place is no less known
+_MOST = 6  # things in one picture: the strongest
+_ACROSS = 80  # px of a thing's window; larger ones are reduced, their place is no less known
 _THIN = 0.5  # of the half thickness of a thing: what is thinner hangs on it (strings, fingers)
+
+
+Channels = NDArray[np.float32]
 
 
 class Blob(NamedTuple):
@@ -83,7 +86,7 @@ def candidates(difference: Picture, limit: Picture, reduce: int) -> list[Candida
     _n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
     found = []
     big = np.flatnonzero(stats[1:, cv2.CC_STAT_AREA] >= _FEWEST) + 1
-    big = big[np.argsort(-stats[big, cv2.CC_STAT_AREA], kind="stable")][: 4 * _MOST]
+    big = big[np.argsort(-stats[big, cv2.CC_STAT_AREA], kind="stable")][: 2 * _MOST]
     for k in big:
         x, y, w, h = (int(v) for v in stats[k, :4])
         inside = np.asarray(labels[y : y + h, x : x + w] == k, dtype=np.uint8) * 255
@@ -181,37 +184,47 @@ def _shares(
     Of a thing of several colours other parts count by how much they differ. Where the background
     has nearly the thing's colour the share is not known, and taken as zero.
     """
-    behind_it, away = behind.astype(float), seen.astype(float) - behind
-    size = np.sqrt(np.sum(away**2, axis=2))
+    behind_it = behind.astype(np.float32)
+    away = seen.astype(np.float32) - behind_it
+    size = np.sqrt(_dot(away, away))
     inside = mask > 127
     nothing = np.zeros(3)
     if inside.sum() < 2:
         return None, nothing, 0.0, size
-    core = inside & (size >= 0.6 * np.percentile(size[inside], 97))
+    core = inside & (size >= 0.6 * _near_largest(size[inside]))
     colour = np.asarray(np.median(seen[core], axis=0), dtype=float)
-    towards = colour - behind_it
-    square = np.sum(towards**2, axis=2)
+    towards = colour.astype(np.float32) - behind_it
+    square = _dot(towards, towards)
     contrast = float(np.sqrt(np.median(square[core])))
     least = (4 * noise) ** 2
-    share = np.where(square > least, np.sum(away * towards, axis=2) / np.maximum(square, least), 0)
+    share = np.where(square > least, _dot(away, towards) / np.maximum(square, least), 0)
     share = np.maximum(share, size / max(contrast, np.sqrt(least)))  # things of several colours
     return share, colour, contrast, noise / np.sqrt(np.maximum(square, least))
+
+
+def _near_largest(values: Channels) -> float:
+    """What three in a hundred exceed: highlights do not count."""
+    k = int(0.97 * (len(values) - 1))
+    return float(np.partition(values, k)[k])
+
+
+def _dot(a: Channels, b: Channels) -> Channels:
+    """(h, w) product of the colours of pixels; einsum makes no copies."""
+    return np.einsum("ijk,ijk->ij", a, b)
 
 
 def _body(share: NDArray[np.float64], mask: Mask) -> Mask | None:
     """The largest connected part that is half the thing or more, without what is thin."""
     import cv2
 
-    half = np.where(share > (_LOW + _HIGH) / 2, 255, 0).astype(np.uint8)
-    half = cv2.bitwise_and(half, cv2.dilate(mask, np.ones((5, 5), np.uint8)))
-    half = _largest(half)
+    more = np.where(share > (_LOW + _HIGH) / 2, 255, 0).astype(np.uint8)
+    more[cv2.dilate(mask, np.ones((5, 5), np.uint8)) == 0] = 0
+    half = _largest(more)
     if half is None:
         return None
     half = _filled(half)
-    thick = float(
-        cv2.distanceTransform(cv2.copyMakeBorder(half, 1, 1, 1, 1, 0), cv2.DIST_L2, 3).max()
-    )
-    radius = int(_THIN * thick)
+    edged = cv2.copyMakeBorder(half, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    radius = int(_THIN * float(cv2.distanceTransform(edged, cv2.DIST_L2, 3).max()))
     if radius < 1:
         return half
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))

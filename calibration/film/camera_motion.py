@@ -53,11 +53,13 @@ class CameraMotion:
         """Corners in a picture, and which of them lead back to where they came from."""
         import cv2
 
-        flow = {"winSize": (15, 15), "maxLevel": 2, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
+        flow: Any = {"winSize": (15, 15), "maxLevel": 2, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
+        stored: Any = self._grey
         guess = cv2.perspectiveTransform(self._corners, self.now).astype(np.float32)
-        there, seen, _ = cv2.calcOpticalFlowPyrLK(self._grey, grey, self._corners, guess, **flow)
+        there: Any
+        there, seen, _ = cv2.calcOpticalFlowPyrLK(stored, grey, self._corners, guess, **flow)
         back, seen_back, _ = cv2.calcOpticalFlowPyrLK(
-            grey, self._grey, there, self._corners.copy(), **flow
+            grey, stored, there, self._corners.copy(), **flow
         )
         miss = np.linalg.norm(back - self._corners, axis=2).ravel()
         return there, (seen.ravel() > 0) & (seen_back.ravel() > 0) & (miss < _BACK)
@@ -87,7 +89,9 @@ def _agreed(
     shift = before[:2].copy()
     shift[:, 2] = np.median(there - corners @ before[:2, :2].T, axis=0)
     spread = corners.std(axis=0) / [shape[1], shape[0]]
-    if spread.min() < _SPREAD or not _better(corners, there, matrix, shift):
+    if spread.min() < _SPREAD or not _better(
+        corners, there, np.asarray(matrix, dtype=float), shift
+    ):
         matrix = shift
     return np.vstack([matrix, [0, 0, 1]])
 

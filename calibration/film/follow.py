@@ -29,6 +29,8 @@ _DRIFT = 0.5  # px of the picture searched, from which pictures are steadied
 _MOVES = 1.0  # px of the picture measured in, from which the camera's motion is taken off
 _NEW_VIEW = 3  # frames in a row that show something else are another view
 _CORNERS_FOR = 32  # frames for which the same corners show how the camera moves
+_STANDS = 16  # frames for which it has stood, from which on
+_SEEN_TO = 4  # it is looked at in every such frame alone
 _GHOST = 3  # frames for which a thing that has left its image behind stands still
 _POINTED = 3  # own radii by which a hint may miss a thing
 _FEWEST = 8  # positions of a track
@@ -120,6 +122,8 @@ class _Search:
         self.scale = width / self._size[0], height / self._size[1]
         self._further = -(-max(self._size) // _SEARCHED)
         self._camera = CameraMotion()
+        self._moved = np.eye(3)
+        self._stood = self._frames = 0
         self._background: Background | None = None
         self._before: Picture | None = None
         self._still: dict[tuple[int, int, int, int], int] = {}
@@ -146,20 +150,26 @@ class _Search:
             self._odd_one(number, picture, notes)
             return
         self._odd = 0
-        things = self._mask(found)
         blobs = self._measured(picture, found)
         self.linker.add(number, [_moved(blob, motion) for blob in blobs])
-        self._background.learn(picture, difference, things)
-        self._background.adjust(picture, things)
         self._before = picture
-        if number % _CORNERS_FOR == 0:
-            self._camera.look_at(self._small(self._background.picture), self._small(things))
+        if self._background.due():
+            things = self._mask(found)
+            self._background.learn(picture, difference, things)
+            if number % _CORNERS_FOR == 0:
+                self._camera.look_at(self._small(self._background.picture), self._small(things))
 
     def _motion(self, picture: Picture) -> Array:
-        """The camera's, in the picture measured in."""
+        """The camera's, in the picture measured in; looked for now and then while it stands."""
+        self._frames += 1
+        if self._stood >= _STANDS and self._frames % _SEEN_TO:
+            return self._moved
         factor = np.diag([self._further, self._further, 1.0])
         small = self._camera.follow(self._small(picture))
-        return np.asarray(factor @ small @ np.linalg.inv(factor))
+        height, width = (length / self._further for length in picture.shape[:2])
+        self._stood = self._stood + 1 if largest_shift(small, width, height) < _DRIFT else 0
+        self._moved = np.asarray(factor @ small @ np.linalg.inv(factor))
+        return self._moved
 
     def _small(self, picture: Picture) -> Picture:
         """The picture that things are looked for in."""
@@ -257,7 +267,7 @@ def _tracks(film: Film, search: _Search, notes: Notes, region: Region) -> list[T
         key=lambda one: -one.length,
     )
     row = {number: k for k, number in enumerate(notes.numbers)}
-    tracks = []
+    tracks: list[Track] = []
     for path in moving:
         track = _track(path, search.scale, region)
         if len(track.frame) < _FEWEST:
@@ -269,7 +279,7 @@ def _tracks(film: Film, search: _Search, notes: Notes, region: Region) -> list[T
                 track.frame, track.x if offset is None else track.x - offset[:, 0],
                 track.y if offset is None else track.y - offset[:, 1],
                 None if time is None else time[at], track.covariance, None,
-                str(len(tracks) + 1), track.radius, offset, (), tuple(remarks),
+                str(len(tracks) + 1), track.radius, offset, track.repeated, tuple(remarks),
             )
         )  # fmt: skip
     return tracks
