@@ -19,6 +19,7 @@ _COMMANDS: dict[str, str] = {
     "density": "density",
     "published": "published",
     "damping": "damping",
+    "inverse": "inverse",
     "report": "report",
 }
 
