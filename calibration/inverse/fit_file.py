@@ -19,6 +19,9 @@ from contact.quantity import InputError, located, nearest
 
 SCHEMA = 1
 MAX_RUNS = 100_000  # more is taken for a slip
+# For each parameter: ten of a first design are the rule of Loeppky et al. (Technometrics 51 (2009)
+# 366); half of eight cover the prior, where a plane needs one more than there are parameters.
+_USUAL_POINTS, _LEAST_POINTS = 10, 8
 _KEYS = (
     "schema", "name", "simulator", "case", "seeds", "runs", "draw_seed", "settings", "parameters",
     "observation",
@@ -218,12 +221,12 @@ def _count(document: dict[str, Any], key: str, usual: int, least: int) -> int:
 
 def _points(document: dict[str, Any], a_point: int, parameters: int) -> int:
     """How many points the runs are enough for; InputError for too few to fit to."""
-    least = 8 * parameters  # half of them cover the prior, where a plane needs parameters + 1
-    runs = _count(document, "runs", 10 * parameters * a_point, 1)
+    least = _LEAST_POINTS * parameters
+    runs = _count(document, "runs", _USUAL_POINTS * parameters * a_point, 1)
     if runs // a_point < least:
         raise InputError(
             f"runs = {runs}: {runs // a_point} points of {a_point} runs (seeds times cases); give "
-            f"{least * a_point} at least, {8} points for each parameter"
+            f"{least * a_point} at least, {_LEAST_POINTS} points for each parameter"
         )
     return runs // a_point
 
