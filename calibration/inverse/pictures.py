@@ -8,7 +8,7 @@ import numpy as np
 from calibration.inverse.fitted import Fitted
 from calibration.inverse.identify import NARROWER
 from calibration.inverse.prediction import Panel, panels
-from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline, write_figure
+from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, SKY, VERMILION, headline, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +40,7 @@ def draw_posterior(found: Fitted) -> "Figure":
     count = len(found.fit.priors)
     size = max(_CELL * count + 1.0, 4.4)
     figure = Figure(figsize=(size, size), layout="constrained")
-    headline(figure, f"{found.fit.name}: posterior (68.3 % shaded)")
+    headline(figure, f"{found.fit.name}: posterior; shaded: 68.3 %, of pairs 68.3 and 95.4 %")
     grid = figure.subplots(count, count, squeeze=False)
     values = found.posterior.values()
     points = np.stack(
@@ -70,7 +70,7 @@ def draw_posterior(found: Fitted) -> "Figure":
 def _one(axes: "Axes", found: Fitted, k: int, values: np.ndarray) -> None:
     prior = found.fit.priors[k]
     ends = prior.ends
-    axes.hist(values, bins=50, range=ends, density=True, color=BLUE, alpha=0.35, lw=0)
+    axes.hist(values, bins=50, density=True, color=BLUE, alpha=0.35, lw=0)
     edges = np.linspace(prior.low, prior.high, 61)
     mass, at = np.diff(prior.share(edges)), prior.value(edges)
     axes.stairs(mass / np.diff(at), at, color=GREY, lw=1.0)
@@ -91,8 +91,8 @@ def _two(axes: "Axes", found: Fitted, values: np.ndarray, points: np.ndarray,
     levels = [ranked[np.searchsorted(share, part)] for part in (0.954, 0.683)]
     middles = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     if levels[0] < levels[1] < ranked[0]:
-        axes.contourf(*middles, held.T, levels=[*levels, ranked[0]], colors=[BLUE, BLUE],
-                      alpha=0.3)  # fmt: skip
+        axes.contourf(*middles, held.T, levels=[*levels, ranked[0]], colors=[SKY, BLUE],
+                      alpha=0.4)  # fmt: skip
     axes.plot(points[:, 0], points[:, 1], ".", color=INK, ms=3)
     axes.set_xlim(ends[0])
     axes.set_ylim(ends[1])
@@ -106,7 +106,7 @@ def draw_prediction(found: Fitted) -> "Figure":
     columns = min(len(sheets), 3)
     rows = -(-len(sheets) // columns)
     figure = Figure(figsize=(4.4 * columns + 0.4, 3.4 * rows + 0.6), layout="constrained")
-    headline(figure, f"{found.fit.name}: observed, and predicted by the fit")
+    headline(figure, f"{found.fit.name}: observed (+- sigma), and predicted by the fit (95 %)")
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, panel in zip(grid, sheets, strict=False):
         _panel(axes, panel)

@@ -15,7 +15,7 @@ import numpy as np
 from calibration.inverse.data import Observed, Runs
 from calibration.inverse.emulator import Chance, Processes, chance_of, processes_of
 from calibration.inverse.prior import Array, Prior
-from calibration.inverse.reduction import Reduction, reduce, scatter
+from calibration.inverse.reduction import Reduction, inflation, reduce, scatter
 
 # Many walkers, which begin as draws from the posterior already, need few steps.
 _WALKERS = 200
@@ -125,8 +125,9 @@ def model_of(
     reduction = reduce(observed, which, values)
     z, weights = reduction.of(values), reduction.weights
     processes = processes_of(runs.points, which, z, scatter(which, z)[0], seed)
-    single, _ = scatter(which, values, near)
-    noise = np.diag(observed.sigma**2) + observed.over_trials(single)
+    single, freedom = scatter(which, values, near)
+    chance_in_means = observed.over_trials(single) * inflation(freedom, z.shape[1])
+    noise = np.diag(observed.sigma**2) + chance_in_means
     return Model(
         tuple(priors), observed, chance, reduction, processes, reduction.of(observed.values),
         weights @ noise @ weights.T, single,
