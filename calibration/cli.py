@@ -9,8 +9,10 @@ from campaign.commandline import run_app
 # name: module of calibration.commands, imported when it is called or asked for help
 _COMMANDS: dict[str, str] = {
     "drop": "drop",
+    "pendulum": "pendulum",
     "impacts": "impacts",
     "shaker": "shaker",
+    "piv": "piv",
     "incline": "incline",
     "slide": "slide",
     "compression": "compression",
@@ -20,6 +22,7 @@ _COMMANDS: dict[str, str] = {
     "published": "published",
     "damping": "damping",
     "inverse": "inverse",
+    "stiffness-fe": "stiffness_fe",
     "report": "report",
 }
 

@@ -88,9 +88,9 @@ def _spots(x, y, bright, sigma, shape) -> Array:
 
 def grains(
     motion: Motion, seed: int, *, shape=(256, 256), diameter=10.0, layer=60.0, noise=2.0,
-    specks=4, times=3,
+    tones=(0.25, 0.75), specks=4, times=3,
 ) -> Pair:  # fmt: skip
-    """Round grains that touch, in dark and bright layers, each with specks that turn not.
+    """Round grains that touch, in layers of two tones, each with specks; grains do not turn.
 
     Painted on a grid `times` as fine, so that a place is known to a small part of a pixel.
     """
@@ -98,7 +98,7 @@ def grains(
     x, y = _packed(random, shape, diameter)
     u, v = motion(x, y)
     dark = np.floor(y / layer) % 2 == 0
-    tone = np.where(dark, 0.25, 0.75) + random.uniform(-0.1, 0.1, len(x))
+    tone = np.where(dark, *tones) + random.uniform(-0.1, 0.1, len(x))
     size = random.uniform(0.85, 1.05, len(x)) * diameter / 2
     where = random.normal(0, 0.22 * diameter, (specks, 2, len(x)))
     depth = random.uniform(-0.2, 0.2, (specks, len(x)))

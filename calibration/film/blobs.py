@@ -16,11 +16,13 @@ from calibration.film.background import Mask
 from calibration.film.reader import Picture
 
 _LOW, _HIGH = 0.25, 0.75  # share of a thing from and to which a pixel counts in part
+_NEW = 1.13  # mean difference of two normal deviates, in their sigma
 _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
+_CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
 _LARGEST = 0.1  # share of the picture beyond which a thing is not taken as a whole
 _FEWEST = 3  # pixels of the difference that make a thing
 _MOST = 8  # things in one picture: the strongest
-_ACROSS = 96  # px of a thing's window; larger ones are reduced, their place is no less known
+_ACROSS = 160  # px of a thing's window; larger ones are reduced, their place is no less known
 _THIN = 0.5  # of the half thickness of a thing: what is thinner hangs on it (strings, fingers)
 
 
@@ -34,6 +36,7 @@ class Blob(NamedTuple):
     contrast   difference of that to the background [grey levels]
     whole      False where it touches the edge of the picture
     box        x, y, width, height
+    changed    whether the picture there is another than that of the frame before
     """
 
     x: float
@@ -46,6 +49,7 @@ class Blob(NamedTuple):
     contrast: float
     whole: bool
     box: tuple[int, int, int, int]
+    changed: bool = True
 
 
 class Candidate(NamedTuple):
@@ -61,8 +65,8 @@ class Candidate(NamedTuple):
     mask: Mask
 
 
-def candidates(difference: Picture, limit: Picture, reduce: int) -> tuple[list[Candidate], float]:
-    """Things that differ, the strongest first, and the share of the picture that they cover.
+def candidates(difference: Picture, limit: Picture, reduce: int) -> list[Candidate] | None:
+    """Things that differ, the strongest first; None where the picture shows something else.
 
     They are looked for in the picture reduced by a whole number, in which noise is less.
     """
@@ -73,11 +77,10 @@ def candidates(difference: Picture, limit: Picture, reduce: int) -> tuple[list[C
     small, least = (cv2.resize(one, size, interpolation=cv2.INTER_AREA) if reduce > 1 else one
                     for one in (difference, limit))  # fmt: skip
     mask = cv2.compare(small, least, cv2.CMP_GT)
-    covered = cv2.countNonZero(mask) / mask.size
-    if covered > 0.5:
-        return [], covered
+    if cv2.countNonZero(mask) > _CUT * mask.size:
+        return None
     mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
-    n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
+    _n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
     found = []
     big = np.flatnonzero(stats[1:, cv2.CC_STAT_AREA] >= _FEWEST) + 1
     big = big[np.argsort(-stats[big, cv2.CC_STAT_AREA], kind="stable")][: 4 * _MOST]
@@ -89,7 +92,7 @@ def candidates(difference: Picture, limit: Picture, reduce: int) -> tuple[list[C
         whole = cv2.resize(inside, box[2:], interpolation=cv2.INTER_NEAREST)
         found.append(Candidate(box, strength, np.asarray(whole, dtype=np.uint8)))
     found.sort(key=lambda one: -one.strength)
-    return found[:_MOST], covered
+    return found[:_MOST]
 
 
 def measure(picture: Picture, background: Picture, noise: float, one: Candidate) -> Blob | None:
@@ -135,6 +138,19 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
         left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
         area * reduce**2, colour, contrast, inside, box,
     )  # fmt: skip
+
+
+def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool:
+    """Whether a thing's picture is another than in the frame before, by more than noise.
+
+    Half of the thing's rim is new where it moves: a repeated picture, coded anew, differs less.
+    """
+    import cv2
+
+    x, y, w, h = (max(value, 0) for value in blob.box)
+    cut = np.s_[y : y + h, x : x + w]
+    mean = np.mean(cv2.mean(cv2.absdiff(picture[cut], before[cut]))[:3])
+    return float(mean) > _NEW * noise
 
 
 def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate:

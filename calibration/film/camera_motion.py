@@ -2,7 +2,8 @@
 
 Corners of the background are found in each picture by the pyramid of Lucas and Kanade (Bouguet
 2001); the similarity (shift, turn, zoom) that most of them agree on is the camera's, whatever moves
-in front of it (RANSAC). Corners that do not lie all over the picture tell a shift alone.
+in front of it (RANSAC). Turn and zoom are taken where corners all over the picture show them
+beyond chance, else a shift alone.
 """
 
 from typing import Any
@@ -17,6 +18,7 @@ _CORNERS = 100
 _APART = 24  # corners that fit side by side along the longer side of a picture
 _FEWEST = 12  # corners that must agree: a similarity has four unknowns, things that move have some
 _SPREAD = 0.2  # standard deviation of corners all over a picture is 0.29 of its sides
+_CHANCE = 1e-4  # p below which turn and zoom are believed: one frame in ten thousand by mistake
 _BACK = 0.5  # px by which a corner followed there and back may miss
 
 
@@ -81,11 +83,27 @@ def _agreed(
     if matrix is None or inside.sum() < _FEWEST:
         return None
     agreed = inside.ravel() > 0
-    spread = corners[agreed].std(axis=0) / [shape[1], shape[0]]
-    if spread.min() < _SPREAD:
-        matrix = before[:2].copy()
-        matrix[:, 2] = np.median(there[agreed] - corners[agreed] @ before[:2, :2].T, axis=0)
+    corners, there = corners[agreed], there[agreed]
+    shift = before[:2].copy()
+    shift[:, 2] = np.median(there - corners @ before[:2, :2].T, axis=0)
+    spread = corners.std(axis=0) / [shape[1], shape[0]]
+    if spread.min() < _SPREAD or not _better(corners, there, matrix, shift):
+        matrix = shift
     return np.vstack([matrix, [0, 0, 1]])
+
+
+def _better(
+    corners: NDArray[np.float32], there: NDArray[np.float32], matrix: Array, shift: Array
+) -> bool:
+    """Whether a new turn and zoom, two more numbers, explain more than chance (F test)."""
+    from scipy.stats import f
+
+    by_both, by_shift = (
+        float(np.sum((there - corners @ one[:, :2].T - one[:, 2]) ** 2)) for one in (matrix, shift)
+    )
+    freedom = 2 * len(corners) - 4
+    gain = (by_shift - by_both) / 2 / (by_both / freedom)
+    return float(f.sf(gain, 2, freedom)) < _CHANCE
 
 
 def largest_shift(motion: Array, width: float, height: float) -> float:

@@ -13,24 +13,25 @@ from typing import NamedTuple
 import numpy as np
 
 from calibration.film.background import Background, Mask, is_ghost
-from calibration.film.blobs import Blob, Candidate, candidates, measure
+from calibration.film.blobs import Blob, Candidate, candidates, changed, measure
 from calibration.film.camera_motion import CameraMotion, largest_shift
 from calibration.film.linking import Linker, Path
 from calibration.film.reader import Film, Picture
 from calibration.film.stamps import clean_stamps
-from calibration.track import Array, Rows, Track
+from calibration.track import Array, Track
 from contact.quantity import InputError
 
 Told = Callable[[float, str], None]  # share done, words
 
 _LONGEST = 1280  # px of a picture that things are measured in
 _SEARCHED = 640  # px of a picture that they are looked for in
-_DRIFT = 0.25  # px of the picture searched, from which the camera's motion is taken off
-_CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
-_NEW_VIEW = 3  # such frames in a row are another view
+_DRIFT = 0.5  # px of the picture searched, from which pictures are steadied
+_MOVES = 1.0  # px of the picture measured in, from which the camera's motion is taken off
+_NEW_VIEW = 3  # frames in a row that show something else are another view
 _CORNERS_FOR = 32  # frames for which the same corners show how the camera moves
 _GHOST = 3  # frames for which a thing that has left its image behind stands still
-_FEWEST = 5  # positions of a track
+_POINTED = 3  # own radii by which a hint may miss a thing
+_FEWEST = 8  # positions of a track
 
 
 class Region(NamedTuple):
@@ -77,7 +78,7 @@ def follow(
     x, y are in pixels of the film, y downwards, the centre of the first pixel is 0, 0; where the
     camera moves they are places in its first frame. Raises InputError where nothing moves.
     """
-    region = _inside(film, roi)
+    region = inside(film, roi)
     notes = Notes()
     search = _Search(region.width, region.height)
     for frame in film.frames():
@@ -95,7 +96,7 @@ def follow(
     return [_nearest(film, tracks, Hint(*hint))] if hint is not None else tracks
 
 
-def _inside(film: Film, roi: Region | tuple[int, int, int, int] | None) -> Region:
+def inside(film: Film, roi: Region | tuple[int, int, int, int] | None) -> Region:
     """The region, checked to lie in the picture and to have a size."""
     if roi is None:
         return Region(0, 0, film.width, film.height)
@@ -120,6 +121,7 @@ class _Search:
         self._further = -(-max(self._size) // _SEARCHED)
         self._camera = CameraMotion()
         self._background: Background | None = None
+        self._before: Picture | None = None
         self._still: dict[tuple[int, int, int, int], int] = {}
         self._odd = 0
         self.linker = Linker(*self._size)
@@ -139,8 +141,8 @@ class _Search:
             return
         difference = self._background.difference(picture)
         limit = self._background.limit()
-        found, covered = candidates(difference, limit, self._further)
-        if covered > _CUT:
+        found = candidates(difference, limit, self._further)
+        if found is None:
             self._odd_one(number, picture, notes)
             return
         self._odd = 0
@@ -149,6 +151,7 @@ class _Search:
         self.linker.add(number, [_moved(blob, motion) for blob in blobs])
         self._background.learn(picture, difference, things)
         self._background.adjust(picture, things)
+        self._before = picture
         if number % _CORNERS_FOR == 0:
             self._camera.look_at(self._small(self._background.picture), self._small(things))
 
@@ -185,6 +188,7 @@ class _Search:
         notes.junk.append(number)
         if self._odd >= _NEW_VIEW:
             self._background = Background(picture)
+            self._camera.look_at(self._small(picture))
             notes.views.append(number)
             del notes.junk[-self._odd :]
             self._odd = 0
@@ -211,8 +215,12 @@ class _Search:
             if lasted >= _GHOST and self._left_behind(picture, one):
                 continue
             blob = measure(picture, self._background.picture, self._background.noise, one)
-            if blob is not None:
-                blobs.append(blob)
+            if blob is None:
+                continue
+            new = self._before is None or changed(
+                picture, self._before, self._background.noise, blob
+            )
+            blobs.append(blob._replace(changed=new))
         return blobs
 
     def _left_behind(self, picture: Picture, one: Candidate) -> bool:
@@ -280,7 +288,8 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     ).reshape(-1, 2, 2)
     radius = np.sqrt(area[kept] * fx * fy / np.pi)
     frame = np.array([path.frames[k] for k in kept], dtype=float)
-    return Track(frame, x, y, None, covariance, radius=radius)
+    repeated = tuple(float(path.frames[k]) for k in kept if not path.blobs[k].changed)
+    return Track(frame, x, y, None, covariance, radius=radius, repeated=repeated)
 
 
 def _usual(area: Array) -> np.ndarray:
@@ -293,14 +302,15 @@ def _usual(area: Array) -> np.ndarray:
 
 def _camera(notes: Notes, scale: tuple[float, float], region: Region) -> tuple[Array | None, str]:
     """(n, 3, 3) the camera's motion in pixels of the region where it moves; and what is said."""
+    from scipy.ndimage import median_filter
+
     motion = np.array(notes.motion)
     to_film = np.array([[scale[0], 0, (scale[0] - 1) / 2], [0, scale[1], (scale[1] - 1) / 2],
                         [0, 0, 1]])  # fmt: skip
     motion = to_film @ motion @ np.linalg.inv(to_film)
-    farthest = largest_shift(motion, region.width, region.height)
-    steps = np.abs(np.diff(motion[:, :2, 2], axis=0))
-    noise = float(np.median(steps)) if len(steps) else 0.0
-    if farthest < max(_DRIFT * scale[0], 5 * noise):
+    lasting = median_filter(motion, size=(5, 1, 1), mode="nearest")  # not a frame's noise
+    farthest = largest_shift(lasting, region.width, region.height)
+    if farthest < _MOVES * scale[0]:
         return None, ""
     return motion, f"the camera moves by up to {farthest:.1f} px: taken off"
 
@@ -323,7 +333,9 @@ def film_remarks(film: Film, notes: Notes) -> list[str]:
     if notes.views:
         remarks.append(f"the view changes at frame {', '.join(map(str, notes.views))}")
     if film.count > read + len(film.corrupt):
-        remarks.append(f"the header says {film.count} frames, {read} can be read: cut off?")
+        remarks.append(
+            f"the header says {film.count} frames, {read} can be read: damaged or cut off"
+        )
     return remarks
 
 
@@ -331,14 +343,15 @@ def _nearest(film: Film, tracks: list[Track], hint: Hint) -> Track:
     """The track that the hint points at."""
 
     def off(track: Track) -> float:
+        """In radii; before it moves a thing is where its track begins."""
         k = int(np.argmin(np.abs(track.frame - hint.frame)))
-        late = abs(float(track.frame[k]) - hint.frame)
-        far = float(np.hypot(track.x[k] - hint.x, track.y[k] - hint.y))
+        late = max(hint.frame - float(track.frame[k]), 0.0)
         assert track.radius is not None
-        return far / float(track.radius[k]) + late
+        away = np.hypot(track.x[k] - hint.x, track.y[k] - hint.y)
+        return float(away / track.radius[k]) + late
 
     best = min(tracks, key=off)
-    if off(best) > 5:
+    if off(best) > _POINTED:
         raise InputError(
             f"{film.path}: nothing that moves is near x = {hint.x:g}, y = {hint.y:g} px in frame "
             f"{hint.frame:g}"

@@ -1,5 +1,6 @@
 """Frames of a film, one by one: a video file, a folder of pictures, or a pattern of their names."""
 
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -14,6 +15,12 @@ from contact.quantity import InputError
 Picture = NDArray[np.uint8]
 
 _PICTURES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+_FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm", ".wmv")
+
+# What is wrong with a file is told in our own lines; FFmpeg reads this when it is first used.
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+
+_BAD_IN_A_ROW = 1000  # frames that may be missing before a film is taken to end
 
 
 class Frame(NamedTuple):
@@ -63,11 +70,16 @@ class Film:
         import cv2
 
         capture = _capture(self.path)
-        number = 0
+        number, failed = 0, 0
         try:
-            while capture.grab():
+            while failed < min(max(self.count - number, 1), _BAD_IN_A_ROW):
+                if not capture.grab():
+                    failed += 1  # a bad frame, or the end, which the header may not know
+                    continue
                 stamp = capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3
                 there, picture = capture.retrieve()
+                self.corrupt.extend(range(number, number + failed))
+                number, failed = number + failed, 0
                 if there and picture is not None:
                     yield Frame(number, stamp, picture)
                 else:
@@ -90,6 +102,19 @@ def open_film(path: str | Path) -> Film:
     if path.suffix.lower() in _PICTURES:
         raise InputError(f"{path}: one picture is no film; name its folder, or a pattern 'im*.png'")
     return _open_video(path)
+
+
+def is_film(path: str | Path) -> bool:
+    """Whether a file is to be read as a film: a folder, a pattern, a film's ending, no text."""
+    path = Path(path)
+    if path.is_dir() or any(mark in path.name for mark in "*?["):
+        return True
+    if path.suffix.lower() in _PICTURES + _FILMS:
+        return True
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return b"\0" in file.read(4096)
 
 
 def _open_video(path: Path) -> Film:
@@ -135,10 +160,8 @@ def _picture(path: Path) -> Picture | None:
 def _capture(path: Path) -> Any:
     import cv2
 
-    cv2.utils.logging.setLogLevel(
-        cv2.utils.logging.LOG_LEVEL_SILENT
-    )  # a file that is no film is told in our own line
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     if not capture.isOpened():
-        raise InputError(f"{path}: not a film that can be read (mp4, avi, mov, pictures)")
+        raise InputError(f"{path}: no film that can be read, or cut off (mp4, avi, mov, pictures)")
     return capture

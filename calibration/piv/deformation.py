@@ -57,7 +57,8 @@ def shifted(one: Deformable, u: Pixels, v: Pixels) -> Texture:
 
 def deformed(a: Deformable, b: Deformable, u: Pixels, v: Pixels) -> tuple[Texture, Texture]:
     """Both pictures as they are midway, if the displacement is u, v (height, width)."""
-    return shifted(a, -u / 2, -v / 2), shifted(b, u / 2, v / 2)
+    half = np.float32(0.5)
+    return shifted(a, -half * u, -half * v), shifted(b, half * u, half * v)
 
 
 def everywhere(values: Array, where: Grid, shape: tuple[int, int]) -> Pixels:

@@ -61,10 +61,10 @@ def _as_bytes(a: Pixels, b: Pixels) -> tuple[NDArray[np.uint8], NDArray[np.uint8
 def _both_ways(a: NDArray[np.uint8], b: NDArray[np.uint8]) -> tuple[Dense, Dense]:
     """Displacement and residual midway between the pictures."""
     forwards, backwards = _dis(a, b), _dis(b, a)
-    middle = forwards
+    middle, half = forwards, np.float32(0.5)
     for _ in range(2):  # where to read them depends on what is read
-        f, g = _read(forwards, -middle / 2), _read(backwards, middle / 2)
-        middle = (f - g) / 2
+        f, g = _read(forwards, -half * middle), _read(backwards, half * middle)
+        middle = half * (f - g)
     return middle, f + g
 
 

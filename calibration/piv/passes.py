@@ -55,8 +55,8 @@ def _correlated(a: Texture, b: Texture, where: Grid) -> Vectors:
     """The shift of each window from a to b, up to half its side."""
     weights, parts = a.weight * b.weight, []
     for rows in where.chunks():
-        windows = [where.cut(one, rows) for one in (a.grey, b.grey, weights)]
-        parts.append(find_peaks(correlate(*windows, where.size // 2)))
+        front, back, weight = (where.cut(one, rows) for one in (a.grey, b.grey, weights))
+        parts.append(find_peaks(correlate(front, back, weight, where.size // 2)))
     u, v, _, ratio, at_edge = (np.concatenate(one) for one in zip(*parts, strict=True))
     reason = np.select(
         [outside(a, b, where), np.isnan(u), at_edge, ratio < _LEAST_RATIO],

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.piv.texture import Pixels, Texture
+from calibration.piv.validation import smoothed
 from calibration.piv.windows import Grid
 
 Array = NDArray[np.float64]
 
 _SMALL = 0.05  # covariance over variance below which pixels are taken as independent (sec. 2.2)
-_POOLED = 3  # windows along each axis whose covariance is pooled: one alone tells it too badly
 
 
 def sigmas(a: Texture, b: Texture, where: Grid) -> tuple[Array, Array]:
@@ -56,14 +56,15 @@ def _sigma(a: Texture, b: Texture, where: Grid, axis: int) -> Array:
 
 
 def _spread(difference: Pixels, where: Grid) -> Array:
-    """(rows, columns) standard deviation of the sum of d over a window."""
-    from scipy.ndimage import uniform_filter
+    """(rows, columns) standard deviation of the sum of d over a window.
 
+    What covariance adds to the variance is pooled with the neighbours: one window tells it badly.
+    """
     alone = where.sums(difference**2)
     correlated = where.sums(difference * _near(difference))
     tiny = np.finfo(float).tiny
-    factor = uniform_filter(correlated, _POOLED) / np.maximum(uniform_filter(alone, _POOLED), tiny)
-    return np.asarray(np.sqrt(np.maximum(factor, 0.0) * alone))
+    factor = smoothed(correlated) / np.maximum(smoothed(alone), tiny)
+    return np.asarray(np.sqrt(np.where(factor > 0, factor, 1.0) * alone))  # 1: as if independent
 
 
 def _near(d: Pixels) -> Pixels:

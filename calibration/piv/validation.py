@@ -15,6 +15,7 @@ Flags = NDArray[np.bool_]
 _EPS = 0.1  # px, the noise that vectors have anyway (sec. 3 there)
 _LIMIT = 2.0  # of the normalised residual (sec. 4 there)
 _LEAST = 3  # neighbours that must be there to judge by
+_ROUNDS = 6  # at most; a few are enough unless most vectors are strange
 
 
 def neighbours(values: Array) -> Array:
@@ -28,28 +29,27 @@ def neighbours(values: Array) -> Array:
 def outliers(u: Array, v: Array) -> Flags:
     """(rows, columns) which vectors are unlike their neighbours; NaN are no vectors.
 
-    Found again without those that were found, as they spoil the median of their neighbours.
+    Judged anew, all of them, by the neighbours that were not found strange: one that is spoils the
+    median of its neighbours, and they may be good.
     """
-    u, v = u.copy(), v.copy()
-    found = np.zeros(u.shape, dtype=bool)
-    for _ in range(3):
-        residual = np.hypot(_residual(u), _residual(v))
-        new = residual > _LIMIT
-        if not new.any():
+    strange = np.zeros(u.shape, dtype=bool)
+    for _ in range(_ROUNDS):
+        parts = [_residual(values, np.where(strange, np.nan, values)) for values in (u, v)]
+        residual = np.hypot(*parts)
+        new = np.where(np.isnan(residual), strange, residual > _LIMIT) & np.isfinite(u)
+        if (new == strange).all():
             break
-        found |= new
-        u[new], v[new] = np.nan, np.nan
-    return found
+        strange = new
+    return strange
 
 
-def _residual(values: Array) -> Array:
-    """Normalised residual of one component; 0 where too few neighbours can tell."""
-    around = neighbours(values)
+def _residual(values: Array, trusted: Array) -> Array:
+    """Normalised residual of one component; NaN where too few trusted neighbours can tell."""
+    around = neighbours(trusted)
     spread = _median(np.abs(around - _median(around)))
-    middle = _median(around - _trend(values))
+    middle = _median(around - _trend(trusted))
     few = np.isfinite(around).sum(axis=0) < _LEAST
-    residual = np.abs(values - middle) / (spread + _EPS)
-    return np.asarray(np.where(few | ~np.isfinite(residual), 0.0, residual))
+    return np.asarray(np.where(few, np.nan, np.abs(values - middle) / (spread + _EPS)))
 
 
 def _trend(values: Array) -> Array:

@@ -31,12 +31,12 @@ class Grid:
     @property
     def y(self) -> NDArray[np.float64]:
         """(rows,) middle of the windows [px]."""
-        return self.top + (self.size - 1) / 2.0
+        return np.asarray(self.top + (self.size - 1) / 2.0, dtype=float)
 
     @property
     def x(self) -> NDArray[np.float64]:
         """(columns,) middle of the windows [px]."""
-        return self.left + (self.size - 1) / 2.0
+        return np.asarray(self.left + (self.size - 1) / 2.0, dtype=float)
 
     def chunks(self) -> Iterator[slice]:
         """Rows of windows, a few at a time."""
@@ -45,9 +45,9 @@ class Grid:
             yield slice(start, start + step)
 
     def cut(self, picture: NDArray, rows: slice) -> NDArray:
-        """(rows, columns, size, size) the windows of some rows; a view where that can be."""
+        """(rows, columns, size, size) a copy of the windows of some rows."""
         view = np.lib.stride_tricks.sliding_window_view(picture, (self.size, self.size))
-        return view[self.top[rows]][:, self.left]
+        return view[self.top[rows][:, None], self.left[None, :]]
 
     def sums(self, picture: NDArray) -> NDArray[np.float64]:
         """(rows, columns) sum of a picture's pixels over each window."""

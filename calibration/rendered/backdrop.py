@@ -31,12 +31,14 @@ class Backdrop:
     """The wall behind, and the plate before it; texture is the spread of light about a colour.
 
     grain     size of the texture's spots [px]
+    seed      of the texture
     """
 
     wall: Colour = (0.7, 0.68, 0.66)
     plate: Colour = (0.35, 0.4, 0.45)
     texture: float = 0.04
     grain: float = 5.0
+    seed: int = 1
 
     def paint(
         self, width: int, height: int, edge: float, sunk: float, shift: tuple[float, float]
@@ -48,8 +50,8 @@ class Backdrop:
 
 @lru_cache(maxsize=2)  # most scenes stand still
 def _scene(look: Backdrop, width: int, height: int, edge: float, sunk: float) -> Light:
-    wall = _textured(width, height, look.wall, look.texture, look.grain, 1)
-    plate = _textured(width, height, look.plate, look.texture, look.grain / 2, 2)
+    wall = _textured(width, height, look.wall, look.texture, look.grain, 2 * look.seed)
+    plate = _textured(width, height, look.plate, look.texture, look.grain / 2, 2 * look.seed + 1)
     if sunk:
         plate = _shifted(plate, 0, sunk)
     cover = np.clip(np.arange(height) + 0.5 - edge - sunk, 0, 1)[:, None, None]

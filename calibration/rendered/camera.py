@@ -5,6 +5,7 @@ A scene is painted as light in [0, 1], (height, width, 3), blue, green, red, wit
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -48,15 +49,17 @@ class Camera:
         light = np.asarray(seen / self.moments, dtype=np.float32)
         if self.blur > 0:
             light = np.asarray(cv2.GaussianBlur(light, (0, 0), self.blur), dtype=np.float32)
-        grey = 255 * light * self._light(light.shape)[:, :, None]
+        grey = 255 * light * _light(light.shape[0], light.shape[1], self.falloff)
         grey += self.noise * random.standard_normal(grey.shape, dtype=np.float32)
         return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
 
-    def _light(self, shape: tuple[int, ...]) -> Light:
-        """Light against the place: a parabola about the middle, 1 - falloff in the corners."""
-        y, x = np.linspace(-1, 1, shape[0]), np.linspace(-1, 1, shape[1])
-        light = 1 - self.falloff * (x[None, :] ** 2 + y[:, None] ** 2) / 2
-        return light.astype(np.float32)
+
+@lru_cache(maxsize=2)
+def _light(height: int, width: int, falloff: float) -> Light:
+    """(height, width, 1) light against the place: a parabola, 1 - falloff in the corners."""
+    y, x = np.linspace(-1, 1, height), np.linspace(-1, 1, width)
+    light = 1 - falloff * (x[None, :, None] ** 2 + y[:, None, None] ** 2) / 2
+    return light.astype(np.float32)
 
 
 def write_film(pictures: Iterable[Picture], path: Path, rate: float, codec: str = "mp4v") -> Path:

@@ -203,7 +203,9 @@ def truth(scene: DropScene, camera: Camera, shown: Sequence[int]) -> Truth:
 
 
 def sharp(scene: DropScene, camera: Camera) -> Camera:
-    """The camera with so many moments that the fastest ball's blur has no steps above a pixel."""
-    fastest = max((math.sqrt(2 * _G * ball.fall) for ball in scene.balls), default=0.0)
-    blur = fastest * camera.exposure / camera.rate / scene.scale
-    return replace(camera, moments=max(camera.moments, math.ceil(blur)))
+    """The camera with so many moments that a ball's blur has no steps above an eighth of it."""
+    fastest = max(
+        (math.sqrt(2 * _G * ball.fall) / ball.diameter for ball in scene.balls), default=0
+    )
+    steps = 8 * fastest * camera.exposure / camera.rate
+    return replace(camera, moments=max(camera.moments, math.ceil(steps)))
