@@ -23,6 +23,7 @@ _COMMANDS: dict[str, str] = {
     "damping": "damping",
     "flow": "flow",
     "compare": "compare",
+    "inverse": "inverse",
     "stiffness-fe": "stiffness_fe",
     "report": "report",
 }
