@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from calibration.commands.film_options import region
 from calibration.commands.options import into_options
 from campaign.commandline import json_option, quiet_option
 from contact.quantity import InputError, to_si
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from calibration.commands.options import Into
 
 
-@click.command()
+@click.command(short_help="Restitution of two blocks on strings, or a ball and a wall")
 @click.argument("file")
 @click.option("--fps", type=float, metavar="240", help="Frames per second of the camera.")
 @click.option("--roi", metavar="X,Y,W,H", help="Part of the film to look at [px].")
@@ -39,7 +40,7 @@ def command(
     from calibration.pendulum.statement import as_text
 
     found = measure_pendulum(
-        file, fps=fps, tracks=track, roi=_region(roi), masses=_masses(masses), out=out,
+        file, fps=fps, tracks=track, roi=region(roi), masses=_masses(masses), out=out,
         progress=None if quiet else _told,
     )  # fmt: skip
     if into is not None:
@@ -50,19 +51,6 @@ def command(
 def _told(share: float, words: str) -> None:
     end = "\n" if share >= 1 else ""
     click.echo(f"\r{100 * share:3.0f} %  {words}\033[K{end}", err=True, nl=False)
-
-
-def _region(text: str | None) -> tuple[int, int, int, int] | None:
-    """x, y, width, height of "10,20,300,200"."""
-    if text is None:
-        return None
-    try:
-        x, y, width, height = (int(word) for word in text.split(","))
-    except ValueError:
-        raise InputError(
-            f"--roi = {text!r}: x,y,width,height in px, such as 0,100,640,380"
-        ) from None
-    return x, y, width, height
 
 
 def _masses(text: str | None) -> tuple[float, float] | None:
