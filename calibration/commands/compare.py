@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from calibration.compare import Comparison
 
 
-@click.command()
+@click.command(short_help="A run folder beside a film")
 @click.argument("run")
 @click.argument("video")
 @film_options

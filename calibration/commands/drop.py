@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from calibration.uncertainty import Estimate
 
 
-@click.command()
+@click.command(short_help="Restitution of a thing that falls and bounces")
 @click.argument("file")
 @click.option("--fps", type=float, metavar="240", help="Frames per second of the camera.")
 @click.option("--scale", metavar='"0.81 mm/px"', help="Length per unit of x and y.")

@@ -27,7 +27,7 @@ def film_options(command: Any) -> Any:
     return command
 
 
-@click.command()
+@click.command(short_help="Discharge time, curve and layers from film")
 @click.argument("video")
 @film_options
 @click.option("--interval", metavar='"0.25 s"', help="Between profiles [default: 0.25 s].")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from calibration.uncertainty import Estimate
 
 
-@click.command()
+@click.command(short_help="Restitution from sound, force or acceleration")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--rate", type=float, metavar="200000", help="Samples/s of a table without times.")
 @click.option("--column", metavar="NAME", help="The only column wanted of a table.")

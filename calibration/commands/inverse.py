@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from calibration.inverse.fit_file import Fit
 
 
-@click.command()
+@click.command(short_help="Parameters fitted by simulation")
 @click.argument("fit")
 @out_option
 @engine_options

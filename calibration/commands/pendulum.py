@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from calibration.commands.film_options import region
 from calibration.commands.options import into_options
 from campaign.commandline import json_option, quiet_option
 from contact.quantity import InputError, to_si
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from calibration.commands.options import Into
 
 
-@click.command()
+@click.command(short_help="Restitution of two blocks on strings, or a ball and a wall")
 @click.argument("file")
 @click.option("--fps", type=float, metavar="240", help="Frames per second of the camera.")
 @click.option("--roi", metavar="X,Y,W,H", help="Part of the film to look at [px].")

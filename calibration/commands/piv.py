@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from calibration.piv.answer import Answer
 
 
-@click.command()
+@click.command(short_help="Displacement field between two pictures")
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
 @click.option("--window", default=32, metavar="32", help="Side of a window [px, default: 32].")

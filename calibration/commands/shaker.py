@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from calibration.uncertainty import Estimate
 
 
-@click.command()
+@click.command(short_help="Power and efficiency of a shaken enclosure")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
     "--empty", type=click.Path(path_type=Path), multiple=True,

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from calibration.uncertainty import Estimate
 
 
-@click.command("stiffness-fe")
+@click.command("stiffness-fe", short_help="kt/kn of two blocks by finite elements")
 @click.option(
     "--surface",
     type=click.Choice(["both", "flat", "rough"]),

@@ -7,8 +7,8 @@ import numpy as np
 
 from calibration.inverse.data import Run
 from calibration.inverse.fit_file import Fit
+from calibration.inverse.kind import Row
 from calibration.inverse.prior import Array
-from calibration.inverse.simulator import Row
 from campaign.sweep import Labelled, over_seeds, run_labelled
 from contact.quantity import InputError
 

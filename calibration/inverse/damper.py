@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from calibration.inverse.kind import Kind, Row, Simulated, Values
 from calibration.inverse.observation import Observation, Written, finite
 from calibration.inverse.prior import Array
-from calibration.inverse.simulator import Kind, Row, Simulated, Values
 from contact.keys import Keys
 from contact.quantity import InputError
 from damper3d.case import DamperCase

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from calibration.inverse.data import Observed
+from calibration.inverse.kind import Simulated
 from calibration.inverse.observation import Observation, Written
 from calibration.inverse.prior import Array, Prior, prior_of
-from calibration.inverse.simulator import NAMES, Simulated, simulator
+from calibration.inverse.simulator import NAMES, simulator
 from calibration.parameter_file import digest_of
 from campaign.folder import digest
 from contact.datafile import is_file

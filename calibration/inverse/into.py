@@ -7,7 +7,7 @@ import numpy as np
 from calibration.inverse.fit_file import Fit
 from calibration.inverse.fitted import Fitted
 from calibration.inverse.identify import NARROWER
-from calibration.inverse.simulator import Values
+from calibration.inverse.kind import Values
 from calibration.parameter_file import Written, check_file, digest_of, into
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError

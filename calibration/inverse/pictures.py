@@ -1,7 +1,7 @@
 """The figures of a fit: posterior, observation against prediction, what cannot be told apart."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -119,7 +119,7 @@ def _panel(axes: "Axes", panel: Panel) -> None:
     colours = (BLUE, VERMILION, GREEN, ORANGE, INK, GREY)
     for k, line in enumerate(panel.lines):
         colour = colours[k % len(colours)]
-        shown = {"color": colour, "ms": 4, "lw": 1.0, "capsize": 2}
+        shown: dict[str, Any] = {"color": colour, "ms": 4, "lw": 1.0, "capsize": 2}
         axes.errorbar(line.x, line.observed, yerr=line.sigma, fmt="o", **shown)
         if len(line.x) > 1:
             axes.plot(line.x, line.median, color=colour, lw=1.2, label=line.name or None)

@@ -86,10 +86,10 @@ def _panel(
     one = members[0][0]
     drawn = []
     for name, entries in lines.items():
-        x, at = (np.array(column) for column in zip(*sorted(entries), strict=True))
+        x, rows = (np.array(column) for column in zip(*sorted(entries), strict=True))
         drawn.append(
-            Line(name if len(lines) > 1 or one.changes else "", x, observed.values[at],
-                 observed.sigma[at], *quantiles[:, at])
+            Line(name if len(lines) > 1 or one.changes else "", x, observed.values[rows],
+                 observed.sigma[rows], *quantiles[:, rows])
         )  # fmt: skip
     everywhere = np.concatenate([line.x for line in drawn])
     aside = 0.02 * float(np.ptp(everywhere)) if one.axes[0] else 1.0

@@ -105,10 +105,10 @@ def prior_of(
     """
     where = f"[parameters] {', '.join(keys)}"
     if not isinstance(written, dict) or written.get("distribution") not in _KEYS:
-        known = ", ".join(_KEYS)
+        names = ", ".join(_KEYS)
         raise InputError(
             f"{where}: write a prior, such as {{ distribution = 'uniform', min = 0.1, max = 0.8 }}"
-            f"; distributions: {known}"
+            f"; distributions: {names}"
         )
     kind = written["distribution"]
     known, needed = _KEYS[kind], _KEYS[kind][:2]
@@ -137,7 +137,8 @@ def _normal(
     mean, sd = numbers["mean"], numbers["sd"]
     if not sd > 0:
         raise InputError(f"{where}: sd = {sd:g}: must be above 0")
-    centre, width, transform = mean, sd, float
+    centre, width = mean, sd
+    transform: Callable[[float], float] = float
     if kind == "lognormal":
         if not mean > 0:
             raise InputError(f"{where}: mean = {mean:g}: must be above 0 for a lognormal prior")

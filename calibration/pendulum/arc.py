@@ -56,6 +56,12 @@ class Arc:
         return np.asarray(self.length.value * np.arctan2(x - self.pivot[0], below))
 
 
+def planar(arcs: tuple[Arc, ...]) -> bool | None:
+    """Of all things: False where one is not, None where nothing is seen of it."""
+    seen = [arc.planar for arc in arcs if arc.planar is not None]
+    return all(seen) if seen else None
+
+
 def arc_through(x: Array, y: Array, swings: list[Rows], noise: float) -> Arc:
     """The arc of the points in `swings`, the first of which may go one way only.
 

@@ -1,22 +1,18 @@
 """What a person should look at before believing the restitution of a pendulum."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from calibration.correlated import pool
 from calibration.pendulum.arc import HEIGHTS_OFF
+from calibration.pendulum.result import Pendulum
 from calibration.segments import noise
-
-if TYPE_CHECKING:
-    from calibration.pendulum.measure import Pendulum
 
 _SURE = 3  # sigma
 _GROWS = 0.02  # share by which the apparent size may change: more, and the scale does, too
 _MISFIT = 3  # times the noise of positions
 
 
-def doubts(found: "Pendulum") -> list[str]:
+def doubts(found: Pendulum) -> list[str]:
     """One line each."""
     return [
         *found.things.remarks,
@@ -30,7 +26,7 @@ def doubts(found: "Pendulum") -> list[str]:
     ]
 
 
-def _plane(found: "Pendulum") -> list[str]:
+def _plane(found: Pendulum) -> list[str]:
     unit, lines = found.things.unit, []
     for arc in found.arcs:
         assert arc.apart.sigma is not None
@@ -48,7 +44,7 @@ def _plane(found: "Pendulum") -> list[str]:
     return lines
 
 
-def _size(found: "Pendulum") -> list[str]:
+def _size(found: Pendulum) -> list[str]:
     """Whether the things look larger or smaller at one end: they come nearer, or go away."""
     if found.things.radius is None:
         return []
@@ -72,7 +68,7 @@ def _size(found: "Pendulum") -> list[str]:
     return lines
 
 
-def _air(found: "Pendulum") -> list[str]:
+def _air(found: Pendulum) -> list[str]:
     beta = found.damped.damping
     assert beta.sigma is not None
     known = abs(beta.value) > _SURE * beta.sigma
@@ -91,7 +87,7 @@ def _air(found: "Pendulum") -> list[str]:
     return []
 
 
-def _place(found: "Pendulum") -> list[str]:
+def _place(found: Pendulum) -> list[str]:
     """Whether contacts are where the swing is fastest, which eq. 3.6 needs."""
     whole = found.collisions.from_heights
     seen = found.from_amplitudes()
@@ -115,7 +111,7 @@ def _place(found: "Pendulum") -> list[str]:
     return lines
 
 
-def _misfit(found: "Pendulum") -> list[str]:
+def _misfit(found: Pendulum) -> list[str]:
     fitted = found.fitted
     own = max(noise(found.things.t, z) for z in fitted.seen.z)
     used = np.isfinite(fitted.weights)
@@ -131,7 +127,7 @@ def _misfit(found: "Pendulum") -> list[str]:
     return lines
 
 
-def _mass(found: "Pendulum") -> list[str]:
+def _mass(found: Pendulum) -> list[str]:
     """Momentum, for two things: equal ones where no masses are given."""
     if found.collisions.mass_ratio is None:
         return []
@@ -146,7 +142,7 @@ def _mass(found: "Pendulum") -> list[str]:
     ]
 
 
-def _one_number(found: "Pendulum") -> list[str]:
+def _one_number(found: Pendulum) -> list[str]:
     if found.constant_within_noise is not False:
         return []
     return [f"one number does not describe the clip (p = {found.p:.2g}): see per_collision"]

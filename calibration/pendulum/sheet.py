@@ -7,8 +7,8 @@ import numpy as np
 
 from calibration.film.reader import Picture, open_film
 from calibration.pendulum.fit import rests, states
-from calibration.pendulum.measure import Pendulum
 from calibration.pendulum.motion import across
+from calibration.pendulum.result import Pendulum
 from calibration.pendulum.things import TABLES
 from calibration.track import Array
 from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline, write_figure

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from calibration.pendulum.measure import Pendulum
+from calibration.pendulum.result import Pendulum
 from calibration.track import Array
 
 
