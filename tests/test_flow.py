@@ -9,6 +9,7 @@ import pytest
 from calibrating import calibrate
 from small_silo import silo2d, the_run, write_case
 
+from calibration.film.reader import Film
 from calibration.flow.layers import Lines
 from calibration.flow.measure import Settings, measure_flow
 from calibration.flow.outlet import Crossing, Opening
@@ -162,6 +163,31 @@ def test_bad_options_are_one_line(filmed, options, word):
     assert answer.code == 2
     assert word in answer.err
     assert answer.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (["--scale", "3 apples"], "mm/px"),
+        (["--scale", "-1 mm/px"], "positive"),
+        (["--roi", "10,10"], "--roi"),
+        (["--fps", "-5"], "above 0"),
+        (["--fps", "-5", "--collapse"], "above 0"),
+        (["--scale", "-1 mm/px", "--collapse"], "positive"),
+        (["--fps", "3"], "--interval 0.25 s"),
+        (["--out", "FILE/under"], "--out"),
+    ],
+)
+def test_what_is_said_wrongly_is_refused_before_the_film_is_read(
+    tmp_path, monkeypatch, options, word
+):
+    """A film may take minutes to read: none of its frames is."""
+    film = write_film([np.full((80, 80, 3), 90, np.uint8)] * 8, tmp_path / "still.mp4", 30)
+    monkeypatch.setattr(Film, "frames", lambda self: pytest.fail("the film was read"))
+    options = [option.replace("FILE", str(film)) for option in options]
+    answer = calibrate("flow", film, *options)
+    assert (answer.code, answer.err.count("\n")) == (2, 1), answer.err
+    assert word in answer.err
 
 
 def test_what_is_no_flow_is_refused(tmp_path):

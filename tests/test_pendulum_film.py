@@ -10,7 +10,7 @@ import pytest
 from calibrating import calibrate
 
 from calibration import measure_pendulum
-from calibration.film.reader import open_film
+from calibration.film.reader import Film, open_film
 from calibration.pendulum.colours import by_colour
 from calibration.rendered.camera import Camera, write_film
 from calibration.rendered.pendulum import PendulumScene, film_pendulum
@@ -65,6 +65,27 @@ def test_a_film_in_which_nothing_swings_is_refused_in_one_line(tmp_path):
         done = calibrate("pendulum", file, "--quiet")
         assert done.code == 2
         assert done.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", ["drop", "pendulum"])
+def test_a_folder_that_cannot_be_written_is_refused_before_the_film_is_read(
+    tmp_path, monkeypatch, command
+):
+    """A film may take minutes to follow: none of its frames is read. A file is no folder."""
+    monkeypatch.setattr(Film, "frames", lambda self: pytest.fail("the film was read"))
+    (tmp_path / "file").touch()
+    done = calibrate(command, SAMPLE, "--out", tmp_path / "file" / "sheets")
+    assert (done.code, done.err.count("\n")) == (2, 1), done.err
+    assert "--out" in done.err
+
+
+def test_progress_is_lines_where_stderr_is_no_terminal(tmp_path):
+    """No carriage returns or escapes in a log; a line each ten seconds, the first at once."""
+    grey = np.full((64, 64, 3), 90, np.uint8)
+    path = write_film([grey] * 20, tmp_path / "still.avi", 30, "MJPG")
+    lines = calibrate("pendulum", path).err.splitlines()
+    assert lines[0].startswith("still.avi: ")
+    assert not any("\r" in line or "\033" in line for line in lines)
 
 
 def test_a_strangers_ball_on_a_string_gives_its_reference():

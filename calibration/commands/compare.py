@@ -35,8 +35,11 @@ def command(
     from calibration.compare import as_json as comparison_json
     from calibration.compare import columns_of, compare
     from calibration.flow.measure import Settings, measure_flow
+    from campaign.folder import refuse_unless_writable
     from campaign.terminal import Progress
 
+    if out is not None:
+        refuse_unless_writable(Path(out), "--out")
     columns, inner = columns_of(run)
     settings = Settings(fps, scale, width, roi, interval, columns, velocity=False)
     if scale is None and width is None:

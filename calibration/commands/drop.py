@@ -42,8 +42,11 @@ def command(
     """
     from calibration.commands.film_options import place, region
     from calibration.drop import measure_drop
+    from campaign.folder import refuse_unless_writable
     from campaign.terminal import Progress
 
+    if out is not None:
+        refuse_unless_writable(Path(out), "--out")
     with Progress(Path(file).name, quiet) as progress:
         drop = measure_drop(
             file, fps=fps, scale=scale, track=track, one_bounce=one_bounce, roi=region(roi),

@@ -52,9 +52,12 @@ def command(
 
     For example: calibrate flow silo.mp4 --width "300 mm" --out sheets
     """
+    from campaign.folder import refuse_unless_writable
     from campaign.terminal import Progress
 
     folder = None if out is None else Path(out)
+    if folder is not None:
+        refuse_unless_writable(folder, "--out")
     if collapse:
         from calibration.flow.collapse import measure_collapse
 

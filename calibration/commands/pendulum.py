@@ -1,6 +1,7 @@
 """The command that reads restitution off things that swing on strings and collide: pendulum."""
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -34,35 +35,23 @@ def command(
 
     For example: calibrate pendulum blocks.mp4 --out sheets
     """
+    from calibration.commands.film_options import region
     from calibration.pendulum.measure import measure_pendulum
     from calibration.pendulum.statement import as_json as object_of
     from calibration.pendulum.statement import as_text
+    from campaign.folder import refuse_unless_writable
+    from campaign.terminal import Progress
 
-    found = measure_pendulum(
-        file, fps=fps, tracks=track, roi=_region(roi), masses=_masses(masses), out=out,
-        progress=None if quiet else _told,
-    )  # fmt: skip
+    if out is not None:
+        refuse_unless_writable(Path(out), "--out")
+    with Progress(Path(file).name, quiet) as progress:
+        found = measure_pendulum(
+            file, fps=fps, tracks=track, roi=region(roi), masses=_masses(masses), out=out,
+            progress=progress.update,
+        )  # fmt: skip
     if into is not None:
         into.put("restitution", found.restitution, method="pendulum", files=[file])
     click.echo(json.dumps(object_of(found), indent=2) if as_json else as_text(found))
-
-
-def _told(share: float, words: str) -> None:
-    end = "\n" if share >= 1 else ""
-    click.echo(f"\r{100 * share:3.0f} %  {words}\033[K{end}", err=True, nl=False)
-
-
-def _region(text: str | None) -> tuple[int, int, int, int] | None:
-    """x, y, width, height of "10,20,300,200"."""
-    if text is None:
-        return None
-    try:
-        x, y, width, height = (int(word) for word in text.split(","))
-    except ValueError:
-        raise InputError(
-            f"--roi = {text!r}: x,y,width,height in px, such as 0,100,640,380"
-        ) from None
-    return x, y, width, height
 
 
 def _masses(text: str | None) -> tuple[float, float] | None:

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.film.reader import open_film
-from calibration.flow.silo import CLEAR, parse_roi
-from calibration.flow.survey import TO_SIGMA, Grey, Survey, survey, to_grey
+from calibration.flow.silo import CLEAR, check_said, parse_roi
+from calibration.flow.survey import TO_SIGMA, Grey, Survey, frame_rate, survey, to_grey
+from calibration.quantity import metres_per_pixel
 from calibration.uncertainty import Estimate
-from contact.quantity import InputError, to_si
+from contact.quantity import InputError
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -80,9 +81,8 @@ def measure_collapse(
     import cv2
 
     film = open_film(path)
-    rate = film.rate if fps is None else fps
-    if rate is None or not 0 < rate < 1e6:
-        raise InputError(f"{path}: no frame rate is known; say it: --fps 240")
+    rate = frame_rate(film, fps)
+    check_said((film.height, film.width), roi, scale, None)
     seen = survey(film, lambda part: tell(0.3 * part))
     part = (slice(None), slice(None))
     if roi is not None:
@@ -91,7 +91,7 @@ def measure_collapse(
     limit = _limit(path, seen, part)
     known = Estimate(1.0, 0.0, 1)
     if scale is not None:
-        known = Estimate(to_si(scale.replace("/px", "").strip(), "m", "--scale"), 0.0, 1)
+        known = Estimate(metres_per_pixel(scale), 0.0, 1)
     rows = []
     first = to_grey(seen.first)[part]
     for frame in film.frames():

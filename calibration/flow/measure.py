@@ -14,8 +14,8 @@ from calibration.film.reader import Film, Picture, open_film
 from calibration.flow.layers import Band, Lines, Profile, drawn_bands, of_bands, painted_bands
 from calibration.flow.material import material_mask, outlet_columns, seeds
 from calibration.flow.outlet import Crossing, Opening
-from calibration.flow.silo import CLEAR, Silo, find_silo
-from calibration.flow.survey import Grey, Survey, survey, to_grey
+from calibration.flow.silo import CLEAR, Silo, check_said, find_silo
+from calibration.flow.survey import Grey, Survey, frame_rate, survey, to_grey
 from calibration.flow.tones import Tones, find_tones
 from calibration.flow.tracers import Points, Tracers
 from calibration.flow.velocity import Velocities, VelocityField
@@ -122,14 +122,18 @@ def measure_flow(
     Raises InputError, one line, where something cannot be measured.
     """
     film = open_film(path)
-    rate = _rate(film, settings.fps)
+    rate = frame_rate(film, settings.fps)
     interval = (
         INTERVAL if settings.interval is None else to_si(settings.interval, "s", "--interval")
     )
     if not interval * rate >= 1:
-        raise InputError(f"--interval {settings.interval}: shorter than a frame, {1 / rate:.3g} s")
+        raise InputError(
+            f"--interval {settings.interval or f'{interval:g} s'}: shorter than a frame, "
+            f"{1 / rate:.3g} s; say a longer one"
+        )
     if settings.columns < 3 or settings.columns % 2 == 0:
         raise InputError(f"--columns {settings.columns}: an odd number, 3 at least")
+    check_said((film.height, film.width), settings.roi, settings.scale, settings.width)
     try:
         seen = survey(film, lambda part: tell(0.2 * part, "first look"))
         silo = find_silo(seen, settings.roi, settings.scale, settings.width)
@@ -141,16 +145,6 @@ def measure_flow(
         watch.see(frame.number, frame.picture)
         tell(0.2 + 0.8 * frame.number / seen.count, "following the material")
     return watch.flow()
-
-
-def _rate(film: Film, fps: float | None) -> float:
-    if fps is not None:
-        if not 0 < fps < 1e6:
-            raise InputError(f"--fps {fps:g}: frames per second, above 0 and below 1e6")
-        return fps
-    if film.rate is None:
-        raise InputError(f"{film.path}: no frame rate is known; say it: --fps 100")
-    return film.rate
 
 
 class _Moment(NamedTuple):

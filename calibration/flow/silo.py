@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.flow.survey import Survey, to_grey
-from calibration.quantity import measured_quantity
+from calibration.quantity import measured_quantity, metres_per_pixel
 from calibration.uncertainty import Estimate
-from contact.quantity import InputError, to_si
+from contact.quantity import InputError
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -69,13 +69,23 @@ def parse_roi(text: str, shape: tuple[int, ...]) -> tuple[float, float, float, f
     return x, y, w, h
 
 
+def check_said(
+    shape: tuple[int, ...], roi: str | None, scale: str | None, width: str | None
+) -> None:
+    """Raise InputError, before the film is read, for what find_silo would refuse after it."""
+    if scale is not None and width is not None:
+        raise InputError("--scale and --width: give one; each tells the scale by itself")
+    _scale(scale, width, 1.0, 0.0)
+    if roi is not None:
+        parse_roi(roi, shape)
+
+
 def find_silo(seen: Survey, roi: str | None, scale: str | None, width: str | None) -> Silo:
     """The inside, given or found, and the scale, given or from the silo's inner width.
 
     Found: the part of the picture that differs between the first and the last frame.
     """
-    if scale is not None and width is not None:
-        raise InputError("--scale and --width: give one; each tells the scale by itself")
+    check_said(seen.first.shape, roi, scale, width)
     if roi is not None:
         x, y, w, h = parse_roi(roi, seen.first.shape)
         edge = 0.5  # px: whoever wrote whole pixels
@@ -89,10 +99,7 @@ def _scale(
     scale: str | None, width: str | None, pixels: float, edge: float
 ) -> tuple[Estimate, str]:
     if scale is not None:
-        value = to_si(scale.replace("/px", "").strip(), "m", "--scale")
-        if not value > 0:
-            raise InputError(f"--scale {scale!r}: must be above 0; write such as '0.81 mm/px'")
-        return Estimate(value, 0.0, 1), "m"
+        return Estimate(metres_per_pixel(scale), 0.0, 1), "m"
     if width is not None:
         known = measured_quantity(width, "m", "--width")
         if not known.value > 0:

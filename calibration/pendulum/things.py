@@ -19,6 +19,7 @@ from contact.quantity import InputError
 TABLES = (".csv", ".dat", ".tsv", ".txt")
 _MOST = 4  # tracks that are looked at, of those that go farthest
 _MOVES = 0.05  # of the widest track's range: what moves less is no thing that swings
+_FASTEST = 1e6  # frames/s: what cameras reach
 _SURE = 5  # sigma by which a velocity must change at a contact
 _UPRIGHT = 2  # times as far along y as along x: no swing, or a film that is turned
 
@@ -68,8 +69,10 @@ def things_in(
     progress: Callable[[float, str], None] | None = None,
 ) -> Things:
     """What swings in a film, a table or tracks; see measure_pendulum. Raises InputError."""
-    if fps is not None and not 0 < fps < np.inf:
-        raise InputError(f"--fps = {fps!r}: frames per second of the camera, such as 240")
+    if fps is not None and not 0 < fps <= _FASTEST:
+        raise InputError(
+            f"--fps = {fps!r}: frames per second of the camera, up to {_FASTEST:g}, such as 240"
+        )
     path = Path(source) if isinstance(source, str | Path) else None
     where = "" if path is None else f"{path}: "
     tracks = _read(source, roi, progress)
