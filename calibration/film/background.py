@@ -46,13 +46,12 @@ class Background:
         import cv2
 
         if self._limit is None:
-            noise = np.maximum(self._spread / _MEAN_OF_LARGEST, self.noise)
             edges = cv2.morphologyEx(self.picture, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
-            limit = (
-                _LIMIT * noise
-                + _ROUNDING
-                + _TREMBLE / 2 * _largest(np.asarray(edges, dtype=np.uint8))
-            )
+            limit = self._spread * np.float32(_LIMIT / _MEAN_OF_LARGEST)
+            np.maximum(limit, np.float32(_LIMIT * self.noise), out=limit)
+            limit += np.float32(_ROUNDING)
+            steep = _largest(np.asarray(edges, dtype=np.uint8))
+            limit += np.multiply(steep, np.float32(_TREMBLE / 2), dtype=np.float32)
             self._limit = np.asarray(np.minimum(limit, 254), dtype=np.uint8)
         return self._limit
 

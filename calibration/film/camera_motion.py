@@ -34,10 +34,11 @@ class CameraMotion:
         """Take corners from here on from this picture, where no thing is (mask, 255)."""
         import cv2
 
-        self._grey = _grey(background)
-        apart = max(self._grey.shape) / _APART
+        grey = _grey(background)
+        apart = max(grey.shape) / _APART
         free = None if things is None else cv2.bitwise_not(things)
-        self._corners = cv2.goodFeaturesToTrack(self._grey, _CORNERS, 0.005, apart, mask=free)
+        self._corners = cv2.goodFeaturesToTrack(grey, _CORNERS, 0.005, apart, mask=free)
+        self._grey = grey
 
     def follow(self, picture: Picture) -> Array:
         """(3, 3) from the background to this picture; as it was where too few corners are seen."""
@@ -100,14 +101,14 @@ def _better(
     corners: NDArray[np.float32], there: NDArray[np.float32], matrix: Array, shift: Array
 ) -> bool:
     """Whether a new turn and zoom, two more numbers, explain more than chance (F test)."""
-    from scipy.stats import f
+    from scipy.special import fdtrc
 
     by_both, by_shift = (
         float(np.sum((there - corners @ one[:, :2].T - one[:, 2]) ** 2)) for one in (matrix, shift)
     )
     freedom = 2 * len(corners) - 4
     gain = (by_shift - by_both) / 2 / (by_both / freedom)
-    return float(f.sf(gain, 2, freedom)) < _CHANCE
+    return float(fdtrc(2, freedom, gain)) < _CHANCE
 
 
 def largest_shift(motion: Array, width: float, height: float) -> float:

@@ -6,18 +6,18 @@ cost (Hungarian method). Pieces of one thing's path, cut where it was hidden or 
 are joined where nothing speaks against it: same look, one after the other, within reach.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from calibration.film.blobs import Blob
 from calibration.segments import noise
-from calibration.track import Array
 
 _PIECE = 4  # pictures in which a piece is seen, for it to be joined to another
 _SMOOTH = 10  # ratio of the length of a path to its noise
 _GAP = 6  # pictures for which a thing may be out of sight and be followed
-_LARGER = np.log(2.0)  # logarithm of the ratio of areas at which two blobs are not one thing
+_LARGER = math.log(2.0)  # logarithm of the ratio of areas at which two blobs are not one thing
 _OFF_COLOUR = 0.5  # of the contrast, by which the colour of a thing may change
 _FIRST_STEP = 8  # own sizes that a thing may go from the first picture of it to the second
 _IMPOSSIBLE = 2.0  # cost, of which place and look have up to 1 each
@@ -47,28 +47,29 @@ class Path:
         look = unlike(last, blob)
         if look >= 1:
             return _IMPOSSIBLE
-        size = np.sqrt(blob.area)
-        here = np.array([blob.x, blob.y])
+        size = math.sqrt(blob.area)
+        here = (blob.x, blob.y)
         places, reach = self._expected(frame)
         if reach is None:
-            off = np.hypot(*(here - places[0])) / min(farthest, _FIRST_STEP * size)
+            off = math.dist(here, places[0]) / min(farthest, _FIRST_STEP * size)
         else:
-            stays = np.hypot(*(here - places[0])) / (size + 1.5 * reach)
-            goes = min(np.hypot(*(here - place)) for place in places[1:]) / (size + 0.5 * reach)
+            stays = math.dist(here, places[0]) / (size + 1.5 * reach)
+            goes = min(math.dist(here, place) for place in places[1:]) / (size + 0.5 * reach)
             off = min(stays, goes)
-        return float(off + look) if off < 1 else _IMPOSSIBLE
+        return off + look if off < 1 else _IMPOSSIBLE
 
     def may_become(self, piece: "Path") -> bool:
         """Whether a later piece may be the same thing: alike, within reach, soon enough."""
         gap = piece.frames[0] - self.frames[-1]
         if gap <= 0 or min(len(self.frames), len(piece.frames)) < _PIECE:
             return False
-        first = piece.blobs[0]
-        away = np.hypot(first.x - self.blobs[-1].x, first.y - self.blobs[-1].y)
+        if gap > max(len(self.frames), len(piece.frames)):
+            return False
+        first, last = piece.blobs[0], self.blobs[-1]
+        away = math.hypot(first.x - last.x, first.y - last.y)
         _, reach = self._expected(piece.frames[0])
-        soon = gap <= max(len(self.frames), len(piece.frames))
-        near = reach is not None and away < np.sqrt(first.area) + reach
-        return soon and near and unlike(_typical(self), _typical(piece)) < 1
+        near = reach is not None and away < math.sqrt(first.area) + reach
+        return near and unlike(_typical(self), _typical(piece)) < 1
 
     def is_smooth(self) -> bool:
         """Whether it goes along a path, rather than flickers within the noise."""
@@ -76,30 +77,35 @@ class Path:
         x, y = np.array([(one.x, one.y) for one in self.blobs]).T
         return self.length > _SMOOTH * float(np.hypot(noise(t, x), noise(t, y)))
 
-    def _expected(self, frame: int) -> tuple[list[Array], float | None]:
+    def _expected(self, frame: int) -> tuple[list[tuple[float, float]], float | None]:
         """Where it was; where it would be, straight on and bending; how far it may go till then.
 
         That is as far as at its fastest of late: in the frame of a bounce it hardly moves.
         """
-        t = np.array(self.frames[-4:], dtype=float)
-        p = np.array([(one.x, one.y) for one in self.blobs[-4:]])
+        t = self.frames[-4:]
+        p = [(one.x, one.y) for one in self.blobs[-4:]]
         if len(t) < 2:
-            return [p[-1]], None
+            return p, None
         ahead = frame - t[-1]
-        speeds = np.diff(p, axis=0) / np.diff(t)[:, None]
-        places = [p[-1], p[-1] + speeds[-1] * ahead]
+        speeds = []
+        for k in range(1, len(t)):
+            step = t[k] - t[k - 1]
+            speeds.append(((p[k][0] - p[k - 1][0]) / step, (p[k][1] - p[k - 1][1]) / step))
+        (x, y), (u, v) = p[-1], speeds[-1]
+        places = [(x, y), (x + u * ahead, y + v * ahead)]
         if len(t) > 2:
-            bend = (speeds[-1] - speeds[-2]) / ((t[-1] - t[-3]) / 2)
-            places.append(places[1] + bend * ahead * (ahead + t[-1] - t[-2]) / 2)
-        return places, float(np.hypot(*speeds.T).max() * ahead)
+            bent = ahead * (ahead + t[-1] - t[-2]) / (t[-1] - t[-3])
+            places.append((places[1][0] + (u - speeds[-2][0]) * bent,
+                           places[1][1] + (v - speeds[-2][1]) * bent))  # fmt: skip
+        return places, max(math.hypot(*speed) for speed in speeds) * ahead
 
 
 def unlike(one: Blob, other: Blob) -> float:
     """How different two blobs look; 1 and more is another thing."""
-    larger = abs(np.log(one.area / other.area)) / _LARGER
-    colour = np.linalg.norm(one.colour - other.colour)
-    contrast = np.sqrt(one.contrast * other.contrast)
-    return float(max(larger, colour / (_OFF_COLOUR * max(contrast, 1.0))))
+    larger = abs(math.log(one.area / other.area)) / _LARGER
+    contrast = math.sqrt(one.contrast * other.contrast)
+    colour = math.dist(one.colour, other.colour)
+    return max(larger, colour / (_OFF_COLOUR * max(contrast, 1.0)))
 
 
 class Linker:
