@@ -7,7 +7,9 @@ import pytest
 from made_pairs import grains, particles, rotation, shear, uniform, vortex
 
 from calibration.piv import Reason, displacement
+from calibration.piv.statistics import _spread
 from calibration.piv.validation import filled, outliers
+from calibration.piv.windows import Grid
 from contact.quantity import InputError
 
 SHAPE = (192, 192)
@@ -199,3 +201,17 @@ def test_pictures_that_are_no_pair_are_refused():
         displacement(np.zeros((48, 64)), np.zeros((40, 64)))
     with pytest.raises(InputError, match="not finite"):
         displacement(np.full((48, 64), np.nan), np.zeros((48, 64)))
+
+
+def test_windows_without_difference_have_no_spread_and_no_warning():
+    """Beside strong texture a window's sum of squares, 0, rounds to either side of it."""
+    difference = 1e6 * np.random.default_rng(1).normal(size=(64, 64))
+    difference[24:, 24:] = 0
+    first = np.arange(0, 56, 8)
+    where = Grid(8, first, first)
+    assert (where.sums(difference**2)[3:, 3:] < 0).any()
+    with np.errstate(invalid="raise"):
+        spread = _spread(difference, where)
+    # the squares add up to 2.5e15, known to 0.5; neighbours' texture enters the smoothed factor
+    assert np.isfinite(spread).all()
+    assert spread[5:, 5:].max() < 1e-3 * spread[:2, :2].min()

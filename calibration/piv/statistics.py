@@ -60,7 +60,8 @@ def _spread(difference: Pixels, where: Grid) -> Array:
 
     What covariance adds to the variance is pooled with the neighbours: one window tells it badly.
     """
-    alone = where.sums(difference**2)
+    # a sum over a window is a difference of sums over all: it may round to below zero
+    alone = np.maximum(where.sums(difference**2), 0.0)
     correlated = where.sums(difference * _near(difference))
     tiny = np.finfo(float).tiny
     factor = smoothed(correlated) / np.maximum(smoothed(alone), tiny)
