@@ -4,6 +4,7 @@ import numpy as np
 
 from calibration.bounce import Bounces, find_bounces
 from calibration.track import Track
+from calibration.uncertainty import Estimate
 from contact.quantity import InputError
 
 _TOGETHER = 1.0  # frames: contacts of a thing and of its shadow or reflection
@@ -34,7 +35,21 @@ def the_one_that_bounces(
     if len(found) > 1:
         names = ", ".join(_named(one.track) for one in found)
         raise InputError(f"{where}{len(found)} things bounce: choose one with --track ({names})")
+    _refuse_what_is_no_restitution(found[0].pooled, where)
     return found[0]
+
+
+def _refuse_what_is_no_restitution(pooled: Estimate, where: str) -> None:
+    """InputError for what says nothing of a number between 0 and 1, or lies above 1.
+
+    1/sqrt(12) is the standard deviation of what is only known to lie there.
+    """
+    sigma = pooled.sigma or 0.0
+    if sigma > 12**-0.5 or pooled.value - 3 * sigma > 1:
+        raise InputError(
+            f"{where}what moves here would have a restitution of {pooled.value:.2f} +- {sigma:.2g}: "
+            "no drop test; give the part of the picture with --roi, or see calibrate pendulum"
+        )
 
 
 def _without_companions(found: list[Bounces]) -> list[Bounces]:

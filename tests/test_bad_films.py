@@ -3,10 +3,14 @@
 from dataclasses import replace
 
 import calibrating
+import numpy as np
 import pytest
 
+from calibration.drop import measure_drop
 from calibration.rendered.camera import Camera
 from calibration.rendered.drop import Ball, DropScene, film_drop
+from calibration.track import Track
+from contact.quantity import InputError
 
 # A fall of 64 ms, 100 px: contacts at frames 20.8, 41.2, 57.6, 70.6 of 200 a second.
 BALL = Ball(diameter=0.004, fall=0.02, release=0.04, aside=0.0)
@@ -83,3 +87,17 @@ def test_scenes_without_two_bounces_of_one_thing_are_refused(tmp_path, scene, du
 @pytest.mark.parametrize("fps", ["0", "-30", "nan", "inf", "1e9", "0.01"])
 def test_a_rate_that_no_camera_has_is_refused(good, fps):
     assert "--fps" in refused(good, "--fps", fps)
+
+
+def test_a_thing_that_leaves_faster_than_it_came_is_no_drop_test():
+    """Restitution is at most 1 (eq. 3.5): each flight here begins with 1.3 times the speed."""
+    times = np.arange(0, 300.0)
+    speeds = 10 * 1.3 ** np.arange(5)
+    starts = np.concatenate([[0], np.cumsum(2 * speeds / 0.5)])
+    k = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, len(speeds) - 1)
+    inside = times < starts[-1]
+    s = times - starts[k]
+    height = (speeds[k] * s - 0.25 * s**2)[inside]
+    noise = np.random.default_rng(1).normal(0, 0.1, len(height))
+    with pytest.raises(InputError, match=r"restitution of 1\.30 \+- .* no drop test"):
+        measure_drop(Track(times[inside], np.zeros(len(height)), noise - height))

@@ -36,7 +36,6 @@ def command(
 
     For example: calibrate pendulum blocks.mp4 --out sheets
     """
-    from calibration.commands.film_options import region
     from calibration.pendulum.measure import measure_pendulum
     from calibration.pendulum.statement import as_json as object_of
     from calibration.pendulum.statement import as_text
