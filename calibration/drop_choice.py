@@ -47,7 +47,7 @@ def _refuse_what_is_no_restitution(pooled: Estimate, where: str) -> None:
     sigma = pooled.sigma or 0.0
     if sigma > 12**-0.5 or pooled.value - 3 * sigma > 1:
         raise InputError(
-            f"{where}what moves here would have a restitution of {pooled.value:.2f} +- {sigma:.2g}: "
+            f"{where}what moves has a restitution of {pooled.value:.2f} +- {sigma:.2g}: "
             "no drop test; give the part of the picture with --roi, or see calibrate pendulum"
         )
 
