@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 RUNS ?= runs
+# Of a file's tests all run in one worker, so that what they share is made once.
+TESTERS := --numprocesses logical --maxprocesses 4 --dist loadfile
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint constraints.txt --editable
 
@@ -13,7 +15,7 @@ demo: $(VENV)/installed ## discharge silo A4: a number and pictures
 	$(BIN)/silo2d run A4 --out $(RUNS)
 
 test: $(VENV)/with-tests ## all tests but the long comparisons
-	$(BIN)/python -m pytest -m "not validation"
+	$(BIN)/python -m pytest -m "not validation" $(TESTERS)
 
 lint: $(VENV)/with-tests ## style, types, import order
 	$(BIN)/ruff check .

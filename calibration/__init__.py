@@ -6,10 +6,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from calibration.drop import measure_drop
     from calibration.impacts.measure import measure_impacts
+    from calibration.pendulum.measure import measure_pendulum
 
-__all__ = ["measure_drop", "measure_impacts"]
+__all__ = ["measure_drop", "measure_impacts", "measure_pendulum"]
 
-_HOMES = {"measure_drop": "drop", "measure_impacts": "impacts.measure"}
+_HOMES = {
+    "measure_drop": "drop",
+    "measure_impacts": "impacts.measure",
+    "measure_pendulum": "pendulum.measure",
+}
 
 
 def __getattr__(name: str):

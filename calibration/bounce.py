@@ -15,7 +15,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from calibration.parabolas import Flights, fit, scatter_beyond_noise
+from calibration.correlated import CHANCE, pool, propagated, with_sigma
+from calibration.parabolas import Flights, fit
 from calibration.rebound import (
     contact_times,
     from_heights,
@@ -32,7 +33,6 @@ from calibration.uncertainty import Estimate
 from contact.quantity import InputError
 
 STANDARD_GRAVITY = Estimate(9.80665, 0.03, 1)  # m/s2; sigma: what it varies by over the earth
-_CHANCE = 0.05  # p below which one number does not describe the clip
 _EXACT = 1e-9  # sigma of restitution that numbers without noise have from their rounding
 _UNEVEN = 0.05  # of a frame: stamps that vary by more are set beside an even clock
 
@@ -78,7 +78,7 @@ class Bounces:
     @property
     def constant_within_noise(self) -> bool | None:
         """Whether one number describes the clip (p at least 0.05); None for one bounce."""
-        return None if self.p is None else self.p >= _CHANCE
+        return None if self.p is None else self.p >= CHANCE
 
 
 def find_bounces(track: Track, *, one_is_enough: bool = False) -> Bounces:
@@ -138,73 +138,37 @@ def _measured(track: Track, base: TimeBase, fitted: Flights) -> Bounces:
     centre = fitted.centre
 
     def known(quantity: Callable[[Array], Array]) -> tuple[Array, Array]:
-        return _propagated(fitted, lambda c: np.asarray(quantity(c)))
+        return _known(fitted, lambda c: np.asarray(quantity(c)))
 
-    contacts = _with_sigma(*known(lambda c: contact_times(centre, c)))
+    contacts = with_sigma(*known(lambda c: contact_times(centre, c)))
     plate, plate_covariance = known(lambda c: levels(centre, c))
-    before = _with_sigma(*known(lambda c: np.abs(speeds(centre, c)[0])))
+    before = with_sigma(*known(lambda c: np.abs(speeds(centre, c)[0])))
     times = np.full((len(contacts), 2), np.nan)
     method, best, other = "velocities", from_velocities, from_heights
     if len(contacts) > 2:
         method, best, other = "times", from_times, inner_velocities
-        times[1:-1] = _with_sigma(*known(lambda c: best(centre, c)))
+        times[1:-1] = with_sigma(*known(lambda c: best(centre, c)))
     e, covariance = known(lambda c: best(centre, c))
-    off = _with_sigma(*known(lambda c: other(centre, c) - best(centre, c)))
+    off = with_sigma(*known(lambda c: other(centre, c) - best(centre, c)))
     off = np.where(np.abs(off[:, 0]) > 3 * off[:, 1], off[:, 0], 0.0)  # also where it is NaN
     covariance = covariance + np.diag(off**2 + _EXACT**2)
-    pooled, p = _pooled(e, covariance)
+    pooled, p = pool(e, covariance)
     found = Bounces(
-        track, base, fitted, contacts, _with_sigma(plate, plate_covariance),
+        track, base, fitted, contacts, with_sigma(plate, plate_covariance),
         _drift(plate, plate_covariance), before, times,
-        _with_sigma(*known(lambda c: from_velocities(centre, c))),
-        _with_sigma(*known(lambda c: from_heights(centre, c))),
+        with_sigma(*known(lambda c: from_velocities(centre, c))),
+        with_sigma(*known(lambda c: from_heights(centre, c))),
         method, e, np.sqrt(np.diag(covariance)), off, pooled, p,
         _exponent(fitted, best, np.diag(covariance), off) if len(e) > 1 else None,
     )  # fmt: skip
     return replace(found, warnings=_warnings(found))
 
 
-def _propagated(fitted: Flights, quantity: Callable[[Array], Array]) -> tuple[Array, Array]:
-    """A vector of quantities of the parabolas, and its covariance to first order (GUM 5.1)."""
-    value = quantity(fitted.coefficients)
-    sigma = np.sqrt(np.clip(np.diag(fitted.covariance), 0, None))
-    slopes = np.zeros((len(value), len(sigma)))
-    for k in np.flatnonzero(sigma > 0):
-        step = np.zeros(len(sigma))
-        step[k] = sigma[k] * 1e-2  # small: bends of the formula do not count, rounding neither
-        high, low = (quantity(fitted.coefficients + s * step.reshape(-1, 3)) for s in (1, -1))
-        slopes[:, k] = (high - low) / (2 * step[k])
-    return value, slopes @ fitted.covariance @ slopes.T
-
-
-def _with_sigma(value: Array, covariance: Array) -> Array:
-    return np.stack([value, np.sqrt(np.clip(np.diag(covariance), 0, None))], axis=1)
-
-
-def _pooled(e: Array, covariance: Array) -> tuple[Estimate, float | None]:
-    """The weighted mean of correlated values; p of the chi-square test that they are one.
-
-    Where they are not one, their scatter beyond noise counts with every bounce: the mean is then
-    that of such bounces, and its sigma how well the clip's few tell it.
-    """
-    from scipy.stats import chi2
-
-    mean, variance, square = _weighted_mean(e, covariance)
-    if len(e) == 1:
-        return Estimate(mean, float(np.sqrt(variance)), 1), None
-    p = float(chi2.sf(square, len(e) - 1))
-    if p < _CHANCE:
-        extra = scatter_beyond_noise(_with_sigma(e, covariance)) ** 2
-        mean, variance, _ = _weighted_mean(e, covariance + extra * np.eye(len(e)))
-    return Estimate(mean, float(np.sqrt(variance)), len(e)), p
-
-
-def _weighted_mean(e: Array, covariance: Array) -> tuple[float, float, float]:
-    """Mean, its variance, and chi-square about it."""
-    inverse = np.linalg.pinv(covariance, hermitian=True)
-    variance = 1 / inverse.sum()
-    mean = float(variance * inverse.sum(axis=0) @ e)
-    return mean, float(variance), float((e - mean) @ inverse @ (e - mean))
+def _known(fitted: Flights, quantity: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """A vector of quantities of the parabolas' coefficients (m, 3), and its covariance."""
+    return propagated(
+        fitted.coefficients.ravel(), fitted.covariance, lambda c: quantity(c.reshape(-1, 3))
+    )
 
 
 def _exponent(fitted: Flights, best: _Formula, variance: Array, off: Array) -> Estimate:
@@ -221,7 +185,7 @@ def _exponent(fitted: Flights, best: _Formula, variance: Array, off: Array) -> E
     def slope(c: Array) -> Array:
         return np.atleast_1d(lever(c) @ np.log(np.abs(best(centre, c))))
 
-    value, covariance = _propagated(fitted, slope)
+    value, covariance = _known(fitted, slope)
     extra = np.sum((lever(fitted.coefficients) * off / best(centre, fitted.coefficients)) ** 2)
     return Estimate(float(value[0]), float(np.sqrt(covariance[0, 0] + extra)), len(weight))
 

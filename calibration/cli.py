@@ -9,8 +9,10 @@ from campaign.commandline import run_app
 # name: module of calibration.commands, imported when it is called or asked for help
 _COMMANDS: dict[str, str] = {
     "drop": "drop",
+    "pendulum": "pendulum",
     "impacts": "impacts",
     "shaker": "shaker",
+    "piv": "piv",
     "incline": "incline",
     "slide": "slide",
     "compression": "compression",
@@ -19,6 +21,10 @@ _COMMANDS: dict[str, str] = {
     "density": "density",
     "published": "published",
     "damping": "damping",
+    "flow": "flow",
+    "compare": "compare",
+    "inverse": "inverse",
+    "stiffness-fe": "stiffness_fe",
     "report": "report",
 }
 

@@ -1,35 +1,46 @@
-"""One picture of a drop test, to believe it or not: track, parabolas, residuals, speeds."""
+"""One picture of a drop test, to believe it or not: track, parabolas, residuals, speeds, frames."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.drop import Drop
-from campaign.figure import BLUE, GREEN, GREY, INK, VERMILION, headline, write_figure
+from calibration.drop_result import Drop
+from calibration.film.marks import Still
+from calibration.labels import scale_bar, with_sigma
+from campaign.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
-def draw_sheet(drop: Drop, path: Path, name: str) -> Path:
-    """Write the sheet of a drop test called `name` as a PNG; its path."""
-    return write_figure(path, lambda: _sheet(drop, name))
+def draw_sheet(drop: Drop, path: Path, name: str, pictures: Sequence[Still] = ()) -> Path:
+    """Write the sheet of a drop test called `name` as a PNG; its path.
+
+    pictures   of the film, with what was measured drawn in: see calibration.film.annotate.stills
+    """
+    return write_figure(path, lambda: _sheet(drop, name, pictures))
 
 
-def _sheet(drop: Drop, name: str) -> "Figure":
+def _sheet(drop: Drop, name: str, pictures: Sequence[Still]) -> "Figure":
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 7.6), layout="constrained")
-    grid = figure.add_gridspec(3, 2, height_ratios=[2.2, 1, 1.8])
+    figure = Figure(figsize=(11, 11.2 if pictures else 7.6), layout="constrained")
+    rows = [2.2, 1, 1.8, 2.4] if pictures else [2.2, 1, 1.8]
+    grid = figure.add_gridspec(len(rows), 2, height_ratios=rows)
     above = figure.add_subplot(grid[0, :])
     _heights(above, drop)
     _residuals(figure.add_subplot(grid[1, :], sharex=above), drop)
     _path(figure.add_subplot(grid[2, 0]), drop)
     _against_speed(figure.add_subplot(grid[2, 1]), drop)
+    if pictures:
+        row = grid[3, :].subgridspec(1, len(pictures))
+        for k, still in enumerate(pictures):
+            _still(figure.add_subplot(row[k]), still, drop if k == 0 else None)
     e = drop.restitution
-    words = f"{name}: restitution {e.value:.3f} \N{PLUS-MINUS SIGN} {e.sigma:.3f}"
+    words = f"{name}: restitution {with_sigma(e.value, e.sigma)}"
     if drop.bounces.constant_within_noise is False:
         words += ", not one number for the whole clip"
     headline(figure, words)
@@ -94,13 +105,29 @@ def _path(axes: "Axes", drop: Drop) -> None:
     _upwards(axes, drop)
     if drop.scale is None:
         return
-    half = 0.5 * np.ptp(y) * drop.scale.value
-    length = 10.0 ** np.floor(np.log10(half))
-    length *= max(k for k in (1, 2, 5) if k * length <= half)
+    length, words = scale_bar(0.5 * float(np.ptp(y)) * drop.scale.value)
     bar = length / drop.scale.value
     right = float(np.max(x)) + 0.15 * float(np.ptp(y))
     axes.plot([right, right], [float(np.mean(y)) - bar / 2, float(np.mean(y)) + bar / 2], color=INK)
-    axes.annotate(f" {length:g} m", (right, float(np.mean(y))), va="center")
+    axes.annotate(f" {words}", (right, float(np.mean(y))), va="center")
+
+
+def _still(axes: "Axes", still: Still, drop: Drop | None) -> None:
+    """A picture of the film in its own pixels; the first has the scale bar."""
+    height, width = still.height, still.width
+    axes.imshow(still.image, extent=(-0.5, width - 0.5, height - 0.5, -0.5))
+    axes.set_title(f"frame {still.number}", fontsize=9)
+    axes.set_xlabel("x [px]")
+    if drop is None:
+        axes.set_yticklabels([])
+        return
+    axes.set_ylabel("y [px]")
+    if drop.scale is not None:
+        length, words = scale_bar(0.5 * width * drop.scale.value)
+        left, y = 0.06 * width, 0.08 * height
+        axes.plot([left, left + length / drop.scale.value], [y, y], lw=3, color=INK)
+        box = {"facecolor": PAPER, "edgecolor": "none", "pad": 1.5, "alpha": 0.8}
+        axes.annotate(words, (left, y), (0, 5), textcoords="offset points", bbox=box)
 
 
 def _against_speed(axes: "Axes", drop: Drop) -> None:
@@ -124,4 +151,4 @@ def _against_speed(axes: "Axes", drop: Drop) -> None:
     axes.axhline(e.value, color=GREY, lw=0.8)
     axes.set_xlabel("impact speed [m/s]" if drop.scale else f"impact speed [{_unit(drop)}/frame]")
     axes.set_ylabel("restitution")
-    axes.legend(loc="best")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)

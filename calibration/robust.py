@@ -24,7 +24,7 @@ def robust_fit(
     lean = np.empty((0, p)) if lean is None else lean
     nothing = np.zeros(len(lean))
     # not below what numbers without noise leave
-    floor = max(least, 1e-9 * max(float(np.ptp(y)), 1e-300))
+    floor = max(least, 1e-9 * max(float(np.ptp(y)), 1e-100))
     beta = np.linalg.lstsq(design, y, rcond=None)[0]
     sigma = np.inf
     for k in range(50):

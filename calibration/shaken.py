@@ -19,12 +19,19 @@ _LEAST_CYCLES = 2.0  # of the lowest tone, or the lowest difference of two, in a
 
 @dataclass(frozen=True)
 class Record:
-    """Force [N] and acceleration [m/s2] at tones (k,) [Hz] in each of b blocks: (b, k) complex."""
+    """Force [N] and acceleration [m/s2] at tones (k,) [Hz] in each of b blocks: (b, k) complex.
+
+    shaken (k,) tells the tones that the shaker was given from their harmonics; samples (2, n) are
+    force and acceleration as read, `rate` [Hz] of them a second.
+    """
 
     path: Path
     frequencies: NDArray[np.float64]
     force: NDArray[np.complex128]
     acceleration: NDArray[np.complex128]
+    shaken: NDArray[np.bool_]
+    samples: NDArray[np.float64]
+    rate: float
 
     @property
     def mass(self) -> NDArray[np.complex128]:
@@ -60,7 +67,9 @@ def read_record(
     moves = amplitudes(moved, clock.rate, tones, BLOCKS)
     for frequency in first:
         _check_tone(path, frequency, moves[:, int(np.argmin(np.abs(tones - frequency)))])
-    return Record(Path(path), tones, amplitudes(force, clock.rate, tones, BLOCKS), moves)
+    forces = amplitudes(force, clock.rate, tones, BLOCKS)
+    samples = np.stack([force, moved])
+    return Record(Path(path), tones, forces, moves, np.isin(tones, first), samples, clock.rate)
 
 
 def _with_harmonics(

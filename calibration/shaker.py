@@ -12,7 +12,7 @@ cycles' own irregularity in it, and from that of phi.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,11 @@ _KNOWN_PHASE = 0.1  # [rad] sigma above which the empty enclosure's tone is lost
 
 @dataclass(frozen=True)
 class Tone:
-    """One line of the sum: amplitudes, the phase error taken off, its power."""
+    """One line of the sum: amplitudes, the phase error taken off, its power.
+
+    efficiency of a tone that is shaken: P_k/f_k over 4 V_k^2 M (eqs 7.8, 6.10); None for harmonics,
+    whose motion is an accident, and without a particle mass.
+    """
 
     frequency_hz: float
     force_n: float
@@ -38,6 +42,8 @@ class Tone:
     power_w: float
     reactive_power_w: float
     sigma_w: float
+    efficiency: float | None = None
+    efficiency_sigma: float | None = None
 
 
 @dataclass(frozen=True)
@@ -76,7 +82,8 @@ def dissipation(
         velocity = loaded.acceleration[:, k] / (2j * np.pi * frequency)
         flow = 0.5 * sign * loaded.force[:, k] * np.exp(-1j * error) * velocity.conj()
         totals += flow.real
-        tones.append(_tone(loaded, k, (error, sigma), flow))
+        tones.append(_with_efficiency(_tone(loaded, k, (error, sigma), flow),
+                                      particle_mass if loaded.shaken[k] else None))  # fmt: skip
     phases = [tone.reactive_power_w * tone.phase_error_sigma for tone in tones]
     scatter = float(totals.std(ddof=1)) / np.sqrt(BLOCKS)
     power = Estimate(float(totals.mean()), float(np.hypot(scatter, np.linalg.norm(phases))), BLOCKS)
@@ -98,6 +105,15 @@ def _tone(loaded: Record, k: int, phase: tuple[float, float], flow: NDArray[np.c
         float(mean.imag),
         float(np.hypot(scatter, mean.imag * phase[1])),
     )
+
+
+def _with_efficiency(tone: Tone, particle_mass: float | None) -> Tone:
+    """A tone with its share of what could be taken at its speed; eqs 7.8 and 6.10."""
+    if particle_mass is None:
+        return tone
+    speed = tone.acceleration_m_s2 / (2.0 * np.pi * tone.frequency_hz)
+    most = 4.0 * speed**2 * particle_mass * tone.frequency_hz  # [W]
+    return replace(tone, efficiency=tone.power_w / most, efficiency_sigma=tone.sigma_w / most)
 
 
 def _with_cycle(

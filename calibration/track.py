@@ -21,6 +21,9 @@ class Track:
     covariance   (n, 2, 2) of x, y [the same, squared]; None where it is not known
     scale        metres per unit of x, y; None where it is not known
     name         which of several tracks of a file
+    radius       (n,) of a circle of the thing's area [px]; None where only places are known
+    camera       (n, 2) what the camera's motion added to x, y in the picture, and was taken off
+    repeated     frame numbers whose picture of the thing is that of the frame before
     remarks      what its reader had to assume or leave out
     """
 
@@ -31,6 +34,9 @@ class Track:
     covariance: Array | None = None
     scale: float | None = None
     name: str = ""
+    radius: Array | None = None
+    camera: Array | None = None
+    repeated: tuple[float, ...] = ()
     remarks: tuple[str, ...] = ()
 
     @property
@@ -65,11 +71,13 @@ class Track:
 
     def chosen(self, rows: Rows) -> "Track":
         """The track of these rows alone."""
-        covariance = None if self.covariance is None else self.covariance[rows]
-        time = None if self.time is None else self.time[rows]
+
+        def of(values: Array | None) -> Array | None:
+            return None if values is None else values[rows]
+
         return replace(
-            self, frame=self.frame[rows], x=self.x[rows], y=self.y[rows], time=time,
-            covariance=covariance,
+            self, frame=self.frame[rows], x=self.x[rows], y=self.y[rows], time=of(self.time),
+            covariance=of(self.covariance), radius=of(self.radius), camera=of(self.camera),
         )  # fmt: skip
 
 

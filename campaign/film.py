@@ -20,11 +20,11 @@ Image = NDArray[np.uint8]  # (height, width, 3), red green blue; both even, as c
 FPS = 25
 
 
-def write_film(folder: Path, pictures: Callable[[], Iterator[Image]]) -> Path:
-    """Write film.mp4 into a folder; its path. `pictures` gives all of them, each time anew.
+def write_film(folder: Path, pictures: Callable[[], Iterator[Image]], name: str = "film") -> Path:
+    """Write NAME.mp4 into a folder; its path. `pictures` gives all of them, each time anew.
 
     H.264 where imageio-ffmpeg is installed (extra "pictures"), else VP9 where OpenCV can write
-    it, else film.gif. Raises FolderError when it cannot be written.
+    it, else NAME.gif. Raises FolderError when it cannot be written.
     """
     with tempfile.TemporaryDirectory() as room, writing(folder):
         unfinished = Path(room) / "film.mp4"
@@ -32,8 +32,9 @@ def write_film(folder: Path, pictures: Callable[[], Iterator[Image]]) -> Path:
             unfinished = unfinished.with_suffix(".gif")
             _gif(unfinished, pictures())
         folder.mkdir(parents=True, exist_ok=True)
-        write_atomic(folder / unfinished.name, unfinished.read_bytes())
-    return folder / unfinished.name
+        path = folder / f"{name}{unfinished.suffix}"
+        write_atomic(path, unfinished.read_bytes())
+    return path
 
 
 def pace(time: NDArray[np.float64]) -> str:

@@ -33,6 +33,10 @@ class Keys:
         unit = unit_of(field)
         return f"{value!r} {unit}" if _is_quantity(field) and unit != "1" else value
 
+    def unit(self, key: str) -> str:
+        """The SI unit of a key, "1" for a pure number or a word."""
+        return unit_of(self._field(key))
+
     def column(self, key: str) -> str:
         """The name of a key's column in a table: "law.kn_n_per_m"."""
         unit = unit_of(self._field(key)).lower()

@@ -1,21 +1,37 @@
-"""Runs of the small silo that several test files look at; the kernels are compiled here once."""
+"""Runs of the small silo that several test files look at, made once for all workers of pytest."""
 
 import logging
+import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
+from hypothesis import settings
 from small_silo import silo2d, the_run, write_case
 
 from campaign.folder import RunFolder
 
+# How long an example takes says how busy the machine is, with another worker beside this one.
+settings.register_profile("shared machine", deadline=None)
+settings.load_profile("shared machine")
+
 
 @pytest.fixture(scope="session")
 def _finished_root(tmp_path_factory) -> Path:
-    root = tmp_path_factory.mktemp("reference")
-    answer = silo2d("run", write_case(root), "-o", root / "runs", "--no-figures", "--quiet")
-    assert answer.code == 0, answer.err
+    """Made by the first worker that asks for it; the others wait, and find the kernels compiled."""
+    of_all = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        of_all = of_all.parent
+    root = of_all / "reference"
+    with FileLock(of_all / "reference.lock"):
+        if not (root / "finished").exists():
+            shutil.rmtree(root, ignore_errors=True)  # of a worker that failed in it
+            root.mkdir()
+            answer = silo2d("run", write_case(root), "-o", root / "runs", "--no-figures", "--quiet")
+            assert answer.code == 0, answer.err
+            (root / "finished").touch()
     return root
 
 

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -75,13 +76,20 @@ def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:
     )
 
 
+def fork() -> int:
+    """os.fork; Python 3.12 warns of the threads by which a worker of pytest is told what to do."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return os.fork()
+
+
 def forked(work: Callable[[], object], kill_at_write: int = 0) -> int:
     """Do a work in a copy of this process, which has the kernels; what ended it.
 
     0 where it came to its end, -9 where it was killed: with kill_at_write it kills itself at its
     so many-th write, the new file written but not in place.
     """
-    child = os.fork()
+    child = fork()
     if child:
         _, status = os.waitpid(child, 0)
         return os.waitstatus_to_exitcode(status)

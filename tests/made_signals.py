@@ -1,8 +1,10 @@
 """Made-up signals of a bouncing body, with known impact times and restitution."""
 
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.io import wavfile
 
 
@@ -36,10 +38,22 @@ def half_sine(t, speed, duration=1e-3):
     return speed * np.where(inside, np.sin(np.pi * np.clip(t / duration, 0, 1)), 0.0)
 
 
+@cache
+def _hertz_pulse():
+    """Time over the contact's duration, force over its largest: d'' = -d^1.5, never damped."""
+    fall = solve_ivp(
+        lambda t, y: (y[1], -max(y[0], 0.0) ** 1.5), (0.0, 5.0), (0.0, 1.0), rtol=1e-9, atol=1e-12,
+        events=[lambda t, y: y[0] + 1.0 * (t < 0.1)], dense_output=True,
+    )  # fmt: skip
+    t = np.linspace(0.0, fall.t_events[0][-1], 2000)
+    force = np.maximum(fall.sol(t)[0], 0.0) ** 1.5
+    return t / t[-1], force / force.max()
+
+
 def hertz(t, speed, duration=1e-3):
-    """About the force of a Hertz contact: F ~ overlap^1.5; its time goes with speed^-0.2."""
-    stretched = duration * speed**-0.2
-    return speed**0.2 * half_sine(t, speed**0.8, stretched) ** 1.5
+    """The force of a Hertz contact, F ~ overlap^1.5: its time goes with speed^-0.2."""
+    part = np.clip(t / (duration * speed**-0.2), 0.0, 1.0)
+    return speed**1.2 * np.interp(part, *_hertz_pulse())
 
 
 def tone(t, speed, frequency=2500.0, decay=8e-3):

@@ -56,6 +56,7 @@ def test_what_was_not_measured_is_not_written(tmp_path):
         (["--into", file, "--pair", "wood-wood"], "no kt: its columns or constants are missing"),
         (["--into", file], "say of which pair"),
         (["--only", "smooth", "--group", "surface"], "--only smooth: no such group"),
+        (["--only", "rough"], "--only rough: the trials are not in groups; name the column"),
     ):
         answer = calibrate("interface", MARKERS, *options)
         assert answer.code == 2

@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
-from damper_runs import OPTIONS, answers, assert_same_run, forked, small, start
+from damper_runs import OPTIONS, answers, assert_same_run, fork, forked, small, start
 from small_damper import damper3d
 from small_silo import finish, the_run
 
@@ -110,7 +110,7 @@ def test_a_run_killed_at_any_moment_ends_with_the_same_bits(undisturbed, tmp_pat
     """kill -9 by somebody else, some milliseconds after each start, in filling and shaking."""
     chance, killed = random.Random(7), 0
     for _ in range(40):
-        child = os.fork()
+        child = fork()
         if not child:
             try:
                 protocol.run(small(), out=tmp_path)

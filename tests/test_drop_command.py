@@ -131,11 +131,11 @@ def test_bad_options_are_refused_in_one_line(tmp_path, options, words):
     assert err.count("\n") == 1
 
 
-def test_a_film_and_a_single_bounce_are_refused_in_one_line(tmp_path):
+def test_no_film_and_a_single_bounce_are_refused_in_one_line(tmp_path):
     film = tmp_path / "film.mp4"
     film.write_bytes(b"\x00\x00\x00\x18ftypmp42\xff\xfe" * 20)
     once = write(tmp_path / "once.csv", made_track([0.7]).track)
-    for path, words in ((film, "not a text file"), (once, "--one-bounce")):
+    for path, words in ((film, "no film"), (once, "--one-bounce")):
         code, out, err = calibrate("drop", path)
         assert (code, out) == (2, "")
         assert words in err

@@ -120,6 +120,17 @@ def test_tones_do_not_leak_into_one_another(tmp_path):
     assert found.efficiency is None
 
 
+def test_each_shaken_tone_has_its_own_efficiency(tmp_path):
+    """Eqs 7.8, 6.10 tone by tone: pi M''/(4 M), whatever its frequency and amplitude."""
+    rig = Rig(tones=((40.37, 100.0), (63.11, 80.0)), length=4.0)
+    found = rig.measure(tmp_path, frequencies=(40.37, 63.11), harmonics=2)
+    shaken = [tone for tone in found.tones if tone.efficiency is not None]
+    assert [round(tone.frequency_hz, 2) for tone in shaken] == [40.37, 63.11]
+    for tone in shaken:
+        assert abs(tone.efficiency - np.pi * 0.01 / (4 * BED)) < 4 * tone.efficiency_sigma
+        assert tone.efficiency_sigma < 0.05 * tone.efficiency
+
+
 def test_harmonics_count(tmp_path):
     """A shaker that is no pure sine: all tones do work (eq. 7.9)."""
     rig = Rig(tones=((40.0, 100.0), (80.0, 30.0), (120.0, 20.0)))
@@ -213,7 +224,11 @@ def test_command_prints_the_keys(tmp_path):
     assert run.exit_code == 0, run.output
     answer = json.loads(run.stdout)
     assert {"dissipated_power_w", "efficiency", "tones", "warnings"} <= set(answer)
-    assert "efficiency" in CliRunner().invoke(app, arguments).output
+    assert answer["sheet"] is None
+    drawn = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "sheets")])
+    assert drawn.exit_code == 0, drawn.output
+    assert "efficiency" in drawn.output
+    assert (tmp_path / "sheets" / "full-shaker.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize(

@@ -144,6 +144,11 @@ def _chosen(sections: list[Section], only: str | None) -> list[Section]:
     kept = [section for section in sections if section.group == only]
     if not kept:
         there = dict.fromkeys(section.group for section in sections)
+        if len(there) == 1:
+            raise InputError(
+                f"--only {only}: the trials are not in groups; name the column that tells them "
+                "apart: --group surface"
+            )
         raise InputError(f"--only {only}: no such group; {nearest(only, there)}")
     return kept
 

@@ -31,7 +31,9 @@ def command(
     files: tuple[str, ...], what: "Asked", trial: str | None, share: tuple[float, float],
     least_cycle: float,
 ) -> "list[Result]":  # fmt: skip
-    """Unloading stiffness of each cycle, modulus, and kn = E A/L; a record a trial.
+    """Unloading stiffness of each cycle, modulus, and kn = E A/L.
+
+    A record a trial.
 
     For example: calibrate compression cube*.csv --constant "area=100 mm2" --constant "length=10 mm"
 

@@ -17,7 +17,7 @@ _PARALLEL = (1, 2, 4, 8)  # a corner; a face on a wall; shifted faces; aligned f
 _ENDS: tuple["ContactEnd", ...] = ("overlap", "force")
 
 
-@click.command()
+@click.command(short_help="A restitution turned into the damping gamma_n")
 @click.option("--restitution", metavar='"0.53 +- 0.02"', help="[default: the pair's in the file]")
 @click.option("--kn", metavar='"1e4 N/mm +- 18 %"', help="Of one contact [default: likewise].")
 @click.option("--mass", metavar='"10.8 g +- 6 %"', help="Of a body; the other is its like.")

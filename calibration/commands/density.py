@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 
 @bench_command(INPUTS, {"density": "density_kg_m3"})
 def command(files: tuple[str, ...], what: "Asked") -> "list[Result]":
-    """Density, mass over volume, from masses and sizes; a row a particle.
+    """Density, mass over volume, from masses and sizes.
+
+    A row a particle.
 
     For example: calibrate density weighed.csv --instrument "mass=0.01 g"
     """

@@ -2,6 +2,7 @@
 
 import json
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -14,29 +15,43 @@ if TYPE_CHECKING:
     from calibration.uncertainty import Estimate
 
 
-@click.command()
+@click.command(short_help="Restitution of a thing that falls and bounces")
 @click.argument("file")
 @click.option("--fps", type=float, metavar="240", help="Frames per second of the camera.")
 @click.option("--scale", metavar='"0.81 mm/px"', help="Length per unit of x and y.")
 @click.option("--track", metavar="NAME", help="Which of several things that bounce.")
 @click.option("--one-bounce", is_flag=True, help="Take a single bounce, unchecked by another.")
-@click.option("-o", "--out", metavar="DIR", help="Draw the sheet there.")
+@click.option("--roi", metavar="x,y,w,h", help="Part of the picture to look at, in pixels.")
+@click.option("--at", metavar="frame,x,y", help="Where the thing is in some frame of a film.")
+@click.option("-o", "--out", metavar="DIR", help="Put sheet and annotated film there.")
 @into_options("restitution")
+@click.option("--quiet", is_flag=True, help="No progress on stderr.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(
     file: str, fps: float | None, scale: str | None, track: str | None, one_bounce: bool,
-    out: str | None, into: "Into | None", as_json: bool,
+    roi: str | None, at: str | None, out: str | None, into: "Into | None", quiet: bool,
+    as_json: bool,
 ) -> None:  # fmt: skip
-    """Restitution from the track of a thing that falls on a plate and bounces (eq. 3.5).
+    """Restitution of a thing that falls on a plate and bounces (eq. 3.5).
 
-    FILE is a table of frame or time, x, y, as trackers write it. Free fall gives the scale where
-    the rate is known, and the rate where the scale is; with both, g is a check.
+    FILE is a film (mp4, avi, mov, ..., a folder of pictures, 'im*.png'), in which the thing is
+    found by itself, or a table of frame or time, x, y, as trackers write it. Free fall gives the
+    scale where the rate is known, and the rate where the scale is; with both, g is a check.
 
-    For example: calibrate drop marble.csv --fps 240 --out sheets
+    For example: calibrate drop marble.mp4 --fps 240 --out sheets
     """
+    from calibration.commands.film_options import place, region
     from calibration.drop import measure_drop
+    from campaign.folder import refuse_unless_writable
+    from campaign.terminal import Progress
 
-    drop = measure_drop(file, fps=fps, scale=scale, track=track, one_bounce=one_bounce, out=out)
+    if out is not None:
+        refuse_unless_writable(Path(out), "--out")
+    with Progress(Path(file).name, quiet) as progress:
+        drop = measure_drop(
+            file, fps=fps, scale=scale, track=track, one_bounce=one_bounce, roi=region(roi),
+            hint=place(at), progress=progress.update, out=out,
+        )  # fmt: skip
     if into is not None:
         into.put("restitution", drop.restitution, method="drop test", files=[file])
     click.echo(json.dumps(drop.as_json(), indent=2) if as_json else _report(drop))
@@ -68,6 +83,8 @@ def _report(drop: "Drop") -> str:
     lines += [f"warning: {warning}" for warning in drop.warnings]
     if drop.sheet is not None:
         lines.append(f"sheet {drop.sheet}")
+    if drop.film is not None:
+        lines.append(f"annotated film {drop.film}")
     return "\n".join(lines)
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from calibration.uncertainty import Estimate
 
 
-@click.command()
+@click.command(short_help="Restitution from sound, force or acceleration")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--rate", type=float, metavar="200000", help="Samples/s of a table without times.")
 @click.option("--column", metavar="NAME", help="The only column wanted of a table.")
@@ -78,6 +78,8 @@ def _sheet(found: "Impacts", file: Path, out: Path) -> Path:
 
 def _report(found: "Impacts") -> str:
     """Impacts, pairs and what is made of them, as text."""
+    from calibration.quantity import plus_minus
+
     lines = ["impact  time [s]                flight [s]"]
     for k, (time, sigma) in enumerate(zip(found.times_s, found.sigmas_s, strict=True)):
         flight = f"{found.times_s[k + 1] - time:.6f}" if k + 1 < len(found.times_s) else "-"
@@ -86,10 +88,10 @@ def _report(found: "Impacts") -> str:
     for k, (value, sigma, speed) in enumerate(
         zip(one.per_pair, one.per_pair_sigma, one.impact_speeds_m_s, strict=True), start=2
     ):
-        lines.append(f"impact {k}: e = {value:.4f} ± {sigma:.4f} at {speed:.2f} m/s")
+        lines.append(f"impact {k}: e = {plus_minus(value, sigma)} at {speed:.2f} m/s")
     if one.value is not None and one.sigma is not None:
         told = "" if one.p is None else f" (p = {one.p:.2g} that one number describes the pairs)"
-        lines.append(f"restitution {one.value:.4f} ± {one.sigma:.4f}{told}")
+        lines.append(f"restitution {plus_minus(one.value, one.sigma)}{told}")
     if found.first_restitution is not None:
         lines.append(f"drop height and first flight: {found.first_restitution:.4f}")
     return "\n".join([*lines, *(f"warning: {words}" for words in found.warnings)])

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     help="Where L was measured [default: slope, sin(alpha) = |H1 - H2|/L].",
 )  # fmt: skip
 def command(files: tuple[str, ...], what: "Asked", along: str) -> "list[Result]":
-    """Friction mu = tan(alpha) from the angle at which a block begins to slide; a row a trial.
+    """Friction from the angle of first slip, mu = tan(alpha).
+
+    A row a trial.
 
     For example: calibrate incline tilt.csv --group pairing --instrument "angle=0.2 deg"
     """

@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 
 @bench_command(INPUTS, {"kt": "kt_n_per_m"})
 def command(files: tuple[str, ...], what: "Asked") -> "list[Result]":
-    """kt/kn = (sigma_t/sigma_n) (dx_n/dx_t) of displacements and stresses, eq. 3.3; a row a marker.
+    """kt/kn from displacements and stresses beside an interface.
+
+    kt/kn = (sigma_t/sigma_n) (dx_n/dx_t), eq. 3.3; a row a marker.
 
     For example: calibrate interface markers.csv --group surface --reading "dx_t=0.003 mm"
     """

@@ -44,7 +44,7 @@ class Into:
             source=source or ", ".join(path.name for path in paths),
             digest=digest_of(paths) if paths else None,
         )
-        click.echo(_said(written), err=True)
+        click.echo(said(written), err=True)
         return written
 
     def takes(self, key: str) -> bool:
@@ -115,7 +115,7 @@ def _checked(
     return wanted
 
 
-def _said(written: "Written") -> str:
+def said(written: "Written") -> str:
     """What became of a value, and what simulators still need."""
     what = f"{written.path}: [{written.section}] {written.key}"
     if not written.changed:

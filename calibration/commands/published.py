@@ -7,7 +7,7 @@ import click
 from campaign.commandline import json_option
 
 
-@click.command("published")
+@click.command("published", short_help="The sources' measurements, calculated again")
 @click.argument("tables", nargs=-1, metavar="[TABLE]...")
 @json_option
 def command(tables: tuple[str, ...], as_json: bool) -> None:

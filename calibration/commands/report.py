@@ -7,7 +7,7 @@ import click
 from campaign.commandline import json_option
 
 
-@click.command()
+@click.command(short_help="Where each number of a parameter file came from")
 @click.argument("file")
 @json_option
 def command(file: str, as_json: bool) -> None:

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     help="What is taken off the profile first, by least squares [default: line].",
 )  # fmt: skip
 def command(files: tuple[str, ...], what: "Asked", trial: str | None, form: str) -> "list[Result]":
-    """Mean roughness Ra = (1/L) integral |z| dx of profiles z(x), thesis eq. 7.1; a path a trial.
+    """Mean roughness Ra of profiles z(x).
+
+    Ra = (1/L) integral |z| dx, thesis eq. 7.1; a path a trial.
 
     For example: calibrate roughness paths.csv --trial path --group particle --form circle
     """

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from campaign.commandline import json_option
-from contact.quantity import to_si
+from campaign.commandline import json_option, quiet_option
+from contact.quantity import InputError, to_si
 
 if TYPE_CHECKING:
-    from calibration.shaker import Dissipation
+    from calibration.shaken import Record
+    from calibration.shaker import Dissipation, Tone
     from calibration.uncertainty import Estimate
 
 
-@click.command()
+@click.command(short_help="Power and efficiency of a shaken enclosure")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
     "--empty", type=click.Path(path_type=Path), multiple=True,
@@ -28,14 +29,16 @@ if TYPE_CHECKING:
 @click.option("--particle-mass", metavar='"27.9 g"', help="For the efficiency.")
 @click.option("--harmonics", type=click.IntRange(1, 50), default=5, help="Counted [default: 5].")
 @click.option("--rate", type=float, metavar="40000", help="Samples/s of tables without times.")
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for the sheet (PNG).")
+@quiet_option
 @json_option
 def command(
     file: Path, empty: tuple[Path, ...], frequency: tuple[float, ...], particle_mass: str | None,
-    harmonics: int, rate: float | None, as_json: bool,
+    harmonics: int, rate: float | None, out: Path | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Dissipated power and efficiency from force and acceleration (thesis, eqs 7.6 to 7.12).
 
-    For example: calibrate shaker full.csv --empty empty.csv --particle-mass "27.9 g"
+    For example: calibrate shaker full.csv --empty empty.csv --particle-mass "27.9 g" -o sheets
     """
     from calibration.shaken import read_record
     from calibration.shaker import dissipation
@@ -46,7 +49,23 @@ def command(
         for path in (file, *empty)
     )
     found = dissipation(loaded, others, mass)
-    click.echo(json.dumps(_as_json(found), indent=2) if as_json else _report(found))
+    sheet = None if out is None else _sheet(found, loaded, out)
+    if as_json:
+        click.echo(json.dumps(_as_json(found) | {"sheet": sheet and str(sheet)}, indent=2))
+        return
+    click.echo(_report(found))
+    if sheet is not None and not quiet:
+        click.echo(f"sheet: {sheet}", err=True)
+
+
+def _sheet(found: "Dissipation", loaded: "Record", out: Path) -> Path:
+    from calibration.shaker_sheet import draw_sheet
+    from campaign.figure import write_figure
+
+    if out.exists() and not out.is_dir():
+        raise InputError(f"--out = {out}: not a folder")
+    name = f"{loaded.path.stem}-shaker.png"
+    return write_figure(out / name, lambda: draw_sheet(found, loaded))
 
 
 def _as_json(found: "Dissipation") -> dict[str, object]:
@@ -69,13 +88,11 @@ def _as_json(found: "Dissipation") -> dict[str, object]:
 
 def _report(found: "Dissipation") -> str:
     """Tones and what is made of them, as text."""
-    lines = ["tone [Hz]    force [N]    accel. [m/s2]    phase error [mrad]    power [W]"]
-    lines += [
-        f"{tone.frequency_hz:9.3f}    {tone.force_n:9.4g}    {tone.acceleration_m_s2:13.4g}    "
-        f"{1e3 * tone.phase_error_rad:8.3f} ± {1e3 * tone.phase_error_sigma:<7.3f}    "
-        f"{tone.power_w:.4g} ± {tone.sigma_w:.2g}"
-        for tone in found.tones
+    lines = [
+        "tone [Hz]    force [N]    accel. [m/s2]    phase error [mrad]    power [W]"
+        "                  efficiency"
     ]
+    lines += [_line(tone) for tone in found.tones]
     rows = [("gamma", f"{found.gamma:.4g} g")]
     for name, one, unit in (
         ("dissipated power", found.power, "W"),
@@ -87,3 +104,14 @@ def _report(found: "Dissipation") -> str:
         rows.append(("empty enclosure", f"{found.enclosure_mass_kg:.4g} kg"))
     lines += [f"{name:20} {value}" for name, value in rows]
     return "\n".join([*lines, *(f"warning: {words}" for words in found.warnings)])
+
+
+def _line(tone: "Tone") -> str:
+    power = f"{tone.power_w:.4g} ± {tone.sigma_w:.2g}"
+    line = (
+        f"{tone.frequency_hz:9.3f}    {tone.force_n:9.4g}    {tone.acceleration_m_s2:13.4g}    "
+        f"{1e3 * tone.phase_error_rad:8.3f} ± {1e3 * tone.phase_error_sigma:<7.3f}    {power:<23}"
+    )
+    if tone.efficiency is not None:
+        line += f"    {tone.efficiency:.4f} ± {tone.efficiency_sigma:.2g}"
+    return line.rstrip()

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     help="From rest at t = 0, eq. 3.11b, or at any velocity there [default: rest].",
 )  # fmt: skip
 def command(files: tuple[str, ...], what: "Asked", trial: str | None, start: str) -> "list[Result]":
-    """Tangential damping gamma_t of a sliding block, eqs 3.11a-c; a curve v(t) or a row a trial.
+    """Tangential damping gamma_t of a sliding block (eqs 3.11a-c).
+
+    A curve v(t), or a row a trial.
 
     For example: calibrate slide run1.csv run2.csv --constant "incline=30 deg +- 0.5 deg"
     """

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.impacts.onset import onset
+from calibration.impacts.onset import edge_of
+from calibration.impacts.power import onsets_of
 from calibration.impacts.ratios import Restitution, first_restitution, restitution
 from calibration.impacts.search import RISE, WINDOW, Search, search
 from calibration.impacts.sequence import bouncing
@@ -96,7 +97,8 @@ def measure_signal(
         remarks += _no_row(signal.path, len(starts), drop_height)
     clearest = _clearest(found)
     x, white = signal.channels[:, clearest], found.white[:, clearest]
-    onsets = [onset(x, white, (int(starts[k]), int(ends[k])), found.window) for k in chosen]
+    spans = [(int(starts[k]), int(ends[k])) for k in chosen]
+    onsets = onsets_of([edge_of(x, white, span, found.window) for span in spans])
     times = signal.start + np.array([one.time for one in onsets]) / signal.rate
     sigmas = with_shape(x, onsets) / signal.rate
     others = np.delete(starts, chosen) / signal.rate + signal.start

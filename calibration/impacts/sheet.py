@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calibration.impacts.measure import Impacts
+from calibration.quantity import plus_minus
 from campaign.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def draw_sheet(found: Impacts) -> "Figure":
     _flights(figure.add_subplot(lowest[1]), found)
     _ratios(figure.add_subplot(lowest[2]), found)
     one = found.restitution
-    words = "no restitution" if one.value is None else f"e = {one.value:.4f} ± {one.sigma:.4f}"
+    words = "no restitution" if one.value is None else f"e = {plus_minus(one.value, one.sigma)}"
     headline(figure, f"{found.signal.path.name}: {len(found.times_s)} impacts, {words}")
     return figure
 
@@ -86,6 +87,7 @@ def _flights(axes: "Axes", found: Impacts) -> None:
     """Flights on a logarithmic axis, where a constant restitution is a straight line."""
     flights = np.diff(found.times_s)
     axes.semilogy(np.arange(1, len(flights) + 1), flights, "o-", color=BLUE)
+    axes.set_xticks(np.arange(1, len(flights) + 1))
     axes.set_xlabel("flight")
     axes.set_ylabel("duration [s]")
 

@@ -1,0 +1,67 @@
+"""The command that reads restitution off things that swing on strings and collide: pendulum."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from calibration.commands.film_options import region
+from calibration.commands.options import into_options
+from campaign.commandline import json_option, quiet_option
+from contact.quantity import InputError, to_si
+
+if TYPE_CHECKING:
+    from calibration.commands.options import Into
+
+
+@click.command(short_help="Restitution of two blocks on strings, or a ball and a wall")
+@click.argument("file")
+@click.option("--fps", type=float, metavar="240", help="Frames per second of the camera.")
+@click.option("--roi", metavar="X,Y,W,H", help="Part of the film to look at [px].")
+@click.option("--track", multiple=True, metavar="NAME", help="Which thing; twice for two blocks.")
+@click.option("--masses", metavar='"10 g,12 g"', help="Of the left and the right block: a check.")
+@click.option("-o", "--out", metavar="DIR", help="Draw the sheet there.")
+@into_options("restitution")
+@quiet_option
+@json_option
+def command(
+    file: str, fps: float | None, roi: str | None, track: tuple[str, ...], masses: str | None,
+    out: str | None, into: "Into | None", quiet: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Restitution of two blocks on strings (eq. 3.6), or of a ball on a string against a wall.
+
+    FILE is a film, or a table of frame or time, x, y of one ball or two blocks. The first block, or
+    the ball, is held to one side and let go.
+
+    For example: calibrate pendulum blocks.mp4 --out sheets
+    """
+    from calibration.pendulum.measure import measure_pendulum
+    from calibration.pendulum.statement import as_json as object_of
+    from calibration.pendulum.statement import as_text
+    from campaign.folder import refuse_unless_writable
+    from campaign.terminal import Progress
+
+    if out is not None:
+        refuse_unless_writable(Path(out), "--out")
+    with Progress(Path(file).name, quiet) as progress:
+        found = measure_pendulum(
+            file, fps=fps, tracks=track, roi=region(roi), masses=_masses(masses), out=out,
+            progress=progress.update,
+        )  # fmt: skip
+    if into is not None:
+        into.put("restitution", found.restitution, method="pendulum", files=[file])
+    click.echo(json.dumps(object_of(found), indent=2) if as_json else as_text(found))
+
+
+def _masses(text: str | None) -> tuple[float, float] | None:
+    """Two masses [kg] of "10 g,12 g"."""
+    if text is None:
+        return None
+    words = text.split(",")
+    if len(words) != 2:
+        raise InputError(f"--masses = {text!r}: two masses, such as '10 g,12 g'")
+    first, second = (to_si(word.strip(), "kg", "--masses") for word in words)
+    if not (first > 0 and second > 0):
+        raise InputError(f"--masses = {text!r}: must be positive, such as '10 g,12 g'")
+    return first, second

@@ -1,0 +1,88 @@
+"""Which of the things that were followed is the one that a drop test is about."""
+
+import numpy as np
+
+from calibration.bounce import Bounces, find_bounces
+from calibration.track import Track
+from calibration.uncertainty import Estimate
+from contact.quantity import InputError
+
+_TOGETHER = 1.0  # frames: contacts of a thing and of its shadow or reflection
+
+
+def the_one_that_bounces(
+    tracks: list[Track], name: str | None, one_bounce: bool, where: str
+) -> Bounces:
+    """The bounces of the track `name`, or of the only one that bounces.
+
+    A shadow or a reflection bounces when its thing does: the one with more positions counts.
+    Raises InputError where none bounces, or several do.
+    """
+    if name is not None:
+        known = [track.name for track in tracks]
+        if name not in known:
+            raise InputError(f"{where}no track {name!r}; there are {', '.join(map(repr, known))}")
+        tracks = [track for track in tracks if track.name == name]
+    found, failures = [], []
+    for track in tracks:
+        try:
+            found.append(find_bounces(track, one_is_enough=one_bounce))
+        except InputError as error:
+            failures.append((_range(track), error))
+    if not found:
+        raise InputError(f"{where}{max(failures, key=lambda failure: failure[0])[1]}")
+    found = _without_companions(found)
+    if len(found) > 1:
+        names = ", ".join(_named(one.track) for one in found)
+        raise InputError(f"{where}{len(found)} things bounce: choose one with --track ({names})")
+    _refuse_what_is_no_restitution(found[0].pooled, where)
+    return found[0]
+
+
+def _refuse_what_is_no_restitution(pooled: Estimate, where: str) -> None:
+    """InputError for what says nothing of a number between 0 and 1, or lies above 1.
+
+    1/sqrt(12) is the standard deviation of what is only known to lie there.
+    """
+    sigma = pooled.sigma or 0.0
+    if sigma > 12**-0.5 or pooled.value - 3 * sigma > 1:
+        raise InputError(
+            f"{where}what moves has a restitution of {pooled.value:.2f} +- {sigma:.2g}: "
+            "no drop test; give the part of the picture with --roi, or see calibrate pendulum"
+        )
+
+
+def _without_companions(found: list[Bounces]) -> list[Bounces]:
+    """Those that do not bounce together with one that was seen in more places."""
+    in_order = sorted(found, key=lambda one: -sum(map(len, one.flights.rows)))
+    kept: list[Bounces] = []
+    for one in in_order:
+        if one.track.radius is None or not any(_together(one, other) for other in kept):
+            kept.append(one)
+    return [one for one in found if any(one is other for other in kept)]
+
+
+def _together(one: Bounces, other: Bounces) -> bool:
+    """Whether each contact of the one that has fewer is one of the other's."""
+    few, many = sorted(([_frames(b) for b in (one, other)]), key=len)
+    near = np.abs(few[:, None] - many[None, :]).min(axis=1)
+    return len(few) > 1 and bool(np.all(near < _TOGETHER))
+
+
+def _frames(found: Bounces) -> np.ndarray:
+    """Frame numbers of the contacts."""
+    base = found.base
+    return np.interp(found.contacts[:, 0], base.clock, found.track.frame[base.rows])
+
+
+def _named(track: Track) -> str:
+    """The name of a track and, in a film, where it begins."""
+    if track.radius is None:
+        return repr(track.name)
+    return f"{track.name!r} from {track.x[0]:.0f},{track.y[0]:.0f} px in frame {track.frame[0]:g}"
+
+
+def _range(track: Track) -> float:
+    """How far a track goes along y: the one that goes farthest says why nothing was found."""
+    seen = track.y[np.isfinite(track.y)]
+    return float(np.ptp(seen)) if len(seen) else 0.0

@@ -1,0 +1,85 @@
+"""Free fall in a drop test ties scale and rate together: g = a s f^2.
+
+a is the acceleration in units of the track per frame^2, s the scale, f the rate. With both known,
+g is a check; with one, it gives the other; with none, restitution is known all the same and speeds
+are not.
+"""
+
+import math
+
+import numpy as np
+
+from calibration.bounce import STANDARD_GRAVITY, Bounces
+from calibration.drop_result import Drop
+from calibration.uncertainty import Estimate, through
+
+_FAR = 0.05  # share by which g may miss before scale or rate is doubted
+
+
+def with_free_fall(
+    found: Bounces, fps: float | None, scale: float | None, header: float | None = None
+) -> Drop:
+    """Scale, rate or gravity from the acceleration, and what that says of the clip.
+
+    fps      frames/s of the camera [1/s]; else what the time stamps say
+    scale    metres per unit of y
+    header   frames/s that the file says; else what the time stamps say
+    """
+    value, sigma = found.flights.acceleration
+    fall = Estimate(abs(value), sigma, len(found.flights.rows))
+    used = fps or found.track.rate
+    rate = Estimate(used, 0.0, 1) if used else None
+    length = Estimate(scale, 0.0, 1) if scale else None
+    gravity, remarks, warnings = None, list(found.base.remarks), list(found.warnings)
+    if rate and length:
+        gravity = through(lambda a, f, s: a * s * f**2, fall, rate, length)
+        warnings += _doubts(gravity, rate, length)
+    elif rate:
+        length = through(lambda g, a, f: g / (a * f**2), STANDARD_GRAVITY, fall, rate)
+        remarks.append("no scale: free fall gives it")
+    elif length:
+        rate = through(lambda g, a, s: math.sqrt(g / (a * s)), STANDARD_GRAVITY, fall, length)
+        remarks.append("no rate: free fall gives it")
+    else:
+        remarks.append("neither rate nor scale: times in frames, no speeds")
+    warnings += nearer(found)
+    header = found.track.rate if header is None else header
+    return Drop(found, header, rate, length, gravity, tuple(remarks), tuple(warnings))
+
+
+def _doubts(gravity: Estimate, rate: Estimate, scale: Estimate) -> list[str]:
+    ratio = gravity.value / STANDARD_GRAVITY.value
+    assert gravity.sigma is not None
+    off = abs(gravity.value - STANDARD_GRAVITY.value)
+    if off < 3 * gravity.sigma or abs(ratio - 1) < _FAR:
+        return []
+    return [
+        f"free fall gives g = {gravity.value:.4g} m/s2: with this scale the rate would be "
+        f"{rate.value / math.sqrt(ratio):.4g} frames/s, with this rate the scale "
+        f"{1e3 * scale.value / ratio:.4g} mm/px"
+    ]
+
+
+def nearer(found: Bounces) -> list[str]:
+    """A warning where the thing grows in the picture, or shrinks, by more than chance."""
+    radius = found.track.radius
+    if radius is None:
+        return []
+    from scipy.stats import theilslopes
+
+    flying = np.concatenate(found.flights.rows)
+    fall = np.abs(np.gradient(found.track.y[found.base.rows], found.base.clock)[flying])
+    slow = fall <= np.quantile(fall, 0.3)  # the blur of motion makes things larger
+    rows = found.base.rows[flying[slow]]
+    if len(rows) < 8:
+        return []
+    frame, size = found.track.frame[rows], np.log(radius[rows])
+    slope, _, low, high = theilslopes(size, frame, alpha=0.997)
+    grown = slope * np.ptp(frame)
+    if low * high <= 0 or abs(grown) < _FAR:
+        return []
+    way = "nearer" if grown > 0 else "farther"
+    return [
+        f"the thing comes {way}: its radius changes by {np.expm1(grown):+.0%} over the flights, "
+        "and the scale with it; restitution from times does not need it"
+    ]

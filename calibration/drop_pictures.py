@@ -1,0 +1,43 @@
+"""What a drop test leaves in a folder to be judged by: a sheet, and the annotated film."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from calibration.drop_result import Drop
+from calibration.track import Track
+
+
+def with_pictures(
+    drop: Drop,
+    source: str | Path | Track | Sequence[Track],
+    folder: Path,
+    progress: Callable[[float, str], None] | None = None,
+) -> Drop:
+    """The drop test with `sheet`, drop-NAME.png, and `film`, drop-NAME.mp4, where it was filmed.
+
+    Raises FolderError where they cannot be written.
+    """
+    from calibration.drop_sheet import draw_sheet
+    from calibration.film.annotate import annotate, stills
+    from calibration.film.reader import is_film, open_film
+
+    if not isinstance(source, str | Path):
+        name = f"drop-{drop.bounces.track.name or 'track'}"
+        return replace(drop, sheet=draw_sheet(drop, folder / f"{name}.png", name[5:]))
+    name = _name(Path(source))
+    sheet = folder / f"drop-{name}.png"
+    if not is_film(source):
+        return replace(drop, sheet=draw_sheet(drop, sheet, name))
+    film = open_film(source)
+    return replace(
+        drop,
+        sheet=draw_sheet(drop, sheet, name, stills(drop, film)),
+        film=annotate(drop, film, folder / f"drop-{name}.mp4", progress),
+    )
+
+
+def _name(path: Path) -> str:
+    """A film's own name; of pictures "im*.png" that of their folder."""
+    named = path.parent if any(mark in path.name for mark in "*?[") else path
+    return named.resolve().stem

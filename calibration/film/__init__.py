@@ -1,0 +1,1 @@
+"""Films: frames read one by one, and things found in them."""

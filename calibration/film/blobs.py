@@ -1,0 +1,262 @@
+"""Where things are in one picture, to a fraction of a pixel, from how it differs from background.
+
+A pixel that shows a share a of a thing and 1 - a of the background has the colour a F + (1 - a) B.
+a = (I - B).(F - B)/|F - B|^2 (Smith and Blinn 1996, doi 10.1145/237170.237263), F the thing's own
+colour, is 1 inside, falls to 0 over the edge, or over the blur of motion, alike on either side: its
+centroid is the place of the thing at the middle of the exposure. Shadows and reflections have small
+a and are cut off below a quarter; shading of the thing itself is cut off above three quarters.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.film.background import Mask
+from calibration.film.reader import Picture
+
+_LOW, _HIGH = 0.25, 0.75  # share of a thing from and to which a pixel counts in part
+_NEW = 1.13  # mean difference of two normal deviates, in their sigma
+_UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
+_CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
+_LARGEST = 0.1  # share of the picture beyond which a thing is not taken as a whole
+_FEWEST = 3  # pixels of the difference that make a thing
+_MOST = 6  # things in one picture: the strongest
+_ACROSS = 80  # px of a thing's window; larger ones are reduced, their place is no less known
+_THIN = 0.5  # of the half thickness of a thing: what is thinner hangs on it (strings, fingers)
+
+
+Channels = NDArray[np.float32]
+
+
+class Blob(NamedTuple):
+    """A thing in one picture; lengths in pixels of that picture.
+
+    x, y       centroid
+    xx, xy, yy covariance of the centroid from the noise of the pixels and the edge's shading
+    area       sum of the shares
+    colour     (3,) of its core, blue, green, red
+    contrast   difference of that to the background [grey levels]
+    whole      False where it touches the edge of the picture
+    box        x, y, width, height
+    changed    whether the picture there is another than that of the frame before
+    """
+
+    x: float
+    y: float
+    xx: float
+    xy: float
+    yy: float
+    area: float
+    colour: NDArray[np.float64]
+    contrast: float
+    whole: bool
+    box: tuple[int, int, int, int]
+    changed: bool = True
+
+
+class Candidate(NamedTuple):
+    """Connected pixels that differ from the background.
+
+    box    x, y, width, height in the picture
+    strength   sum of the difference
+    mask   (height, width) of the box
+    """
+
+    box: tuple[int, int, int, int]
+    strength: float
+    mask: Mask
+
+
+def candidates(difference: Picture, limit: Picture, reduce: int) -> list[Candidate] | None:
+    """Things that differ, the strongest first; None where the picture shows something else.
+
+    They are looked for in the picture reduced by a whole number, in which noise is less.
+    """
+    import cv2
+
+    height, width = difference.shape
+    size = (width // reduce, height // reduce)
+    small, least = (cv2.resize(one, size, interpolation=cv2.INTER_AREA) if reduce > 1 else one
+                    for one in (difference, limit))  # fmt: skip
+    mask = cv2.compare(small, least, cv2.CMP_GT)
+    if cv2.countNonZero(mask) > _CUT * mask.size:
+        return None
+    mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+    _n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
+    found = []
+    big = np.flatnonzero(stats[1:, cv2.CC_STAT_AREA] >= _FEWEST) + 1
+    big = big[np.argsort(-stats[big, cv2.CC_STAT_AREA], kind="stable")][: 2 * _MOST]
+    for k in big:
+        x, y, w, h = (int(v) for v in stats[k, :4])
+        inside = np.asarray(labels[y : y + h, x : x + w] == k, dtype=np.uint8) * 255
+        strength = float(small[y : y + h, x : x + w][inside > 0].sum())
+        box = (x * reduce, y * reduce, w * reduce, h * reduce)
+        whole = cv2.resize(inside, box[2:], interpolation=cv2.INTER_NEAREST)
+        found.append(Candidate(box, strength, np.asarray(whole, dtype=np.uint8)))
+    found.sort(key=lambda one: -one.strength)
+    return found[:_MOST]
+
+
+def measure(picture: Picture, background: Picture, noise: float, one: Candidate) -> Blob | None:
+    """A candidate's place; None where it has no core, or is too large to be one thing."""
+    import cv2
+
+    height, width = picture.shape[:2]
+    x, y, w, h = one.box
+    if cv2.countNonZero(one.mask) > _LARGEST * width * height:
+        return None
+    margin = 3 + max(w, h) // 8
+    left, top = max(x - margin, 0), max(y - margin, 0)
+    right, bottom = min(x + w + margin, width), min(y + h + margin, height)
+    cut = np.s_[top:bottom, left:right]
+    reduce = -(-max(right - left, bottom - top) // _ACROSS)
+    mask = np.zeros((bottom - top, right - left), np.uint8)
+    mask[y - top : y - top + h, x - left : x - left + w] = one.mask[: bottom - y, : right - x]
+    seen, behind, mask = (_reduced(part, reduce) for part in (picture[cut], background[cut], mask))
+    share, colour, contrast, sigma = _shares(seen, behind, mask, noise / reduce)
+    if share is None:
+        return None
+    body = _body(share, mask)
+    if body is None:
+        return None
+    box = _box(body, left, top, reduce)
+    if reduce > 1 and 2 * max(box[2:]) < max(w, h):  # what hung on it made the window large
+        return measure(picture, background, noise, _part(one, box))
+    kernel = np.ones((3, 3), np.uint8)
+    weight = np.clip((share - _LOW) / (_HIGH - _LOW), 0, 1)
+    weight[cv2.dilate(body, kernel, iterations=2) == 0] = 0.0
+    weight[cv2.erode(body, kernel, iterations=2) > 0] = 1.0  # marks and highlights
+    area = float(weight.sum())
+    if area < 1:
+        return None
+    ys, xs = np.nonzero(weight)
+    known = weight[ys, xs]
+    cx, cy = float(known @ xs / area), float(known @ ys / area)
+    edge = (known < 1) * np.hypot(sigma[ys, xs], _UNEVEN) / (_HIGH - _LOW)
+    lever = np.stack([xs - cx, ys - cy]) * edge / area
+    xx, xy, yy = (float(lever[i] @ lever[j]) * reduce**2 for i, j in ((0, 0), (0, 1), (1, 1)))
+    inside = box[0] > 0 and box[1] > 0 and box[0] + box[2] < width and box[1] + box[3] < height
+    return Blob(
+        left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
+        area * reduce**2, colour, contrast, inside, box,
+    )  # fmt: skip
+
+
+def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool:
+    """Whether a thing's picture is another than in the frame before, by more than noise.
+
+    Half of the thing's rim is new where it moves: a repeated picture, coded anew, differs less.
+    """
+    import cv2
+
+    x, y, w, h = (max(value, 0) for value in blob.box)
+    cut = np.s_[y : y + h, x : x + w]
+    mean = np.mean(cv2.mean(cv2.absdiff(picture[cut], before[cut]))[:3])
+    return float(mean) > _NEW * noise
+
+
+def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate:
+    """The part of a candidate that lies in a box."""
+    left, top = (max(box[i], one.box[i]) for i in (0, 1))
+    right, bottom = (min(k[i] + k[i + 2] for k in (box, one.box)) for i in (0, 1))
+    x, y = left - one.box[0], top - one.box[1]
+    mask = one.mask[y : y + bottom - top, x : x + right - left]
+    return Candidate((left, top, right - left, bottom - top), one.strength, mask)
+
+
+def _reduced(part: Picture, reduce: int) -> Picture:
+    import cv2
+
+    if reduce == 1:
+        return part
+    height, width = (length // reduce for length in part.shape[:2])
+    whole = np.ascontiguousarray(part[: height * reduce, : width * reduce])
+    return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA))
+
+
+def _shares(
+    seen: Picture, behind: Picture, mask: Mask, noise: float
+) -> tuple[NDArray[np.float64] | None, NDArray[np.float64], float, NDArray[np.float64]]:
+    """Share of the thing in each pixel, its colour, its contrast, and sigma of the shares.
+
+    The colour is that of the pixels that differ nearly as much as any: a shadow differs less.
+    Of a thing of several colours other parts count by how much they differ. Where the background
+    has nearly the thing's colour the share is not known, and taken as zero.
+    """
+    behind_it = behind.astype(np.float32)
+    away = seen.astype(np.float32) - behind_it
+    size = np.sqrt(_dot(away, away))
+    inside = mask > 127
+    nothing = np.zeros(3)
+    if inside.sum() < 2:
+        return None, nothing, 0.0, size
+    core = inside & (size >= 0.6 * _near_largest(size[inside]))
+    colour = _median(seen[core]).astype(float)
+    towards = colour.astype(np.float32) - behind_it
+    square = _dot(towards, towards)
+    contrast = float(np.sqrt(_median(square[core])))
+    least = (4 * noise) ** 2
+    share = np.where(square > least, _dot(away, towards) / np.maximum(square, least), 0)
+    share = np.maximum(share, size / max(contrast, np.sqrt(least)))  # things of several colours
+    return share, colour, contrast, noise / np.sqrt(np.maximum(square, least))
+
+
+def _median(values: NDArray[Any]) -> NDArray[Any]:
+    """The upper median along the first axis; numpy's own costs more than all else of a window."""
+    middle = len(values) // 2
+    return np.asarray(np.partition(values, middle, axis=0)[middle])
+
+
+def _near_largest(values: Channels) -> float:
+    """What three in a hundred exceed: highlights do not count."""
+    k = int(0.97 * (len(values) - 1))
+    return float(np.partition(values, k)[k])
+
+
+def _dot(a: Channels, b: Channels) -> Channels:
+    """(h, w) product of the colours of pixels; einsum makes no copies."""
+    return np.einsum("ijk,ijk->ij", a, b)
+
+
+def _body(share: NDArray[np.float64], mask: Mask) -> Mask | None:
+    """The largest connected part that is half the thing or more, without what is thin."""
+    import cv2
+
+    more = np.where(share > (_LOW + _HIGH) / 2, 255, 0).astype(np.uint8)
+    more[cv2.dilate(mask, np.ones((5, 5), np.uint8)) == 0] = 0
+    half = _largest(more)
+    if half is None:
+        return None
+    half = _filled(half)
+    edged = cv2.copyMakeBorder(half, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    radius = int(_THIN * float(cv2.distanceTransform(edged, cv2.DIST_L2, 3).max()))
+    if radius < 1:
+        return half
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
+    return _largest(np.asarray(cv2.morphologyEx(half, cv2.MORPH_OPEN, kernel), dtype=np.uint8))
+
+
+def _largest(mask: Mask) -> Mask | None:
+    import cv2
+
+    n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
+    if n < 2:
+        return None
+    best = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
+    return np.asarray(labels == best, dtype=np.uint8) * 255
+
+
+def _filled(mask: Mask) -> Mask:
+    """Without holes: highlights and marks on a thing."""
+    import cv2
+
+    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    return np.asarray(cv2.drawContours(mask.copy(), outlines, -1, 255, cv2.FILLED), dtype=np.uint8)
+
+
+def _box(body: Mask, left: int, top: int, reduce: int) -> tuple[int, int, int, int]:
+    import cv2
+
+    x, y, w, h = cv2.boundingRect(body)
+    return left + x * reduce, top + y * reduce, w * reduce, h * reduce

@@ -1,0 +1,1 @@
+"""Discharge of a silo from video: times, curve, displacement profile of the layers, velocities."""

@@ -1,0 +1,165 @@
+"""A column that spreads on a plate: position of its front and of its free surface against time.
+
+The material is what differs from the first picture by more than half of how much backing and
+material differ (which do is told by Otsu's threshold, IEEE Trans. SMC 9 (1979) 62, of the last
+picture): its largest patch. The front is where the patch ends on the left and on the right. Half of
+its width is the radius of a heap that spreads evenly, whichever way a camera looks down on it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.film.reader import open_film
+from calibration.flow.silo import CLEAR, check_said, parse_roi
+from calibration.flow.survey import TO_SIGMA, Grey, Survey, frame_rate, survey, to_grey
+from calibration.quantity import metres_per_pixel
+from calibration.uncertainty import Estimate
+from contact.quantity import InputError
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_RAGGED = 0.02  # of the patch's rows, at its outermost, over which the front's place is averaged
+_SMALLEST = 25  # px of a patch that counts
+
+
+@dataclass(frozen=True)
+class Collapse:
+    """Frame by frame (n,), in `unit` from the picture's left side and top; NaN where not seen.
+
+    left, right    ends of the material
+    surface        its highest place
+    sigma          standard deviation of the half width from frame to frame
+    """
+
+    path: Path
+    header: float | None
+    rate: float
+    scale: Estimate
+    unit: str
+    time: Floats
+    left: Floats
+    right: Floats
+    surface: Floats
+    sigma: float
+    warnings: list[str]
+
+    @property
+    def half_width(self) -> Floats:
+        """Half of the distance between the fronts (n,)."""
+        return (self.right - self.left) / 2
+
+    def as_json(self) -> dict[str, Any]:
+        """Series in `length_unit` and s from the first frame."""
+        from calibration.flow.report import numbers
+
+        return {
+            "fps_header": self.header,
+            "fps_used": self.rate,
+            "length_unit": self.unit,
+            "scale_m_per_px": self.scale.value if self.unit == "m" else None,
+            "time_s": numbers(self.time),
+            "front_left": numbers(self.left),
+            "front_right": numbers(self.right),
+            "half_width": numbers(self.half_width),
+            "surface": numbers(self.surface),
+            "sigma": self.sigma,
+            "warnings": self.warnings,
+        }
+
+
+def measure_collapse(
+    path: str | Path, *, fps: float | None = None, scale: str | None = None,
+    roi: str | None = None, tell: Callable[[float], None] = lambda part: None,
+) -> Collapse:  # fmt: skip
+    """The front in every frame of a film; InputError, one line, where nothing spreads."""
+    import cv2
+
+    film = open_film(path)
+    rate = frame_rate(film, fps)
+    check_said((film.height, film.width), roi, scale, None)
+    seen = survey(film, lambda part: tell(0.3 * part))
+    part = (slice(None), slice(None))
+    if roi is not None:
+        x, y, w, h = (round(v) for v in parse_roi(roi, seen.first.shape))
+        part = slice(y, y + h), slice(x, x + w)
+    limit = _limit(path, seen, part)
+    known = Estimate(1.0, 0.0, 1)
+    if scale is not None:
+        known = Estimate(metres_per_pixel(scale), 0.0, 1)
+    rows = []
+    first = to_grey(seen.first)[part]
+    for frame in film.frames():
+        apart = np.asarray(cv2.absdiff(to_grey(frame.picture)[part], first), np.uint8)
+        rows.append((frame.number / rate, *_ends(apart, limit)))
+        tell(0.3 + 0.7 * frame.number / seen.count)
+    time, left, right, top = np.array(rows).T
+    k = known.value
+    offset = part[1].start or 0, part[0].start or 0
+    warnings = _warnings(seen, film.corrupt)
+    if film.rate is not None and fps is None:
+        warnings.append(
+            f"the rate is that of the file's head, {film.rate:g} frames/s; a film that is shown "
+            "slowly was taken at another: --fps"
+        )
+    return Collapse(
+        Path(path), film.rate, rate, known, "px" if scale is None else "m", time,
+        k * (left + offset[0]), k * (right + offset[0]), k * (top + offset[1]),
+        k * _noise(left, right), warnings,
+    )  # fmt: skip
+
+
+def _limit(path: str | Path, seen: Survey, part: tuple[slice, slice]) -> float:
+    """Half of the step from backing to material [grey levels]."""
+    import cv2
+
+    apart = cv2.absdiff(to_grey(seen.last)[part], to_grey(seen.first)[part])
+    threshold, _ = cv2.threshold(apart, 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    changed = apart[apart > threshold]
+    if changed.size < _SMALLEST or np.median(changed) < CLEAR * seen.noise * np.sqrt(2):
+        raise InputError(f"{path}: the first and the last frame show the same: nothing spreads")
+    return float(np.median(changed)) / 2
+
+
+def _ends(apart: Grey, limit: float) -> tuple[float, float, float]:
+    """Left end, right end and top of the largest patch that changed [px]; NaN for none."""
+    import cv2
+
+    kernel = np.ones((3, 3), np.uint8)
+    changed = cv2.morphologyEx((apart > limit).astype(np.uint8), cv2.MORPH_OPEN, kernel)
+    _, label, stats, _ = cv2.connectedComponentsWithStats(changed)
+    if len(stats) < 2 or stats[1:, cv2.CC_STAT_AREA].max() < _SMALLEST:
+        return np.nan, np.nan, np.nan
+    x, y, w, h, _ = (int(v) for v in stats[1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())])
+    patch = label[y : y + h, x : x + w] == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
+    filled = patch.any(axis=1)
+    first = patch[filled].argmax(axis=1)
+    last = w - patch[filled][:, ::-1].argmax(axis=1)
+    count = max(round(_RAGGED * filled.sum()), 1)
+    left, right = np.sort(first)[:count].mean(), np.sort(last)[-count:].mean()
+    return float(x + left), float(x + right), float(y)
+
+
+def _noise(left: Floats, right: Floats) -> float:
+    """Standard deviation of the half width from frame to frame [px], by third differences."""
+    third = np.diff((right - left) / 2, n=3)
+    known = np.abs(third[np.isfinite(third)])
+    # Third differences of independent values have 20 times their variance; frames in which the
+    # front is hidden are few, and left to the median.
+    return float(TO_SIGMA * np.median(known) / np.sqrt(20)) if len(known) else np.nan
+
+
+def _warnings(seen: Survey, corrupt: list[int]) -> list[str]:
+    told = []
+    if seen.repeated:
+        told.append(f"{seen.repeated} frames repeat the one before")
+    if seen.uneven:
+        told.append("the time stamps are uneven; an even clock was used")
+    if corrupt:
+        told.append(f"{len(corrupt)} frames could not be decoded and were left out")
+    return told

@@ -1,0 +1,192 @@
+"""Layers of a filling and their displacement profile, as silo2d measures it of a run.
+
+The line of layer k at a time t, over columns j two grains wide (silo2d.measures.profile):
+
+    y_k(j) = <y(0)>_k + <y(t) - y(0)>_kj
+
+with means over grains: the layer's at the start, and those in column j that have not left, two at
+least. A film shows material and no list of grains. So the tracers are parted many times into
+grains that might have been: what is nearest to the points of a lattice, turned and shifted by
+chance. The line is the mean over these partings. Their scatter is how far the line depends on which
+grains there are, to which that of the tracers' own errors is added.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.flow.silo import Silo
+from calibration.flow.tones import Labels
+from contact.quantity import InputError
+
+Floats = NDArray[np.float64]
+
+_PARTINGS = 60
+_FEWEST = 2  # grains that make a mean, as in silo2d
+_WHOLE = 0.5  # of a grain's tracers that must be of one layer for it to count as a grain there
+_PURE = 0.75  # share of one tone within a painted band
+
+
+class Band(NamedTuple):
+    """Rows of a layer in the first picture [px], from top to bottom; tone 0, 1, or -1 for any."""
+
+    top: float
+    bottom: float
+    tone: int
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Lines of the layers (l, c), and how well they are known, in the silo's unit; NaN for none.
+
+    grains    (l, c) in each column, as far as squares of a grain's area tell
+    """
+
+    time: float
+    lines: Floats
+    sigma: Floats
+    grains: Floats
+
+
+def painted_bands(labels: Labels, silo: Silo, use: NDArray[np.bool_], grain: float) -> list[Band]:
+    """Painted layers in the first picture, the lowest first; none where tones do not alternate.
+
+    labels, use    tones, and where material may be, of the whole picture; grain [px]
+    """
+    rows, columns = silo.box
+    inside = np.where(use[rows, columns], labels[rows, columns], 2)
+    dark, light = ((inside == tone).sum(axis=1).astype(float) for tone in (0, 1))
+    window = np.ones(max(round(grain), 1))
+    dark, light = (np.convolve(count, window, "same") for count in (dark, light))
+    both = dark + light
+    filled = np.flatnonzero(both > 0.1 * both.max())
+    first, end = int(filled[0]), int(filled[-1]) + 1
+    share = dark[first:end] / np.maximum(both[first:end], 1.0)
+    edges = [0, *_long_runs(share < 0.5, grain), end - first]
+    bands = []
+    for top, bottom in pairwise(edges):
+        tone = 0 if share[top:bottom].mean() > 0.5 else 1
+        bands.append(
+            Band(silo.box[0].start + first + top, silo.box[0].start + first + bottom, tone)
+        )
+    purest = [max(p, 1 - p) for p in (share[a:b].mean() for a, b in pairwise(edges))]
+    if len(bands) < 2 or np.mean(purest) < _PURE:
+        return []
+    return bands[::-1]
+
+
+def _long_runs(light: NDArray[np.bool_], least: float) -> list[int]:
+    """Where runs as long as `least` begin; shorter ones join their neighbours."""
+    changes = np.flatnonzero(np.diff(light)) + 1
+    kept: list[int] = []
+    for k, at in enumerate(changes):
+        end = changes[k + 1] if k + 1 < len(changes) else len(light)
+        before = kept[-1] if kept else 0
+        if (
+            end - at >= least
+            and at - before >= least
+            and (light[at] != light[before + (at - before) // 2])
+        ):
+            kept.append(int(at))
+    return kept
+
+
+def drawn_bands(silo: Silo, height: float, top: float) -> list[Band]:
+    """Bands of a height [px] from the outlet's level to `top`, where no paint shows layers."""
+    count = int(np.ceil((silo.outlet - top) / height))
+    if count > 200:
+        raise InputError(f"--layer-height: {count} layers; take a larger height")
+    return [
+        Band(silo.outlet - (k + 1) * height, silo.outlet - k * height, -1) for k in range(count)
+    ]
+
+
+def of_bands(bands: list[Band], place: NDArray, tone: NDArray, grain: float) -> NDArray[np.int64]:
+    """The band of each tracer (n,): the nearest of its tone within a grain, else where it lies."""
+    y = place[:, 1]
+    far = np.array([np.maximum(np.maximum(b.top - y, y - b.bottom), 0.0) for b in bands])
+    other = np.array([(b.tone >= 0) & (tone != b.tone) for b in bands])
+    own = np.where(other, np.inf, far)
+    nearest = own.argmin(axis=0)
+    return np.where(own.min(axis=0) <= grain, nearest, far.argmin(axis=0))
+
+
+class Lines:
+    """Profiles of tracers that started at `start` (n, 2) along the silo's axes, in layers (n,)."""
+
+    def __init__(
+        self, start: Floats, layer: NDArray[np.int64], edges: Floats, share: float
+    ) -> None:
+        """share: of a grain's area that one tracer stands for; edges of the columns (c + 1,)."""
+        self.edges = edges
+        self._start, self._layer, self._share = start, layer, share
+        self._count = int(layer.max()) + 1
+        random = np.random.default_rng(0)
+        size = (edges[1] - edges[0]) / 2
+        self._partings = [self._parting(size, random) for _ in range(_PARTINGS)]
+
+    def _parting(self, size: float, random: np.random.Generator) -> NDArray[np.int64]:
+        """A grain for each tracer (n,), numbered; -1 where too little is of its layer."""
+        from scipy.spatial import cKDTree
+
+        middle, reach = self._start.mean(axis=0), np.ptp(self._start, axis=0).max() * 0.75
+        row = np.arange(-reach, reach, size)
+        lattice = np.stack(np.meshgrid(row, row), axis=-1).reshape(-1, 2)
+        angle = random.uniform(0, np.pi / 2)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        # Shifted by up to half a grain, so that no row of grains reaches across the silo.
+        centres = middle + lattice @ turn + random.uniform(-size / 2, size / 2, lattice.shape)
+        cell = cKDTree(centres).query(self._start)[1]
+        key = np.column_stack([cell, self._layer])
+        _, number, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
+        number = number.ravel()
+        return np.where(count[number] * self._share >= _WHOLE, number, -1)
+
+    @property
+    def levels(self) -> Floats:
+        """Mean height of each layer at the start (l,)."""
+        return np.bincount(self._layer, self._start[:, 1]) / np.bincount(self._layer)
+
+    def at(self, time: float, place: Floats, variance: Floats) -> Profile:
+        """The profile of tracers that are now at `place` (n, 2), with the variance of each (n,)."""
+        found = [self._lines(parting, place, variance) for parting in self._partings]
+        lines, own, grains = (np.array(part) for part in zip(*found, strict=True))
+        known = np.isfinite(lines)
+        usual = known.mean(axis=0) >= 0.5
+        lines, own = (np.where(known, part, 0.0) for part in (lines, own))
+        n = np.maximum(known.sum(axis=0), 1)
+        mean = lines.sum(axis=0) / n
+        scatter = np.where(known, np.square(lines - mean), 0.0).sum(axis=0) / np.maximum(n - 1, 1)
+        sigma = np.sqrt(scatter + own.sum(axis=0) / n)
+        return Profile(time, np.where(usual, mean, np.nan), np.where(usual, sigma, np.nan),
+                       grains.mean(axis=0))  # fmt: skip
+
+    def _lines(
+        self, parting: NDArray[np.int64], place: Floats, variance: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Lines (l, c), the variance of each from that of the tracers, and the grains."""
+        use = parting >= 0
+        grain, n = parting[use], np.bincount(parting[use])
+        there = np.flatnonzero(n)
+
+        def of_grains(values: NDArray) -> Floats:
+            return np.bincount(grain, values[use])[there] / n[there]
+
+        x, y = (of_grains(place[:, axis]) for axis in (0, 1))
+        start, layer = of_grains(self._start[:, 1]), of_grains(self._layer).astype(np.int64)
+        columns = len(self.edges) - 1
+        level = np.bincount(layer, start, self._count) / np.maximum(
+            np.bincount(layer, minlength=self._count), 1
+        )
+        inside = y > 0
+        cell = (layer * columns + np.digitize(x, self.edges[1:-1]))[inside]
+        size = self._count * columns
+        count = np.bincount(cell, minlength=size)
+        moved = np.bincount(cell, (y - start)[inside], size) / np.maximum(count, 1)
+        own = np.bincount(cell, of_grains(variance)[inside], size) / np.maximum(count, 1) ** 2
+        shape = self._count, columns
+        lines = np.where(count >= _FEWEST, moved, np.nan).reshape(shape) + level[:, None]
+        return lines, own.reshape(shape), count.reshape(shape).astype(float)

@@ -1,0 +1,155 @@
+"""Where the silo's inside lies in the picture, and the axes and scale that follow from it.
+
+x counts from the silo's left side, y from the outlet's level upwards, as silo2d measures.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.flow.survey import Survey, to_grey
+from calibration.quantity import measured_quantity, metres_per_pixel
+from calibration.uncertainty import Estimate
+from contact.quantity import InputError
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+CLEAR = 5.0  # standard deviations of the noise that make a change
+_SOME = 0.05  # of a side that must have changed for a row or column to be of the inside
+_SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' grains
+_EDGE = 0.41  # px, of a found side: whole pixels, 1/sqrt(12), for the edge and for the limit each
+_NEAR = 7  # px about an edge in which its whole change is found
+_PLAIN = 0.5  # of the usual roughness of a row, below which it shows a door and not grains
+
+
+@dataclass(frozen=True)
+class Silo:
+    """The inside of a silo in the picture, outlet to top [px], and m/px; scale 1 and px without.
+
+    edge    px by which its sides are uncertain
+    """
+
+    left: float
+    top: float
+    width: float
+    height: float
+    edge: float
+    scale: Estimate
+    unit: str
+
+    @property
+    def outlet(self) -> float:
+        """Row of the outlet's level [px]."""
+        return self.top + self.height
+
+    def metres(self, pixels: Floats) -> Floats:
+        """Points (..., 2) of the picture [px] along the silo's axes [m, or px without a scale]."""
+        return (pixels - (self.left, self.outlet)) * (1, -1) * self.scale.value
+
+    @property
+    def box(self) -> tuple[slice, slice]:
+        """Rows and columns of the inside in a picture."""
+        top, left = max(round(self.top), 0), max(round(self.left), 0)
+        return slice(top, round(self.outlet)), slice(left, round(self.left + self.width))
+
+
+def parse_roi(text: str, shape: tuple[int, ...]) -> tuple[float, float, float, float]:
+    """ "x,y,w,h" in pixels, within a picture of a shape (height, width); InputError otherwise."""
+    try:
+        x, y, w, h = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f"--roi {text!r}: four numbers of pixels, such as 20,40,300,500") from None
+    height, width = shape[:2]
+    if not (0 <= x < x + w <= width and 0 <= y < y + h <= height):
+        raise InputError(f"--roi {text}: not within the picture of {width} x {height} px")
+    if min(w, h) < _SMALLEST:
+        raise InputError(f"--roi {text}: {_SMALLEST} x {_SMALLEST} px at least")
+    return x, y, w, h
+
+
+def check_said(
+    shape: tuple[int, ...], roi: str | None, scale: str | None, width: str | None
+) -> None:
+    """Raise InputError, before the film is read, for what find_silo would refuse after it."""
+    if scale is not None and width is not None:
+        raise InputError("--scale and --width: give one; each tells the scale by itself")
+    _scale(scale, width, 1.0, 0.0)
+    if roi is not None:
+        parse_roi(roi, shape)
+
+
+def find_silo(seen: Survey, roi: str | None, scale: str | None, width: str | None) -> Silo:
+    """The inside, given or found, and the scale, given or from the silo's inner width.
+
+    Found: the part of the picture that differs between the first and the last frame.
+    """
+    check_said(seen.first.shape, roi, scale, width)
+    if roi is not None:
+        x, y, w, h = parse_roi(roi, seen.first.shape)
+        edge = 0.5  # px: whoever wrote whole pixels
+    else:
+        (x, y, w, h), edge = _changed_box(seen), _EDGE
+    known, unit = _scale(scale, width, w, edge)
+    return Silo(x, y, w, h, edge, known, unit)
+
+
+def _scale(
+    scale: str | None, width: str | None, pixels: float, edge: float
+) -> tuple[Estimate, str]:
+    if scale is not None:
+        return Estimate(metres_per_pixel(scale), 0.0, 1), "m"
+    if width is not None:
+        known = measured_quantity(width, "m", "--width")
+        if not known.value > 0:
+            raise InputError(f"--width {width!r}: must be above 0; write such as '300 mm'")
+        relative = np.hypot((known.sigma or 0.0) / known.value, np.sqrt(2) * edge / pixels)
+        return Estimate(known.value / pixels, float(known.value / pixels * relative), 1), "m"
+    return Estimate(1.0, 0.0, 1), "px"
+
+
+def _changed_box(seen: Survey) -> tuple[float, float, float, float]:
+    import cv2
+
+    apart = np.abs(seen.last.astype(np.int16) - seen.first).max(axis=2).astype(np.float32)
+    # The mean of 3 x 3 pixels has a third of the noise, and of two pictures sqrt(2) times it.
+    limit = CLEAR * seen.noise * np.sqrt(2)
+    changed = (cv2.blur(apart, (3, 3)) > limit).astype(np.uint8)
+    size = max(3, min(changed.shape) // 100)
+    closed = cv2.morphologyEx(changed, cv2.MORPH_CLOSE, np.ones((size, size), np.uint8))
+    count, label, stats, _ = cv2.connectedComponentsWithStats(closed)
+    if count < 2:
+        raise InputError("nothing differs between the first and the last frame: nothing flows")
+    biggest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
+    left, top, w, h = (int(v) for v in stats[biggest, :4])
+    part = slice(top, top + h), slice(left, left + w)
+    there = label[part] == biggest
+    # Blur smears an edge to both sides; it stands where half of the change is reached.
+    there &= (apart > cv2.dilate(apart, np.ones((_NEAR, _NEAR), np.uint8)) / 2)[part]
+    x0, x1 = _ends(there.mean(axis=0) > _SOME)
+    y0, y1 = _ends(there.mean(axis=1) > _SOME)
+    grey = to_grey(seen.first)[top + y0 : top + y1, left + x0 : left + x1]
+    y1 = y0 + _without_door(grey, there[y0:y1, x0:x1])
+    if min(x1 - x0, y1 - y0) < _SMALLEST:
+        raise InputError(
+            f"only {x1 - x0} x {y1 - y0} px differ between the first and the last frame: "
+            "nothing flows there; say where the silo is: --roi x,y,w,h"
+        )
+    return float(left + x0), float(top + y0), float(x1 - x0), float(y1 - y0)
+
+
+def _ends(holds: Mask) -> tuple[int, int]:
+    where = np.flatnonzero(holds)
+    return (int(where[0]), int(where[-1]) + 1) if len(where) else (0, 0)
+
+
+def _without_door(grey: NDArray[np.uint8], there: Mask) -> int:
+    """Rows down to the lowest that shows grains: a door that is taken away is plain."""
+    steps = np.abs(np.diff(grey.astype(np.float32), axis=1))
+    both = there[:, 1:] & there[:, :-1]
+    rough = np.array(
+        [np.mean(row[use]) if use.any() else 0.0 for row, use in zip(steps, both, strict=True)]
+    )
+    grains = rough > _PLAIN * np.median(rough)
+    return _ends(grains)[1]

@@ -1,0 +1,69 @@
+"""Tones in a silo: two of the material, painted and bare, and the backing that it uncovers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.film.reader import Picture
+from calibration.flow.silo import Silo
+from calibration.flow.survey import Survey
+
+Labels = NDArray[np.int64]
+
+_SAMPLE = 20_000  # pixels of each picture that are looked at
+_GROWTH = 0.02  # of the inside that must be uncovered for the backing to be known
+_MEDIAN = 5  # px over which a picture is smoothed before its tones are told
+
+
+@dataclass(frozen=True)
+class Tones:
+    """colours (3, 3), blue, green, red: dark and light material, backing; backing None if unseen.
+
+    spread    of the colours of a tone about it [grey levels], root mean square
+    """
+
+    colours: NDArray[np.float32]
+    backing: int | None
+    spread: float
+
+    @property
+    def contrast(self) -> float:
+        """Between the backing and the nearer tone of the material [grey levels]."""
+        apart = np.linalg.norm(self.colours[:2] - self.colours[2], axis=1)
+        return float(apart.min())
+
+    def labels(self, picture: Picture) -> Labels:
+        """Tone of each pixel (height, width): the nearest; 0 dark, 1 light, 2 backing."""
+        import cv2
+
+        smooth = cv2.medianBlur(picture, _MEDIAN).astype(np.float32)
+        apart = [np.square(smooth - colour).sum(axis=2) for colour in self.colours]
+        return np.argmin(apart, axis=0)
+
+
+def find_tones(seen: Survey, silo: Silo) -> Tones:
+    """Three tones in the first and last picture's inside; the one that grows is the backing."""
+    import cv2
+
+    rows, columns = silo.box
+    parts = [
+        cv2.medianBlur(p, _MEDIAN)[rows, columns].reshape(-1, 3) for p in (seen.first, seen.last)
+    ]
+    random = np.random.default_rng(0)
+    pick = [random.choice(len(p), min(len(p), _SAMPLE), replace=False) for p in parts]
+    sample = np.concatenate([p[k] for p, k in zip(parts, pick, strict=True)]).astype(np.float32)
+    cv2.setRNGSeed(0)
+    none = np.zeros((len(sample), 1), np.int32)  # to begin with
+    stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 50, 0.1)
+    inertia, label, centres = cv2.kmeans(sample, 3, none, stop, 5, cv2.KMEANS_PP_CENTERS)
+    half = len(pick[0])
+    share = [np.bincount(part, minlength=3) / len(part) for part in np.split(label.ravel(), [half])]
+    growth = share[1] - share[0]
+    grown = int(growth.argmax())
+    others = sorted((k for k in range(3) if k != grown), key=lambda k: float(centres[k].sum()))
+    backing = 2 if growth[grown] > _GROWTH else None
+    order = [*others, grown]
+    return Tones(
+        np.asarray(centres[order], np.float32), backing, float(np.sqrt(inertia / len(sample)))
+    )

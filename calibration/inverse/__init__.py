@@ -1,0 +1,1 @@
+"""Contact parameters from a measured discharge or efficiency, by simulation: the inverse fit."""

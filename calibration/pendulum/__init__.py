@@ -1,0 +1,1 @@
+"""Restitution from things that swing on strings and collide: paper eq. 3.6."""

@@ -1,0 +1,93 @@
+"""measure_pendulum: a ball on a string before a wall, or two blocks on strings, to restitution."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from calibration.correlated import pool
+from calibration.pendulum.arc import Arc, arc_through, planar
+from calibration.pendulum.collisions import collide
+from calibration.pendulum.contacts import Swings, found_swings
+from calibration.pendulum.doubts import doubts
+from calibration.pendulum.fit import Seen, fit
+from calibration.pendulum.result import Pendulum
+from calibration.pendulum.things import Things, things_in
+from calibration.segments import noise
+from calibration.track import Array, Track
+from contact.quantity import InputError
+
+
+def measure_pendulum(
+    source: str | Path | Track | Sequence[Track],
+    *,
+    fps: float | None = None,
+    tracks: Sequence[str] = (),
+    roi: tuple[int, int, int, int] | None = None,
+    masses: tuple[float, float] | None = None,
+    out: str | Path | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> Pendulum:
+    """Restitution of two things on strings (eq. 3.6), or of one against a wall.
+
+    source    a film, a track table, or tracks
+    fps       frames per second of the camera; overrides what time stamps say
+    tracks    names of the one or two tracks wanted, where more things move
+    roi       x, y, width, height of the part of a film to look at [px]
+    masses    of the left and the right thing [kg]; their ratio is checked by momentum
+    out       folder for the sheet
+
+    Raises InputError, one line, for what cannot be measured.
+    """
+    things = things_in(source, fps=fps, names=tracks, roi=roi, progress=progress)
+    if masses is not None and len(things.x) == 1:
+        raise InputError("--masses: of two blocks; this is one thing against a wall")
+    rough, found = found_swings(things.t, things.gap)
+    arcs = tuple(
+        arc_through(x, y, found.rows, noise(things.t, y))
+        for x, y in zip(things.x, things.y, strict=True)
+    )
+    pendulum = _measured(things, arcs, found, rough, masses)
+    pendulum = replace(pendulum, warnings=tuple(doubts(pendulum)))
+    if out is None:
+        return pendulum
+    from calibration.pendulum.sheet import draw_sheet
+
+    return replace(pendulum, sheet=draw_sheet(pendulum, Path(out), things.name))
+
+
+def _measured(
+    things: Things,
+    arcs: tuple[Arc, ...],
+    found: Swings,
+    rough: Array,
+    masses: tuple[float, float] | None,
+) -> Pendulum:
+    damped = fit(_seen(things, arcs, found))
+    free = collide(damped, found, rough)
+    fitted, collisions = damped, free
+    if planar(arcs) is False:
+        # A swing that does not go back on its own path loses speed along x without any air.
+        fitted = fit(damped.seen, damped=False)
+        collisions = collide(fitted, found, rough)
+    (pooled, p), with_air = (pool(one.restitution, one.covariance) for one in (collisions, free))
+    untold = with_air[0].value - pooled.value
+    assert pooled.sigma is not None
+    # Any share of it may be air: a rectangular distribution (GUM 4.3.7) about the end that is used.
+    pooled = replace(pooled, sigma=float(np.hypot(pooled.sigma, untold / np.sqrt(3))))
+    return Pendulum(
+        things, arcs, found, fitted, damped, collisions, free.times, untold, pooled, p, masses
+    )
+
+
+def _seen(things: Things, arcs: tuple[Arc, ...], found: Swings) -> Seen:
+    """Arc lengths where the path is an arc, else x; with the length of the best arc, if any."""
+    angles = all(arc.known for arc in arcs) and bool(planar(arcs))
+    lengths = [arc.curvature for arc in arcs if arc.known]
+    best = min(lengths, key=lambda one: one.sigma or np.inf) if lengths else None
+    z = things.x
+    if angles:
+        each = zip(arcs, things.x, things.y, strict=True)
+        z = np.array([arc.along(x, y) for arc, x, y in each])
+    return Seen(things.t, z, found.rows, angles, best)

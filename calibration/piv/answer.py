@@ -1,0 +1,160 @@
+"""What a pair of pictures gives: the field in pixels and in metres, as table and in figures."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.piv.field import Array, Field, Reason
+from calibration.piv.measure import displacement
+from calibration.piv.pictures import read_mask, read_picture
+from contact.quantity import InputError
+
+_FEW = 0.75  # share of valid vectors below which a field is doubtful (Raffel et al. 2018, sec. 7.1:
+# a good recording has more than 95 %)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A field with what its vectors are in other units.
+
+    first    picture a
+    scale    m/px; None where it is not known
+    dt       s from a to b; None where it is not known
+    """
+
+    first: Path
+    second: Path
+    field: Field
+    scale: float | None = None
+    dt: float | None = None
+
+    @property
+    def unit(self) -> str:
+        """Of the vectors in their largest unit known: m/s, px/s, m or px."""
+        return ("px" if self.scale is None else "m") + ("" if self.dt is None else "/s")
+
+    @property
+    def factor(self) -> float:
+        """From pixels to `unit`."""
+        return (self.scale or 1.0) / (self.dt or 1.0)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What speaks against believing the field."""
+        field, found = self.field, []
+        share = field.valid.sum() / (field.reason != Reason.MASKED).sum()
+        if share < _FEW:
+            found.append(f"{share:.0%} of the vectors are valid: {_most(field)}")
+        largest = np.abs(np.stack([field.u, field.v])[:, field.valid]).max()
+        if largest > 0.75 * field.window:
+            found.append(
+                f"displacements up to {largest:.1f} px: farther than the window of {field.window} "
+                f"px nothing is found; take larger windows or pictures that follow faster"
+            )
+        return found
+
+    def rows(self) -> list[dict[str, float | int | str | None]]:
+        """The table: a row for each window, units in the heads."""
+        field = self.field
+        columns: dict[str, Array] = {"x [px]": field.x, "y [px]": field.y}
+        vectors = {"u": field.u, "v": field.v, "sigma_u": field.sigma_u, "sigma_v": field.sigma_v}
+        columns |= {f"{name} [px]": values for name, values in vectors.items()}
+        if self.scale is not None:
+            columns |= {"x [m]": self.scale * field.x, "y [m]": self.scale * field.y}
+        if self.unit != "px":
+            columns |= {f"{name} [{self.unit}]": self.factor * v for name, v in vectors.items()}
+        columns["peak_ratio" if field.method == "piv" else "residual [px]"] = field.quality
+        numbers = np.stack([values.ravel() for values in columns.values()], axis=1).tolist()
+        rows = []
+        for values, reason in zip(numbers, field.reason.ravel().tolist(), strict=True):
+            row: dict[str, float | int | str | None] = {
+                name: _number(value) for name, value in zip(columns, values, strict=True)
+            }
+            rows.append(row | {"valid": int(reason == Reason.MEASURED), "reason": _name(reason)})
+        return rows
+
+    def as_json(self) -> dict[str, Any]:
+        """One object for scripts; numbers of the valid vectors."""
+        field, good = self.field, self.field.valid
+        return {
+            "method": field.method,
+            "window_px": field.window,
+            "vectors": good.size,
+            "valid": int(good.sum()),
+            "reasons": {_name(one): int((field.reason == one).sum()) for one in Reason},
+            "u_px": _spread(field.u[good]),
+            "v_px": _spread(field.v[good]),
+            "sigma_px": {
+                "median": float(np.median(field.sigma[good])),
+                "largest": float(field.sigma[good].max()),
+            },
+            "scale_m_per_px": self.scale,
+            "dt_s": self.dt,
+            "speed_m_s": None if self.unit != "m/s" else _spread(self.speed()[good]),
+            "warnings": self.warnings,
+        }
+
+    def speed(self) -> Array:
+        """(rows, columns) size of the vectors in `unit`."""
+        return np.asarray(self.factor * np.hypot(self.field.u, self.field.v))
+
+
+def measure_pair(
+    first: Path, second: Path, *, window: int = 32, overlap: float = 0.5, method: str = "piv",
+    mask: Path | None = None, scale: float | None = None, dt: float | None = None,
+) -> Answer:  # fmt: skip
+    """The displacement between two pictures in files; see calibration.piv.displacement.
+
+    Raises InputError where nothing of the first picture is found in the second.
+    """
+    if dt is not None and not 0 < dt < np.inf:
+        raise InputError(f"--dt = {dt:g} s: must be positive, the time from A to B")
+    a, b = read_picture(first), read_picture(second)
+    inside = None if mask is None else read_mask(mask)
+    for path, other in ((second, b), (mask, inside)):
+        if other is not None and other.shape[:2] != a.shape[:2]:
+            raise InputError(f"{path}: {_size(other)} pixels, and {first} has {_size(a)}")
+    field = displacement(a, b, window=window, overlap=overlap, mask=inside, method=method)
+    if not field.valid.any():
+        raise InputError(f"{first}, {second}: nothing is found in both pictures ({_most(field)})")
+    return Answer(first, second, field, scale, dt)
+
+
+def _most(field: Field) -> str:
+    """The reason of most vectors that are not valid, in words."""
+    words = {
+        Reason.MASKED: "outside the mask",
+        Reason.NO_TEXTURE: "no texture",
+        Reason.TOO_FAR: f"moved farther than {field.window} px",
+        Reason.AMBIGUOUS: "two places fit about as well",
+        Reason.VAGUE: "sigma above half a pixel",
+        Reason.OUTLIER: "unlike their neighbours",
+    }
+    counts = {one: int((field.reason == one).sum()) for one in words}
+    most = max(counts, key=lambda one: counts[one])
+    return f"{counts[most]} of {field.reason.size}: {words[most]}"
+
+
+def _size(picture: NDArray) -> str:
+    return f"{picture.shape[1]} x {picture.shape[0]}"
+
+
+def _name(reason: int) -> str:
+    return Reason(reason).name.lower()
+
+
+def _number(value: float) -> float | None:
+    """A table's number to a thousandth of what it can be known to; None where there is none."""
+    return float(f"{value:.6g}") if np.isfinite(value) else None
+
+
+def _spread(values: Array) -> dict[str, float]:
+    return {
+        "mean": float(values.mean()),
+        "sd": float(values.std()),
+        "lowest": float(values.min()),
+        "highest": float(values.max()),
+    }

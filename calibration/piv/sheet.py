@@ -1,0 +1,115 @@
+"""The sheet by which a person judges a field: vectors over the picture, sigma, fractions."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from calibration.piv.answer import Answer
+from calibration.piv.field import Reason
+from calibration.piv.pictures import read_picture
+from calibration.piv.texture import grey_levels
+from campaign.figure import BLUE, GREY, INK, VERMILION, headline, write_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def draw_sheet(answer: Answer, path: Path) -> Path:
+    """Write the sheet as a PNG; its path."""
+    return write_figure(path, lambda: _sheet(answer))
+
+
+def _sheet(answer: Answer) -> "Figure":
+    from matplotlib.figure import Figure
+
+    tall = np.ptp(answer.field.y) + answer.field.window
+    wide = np.ptp(answer.field.x) + answer.field.window
+    figure = Figure(figsize=(11.0, float(np.clip(1.7 + 6.3 * tall / wide, 5.5, 11.0))),
+                    layout="constrained")  # fmt: skip
+    columns = figure.add_gridspec(1, 2, width_ratios=[2, 1])
+    _vectors(figure.add_subplot(columns[0]), answer)
+    beside = columns[1].subgridspec(2, 1, height_ratios=[1.8, 1])
+    _sigma(figure, figure.add_subplot(beside[0]), answer)
+    _fractions(figure.add_subplot(beside[1]), answer)
+    field = answer.field
+    known = f"{field.valid.sum()} of {(field.reason != Reason.MASKED).sum()} vectors valid"
+    middle = np.median(field.sigma[field.valid])
+    headline(figure, f"{answer.first.name} to {answer.second.name}: {known}, "
+                     f"sigma {middle:.3f} px, median ({field.method})")  # fmt: skip
+    return figure
+
+
+def _vectors(axes: "Axes", answer: Answer) -> None:
+    """Over the first picture, each from its window's middle; the key has a round length."""
+    field = answer.field
+    grey = grey_levels(read_picture(answer.first), str(answer.first))
+    low, high = np.percentile(grey, (1, 99))
+    axes.imshow(grey, cmap="gray", vmin=low - 1.5 * (high - low), vmax=high, zorder=0)
+    step = float(max(np.ptp(field.x), np.ptp(field.y))) / max(max(field.x.shape) - 1, 1)
+    longest = float(np.percentile(np.hypot(field.u, field.v)[field.valid], 95)) or 1.0
+    scale = longest / (1.3 * max(step, 1.0))  # pixels of displacement per pixel drawn
+    replaced = ~field.valid & (field.reason != Reason.MASKED)
+    for which, colour, words in (
+        (field.valid, BLUE, "measured"),
+        (replaced, VERMILION, "replaced"),
+    ):
+        if which.any():
+            axes.quiver(field.x[which], field.y[which], field.u[which], field.v[which],
+                        color=colour, angles="xy", scale_units="xy", scale=scale, width=0.0022,
+                        label=words)  # fmt: skip
+    axes.set_xlabel("x [px]")
+    axes.set_ylabel("y [px]")
+    key = _round_below(longest * answer.factor)
+    axes.set_title(_key(axes, key / answer.factor / scale, key, answer.unit), fontsize=9)
+    axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.07), ncols=2)
+    if answer.scale is not None:
+        _second_axes(axes, answer.scale)
+
+
+def _key(axes: "Axes", length: float, value: float, unit: str) -> str:
+    """Draw an arrow of a round length above the picture; the words for it."""
+    right = axes.get_xlim()[1]
+    y = axes.get_ylim()[1] - 0.02 * abs(np.diff(axes.get_ylim())[0])
+    axes.annotate("", (right, y), (right - length, y), annotation_clip=False,
+                  arrowprops={"arrowstyle": "->", "color": INK, "lw": 1.2,
+                              "shrinkA": 0, "shrinkB": 0})  # fmt: skip
+    return f"from the middle of each window; the arrow on the right is {value:g} {unit}"
+
+
+def _second_axes(axes: "Axes", scale: float) -> None:
+    """Lengths on the upper and the right side."""
+    both = (lambda px: 1e3 * scale * px, lambda mm: mm / (1e3 * scale))
+    axes.secondary_yaxis("right", functions=both).set_ylabel("y [mm]")
+
+
+def _sigma(figure: "Figure", axes: "Axes", answer: Answer) -> None:
+    field = answer.field
+    half = field.window / 2
+    near = (field.x.min() - half, field.x.max() + half, field.y.max() + half, field.y.min() - half)
+    top = np.percentile(field.sigma[field.valid], 98)
+    image = axes.imshow(field.sigma, extent=near, vmin=0, vmax=top, cmap="viridis")
+    axes.set_facecolor("#dddddd")
+    figure.colorbar(image, ax=axes, label="sigma of u and v [px] (grey: not measured)",
+                    location="bottom", aspect=30, extend="max")  # fmt: skip
+    axes.set_ylabel("y [px]")
+
+
+def _fractions(axes: "Axes", answer: Answer) -> None:
+    """Peaks at 0 and 1 in a field that varies by pixels show that vectors lock to whole ones."""
+    field = answer.field
+    bins = np.linspace(0, 1, 21).tolist()
+    for values, colour, name in ((field.u, BLUE, "u"), (field.v, VERMILION, "v")):
+        axes.hist(values[field.valid] % 1, bins, histtype="step", color=colour, label=name)
+    axes.set_xlim(0, 1)
+    axes.set_xlabel("fraction of a pixel of u and v")
+    axes.set_ylabel("vectors")
+    axes.axhline(field.valid.sum() / 20, color=GREY, lw=0.8, ls=":", label="evenly spread")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+
+
+def _round_below(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(k * power for k in (1, 2, 5) if k * power <= value * (1 + 1e-12)))
