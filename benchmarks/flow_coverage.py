@@ -32,8 +32,8 @@ FILMS = {
 PIXELS = 290  # across the silo
 
 
-def row(run: Path, folder: Path, name: str) -> dict[str, object]:
-    """Render, measure and compare one film."""
+def rendered(run: Path, folder: Path, name: str) -> tuple[Stage, Camera, np.ndarray, Path]:
+    """A run as a film's camera sees it: stage, camera, times of the pictures [s], and the film."""
     camera, changes = FILMS[name]
     changes = dict(changes)
     pixels = float(changes.pop("pixels", PIXELS)) + 0.37  # sides fall between pixels
@@ -44,6 +44,13 @@ def row(run: Path, folder: Path, name: str) -> dict[str, object]:
     stage = Stage(run, look, seed)
     times, pictures = film_of_run(stage, camera, seed)
     film = write_film(pictures, folder / f"{name.replace(' ', '-')}-{run.name}.mp4", camera.rate)
+    return stage, camera, times, film
+
+
+def row(run: Path, folder: Path, name: str) -> dict[str, object]:
+    """Render, measure and compare one film."""
+    stage, camera, times, film = rendered(run, folder, name)
+    left, right, _, _ = stage.scene.window
     length = 0.05 if right - left < 0.2 else 0.25
     known = truth(run, stage, times, camera, length)
     columns = len(known["column_edges_m"]) - 1

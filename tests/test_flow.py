@@ -13,8 +13,10 @@ from calibration.film.reader import Film
 from calibration.flow.layers import Lines
 from calibration.flow.measure import Settings, measure_flow
 from calibration.flow.outlet import Crossing, Opening
+from calibration.flow.velocity import VelocityField
 from calibration.rendered.camera import Camera, write_film
 from calibration.rendered.flow import Look, Stage, film_of_run, truth
+from calibration.rendered.flow_velocity import true_field
 
 INTERVAL = 0.05  # s: the small silo empties in 0.3 s
 
@@ -31,13 +33,13 @@ def filmed(tmp_path_factory):
     stage, camera = Stage(run, look), Camera(rate=150, moments=2)
     times, pictures = film_of_run(stage, camera)
     film = write_film(pictures, root / "silo.mp4", camera.rate)
-    return run, film, truth(run, stage, times, camera, INTERVAL)
+    return run, film, truth(run, stage, times, camera, INTERVAL), (stage, times)
 
 
 @pytest.fixture(scope="module")
 def measured(filmed):
     """What the film told."""
-    settings = Settings(width="80 mm", interval=f"{INTERVAL} s", columns=5, velocity=False)
+    settings = Settings(width="80 mm", interval=f"{INTERVAL} s", columns=5)
     return measure_flow(filmed[1], settings)
 
 
@@ -72,6 +74,33 @@ def test_profiles_come_back_within_their_uncertainty(measured, filmed):
     assert seen.sum() > 0.8 * np.isfinite(known).sum()
     assert np.mean(np.abs(z[seen]) < 1) > 0.39
     assert np.abs(z[seen]).max() < 5
+
+
+def test_velocities_come_back_within_their_uncertainty(measured, filmed):
+    """Of some two hundred components 68 % lie within sigma; windows overlap by half and share
+    grains, so that one in ten counts as independent: two binomial standard deviations are 0.2. On
+    average they are right to a twentieth of the speed, which is what a window's edges tell."""
+    off, sigma, speed = [], [], []
+    for field in measured.velocities:
+        true = true_field(*filmed[3], field)
+        both = np.isfinite(field.sigma) & np.isfinite(true.vx)
+        off.append(np.stack([field.vx - true.vx, field.vy - true.vy])[:, both])
+        sigma.append(np.stack([field.sigma] * 2)[:, both])
+        speed.append(np.hypot(true.vx, true.vy)[both])
+    off, sigma, speed = (np.concatenate(part, axis=-1) for part in (off, sigma, speed))
+    assert off.size > 150
+    assert np.mean(np.abs(off) < sigma) > 0.48
+    assert np.abs(off.mean(axis=1)).max() < 0.05 * speed.mean()
+
+
+def test_true_velocities_are_none_before_the_opening(filmed):
+    """Grains at rest behind the door: 0 in every window that they fill."""
+    stage, times = filmed[3]
+    x, y = np.arange(10, 75, 8) * 1e-3, np.arange(40, 5, -8) * 1e-3
+    none = np.zeros((len(y), len(x)))
+    rest = VelocityField(-0.03, -0.005, x, y, none, none, none, none.astype(int))
+    true = true_field(stage, times, rest)
+    assert np.nanmax(np.hypot(true.vx, true.vy)) < 1e-12
 
 
 def test_the_curve_is_that_of_the_mass(measured, filmed):
@@ -126,6 +155,24 @@ def test_opening_is_the_vertex_of_a_fall_from_rest(start):
     for frame in range(30):
         opening.see(frame, max(frame - start, 0.0) ** 2 / 2)
     assert opening.clock.value == pytest.approx(start, abs=1e-3)
+
+
+@pytest.mark.parametrize("settling", [4.0, 8.0, 1e3])
+def test_opening_of_a_fall_that_settles_is_within_its_uncertainty(settling):
+    """v = a T (1 - exp(-tau/T)), places good to 0.1 px: of 60 openings 68 % within sigma or more,
+    as half of the fall counts too; two binomial standard deviations are 0.12. Their mean is off by
+    less than three standard errors of sigma/sqrt(60)."""
+    random, z = np.random.default_rng(5), []
+    for _ in range(60):
+        opening, start, frame = Opening(grain=20.0), 10 + random.uniform(), 0
+        while opening.clock is None:
+            tau = max(frame - start, 0.0)
+            fall = 0.9 * settling * (tau + settling * np.expm1(-tau / settling))
+            opening.see(frame, fall + random.normal(0, 0.1) * (tau > 0))
+            frame += 1
+        z.append((opening.clock.value - start) / opening.clock.sigma)
+    assert np.mean(np.abs(z) < 1) > 0.56
+    assert abs(np.mean(z)) < 3 / np.sqrt(60)
 
 
 def test_opening_of_a_slow_film_lies_between_two_frames():

@@ -338,14 +338,15 @@ class _Watch:
         curve = Curve(time, area / whole, share, surface)
         outcome = self._outcome()
         discharge = None
+        late = (opening.sigma or 0.0) / self.rate
         last = self.crossing.last()
         if last is not None and outcome in ("empty", "dead_zones"):
-            sigma = np.hypot(last.sigma or 0.0, opening.sigma or 0.0) / self.rate
+            sigma = np.hypot((last.sigma or 0.0) / self.rate, late)
             discharge = Estimate((last.value - opening.value) / self.rate, float(sigma), 1)
         return Flow(
             self.film, self.rate, self.silo, self._outlet_ends(), opening, outcome, discharge,
             curve, self.bands, self.lines.edges, self.interval, self._with_shared(opening),
-            self.velocities.fields(self.interval), self.seen, self._warnings(curve),
+            self.velocities.fields(self.interval, late), self.seen, self._warnings(curve),
         )  # fmt: skip
 
     def _outlet_ends(self) -> tuple[float, float]:

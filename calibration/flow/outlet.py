@@ -1,9 +1,14 @@
 """The opening and the last grain: when the lowest material begins to fall, and when all has left.
 
-The opening is the vertex of the parabola that the lowest material's fall draws against time, as it
-does from rest at a constant acceleration. Its height is left free, as it may spring off the rest,
-and the first tenths of a pixel are hardly seen. The last grain passes with its centroid half its
-length before it has left the outlet's row.
+The lowest material begins to fall from rest with a pull a and nears a steady flow, with a rate k.
+Its fall after the opening at t0 is
+
+    s(t) = a (exp(-k tau) - 1 + k tau)/k^2,   tau = t - t0,   and a tau^2/2 for k = 0
+
+A parabola of free height fits such a fall too, with a vertex that is early by as much as a frame.
+How far t0 moves when half of the fall is taken is part of its uncertainty: nothing says that the
+flow settles just so. The last grain passes with its centroid half its length before it has left the
+outlet's row.
 """
 
 import numpy as np
@@ -18,6 +23,7 @@ _PLACE = 0.1  # px: standard deviation of their mean place from frame to frame
 _WIDE = 0.25  # grains across, from which on something is no speck
 _FEWEST = 5  # moments that show how a fall begins
 _MOST = 2.0  # grains by which it is followed at most
+_SLOW = 1e-4  # per frame: a rate that is none, over the tens of frames of a fall
 UNIFORM = 1 / np.sqrt(12)  # standard deviation of a uniform distribution of width 1
 
 
@@ -50,26 +56,44 @@ class Opening:
             self.clock = self._start()
 
     def _start(self) -> Estimate:
-        """Where the parabola of the falls has its vertex; between two frames if there are few."""
+        """Where the fall begins by its series; between two frames if there are few."""
         t, s = np.array(self._falls).T
         if len(t) < _FEWEST:
             return self._between(self._still, t[0])
-        (a, b, c), cov = np.polyfit(t - t[0], s, 2, cov="unscaled")
-        if a <= 0:
+        start, pull, sigma = _fall_from_rest(t, s)
+        if pull <= 0:
             return self._between(self._still, t[0])
-        misfit = np.square(s - np.polyval((a, b, c), t - t[0])).sum() / (len(t) - 3)
-        slopes = np.array([b / (2 * a * a), -1 / (2 * a), 0.0])
-        sigma = float(np.sqrt(slopes @ cov @ slopes * max(misfit, _PLACE**2)))
-        vertex = float(t[0] - b / (2 * a))
+        half = s < s[-1] / 2
+        if half.sum() >= _FEWEST:
+            sigma = float(np.hypot(sigma, _fall_from_rest(t[half], s[half])[0] - start))
         # What is too little to be seen takes this long.
-        earliest = self._still - np.sqrt(_CLEAR * _PLACE / a)
-        if earliest - sigma <= vertex <= t[0]:
-            return Estimate(vertex, sigma, len(t))
-        # A door that is drawn, or grains that hang on, begin otherwise than by a constant pull.
+        earliest = self._still - np.sqrt(2 * _CLEAR * _PLACE / pull)
+        if earliest - sigma <= start < t[0]:
+            return Estimate(start, sigma, len(t))
+        # A door that is drawn, or grains that hang on, begin otherwise.
         return self._between(earliest, t[0])
 
     def _between(self, early: float, late: float) -> Estimate:
         return Estimate(float(early + late) / 2, float((late - early) * UNIFORM), 1)
+
+
+def _fall_from_rest(t: Floats, s: Floats) -> tuple[float, float, float]:
+    """t0 of a fall s(t) [px], the pull there [px/frame^2], and the standard deviation of t0."""
+    from scipy.optimize import least_squares
+
+    def misfit(known: Floats) -> Floats:
+        start, pull, rate = known
+        tau = np.maximum(t - start, 0.0)
+        k = rate if abs(rate) > _SLOW else _SLOW
+        return np.asarray((pull * (np.expm1(-k * tau) + k * tau) / k**2 - s) / _PLACE)
+
+    long = t[-1] - t[0] + 1
+    first = t[0] - 0.5, 2 * s[-1] / long**2, 1 / long
+    low, high = (t[0] - 2 * long, 0.0, 0.0), (t[0], np.inf, np.inf)
+    fit = least_squares(misfit, first, bounds=(low, high), x_scale=(1.0, *first[1:]))
+    cov = np.linalg.pinv(fit.jac.T @ fit.jac)
+    scatter = max(2 * fit.cost / (len(t) - 3), 1.0)
+    return float(fit.x[0]), float(fit.x[1]), float(np.sqrt(cov[0, 0] * scatter))
 
 
 class Crossing:

@@ -1,6 +1,6 @@
 """Velocity fields of a flow: displacements between successive pictures, averaged over intervals."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ class VelocityField:
     start, end    s from the opening
     x, y          (nx,), (ny,)
     vx, vy        (ny, nx) per s, y upwards; NaN where no displacement was found
-    sigma         (ny, nx) of either component: from the scatter between pairs, and the scale
+    sigma         (ny, nx) of either component: scatter between pairs, scale, and the opening's time
     count         (ny, nx) pairs of pictures that told
     """
 
@@ -92,15 +92,20 @@ class Velocities:
         total.variance += sigma**2
         total.count += found.valid
 
-    def fields(self, length: float) -> list[VelocityField]:
-        """The mean velocities of all intervals of a length [s]."""
+    def fields(self, length: float, late: float) -> list[VelocityField]:
+        """The mean velocities of all intervals of a length [s], the opening known to `late` [s]."""
         if self._grid is None:
             return []
         x = self._silo.metres(np.column_stack([self._grid[0], np.zeros(len(self._grid[0]))]))[:, 0]
         y = self._silo.metres(np.column_stack([np.zeros(len(self._grid[1])), self._grid[1]]))[:, 1]
-        return [
+        found = [
             self._field(index * length, (index + 1) * length, x, y, total)
             for index, total in sorted(self._sums.items())
+        ]
+        gained = [_gained(found, k) for k in range(len(found))]
+        return [
+            replace(one, sigma=np.hypot(one.sigma, late * gain / length))
+            for one, gain in zip(found, gained, strict=True)
         ]
 
     def _field(
@@ -117,3 +122,19 @@ class Velocities:
         vx, vy = (np.where(n >= FEWEST, speed, np.nan) for speed in (u, -v))
         k = scale.value
         return VelocityField(start, end, x, y, k * vx, k * vy, k * sigma, total.count)
+
+
+def _gained(fields: list[VelocityField], k: int) -> Floats:
+    """(ny, nx) by how much either component grows over an interval, root mean square [per s].
+
+    At an interval's ends the velocity is midway between its neighbours' means; at the opening 0.
+    """
+    here = np.stack([fields[k].vx, fields[k].vy])
+
+    def towards(other: VelocityField) -> Floats:
+        beside = np.stack([other.vx, other.vy])
+        return np.where(np.isfinite(beside), (here + beside) / 2, here)
+
+    before = towards(fields[k - 1]) if k > 0 else np.zeros_like(here)
+    after = towards(fields[k + 1]) if k + 1 < len(fields) else here
+    return np.asarray(np.sqrt(np.mean(np.square(after - before), axis=0)))

@@ -89,12 +89,18 @@ class Stage:
 
         canvas = self._surroundings(time)
         places = places_at(self.scene, time)
-        index = np.full(canvas.shape[:2], -1, np.int32)
-        for grain, outline in self._outlines(places):
-            cv2.fillConvexPoly(index, outline, grain, cv2.LINE_8, _SHIFT)
-        self._fill(canvas, index, places)
+        self._fill(canvas, self.index(places), places)
         size = self.width, self.height
         return np.asarray(cv2.resize(canvas, size, interpolation=cv2.INTER_AREA), np.float32)
+
+    def index(self, places: Places) -> NDArray[np.int32]:
+        """Which of the places each fine pixel shows (2 height, 2 width); -1 for none."""
+        import cv2
+
+        index = np.full((self.height * _FINER, self.width * _FINER), -1, np.int32)
+        for k, outline in self._outlines(places):
+            cv2.fillConvexPoly(index, outline, k, cv2.LINE_8, _SHIFT)
+        return index
 
     def _surroundings(self, time: float) -> Light:
         """Backing and walls, and the door as long as it is there."""
