@@ -161,7 +161,8 @@ def test_opening_is_the_vertex_of_a_fall_from_rest(start):
 def test_opening_of_a_fall_that_settles_is_within_its_uncertainty(settling):
     """v = a T (1 - exp(-tau/T)), places good to 0.1 px: of 60 openings 68 % within sigma or more,
     as half of the fall counts too; two binomial standard deviations are 0.12. Their mean is off by
-    less than three standard errors of sigma/sqrt(60)."""
+    less than three standard errors of sigma/sqrt(60). A rate is not negative: where it is none,
+    half of the estimates are held at the bound, and t0 is late by sigma/sqrt(2 pi) on the mean."""
     random, z = np.random.default_rng(5), []
     for _ in range(60):
         opening, start, frame = Opening(grain=20.0), 10 + random.uniform(), 0
@@ -172,7 +173,8 @@ def test_opening_of_a_fall_that_settles_is_within_its_uncertainty(settling):
             frame += 1
         z.append((opening.clock.value - start) / opening.clock.sigma)
     assert np.mean(np.abs(z) < 1) > 0.56
-    assert abs(np.mean(z)) < 3 / np.sqrt(60)
+    late = 1 / np.sqrt(2 * np.pi) if settling > 100 else 0.0
+    assert abs(np.mean(z) - late) < 3 / np.sqrt(60)
 
 
 def test_opening_of_a_slow_film_lies_between_two_frames():
