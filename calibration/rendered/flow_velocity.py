@@ -60,11 +60,12 @@ def _of_pair(stage: Stage, first: float, second: float, points: Floats, side: fl
     shown, velocity = _pixels(stage, first, second)
     finer = shown.shape[0] / stage.height
     at = (stage.pixels(points) * finer - 0.5).astype(np.float32)
+    across, down = np.ascontiguousarray(at[..., 0]), np.ascontiguousarray(at[..., 1])
     size = round(side / stage.look.scale * finer)
 
     def mean(picture: Floats) -> Floats:
         means = cv2.boxFilter(picture.astype(np.float32), -1, (size, size))
-        return np.asarray(cv2.remap(means, at, None, cv2.INTER_LINEAR), np.float64)
+        return np.asarray(cv2.remap(means, across, down, cv2.INTER_LINEAR), np.float64)
 
     share = mean(shown)
     covered = np.where(share > _COVERED, share, np.nan)
