@@ -85,7 +85,8 @@ def line(name: str, rows: np.ndarray) -> str:
 
 
 def thirds(rows: np.ndarray, key: int, factor: float, unit: str) -> list[str]:
-    """Lines by a column's thirds."""
+    """Lines by a column's thirds, of the windows that have it: at the edge no slope is known."""
+    rows = rows[:, np.isfinite(rows[key])]
     ends = np.quantile(rows[key], np.linspace(0, 1, PARTS + 1))
     which = np.clip(np.searchsorted(ends, rows[key], side="right") - 1, 0, PARTS - 1)
     return [
