@@ -6,7 +6,7 @@ import numpy as np
 
 from calibration.inverse.data import Observed, Run, Runs
 from calibration.inverse.posterior import NothingPassed, Posterior, model_of, sample
-from calibration.inverse.prior import Array, Prior
+from calibration.inverse.prior import Array, Prior, within
 
 ROUNDS = 3  # the first takes half of the points, the others share what is left
 _DIGITS = 3  # decimals of a coordinate: fewer than differ from one machine to another
@@ -45,8 +45,7 @@ def added_points(posterior: Posterior, there: Array, count: int) -> Array:
 
 
 def _tidy(priors: Sequence[Prior], points: Array) -> Array:
-    lows, highs = ([getattr(p, name) for p in priors] for name in ("low", "high"))
-    return np.clip(np.round(points, _DIGITS), lows, highs)
+    return within(priors, np.round(points, _DIGITS))
 
 
 def explore(

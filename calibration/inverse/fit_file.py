@@ -55,14 +55,18 @@ class Fit:
         return self.points * self.seeds * len(self.cases)
 
     @property
+    def middle(self) -> Array:
+        """Coordinates (p,) of the priors' medians."""
+        return np.array([prior.quantile(np.array(0.5)) for prior in self.priors])
+
+    @property
     def digest(self) -> str:
         """Names the fit: its file, what was measured, and the case."""
         files = sorted({str(o.file) for _, o in self.observations if o.file})
-        middle = np.array([prior.quantile(np.array(0.5)) for prior in self.priors])
         return digest({
             "text": self.text,
             "files": [digest_of([Path(file)]) for file in files],
-            "case": self.simulated.campaign.digest(self.case(0, middle)),
+            "case": self.simulated.campaign.digest(self.case(0, self.middle)),
         })  # fmt: skip
 
     def case(self, number: int, x: Array) -> Any:

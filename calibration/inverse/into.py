@@ -47,11 +47,10 @@ def write_into(found: Fitted, path: Path) -> list[Written]:
 def check_into(path: Path, fit: Fit) -> None:
     """InputError before the work, where a parameter of a fit has no place in a parameter file."""
     check_file(path)
-    middle = np.array([prior.quantile(np.array(0.5)) for prior in fit.priors])
     for k, prior in enumerate(fit.priors):
-        moved = middle.copy()
+        moved = fit.middle
         moved[k] = prior.quantile(np.array(0.75))
-        before, after = (fit.simulated.parameters(fit.case(0, x)) for x in (middle, moved))
+        before, after = (fit.simulated.parameters(fit.case(0, x)) for x in (fit.middle, moved))
         if not _changed(before, after):
             raise InputError(
                 f"--into {path}: {prior.name} is nothing that a parameter file holds; leave "
@@ -74,9 +73,7 @@ def _follows(found: Fitted, k: int) -> dict[tuple[str, str], tuple[float, float]
 def _coordinates(found: Fitted, k: int, value: float) -> np.ndarray:
     """The posterior's mean with one parameter at a value."""
     x = found.posterior.samples.mean(axis=0)
-    prior = found.fit.priors[k]
-    plain = np.log(value) if prior.kind == "lognormal" else value
-    x[k] = (plain - prior.centre) / prior.width
+    x[k] = found.fit.priors[k].coordinate(value)
     return x
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from calibration.inverse.data import Observed, Runs
 from calibration.inverse.emulator import Chance, Processes, chance_of, processes_of
-from calibration.inverse.prior import Array, Prior
+from calibration.inverse.prior import Array, Prior, within
 from calibration.inverse.reduction import Reduction, inflation, reduce, scatter
 
 # Many walkers, which begin as draws from the posterior already, need few steps.
@@ -160,5 +160,4 @@ def _start(model: Model, random: np.random.RandomState) -> Array:
     weight = np.exp(weight - weight.max())
     start = draws[random.choice(_DRAWS, _WALKERS, p=weight / weight.sum())]
     start += 1e-3 * random.standard_normal(start.shape)
-    lows, highs = ([getattr(p, name) for p in model.priors] for name in ("low", "high"))
-    return np.clip(start, lows, highs)
+    return within(model.priors, start)

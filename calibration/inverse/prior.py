@@ -8,7 +8,7 @@ nothing is simulated beyond.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -53,6 +53,11 @@ class Prior:
         plain = self.centre + self.width * x
         return np.exp(plain) if self.kind == "lognormal" else plain
 
+    def coordinate(self, value: float) -> float:
+        """The coordinate of a parameter in SI."""
+        plain = math.log(value) if self.kind == "lognormal" else value
+        return (plain - self.centre) / self.width
+
     @property
     def ends(self) -> tuple[float, float]:
         """The least and the largest value, in SI."""
@@ -90,6 +95,11 @@ class Prior:
         from scipy.stats import truncnorm
 
         return float(truncnorm.std(self.low, self.high))
+
+
+def within(priors: Sequence[Prior], points: Array) -> Array:
+    """Coordinates (n, p), put to the end of the prior where they lie beyond it."""
+    return np.clip(points, [prior.low for prior in priors], [prior.high for prior in priors])
 
 
 def prior_of(
