@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from calibration.commands.flow import film_options
+from calibration.commands.options import sheets_option
 from campaign.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
@@ -19,12 +20,12 @@ if TYPE_CHECKING:
 @click.argument("video")
 @film_options
 @click.option("--interval", metavar='"0.25 s"', help="Between profiles [default: 0.25 s].")
-@click.option("-o", "--out", metavar="DIR", help="Draw the figure there.")
+@sheets_option("Draw the figure there.")
 @quiet_option
 @json_option
 def command(
     run: str, video: str, fps: float | None, scale: str | None, width: str | None,
-    roi: str | None, interval: str | None, out: str | None, quiet: bool, as_json: bool,
+    roi: str | None, interval: str | None, out: Path | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Profiles and curve of a run folder beside those of a film, and how far they are apart.
 
@@ -34,12 +35,10 @@ def command(
     """
     from calibration.compare import as_json as comparison_json
     from calibration.compare import columns_of, compare
-    from calibration.flow.measure import Settings, measure_flow
-    from campaign.folder import refuse_unless_writable
+    from calibration.flow.measure import measure_flow
+    from calibration.flow.settings import Settings
     from campaign.terminal import Progress
 
-    if out is not None:
-        refuse_unless_writable(Path(out), "--out")
     columns, inner = columns_of(run)
     settings = Settings(fps, scale, width, roi, interval, columns, velocity=False)
     if scale is None and width is None:
@@ -52,7 +51,7 @@ def command(
         from calibration.compare_sheet import draw_comparison
 
         name = Path(video).stem
-        figure = draw_comparison(found, Path(out) / f"compare-{name}.png", name)
+        figure = draw_comparison(found, out / f"compare-{name}.png", name)
     if as_json:
         answer = comparison_json(found) | {"figure": None if figure is None else str(figure)}
         click.echo(json.dumps(answer, indent=2))

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from calibration.commands.options import into_options
+from calibration.commands.options import into_options, sheets_option
+from campaign.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
     from calibration.commands.options import Into
@@ -23,13 +24,13 @@ if TYPE_CHECKING:
 @click.option("--one-bounce", is_flag=True, help="Take a single bounce, unchecked by another.")
 @click.option("--roi", metavar="x,y,w,h", help="Part of the picture to look at, in pixels.")
 @click.option("--at", metavar="frame,x,y", help="Where the thing is in some frame of a film.")
-@click.option("-o", "--out", metavar="DIR", help="Put sheet and annotated film there.")
+@sheets_option("Put sheet and annotated film there.")
 @into_options("restitution")
-@click.option("--quiet", is_flag=True, help="No progress on stderr.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@quiet_option
+@json_option
 def command(
     file: str, fps: float | None, scale: str | None, track: str | None, one_bounce: bool,
-    roi: str | None, at: str | None, out: str | None, into: "Into | None", quiet: bool,
+    roi: str | None, at: str | None, out: Path | None, into: "Into | None", quiet: bool,
     as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution of a thing that falls on a plate and bounces (eq. 3.5).
@@ -42,11 +43,8 @@ def command(
     """
     from calibration.commands.film_options import place, region
     from calibration.drop import measure_drop
-    from campaign.folder import refuse_unless_writable
     from campaign.terminal import Progress
 
-    if out is not None:
-        refuse_unless_writable(Path(out), "--out")
     with Progress(Path(file).name, quiet) as progress:
         drop = measure_drop(
             file, fps=fps, scale=scale, track=track, one_bounce=one_bounce, roi=region(roi),

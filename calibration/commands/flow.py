@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from calibration.commands.options import sheets_option
 from campaign.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
     from calibration.flow.collapse import Collapse
-    from calibration.flow.measure import Flow
+    from calibration.flow.result import Flow
 
 
 def film_options(command: Any) -> Any:
@@ -37,13 +38,13 @@ def film_options(command: Any) -> Any:
 @click.option("--layer-height", metavar='"45 mm"', help="Of layers to draw where none is painted.")
 @click.option("--no-velocity", is_flag=True, help="Leave out the velocity fields, which take time.")
 @click.option("--collapse", is_flag=True, help="A column that spreads on a plate: its front.")
-@click.option("-o", "--out", metavar="DIR", help="Draw the sheet and write the tables there.")
+@sheets_option("Draw the sheet and write the tables there.")
 @quiet_option
 @json_option
 def command(
     video: str, fps: float | None, scale: str | None, width: str | None, roi: str | None,
     interval: str | None, columns: int, layer_height: str | None, no_velocity: bool,
-    collapse: bool, out: str | None, quiet: bool, as_json: bool,
+    collapse: bool, out: Path | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Discharge time, curve, profiles of the layers and velocities from the film of a silo.
 
@@ -52,12 +53,8 @@ def command(
 
     For example: calibrate flow silo.mp4 --width "300 mm" --out sheets
     """
-    from campaign.folder import refuse_unless_writable
     from campaign.terminal import Progress
 
-    folder = None if out is None else Path(out)
-    if folder is not None:
-        refuse_unless_writable(folder, "--out")
     if collapse:
         from calibration.flow.collapse import measure_collapse
 
@@ -65,16 +62,17 @@ def command(
             seen = measure_collapse(
                 video, fps=fps, scale=scale, roi=roi, tell=lambda part: progress.update(part)
             )
-        answer = seen.as_json() | {"files": _files_of_collapse(seen, folder, video)}
+        answer = seen.as_json() | {"files": _files_of_collapse(seen, out, video)}
         click.echo(json.dumps(answer, indent=2) if as_json else _collapse_report(answer))
         return
-    from calibration.flow.measure import Settings, measure_flow
+    from calibration.flow.measure import measure_flow
     from calibration.flow.report import as_json as flow_json
+    from calibration.flow.settings import Settings
 
     settings = Settings(fps, scale, width, roi, interval, columns, layer_height, not no_velocity)
     with Progress("flow", quiet) as progress:
         flow = measure_flow(video, settings, progress.update)
-    files = _files(flow, folder, video)
+    files = _files(flow, out, video)
     if as_json:
         click.echo(json.dumps(flow_json(flow) | files, indent=2))
     else:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from calibration.commands.options import Into, into_options
+from calibration.commands.options import Into, into_options, sheets_option
 from campaign.commandline import json_option, quiet_option
 from contact.quantity import InputError, to_si
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     help="Longer than a contact, shorter than a flight [default: 2 ms].",
 )  # fmt: skip
 @click.option("--drop-height", metavar='"1.5 m"', help="Of the first fall: a check.")
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for the sheet (PNG).")
+@sheets_option("Folder for the sheet (PNG).")
 @into_options("restitution")
 @quiet_option
 @json_option
@@ -71,8 +71,6 @@ def _sheet(found: "Impacts", file: Path, out: Path) -> Path:
     from calibration.impacts.sheet import draw_sheet
     from campaign.figure import write_figure
 
-    if out.exists() and not out.is_dir():
-        raise InputError(f"--out = {out}: not a folder")
     return write_figure(out / f"{file.stem}-impacts.png", lambda: draw_sheet(found))
 
 

@@ -1,4 +1,4 @@
-"""Options that the measuring commands share: --into, --pair and --material."""
+"""Options that the measuring commands share: --out, --into, --pair and --material."""
 
 import functools
 from collections.abc import Callable, Sequence
@@ -68,6 +68,20 @@ class Into:
             example = "wood-steel" if kind == "pair" else "wood"
             raise InputError(f"--into {self.path}: say of which {kind}: --{kind} {example}")
         return f"{kind}.{name}"
+
+
+def sheets_option(words: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """-o, --out: a folder for what the command draws; refused before the work if not writable."""
+
+    def checked(_context: click.Context, _option: click.Parameter, out: Path | None) -> Path | None:
+        from campaign.folder import refuse_unless_writable
+
+        if out is not None:
+            refuse_unless_writable(out, "--out")
+        return out
+
+    kind = click.Path(path_type=Path)
+    return click.option("-o", "--out", type=kind, metavar="DIR", callback=checked, help=words)
 
 
 def into_options(*keys: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

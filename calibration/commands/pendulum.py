@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from calibration.commands.film_options import region
-from calibration.commands.options import into_options
+from calibration.commands.options import into_options, sheets_option
 from campaign.commandline import json_option, quiet_option
 from contact.quantity import InputError, to_si
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 @click.option("--roi", metavar="X,Y,W,H", help="Part of the film to look at [px].")
 @click.option("--track", multiple=True, metavar="NAME", help="Which thing; twice for two blocks.")
 @click.option("--masses", metavar='"10 g,12 g"', help="Of the left and the right block: a check.")
-@click.option("-o", "--out", metavar="DIR", help="Draw the sheet there.")
+@sheets_option("Draw the sheet there.")
 @into_options("restitution")
 @quiet_option
 @json_option
 def command(
     file: str, fps: float | None, roi: str | None, track: tuple[str, ...], masses: str | None,
-    out: str | None, into: "Into | None", quiet: bool, as_json: bool,
+    out: Path | None, into: "Into | None", quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution of two blocks on strings (eq. 3.6), or of a ball on a string against a wall.
 
@@ -39,11 +39,8 @@ def command(
     from calibration.pendulum.measure import measure_pendulum
     from calibration.pendulum.statement import as_json as object_of
     from calibration.pendulum.statement import as_text
-    from campaign.folder import refuse_unless_writable
     from campaign.terminal import Progress
 
-    if out is not None:
-        refuse_unless_writable(Path(out), "--out")
     with Progress(Path(file).name, quiet) as progress:
         found = measure_pendulum(
             file, fps=fps, tracks=track, roi=region(roi), masses=_masses(masses), out=out,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from calibration.commands.options import sheets_option
 from campaign.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 @click.option("--mask", type=click.Path(path_type=Path), help="A picture, white where to measure.")
 @click.option("--scale", metavar='"0.81 mm/px"', help="Length per pixel.")
 @click.option("--dt", metavar='"1 ms"', help="Time from A to B.")
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for table and sheet.")
+@sheets_option("Folder for table and sheet.")
 @quiet_option
 @json_option
 def command(
@@ -42,11 +43,8 @@ def command(
     """
     from calibration.piv.answer import measure_pair
     from calibration.quantity import metres_per_pixel
-    from campaign.folder import refuse_unless_writable
     from contact.quantity import to_si
 
-    if out is not None:
-        refuse_unless_writable(out, "--out")
     answer = measure_pair(
         a,
         b,

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from calibration.commands.options import sheets_option
 from campaign.commandline import json_option, quiet_option
-from contact.quantity import InputError, to_si
+from contact.quantity import to_si
 
 if TYPE_CHECKING:
     from calibration.shaken import Record
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 @click.option("--particle-mass", metavar='"27.9 g"', help="For the efficiency.")
 @click.option("--harmonics", type=click.IntRange(1, 50), default=5, help="Counted [default: 5].")
 @click.option("--rate", type=float, metavar="40000", help="Samples/s of tables without times.")
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for the sheet (PNG).")
+@sheets_option("Folder for the sheet (PNG).")
 @quiet_option
 @json_option
 def command(
@@ -62,17 +63,15 @@ def _sheet(found: "Dissipation", loaded: "Record", out: Path) -> Path:
     from calibration.shaker_sheet import draw_sheet
     from campaign.figure import write_figure
 
-    if out.exists() and not out.is_dir():
-        raise InputError(f"--out = {out}: not a folder")
     name = f"{loaded.path.stem}-shaker.png"
     return write_figure(out / name, lambda: draw_sheet(found, loaded))
 
 
 def _as_json(found: "Dissipation") -> dict[str, object]:
+    from calibration.uncertainty import as_pair
+
     def pair(one: "Estimate | None") -> dict[str, float | None]:
-        if one is None:
-            return {"value": None, "sigma": None}
-        return {"value": one.value, "sigma": one.sigma}
+        return as_pair(one) or {"value": None, "sigma": None}
 
     return {
         "frequency_hz": found.frequency_hz,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from calibration.commands.options import Into, into_options
+from calibration.commands.options import Into, into_options, sheets_option
 from campaign.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ if TYPE_CHECKING:
     metavar='"1e4 N/mm +- 18 %"',
     help="Measured kn, which kt/kn makes the kt that --into writes.",
 )
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="Folder for the sheet (PNG).")
+@sheets_option("Folder for the sheet (PNG).")
 @into_options("kt")
 @quiet_option
 @json_option
@@ -97,10 +97,7 @@ def command(
     from calibration.interface_fe.report import as_json as for_json
     from calibration.interface_fe.report import as_text
     from calibration.interface_fe.setting import read_kn, read_setting
-    from contact.quantity import InputError
 
-    if out is not None and out.exists() and not out.is_dir():
-        raise InputError(f"--out = {out}: not a folder")
     setting, sigma_e = read_setting(given)
     known_kn = read_kn(kn, into is not None)
     wanted, seed = given["surface"], given["seed"]
