@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.flow.measure import Settings, measure_flow
+from calibration.flow.measure import measure_flow
+from calibration.flow.settings import Settings
 from calibration.rendered.camera import Camera, write_film
 from calibration.rendered.flow import Look, Stage, film_of_run, truth
 

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 from flow_coverage import rendered
 
-from calibration.flow.measure import Settings, measure_flow
+from calibration.flow.measure import measure_flow
+from calibration.flow.settings import Settings
 from calibration.rendered.flow_velocity import TrueField, true_field
 from campaign.figure import write_figure
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.flow.measure import Flow
-from calibration.uncertainty import Estimate
+from calibration.flow.result import Flow
+from calibration.uncertainty import Estimate, as_pair
 from contact.quantity import InputError
 from silo2d.measures.grains import column_edges, leavers
 from silo2d.measures.profile import measure
@@ -120,15 +120,15 @@ def _time_off(scene: Scene, flow: Flow) -> Estimate | None:
 
 def as_json(found: Comparison) -> dict[str, Any]:
     """The answer of calibrate compare, in SI; times in s from the opening."""
-    from calibration.flow.report import estimate, numbers
+    from calibration.flow.report import numbers
 
     return {
-        "distance_m": estimate(found.distance),
+        "distance_m": as_pair(found.distance),
         "distance_of_equal_flows_m": found.floor,
-        "curve_distance": estimate(found.curve_distance),
+        "curve_distance": as_pair(found.curve_distance),
         "discharge_time_run_s": found.scene.summary.get("discharge_time_s"),
-        "discharge_time_film_s": estimate(found.flow.discharge),
-        "discharge_time_difference_s": estimate(found.time_off),
+        "discharge_time_film_s": as_pair(found.flow.discharge),
+        "discharge_time_difference_s": as_pair(found.time_off),
         "outcome_run": found.scene.summary.get("outcome"),
         "outcome_film": found.flow.outcome,
         "times_s": numbers(found.times),

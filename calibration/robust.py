@@ -9,7 +9,7 @@ import numpy as np
 from calibration.track import Array, Rows
 
 _TUKEY = 4.685  # 95 % efficient for normal residuals
-_MEDIAN_TO_SIGMA = 1.4826  # of a normal distribution
+MEDIAN_TO_SIGMA = 1.4826  # of a normal distribution
 
 
 def robust_fit(
@@ -29,7 +29,7 @@ def robust_fit(
     sigma = np.inf
     for k in range(50):
         residual = y - design @ beta
-        scale = np.median(np.abs(residual)) * _MEDIAN_TO_SIGMA * np.sqrt(n / max(n - p, 1))
+        scale = np.median(np.abs(residual)) * MEDIAN_TO_SIGMA * np.sqrt(n / max(n - p, 1))
         sigma = max(min(sigma, scale) if k > 10 else scale, floor)  # settles, whatever comes
         root = np.sqrt(_bisquare(residual / sigma))
         rows = np.concatenate([design * root[:, None], sigma * lean])
@@ -67,7 +67,7 @@ def for_correlation(residuals: Array, rows: list[Rows]) -> float:
     """
     pairs = [np.stack([residuals[one[:-1]], residuals[one[1:]]]) for one in rows]
     first, second = np.concatenate(pairs, axis=1)
-    limit = 4 * np.median(np.abs(first)) * _MEDIAN_TO_SIGMA  # outliers say nothing about it
+    limit = 4 * np.median(np.abs(first)) * MEDIAN_TO_SIGMA  # outliers say nothing about it
     near = (np.abs(first) < limit) & (np.abs(second) < limit)
     if near.sum() < 8 or not np.any(first[near]):
         return 1.0

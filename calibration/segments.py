@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.robust import MEDIAN_TO_SIGMA
 from calibration.track import Array, Rows
 
 _FEWEST = 4  # points of a stretch: one more than a parabola needs
 _LONGEST = 600  # points that one stretch may have before stretches are joined again
 _ALIKE = 0.3  # share by which drag and perspective may change the acceleration of one flight
 _CURVED = 5  # sigma by which a stretch must be curved to be in flight
-_MEDIAN_TO_SIGMA = 1.4826  # of a normal distribution
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def noise(t: Array, y: Array) -> float:
     weights = 1 / np.prod(apart, axis=2)
     weights /= np.linalg.norm(weights, axis=1)[:, None]
     differences = np.sum(weights * np.lib.stride_tricks.sliding_window_view(y, 4), axis=1)
-    return max(floor, _MEDIAN_TO_SIGMA * float(np.median(np.abs(differences))))
+    return max(floor, MEDIAN_TO_SIGMA * float(np.median(np.abs(differences))))
 
 
 def stretches(t: Array, y: Array) -> list[Stretch]:

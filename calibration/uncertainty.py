@@ -24,6 +24,11 @@ class Estimate:
     scatter: float | None = None  # standard deviation of a single trial
 
 
+def as_pair(known: Estimate | None) -> dict[str, float | None] | None:
+    """Value and sigma for JSON; None for none."""
+    return None if known is None else {"value": known.value, "sigma": known.sigma}
+
+
 @dataclass(frozen=True)
 class Pooled:
     """All trials of several groups as one value, and whether the groups differ by more than chance.

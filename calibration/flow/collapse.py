@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from calibration.film.reader import open_film
 from calibration.flow.silo import CLEAR, check_said, parse_roi
-from calibration.flow.survey import TO_SIGMA, Grey, Survey, frame_rate, survey, to_grey
+from calibration.flow.survey import Grey, Survey, clock_warnings, frame_rate, survey, to_grey
 from calibration.quantity import metres_per_pixel
+from calibration.robust import MEDIAN_TO_SIGMA
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError
 
@@ -101,7 +102,7 @@ def measure_collapse(
     time, left, right, top = np.array(rows).T
     k = known.value
     offset = part[1].start or 0, part[0].start or 0
-    warnings = _warnings(seen, film.corrupt)
+    warnings = clock_warnings(film, seen)
     if film.rate is not None and fps is None:
         warnings.append(
             f"the rate is that of the file's head, {film.rate:g} frames/s; a film that is shown "
@@ -151,15 +152,4 @@ def _noise(left: Floats, right: Floats) -> float:
     known = np.abs(third[np.isfinite(third)])
     # Third differences of independent values have 20 times their variance; frames in which the
     # front is hidden are few, and left to the median.
-    return float(TO_SIGMA * np.median(known) / np.sqrt(20)) if len(known) else np.nan
-
-
-def _warnings(seen: Survey, corrupt: list[int]) -> list[str]:
-    told = []
-    if seen.repeated:
-        told.append(f"{seen.repeated} frames repeat the one before")
-    if seen.uneven:
-        told.append("the time stamps are uneven; an even clock was used")
-    if corrupt:
-        told.append(f"{len(corrupt)} frames could not be decoded and were left out")
-    return told
+    return float(MEDIAN_TO_SIGMA * np.median(known) / np.sqrt(20)) if len(known) else np.nan

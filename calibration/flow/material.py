@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.flow.silo import CLEAR, Silo
+from calibration.flow.silo import Silo, changes
 from calibration.flow.survey import Survey, to_grey
 from calibration.flow.tones import Labels
 from calibration.flow.tracers import Points
@@ -23,8 +23,7 @@ def material_mask(seen: Survey, silo: Silo, labels: Labels, grain: float) -> Mas
     """
     import cv2
 
-    apart = np.abs(seen.last.astype(np.int16) - seen.first).max(axis=2).astype(np.float32)
-    moved = cv2.blur(apart, (3, 3)) > CLEAR * seen.noise * np.sqrt(2)
+    _, moved = changes(seen)
     inside = np.zeros(moved.shape, dtype=bool)
     inside[silo.box] = True
     moved &= inside

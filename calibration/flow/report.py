@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.flow.measure import Flow
-from calibration.uncertainty import Estimate
+from calibration.flow.result import Flow
+from calibration.uncertainty import as_pair
 from campaign.folder import write_atomic
 
 _DIGITS = 6
@@ -28,14 +28,12 @@ def as_json(flow: Flow) -> dict[str, Any]:
             "uneven_stamps": flow.seen.uneven,
         },
         "length_unit": silo.unit,
-        "scale_m_per_px": {"value": silo.scale.value, "sigma": silo.scale.sigma}
-        if silo.unit == "m"
-        else None,
+        "scale_m_per_px": as_pair(silo.scale) if silo.unit == "m" else None,
         "silo_px": [silo.left, silo.top, silo.width, silo.height],
         "outlet": list(flow.outlet),
-        "opening_frame": estimate(flow.opening),
+        "opening_frame": as_pair(flow.opening),
         "outcome": flow.outcome,
-        "discharge_time_s": estimate(flow.discharge),
+        "discharge_time_s": as_pair(flow.discharge),
         "curve": {
             "time_s": numbers(curve.time),
             "remaining": numbers(curve.remaining),
@@ -75,11 +73,6 @@ def _profile(flow: Flow) -> dict[str, Any]:
         "times_s": [p.time for p in flow.profiles],
         "layers": layers,
     }
-
-
-def estimate(one: Estimate | None) -> dict[str, float | None] | None:
-    """A value and its sigma; None for none."""
-    return None if one is None else {"value": one.value, "sigma": one.sigma}
 
 
 def numbers(series: NDArray) -> list[Any]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from calibration.film.reader import Picture
 from calibration.flow.layers import Profile
-from calibration.flow.measure import Flow
+from calibration.flow.result import Flow
 from calibration.quantity import plus_minus
 from campaign.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline, write_figure
 
@@ -31,12 +31,7 @@ def draw_sheet(flow: Flow, path: Path, name: str) -> Path:
 def _pictures(flow: Flow, panels: list[Profile]) -> list[Picture]:
     """The film's frame that is nearest to each profile."""
     wanted = [round(flow.opening.value + p.time * flow.rate) for p in panels]
-    found: dict[int, Picture] = {}
-    for frame in flow.film.frames():
-        if frame.number in wanted or not found:
-            found[frame.number] = frame.picture
-        if frame.number >= max(wanted):
-            break
+    found = {frame.number: frame.picture for frame in flow.film.some({0, *wanted})}
     return [found[min(found, key=lambda n: abs(n - number))] for number in wanted]
 
 

@@ -109,15 +109,22 @@ def _scale(
     return Estimate(1.0, 0.0, 1), "px"
 
 
-def _changed_box(seen: Survey) -> tuple[float, float, float, float]:
+def changes(seen: Survey) -> tuple[NDArray[np.float32], Mask]:
+    """By how much each pixel differs from the first to the last picture, and whether it does."""
     import cv2
 
     apart = np.abs(seen.last.astype(np.int16) - seen.first).max(axis=2).astype(np.float32)
     # The mean of 3 x 3 pixels has a third of the noise, and of two pictures sqrt(2) times it.
-    limit = CLEAR * seen.noise * np.sqrt(2)
-    changed = (cv2.blur(apart, (3, 3)) > limit).astype(np.uint8)
+    return apart, np.asarray(cv2.blur(apart, (3, 3)) > CLEAR * seen.noise * np.sqrt(2))
+
+
+def _changed_box(seen: Survey) -> tuple[float, float, float, float]:
+    import cv2
+
+    apart, changed = changes(seen)
     size = max(3, min(changed.shape) // 100)
-    closed = cv2.morphologyEx(changed, cv2.MORPH_CLOSE, np.ones((size, size), np.uint8))
+    kernel = np.ones((size, size), np.uint8)
+    closed = cv2.morphologyEx(changed.astype(np.uint8), cv2.MORPH_CLOSE, kernel)
     count, label, stats, _ = cv2.connectedComponentsWithStats(closed)
     if count < 2:
         raise InputError("nothing differs between the first and the last frame: nothing flows")

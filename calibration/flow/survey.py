@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.film.reader import Film, Picture
+from calibration.robust import MEDIAN_TO_SIGMA
 from contact.quantity import InputError
 
 Grey = NDArray[np.uint8]
 
 _FASTEST = 1e6  # frames/s: what cameras reach
 _FEWEST = 5  # frames of a film in which something flows
-TO_SIGMA = 1.4826  # standard deviation over median deviation, of a normal distribution
 _EVEN = 0.25  # of a frame: how far time stamps may stray from an even clock
 
 
@@ -69,6 +69,18 @@ def survey(film: Film, tell: Callable[[float], None] = lambda part: None) -> Sur
     return Survey(len(deviations) + 1, first, last[0], noise, repeated, _uneven(stamps))
 
 
+def clock_warnings(film: Film, seen: Survey) -> list[str]:
+    """What is wrong with a film's frames and their times, a line each."""
+    told = []
+    if seen.uneven:
+        told.append("the time stamps are uneven; an even clock was used")
+    if seen.repeated:
+        told.append(f"{seen.repeated} frames repeat the one before")
+    if film.corrupt:
+        told.append(f"{len(film.corrupt)} frames could not be decoded and were left out")
+    return told
+
+
 def to_grey(picture: Picture) -> Grey:
     """Brightness (height, width) of a picture in blue, green and red."""
     import cv2
@@ -91,7 +103,7 @@ def _deviation(counts: NDArray[np.float64]) -> float:
     under = below[k - 1] if k else 0
     # Grey levels are whole numbers: where in its bin the median lies is told by the counts.
     median = k - 0.5 + (below[-1] / 2 - under) / max(counts[k], 1)
-    return TO_SIGMA * max(median, 0.0) / np.sqrt(2)
+    return MEDIAN_TO_SIGMA * max(median, 0.0) / np.sqrt(2)
 
 
 def _uneven(stamps: list[tuple[int, float]]) -> bool:
