@@ -1,12 +1,13 @@
 """measure_drop: a film or a track of a bouncing thing to restitution, speeds, scale and rate."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from calibration.drop_choice import the_one_that_bounces
 from calibration.drop_fall import with_free_fall
 from calibration.drop_result import Drop
+from calibration.film.reader import Told, is_film, open_film
 from calibration.quantity import metres_per_pixel
 from calibration.track import Track
 from calibration.track_table import read_tracks
@@ -24,7 +25,7 @@ def measure_drop(
     one_bounce: bool = False,
     roi: tuple[int, int, int, int] | None = None,
     hint: tuple[float, float, float] | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Told | None = None,
     out: str | Path | None = None,
 ) -> Drop:
     """Restitution of a thing that falls on a plate and bounces, from its track.
@@ -75,15 +76,13 @@ def _tracks(
     source: str | Path | Track | Sequence[Track],
     roi: tuple[int, int, int, int] | None,
     hint: tuple[float, float, float] | None,
-    progress: Callable[[float, str], None] | None,
+    progress: Told | None,
 ) -> tuple[list[Track], float | None]:
     """All tracks of a source, and the frames/s that the header of a film says."""
     if isinstance(source, Track):
         return [source], source.rate
     if not isinstance(source, str | Path):
         return list(source), None
-    from calibration.film.reader import is_film, open_film
-
     if not is_film(source):
         return read_tracks(source), None
     from calibration.film.follow import follow

@@ -1,10 +1,11 @@
 """What a drop test leaves in a folder to be judged by: a sheet, and the annotated film."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from calibration.drop_result import Drop
+from calibration.film.reader import Told, is_film, is_pattern, open_film
 from calibration.track import Track
 
 
@@ -12,7 +13,7 @@ def with_pictures(
     drop: Drop,
     source: str | Path | Track | Sequence[Track],
     folder: Path,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Told | None = None,
 ) -> Drop:
     """The drop test with `sheet`, drop-NAME.png, and `film`, drop-NAME.mp4, where it was filmed.
 
@@ -20,7 +21,6 @@ def with_pictures(
     """
     from calibration.drop_sheet import draw_sheet
     from calibration.film.annotate import annotate, stills
-    from calibration.film.reader import is_film, open_film
 
     if not isinstance(source, str | Path):
         name = f"drop-{drop.bounces.track.name or 'track'}"
@@ -39,5 +39,5 @@ def with_pictures(
 
 def _name(path: Path) -> str:
     """A film's own name; of pictures "im*.png" that of their folder."""
-    named = path.parent if any(mark in path.name for mark in "*?[") else path
+    named = path.parent if is_pattern(path) else path
     return named.resolve().stem

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from calibration.bounce import Bounces
-from calibration.uncertainty import Estimate, through
+from calibration.uncertainty import Estimate, as_pair, through
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Drop:
                 "constant_within_noise": found.constant_within_noise,
                 "p": found.p,
                 "method": found.method,
-                "speed_exponent": _pair(found.exponent),
+                "speed_exponent": as_pair(found.exponent),
             },
             "bounces": [self._bounce(k) for k in range(len(found.contacts))],
             "contact_times_s": self._contact_times(),
@@ -127,10 +127,6 @@ class Drop:
         value, sigma = map(float, self.bounces.speeds[k])
         seen = Estimate(value, sigma, 1)
         return through(lambda v, f, s: v * f * s, seen, self.rate, self.scale)
-
-
-def _pair(estimate: Estimate | None) -> dict[str, float | None] | None:
-    return None if estimate is None else {"value": estimate.value, "sigma": estimate.sigma}
 
 
 def _finite(value: float) -> float | None:

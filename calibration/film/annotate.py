@@ -4,7 +4,7 @@ Drawn are the thing followed, its path of late, the plate and the contacts; besi
 frame, time, the restitution of each bounce once it has happened, and a scale bar.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 
 from calibration.drop_result import Drop
 from calibration.film.marks import Marks, Still
-from calibration.film.reader import Film
+from calibration.film.reader import Film, Told
 from calibration.labels import scale_bar, with_sigma
 from campaign.figure import INK, PAPER
 from campaign.film import Image, font, pace, rgb, write_film, write_words
 
 _WIDEST, _HIGHEST = 960, 720  # px of a picture, as laptops show it
 _PANEL, _MARGIN, _LINE = 250, 14, 22  # px
-
-Told = Callable[[float, str], None]  # share done, words
 
 
 def annotate(drop: Drop, film: Film, path: Path, progress: Told | None = None) -> Path:
@@ -34,22 +32,18 @@ def annotate(drop: Drop, film: Film, path: Path, progress: Told | None = None) -
 def stills(drop: Drop, film: Film) -> list[Still]:
     """A few frames with the marks in them: let go, first contact, apex after it, last contact."""
     marks = Marks(drop, film.width, film.height, _WIDEST, _HIGHEST)
-    wanted = _telling(drop)
-    found = []
-    for frame in film.frames():
-        if frame.number in wanted:
-            found.append(Still(frame.number, film.width, film.height, marks.draw(frame)))
-        if frame.number >= max(wanted):
-            break
-    return found
+    return [
+        Still(frame.number, film.width, film.height, marks.draw(frame))
+        for frame in film.some(_telling(drop))
+    ]
 
 
-def _telling(drop: Drop) -> list[int]:
+def _telling(drop: Drop) -> set[int]:
     contacts = drop.bounces.contacts[:, 0]
     release = drop.bounces.base.clock[drop.bounces.flights.rows[0][0]]
     end = drop.bounces.base.clock[drop.bounces.flights.rows[1][-1]]
     apex = (contacts[0] + (contacts[1] if len(contacts) > 1 else end)) / 2
-    return sorted({round(drop.frame(t)) for t in (release, contacts[0], apex, contacts[-1])})
+    return {round(drop.frame(t)) for t in (release, contacts[0], apex, contacts[-1])}
 
 
 def _pictures(drop: Drop, film: Film, name: str, progress: Told | None) -> Iterator[Image]:

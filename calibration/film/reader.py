@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from contact.quantity import InputError
 
 Picture = NDArray[np.uint8]
+Told = Callable[[float, str], None]  # share of a film that is read, and a few words
 
 _PICTURES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 _FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm", ".wmv")
@@ -58,6 +59,14 @@ class Film:
         self.corrupt.clear()
         yield from self._of_pictures() if self.pictures else self._of_video()
 
+    def some(self, numbers: Collection[int]) -> Iterator[Frame]:
+        """Those of these frames that can be read, in order; nothing is read behind the last."""
+        for frame in self.frames():
+            if frame.number in numbers:
+                yield frame
+            if frame.number >= max(numbers):
+                break
+
     def _of_pictures(self) -> Iterator[Frame]:
         for number, path in enumerate(self.pictures):
             picture = _picture(path)
@@ -95,7 +104,7 @@ def open_film(path: str | Path) -> Film:
     Raises InputError, one line, for what is no film or holds no frame.
     """
     path = Path(path)
-    if path.is_dir() or any(mark in path.name for mark in "*?["):
+    if path.is_dir() or is_pattern(path):
         return _open_pictures(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file; a film, a folder of pictures, or 'im*.png'")
@@ -107,7 +116,7 @@ def open_film(path: str | Path) -> Film:
 def is_film(path: str | Path) -> bool:
     """Whether a file is to be read as a film: a folder, a pattern, a film's ending, no text."""
     path = Path(path)
-    if path.is_dir() or any(mark in path.name for mark in "*?["):
+    if path.is_dir() or is_pattern(path):
         return True
     if path.suffix.lower() in _PICTURES + _FILMS:
         return True
@@ -115,6 +124,11 @@ def is_film(path: str | Path) -> bool:
         return False
     with path.open("rb") as file:
         return b"\0" in file.read(4096)
+
+
+def is_pattern(path: Path) -> bool:
+    """Whether a path stands for several pictures: "im*.png"."""
+    return any(mark in path.name for mark in "*?[")
 
 
 def _open_video(path: Path) -> Film:

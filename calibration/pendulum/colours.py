@@ -6,14 +6,14 @@ two are seen they are told apart by their order, and where they touch none is.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.reader import Film, Picture
+from calibration.film.reader import Film, Picture, Told
+from calibration.film.region import Region
 from calibration.film.stamps import clean_stamps
 from calibration.track import Array, Track
 from contact.quantity import InputError
@@ -27,8 +27,6 @@ _PART = 0.25  # of the area of the larger thing: what is smaller is no second on
 _OFTEN = 0.6  # share of frames in which all things must be found
 _ALIKE = 3.0  # times the usual area, or a third: more is another thing, or two that touch
 _LEAST = 12  # px of a thing's area
-
-Region = tuple[int, int, int, int]
 
 
 class _Spot(NamedTuple):
@@ -62,7 +60,7 @@ def by_colour(
     film: Film,
     *,
     roi: Region | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Told | None = None,
 ) -> list[Track]:
     """One or two tracks of the things that swing; radius is that of a circle of their area.
 

@@ -1,12 +1,13 @@
 """measure_pendulum: a ball on a string before a wall, or two blocks on strings, to restitution."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from calibration.correlated import pool
+from calibration.film.reader import Told
 from calibration.pendulum.arc import Arc, arc_through, planar
 from calibration.pendulum.collisions import collide
 from calibration.pendulum.contacts import Swings, found_swings
@@ -27,7 +28,7 @@ def measure_pendulum(
     roi: tuple[int, int, int, int] | None = None,
     masses: tuple[float, float] | None = None,
     out: str | Path | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Told | None = None,
 ) -> Pendulum:
     """Restitution of two things on strings (eq. 3.6), or of one against a wall.
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from calibration.bounce import STANDARD_GRAVITY
 from calibration.correlated import CHANCE
 from calibration.pendulum.arc import Arc, planar
 from calibration.pendulum.collisions import Collisions
@@ -14,8 +15,6 @@ from calibration.pendulum.motion import across, amplitude, root_of_height
 from calibration.pendulum.things import Things
 from calibration.track import Array
 from calibration.uncertainty import Estimate
-
-_GRAVITY = 9.80665  # m/s2
 
 
 @dataclass(frozen=True)
@@ -103,5 +102,5 @@ class Pendulum:
         if self.things.rate is None:
             return None
         omega, sigma = self.fitted.law.omega, float(np.sqrt(self.fitted.covariance[0, 0]))
-        length = _GRAVITY / (omega * self.things.rate) ** 2
+        length = STANDARD_GRAVITY.value / (omega * self.things.rate) ** 2
         return Estimate(length, 2 * length * sigma / omega, 1)

@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.film.reader import Picture, open_film
+from calibration.film.reader import Picture, is_film, open_film
 from calibration.pendulum.fit import rests, states
 from calibration.pendulum.motion import across
 from calibration.pendulum.result import Pendulum
-from calibration.pendulum.things import TABLES
 from calibration.track import Array
 from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline, write_figure
 
@@ -137,17 +136,11 @@ def _restitution(axes: "Axes", found: Pendulum) -> None:
 def _frames(found: Pendulum) -> list[tuple[int, Picture]]:
     """Frames of the film at contacts and in the swings between; [] for a table."""
     path = found.things.source
-    if path is None or path.suffix.lower() in TABLES:
+    if path is None or not is_film(path):
         return []
     times: Array = np.sort(np.concatenate([found.fitted.seen.centre, found.times[:, 0]]))
     wanted = {round(found.frame(time)) for time in times[:_SHOWN]}
-    kept = []
-    for frame in open_film(path).frames():
-        if frame.number in wanted:
-            kept.append((frame.number, frame.picture))
-        if frame.number >= max(wanted):
-            break
-    return kept
+    return [(frame.number, frame.picture) for frame in open_film(path).some(wanted)]
 
 
 def _frame(axes: "Axes", found: Pendulum, number: int, picture: Picture) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from calibration.pendulum.result import Pendulum
 from calibration.track import Array
+from calibration.uncertainty import as_pair
 
 
 def as_json(found: Pendulum) -> dict[str, Any]:
@@ -37,7 +38,7 @@ def as_json(found: Pendulum) -> dict[str, Any]:
         "unit": things.unit,
         "planar": found.planar,
         "coordinate": "angle" if found.fitted.seen.angles else "x",
-        "string_length": _pair([one.length for one in found.arcs if one.known]),
+        "string_length": _best([one.length for one in found.arcs if one.known]),
         "string_length_m": None if length is None else length.value,
         "period_frames": 2 * np.pi / found.fitted.law.omega,
         "damping": {
@@ -143,9 +144,8 @@ def _each(values: Array) -> list[Any]:
     return list(values[0].tolist() if len(values) == 1 else values.T.tolist())
 
 
-def _pair(known: list[Any]) -> dict[str, float] | None:
-    best = min(known, key=lambda one: one.sigma, default=None)
-    return None if best is None else {"value": best.value, "sigma": best.sigma}
+def _best(known: list[Any]) -> dict[str, float | None] | None:
+    return as_pair(min(known, key=lambda one: one.sigma, default=None))
 
 
 def _seconds(found: Pendulum) -> list[float] | None:

@@ -1,13 +1,13 @@
 """The one or two tracks of a clip that are things on strings: read, chosen, on common frames."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
-from calibration.film.reader import Film, open_film
+from calibration.film.reader import Film, Told, is_film, open_film
 from calibration.pendulum.clock import held_until, repeats
 from calibration.pendulum.colours import by_colour
 from calibration.pendulum.contacts import FEWEST, found_swings
@@ -16,7 +16,6 @@ from calibration.track import Array, Track
 from calibration.track_table import read_tracks
 from contact.quantity import InputError
 
-TABLES = (".csv", ".dat", ".tsv", ".txt")
 _MOST = 4  # tracks that are looked at, of those that go farthest
 _MOVES = 0.05  # of the widest track's range: what moves less is no thing that swings
 _FASTEST = 1e6  # frames/s: what cameras reach
@@ -66,7 +65,7 @@ def things_in(
     fps: float | None = None,
     names: Sequence[str] = (),
     roi: tuple[int, int, int, int] | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Told | None = None,
 ) -> Things:
     """What swings in a film, a table or tracks; see measure_pendulum. Raises InputError."""
     if fps is not None and not 0 < fps <= _FASTEST:
@@ -92,13 +91,13 @@ def things_in(
 def _read(
     source: str | Path | Track | Sequence[Track],
     roi: tuple[int, int, int, int] | None,
-    progress: Callable[[float, str], None] | None,
+    progress: Told | None,
 ) -> list[Track]:
     if isinstance(source, Track):
         return [source]
     if not isinstance(source, str | Path):
         return list(source)
-    if Path(source).suffix.lower() in TABLES:
+    if not is_film(source):
         if roi is not None:
             raise InputError(f"{source}: --roi is a part of a film; this is a table")
         return read_tracks(source)
@@ -108,10 +107,11 @@ def _read(
 def _of_film(
     film: Film,
     roi: tuple[int, int, int, int] | None,
-    progress: Callable[[float, str], None] | None,
+    progress: Told | None,
 ) -> list[Track]:
     """By colour; where no colour is that of what moves (grey on grey), by what moves."""
-    from calibration.film.follow import follow, inside
+    from calibration.film.follow import follow
+    from calibration.film.region import inside
 
     region = inside(film, roi)
     try:
