@@ -16,10 +16,10 @@ from contact.jit import inlined, uncounted
 from contact.spring_books import spring_books
 from contact.vectors import add, cross, dot, scale
 from damper3d.geometry import between_spheres, place, put, vector, with_cylinder, with_plane
+from damper3d.kinds import find_at_wall, find_pairs
 from damper3d.lanes import add_loads, gather, keep_history, whole
 from damper3d.state import (
     BLOCK,
-    CLOSE,
     DAMPING,
     FRICTION,
     HERTZ,
@@ -39,7 +39,6 @@ from damper3d.state import (
     TANGENTIAL_DAMPING,
     WALL_WORK,
 )
-from damper3d.touching import touching_pairs, touching_wall
 
 
 @inlined
@@ -51,7 +50,7 @@ def apply_forces(world, shift, speed):
     spheres, walls, block, books = world.spheres, world.walls, world.block, world.books
     put_enclosure(spheres, shift, speed)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
-    n_touching = touching_pairs(spheres, world.close, world.counts[CLOSE], block)
+    n_touching = find_pairs(world)
     for begin in range(np.int64(0), n_touching, BLOCK):
         n = min(n_touching - begin, BLOCK)
         gather(spheres, world.close, begin, n, block)
@@ -60,7 +59,7 @@ def apply_forces(world, shift, speed):
     keep_books(books, 0, sums, world.time_step)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
     for w in range(len(walls.force)):
-        n_touching = touching_wall(spheres, walls, world.wall, w, block)
+        n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)

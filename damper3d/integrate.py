@@ -9,9 +9,8 @@ extrapolated u makes them second order. The enclosure's motion is known at all t
 
 from contact.jit import uncounted
 from damper3d.forces import apply_forces
+from damper3d.kinds import move, search_pairs, search_walls
 from damper3d.lists import DONE
-from damper3d.moving import move
-from damper3d.neighbours import search
 from damper3d.shaker import displacement, velocity
 from damper3d.state import STALE_CLOSE, STALE_WALL, STEP
 
@@ -31,6 +30,21 @@ def advance(world, n_steps):
         shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
         move(world, shift)
     return n_steps, DONE
+
+
+@uncounted
+def search(world, shift):
+    """Make stale lists anew; DONE, or what is wrong."""
+    counts = world.counts
+    if counts[STALE_CLOSE]:
+        outcome = search_pairs(world, shift)
+        if outcome != DONE:
+            return outcome
+    if counts[STALE_WALL]:
+        outcome = search_walls(world, shift)
+        if outcome != DONE:
+            return outcome
+    return DONE
 
 
 @uncounted

@@ -9,7 +9,8 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from contact.jit import inlined
+from contact.jit import inlined, uncounted
+from damper3d.columns import KINETIC, POSITION_X, POTENTIAL, VELOCITY_X, VELOCITY_Z
 from damper3d.rows import NOTHING, begin_of, data, filled, load, row_of, square, store
 from damper3d.state import CLOSE_MADE, CLOSE_SKIN, STALE_CLOSE, STALE_WALL, STEP, WALL_SKIN
 
@@ -40,6 +41,26 @@ def move(world, shift):
         left_wall |= not _square_off(x, wall.place, carried, i) <= inside_wall
     counts[STALE_CLOSE] |= left
     counts[STALE_WALL] |= left_wall
+
+
+@uncounted
+def mean_motion(world, shift, row):
+    """Kinetic and potential energy, mean position in the enclosure and mean velocity."""
+    bodies, spheres, gravity = world.bodies, world.spheres, world.gravity
+    x, u, w = spheres.position, spheres.velocity, spheres.spin
+    kinetic = potential = total = 0.0
+    row[POSITION_X : VELOCITY_Z + 1] = 0.0
+    for i in range(len(bodies.inverse_mass)):
+        mass = 1.0 / bodies.inverse_mass[i]
+        total += mass
+        for c in range(3):
+            kinetic += 0.5 * mass * u[i, c] ** 2 + 0.5 * w[i, c] ** 2 / bodies.inverse_inertia[i]
+            potential -= mass * gravity[c] * x[i, c]
+            row[POSITION_X + c] += mass * (x[i, c] - shift[c])
+            row[VELOCITY_X + c] += mass * u[i, c]
+    row[KINETIC], row[POTENTIAL] = kinetic, potential
+    for c in range(6):
+        row[POSITION_X + c] /= total
 
 
 @intrinsic

@@ -43,27 +43,10 @@ from damper3d.state import (
     RADIUS_I,
     RADIUS_J,
     STALE_CLOSE,
-    STALE_WALL,
     STEP,
 )
-from damper3d.wall_list import search_walls
 
 _NEAR_SHARE = 8.0  # near skin over close skin
-
-
-@uncounted
-def search(world, shift):
-    """Make stale lists anew; DONE, or what is wrong."""
-    counts = world.counts
-    if counts[STALE_CLOSE]:
-        outcome = search_pairs(world, shift)
-        if outcome != DONE:
-            return outcome
-    if counts[STALE_WALL]:
-        outcome = search_walls(world, shift)
-        if outcome != DONE:
-            return outcome
-    return DONE
 
 
 @uncounted

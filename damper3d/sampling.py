@@ -5,14 +5,18 @@ import numpy as np
 from contact.hertz import hertz_force, mindlin_force, spring_energy
 from contact.jit import uncounted
 from contact.vectors import scale
+from damper3d.columns import (
+    CONTACTS_PP, CONTACTS_PW, DISPLACEMENT, ELASTIC_NORMAL, ELASTIC_TANGENTIAL, IMPACT_PP, N_COLUMNS,
+    TIME, VELOCITY,
+)  # fmt: skip
 from damper3d.forces import contact_law, meet_wall, put_enclosure, surface_motion, without_slip
 from damper3d.geometry import between_spheres, place
 from damper3d.integrate import advance, enclosure_at
+from damper3d.kinds import find_at_wall, find_pairs, mean_motion
 from damper3d.lanes import gather
 from damper3d.lists import DONE
 from damper3d.state import (
     BLOCK,
-    CLOSE,
     DAMPING,
     HERTZ,
     MASS,
@@ -20,15 +24,7 @@ from damper3d.state import (
     STEP,
     STIFFNESS,
 )
-from damper3d.touching import touching_pairs, touching_wall
 
-# Columns of a sample; the books and then the forces on the walls follow.
-(
-    TIME, DISPLACEMENT, VELOCITY, KINETIC, POTENTIAL, ELASTIC_NORMAL, ELASTIC_TANGENTIAL,
-    CONTACTS_PP, CONTACTS_PW, IMPACT_PP, IMPACT_PW, POSITION_X, POSITION_Y, POSITION_Z,
-    VELOCITY_X, VELOCITY_Y, VELOCITY_Z,
-) = range(17)  # fmt: skip
-N_COLUMNS = 17
 # Columns of a row of list_contacts.
 FORCE, NORMAL, POINT, OVERLAP = 0, 3, 6, 9
 N_CONTACT_COLUMNS = 10
@@ -57,7 +53,7 @@ def sample(world, steps, row):
     row[TIME] = now
     row[DISPLACEMENT] = shift[0] * d[0] + shift[1] * d[1] + shift[2] * d[2]
     row[VELOCITY] = speed[0] * d[0] + speed[1] * d[1] + speed[2] * d[2]
-    mean_motion(world.spheres, world.bodies, world.gravity, shift, row)
+    mean_motion(world, shift, row)
     elastic_energies(world, shift, speed, row)
     for c in range(2):
         row[IMPACT_PP + c] = world.fastest[c]
@@ -72,39 +68,20 @@ def sample(world, steps, row):
 
 
 @uncounted
-def mean_motion(spheres, bodies, gravity, shift, row):
-    """Kinetic and potential energy, mean position in the enclosure and mean velocity."""
-    x, u, w = spheres.position, spheres.velocity, spheres.spin
-    kinetic = potential = total = 0.0
-    row[POSITION_X : VELOCITY_Z + 1] = 0.0
-    for i in range(len(bodies.inverse_mass)):
-        mass = 1.0 / bodies.inverse_mass[i]
-        total += mass
-        for c in range(3):
-            kinetic += 0.5 * mass * u[i, c] ** 2 + 0.5 * w[i, c] ** 2 / bodies.inverse_inertia[i]
-            potential -= mass * gravity[c] * x[i, c]
-            row[POSITION_X + c] += mass * (x[i, c] - shift[c])
-            row[VELOCITY_X + c] += mass * u[i, c]
-    row[KINETIC], row[POTENTIAL] = kinetic, potential
-    for c in range(6):
-        row[POSITION_X + c] /= total
-
-
-@uncounted
 def elastic_energies(world, shift, speed, row):
     """What the springs of all contacts hold, and how many contacts there are."""
     spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
     row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
     row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0
     put_enclosure(spheres, shift, speed)
-    n_touching = touching_pairs(spheres, world.close, world.counts[CLOSE], block)
+    n_touching = find_pairs(world)
     for begin in range(np.int64(0), n_touching, BLOCK):
         n = min(n_touching - begin, BLOCK)
         gather(spheres, world.close, begin, n, block)
         between_spheres(n, block)
         add_elastic(world.pair_law, n, block, dt, row, CONTACTS_PP)
     for w in range(len(walls.force)):
-        n_touching = touching_wall(spheres, walls, world.wall, w, block)
+        n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
@@ -145,7 +122,7 @@ def list_contacts(world, bodies, numbers):
     shift, speed = enclosure_at(world.shaker, world.direction, now)
     put_enclosure(spheres, shift, speed)
     found = np.int64(0)
-    n_touching = touching_pairs(spheres, world.close, world.counts[CLOSE], block)
+    n_touching = find_pairs(world)
     for begin in range(np.int64(0), n_touching, BLOCK):
         n = min(n_touching - begin, BLOCK)
         gather(spheres, world.close, begin, n, block)
@@ -153,7 +130,7 @@ def list_contacts(world, bodies, numbers):
         contact_law(world.pair_law, n, block, dt)
         found = copy_contacts(spheres, block, world.close, begin, n, 0, bodies, numbers, found)
     for w in range(len(walls.force)):
-        n_touching = touching_wall(spheres, walls, world.wall, w, block)
+        n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)

@@ -1,35 +1,34 @@
 """A bed of particles in motion: the only caller of the kernels."""
 
 import hashlib
+from typing import Any
 
 import numpy as np
 
-from damper3d import sampling, state
-from damper3d.integrate import advance, enclosure_at
+from damper3d import columns, sampling, state
+from damper3d.integrate import advance, enclosure_at, search
 from damper3d.lists import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL
-from damper3d.neighbours import search
 from damper3d.records import CLASSES, MECHANISMS
-from damper3d.state import World
 from damper3d.world import roomier
 
 # Of each class in the kernels' books, in their order (state.py).
 _BOOKS = (*MECHANISMS, "law_term", "slip_count")
 _FULL = {NEAR_FULL: "near", CLOSE_FULL: "close", WALL_FULL: "wall"}
 _COLUMNS = {
-    "time": sampling.TIME,
-    "displacement": sampling.DISPLACEMENT,
-    "velocity": sampling.VELOCITY,
-    "kinetic": sampling.KINETIC,
-    "potential": sampling.POTENTIAL,
-    "elastic_normal": sampling.ELASTIC_NORMAL,
-    "elastic_tangential": sampling.ELASTIC_TANGENTIAL,
-    "contacts_particle_particle": sampling.CONTACTS_PP,
-    "contacts_particle_wall": sampling.CONTACTS_PW,
-    "impact_speed_particle_particle": sampling.IMPACT_PP,
-    "impact_speed_particle_wall": sampling.IMPACT_PW,
-    "wall_work": sampling.N_COLUMNS + state.WALL_WORK,
+    "time": columns.TIME,
+    "displacement": columns.DISPLACEMENT,
+    "velocity": columns.VELOCITY,
+    "kinetic": columns.KINETIC,
+    "potential": columns.POTENTIAL,
+    "elastic_normal": columns.ELASTIC_NORMAL,
+    "elastic_tangential": columns.ELASTIC_TANGENTIAL,
+    "contacts_particle_particle": columns.CONTACTS_PP,
+    "contacts_particle_wall": columns.CONTACTS_PW,
+    "impact_speed_particle_particle": columns.IMPACT_PP,
+    "impact_speed_particle_wall": columns.IMPACT_PW,
+    "wall_work": columns.N_COLUMNS + state.WALL_WORK,
 } | {
-    f"{mechanism}_{name}": sampling.N_COLUMNS + c * state.N_MECHANISMS + m
+    f"{mechanism}_{name}": columns.N_COLUMNS + c * state.N_MECHANISMS + m
     for c, name in enumerate(CLASSES)
     for m, mechanism in enumerate(_BOOKS)
 }
@@ -40,9 +39,11 @@ class SimulationError(RuntimeError):
 
 
 class Simulation:
-    """A world, and what one may ask of it. Positions it gives are relative to the enclosure."""
+    """A world of balls, and what one may ask of it. Positions it gives are relative to the enclosure."""
 
-    def __init__(self, world: World, steps_per_sample: int = 1) -> None:
+    _MOTION: tuple[str, ...] = ("position", "velocity", "spin")  # of the bodies, as saved
+
+    def __init__(self, world: Any, steps_per_sample: int = 1) -> None:
         self.world = world
         self.steps_per_sample = steps_per_sample
 
@@ -76,7 +77,7 @@ class Simulation:
         finite or an overlap is beyond belief.
         """
         n_walls = len(self.world.walls.force)
-        rows = np.zeros((n_samples, sampling.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        rows = np.zeros((n_samples, columns.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
         done = 0
         while done < n_samples:
             filled, over, outcome = sampling.advance_sampling(
@@ -104,14 +105,14 @@ class Simulation:
         """One row of samples for the state as it is; forces on the walls are not known."""
         self.refresh()
         n_walls = len(self.world.walls.force)
-        rows = np.zeros((1, sampling.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        rows = np.zeros((1, columns.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
         sampling.sample(self.world, 1, rows[0])
         return _named(rows, n_walls)
 
     def compile(self) -> None:
         """Compile or load the kernels now, so that their time is not taken for a step's."""
         n_walls = len(self.world.walls.force)
-        rows = np.zeros((0, sampling.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        rows = np.zeros((0, columns.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
         sampling.advance_sampling(self.world, self.steps_per_sample, rows)
 
     def refresh(self) -> None:
@@ -128,7 +129,7 @@ class Simulation:
     def _answer(self, outcome: int) -> None:
         """Give a search the room that it lacked, or raise what is wrong."""
         if outcome in _FULL:
-            self.world = roomier(self.world, _FULL[outcome])
+            self.world = self._roomier(_FULL[outcome])
         elif outcome == NOT_FINITE:
             raise self.failure("a position is no longer a finite number")
         elif outcome == TOO_DEEP:
@@ -180,6 +181,10 @@ class Simulation:
             "overlap": numbers[:n, sampling.OVERLAP],
         }
 
+    def top(self, up: np.ndarray) -> float:
+        """The largest up . x of any particle's surface, in the enclosure [m]; up (3,) is a unit."""
+        return float((self.frame()["x"] @ up).max()) + float(self.world.spheres.position[0, 3])
+
     def set_velocity(self, velocity: np.ndarray, spin: np.ndarray | None = None) -> None:
         """Give the particles velocities (n, 3) [m/s], and spins (n, 3) [rad/s]."""
         for arrays in (self.world.bodies, self.world.spheres):
@@ -194,16 +199,12 @@ class Simulation:
         order, and no force depends on when.
         """
         self.refresh()  # of a state just restored, the lists are not yet made
-        world, n = self.world, self.n_bodies
+        world = self.world
         pairs = _touching(world.close, int(world.counts[state.CLOSE]))
         at_walls = _touching(world.wall, int(world.counts[state.WALL]))
         of_wall = np.searchsorted(world.walls.first, at_walls, "right") - 1
         return {
-            "position": world.spheres.position[:n].copy(),
-            "velocity_now": world.spheres.velocity[:n].copy(),
-            "spin_now": world.spheres.spin[:n].copy(),
-            "velocity": world.bodies.velocity.copy(),
-            "spin": world.bodies.spin.copy(),
+            **self._save_bodies(),
             "heat": world.bodies.heat.copy(),
             "pairs": np.stack([world.close.i[pairs], world.close.j[pairs]], axis=1),
             "springs": world.close.history[pairs].T,
@@ -215,34 +216,54 @@ class Simulation:
             "fastest": world.fastest.copy(),
         }
 
+    def _save_bodies(self) -> dict[str, np.ndarray]:
+        world, n = self.world, self.n_bodies
+        return {
+            "position": world.spheres.position[:n].copy(),
+            "velocity_now": world.spheres.velocity[:n].copy(),
+            "spin_now": world.spheres.spin[:n].copy(),
+            "velocity": world.bodies.velocity.copy(),
+            "spin": world.bodies.spin.copy(),
+        }
+
     def restore(self, saved: dict[str, np.ndarray]) -> None:
         """Put back what `save` gave."""
+        self._restore_bodies(saved)
+        self.world.counts[:] = 0
+        self._restore_pairs(saved["pairs"], saved["springs"].T)
         world = self.world
-        while len(world.near.j) < len(saved["pairs"]):
-            world = roomier(world, "near")
-        spheres, bodies = world.spheres, self.n_bodies
-        spheres.position[:bodies] = saved["position"]
-        spheres.velocity[:bodies] = saved["velocity_now"]
-        spheres.spin[:bodies] = saved["spin_now"]
-        for name in ("velocity", "spin", "heat"):
-            getattr(world.bodies, name)[:] = saved[name]
-        n = len(saved["pairs"])
-        world.near.i[:n], world.near.j[:n] = saved["pairs"].T
-        world.near.history[:n] = saved["springs"].T
-        world.near.first[:] = np.searchsorted(saved["pairs"][:, 0], np.arange(bodies + 1))
+        world.bodies.heat[:] = saved["heat"]
         world.lengths[state.NEAR_SKIN] = -1.0  # its reach is used up: it is made anew
         world.walls.history[:] = 0.0
         world.walls.history[..., state.DAMPING] = state.NO_CONTACT
         touching, of_wall = saved["wall_pairs"].T
         world.walls.history[of_wall, touching] = saved["wall_springs"].T
         world.walls.force[:] = saved["wall_force"]
-        world.counts[:] = 0
         world.counts[state.STEP] = saved["step"][0]
-        world.counts[state.NEAR] = n
         world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
         world.books[:] = saved["books"]
         world.fastest[:] = saved["fastest"]
-        self.world = world
+
+    def _restore_bodies(self, saved: dict[str, np.ndarray]) -> None:
+        spheres, n = self.world.spheres, self.n_bodies
+        spheres.position[:n] = saved["position"]
+        spheres.velocity[:n] = saved["velocity_now"]
+        spheres.spin[:n] = saved["spin_now"]
+        for name in ("velocity", "spin"):
+            getattr(self.world.bodies, name)[:] = saved[name]
+
+    def _restore_pairs(self, pairs: np.ndarray, histories: np.ndarray) -> None:
+        """Give the next list the pairs in contact (n, 2) and their histories."""
+        while len(self.world.near.j) < len(pairs):
+            self.world = self._roomier("near")
+        near, n = self.world.near, len(pairs)
+        near.i[:n], near.j[:n] = pairs.T
+        near.history[:n] = histories
+        near.first[:] = np.searchsorted(pairs[:, 0], np.arange(self.n_bodies + 1))
+        self.world.counts[state.NEAR] = n
+
+    def _roomier(self, lists: str) -> Any:
+        return roomier(self.world, lists)
 
     def begin_phase(self, **changes) -> None:
         """Change fields of the world (shaker, gravity, time_step, laws); clock and books start.
@@ -262,15 +283,7 @@ class Simulation:
         """Hash of positions, velocities and the histories of the contacts."""
         saved = self.save()
         text = hashlib.sha256()
-        for name in (
-            "position",
-            "velocity",
-            "spin",
-            "pairs",
-            "springs",
-            "wall_pairs",
-            "wall_springs",
-        ):
+        for name in (*self._MOTION, "pairs", "springs", "wall_pairs", "wall_springs"):
             text.update(np.ascontiguousarray(saved[name]).tobytes())
         return text.hexdigest()[:16]
 
@@ -278,9 +291,9 @@ class Simulation:
 def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:
     """The columns of samples by name."""
     named = {name: rows[:, column].copy() for name, column in _COLUMNS.items()}
-    named["mean_position"] = rows[:, sampling.POSITION_X : sampling.VELOCITY_X].copy()
-    named["mean_velocity"] = rows[:, sampling.VELOCITY_X : sampling.N_COLUMNS].copy()
-    forces = rows[:, sampling.N_COLUMNS + state.N_BOOKS :]
+    named["mean_position"] = rows[:, columns.POSITION_X : columns.VELOCITY_X].copy()
+    named["mean_velocity"] = rows[:, columns.VELOCITY_X : columns.N_COLUMNS].copy()
+    forces = rows[:, columns.N_COLUMNS + state.N_BOOKS :]
     named["wall_force"] = forces.reshape(len(rows), n_walls, 3).copy()
     return named
 

@@ -30,8 +30,9 @@ def search_walls(world, shift):
     for w in range(len(walls.force)):
         walls.first[w] = n
         n = contacts_of_wall(
-            wall, walls, world.spheres, world.wall_law, lengths[WALL_SKIN], shift, w, n
-        )
+            wall, walls, world.spheres, world.wall_law, lengths[WALL_SKIN], shift, w, 0,
+            len(world.spheres.inverse_mass), n,
+        )  # fmt: skip
         if n < 0:
             return WALL_FULL if n == -1 else TOO_DEEP
     walls.first[len(walls.force)] = counts[WALL] = n
@@ -57,13 +58,13 @@ def store_wall_history(wall, walls, counts):
 
 
 @uncounted
-def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, n):
-    """Append the spheres that touch wall w or nearly do; the new length.
+def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, begin, end, n):
+    """Append those of the spheres begin ... end - 1 that touch wall w or nearly do; the new length.
 
     -1 if there is no room, -2 if a sphere is half outside.
     """
     x, n_spheres = spheres.position, len(spheres.inverse_mass)
-    for i in range(n_spheres):
+    for i in range(begin, end):
         px, py, pz = x[i, 0] - shift[0], x[i, 1] - shift[1], x[i, 2] - shift[2]
         if w < len(walls.planes):
             plane = walls.planes[w]

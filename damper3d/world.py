@@ -11,7 +11,7 @@ from damper3d import state
 from damper3d.enclosure import Enclosure
 from damper3d.state import Block, Bodies, Cells, Contacts, Near, Spheres, Walls, World
 
-_FIRST_SKIN = 0.01  # close skin over the largest radius, before it follows the speed
+FIRST_SKIN = 0.01  # close skin over the largest radius, before it follows the speed
 _LINE = 8  # numbers in a line of the cache
 _WIDEST_NEAR_SKIN = 0.3  # of the near skin over the largest radius, for which the cells are made
 
@@ -38,24 +38,24 @@ def build_world(
     n = len(positions)
     mass = density * 4.0 / 3.0 * math.pi * radii**3
     spheres = Spheres(
-        position=_zeros(n + 1, 4),
-        velocity=_zeros(n + 1, 4),
-        spin=_zeros(n + 1, 4),
-        force=_zeros(n + 1, 4),
-        torque=_zeros(n + 1, 4),
+        position=zeros(n + 1, 4),
+        velocity=zeros(n + 1, 4),
+        spin=zeros(n + 1, 4),
+        force=zeros(n + 1, 4),
+        torque=zeros(n + 1, 4),
         inverse_mass=1.0 / mass,
     )
     spheres.position[:n, :3], spheres.position[:n, 3] = positions, radii
     bodies = Bodies(
-        velocity=_zeros(n, 4),
-        spin=_zeros(n, 4),
+        velocity=zeros(n, 4),
+        spin=zeros(n, 4),
         inverse_mass=1.0 / mass,
         inverse_inertia=1.0 / (0.4 * mass * radii**2),
         heat=np.zeros(n + 1),
     )
     largest = float(radii.max())
     skins = np.zeros(state.N_LENGTHS)
-    skins[[state.CLOSE_SKIN, state.WALL_SKIN]] = _FIRST_SKIN * largest
+    skins[[state.CLOSE_SKIN, state.WALL_SKIN]] = FIRST_SKIN * largest
     skins[state.NEAR_SKIN] = -1.0  # no list yet: its reach is used up
     n_walls = len(enclosure.wall_names)
     counts = np.zeros(state.N_COUNTS, np.int64)
@@ -63,19 +63,19 @@ def build_world(
     return World(
         bodies=bodies,
         spheres=spheres,
-        cells=_cells(enclosure, n, largest),
+        cells=cells_over(enclosure, n, largest),
         near=_near(n, 16 * n + 64),
-        close=_contacts(n, 8 * n + 64),
-        wall=_contacts(n, 8 * (n // 2) + 64),
+        close=contacts_with_room(n, 8 * n + 64),
+        wall=contacts_with_room(n, 8 * (n // 2) + 64),
         walls=Walls(
             planes=enclosure.planes,
             radius=enclosure.cylinder_radius,
             curved=curved_wall,
             first=np.zeros(n_walls + 1, np.int64),
             force=np.zeros((n_walls, 3)),
-            history=_no_history(n_walls, n),
+            history=no_history(n_walls, n),
         ),
-        block=_block(),
+        block=block(),
         counts=counts,
         books=np.zeros(state.N_BOOKS),
         fastest=np.zeros(2),
@@ -93,7 +93,7 @@ def _padded(vector: np.ndarray) -> np.ndarray:
     return np.append(np.asarray(vector, float), 0.0)
 
 
-def _zeros(*shape: int) -> np.ndarray:
+def zeros(*shape: int) -> np.ndarray:
     """Zeros that begin at a cache line: what lies across two of them costs double to load."""
     size = math.prod(shape)
     room = np.zeros(size + _LINE)
@@ -101,13 +101,14 @@ def _zeros(*shape: int) -> np.ndarray:
     return room[begin : begin + size].reshape(shape)
 
 
-def _no_history(*shape: int) -> np.ndarray:
-    history = _zeros(*shape, state.N_HISTORY)
+def no_history(*shape: int) -> np.ndarray:
+    """Histories of contacts that there are not."""
+    history = zeros(*shape, state.N_HISTORY)
     history[..., state.DAMPING] = state.NO_CONTACT
     return history
 
 
-def _cells(enclosure: Enclosure, n: int, largest: float) -> Cells:
+def cells_over(enclosure: Enclosure, n: int, largest: float) -> Cells:
     """Cells over the enclosure that are wide enough for the widest near skin."""
     size = (2.0 + _WIDEST_NEAR_SKIN) * largest
     inside = (enclosure.width, enclosure.depth, enclosure.height)
@@ -127,36 +128,38 @@ def _near(n: int, capacity: int) -> Near:
     return Near(
         i=np.zeros(capacity, np.uint32),
         j=np.zeros(capacity, np.uint32),
-        reach=_zeros(capacity),
-        hertz=_zeros(capacity),
-        mass=_zeros(capacity),
-        gap=_zeros(capacity),
-        history=_no_history(capacity),
+        reach=zeros(capacity),
+        hertz=zeros(capacity),
+        mass=zeros(capacity),
+        gap=zeros(capacity),
+        history=no_history(capacity),
         first=np.zeros(n + 1, np.int64),
         old_j=np.zeros(capacity, np.uint32),
-        old_history=_no_history(capacity),
+        old_history=no_history(capacity),
         old_first=np.zeros(n + 1, np.int64),
-        place=_zeros(n, 4),
+        place=zeros(n, 4),
     )
 
 
-def _block() -> Block:
+def block() -> Block:
+    """Room for the passes over a block of contacts."""
     vectors = ("separation", "passing", "turning", "spin", "normal", "velocity", "push", "couple")
     rows = dict.fromkeys(vectors, 3) | dict.fromkeys(("history", "later"), state.N_HISTORY)
     rows["constants"] = state.N_CONSTANTS
-    return Block(**{name: _zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields})
+    return Block(**{name: zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields})
 
 
-def _contacts(n: int, capacity: int) -> Contacts:
+def contacts_with_room(n: int, capacity: int) -> Contacts:
+    """An empty list of contacts of n spheres."""
     return Contacts(
         i=np.zeros(capacity, np.uint32),
         j=np.zeros(capacity, np.uint32),
         near=np.zeros(capacity, np.uint32),
-        reach=_zeros(capacity),
-        constants=_zeros(capacity, state.N_CONSTANTS),
-        history=_no_history(capacity),
+        reach=zeros(capacity),
+        constants=zeros(capacity, state.N_CONSTANTS),
+        history=no_history(capacity),
         touching=np.zeros(capacity, np.uint32),
-        place=_zeros(n, 4),
+        place=zeros(n, 4),
         drift=np.zeros(4),
     )
 
@@ -165,8 +168,12 @@ def roomier(world: World, lists: str) -> World:
     """The world with a list, "near", "close" or "wall", of twice the capacity."""
     old = getattr(world, lists)
     capacity = 2 * len(old.i)
-    make: Callable[[int, int], Any] = _near if lists == "near" else _contacts
-    new = make(len(world.near.place), capacity)
+    make: Callable[[int, int], Any] = _near if lists == "near" else contacts_with_room
+    return world._replace(**{lists: refilled(make(len(world.near.place), capacity), old)})
+
+
+def refilled(new: Any, old: Any) -> Any:
+    """Arrays that are longer, with what the old ones hold."""
     for longer, array in zip(new, old, strict=True):
         longer[tuple(slice(0, size) for size in array.shape)] = array
-    return world._replace(**{lists: new})
+    return new

@@ -6,7 +6,7 @@ from damper_beds import DOWN, LARGEST, NOWHERE, acrylic, bed, lone
 
 from damper3d import state
 from damper3d.shaker import Sines
-from damper3d.world import _contacts, _near
+from damper3d.world import _near, contacts_with_room
 
 SHAPES = ["cylinder", "box"]
 
@@ -126,8 +126,8 @@ def test_lists_without_room_are_made_longer_and_change_no_bit():
     sim = bed("box")
     sim.world = sim.world._replace(
         near=_near(sim.n_bodies, 1),
-        close=_contacts(sim.n_bodies, 1),
-        wall=_contacts(sim.n_bodies, 1),
+        close=contacts_with_room(sim.n_bodies, 1),
+        wall=contacts_with_room(sim.n_bodies, 1),
     )
     sim.step(STEPS)
     assert sim.state_digest() == digest

@@ -1,0 +1,85 @@
+"""The search for spheres of clusters that touch a wall or nearly do, wall by wall."""
+
+import numpy as np
+
+from contact.jit import uncounted
+from damper3d.clusters.active import list_active
+from damper3d.clusters.motion import arm_of, note_seen
+from damper3d.lists import DONE, TOO_DEEP, WALL_FULL, adapt
+from damper3d.state import (
+    HERTZ,
+    MASS,
+    STALE_WALL,
+    STEP,
+    WALL,
+    WALL_MADE,
+    WALL_SEARCHES,
+    WALL_SKIN,
+)
+from damper3d.wall_list import contacts_of_wall, store_wall_history
+
+
+@uncounted
+def search_walls(world, shift):
+    """The list of wall contacts; only bodies whose ball is near a wall are looked at."""
+    walls, wall, counts, lengths = world.walls, world.wall, world.counts, world.lengths
+    adapt(counts, lengths, WALL_SKIN, WALL_MADE, world.cells.largest)
+    store_wall_history(wall, walls, counts)
+    skin, size = lengths[WALL_SKIN], len(world.shape.offset)
+    place_near_walls(world, skin, shift)
+    n = np.int64(0)
+    for w in range(len(walls.force)):
+        walls.first[w] = n
+        for b in range(len(world.bodies.inverse_mass)):
+            if ball_gap(world, w, b, shift) < skin:
+                begin, end = b * size, (b + 1) * size
+                m = contacts_of_wall(
+                    wall, walls, world.spheres, world.wall_law, skin, shift, w, begin, end, n
+                )
+                if m < 0:
+                    return WALL_FULL if m == -1 else TOO_DEEP
+                n = note_group(world, b, n, m)
+    walls.first[len(walls.force)] = counts[WALL] = n
+    counts[WALL_SEARCHES] += 1
+    counts[STALE_WALL] = 0
+    counts[WALL_MADE] = counts[STEP]
+    note_seen(world.bodies, world.wall_seen)
+    for c in range(3):
+        world.wall_seen.drift[c] = shift[c]
+    list_active(world)
+    return DONE
+
+
+@uncounted
+def note_group(world, b, begin, end):
+    """Let wall contacts know their body, and their constants before a share is taken; the end."""
+    wall, whole = world.wall, world.scratch.wall_whole
+    for n in range(begin, end):
+        wall.near[n] = b
+        whole[n, 0], whole[n, 1] = wall.constants[n, HERTZ], wall.constants[n, MASS]
+    return end
+
+
+@uncounted
+def ball_gap(world, w, b, shift):
+    """Gap between wall w and the ball round body b [m]."""
+    walls, x = world.walls, world.bodies.position
+    px, py, pz = x[b, 0] - shift[0], x[b, 1] - shift[1], x[b, 2] - shift[2]
+    if w < len(walls.planes):
+        plane = walls.planes[w]
+        return plane[0] * px + plane[1] * py + plane[2] * pz - plane[3] - x[b, 3]
+    return walls.radius - np.sqrt(px * px + py * py) - x[b, 3]
+
+
+@uncounted
+def place_near_walls(world, skin, shift):
+    """Bring all spheres of the bodies that are near a wall to their places."""
+    spheres, offset, bodies = world.spheres, world.shape.offset, world.bodies
+    for b in range(len(bodies.inverse_mass)):
+        for w in range(len(world.walls.force)):
+            if ball_gap(world, w, b, shift) < skin:
+                for s in range(len(offset)):
+                    r = arm_of(bodies.axes, offset, b, s)
+                    for c in range(3):
+                        spheres.position[b * len(offset) + s, c] = bodies.position[b, c] + r[c]
+                break
