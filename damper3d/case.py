@@ -13,7 +13,7 @@ from contact.datafile import case_names, data_file, find, is_file
 from contact.hertz import HertzLaw
 from contact.quantity import InputError, located, nearest
 from contact.table import ContactTable, load_table
-from damper3d.cluster import Cluster, parse_particle
+from damper3d.cluster import Cluster
 from damper3d.enclosure import Enclosure
 from damper3d.parameters import (
     Steps,
@@ -31,9 +31,11 @@ from damper3d.parts import (
     gravity_of,
     orientation_of,
     unit_vector,
+    with_usual_cycles,
 )
 from damper3d.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.shaker import Sines, sine
+from damper3d.shapes.particle import parse_particle
 
 PRESETS: dict[str, dict[str, Any]] = {"thesis": {}}  # every default is the thesis's
 
@@ -82,7 +84,7 @@ class DamperCase:
     @classmethod
     def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "DamperCase":
         """A case from the tables of a case file; files it names are looked for in `folder`."""
-        settings = check_settings(document, where)
+        settings = with_usual_cycles(check_settings(document, where), document)
         check_protocol(settings, where)
         file = find(settings.particles.materials, "materials", folder)
         table = load_table(file)
@@ -213,7 +215,9 @@ def _resolved(
 ) -> DamperCase:
     with located(f"{where}: [particles]"):
         particles = settings.particles
-        particle = parse_particle(particles.shape, particles.equal_volume_radius)
+        particle = parse_particle(
+            particles.shape, particles.equal_volume_radius, sub_spheres=particles.sub_spheres
+        )
     enclosure = enclosure_of(settings, where)
     count = count_of(enclosure, particle, particles.count, where)
     materials = materials_of(table, settings)

@@ -1,13 +1,13 @@
 """A particle: a rigid cluster of spheres with the volume and inertia of the smooth shape."""
 
+import dataclasses
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from contact.quantity import InputError, nearest, to_si
-
-_LATER = ("prolate", "oblate", "toroid", "mesh")
+from damper3d.shapes.surface import Surface, unit_ball
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,10 +15,18 @@ class Cluster:
     """Spheres that move as one body about its centroid, in its principal axes."""
 
     name: str  # as in the case file, such as "sphere:5mm"
+    kind: str  # the family of its shape, such as "prolate"
     offsets: np.ndarray  # (k, 3) centres of the spheres [m]
     radii: np.ndarray  # (k,) [m]
     volume: float  # of the smooth shape: mass over density [m3]
-    inertia: np.ndarray  # (3,) principal moments over density [m5]
+    area: float  # of its surface [m2]
+    inertia: np.ndarray  # (3,) its principal moments over density [m5]
+    surface: Surface  # the smooth shape in triangles, for pictures
+    # How the spheres lie: one "ball"; a "row" along x in rising order; a "ring" of equal spheres
+    # and distances round z, from +x on, as the thesis numbers them; or "any".
+    arrangement: Literal["ball", "row", "ring", "any"]
+    # Bounds how far the surface of the spheres and that of the smooth shape are apart [m].
+    surface_error: float
 
     @property
     def bounding_radius(self) -> float:
@@ -35,44 +43,40 @@ class Cluster:
         """Of the spheres [m]; the Rayleigh step (thesis, eq. 3.31) goes with it."""
         return float(np.min(self.radii))
 
+    @property
+    def sphericity(self) -> float:
+        """Surface of the ball of the same volume over that of the shape [-] (thesis, eq. 8.3).
 
-def sphere(radius: float, name: str = "") -> Cluster:
+        The root there is of the numerator alone: cbrt(36 pi V^2) / S.
+        """
+        return (36.0 * math.pi * self.volume**2) ** (1 / 3) / self.area
+
+    def scaled(self, factor: float) -> "Cluster":
+        """The particle, larger by a factor."""
+        return dataclasses.replace(
+            self,
+            offsets=factor * self.offsets,
+            radii=factor * self.radii,
+            volume=factor**3 * self.volume,
+            area=factor**2 * self.area,
+            inertia=factor**5 * self.inertia,
+            surface=self.surface.scaled(factor),
+            surface_error=factor * self.surface_error,
+        )
+
+
+def sphere(radius: float, name: str = "", kind: str = "sphere") -> Cluster:
     """A cluster of one; the radius in m."""
     volume = 4.0 / 3.0 * math.pi * radius**3
-    inertia = np.full(3, 0.4 * volume * radius**2)
-    name = name or f"sphere:{2e3 * radius:g}mm"
-    return Cluster(name, np.zeros((1, 3)), np.array([radius]), volume, inertia)
-
-
-def parse_particle(text: str, equal_volume_radius: float | None = None) -> Cluster:
-    """The particle that a text names: "sphere:5mm", by its diameter.
-
-    equal_volume_radius [m] is the size of a shape that is named without one ("sphere"). Raises
-    InputError, one line.
-    """
-    kind, _, size = (part.strip() for part in text.partition(":"))
-    if kind in _LATER:
-        raise InputError(
-            f"shape = {text!r}: comes in a later version; so far there are spheres, such as "
-            "'sphere:5mm'"
-        )
-    if kind != "sphere":
-        raise InputError(
-            f"shape = {text!r}: unknown; {nearest(kind, ['sphere'])}; write such as 'sphere:5mm'"
-        )
-    if size and equal_volume_radius is not None:
-        raise InputError(
-            f"shape = {text!r} has a size, and equal_volume_radius = {equal_volume_radius:g} m is "
-            "given too; leave one of them out"
-        )
-    if equal_volume_radius is not None:
-        return sphere(equal_volume_radius)
-    if not size:
-        raise InputError(f"shape = {text!r}: the size is missing; write such as 'sphere:5mm'")
-    try:
-        diameter = to_si(size, "m", "shape")
-    except InputError:
-        raise InputError(f"shape = {text!r}: not a diameter; write such as 'sphere:5mm'") from None
-    if diameter <= 0:
-        raise InputError(f"shape = {text!r}: the diameter must be above 0, such as 'sphere:5mm'")
-    return sphere(0.5 * diameter, text)
+    return Cluster(
+        name=name or f"sphere:{2e3 * radius:g}mm",
+        kind=kind,
+        offsets=np.zeros((1, 3)),
+        radii=np.array([radius]),
+        volume=volume,
+        area=4.0 * math.pi * radius**2,
+        inertia=np.full(3, 0.4 * volume * radius**2),
+        surface=unit_ball().scaled(radius),
+        arrangement="ball",
+        surface_error=0.0,
+    )

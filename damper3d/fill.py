@@ -27,6 +27,11 @@ def fill(case: DamperCase, report: Report) -> Packing:
     what `report` raises.
     """
     report(0.0, "filling")
+    if len(case.particle.radii) > 1:
+        raise InputError(
+            f"{case.name}: [particles] shape = {case.particle.name!r}: cannot be run so far; "
+            "spheres can, such as 'sphere:5mm'"
+        )
     grow(case.enclosure, 1, case.particle.bounding_radius, np.random.default_rng(0))  # compiles
     begun = time.process_time()
     centres = random_start(case)

@@ -1,6 +1,7 @@
 """Parts of a damper's case from its settings: enclosure, count, gravity; and what cannot be."""
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -8,11 +9,13 @@ from contact.quantity import InputError
 from damper3d.cluster import Cluster
 from damper3d.enclosure import Enclosure, box, cylinder
 from damper3d.settings import MOST_PARTICLES, Motion, Settings
+from damper3d.shapes.particle import FAMILIES
 
 GRAVITY = 9.81  # [m/s2]
 # The thesis keeps the volume of 700 spheres of 4 mm in 40 mm x 40 mm: a fill ratio of 7/15, with
 # which 3, 5 and 6 mm are 1659, 358 and 207 spheres (Table 6.1).
 USUAL_FILL_RATIO = 7 / 15
+SHAPED_CYCLES = 18  # of which 3 are left out: chapter 8 of the thesis, of all its particles
 # Fill ratios of spheres packed at random (thesis, below eq. 6.13); no shaking packs them closer.
 LOOSE_PACKING, CLOSE_PACKING = 0.55, 0.64
 
@@ -45,7 +48,7 @@ def count_of(enclosure: Enclosure, particle: Cluster, given: int | None, where: 
             f"a particle, {1e3 * size:g} mm; give a larger enclosure or smaller particles"
         )
     room = enclosure.volume / particle.volume
-    count = max(round(USUAL_FILL_RATIO * room), 1) if given is None else given
+    count = max(round(_usual_fill_ratio(particle.kind) * room), 1) if given is None else given
     fit = max(math.floor(CLOSE_PACKING * room), 1)
     if count > fit:
         raise InputError(
@@ -58,6 +61,24 @@ def count_of(enclosure: Enclosure, particle: Cluster, given: int | None, where: 
             f"{MOST_PARTICLES}; check the units of sizes, or give a count"
         )
     return count
+
+
+def _usual_fill_ratio(kind: str) -> float:
+    """That of the thesis's 90 spheroids, 110 toroids or 358 spheres in 40 mm x 40 mm."""
+    if kind == "sphere":
+        return USUAL_FILL_RATIO
+    family = FAMILIES[kind]
+    ball = 4.0 / 3.0 * math.pi * family.usual_radius**3
+    return family.usual_count * ball / cylinder(0.04, 0.04).volume
+
+
+def with_usual_cycles(settings: Settings, document: dict[str, Any]) -> Settings:
+    """The settings with the thesis's number of cycles for the shape, where the case gives none."""
+    shape = settings.particles.shape.partition(":")[0].strip()
+    if shape == "sphere" or "cycles" in document.get("run", {}):
+        return settings
+    run = settings.run.model_copy(update={"cycles": SHAPED_CYCLES})
+    return settings.model_copy(update={"run": run})
 
 
 def gravity_of(motion: Motion, where: str) -> tuple[np.ndarray, np.ndarray]:

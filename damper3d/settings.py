@@ -41,6 +41,7 @@ class Particles(Section):
 
     shape: str = "sphere:5mm"
     equal_volume_radius: Size | None = None  # where the shape names no size
+    sub_spheres: Annotated[int, Field(ge=1, strict=True)] | None = None  # of one particle
     count: Annotated[int, Field(ge=1, le=MOST_PARTICLES, strict=True)] | None = None
     material: str = "acrylic"
     materials: str = "acrylic"

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from campaign.task import SimulationError
 from damper3d import columns, sampling, state
 from damper3d.integrate import advance, enclosure_at, search
 from damper3d.lists import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL
@@ -34,12 +35,11 @@ _COLUMNS = {
 }
 
 
-class SimulationError(RuntimeError):
-    """A simulation that cannot go on; one line that says when, and what to try."""
-
-
 class Simulation:
-    """A world of balls, and what one may ask of it. Positions it gives are relative to the enclosure."""
+    """A world of balls, and what one may ask of it.
+
+    Positions that it gives are relative to the enclosure.
+    """
 
     _MOTION: tuple[str, ...] = ("position", "velocity", "spin")  # of the bodies, as saved
 

@@ -15,12 +15,12 @@ from campaign.folder import digest
 from contact.datafile import data_file, data_root
 from contact.quantity import InputError
 from damper3d.case import DamperCase
-from damper3d.cluster import parse_particle
 from damper3d.enclosure import box, cylinder
 from damper3d.parameters import SAFE_SHARE
 from damper3d.parts import USUAL_FILL_RATIO
 from damper3d.report import plan, warnings
 from damper3d.settings import Settings, check_settings, known_keys, to_toml
+from damper3d.shapes.particle import parse_particle
 
 
 def case_with(**changes: Any) -> DamperCase:
@@ -341,19 +341,24 @@ def test_what_acts_while_settling_makes_another_packing(key):
     assert run_digest(case) != run_digest(case_with())
 
 
+TOROIDS = {"particles.shape": "toroid:0.2"}
+
+
 def test_all_keys_that_act_are_in_the_digests():
     """Every key of a case file is in one of the lists above, or changes no answer by itself."""
     named = {"particles.material", "particles.materials", "enclosure.material"}  # by numbers
     other = {
         "enclosure.shape", "enclosure.width", "enclosure.depth",
-        "particles.equal_volume_radius", "motion.gravity", "law.friction_wall", "law.restitution",
-        "run.max_cycles", "output.frames",
+        "particles.equal_volume_radius", "particles.sub_spheres", "motion.gravity",
+        "law.friction_wall", "law.restitution", "run.max_cycles", "output.frames",
     }  # fmt: skip
     known = {f"{table}.{key}" for table, keys in known_keys().items() for key in keys}
     assert known == named | other | OF_THE_MOTION.keys() | OF_THE_PACKING.keys()
     twins = [
         ({}, {"enclosure.shape": "box", "enclosure.width": "40 mm", "particles.count": 358}),
         ({}, {"motion.gravity": [0, 1, 0]}),
+        (TOROIDS, {**TOROIDS, "particles.sub_spheres": 49}),
+        (TOROIDS, {**TOROIDS, "particles.equal_volume_radius": "3.4 mm"}),
         ({"law.friction": 0.5}, {"law.friction": 0.5, "law.friction_wall": 0.4}),
         ({"law.restitution": 0.5}, {"law.restitution_wall": 0.5}),
         ({"run.steady": True}, {"run.steady": True, "run.max_cycles": 61}),
@@ -400,6 +405,7 @@ def test_the_template_is_the_thesis_case():
         {"enclosure.shape": "box", "enclosure.width": "3 cm", "motion.orientation": "none"},
         {"law.restitution": 0.7, "law.youngs_modulus": "1 GPa", "output.keep": "summary"},
         {"particles.shape": "sphere", "particles.equal_volume_radius": "3 mm"},
+        {"particles.shape": "prolate:1.5", "particles.sub_spheres": 25},
     ],
 )
 def test_a_case_written_to_its_folder_is_the_same_run(tmp_path, changes):

@@ -14,7 +14,11 @@ _CASE_OPTIONS = [
     ("--gamma", "motion.gamma", "20", "Largest acceleration of the enclosure, in g."),
     ("--orientation", "motion.orientation", "vertical|horizontal|none", "Of axis and gravity."),
     ("--ramp", "motion.ramp", "0", "Cycles over which the amplitude grows."),
-    ("--particles", "particles.shape", "sphere:5mm", "What moves inside, by diameter."),
+    (
+        "--particles", "particles.shape", "sphere:5mm|prolate:1.5|toroid:0.2",
+        "What moves inside: spheres by diameter, shapes by ratio.",
+    ),
+    ("--sub-spheres", "particles.sub_spheres", "N", "That stand for one particle."),
     (
         "--equal-volume-radius", "particles.equal_volume_radius", '"3.8 mm"',
         "Size of a shape named without one.",
@@ -67,8 +71,8 @@ def changes_of(
         for key, value in {**options, "run__seed": seed}.items()
         if value is not None and value is not False
     }
-    for key in ("run.seed", "particles.count", "run.cycles", "run.discard", "run.max_cycles",
-                "output.samples", "output.frames"):  # fmt: skip
+    for key in ("run.seed", "particles.count", "particles.sub_spheres", "run.cycles",
+                "run.discard", "run.max_cycles", "output.samples", "output.frames"):  # fmt: skip
         with contextlib.suppress(KeyError, ValueError):  # the case refuses what is no number
             changes[key] = int(changes[key])
     if material is not None:
