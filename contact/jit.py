@@ -90,9 +90,10 @@ def njit(function, **options):
     usual = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder()  # read by numba when it decorates
     try:
-        return numba.njit(cache=True, error_model="numpy", nogil=True, noalias=True, **options)(
-            function
-        )
+        return numba.njit(
+            cache=True, error_model="numpy", nogil=True, noalias=True, no_cfunc_wrapper=True,
+            **options,
+        )(function)  # fmt: skip
     finally:
         numba.config.CACHE_DIR = usual
 
@@ -112,3 +113,16 @@ def inlined(function):
     An array is seven numbers: handing over a hundred of them costs as much as some contacts.
     """
     return njit(function, _nrt=False, forceinline=True)
+
+
+def inner(function):
+    """uncounted, for a function that only kernels call: without a way into it from Python.
+
+    To unpack a hundred arrays, that takes numba longer to compile than the function itself.
+    """
+    return njit(function, _nrt=False, no_cpython_wrapper=True)
+
+
+def inlined_inner(function):
+    """inlined, for a function that only kernels call; see inner."""
+    return njit(function, _nrt=False, forceinline=True, no_cpython_wrapper=True)

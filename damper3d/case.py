@@ -195,14 +195,17 @@ class DamperCase:
 
     def packing_identity(self) -> dict[str, Any]:
         """What a settled packing is named by: not what acts only once the enclosure moves."""
-        enclosure, particle = self.enclosure, self.particle
+        enclosure, particle, law = self.enclosure, self.particle, self.settings.law
+        # A ball has one contact with another.
+        treatment = {} if particle.is_ball else {"contact_treatment": law.contact_treatment}
         return {
             "enclosure": [enclosure.shape, enclosure.width, enclosure.depth, enclosure.height],
             "particle": [particle.offsets, particle.radii, particle.volume, particle.inertia],
             "count": self.count,
             "density": self.density,
             "laws": [list(self.pair_law), list(self.wall_law)],
-            "wall_curvature": self.settings.law.wall_curvature,
+            "wall_curvature": law.wall_curvature,
+            **treatment,
             "settling_gravity": self.settling_gravity,
             "fill": self.settings.fill.model_dump(),
             "fill_time_step": self.steps.free,

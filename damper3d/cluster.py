@@ -29,6 +29,11 @@ class Cluster:
     surface_error: float
 
     @property
+    def is_ball(self) -> bool:
+        """Whether it is one sphere about its centroid, which looks alike however it is turned."""
+        return len(self.radii) == 1 and not self.offsets.any()
+
+    @property
     def bounding_radius(self) -> float:
         """Of the ball about the centroid that holds all spheres [m]."""
         return float(np.max(np.linalg.norm(self.offsets, axis=1) + self.radii))

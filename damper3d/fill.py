@@ -3,11 +3,16 @@
 import math
 import time
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from contact.quantity import InputError
 from damper3d.case import GRAVITY, DamperCase
+from damper3d.clusters.grow import grow_clusters, random_places
+from damper3d.clusters.simulation import ClusterSimulation
+from damper3d.clusters.state import ClusterWorld
+from damper3d.clusters.world import build_cluster_world
 from damper3d.grow import grow
 from damper3d.packing import Packing, lowest, packing_fraction
 from damper3d.shaker import Sines
@@ -27,16 +32,10 @@ def fill(case: DamperCase, report: Report) -> Packing:
     what `report` raises.
     """
     report(0.0, "filling")
-    if len(case.particle.radii) > 1:
-        raise InputError(
-            f"{case.name}: [particles] shape = {case.particle.name!r}: cannot be run so far; "
-            "spheres can, such as 'sphere:5mm'"
-        )
-    grow(case.enclosure, 1, case.particle.bounding_radius, np.random.default_rng(0))  # compiles
+    random_start(case, 1)  # compiles
     begun = time.process_time()
-    centres = random_start(case)
+    sim = resting(case, *random_start(case, case.count))
     growing = time.process_time() - begun
-    sim = resting(case, centres)
     sim.compile()
     begun = time.process_time()
     n_steps = math.ceil(case.settings.fill.settle_time / case.steps.free)
@@ -48,54 +47,80 @@ def fill(case: DamperCase, report: Report) -> Packing:
     return packed(case, sim, growing + time.process_time() - begun)
 
 
-def random_start(case: DamperCase) -> np.ndarray:
-    """Centres (count, 3) [m] of particles, from the case's seed, that do not overlap.
+def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray | None]:
+    """Centres (count, 3) [m] and orientations (count, 4) of particles, from the case's seed.
 
-    Raises InputError where there are too many.
+    They do not overlap. Orientations are unit quaternions, None of balls. Raises InputError where
+    there are too many.
     """
     rng = np.random.default_rng(case.settings.run.seed)
-    radius = case.particle.bounding_radius
-    centres, reached = grow(case.enclosure, case.count, radius, rng)
+    orientations = None
+    if case.particle.is_ball:
+        radius = case.particle.bounding_radius
+        centres, reached = grow(case.enclosure, count, radius, rng)
+    else:
+        centres, orientations = random_places(case.enclosure, case.particle, count, rng)
+        world = _clusters(case, centres, orientations)
+        fill_ratio = count * case.particle.volume / case.enclosure.volume
+        reached = grow_clusters(world, case.particle, fill_ratio)
+        centres, orientations = world.bodies.position[:, :3], world.bodies.orientation
     if reached < 1.0:
-        fit = max(math.floor(case.count * reached**3), 1)
+        fit = max(math.floor(count * reached**3), 1)
         raise InputError(
-            f"{case.name}: [particles] count = {case.count}: fill ratio {case.fill_ratio:.3f}; "
+            f"{case.name}: [particles] count = {count}: fill ratio {case.fill_ratio:.3f}; "
             f"random filling found room for particles of {reached:.3f} of their size, so for about "
             f"{fit}; give fewer, or a larger enclosure"
         )
-    return centres
+    return centres, orientations
 
 
-def resting(case: DamperCase, centres: np.ndarray) -> Simulation:
-    """Particles at rest at some centres (count, 3) [m] in an enclosure that does not move."""
-    still = Sines(np.zeros(1), np.zeros(1), np.zeros(1), 0.0)
-    world = build_world(
-        centres,
-        np.full(len(centres), case.particle.radii[0]),
-        density=case.density,
-        enclosure=case.enclosure,
-        pair_law=case.pair_law,
-        wall_law=case.wall_law,
-        shaker=still,
-        direction=case.direction,
-        gravity=case.settling_gravity,
-        time_step=case.steps.free,
-        curved_wall=case.settings.law.wall_curvature,
-    )
-    return Simulation(world)
+def resting(
+    case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None = None
+) -> Simulation:
+    """Particles at rest in an enclosure that does not move.
+
+    centres (count, 3) [m]; orientations (count, 4) of other particles than balls, not turned if
+    left out.
+    """
+    if not case.particle.is_ball:
+        return ClusterSimulation(_clusters(case, centres, orientations))
+    radii = np.full(len(centres), case.particle.radii[0])
+    return Simulation(build_world(centres, radii, **_surroundings(case)))
+
+
+def _clusters(
+    case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None
+) -> ClusterWorld:
+    return build_cluster_world(
+        centres, case.particle, orientations,
+        treatment=case.settings.law.contact_treatment, **_surroundings(case),
+    )  # fmt: skip
+
+
+def _surroundings(case: DamperCase) -> dict[str, Any]:
+    """What particles at rest are in."""
+    return {
+        "density": case.density,
+        "enclosure": case.enclosure,
+        "pair_law": case.pair_law,
+        "wall_law": case.wall_law,
+        "shaker": Sines(np.zeros(1), np.zeros(1), np.zeros(1), 0.0),
+        "direction": case.direction,
+        "gravity": case.settling_gravity,
+        "time_step": case.steps.free,
+        "curved_wall": case.settings.law.wall_curvature,
+    }
 
 
 def packed(case: DamperCase, sim: Simulation, cpu_s: float) -> Packing:
     """The packing that a simulation has come to."""
-    frame, touching = sim.frame(), sim.contacts()["bodies"]
+    frame, touching = sim.frame(), np.unique(sim.contacts()["bodies"], axis=0)
     up = -case.settling_gravity / GRAVITY
     ends = int(np.count_nonzero(touching < sim.n_bodies))
     return Packing(
         state=sim.save(),
         fraction=packing_fraction(frame["x"], case.particle.volume, case.enclosure, up),
-        height=float((frame["x"] @ up).max())
-        + case.particle.bounding_radius
-        - lowest(case.enclosure, up),
+        height=sim.top(up) - lowest(case.enclosure, up),
         coordination=ends / sim.n_bodies,
         rms_speed=float(np.sqrt((frame["v"] ** 2).sum(axis=1).mean())),
         cpu_s=cpu_s,

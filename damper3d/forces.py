@@ -12,7 +12,7 @@ step, so that no velocity need be gathered twice.
 import numpy as np
 
 from contact.hertz import damping_of_impact, hertz_force, mindlin_force, with_history
-from contact.jit import inlined, uncounted
+from contact.jit import inlined_inner, inner
 from contact.spring_books import spring_books
 from contact.vectors import add, cross, dot, scale
 from damper3d.geometry import between_spheres, place, put, vector, with_cylinder, with_plane
@@ -41,7 +41,7 @@ from damper3d.state import (
 )
 
 
-@inlined
+@inlined_inner
 def apply_forces(world, shift, speed):
     """All contact forces of this step and the books; shift and speed are the enclosure's.
 
@@ -68,7 +68,7 @@ def apply_forces(world, shift, speed):
     keep_books(books, N_MECHANISMS, sums, world.time_step)
 
 
-@inlined
+@inlined_inner
 def put_enclosure(spheres, shift, speed):
     """Where the enclosure is and how fast it moves, in its row."""
     last = len(spheres.inverse_mass)
@@ -76,7 +76,7 @@ def put_enclosure(spheres, shift, speed):
         spheres.position[last, c], spheres.velocity[last, c] = shift[c], speed[c]
 
 
-@inlined
+@inlined_inner
 def meet_wall(spheres, walls, contacts, w, begin, n_contacts, block):
     """Geometry of contacts with wall w."""
     gather(spheres, contacts, begin, n_contacts, block)
@@ -86,7 +86,7 @@ def meet_wall(spheres, walls, contacts, w, begin, n_contacts, block):
         with_cylinder(walls.radius, whole(n_contacts), block)
 
 
-@inlined
+@inlined_inner
 def take_push(spheres, force, speed):
     """Move the force that a wall's contacts left in the enclosure's row to the wall; its power."""
     last = len(spheres.inverse_mass)
@@ -98,7 +98,7 @@ def take_push(spheres, force, speed):
     return power
 
 
-@inlined
+@inlined_inner
 def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
     """Forces of a block of a class, 0 or 1, to their spheres; the sums of the books with theirs."""
     block, dt = world.block, world.time_step
@@ -109,7 +109,7 @@ def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
     return add_heat(world.bodies.heat, contacts, begin, n_contacts, block, dt, sums)
 
 
-@uncounted
+@inner
 def surface_motion(block, k):
     """Of contact k: normal, rate of the overlap [m/s], velocity of slip [m/s]."""
     normal, velocity = vector(block.normal, k), vector(block.velocity, k)
@@ -117,7 +117,7 @@ def surface_motion(block, k):
     return normal, rate, add(velocity, scale(rate, normal))
 
 
-@inlined
+@inlined_inner
 def contact_law(law, n_contacts, block, dt):
     """Forces, histories and dissipation of a block whose geometry is known."""
     if law.stored_force:  # out of the loop, where both ways would be calculated
@@ -126,7 +126,7 @@ def contact_law(law, n_contacts, block, dt):
         apply_law(with_history(law, False), n_contacts, block, dt)
 
 
-@inlined
+@inlined_inner
 def apply_law(law, n_contacts, block, dt):
     """See contact_law."""
     history, later = block.history, block.later
@@ -160,7 +160,7 @@ def apply_law(law, n_contacts, block, dt):
         block.slip_power[k] = -slides * dot(force, slip_rate)
 
 
-@uncounted
+@inner
 def without_slip(law, history, k, normal, kt_before, kt, moved):
     """What the spring of contact k held at the step before, and would hold now if it did not slip.
 
@@ -176,7 +176,7 @@ def without_slip(law, history, k, normal, kt_before, kt, moved):
     return held, add(held, add(ahead, moved))
 
 
-@inlined
+@inlined_inner
 def begin_contacts(law, n_contacts, block, fastest, which):
     """Note the speeds of impacts that begin, and the damping that goes with them."""
     for k in range(np.uintp(n_contacts)):
@@ -188,7 +188,7 @@ def begin_contacts(law, n_contacts, block, fastest, which):
             )
 
 
-@inlined
+@inlined_inner
 def add_heat(heat, contacts, begin, n_contacts, block, dt, sums):
     """Half of what each contact dissipates to each of its spheres; the sums by mechanism.
 
@@ -209,7 +209,7 @@ def add_heat(heat, contacts, begin, n_contacts, block, dt, sums):
     return normal, tangential, rubbed, gained, slipped
 
 
-@inlined
+@inlined_inner
 def keep_books(books, first, sums, dt):
     """Add what was dissipated in this step to the books of a class."""
     books[first + NORMAL_DAMPING] += sums[0] * dt

@@ -16,12 +16,13 @@ from damper3d.enclosure import Enclosure
 
 _START = 0.1  # fill ratio of the radii that the first stage begins with
 _STAGES = 24  # of equal growth of the radius, from there to full size
-_MARGIN = 1e-3  # that the balls grow beyond their size: they end without an overlap
-_TOLERANCE = 1e-3  # overlap over radius that ends a stage; the last one's is _MARGIN
-_PATIENCE = 4000  # steps of a stage; those that end take some ten to a few hundred
+MARGIN = 1e-3  # that the balls grow beyond their size: they end without an overlap
+TOLERANCE = 1e-3  # overlap over radius that ends a stage; at most twice the margin
+PATIENCE = 4000  # steps of a stage; those that end take some ten to a few hundred
 
 # FIRE's constants, as published; the balls have unit mass and the springs unit stiffness.
 _LONGEST, _GROW, _SHRINK, _MIX, _MIX_SHRINK, _WAIT = 0.5, 1.1, 0.5, 0.1, 0.99, 5
+FIRST_PACE = 0.1, _MIX, 0
 
 
 def grow(
@@ -33,24 +34,25 @@ def grow(
     place, and then the centres are those of the smaller ones.
     """
     volume = 4.0 / 3.0 * math.pi * radius**3
-    ratio = count * volume / enclosure.volume
-    first = min((_START / ratio) ** (1 / 3), 1.0)
-    sizes = np.linspace(first, 1.0, _STAGES + 1)[1:]
-    centres = _anywhere(enclosure, count, first * radius, rng)
+    first, *sizes = stages(count * volume / enclosure.volume)
+    centres = anywhere(enclosure, count, first * radius, rng)
     planes, round_wall = enclosure.planes, enclosure.cylinder_radius
     reached = first
     for size in sizes:
-        last = size == sizes[-1]
-        grown = size * radius * (1.0 + _MARGIN)
+        grown = size * radius * (1.0 + MARGIN)
         moved = centres.copy()
-        allowed = _MARGIN if last else _TOLERANCE
-        if not push_apart(moved, grown, planes, round_wall, allowed * radius, _PATIENCE):
+        if not push_apart(moved, grown, planes, round_wall, TOLERANCE * radius, PATIENCE):
             return centres, float(reached)
         centres, reached = moved, size
     return centres, float(reached)
 
 
-def _anywhere(
+def stages(fill_ratio: float) -> np.ndarray:
+    """Sizes [-] that are grown to, from the first one to 1, for a fill ratio of full size."""
+    return np.linspace(min((_START / fill_ratio) ** (1 / 3), 1.0), 1.0, _STAGES + 1)
+
+
+def anywhere(
     enclosure: Enclosure, count: int, radius: float, rng: np.random.Generator
 ) -> np.ndarray:
     """Random points (count, 3), evenly spread over where a ball of a radius fits."""
@@ -71,7 +73,7 @@ def push_apart(centres, radius, planes, round_wall, allowed, patience):
     """Move equal balls (n, 3) until no overlap is above `allowed`; whether they got there."""
     velocity = np.zeros_like(centres)
     force = np.zeros_like(centres)
-    dt, mix, downhill = 0.1, _MIX, 0
+    pace = FIRST_PACE
     for _ in range(patience):
         force[:] = 0.0
         deepest = max(
@@ -80,20 +82,28 @@ def push_apart(centres, radius, planes, round_wall, allowed, patience):
         )
         if deepest <= allowed:
             return True
-        power = np.sum(force * velocity)
-        if power > 0.0:
-            downhill += 1
-            share = mix * np.sqrt(np.sum(velocity**2) / np.sum(force**2))
-            velocity *= 1.0 - mix
-            velocity += share * force
-            if downhill > _WAIT:
-                dt, mix = min(dt * _GROW, _LONGEST), mix * _MIX_SHRINK
-        else:
-            velocity[:] = 0.0
-            dt, mix, downhill = dt * _SHRINK, _MIX, 0
-        velocity += dt * force
-        centres += dt * velocity
+        pace = descend(velocity, force, pace)
+        centres += pace[0] * velocity
     return False
+
+
+@njit
+def descend(velocity, force, pace):
+    """One step of FIRE: the velocities after it; and its time step, mix, and steps downhill."""
+    dt, mix, downhill = pace
+    power = np.sum(force * velocity)
+    if power > 0.0:
+        downhill += 1
+        share = mix * np.sqrt(np.sum(velocity**2) / np.sum(force**2))
+        velocity *= 1.0 - mix
+        velocity += share * force
+        if downhill > _WAIT:
+            dt, mix = min(dt * _GROW, _LONGEST), mix * _MIX_SHRINK
+    else:
+        velocity[:] = 0.0
+        dt, mix, downhill = dt * _SHRINK, _MIX, 0
+    velocity += dt * force
+    return dt, mix, downhill
 
 
 @njit

@@ -1,6 +1,6 @@
-"""What a step does in one way with balls and in another with clusters, chosen while it is compiled.
+"""What a step does in one way with balls and in another with clusters, chosen when compiled.
 
-Each name stands for the kernel that goes with the kind of world that it is given: state.World, whose
+Each name stands for the kernel that goes with the kind of world it is given: state.World, whose
 bodies are balls, or clusters.state.ClusterWorld, whose bodies have many spheres and turn them.
 """
 

@@ -9,13 +9,13 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from contact.jit import inlined, uncounted
+from contact.jit import inlined_inner, inner
 from damper3d.columns import KINETIC, POSITION_X, POTENTIAL, VELOCITY_X, VELOCITY_Z
 from damper3d.rows import NOTHING, begin_of, data, filled, load, row_of, square, store
 from damper3d.state import CLOSE_MADE, CLOSE_SKIN, STALE_CLOSE, STALE_WALL, STEP, WALL_SKIN
 
 
-@inlined
+@inlined_inner
 def move(world, shift):
     """One step of bodies that are spheres; wipes their loads and marks the lists they have left.
 
@@ -43,7 +43,7 @@ def move(world, shift):
     counts[STALE_WALL] |= left_wall
 
 
-@uncounted
+@inner
 def mean_motion(world, shift, row):
     """Kinetic and potential energy, mean position in the enclosure and mean velocity."""
     bodies, spheres, gravity = world.bodies, world.spheres, world.gravity

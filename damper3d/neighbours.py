@@ -12,7 +12,7 @@ what does not touch is not asked.
 
 import numpy as np
 
-from contact.jit import uncounted
+from contact.jit import inner
 from damper3d.cells import fill_cells, pairs_of
 from damper3d.lists import (
     CLOSE_FULL,
@@ -49,7 +49,7 @@ from damper3d.state import (
 _NEAR_SHARE = 8.0  # near skin over close skin
 
 
-@uncounted
+@inner
 def search_pairs(world, shift):
     """The close list, after the near list where its reach is used up."""
     counts, lengths, spheres, near = world.counts, world.lengths, world.spheres, world.near
@@ -70,7 +70,7 @@ def search_pairs(world, shift):
     return outcome
 
 
-@uncounted
+@inner
 def store_history(near, close, counts):
     """Put the histories of the close list back into the near list."""
     for n in range(counts[CLOSE]):
@@ -79,7 +79,7 @@ def store_history(near, close, counts):
     counts[CLOSE] = 0
 
 
-@uncounted
+@inner
 def near_reach_left(x, place, skin):
     """The gap below which all pairs are in the near list, by how far the spheres have spread [m].
 
@@ -101,7 +101,7 @@ def near_reach_left(x, place, skin):
     return skin - 2.0 * np.sqrt(farthest)
 
 
-@uncounted
+@inner
 def search_near(world, skin, shift):
     """All pairs with a gap below the skin, with the histories of those known before."""
     near, spheres, counts = world.near, world.spheres, world.counts
@@ -132,7 +132,7 @@ def search_near(world, skin, shift):
     return DONE
 
 
-@uncounted
+@inner
 def note_constants(near, spheres, law, i, begin, end):
     """What the law needs to know of the pairs of sphere i."""
     radius = spheres.position[:, 3]
@@ -143,7 +143,7 @@ def note_constants(near, spheres, law, i, begin, end):
         near.mass[n] = 1.0 / (spheres.inverse_mass[i] + spheres.inverse_mass[j])
 
 
-@uncounted
+@inner
 def fill_i(near, n_spheres):
     """The first spheres of all pairs, from where the pairs of each begin."""
     for i in range(n_spheres):
@@ -151,7 +151,7 @@ def fill_i(near, n_spheres):
             near.i[n] = i
 
 
-@uncounted
+@inner
 def inherit(near, i, begin, end):
     """Give the pairs of sphere i the histories that they had; both lists ascend."""
     old, old_end = near.old_first[i], near.old_first[i + 1]
@@ -166,7 +166,7 @@ def inherit(near, i, begin, end):
             near.history[n, DAMPING] = NO_CONTACT
 
 
-@uncounted
+@inner
 def filter_close(near, close, spheres, counts, skin):
     """The close list: near pairs with a gap below the skin, or in contact so far."""
     x, n_near = spheres.position, counts[NEAR]
@@ -192,7 +192,7 @@ def filter_close(near, close, spheres, counts, skin):
     return DONE
 
 
-@uncounted
+@inner
 def gaps(near, x, n_near):
     """The gaps of all near pairs; without a branch, so that it is vectorised."""
     for k in range(np.uintp(n_near)):
@@ -201,7 +201,7 @@ def gaps(near, x, n_near):
         near.gap[k] = np.sqrt(dx * dx + dy * dy + dz * dz) - near.reach[k]
 
 
-@uncounted
+@inner
 def note_places(close, spheres):
     """Where the spheres are now, and how fast they move on the whole."""
     u, place = spheres.velocity, close.place

@@ -119,7 +119,12 @@ def unit_vector(vector: list[float], what: str) -> np.ndarray:
 
 
 def check_protocol(settings: Settings, where: str) -> None:
-    """What must hold between cycles, samples and frames."""
+    """What must hold between cycles, samples and frames, and between parts of the law."""
+    if settings.law.yielding and settings.law.contact_treatment == "scaled":
+        raise InputError(
+            f"{where}: [law] yielding = true goes by the mass and radius of each contact, which "
+            "contact_treatment = 'scaled' shares out; give 'sum' or 'deepest', or yielding = false"
+        )
     run, output = settings.run, settings.output
     cycles = run.max_cycles if run.steady else run.cycles
     if run.discard >= cycles:

@@ -3,12 +3,19 @@
 import numpy as np
 
 from contact.hertz import hertz_force, mindlin_force, spring_energy
-from contact.jit import uncounted
+from contact.jit import inner, uncounted
 from contact.vectors import scale
 from damper3d.columns import (
-    CONTACTS_PP, CONTACTS_PW, DISPLACEMENT, ELASTIC_NORMAL, ELASTIC_TANGENTIAL, IMPACT_PP, N_COLUMNS,
-    TIME, VELOCITY,
-)  # fmt: skip
+    CONTACTS_PP,
+    CONTACTS_PW,
+    DISPLACEMENT,
+    ELASTIC_NORMAL,
+    ELASTIC_TANGENTIAL,
+    IMPACT_PP,
+    N_COLUMNS,
+    TIME,
+    VELOCITY,
+)
 from damper3d.forces import contact_law, meet_wall, put_enclosure, surface_motion, without_slip
 from damper3d.geometry import between_spheres, place
 from damper3d.integrate import advance, enclosure_at
@@ -67,7 +74,7 @@ def sample(world, steps, row):
             force[w, c] = 0.0
 
 
-@uncounted
+@inner
 def elastic_energies(world, shift, speed, row):
     """What the springs of all contacts hold, and how many contacts there are."""
     spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
@@ -88,7 +95,7 @@ def elastic_energies(world, shift, speed, row):
             add_elastic(world.wall_law, n, block, dt, row, CONTACTS_PW)
 
 
-@uncounted
+@inner
 def add_elastic(law, n_contacts, block, dt, row, count):
     """Add the elastic energies of a block to a row: (2/5) K d^2.5 and that of the spring."""
     history = block.history
@@ -139,7 +146,7 @@ def list_contacts(world, bodies, numbers):
     return found
 
 
-@uncounted
+@inner
 def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, bodies, numbers, found):
     """Append the touching contacts of a block; how many there are then.
 

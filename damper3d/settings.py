@@ -65,6 +65,7 @@ class Law(Section):
     friction_wall: Number | None = None
     restitution: Restitution | None = None
     restitution_wall: Restitution | None = None
+    contact_treatment: Literal["sum", "deepest", "scaled"] = "sum"  # of several of one pair
     tangential: Literal["displacement", "force"] = "displacement"
     contact_end: Literal["overlap", "force"] = "overlap"
     wall_curvature: bool = False

@@ -147,6 +147,9 @@ def tables_of(sim: Simulation) -> dict[str, dict[str, np.ndarray]]:
         for k, axis in enumerate("xyz")
     }
     force = contacts["force"].astype(np.float32)
+    for k, name in enumerate(("turn_w", "turn_x", "turn_y", "turn_z")):  # of clusters
+        if "orientation" in frame:
+            particles[name] = frame["orientation"][:, k].astype(np.float32)
     return {
         "particles": {**particles, "heat": frame["heat"].astype(np.float32)},
         "contacts": {

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contact.jit import uncounted
+from contact.jit import inner
 from damper3d.lists import DEEPEST, DONE, TOO_DEEP, WALL_FULL, adapt, copy_rows
 from damper3d.state import (
     DAMPING,
@@ -20,7 +20,7 @@ from damper3d.state import (
 )
 
 
-@uncounted
+@inner
 def search_walls(world, shift):
     """The list of wall contacts, wall by wall."""
     walls, wall, counts, lengths = world.walls, world.wall, world.counts, world.lengths
@@ -45,7 +45,7 @@ def search_walls(world, shift):
     return DONE
 
 
-@uncounted
+@inner
 def store_wall_history(wall, walls, counts):
     """Put the histories of the wall contacts back into the walls' own table."""
     if counts[WALL] > 0:
@@ -57,7 +57,7 @@ def store_wall_history(wall, walls, counts):
     walls.first[:] = 0
 
 
-@uncounted
+@inner
 def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, begin, end, n):
     """Append those of the spheres begin ... end - 1 that touch wall w or nearly do; the new length.
 

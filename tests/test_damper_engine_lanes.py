@@ -6,7 +6,8 @@ import pytest
 from damper3d.lanes import add_loads, gather, keep_history, separate
 from damper3d.state import BLOCK, DAMPING, N_CONSTANTS, N_HISTORY, NO_CONTACT, Spheres
 from damper3d.touching import touching_pairs
-from damper3d.world import _block, _contacts
+from damper3d.world import block as empty_block
+from damper3d.world import contacts_with_room
 
 SPHERES = 9
 BEGIN = 5  # in what is gone through, so that a place in the block is not one in the list
@@ -23,7 +24,7 @@ def scene(seed, same=None):
     spheres = Spheres(*rows, np.ones(SPHERES))
     for array in rows[1:]:
         array[:, 3] = 0.0
-    contacts, block = _contacts(SPHERES, LISTED), _block()
+    contacts, block = contacts_with_room(SPHERES, LISTED), empty_block()
     for k in range(LISTED):
         pair = np.sort(rng.choice(SPHERES, 2, replace=False))
         if same is not None and same not in pair:

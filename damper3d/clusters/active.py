@@ -1,11 +1,11 @@
 """Which spheres stand in a list: the only ones of a cluster that are kept up to date."""
 
-from contact.jit import uncounted
+from contact.jit import inner
 from damper3d.clusters.motion import place_active
 from damper3d.state import CLOSE, WALL
 
 
-@uncounted
+@inner
 def list_active(world):
     """Name the spheres of both lists, body by body, and bring them up to date."""
     counts, listed, size = world.counts, world.scratch.listed, len(world.shape.offset)

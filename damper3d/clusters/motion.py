@@ -9,71 +9,64 @@ the velocity u + w x r. Free rotation: clusters.rotation.
 
 import numpy as np
 
-from contact.jit import inlined, uncounted
-from contact.vectors import cross
+from contact.jit import inlined_inner, inner, uncounted
 from damper3d.clusters.rotation import axes_of, freely_turned
+from damper3d.clusters.rows import place_sphere, take_load
 from damper3d.columns import KINETIC, POSITION_X, POTENTIAL, VELOCITY_X, VELOCITY_Z
-from damper3d.state import CLOSE_MADE, CLOSE_SKIN, STALE_CLOSE, STALE_WALL, STEP, WALL_SKIN
+from damper3d.state import CLOSE_MADE, STALE_CLOSE, STALE_WALL, STEP
 
 
-@inlined
+@inlined_inner
 def move(world, shift):
     """One step; wipes the loads of the spheres and marks the lists that the bodies have left.
 
     shift is that of the enclosure after the step.
     """
-    counts, lengths, dt, arm = world.counts, world.lengths, world.time_step, world.shape.arm
+    counts, dt, arm = world.counts, world.time_step, world.shape.arm
     since, drift = (counts[STEP] - counts[CLOSE_MADE]) * dt, world.close_seen.drift
     carried = since * drift[0], since * drift[1], since * drift[2]
     was = world.wall_seen.drift
     swept = shift[0] - was[0], shift[1] - was[1], shift[2] - was[2]
-    inside, inside_wall = 0.5 * lengths[CLOSE_SKIN], lengths[WALL_SKIN]
     left = left_wall = False
     for b in range(len(world.bodies.inverse_mass)):
-        force, torque = take_loads(world, b)
-        kick(world, b, force, torque)
+        take_loads(world, b)
+        kick(world, b)
         turn(world, b)
         place_active(world, b)
-        left |= not way_since(world.bodies, world.close_seen, arm, b, carried) <= inside  # NaN too
-        left_wall |= not way_since(world.bodies, world.wall_seen, arm, b, swept) <= inside_wall
+        left |= has_left(world.bodies, world.close_seen, arm, b, carried)
+        left_wall |= has_left(world.bodies, world.wall_seen, arm, b, swept)
     counts[STALE_CLOSE] |= left
     counts[STALE_WALL] |= left_wall
 
 
-@inlined
+@inlined_inner
 def take_loads(world, b):
     """Force on a body and torque about its centroid, from its spheres, whose loads are wiped."""
-    spheres, x = world.spheres, world.bodies.position
-    fx = fy = fz = tx = ty = tz = 0.0
+    bodies, spheres = world.bodies, world.spheres
+    for c in range(4):
+        bodies.force[b, c] = bodies.torque[b, c] = 0.0
     for n in range(world.active_first[b], world.active_first[b + 1]):
-        i = world.active[n]
-        px, py, pz = spheres.force[i, 0], spheres.force[i, 1], spheres.force[i, 2]
-        rx = spheres.position[i, 0] - x[b, 0]
-        ry = spheres.position[i, 1] - x[b, 1]
-        rz = spheres.position[i, 2] - x[b, 2]
-        fx, fy, fz = fx + px, fy + py, fz + pz
-        tx += spheres.torque[i, 0] + (ry * pz - rz * py)
-        ty += spheres.torque[i, 1] + (rz * px - rx * pz)
-        tz += spheres.torque[i, 2] + (rx * py - ry * px)
-        for c in range(4):
-            spheres.force[i, c] = spheres.torque[i, c] = 0.0
-    return (fx, fy, fz), (tx, ty, tz)
+        take_load(
+            spheres.force, spheres.torque, spheres.position, bodies.position, bodies.force,
+            bodies.torque, np.int64(world.active[n]), b,
+        )  # fmt: skip
 
 
-@inlined
-def kick(world, b, force, torque):
+@inlined_inner
+def kick(world, b):
     """Velocity, momentum and position of a body after a step."""
     bodies, gravity, dt = world.bodies, world.gravity, world.time_step
     for c in range(3):
-        gain = dt * bodies.inverse_mass[b] * force[c] + dt * gravity[c]
+        gain = dt * bodies.inverse_mass[b] * bodies.force[b, c] + dt * gravity[c]
         bodies.velocity[b, c] += gain
         bodies.velocity_now[b, c] = bodies.velocity[b, c] + 0.5 * gain
         bodies.position[b, c] += dt * bodies.velocity[b, c]
-        bodies.momentum[b, c] += dt * torque[c]
-        bodies.momentum_now[b, c] = bodies.momentum[b, c] + 0.5 * dt * torque[c]
+        gain = dt * bodies.torque[b, c]
+        bodies.momentum[b, c] += gain
+        bodies.momentum_now[b, c] = bodies.momentum[b, c] + 0.5 * gain
 
 
-@inlined
+@inlined_inner
 def turn(world, b):
     """Orientation, axes and spin of a body after a step; its angular momentum is that of then."""
     bodies, shape = world.bodies, world.shape
@@ -110,24 +103,20 @@ def note_spin(bodies, shape, b):
         spin[b, 2] += rate * z
 
 
-@inlined
+@inlined_inner
 def place_active(world, b):
     """Position, velocity and spin of the listed spheres of a body."""
     bodies, spheres, offset = world.bodies, world.spheres, world.shape.offset
-    x, u, w, axes = bodies.position, bodies.velocity_now, bodies.spin_now, bodies.axes
     first = b * len(offset)
-    turning = w[b, 0], w[b, 1], w[b, 2]
     for n in range(world.active_first[b], world.active_first[b + 1]):
-        i = world.active[n]
-        r = arm_of(axes, offset, b, i - first)
-        swing = cross(turning, r)
-        for c in range(3):
-            spheres.position[i, c] = x[b, c] + r[c]
-            spheres.velocity[i, c] = u[b, c] + swing[c]
-            spheres.spin[i, c] = turning[c]
+        i = np.int64(world.active[n])
+        place_sphere(
+            bodies.position, bodies.velocity_now, bodies.spin_now, bodies.axes, offset,
+            spheres.position, spheres.velocity, spheres.spin, b, i - first, i,
+        )  # fmt: skip
 
 
-@uncounted
+@inner
 def arm_of(axes, offset, b, s):
     """From the centroid of body b to the centre of its sphere s, in the laboratory [m]."""
     a, d, e = offset[s, 0], offset[s, 1], offset[s, 2]
@@ -138,11 +127,21 @@ def arm_of(axes, offset, b, s):
     )
 
 
-@uncounted
-def way_since(bodies, seen, arm, b, carried):
-    """How far any sphere of a body can have come, but for what it was carried along [m].
+@inlined_inner
+def has_left(bodies, seen, arm, b, carried):
+    """Whether a body may have come farther than its leeway; also where its place is no number."""
+    straight, turned = ways_since(bodies, seen, arm, b, carried)
+    leeway = seen.leeway[b]
+    if 2.0 * (straight + turned) <= leeway * leeway:  # (a + b)^2 <= 2 (a^2 + b^2)
+        return False
+    return not np.sqrt(straight) + np.sqrt(turned) <= leeway
 
-    A turn by an angle t takes a point at the distance r by 2 r sin(t/2) at most, and the
+
+@inner
+def ways_since(bodies, seen, arm, b, carried):
+    """Squares of how far a body came, but for what it was carried along, and its spheres turned.
+
+    In m2. A turn by an angle t takes a point at the distance r by 2 r sin(t/2) at most, and the
     quaternion by 2 sin(t/4), of which 2 r times is more.
     """
     x, q = bodies.position, bodies.orientation
@@ -152,10 +151,10 @@ def way_since(bodies, seen, arm, b, carried):
     turned = 0.0
     for c in range(4):
         turned += (q[b, c] - seen.turn[b, c]) ** 2
-    return np.sqrt(dx * dx + dy * dy + dz * dz) + 2.0 * arm * np.sqrt(turned)
+    return dx * dx + dy * dy + dz * dz, 4.0 * arm * arm * turned
 
 
-@uncounted
+@inner
 def note_seen(bodies, seen):
     """Where all bodies are now, for the list that was just made."""
     for b in range(len(bodies.inverse_mass)):
@@ -164,7 +163,7 @@ def note_seen(bodies, seen):
             seen.turn[b, c] = bodies.orientation[b, c]
 
 
-@uncounted
+@inner
 def mean_motion(world, shift, row):
     """Kinetic and potential energy, mean place in the enclosure and mean velocity, into a row."""
     bodies, gravity = world.bodies, world.gravity

@@ -4,18 +4,19 @@ Bodies whose balls are near stand in a list of body pairs. Across any direction 
 to the highest h_i of its spheres' centre . d + radius, and body j down to the lowest l_j: the gap
 between the bodies is at least l_j - h_i, and only spheres that reach beyond l_j - skin and
 h_i + skin can be as near as the skin. That holds for any shape; with the direction in which the
-bodies are nearest, few spheres are left, and these are compared one by one. The direction is
-improved from the highest and the lowest sphere, and kept for the next search.
+bodies are nearest, few spheres are left, and these are compared one by one. The nearest two give
+the direction for the next search.
 
-Pairs that are apart rest until all bodies together may have come as near as the skin.
+Pairs that are apart rest until their bodies may have come as near as the skin, and a body that has
+much room may go far before the list is made anew: it must only know what touches.
 """
 
 import numpy as np
 
-from contact.jit import uncounted
+from contact.jit import inlined_inner, inner
 from damper3d.cells import fill_cells, pairs_of
 from damper3d.clusters.active import list_active
-from damper3d.clusters.motion import arm_of, note_seen, way_since
+from damper3d.clusters.motion import arm_of, note_seen, ways_since
 from damper3d.lists import (
     CLOSE_FULL,
     DEEPEST,
@@ -49,40 +50,39 @@ from damper3d.state import (
 )
 
 _NEAR_SHARE = 0.1  # near skin over the radius of the ball round a body
-_TRIES = 4  # directions across which a pair is looked at
 
 
-@uncounted
-def key_of(world, i, j):
-    """A number by which pairs of spheres ascend as they are listed: by body pair, then spheres."""
-    k, n = len(world.shape.offset), len(world.bodies.inverse_mass)
+@inner
+def key_of(n, k, i, j):
+    """A number by which pairs of spheres ascend as they are listed: by body pair, then spheres.
+
+    n bodies have k spheres each.
+    """
     a, b = np.int64(i) // k, np.int64(j) // k
     return ((a * n + b) * k + (i - a * k)) * k + (j - b * k)
 
 
-@uncounted
+@inner
 def search_pairs(world, shift):
     """The list of pairs of spheres, after that of body pairs where its reach is used up."""
     counts, lengths, near, bodies = world.counts, world.lengths, world.near, world.bodies
     keep_histories(world)
     adapt(counts, lengths, CLOSE_SKIN, CLOSE_MADE, world.cells.largest)
     skin = lengths[CLOSE_SKIN]
-    left = near_reach_left(bodies.position, near.place, lengths[NEAR_SKIN])
-    used = approach_since(world)
-    if not used < np.inf:
+    if not note_ways(world):
         return NOT_FINITE
-    for k in range(counts[NEAR]):
-        near.free[k] -= used
+    left = near_reach_left(bodies.position, near.place, lengths[NEAR_SKIN])
     if left < skin:
-        lengths[NEAR_SKIN] = _NEAR_SHARE * bodies.position[:, 3].max()
-        if not search_near(world, lengths[NEAR_SKIN], shift):
+        left = lengths[NEAR_SKIN] = _NEAR_SHARE * bodies.position[0, 3]  # all are alike
+        if not search_near(world, left, shift):
+            lengths[NEAR_SKIN] = -1.0
             return NEAR_FULL
-    n = np.int64(0)
-    for k in range(counts[NEAR]):
-        if near.free[k] < skin:
-            n = pairs_of_bodies(world, k, skin, n)
-            if n < 0:
-                return CLOSE_FULL if n == -1 else TOO_DEEP
+    n = list_pairs(world, skin, left)
+    if n < 0:
+        return CLOSE_FULL
+    note_constants(world, n)
+    if too_deep(world, n):
+        return TOO_DEEP
     inherit_histories(world, n)
     counts[CLOSE] = n
     counts[CLOSE_SEARCHES] += 1
@@ -94,21 +94,46 @@ def search_pairs(world, shift):
     return DONE
 
 
-@uncounted
-def approach_since(world):
-    """By how much the gap of two bodies can have shrunk since the list was made [m]."""
+@inner
+def note_ways(world):
+    """Take off the gaps of body pairs what the bodies have moved; False if that is no number."""
+    near, way = world.near, world.scratch.way
     since = (world.counts[STEP] - world.counts[CLOSE_MADE]) * world.time_step
     drift = world.close_seen.drift
     carried = since * drift[0], since * drift[1], since * drift[2]
-    farthest = 0.0
-    for b in range(len(world.bodies.inverse_mass)):
-        way = way_since(world.bodies, world.close_seen, world.shape.arm, b, carried)
-        if not way <= farthest:
-            farthest = way
-    return 2.0 * farthest
+    finite = True
+    for b in range(len(way)):
+        straight, turned = ways_since(world.bodies, world.close_seen, world.shape.arm, b, carried)
+        way[b] = np.sqrt(straight) + np.sqrt(turned)
+        finite &= way[b] < np.inf
+    for k in range(world.counts[NEAR]):
+        near.free[k] -= way[near.i[k]] + way[near.j[k]]
+    return finite
 
 
-@uncounted
+@inner
+def list_pairs(world, skin, left):
+    """Fill the list with the pairs of spheres nearer than the skin; how many, -1 if no room.
+
+    What is left of the gap of two bodies, or of the skin where some of their spheres are listed,
+    is the leeway of both. `left`: the gap below which all bodies are in the list of body pairs.
+    """
+    near, leeway = world.near, world.close_seen.leeway
+    leeway[:] = 0.5 * left
+    n = np.int64(0)
+    for k in range(world.counts[NEAR]):
+        begin = n
+        if near.free[k] < skin:
+            n = pairs_of_bodies(world, k, skin, n)
+            if n < 0:
+                return n
+        gap = skin if n > begin else max(near.free[k], skin)
+        i, j = near.i[k], near.j[k]
+        leeway[i], leeway[j] = min(leeway[i], 0.5 * gap), min(leeway[j], 0.5 * gap)
+    return n
+
+
+@inner
 def note_drift(bodies, seen):
     """How fast the bodies move on the whole."""
     n = len(bodies.inverse_mass)
@@ -119,7 +144,7 @@ def note_drift(bodies, seen):
         seen.drift[c] = total / n
 
 
-@uncounted
+@inner
 def search_near(world, skin, shift):
     """All pairs of bodies whose balls have a gap below the skin; False: there is no room."""
     near, counts, x = world.near, world.counts, world.bodies.position
@@ -145,7 +170,7 @@ def search_near(world, skin, shift):
     return True
 
 
-@uncounted
+@inner
 def inherit_directions(near, x, i, begin, end):
     """Give the pairs of body i the directions and gaps that they had; both lists ascend.
 
@@ -161,170 +186,166 @@ def inherit_directions(near, x, i, begin, end):
                 near.direction[n, c] = near.old_direction[old, c]
             near.free[n] = near.old_free[old]
         else:
-            set_direction(near, n, (x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]))
+            between = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
+            set_direction(near.direction, n, between)
             near.free[n] = -np.inf
 
 
-@uncounted
-def set_direction(near, n, d):
-    """Look at a pair of bodies along d, of any length."""
+@inner
+def set_direction(direction, n, d):
+    """Let pair n of bodies be looked at along d, of any length, the next time."""
     size = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
     if size > 0.0:
-        near.direction[n, 0], near.direction[n, 1] = d[0] / size, d[1] / size
-        near.direction[n, 2] = d[2] / size
+        direction[n, 0], direction[n, 1], direction[n, 2] = d[0] / size, d[1] / size, d[2] / size
 
 
-@uncounted
+@inlined_inner
 def pairs_of_bodies(world, k, skin, n):
     """Append the pairs of spheres of body pair k with a gap below the skin; the new length.
 
-    -1 if there is no room, -2 if two spheres overlap beyond belief.
+    -1 if there is no room. How deep they overlap stands in scratch.depth.
     """
     near, scratch, x = world.near, world.scratch, world.bodies.position
+    height, axes, shape = scratch.height, world.bodies.axes, world.shape
     a, b = np.int64(near.i[k]), np.int64(near.j[k])
     apart = x[b, 0] - x[a, 0], x[b, 1] - x[a, 1], x[b, 2] - x[a, 2]
-    gap = find_direction(world, k, a, b, apart, skin)
-    near.free[k] = gap
-    if gap >= skin:
-        return n
     d = near.direction[k, 0], near.direction[k, 1], near.direction[k, 2]
     between = apart[0] * d[0] + apart[1] * d[1] + apart[2] * d[2]
-    high = reach(world, 0, a, d, 1.0)[0]
-    low = between - reach(world, 1, b, d, -1.0)[0]
-    n_a = those_beyond(world, 0, a, low - skin, (0.0, 0.0, 0.0))
-    n_b = those_beyond(world, 1, b, between - high - skin, apart)
-    return compare(world, k, a, b, n_a, n_b, skin, n)
+    high = reach(height[0], shape.columns, axes[a], d, 1.0)
+    low = between - reach(height[1], shape.columns, axes[b], d, -1.0)
+    near.free[k] = low - high
+    if low - high >= skin:
+        return n
+    n_a = those_beyond(scratch, 0, shape.offset, axes, a, low - skin, (0.0, 0.0, 0.0))
+    n_b = those_beyond(scratch, 1, shape.offset, axes, b, between - high - skin, apart)
+    return compare(scratch, world.close, near.direction, len(shape.offset), k, a, b, n_a, n_b,
+                   skin, n)  # fmt: skip
 
 
-@uncounted
-def find_direction(world, k, a, b, apart, skin):
-    """The largest gap of a pair of bodies across the directions tried [m]; it keeps that one."""
-    near, offset, axes = world.near, world.shape.offset, world.bodies.axes
-    d = near.direction[k, 0], near.direction[k, 1], near.direction[k, 2]
-    widest = -np.inf
-    for _ in range(_TRIES):
-        high, top = reach(world, 0, a, d, 1.0)
-        low, bottom = reach(world, 1, b, d, -1.0)
-        gap = apart[0] * d[0] + apart[1] * d[1] + apart[2] * d[2] - high - low
-        if not gap > widest:
-            break
-        widest = gap
-        near.direction[k, 0], near.direction[k, 1], near.direction[k, 2] = d
-        if gap >= skin:
-            break
-        r, s = arm_of(axes, offset, a, top), arm_of(axes, offset, b, bottom)
-        way = apart[0] + s[0] - r[0], apart[1] + s[1] - r[1], apart[2] + s[2] - r[2]
-        size = np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2])
-        if not size > 0.0:
-            break
-        d = way[0] / size, way[1] / size, way[2] / size
-    return widest
+@inner
+def reach(height, columns, axes, d, sign):
+    """How far a body reaches from its centroid along sign d [m]; height: how far each sphere.
 
-
-@uncounted
-def reach(world, which, b, d, sign):
-    """How far body b reaches from its centroid along sign d [m], and with which sphere.
-
-    Of each sphere it stands in row `which` of scratch.height then.
+    Four largest ones at once, so that none waits for the one before it.
     """
-    height, columns, axes = world.scratch.height, world.shape.columns, world.bodies.axes
-    x = sign * (d[0] * axes[b, 0] + d[1] * axes[b, 1] + d[2] * axes[b, 2])
-    y = sign * (d[0] * axes[b, 4] + d[1] * axes[b, 5] + d[2] * axes[b, 6])
-    z = sign * (d[0] * axes[b, 8] + d[1] * axes[b, 9] + d[2] * axes[b, 10])
+    x = sign * (d[0] * axes[0] + d[1] * axes[1] + d[2] * axes[2])
+    y = sign * (d[0] * axes[4] + d[1] * axes[5] + d[2] * axes[6])
+    z = sign * (d[0] * axes[8] + d[1] * axes[9] + d[2] * axes[10])
     n = columns.shape[1]
     for s in range(np.uintp(n)):
-        height[which, s] = x * columns[0, s] + y * columns[1, s] + z * columns[2, s] + columns[3, s]
-    highest, best = height[which, 0], 0
-    for s in range(n):
-        if height[which, s] > highest:
-            highest, best = height[which, s], s
-    return highest, best
+        height[s] = x * columns[0, s] + y * columns[1, s] + z * columns[2, s] + columns[3, s]
+    a, b, c, e = height[0], height[1], height[2], height[3]
+    for s in range(np.int64(4), n, 4):
+        a, b = max(a, height[s]), max(b, height[s + 1])
+        c, e = max(c, height[s + 2]), max(e, height[s + 3])
+    return max(max(a, b), max(c, e))
 
 
-@uncounted
-def those_beyond(world, which, b, limit, shift):
+@inner
+def those_beyond(scratch, which, offset, axes, b, limit, shift):
     """Note the spheres of body b whose height is above a limit, and their centres; how many."""
-    scratch, shape = world.scratch, world.shape
+    height, sphere, centre = scratch.height, scratch.sphere, scratch.centre
     found = 0
-    for s in range(len(shape.offset)):
-        if scratch.height[which, s] > limit:
-            r = arm_of(world.bodies.axes, shape.offset, b, s)
-            scratch.sphere[which, found] = s
+    for s in range(len(offset)):
+        if height[which, s] > limit:
+            r = arm_of(axes, offset, b, s)
+            sphere[which, found] = s
             for c in range(3):
-                scratch.centre[which, c, found] = r[c] + shift[c]
-            scratch.centre[which, 3, found] = shape.offset[s, 3]
+                centre[which, c, found] = r[c] + shift[c]
+            centre[which, 3, found] = offset[s, 3]
             found += 1
     return found
 
 
-@uncounted
-def compare(world, k, a, b, n_a, n_b, skin, n):
-    """Append those of the noted spheres of two bodies whose gap is below the skin."""
-    scratch, close = world.scratch, world.close
-    centre, gap, size = scratch.centre, scratch.gap, len(world.shape.offset)
+@inner
+def compare(scratch, close, direction, size, k, a, b, n_a, n_b, skin, n):
+    """Append those of the noted spheres of two bodies whose gap is below the skin.
+
+    The next time the bodies are looked at along the line between the nearest two.
+    """
+    centre, gap, i, j, near = scratch.centre, scratch.gap, close.i, close.j, close.near
+    least, best_p, best_q = np.inf, 0, 0
     for p in range(n_a):
         x, y, z = centre[0, 0, p], centre[0, 1, p], centre[0, 2, p]
-        radius = centre[0, 3, p]
+        radius, first = centre[0, 3, p], a * size + scratch.sphere[0, p]
+        if n + n_b + LANES > len(i):
+            return np.int64(-1)
         for q in range(np.uintp(n_b)):
             dx, dy, dz = centre[1, 0, q] - x, centre[1, 1, q] - y, centre[1, 2, q] - z
             gap[q] = np.sqrt(dx * dx + dy * dy + dz * dz) - (radius + centre[1, 3, q])
         for q in range(n_b):
-            if gap[q] < skin:
-                if n + LANES >= len(close.i):
-                    return -1
-                if gap[q] < -DEEPEST * (radius + centre[1, 3, q]):
-                    return -2
-                i, j = a * size + scratch.sphere[0, p], b * size + scratch.sphere[1, q]
-                close.i[n], close.j[n], close.near[n] = i, j, k
-                note_constants(world, n, radius, centre[1, 3, q])
-                n += 1
+            if gap[q] < least:
+                least, best_p, best_q = gap[q], p, q
+            # Each is written, and only counted where it is one of them.
+            i[n], j[n], near[n] = first, b * size + scratch.sphere[1, q], k
+            scratch.depth[n] = -gap[q]
+            n += np.int64(gap[q] < skin)
+    if least < np.inf:
+        way = (centre[1, 0, best_q] - centre[0, 0, best_p],
+               centre[1, 1, best_q] - centre[0, 1, best_p],
+               centre[1, 2, best_q] - centre[0, 2, best_p])  # fmt: skip
+        set_direction(direction, k, way)
     return n
 
 
-@uncounted
-def note_constants(world, n, radius_i, radius_j):
-    """What the law needs to know of a pair; the reduced mass is that of the bodies."""
-    close, scratch, mass = world.close, world.scratch, world.bodies.inverse_mass
-    close.reach[n] = radius_i + radius_j
-    close.constants[n, RADIUS_I], close.constants[n, RADIUS_J] = radius_i, radius_j
-    root = np.sqrt(radius_i * radius_j / (radius_i + radius_j))
-    close.constants[n, HERTZ] = scratch.whole[n, 0] = world.pair_law.hertz * root
-    close.constants[n, MASS] = scratch.whole[n, 1] = 0.5 / mass[0]
+@inner
+def too_deep(world, n_pairs):
+    """Whether two spheres of the list overlap beyond belief."""
+    for n in range(n_pairs):
+        if world.scratch.depth[n] > DEEPEST * world.close.reach[n]:
+            return True
+    return False
 
 
-@uncounted
+@inlined_inner
+def note_constants(world, n_pairs):
+    """What the law needs to know of the pairs; the reduced mass is that of the bodies."""
+    close, whole, radius = world.close, world.scratch.whole, world.spheres.position
+    mass = 0.5 / world.bodies.inverse_mass[0]
+    for n in range(np.uintp(n_pairs)):
+        first, second = radius[close.i[n], 3], radius[close.j[n], 3]
+        hertz = world.pair_law.hertz * np.sqrt(first * second / (first + second))
+        close.reach[n] = first + second
+        close.constants[n, RADIUS_I], close.constants[n, RADIUS_J] = first, second
+        close.constants[n, HERTZ] = whole[n, 0] = hertz
+        close.constants[n, MASS] = whole[n, 1] = mass
+
+
+@inner
 def keep_histories(world):
     """Remember the histories of the pairs in contact, as the list is given up."""
     close, kept, counts = world.close, world.kept, world.counts
+    n_bodies, size = len(world.bodies.inverse_mass), len(world.shape.offset)
     if counts[CLOSE] == 0:
         return  # there was no room, or a state was put back: they are remembered already
     n = 0
     for m in range(counts[CLOSE]):
         if close.history[m, DAMPING] >= 0.0:
-            kept.key[n] = key_of(world, close.i[m], close.j[m])
+            kept.key[n] = key_of(n_bodies, size, close.i[m], close.j[m])
             for h in range(N_HISTORY):
                 kept.history[n, h] = close.history[m, h]
             n += 1
-    kept.count[0] = n
+    kept.number[0] = n
     counts[CLOSE] = 0
 
 
-@uncounted
+@inner
 def inherit_histories(world, n_pairs):
     """Give the pairs of the list the histories that are remembered; both ascend by their keys."""
     close, kept = world.close, world.kept
+    n_bodies, size = len(world.bodies.inverse_mass), len(world.shape.offset)
     old = 0
     for n in range(n_pairs):
         for h in range(N_HISTORY):
             close.history[n, h] = 0.0
         close.history[n, DAMPING] = NO_CONTACT
     for n in range(n_pairs):
-        if old == kept.count[0]:
+        if old == kept.number[0]:
             break
-        key = key_of(world, close.i[n], close.j[n])
-        while old < kept.count[0] and kept.key[old] < key:
+        key = key_of(n_bodies, size, close.i[n], close.j[n])
+        while old < kept.number[0] and kept.key[old] < key:
             old += 1
-        if old < kept.count[0] and kept.key[old] == key:
+        if old < kept.number[0] and kept.key[old] == key:
             for h in range(N_HISTORY):
                 close.history[n, h] = kept.history[old, h]
-    kept.count[0] = 0
+    kept.number[0] = 0

@@ -13,12 +13,12 @@ equal the third axis is the odd one, the second term is nothing, and a step is e
 
 import numpy as np
 
-from contact.jit import uncounted
+from contact.jit import inner
 
 _SMALL = 2.5e-3  # square of half an angle below which the series is exact to rounding
 
 
-@uncounted
+@inner
 def half_turn(square):
     """cos(h) and sin(h)/h of half an angle h, from its square."""
     if square < _SMALL:
@@ -30,7 +30,7 @@ def half_turn(square):
     return np.cos(half), np.sin(half) / half
 
 
-@uncounted
+@inner
 def product(p, q):
     """Of two quaternions (w, x, y, z): turns by q first."""
     a, b, c, d = p
@@ -43,7 +43,7 @@ def product(p, q):
     )
 
 
-@uncounted
+@inner
 def axes_of(q):
     """The body's x, y and z axes in the laboratory, of a unit quaternion."""
     w, x, y, z = q
@@ -54,9 +54,9 @@ def axes_of(q):
     )
 
 
-@uncounted
+@inner
 def turned_about(q, along, axis, angle):
-    """q after a turn about its own axis 0, 1 or 2; and what is fixed in the laboratory, along it."""
+    """q after a turn about its own axis 0, 1 or 2, and a fixed vector along its axes then."""
     cosine, sine = half_turn(0.25 * angle * angle)
     sine *= 0.5 * angle
     c, s = cosine * cosine - sine * sine, 2.0 * sine * cosine
@@ -68,7 +68,7 @@ def turned_about(q, along, axis, angle):
     return product(q, (cosine, 0.0, 0.0, sine)), (c * x + s * y, c * y - s * x, z)
 
 
-@uncounted
+@inner
 def freely_turned(q, momentum, inverse_inertia, odd, h):
     """q after a time h of free rotation with an angular momentum (x, y, z) of the laboratory."""
     second, first = (odd + 1) % 3, (odd + 2) % 3

@@ -81,7 +81,7 @@ class ClusterSimulation(Simulation):
         (i, j), (a, b) = spheres.T, (spheres // k).T
         kept.key[:n] = ((a * self.n_bodies + b) * k + (i - a * k)) * k + (j - b * k)
         kept.history[:n] = histories
-        kept.count[0] = n
+        kept.number[0] = n
 
     def _roomier(self, lists: str) -> Any:
         return building.roomier(self.world, lists)

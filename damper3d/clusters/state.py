@@ -20,7 +20,7 @@ class Shape(NamedTuple):
     """The cluster in its principal axes about its centroid."""
 
     offset: np.ndarray  # (k, 4) centre of each sphere, its radius [m]
-    columns: np.ndarray  # (4, k) the same, turned
+    columns: np.ndarray  # (4, K) the same, turned; as many that reach nowhere as fill the vectors
     arm: float  # distance of the farthest centre from the centroid [m]
     inverse_inertia: np.ndarray  # (3,) of the principal moments [1/(kg m2)]
     odd: int  # the axis about which the cluster is, or may be, as round as about no other
@@ -30,13 +30,17 @@ class Rigid(NamedTuple):
     """Rigid bodies, (n, 4) or (n,)."""
 
     position: np.ndarray  # of the centroid [m]; radius of the ball that holds the body [m]
-    orientation: np.ndarray  # unit quaternion (w, x, y, z), from the body's axes to the laboratory's
+    orientation: (
+        np.ndarray
+    )  # unit quaternion (w, x, y, z), from the body's axes to the laboratory's
     axes: np.ndarray  # (n, 12) the body's x, y and z in the laboratory, rows of four; from it
     velocity: np.ndarray  # half a step behind [m/s]
     momentum: np.ndarray  # angular, in the laboratory, half a step behind [kg m2/s]
     velocity_now: np.ndarray  # extrapolated to the time of the position [m/s]
     momentum_now: np.ndarray  # likewise [kg m2/s]
     spin_now: np.ndarray  # likewise [rad/s]
+    force: np.ndarray  # on the body in this step [N]
+    torque: np.ndarray  # about the centroid [N m]
     inverse_mass: np.ndarray  # (n,) [1/kg]
     heat: np.ndarray  # (m + 1,) of each sphere, half of what its contacts dissipated [J]
 
@@ -59,7 +63,7 @@ class BodyPairs(NamedTuple):
 class Kept(NamedTuple):
     """Histories of pairs in contact, while the list of pairs is made anew."""
 
-    count: np.ndarray  # (1,)
+    number: np.ndarray  # (1,) how many
     key: np.ndarray  # (capacity,) see clusters.pairs.key_of; ascending
     history: np.ndarray  # (capacity, N_HISTORY)
 
@@ -69,13 +73,15 @@ class Seen(NamedTuple):
 
     place: np.ndarray  # (n, 4) [m]
     turn: np.ndarray  # (n, 4) orientation
+    leeway: np.ndarray  # (n,) how far a body may go before the list no longer holds [m]
     drift: np.ndarray  # (4,) mean velocity then [m/s]; of walls: where they were [m]
 
 
 class Scratch(NamedTuple):
     """Room for the search within a pair of bodies, and for the treatment of its contacts."""
 
-    height: np.ndarray  # (2, k) how far each sphere of either body reaches along a direction [m]
+    way: np.ndarray  # (n,) how far each body has come since the list was made [m]
+    height: np.ndarray  # (2, K) how far each sphere of either body reaches along a direction [m]
     sphere: np.ndarray  # (2, k) those that may be near the other body
     centre: np.ndarray  # (2, 4, k) their centres and radii [m], from the first body's centroid
     gap: np.ndarray  # (k,) of one of them to all of the other body [m]

@@ -5,15 +5,15 @@
     scaled     together they hold the energy U = (sum of U_k^p)^(1/p), each with the share
                w_k = (U_k/U)^(p-1) of its force
 
-U_k = (2/5) K_k d_k^2.5 is what a contact would hold alone: w_k K_k d_k^1.5 is the derivative of U,
-so that scaled contacts have a potential, and the sum of w_k U_k is U. p = 1 is the sum, p = infinity
-the deepest; p = 8 lets n equal contacts count for n^(1/8), 1.5 for 25. The reduced mass is shared
-like the stiffness: then dashpots, and with them the restitution, scale like the springs.
+U_k = (2/5) K_k d_k^2.5 is what a contact would hold alone: w_k K_k d_k^1.5 is the derivative of U
+by d_k, so that scaled contacts have a potential, and the sum of w_k U_k is U. p = 1 is the sum,
+p = infinity the deepest; p = 8 lets n equal contacts count for n^(1/8), 1.5 for 25. The reduced
+mass is shared like the stiffness: then dashpots, and with them the restitution, scale like springs.
 """
 
 import numpy as np
 
-from contact.jit import inlined, uncounted
+from contact.jit import inlined_inner, inner
 from damper3d.clusters.state import DEEPEST, SUM
 from damper3d.geometry import off_axis
 from damper3d.state import CLOSE, DAMPING, HERTZ, MASS, N_HISTORY, NO_CONTACT
@@ -22,21 +22,21 @@ from damper3d.touching import touching_pairs, touching_wall
 _POWER = 8.0  # p
 
 
-@inlined
+@inlined_inner
 def acting_pairs(world):
     """Let `touching` of the list of pairs name those that act; how many they are."""
     n = touching_pairs(world.spheres, world.close, world.counts[CLOSE], world.block)
     return n if world.treatment == SUM else treat_pairs(world, n)
 
 
-@inlined
+@inlined_inner
 def acting_at_wall(world, w):
     """The same of the contacts with wall w."""
     n = touching_wall(world.spheres, world.walls, world.wall, w, world.block)
     return n if world.treatment == SUM else treat_wall(world, w, n)
 
 
-@uncounted
+@inner
 def treat_pairs(world, n_touching):
     """Treat the touching pairs of each pair of bodies."""
     contacts, x, depth = world.close, world.spheres.position, world.scratch.depth
@@ -48,7 +48,7 @@ def treat_pairs(world, n_touching):
     return treat(world, contacts, world.scratch.whole, n_touching)
 
 
-@uncounted
+@inner
 def treat_wall(world, w, n_touching):
     """Treat the touching contacts of each body with wall w."""
     contacts, x, depth, walls = world.wall, world.spheres.position, world.scratch.depth, world.walls
@@ -66,7 +66,7 @@ def treat_wall(world, w, n_touching):
     return treat(world, contacts, world.scratch.wall_whole, n_touching)
 
 
-@uncounted
+@inner
 def treat(world, contacts, whole, n_touching):
     """Treat the contacts that touch, group by group; how many are left."""
     begin = left = 0
@@ -84,7 +84,7 @@ def treat(world, contacts, whole, n_touching):
     return left
 
 
-@uncounted
+@inner
 def keep_deepest(contacts, depth, begin, end):
     """The deepest of a group, with the history of the one that was; or the one that has ended."""
     deepest, known = begin, -1
@@ -105,7 +105,7 @@ def keep_deepest(contacts, depth, begin, end):
     return n
 
 
-@uncounted
+@inner
 def share(contacts, whole, depth, begin, end):
     """Scale stiffness and mass of the contacts of a group to their shares."""
     largest = total = 0.0
@@ -122,7 +122,7 @@ def share(contacts, whole, depth, begin, end):
         contacts.constants[n, MASS] = of_all * whole[n, 1]
 
 
-@uncounted
+@inner
 def energy(whole, n, depth):
     """What contact n would hold alone, but for the factor 2/5 [J]."""
     return whole[n, 0] * depth * depth * np.sqrt(depth)

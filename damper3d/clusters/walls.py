@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contact.jit import uncounted
+from contact.jit import inner
 from damper3d.clusters.active import list_active
 from damper3d.clusters.motion import arm_of, note_seen
 from damper3d.lists import DONE, TOO_DEEP, WALL_FULL, adapt
@@ -19,7 +19,7 @@ from damper3d.state import (
 from damper3d.wall_list import contacts_of_wall, store_wall_history
 
 
-@uncounted
+@inner
 def search_walls(world, shift):
     """The list of wall contacts; only bodies whose ball is near a wall are looked at."""
     walls, wall, counts, lengths = world.walls, world.wall, world.counts, world.lengths
@@ -27,11 +27,15 @@ def search_walls(world, shift):
     store_wall_history(wall, walls, counts)
     skin, size = lengths[WALL_SKIN], len(world.shape.offset)
     place_near_walls(world, skin, shift)
+    leeway = world.wall_seen.leeway
+    leeway[:] = np.inf
     n = np.int64(0)
     for w in range(len(walls.force)):
         walls.first[w] = n
         for b in range(len(world.bodies.inverse_mass)):
-            if ball_gap(world, w, b, shift) < skin:
+            gap = ball_gap(world.walls, world.bodies.position, w, b, shift)
+            leeway[b] = min(leeway[b], max(gap, skin))
+            if gap < skin:
                 begin, end = b * size, (b + 1) * size
                 m = contacts_of_wall(
                     wall, walls, world.spheres, world.wall_law, skin, shift, w, begin, end, n
@@ -50,7 +54,7 @@ def search_walls(world, shift):
     return DONE
 
 
-@uncounted
+@inner
 def note_group(world, b, begin, end):
     """Let wall contacts know their body, and their constants before a share is taken; the end."""
     wall, whole = world.wall, world.scratch.wall_whole
@@ -60,10 +64,9 @@ def note_group(world, b, begin, end):
     return end
 
 
-@uncounted
-def ball_gap(world, w, b, shift):
+@inner
+def ball_gap(walls, x, w, b, shift):
     """Gap between wall w and the ball round body b [m]."""
-    walls, x = world.walls, world.bodies.position
     px, py, pz = x[b, 0] - shift[0], x[b, 1] - shift[1], x[b, 2] - shift[2]
     if w < len(walls.planes):
         plane = walls.planes[w]
@@ -71,13 +74,13 @@ def ball_gap(world, w, b, shift):
     return walls.radius - np.sqrt(px * px + py * py) - x[b, 3]
 
 
-@uncounted
+@inner
 def place_near_walls(world, skin, shift):
     """Bring all spheres of the bodies that are near a wall to their places."""
     spheres, offset, bodies = world.spheres, world.shape.offset, world.bodies
     for b in range(len(bodies.inverse_mass)):
         for w in range(len(world.walls.force)):
-            if ball_gap(world, w, b, shift) < skin:
+            if ball_gap(world.walls, world.bodies.position, w, b, shift) < skin:
                 for s in range(len(offset)):
                     r = arm_of(bodies.axes, offset, b, s)
                     for c in range(3):

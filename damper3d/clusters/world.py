@@ -1,6 +1,5 @@
 """Builds the arrays of a world of clusters; makes its lists longer."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -106,11 +105,24 @@ def shape_of(particle: Cluster, density: float) -> Shape:
     offset[:, :3], offset[:, 3] = particle.offsets, particle.radii
     return Shape(
         offset=offset,
-        columns=np.ascontiguousarray(offset.T),
+        columns=columns_of(offset),
         arm=float(np.linalg.norm(particle.offsets, axis=1).max()),
         inverse_inertia=1.0 / inertia,
         odd=odd,
     )
+
+
+def columns_of(offset: np.ndarray) -> np.ndarray:
+    """Rows of spheres as columns, and more of them, which reach nowhere, to a whole of LANES."""
+    columns = world.zeros(4, whole(len(offset)))
+    columns[3] = -np.inf
+    columns[:, : len(offset)] = offset.T
+    return columns
+
+
+def whole(k: int) -> int:
+    """The next multiple of LANES."""
+    return -(-k // state.LANES) * state.LANES
 
 
 def _odd_axis(inertia: np.ndarray) -> int:
@@ -124,7 +136,7 @@ def _bodies(
 ) -> Rigid:
     n = len(positions)
     rows = ("position", "orientation", "velocity", "momentum", "velocity_now", "momentum_now",
-            "spin_now")  # fmt: skip
+            "spin_now", "force", "torque")  # fmt: skip
     bodies = Rigid(
         **{name: world.zeros(n, 4) for name in rows},
         axes=world.zeros(n, 12),
@@ -169,12 +181,14 @@ def _near(n: int, capacity: int) -> BodyPairs:
 
 
 def _seen(n: int) -> Seen:
-    return Seen(place=world.zeros(n, 4), turn=world.zeros(n, 4), drift=np.zeros(4))
+    return Seen(
+        place=world.zeros(n, 4), turn=world.zeros(n, 4), leeway=np.zeros(n), drift=np.zeros(4)
+    )
 
 
 def _kept(capacity: int) -> Kept:
     return Kept(
-        count=np.zeros(1, np.int64),
+        number=np.zeros(1, np.int64),
         key=np.zeros(capacity, np.int64),
         history=world.zeros(capacity, state.N_HISTORY),
     )
@@ -182,7 +196,8 @@ def _kept(capacity: int) -> Kept:
 
 def _scratch(n: int, k: int, capacity: int) -> Scratch:
     return Scratch(
-        height=world.zeros(2, k),
+        way=np.zeros(n),
+        height=world.zeros(2, whole(k)),
         sphere=np.zeros((2, k), np.int64),
         centre=world.zeros(2, 4, k),
         gap=world.zeros(k),

@@ -32,6 +32,10 @@ _CASE_OPTIONS = [
     ("--friction-wall", "law.friction_wall", "0.52", "Of contacts with the walls."),
     ("--restitution", "law.restitution", "0.86", "Of all contacts."),
     ("--restitution-wall", "law.restitution_wall", "0.86", "Of contacts with the walls."),
+    (
+        "--contact-treatment", "law.contact_treatment", "sum|deepest|scaled",
+        "Of several contacts of one pair of particles of sub-spheres.",
+    ),
     ("--tangential", "law.tangential", "displacement|force", "What the spring carries on."),
     ("--contact-end", "law.contact_end", "overlap|force", "Where a contact ends."),
     ("--cycles", "run.cycles", "8", "How many."),

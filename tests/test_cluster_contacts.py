@@ -1,0 +1,178 @@
+"""Contacts of clusters: found as by brute force, whatever the lists; books; several of one pair."""
+
+import math
+
+import numpy as np
+import pytest
+from cluster_beds import bed, particle, spheres_of, world_of
+from damper_beds import DENSITY, acrylic
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from damper3d import state
+from damper3d.clusters import world as building
+from damper3d.records import CLASSES, HELD, MECHANISMS
+
+SHAPES = ["prolate:1.5", "toroid:0.2"]
+STEPS = 4000
+
+
+def brute_force(sim, cluster):
+    """All (body, sphere, body or wall, sphere) that overlap now, of all pairs of spheres."""
+    centres, n, found = spheres_of(sim, cluster), sim.n_bodies, set()
+    reach = cluster.radii[:, None] + cluster.radii[None, :]
+    for i in range(n):
+        for j in range(i + 1, n):
+            gaps = np.linalg.norm(centres[i][:, None] - centres[j][None], axis=2) - reach
+            found |= {(i, p, j, q) for p, q in np.argwhere(gaps < 0.0).tolist()}
+    walls = sim.world.walls
+    depths = [cluster.radii - (centres @ plane[:3] - plane[3]) for plane in walls.planes]
+    if walls.radius > 0.0:
+        depths.append(cluster.radii - walls.radius + np.hypot(centres[..., 0], centres[..., 1]))
+    for w, depth in enumerate(depths):
+        found |= {(i, p, n + w, 0) for i, p in np.argwhere(depth > 0.0).tolist()}
+    return found
+
+
+@pytest.mark.parametrize("room", ["cylinder", "box"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_contacts_are_those_of_a_search_over_all_pairs(shape, room):
+    """In vigorous motion, with lists as old as they are."""
+    cluster = particle(shape)
+    sim = bed(room, cluster, speed=2.0)
+    seen, rng = set(), np.random.default_rng(1)
+    for _ in range(12):
+        sim.step(int(rng.integers(1, 2000)))
+        contacts = sim.contacts()
+        (i, j), (p, q) = contacts["bodies"].T, contacts["spheres"].T
+        found = list(zip(i.tolist(), p.tolist(), j.tolist(), q.tolist(), strict=True))
+        assert len(found) == len(set(found))
+        assert set(found) == brute_force(sim, cluster)
+        seen |= set(found)
+    assert len({(i, j) for i, _, j, _ in seen}) > 0.5 * sim.n_bodies  # that were met in the act
+    assert sim.world.counts[state.NEAR_SEARCHES] > 3
+    assert sim.world.counts[state.CLOSE_SEARCHES] > 3 * sim.world.counts[state.NEAR_SEARCHES]
+
+
+def state_after(sim, steps=STEPS):
+    sim.step(steps)
+    return sim.state_digest(), sim.world.books.copy()
+
+
+@pytest.mark.parametrize("treatment", ["sum", "deepest", "scaled"])
+def test_no_bit_depends_on_the_lists(treatment):
+    """Neither on their skins, put to extremes every 50 steps, nor on their room, which begins with
+    next to none: histories go over to the new lists, and springs that hold friction with them."""
+    undisturbed = state_after(bed(treatment=treatment))
+    for pairs, walls in ((0.001, 0.03), (0.03, 0.001)):
+        sim = bed(treatment=treatment)
+        for _ in range(STEPS // 50):
+            skins = np.array([pairs, walls]) * sim.world.cells.largest
+            sim.world.lengths[[state.CLOSE_SKIN, state.WALL_SKIN]] = skins
+            sim.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+            sim.step(50)
+        digest, books = state_after(sim, 0)
+        assert digest == undisturbed[0]
+        assert np.array_equal(books, undisturbed[1])
+    sim = bed(treatment=treatment)
+    n, k = sim.n_bodies, sim.n_spheres
+    sim.world = sim.world._replace(
+        near=building._near(n, 1), close=building.world.contacts_with_room(0, 9),
+        wall=building.world.contacts_with_room(0, 9), kept=building._kept(9),
+        scratch=building._scratch(n, k, 9),
+    )  # fmt: skip
+    assert state_after(sim)[0] == undisturbed[0]
+
+
+@pytest.mark.parametrize("treatment", ["sum", "deepest", "scaled"])
+def test_a_state_that_was_put_back_goes_on_to_the_same_bits(treatment):
+    sim, other = bed(treatment=treatment), bed(treatment=treatment)
+    sim.step(STEPS)
+    other.restore(sim.save())
+    assert other.state_digest() == sim.state_digest()
+    assert state_after(sim, 2000)[0] == state_after(other, 2000)[0]
+
+
+def left_open(time_step, **options):
+    """What the books of 3 ms of vigorous motion leave open, of what was dissipated."""
+    sim = bed(time_step=time_step, speed=1.0, steps_per_sample=round(3e-3 / time_step), **options)
+    first, last = sim.sample(), sim.run(1)
+    change = {name: float(last[name][-1] - first[name][-1]) for name in first
+              if first[name].ndim == 1}  # fmt: skip
+    lost = sum(change[f"{kind}_{c}"] for c in CLASSES for kind in MECHANISMS)
+    gained = change["wall_work"] + sum(change[f"law_term_{c}"] for c in CLASSES)
+    return abs(gained - sum(change[name] for name in HELD) - lost) / lost
+
+
+@pytest.mark.parametrize(("treatment", "most"), [("sum", 0.005), ("scaled", 0.005)])
+def test_the_energy_books_close_to_second_order(treatment, most):
+    """As those of spheres: each halving of the step leaves at most a third open (second order
+    would be a quarter), over a few impacts, before chaos makes of each step another bed."""
+    errors = [left_open(step, treatment=treatment) for step in (4e-6, 2e-6, 1e-6)]
+    assert errors[2] < most
+    assert errors[2] < errors[0] / 9
+
+
+# Several contacts of one pair against the smooth body
+
+
+def smooth_hertz(modulus, a, b):
+    """F/d^1.5 of a smooth spheroid lying on a flat wall (Johnson 1985, Contact Mechanics, ch. 4).
+
+    With half axes p > q of the ellipse of contact, e^2 = 1 - (q/p)^2 and p0 = 3 F/(2 pi p q),
+    d = p0 q K/E*, 1/(2 R1) = p0 q (K - E)/(E* e^2 p^2) and
+    1/(2 R2) = p0 q ((p/q)^2 E - K)/(E* e^2 p^2).
+    """
+    long, across = a**2 / b, b
+
+    def wrong(m):
+        return ((ellipe(m) / (1 - m) - ellipk(m)) / (ellipk(m) - ellipe(m))) - long / across
+
+    m = brentq(wrong, 1e-9, 1 - 1e-9)
+    p = (3 / (2 * math.pi * modulus) * (ellipk(m) - ellipe(m)) / m * 2 * long) ** (1 / 3)  # F = 1 N
+    return (3 * ellipk(m) / (2 * math.pi * modulus * p)) ** -1.5
+
+
+def landing(treatment, speed, restitution=1.0):
+    """A spheroid a/b = 1.5 of 3.8 mm that lands flat: deepest overlap [m], rebound over speed."""
+    cluster, law = particle("prolate:1.5", 3.8e-3), acrylic(0.0, restitution)
+    b = cluster.radii.max()
+    sim = world_of(cluster, [0.0, 0.0, b + 1e-6], wall_law=law, treatment=treatment,
+                   time_step=2e-7)  # fmt: skip
+    sim.set_velocity(np.array([[0.0, 0.0, -speed]]), np.zeros((1, 3)))
+    deepest = 0.0
+    while sim.frame()["v"][0, 2] <= 0.0 or len(sim.contacts()["overlap"]):
+        sim.step(5)
+        deepest = max(deepest, b - float(sim.frame()["x"][0, 2]))
+    return deepest, float(sim.frame()["v"][0, 2]) / speed
+
+
+def test_stiffness_of_a_landing_spheroid_against_the_smooth_one():
+    """Deepest overlap (5 m v^2/(4 K))^(2/5) of a Hertz contact F = K d^1.5. The deepest sphere has
+    the body's radius b across, but none of the larger one along: it is softer than the smooth
+    body by 12 % in K at a/b = 1.5. The sum stiffens with the number of spheres that touch."""
+    law, cluster = acrylic(0.0, 1.0), particle("prolate:1.5", 3.8e-3)
+    b, mass = cluster.radii.max(), DENSITY * cluster.volume
+    smooth = smooth_hertz(0.75 * law.hertz, 1.5 * b, b)
+    sphere = law.hertz * math.sqrt(b)
+    assert smooth_hertz(0.75 * law.hertz, 1.0001 * b, b) == pytest.approx(sphere, rel=1e-3)
+
+    def stiffness(treatment, speed):
+        return 1.25 * mass * speed**2 / landing(treatment, speed)[0] ** 2.5 / smooth
+
+    alone = sphere / smooth
+    assert 0.8 < alone < 0.95
+    for speed in (0.1, 1.5):
+        assert stiffness("deepest", speed) == pytest.approx(alone, rel=0.01)
+    assert alone < stiffness("scaled", 1.5) < 1.25 * alone
+    assert stiffness("sum", 1.5) > 2.0
+    assert stiffness("sum", 0.1) < stiffness("sum", 1.5)
+
+
+def test_restitution_of_a_landing_spheroid():
+    """One contact has the restitution that its law is made for, 0.86; n in parallel that share no
+    mass are damped by the root of n times as much, and so rebound less the faster they land."""
+    assert landing("deepest", 1.5, 0.86)[1] == pytest.approx(0.86, abs=2e-3)
+    assert landing("scaled", 1.5, 0.86)[1] == pytest.approx(0.86, abs=0.01)
+    slow, fast = (landing("sum", speed, 0.86)[1] for speed in (0.1, 1.5))
+    assert 0.86 > slow > fast > 0.5
