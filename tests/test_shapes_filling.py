@@ -93,14 +93,10 @@ def test_volume_and_surface_of_spheres_in_any_direction(k):
 @given(st.floats(0.2, 3.0), st.floats(0.01, 0.99))
 @settings(deadline=None, max_examples=30)
 def test_two_spheres_lose_their_lens(radius, share):
-    """V = sum - lens, lens = pi (R + r - d)^2 (d^2 + 2 d (R + r) - 3 (R - r)^2)/(12 d); S by caps."""
+    """lens = pi (R + r - d)^2 (d^2 + 2 d (R + r) - 3 (R - r)^2)/(12 d)."""
     d = abs(1.0 - radius) + share * (1.0 + radius - abs(1.0 - radius))
-    lens = (
-        math.pi
-        * (1 + radius - d) ** 2
-        * (d**2 + 2 * d * (1 + radius) - 3 * (1 - radius) ** 2)
-        / (12 * d)
-    )
+    wide = d**2 + 2.0 * d * (1.0 + radius) - 3.0 * (1.0 - radius) ** 2
+    lens = math.pi * (1.0 + radius - d) ** 2 * wide / (12.0 * d)
     exact = 4 / 3 * math.pi * (1 + radius**3) - lens
     volume, _ = union.of_any(np.array([[0.0, 0, 0], [0, 0, d]]), np.array([1.0, radius]))
     assert volume == pytest.approx(exact, rel=1e-3)

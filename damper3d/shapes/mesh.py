@@ -3,7 +3,7 @@
 import math
 from pathlib import Path
 
-from contact.quantity import to_si
+from contact.quantity import InputError, to_si
 from damper3d.shapes.mesh_check import sound
 from damper3d.shapes.mesh_file import read_triangles
 from damper3d.shapes.polyhedron import mass_of, principal_axes
@@ -33,4 +33,7 @@ def read_mesh(path: Path) -> tuple[Solid, float]:
 
 def unit_of(text: str) -> float:
     """The length [m] that one stands for in a file, from "mm" or "25.4 mm"; InputError else."""
-    return to_si(text if text[:1].isdigit() else f"1 {text}", "m", "mesh_unit")
+    length = to_si(text if text[:1].isdigit() else f"1 {text}", "m", "mesh_unit")
+    if length <= 0.0:
+        raise InputError(f"mesh_unit = {text!r}: must be above 0, such as 'mm'")
+    return length

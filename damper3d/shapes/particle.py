@@ -87,7 +87,10 @@ def _check(wanted: Particle) -> None:
         )
     if wanted.mesh_unit is not None and wanted.kind != "mesh":
         raise InputError(f"mesh_unit goes with a mesh; shape = {text!r} is none; leave it out")
-    if wanted.mesh_unit is not None and wanted.equal_volume_radius is not None:
+    if wanted.mesh_unit is None:
+        return
+    unit_of(wanted.mesh_unit)
+    if wanted.equal_volume_radius is not None:
         raise InputError(
             f"mesh_unit = {wanted.mesh_unit!r} keeps the size of the mesh, and equal_volume_radius "
             "is given too; leave one of them out"
