@@ -29,13 +29,15 @@ from damper3d.parts import (
     count_of,
     enclosure_of,
     gravity_of,
+    mesh_copy,
     orientation_of,
+    particle_wanted,
     unit_vector,
     with_usual_cycles,
 )
 from damper3d.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.shaker import Sines, sine
-from damper3d.shapes.particle import parse_particle
+from damper3d.shapes.particle import particle_of
 
 PRESETS: dict[str, dict[str, Any]] = {"thesis": {}}  # every default is the thesis's
 
@@ -57,7 +59,7 @@ class DamperCase:
     gravity: np.ndarray  # (3,) [m/s2]
     settling_gravity: np.ndarray  # (3,) [m/s2] while the particles settle
     direction: np.ndarray  # (3,) of the motion, of length one
-    files: dict[str, str]  # name in the run folder -> text, of the materials used
+    files: dict[str, str]  # name in the run folder -> text, of materials and mesh
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "DamperCase":
@@ -89,7 +91,7 @@ class DamperCase:
         file = find(settings.particles.materials, "materials", folder)
         table = load_table(file)
         try:
-            case = _resolved(cls, settings, table, where, Path(file))
+            case = _resolved(cls, settings, table, where, Path(file), folder)
             calculable = _calculable(case)
         except (OverflowError, ZeroDivisionError):
             calculable = False
@@ -166,7 +168,10 @@ class DamperCase:
     def to_toml(self) -> str:
         """The case as a file for the run folder, beside the copies of the files it names."""
         settings = self.settings
-        particles = {"materials": "materials.toml", "count": self.count}
+        particles: dict[str, Any] = {"materials": "materials.toml", "count": self.count}
+        for copy in self.files:
+            if copy.endswith(".obj"):
+                particles["shape"] = f"mesh:{copy}"
         enclosure = {"diameter": 2 * self.enclosure.radius} if self.enclosure.radius else {}
         return to_toml(
             settings.model_copy(
@@ -214,15 +219,14 @@ class DamperCase:
 
 
 def _resolved(
-    cls: type[DamperCase], settings: Settings, table: ContactTable, where: str, file: Path
-) -> DamperCase:
+    cls: type[DamperCase], settings: Settings, table: ContactTable, where: str, file: Path,
+    folder: Path,
+) -> DamperCase:  # fmt: skip
     with located(f"{where}: [particles]"):
-        particles = settings.particles
-        particle = parse_particle(
-            particles.shape, particles.equal_volume_radius, sub_spheres=particles.sub_spheres
-        )
+        wanted = particle_wanted(settings.particles, folder)
+        particle = particle_of(wanted)
     enclosure = enclosure_of(settings, where)
-    count = count_of(enclosure, particle, particles.count, where)
+    count = count_of(enclosure, particle, settings.particles.count, where)
     materials = materials_of(table, settings)
     laws = contact_laws(table, materials, settings)
     yields = yield_velocities(materials, particle)
@@ -233,7 +237,7 @@ def _resolved(
         restitutions(table, settings), yields,
         time_steps(particle, materials[0], settings, where), gravity, settling,
         unit_vector(direction, f"{where}: [motion] direction"),
-        {"materials.toml": file.read_text(encoding="utf-8")},
+        {"materials.toml": file.read_text(encoding="utf-8"), **mesh_copy(wanted)},
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from damper3d.commands import (
     reproduce,
     results,
     run,
+    shape,
     sweep,
 )  # fmt: skip
 
@@ -34,8 +35,8 @@ def app(context: click.Context) -> None:
 
 for command in (
     run.run, sweep.sweep, map.map_, reproduce.reproduce, predict.predict, impact.impact,
-    contact.contact, results.render, results.compare, results.export, files.init, files.list_,
-    files.show,
+    contact.contact, shape.shape, results.render, results.compare, results.export, files.init,
+    files.list_, files.show,
 ):  # fmt: skip
     app.add_command(command)
 

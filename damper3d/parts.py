@@ -1,15 +1,19 @@
 """Parts of a damper's case from its settings: enclosure, count, gravity; and what cannot be."""
 
+import dataclasses
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from contact.datafile import is_file
 from contact.quantity import InputError
 from damper3d.cluster import Cluster
 from damper3d.enclosure import Enclosure, box, cylinder
-from damper3d.settings import MOST_PARTICLES, Motion, Settings
-from damper3d.shapes.particle import FAMILIES
+from damper3d.settings import MOST_PARTICLES, Motion, Particles, Settings
+from damper3d.shapes.mesh_file import as_obj, read_triangles
+from damper3d.shapes.particle import Particle, usual
 
 GRAVITY = 9.81  # [m/s2]
 # The thesis keeps the volume of 700 spheres of 4 mm in 40 mm x 40 mm: a fill ratio of 7/15, with
@@ -67,9 +71,26 @@ def _usual_fill_ratio(kind: str) -> float:
     """That of the thesis's 90 spheroids, 110 toroids or 358 spheres in 40 mm x 40 mm."""
     if kind == "sphere":
         return USUAL_FILL_RATIO
-    family = FAMILIES[kind]
-    ball = 4.0 / 3.0 * math.pi * family.usual_radius**3
-    return family.usual_count * ball / cylinder(0.04, 0.04).volume
+    ball = 4.0 / 3.0 * math.pi * usual(kind).radius ** 3
+    return usual(kind).count * ball / cylinder(0.04, 0.04).volume
+
+
+def particle_wanted(particles: Particles, folder: Path) -> Particle:
+    """What [particles] says of their shape; folder: where a mesh is looked for first."""
+    wanted = Particle(
+        particles.shape, particles.equal_volume_radius, particles.sub_spheres,
+        particles.tolerance, particles.mesh_unit, folder,
+    )  # fmt: skip
+    if wanted.mesh is None or is_file(wanted.mesh):
+        return wanted
+    return dataclasses.replace(wanted, folder=Path())
+
+
+def mesh_copy(wanted: Particle) -> dict[str, str]:
+    """The mesh of a particle as a file for the run folder: its name and text; none has none."""
+    if wanted.mesh is None:
+        return {}
+    return {f"{wanted.mesh.stem}.obj": as_obj(read_triangles(wanted.mesh))}
 
 
 def with_usual_cycles(settings: Settings, document: dict[str, Any]) -> Settings:

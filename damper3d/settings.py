@@ -42,6 +42,8 @@ class Particles(Section):
     shape: str = "sphere:5mm"
     equal_volume_radius: Size | None = None  # where the shape names no size
     sub_spheres: Annotated[int, Field(ge=1, strict=True)] | None = None  # of one particle
+    tolerance: Positive | None = None  # of its surface, over the equal-volume radius [-]
+    mesh_unit: str | None = None  # of a mesh that keeps its size
     count: Annotated[int, Field(ge=1, le=MOST_PARTICLES, strict=True)] | None = None
     material: str = "acrylic"
     materials: str = "acrylic"

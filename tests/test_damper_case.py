@@ -349,7 +349,9 @@ def test_all_keys_that_act_are_in_the_digests():
     named = {"particles.material", "particles.materials", "enclosure.material"}  # by numbers
     other = {
         "enclosure.shape", "enclosure.width", "enclosure.depth",
-        "particles.equal_volume_radius", "particles.sub_spheres", "motion.gravity",
+        "particles.equal_volume_radius", "particles.sub_spheres",
+        "particles.tolerance", "particles.mesh_unit",
+        "motion.gravity",
         "law.friction_wall", "law.restitution", "run.max_cycles", "output.frames",
     }  # fmt: skip
     known = {f"{table}.{key}" for table, keys in known_keys().items() for key in keys}

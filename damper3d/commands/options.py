@@ -15,10 +15,12 @@ _CASE_OPTIONS = [
     ("--orientation", "motion.orientation", "vertical|horizontal|none", "Of axis and gravity."),
     ("--ramp", "motion.ramp", "0", "Cycles over which the amplitude grows."),
     (
-        "--particles", "particles.shape", "sphere:5mm|prolate:1.5|toroid:0.2",
-        "What moves inside: spheres by diameter, shapes by ratio.",
+        "--particles", "particles.shape", "sphere:5mm|prolate:1.5|oblate:0.7|toroid:0.2|mesh:FILE",
+        "What moves inside: spheres by diameter, shapes by ratio; see damper3d shape --help.",
     ),
     ("--sub-spheres", "particles.sub_spheres", "N", "That stand for one particle."),
+    ("--tolerance", "particles.tolerance", "0.02", "Or their surface error over that radius."),
+    ("--mesh-unit", "particles.mesh_unit", "mm", "Of a mesh that keeps its size."),
     (
         "--equal-volume-radius", "particles.equal_volume_radius", '"3.8 mm"',
         "Size of a shape named without one.",

@@ -1,46 +1,100 @@
-"""The particle that a text names: "sphere:5mm", "prolate:1.5", "toroid:0.2"."""
+"""The particle that a text names: "sphere:5mm", "prolate:1.5", "toroid:0.2", "mesh:rock.stl"."""
 
-from collections.abc import Callable
+import dataclasses
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 from contact.quantity import InputError, nearest, to_si
 from damper3d.cluster import Cluster, sphere
-from damper3d.shapes import prolate, toroid
+from damper3d.shapes import family
+from damper3d.shapes.family import FAMILIES, SPHEROID_RADIUS, Family
+from damper3d.shapes.mesh import read_mesh, unit_of
+from damper3d.shapes.solid import filled
 
-MOST_SUB_SPHERES = 1000  # of one particle: 90 of them are as many spheres as 250 dampers of 358
+_MESH = Family("mesh:rock.stl", family.no_values, SPHEROID_RADIUS)
 
 
 @dataclass(frozen=True)
-class Family:
-    """What the members of a family have in common."""
+class Particle:
+    """What a case says of its particles' shape."""
 
-    example: str
-    usual_radius: float  # of the ball of equal volume, where none is given [m]
-    usual_count: int  # that fill a cylinder of 40 mm x 40 mm at this radius as the thesis's did
-    build: Callable[[str, int | None], Cluster]  # at an equal-volume radius of 1 m
+    text: str  # such as "prolate:1.5"
+    equal_volume_radius: float | None = None  # [m]; None: the text's or the family's usual one
+    sub_spheres: int | None = None  # None: the family's usual number, or by the tolerance
+    tolerance: float | None = None  # of the surface, over the equal-volume radius [-]
+    mesh_unit: str | None = None  # of a mesh that keeps its size, such as "mm"
+    folder: Path = Path()  # where a mesh lies
+
+    @property
+    def kind(self) -> str:
+        """The family."""
+        return self.text.partition(":")[0].strip()
+
+    @property
+    def values(self) -> str:
+        """What stands behind the colon."""
+        return self.text.partition(":")[2].strip()
+
+    @property
+    def mesh(self) -> Path | None:
+        """The file, where there is one."""
+        return self.folder / self.values if self.kind == "mesh" else None
 
 
 def parse_particle(
-    text: str, equal_volume_radius: float | None = None, *, sub_spheres: int | None = None
-) -> Cluster:
-    """The particle that a text names: a sphere by its diameter, another shape by its ratio.
+    text: str, equal_volume_radius: float | None = None, *, sub_spheres: int | None = None,
+    tolerance: float | None = None, mesh_unit: str | None = None, folder: Path = Path(),
+) -> Cluster:  # fmt: skip
+    """The particle that a text names, see Particle; InputError, one line, where there is none."""
+    return particle_of(
+        Particle(text, equal_volume_radius, sub_spheres, tolerance, mesh_unit, folder)
+    )
 
-    equal_volume_radius [m] is the size of a shape that is named without one; left out, it is the
-    usual one of the family. sub_spheres: how many stand for the shape; left out, the thesis's
-    number. Raises InputError, one line.
-    """
-    kind, _, values = (part.strip() for part in text.partition(":"))
-    if kind == "sphere":
-        return _sphere(text, values, equal_volume_radius)
-    if kind not in FAMILIES:
+
+def particle_of(wanted: Particle) -> Cluster:
+    """The particle of a case; InputError, one line, where there is none."""
+    _check(wanted)
+    if wanted.kind == "sphere":
+        return _sphere(wanted.text, wanted.values, wanted.equal_volume_radius)
+    radius = wanted.equal_volume_radius
+    if wanted.mesh is not None:
+        particle, own = _mesh(wanted.mesh, wanted.sub_spheres, wanted.tolerance)
+        if wanted.mesh_unit is not None:
+            radius = own * unit_of(wanted.mesh_unit)
+    else:
+        particle = _shaped(wanted.kind, wanted.values, wanted.sub_spheres, wanted.tolerance)
+    return particle.scaled(usual(wanted.kind).radius if radius is None else radius)
+
+
+def usual(kind: str) -> Family:
+    """The family of shapes that are no spheres."""
+    return FAMILIES.get(kind, _MESH)
+
+
+def _check(wanted: Particle) -> None:
+    """Raise InputError where the family is unknown or what is given does not go together."""
+    text, kinds = wanted.text, ["sphere", *FAMILIES, "mesh"]
+    if wanted.kind not in kinds:
         raise InputError(
-            f"shape = {text!r}: unknown; {nearest(kind, ['sphere', *FAMILIES])}; write such as "
-            "'sphere:5mm' or 'prolate:1.5'"
+            f"shape = {text!r}: unknown; {nearest(wanted.kind, kinds)}; write such as 'sphere:5mm' "
+            "or 'prolate:1.5'"
         )
-    family = FAMILIES[kind]
-    radius = family.usual_radius if equal_volume_radius is None else equal_volume_radius
-    return family.build(values, sub_spheres).scaled(radius)
+    if wanted.sub_spheres is not None and wanted.tolerance is not None:
+        raise InputError(
+            f"sub_spheres = {wanted.sub_spheres} and tolerance = {wanted.tolerance:g} are both "
+            "given; leave one of them out"
+        )
+    if wanted.mesh_unit is not None and wanted.kind != "mesh":
+        raise InputError(f"mesh_unit goes with a mesh; shape = {text!r} is none; leave it out")
+    if wanted.mesh_unit is None:
+        return
+    unit_of(wanted.mesh_unit)
+    if wanted.equal_volume_radius is not None:
+        raise InputError(
+            f"mesh_unit = {wanted.mesh_unit!r} keeps the size of the mesh, and equal_volume_radius "
+            "is given too; leave one of them out"
+        )
 
 
 def _sphere(text: str, size: str, equal_volume_radius: float | None) -> Cluster:
@@ -62,54 +116,28 @@ def _sphere(text: str, size: str, equal_volume_radius: float | None) -> Cluster:
     return sphere(0.5 * diameter, text)
 
 
-def _ratio(kind: str, text: str, low: float, high: float, what: str) -> float:
-    """The number after the colon, between two bounds; InputError otherwise."""
-    example = FAMILIES[kind].example
+@cache
+def _shaped(kind: str, values: str, sub_spheres: int | None, tolerance: float | None) -> Cluster:
+    """A particle of a family at an equal-volume radius of 1 m."""
+    numbers = FAMILIES[kind].numbers(kind, values)
+    made = FAMILIES[kind].build(numbers, sub_spheres, tolerance)
+    return dataclasses.replace(made, name=f"{kind}:{values}", kind=kind)
+
+
+def _mesh(path: Path, sub_spheres: int | None, tolerance: float | None) -> tuple[Cluster, float]:
+    """The particle at an equal-volume radius of 1 m, and its own one in the file's unit."""
     try:
-        ratio = float(text)
-    except ValueError:
-        raise InputError(
-            f"shape = '{kind}:{text}': the {what} is not a number; write such as {example!r}"
-        ) from None
-    if not low <= ratio <= high:
-        raise InputError(
-            f"shape = '{kind}:{text}': the {what} must be from {low:g} to {high:g}, such as "
-            f"{example!r}"
-        )
-    return ratio
-
-
-def _number_of(kind: str, given: int | None, usual: int, fewest: int) -> int:
-    number = usual if given is None else given
-    if not fewest <= number <= MOST_SUB_SPHERES:
-        raise InputError(
-            f"sub_spheres = {number} of '{kind}': must be from {fewest} to {MOST_SUB_SPHERES}"
-        )
-    return number
+        state = path.stat()
+        stamp = (state.st_mtime_ns, state.st_size)
+    except (OSError, ValueError):
+        stamp = (0, 0)  # reading it says what is wrong
+    return _kept_mesh(path.absolute(), stamp, path, sub_spheres, tolerance)
 
 
 @cache
-def _prolate(text: str, sub_spheres: int | None) -> Cluster:
-    ratio = _ratio("prolate", text, 1.0, 10.0, "aspect ratio a/b")
-    number = _number_of("prolate", sub_spheres, prolate.USUAL_SUB_SPHERES, 3)
-    if number % 2 == 0:
-        raise InputError(f"sub_spheres = {number} of 'prolate': must be odd, such as {number + 1}")
-    if ratio == 1.0:
-        return sphere(1.0, "prolate:1", "prolate")
-    return prolate.prolate(ratio, number, f"prolate:{text}")
-
-
-@cache
-def _toroid(text: str, sub_spheres: int | None) -> Cluster:
-    hole = _ratio("toroid", text, 0.0, 0.8, "hole ratio (a - b)/(a + b)")
-    fewest = toroid.fewest_sub_spheres(hole)
-    number = _number_of("toroid", sub_spheres, toroid.USUAL_SUB_SPHERES, fewest)
-    if hole == 0.0:
-        return sphere(1.0, "toroid:0", "toroid")
-    return toroid.toroid(hole, number, f"toroid:{text}")
-
-
-FAMILIES = {
-    "prolate": Family("prolate:1.5", 3.8e-3, 90, _prolate),  # thesis, sec. 8.2.1 and 8.3
-    "toroid": Family("toroid:0.2", 3.5e-3, 110, _toroid),  # thesis, sec. 8.2.2 and 8.3
-}
+def _kept_mesh(
+    _place: Path, _stamp: tuple[int, int], path: Path, sub_spheres: int | None,
+    tolerance: float | None,
+) -> tuple[Cluster, float]:  # fmt: skip
+    solid, own = read_mesh(path)
+    return filled(solid, "mesh", sub_spheres, tolerance, f"mesh:{path.stem}"), own

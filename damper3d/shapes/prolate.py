@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from damper3d.cluster import Cluster
-from damper3d.shapes.coverage import deepest_gap
+from damper3d.shapes.covering import reaches
 from damper3d.shapes.surface import Surface, unit_ball
 
 USUAL_SUB_SPHERES = 51  # the thesis's, sec. 8.2.1
@@ -37,6 +37,16 @@ def centres(ratio: float, sub_spheres: int) -> tuple[np.ndarray, np.ndarray]:
     x = _places(first, n, a, b)
     x[-1] = tip  # to the last bit, as brentq cannot
     return x, b * np.sqrt(1.0 - x**2 / (a**2 - b**2))  # eq. 4.11
+
+
+def fewest_sub_spheres(ratio: float) -> int:
+    """The least odd number whose neighbours overlap, so that they are one body."""
+    number = 3
+    while True:
+        x, radii = centres(ratio, number)
+        if (np.diff(x) < radii[1:] + radii[:-1]).all():
+            return number
+        number += 2
 
 
 def _places(first: float, n: int, a: float, b: float) -> np.ndarray:
@@ -88,4 +98,6 @@ def _gap(a: float, b: float, offsets: np.ndarray, radii: np.ndarray) -> float:
     points = np.stack([a * np.cos(t), b * np.sin(t), np.zeros_like(t)], axis=1)
     chords = np.stack([points[:-1], points[1:]], axis=1)
     longest = float(np.linalg.norm(points[1:] - points[:-1], axis=1).max())
-    return deepest_gap(chords, offsets, radii) + longest**2 * a / (8.0 * b**2)
+    reach = np.empty((_PIECES, len(radii)))
+    reaches(chords, offsets, radii, reach)
+    return float(reach.min(axis=1).max()) + longest**2 * a / (8.0 * b**2)

@@ -59,17 +59,58 @@ def _icosahedron() -> tuple[np.ndarray, np.ndarray]:
 
 def tube(radius: float, distance: float, around: int = 96, across: int = 32) -> Surface:
     """A circular toroid round the z axis: a tube of a radius [m], at a distance from it [m]."""
-    phi = np.arange(around) * (2.0 * np.pi / around)
     theta = np.arange(across) * (2.0 * np.pi / across)
-    out = distance + radius * np.cos(theta)
-    height = np.broadcast_to(radius * np.sin(theta), (around, across))
-    vertices = np.stack([np.outer(np.cos(phi), out), np.outer(np.sin(phi), out), height], axis=2)
-    i, j = (part.ravel() for part in np.indices((around, across)))
-    corner = [((i + p) % around) * across + (j + q) % across for p in (0, 1) for q in (0, 1)]
-    triangles = np.concatenate(
-        [
-            np.stack([corner[0], corner[2], corner[3]], 1),
-            np.stack([corner[0], corner[3], corner[1]], 1),
-        ]
-    )
-    return Surface(vertices.reshape(-1, 3), triangles)
+    profile = np.stack([distance + radius * np.cos(theta), radius * np.sin(theta)], axis=1)
+    vertices = _rings(profile, around)
+    j = np.arange(across)
+    return Surface(vertices, _bands(around, across, j, (j + 1) % across))
+
+
+def turned(profile: np.ndarray, around: int) -> Surface:
+    """What a line from pole to pole makes round the z axis.
+
+    profile (k, 2) [m]: distance from the axis and height, upwards; the two ends are on the axis.
+    """
+    inner = profile[1:-1]
+    n = len(inner)
+    vertices = _rings(inner, around)
+    j = np.arange(n - 1)
+    i = np.arange(around)
+    after = (i + 1) % around
+    south, north = np.full(around, len(vertices)), np.full(around, len(vertices) + 1)
+    caps = [
+        np.stack([south, after * n, i * n], 1),
+        np.stack([north, i * n + n - 1, after * n + n - 1], 1),
+    ]
+    poles = [[0.0, 0.0, profile[0, 1]], [0.0, 0.0, profile[-1, 1]]]
+    triangles = np.concatenate([_bands(around, n, j, j + 1), *caps])
+    return Surface(np.concatenate([vertices, poles]), triangles)
+
+
+def _rings(profile: np.ndarray, around: int) -> np.ndarray:
+    """The points of a profile (k, 2), turned round z by equal angles: (around * k, 3)."""
+    phi = np.arange(around) * (2.0 * np.pi / around)
+    x, y = np.outer(np.cos(phi), profile[:, 0]), np.outer(np.sin(phi), profile[:, 0])
+    return np.stack([x, y, np.broadcast_to(profile[:, 1], x.shape)], axis=2).reshape(-1, 3)
+
+
+def _bands(around: int, k: int, here: np.ndarray, following: np.ndarray) -> np.ndarray:
+    """Triangles between two points of a profile of k, all round."""
+    i = np.repeat(np.arange(around), len(here))
+    after = (i + 1) % around
+    here, following = np.tile(here, around), np.tile(following, around)
+    a, b, c, d = i * k + here, after * k + here, after * k + following, i * k + following
+    return np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+
+def normals_and_areas(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Outward unit normals (m, 3) and areas (m,) [m2] of triangles (m, 3, 3) [m]."""
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(cross, axis=1)
+    return cross / size[:, None], 0.5 * size
+
+
+def area_of(corners: np.ndarray) -> float:
+    """Of triangles (m, 3, 3) together [m2]."""
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return float(0.5 * np.linalg.norm(cross, axis=1).sum())

@@ -1,0 +1,87 @@
+"""A particle in numbers and in words: sizes, mass properties, errors, what it costs."""
+
+from typing import Any
+
+import numpy as np
+
+from damper3d.case import DamperCase
+from damper3d.shapes.errors import Errors
+
+
+def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
+    """The keys of `damper3d shape --json`; the case is the thesis's damper with the particle."""
+    particle = case.particle
+    size = np.ptp(particle.surface.vertices, axis=0)
+    return {
+        "particles": particle.name,
+        "sub_spheres": len(particle.radii),
+        "arrangement": particle.arrangement,
+        "equal_volume_radius_m": particle.equal_volume_radius,
+        "size_m": size.tolist(),
+        "volume_m3": particle.volume,
+        "area_m2": particle.area,
+        "sphericity": particle.sphericity,
+        "inertia_over_density_m5": particle.inertia.tolist(),
+        "density_kg_m3": case.density,
+        "mass_kg": case.particle_mass,
+        "surface_error_m": particle.surface_error,
+        "surface_error": errors.surface,
+        "volume_error": errors.volume,
+        "area_error": errors.area,
+        "section_area_error": errors.section_area,
+        "section_perimeter_error": errors.section_perimeter,
+        "smallest_sub_sphere_m": particle.smallest_radius,
+        "rayleigh_step_s": case.steps.rayleigh,
+        "time_step_s": case.time_step,
+        "n_particles": case.count,
+        "fill_ratio": case.fill_ratio,
+        "cpu_us_per_step": None,  # known once it has run
+    }
+
+
+def as_text(found: dict[str, Any]) -> str:
+    """What a person reads."""
+    rows = [
+        ("particle", found["particles"]),
+        ("size", f"{_millimetres(found['size_m'])} mm (x, y, z)"),
+        ("equal-volume radius", f"{1e3 * found['equal_volume_radius_m']:.4g} mm"),
+        ("volume", f"{1e9 * found['volume_m3']:.5g} mm3"),
+        ("surface", f"{1e6 * found['area_m2']:.5g} mm2"),
+        ("sphericity", f"{found['sphericity']:.4f} (eq. 8.3)"),
+        ("inertia over density", f"{_fifth(found['inertia_over_density_m5'])} mm5"),
+        ("mass", f"{1e3 * found['mass_kg']:.4g} g at {found['density_kg_m3']:g} kg/m3"),
+        ("sub-spheres", f"{found['sub_spheres']}, {_ARRANGED[found['arrangement']]}"),
+        ("surface error", f"at most {1e6 * found['surface_error_m']:.4g} um, "
+                          f"{_percent(found['surface_error'])} of the equal-volume radius"),
+        ("volume error", _percent(found["volume_error"])),
+        ("surface area error", _percent(found["area_error"])),
+        ("section area error", _percent(found["section_area_error"])),
+        ("section perimeter error", _percent(found["section_perimeter_error"])),
+        ("smallest sub-sphere", f"{1e3 * found['smallest_sub_sphere_m']:.4g} mm: Rayleigh step "
+                                f"{1e6 * found['rayleigh_step_s']:.3g} us, time step "
+                                f"{1e6 * found['time_step_s']:.3g} us"),
+        ("in 40 mm x 40 mm", f"{found['n_particles']}, a fill ratio of {found['fill_ratio']:.3f}: "
+                             f"{found['n_particles'] * found['sub_spheres']} sub-spheres"),
+        ("CPU a step", "not known before it has run; damper3d run tells it"),
+    ]  # fmt: skip
+    return "\n".join(f"{name:24} {value}" for name, value in rows)
+
+
+_ARRANGED = {
+    "ball": "the shape itself",
+    "row": "in a row along x",
+    "ring": "in a ring round z",
+    "any": "wherever they fill it",
+}
+
+
+def _millimetres(lengths: list[float]) -> str:
+    return " x ".join(f"{1e3 * length:.4g}" for length in lengths)
+
+
+def _fifth(moments: list[float]) -> str:
+    return ", ".join(f"{1e15 * moment:.5g}" for moment in moments)
+
+
+def _percent(share: float | None) -> str:
+    return "not defined for this shape" if share is None else f"{100 * share:+.3g} %".lstrip("+")

@@ -1,0 +1,39 @@
+"""Particles of any closed surface, as a file has it in triangles."""
+
+import math
+from pathlib import Path
+
+from contact.quantity import InputError, to_si
+from damper3d.shapes.mesh_check import sound
+from damper3d.shapes.mesh_file import read_triangles
+from damper3d.shapes.polyhedron import mass_of, principal_axes
+from damper3d.shapes.solid import Solid
+from damper3d.shapes.surface import Surface
+
+
+def read_mesh(path: Path) -> tuple[Solid, float]:
+    """The body in a file, at an equal-volume radius of 1 m, and its own one in the file's unit.
+
+    Raises InputError, one line, where the file cannot be read or holds no sound closed surface.
+    """
+    surface = sound(read_triangles(path), str(path))
+    mass = mass_of(surface.corners)
+    moments, axes = principal_axes(mass.inertia)
+    radius = (0.75 * mass.volume / math.pi) ** (1 / 3)
+    vertices = (surface.vertices - mass.centroid) @ axes / radius
+    volume = mass.volume / radius**3
+    return Solid(
+        surface=Surface(vertices, surface.triangles),
+        flatness=0.0,
+        volume=volume,
+        area=mass.area / radius**2,
+        inertia=moments / radius**5,
+    ), radius
+
+
+def unit_of(text: str) -> float:
+    """The length [m] that one stands for in a file, from "mm" or "25.4 mm"; InputError else."""
+    length = to_si(text if text[:1].isdigit() else f"1 {text}", "m", "mesh_unit")
+    if length <= 0.0:
+        raise InputError(f"mesh_unit = {text!r}: must be above 0, such as 'mm'")
+    return length

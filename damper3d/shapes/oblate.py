@@ -1,0 +1,27 @@
+"""Oblate spheroids, their short axis along x (thesis, eqs 4.8, 8.1, 8.2)."""
+
+import math
+
+import numpy as np
+
+from damper3d.shapes.prolate import axes
+from damper3d.shapes.solid import Solid
+from damper3d.shapes.surface import Surface, unit_ball
+
+
+def oblate(ratio: float) -> Solid:
+    """An oblate spheroid of an equal-volume radius of 1 m; ratio: a/b, below 1."""
+    a, b = axes(ratio)
+    ball = unit_ball()
+    corners = ball.corners
+    # The triangles of the ball lie 1 - |middle| inside; stretched, at most the longer axis as much.
+    flatness = b * (1.0 - float(np.linalg.norm(corners.mean(axis=1), axis=1).min()))
+    volume = 4.0 / 3.0 * math.pi * a * b**2
+    bent = math.sqrt(1.0 - (a / b) ** 2)
+    return Solid(
+        surface=Surface(ball.vertices * [a, b, b], ball.triangles),
+        flatness=flatness,
+        volume=volume,
+        area=2.0 * math.pi * b**2 * (1.0 + (a / b) ** 2 / bent * math.atanh(bent)),
+        inertia=volume / 5.0 * np.array([2 * b**2, a**2 + b**2, a**2 + b**2]),
+    )
