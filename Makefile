@@ -26,6 +26,7 @@ lint: $(VENV)/with-tests ## style, types, import order
 bench: $(VENV)/installed ## cost a step: the silo beside a reference kernel, the damper beside LAMMPS
 	$(BIN)/python benchmarks/cost.py
 	$(BIN)/python benchmarks/damper.py
+	$(BIN)/python benchmarks/clusters.py
 
 validate: $(VENV)/with-tests ## comparisons with published results (minutes)
 	$(BIN)/python -m pytest -m validation

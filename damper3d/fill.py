@@ -59,10 +59,9 @@ def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray |
         radius = case.particle.bounding_radius
         centres, reached = grow(case.enclosure, count, radius, rng)
     else:
-        centres, orientations = random_places(case.enclosure, case.particle, count, rng)
-        world = _clusters(case, centres, orientations)
-        fill_ratio = count * case.particle.volume / case.enclosure.volume
-        reached = grow_clusters(world, case.particle, fill_ratio)
+        *places, first = random_places(case.enclosure, case.particle, count, rng)
+        world = _clusters(case, *places)
+        reached = grow_clusters(world, case.particle, first)
         centres, orientations = world.bodies.position[:, :3], world.bodies.orientation
     if reached < 1.0:
         fit = max(math.floor(count * reached**3), 1)

@@ -34,8 +34,8 @@ def grow(
     place, and then the centres are those of the smaller ones.
     """
     volume = 4.0 / 3.0 * math.pi * radius**3
-    first, *sizes = stages(count * volume / enclosure.volume)
-    centres = anywhere(enclosure, count, first * radius, rng)
+    first, *sizes = stages(first_size(count * volume / enclosure.volume, _START))
+    centres = _anywhere(enclosure, count, first * radius, rng)
     planes, round_wall = enclosure.planes, enclosure.cylinder_radius
     reached = first
     for size in sizes:
@@ -47,12 +47,17 @@ def grow(
     return centres, float(reached)
 
 
-def stages(fill_ratio: float) -> np.ndarray:
-    """Sizes [-] that are grown to, from the first one to 1, for a fill ratio of full size."""
-    return np.linspace(min((_START / fill_ratio) ** (1 / 3), 1.0), 1.0, _STAGES + 1)
+def first_size(fill_ratio: float, start: float) -> float:
+    """Size [-] at which a fill ratio of full size is a smaller one, to start with; at most 1."""
+    return min((start / fill_ratio) ** (1 / 3), 1.0)
 
 
-def anywhere(
+def stages(first: float) -> np.ndarray:
+    """Sizes [-] that are grown to, from the first one to 1."""
+    return np.linspace(first, 1.0, _STAGES + 1)
+
+
+def _anywhere(
     enclosure: Enclosure, count: int, radius: float, rng: np.random.Generator
 ) -> np.ndarray:
     """Random points (count, 3), evenly spread over where a ball of a radius fits."""

@@ -39,17 +39,17 @@ def brute_force(sim, cluster):
 def test_contacts_are_those_of_a_search_over_all_pairs(shape, room):
     """In vigorous motion, with lists as old as they are."""
     cluster = particle(shape)
-    sim = bed(room, cluster, speed=2.0)
+    sim = bed(room, cluster, speed=6.0)
     seen, rng = set(), np.random.default_rng(1)
-    for _ in range(12):
-        sim.step(int(rng.integers(1, 2000)))
+    for _ in range(20):
+        sim.step(int(rng.integers(1, 1500)))
         contacts = sim.contacts()
         (i, j), (p, q) = contacts["bodies"].T, contacts["spheres"].T
         found = list(zip(i.tolist(), p.tolist(), j.tolist(), q.tolist(), strict=True))
         assert len(found) == len(set(found))
         assert set(found) == brute_force(sim, cluster)
         seen |= set(found)
-    assert len({(i, j) for i, _, j, _ in seen}) > 0.5 * sim.n_bodies  # that were met in the act
+    assert len({(i, j) for i, _, j, _ in seen}) >= 4  # that were met in the act
     assert sim.world.counts[state.NEAR_SEARCHES] > 3
     assert sim.world.counts[state.CLOSE_SEARCHES] > 3 * sim.world.counts[state.NEAR_SEARCHES]
 
@@ -149,8 +149,8 @@ def landing(treatment, speed, restitution=1.0):
 
 def test_stiffness_of_a_landing_spheroid_against_the_smooth_one():
     """Deepest overlap (5 m v^2/(4 K))^(2/5) of a Hertz contact F = K d^1.5. The deepest sphere has
-    the body's radius b across, but none of the larger one along: it is softer than the smooth
-    body by 12 % in K at a/b = 1.5. The sum stiffens with the number of spheres that touch."""
+    the body's radius b across, and not the larger one along: it is softer than the smooth body,
+    by 19 % in K at a/b = 1.5. The sum stiffens with the number of spheres that touch."""
     law, cluster = acrylic(0.0, 1.0), particle("prolate:1.5", 3.8e-3)
     b, mass = cluster.radii.max(), DENSITY * cluster.volume
     smooth = smooth_hertz(0.75 * law.hertz, 1.5 * b, b)
@@ -161,7 +161,7 @@ def test_stiffness_of_a_landing_spheroid_against_the_smooth_one():
         return 1.25 * mass * speed**2 / landing(treatment, speed)[0] ** 2.5 / smooth
 
     alone = sphere / smooth
-    assert 0.8 < alone < 0.95
+    assert alone == pytest.approx(0.805, abs=0.005)
     for speed in (0.1, 1.5):
         assert stiffness("deepest", speed) == pytest.approx(alone, rel=0.01)
     assert alone < stiffness("scaled", 1.5) < 1.25 * alone

@@ -1,6 +1,7 @@
 """Random start of clusters: small ones at random places, turned at random, that grow and yield.
 
-As damper3d.grow does with balls, but that what overlaps also turns. Of several overlaps of one body
+They begin so small that the balls round them, packed by damper3d.grow, do not overlap: so no ring
+holds another. Then they grow as balls do, but turn as well. Of several overlaps of one body
 with another (or a wall) the deepest says how hard they push, and each takes part by its depth: so
 the push does not grow with the number of spheres. A body's turns are weighed by its mean radius of
 gyration.
@@ -18,36 +19,38 @@ from damper3d.clusters.state import ClusterWorld
 from damper3d.clusters.walls import ball_gap
 from damper3d.clusters.world import columns_of, roomier
 from damper3d.enclosure import Enclosure
-from damper3d.grow import FIRST_PACE, MARGIN, PATIENCE, TOLERANCE, anywhere, descend, stages
+from damper3d.grow import FIRST_PACE, MARGIN, PATIENCE, TOLERANCE, descend, first_size, grow, stages
 from damper3d.neighbours import near_reach_left
 from damper3d.state import NEAR, NEAR_SKIN
 
 _AT_REST, _IMPATIENT, _NEAR_FULL, _CLOSE_FULL = range(4)  # how it ends
+_START = 0.3  # fill ratio of the balls round them to begin with; random insertion ends near 0.38
 _NEAR_SHARE = 0.2  # near skin over the radius of the ball round a body
 _NOWHERE = 0.0, 0.0, 0.0
 
 
 def random_places(
     enclosure: Enclosure, particle: Cluster, count: int, rng: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (count, 3) [m] and orientations (count, 4) to start with, at the first size."""
-    first = stages(count * particle.volume / enclosure.volume)[0]
-    centres = anywhere(enclosure, count, float(first) * particle.bounding_radius, rng)
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Centres (count, 3) [m] and orientations (count, 4) to start with, and at what size [-]."""
+    radius = particle.bounding_radius
+    balls = count * 4.0 / 3.0 * np.pi * radius**3 / enclosure.volume
+    first = first_size(balls, _START)
+    centres, reached = grow(enclosure, count, first * radius, rng)
     turns = rng.normal(size=(count, 4))  # evenly over all orientations (Muller 1959)
-    return centres, turns / np.linalg.norm(turns, axis=1)[:, None]
+    return centres, turns / np.linalg.norm(turns, axis=1)[:, None], first * reached
 
 
-def grow_clusters(world: ClusterWorld, particle: Cluster, fill_ratio: float) -> float:
+def grow_clusters(world: ClusterWorld, particle: Cluster, first: float) -> float:
     """Let the bodies of a world grow to their size, without overlaps; the part that they reached.
 
-    They stand where random_places put them. Less than 1: they found no place, and the world is of
-    no more use.
+    They stand where random_places put them, at their first size. Less than 1: they found no place,
+    and the world is of no more use.
     """
     gyration = float(np.sqrt(np.mean(particle.inertia) / particle.volume))
     allowed = TOLERANCE * particle.smallest_radius
-    first, *sizes = stages(fill_ratio)
-    reached = float(first)
-    for size in sizes:
+    reached = first
+    for size in stages(first)[1:]:
         grown = size * (1.0 + MARGIN)
         _resize(world, particle, grown)
         outcome = _CLOSE_FULL

@@ -81,7 +81,7 @@ def search_pairs(world, shift):
     if n < 0:
         return CLOSE_FULL
     note_constants(world, n)
-    if too_deep(world, n):
+    if deepest_share(world, n) > DEEPEST:
         return TOO_DEEP
     inherit_histories(world, n)
     counts[CLOSE] = n
@@ -289,12 +289,12 @@ def compare(scratch, close, direction, size, k, a, b, n_a, n_b, skin, n):
 
 
 @inner
-def too_deep(world, n_pairs):
-    """Whether two spheres of the list overlap beyond belief."""
+def deepest_share(world, n_pairs):
+    """The largest overlap of two spheres of the list over the sum of their radii."""
+    largest = 0.0
     for n in range(n_pairs):
-        if world.scratch.depth[n] > DEEPEST * world.close.reach[n]:
-            return True
-    return False
+        largest = max(largest, world.scratch.depth[n] / world.close.reach[n])
+    return largest
 
 
 @inlined_inner
