@@ -33,9 +33,7 @@ def gap(points: np.ndarray, centres: np.ndarray, radii: np.ndarray) -> np.ndarra
     return apart.min(axis=1)
 
 
-@pytest.mark.parametrize(
-    ("ratio", "tolerance"), [(0.7, None), (0.7, 0.05), (0.85, 0.01), (0.95, None)]
-)
+@pytest.mark.parametrize(("ratio", "tolerance"), [(0.7, None), (0.85, 0.01)])
 def test_oblates_keep_their_surface_error_volume_and_area(ratio, tolerance):
     """The bound at points of the true spheroid, and of the spheres; volume and area within 2 %.
 

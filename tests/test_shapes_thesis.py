@@ -120,3 +120,13 @@ def test_the_usual_dampers_are_those_of_chapter_8(shape, count):
     other = DamperCase.load("thesis", given)
     assert other.settings.run.cycles == 8
     assert other.fill_ratio == pytest.approx(case.fill_ratio, abs=0.5 / other.count)
+
+
+@pytest.mark.parametrize(("shape", "step"), [("prolate:2", 2), ("toroid:0.2", 1)])
+def test_a_tolerance_chooses_the_least_number_of_sub_spheres(shape, step):
+    """One less (two of a row, which are in pairs) would be off by more."""
+    particle = parse_particle(shape, 1.0, tolerance=0.01)
+    number = len(particle.radii)
+    assert particle.surface_error <= 0.01
+    assert parse_particle(shape, 1.0, sub_spheres=number).surface_error == particle.surface_error
+    assert parse_particle(shape, 1.0, sub_spheres=number - step).surface_error > 0.01

@@ -19,7 +19,7 @@ _PIXELS = 420  # across a picture
 
 
 def draw_shape(particle: Cluster, curve: list[Errors], here: Errors) -> "Figure":
-    """Three panels: the sub-spheres, the smooth shape, the errors."""
+    """Three panels: the sub-spheres, the true surface, the errors."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.2, 3.9), layout="constrained")
@@ -29,7 +29,7 @@ def draw_shape(particle: Cluster, curve: list[Errors], here: Errors) -> "Figure"
     )
     _draw_spheres(spheres, particle, half)
     _draw_surface(smooth, particle, half)
-    for axes, words in ((spheres, f"{len(particle.radii)} sub-spheres"), (smooth, "smooth shape")):
+    for axes, words in ((spheres, f"{len(particle.radii)} sub-spheres"), (smooth, "true surface")):
         axes.set(xlim=(-half, half), ylim=(-half, half), aspect="equal", title=words)
         axes.set_axis_off()
     _scale_bar(spheres, half)

@@ -40,8 +40,8 @@ def prolate_spheres(x: np.ndarray, radii: np.ndarray) -> Section:
 def prolate_exact(a: float, b: float) -> Section:
     """Eq. 4.24 of half axes a, b [m], and the perimeter by the complete elliptic integral.
 
-    Eq. 4.25, Ramanujan's approximation, is too small by 3e-5 at a/b = 3 and by 3e-4 at 6: as much as
-    200 sub-spheres are off.
+    Eq. 4.25 (Ramanujan's) is too small by 3e-5 at a/b = 3 and by 3e-4 at 6: as much as
+    some 200 sub-spheres are off.
     """
     from scipy.special import ellipe
 

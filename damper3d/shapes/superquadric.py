@@ -1,7 +1,7 @@
 """Superquadrics: ((x/A)^(2/e2) + (y/B)^(2/e2))^(e2/e1) + (z/C)^(2/e1) = 1, from boxes to octahedra.
 
 Volume and moments in closed form by the beta function (A. Jaklic, A. Leonardis, F. Solina,
-Segmentation and Recovery of Superquadrics, Kluwer 2000, eqs 2.60 and 2.71-2.73).
+Segmentation and Recovery of Superquadrics, Kluwer 2000, chapter 2).
 """
 
 import math
