@@ -352,7 +352,8 @@ def test_all_keys_that_act_are_in_the_digests():
         "particles.equal_volume_radius", "particles.sub_spheres",
         "particles.tolerance", "particles.mesh_unit",
         "motion.gravity",
-        "law.friction_wall", "law.restitution", "run.max_cycles", "output.frames",
+        "law.friction_wall", "law.restitution", "law.contact_treatment",
+        "run.max_cycles", "output.frames",
     }  # fmt: skip
     known = {f"{table}.{key}" for table, keys in known_keys().items() for key in keys}
     assert known == named | other | OF_THE_MOTION.keys() | OF_THE_PACKING.keys()
@@ -360,6 +361,7 @@ def test_all_keys_that_act_are_in_the_digests():
         ({}, {"enclosure.shape": "box", "enclosure.width": "40 mm", "particles.count": 358}),
         ({}, {"motion.gravity": [0, 1, 0]}),
         (TOROIDS, {**TOROIDS, "particles.sub_spheres": 49}),
+        (TOROIDS, {**TOROIDS, "law.contact_treatment": "deepest"}),
         (TOROIDS, {**TOROIDS, "particles.equal_volume_radius": "3.4 mm"}),
         ({"law.friction": 0.5}, {"law.friction": 0.5, "law.friction_wall": 0.4}),
         ({"law.restitution": 0.5}, {"law.restitution_wall": 0.5}),
