@@ -168,11 +168,13 @@ def _start_or_resume(
 
 def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """What does not change from sample to sample, and the attributes, of a trajectory."""
-    motion, output = case.settings.motion, case.settings.output
+    motion, output, particle = case.settings.motion, case.settings.output, case.particle
     static = {
         "radius": np.full(case.count, case.particle.equal_volume_radius),
         "mass": np.full(case.count, case.particle_mass),
     }
+    if not particle.is_ball:  # about the centroid, in the axes that turn_... of the tables turn
+        static |= {"sphere_offset": particle.offsets, "sphere_radius": particle.radii}
     attributes = {
         "wall_names": json.dumps(case.wall_names),
         "fill_ratio": case.fill_ratio,

@@ -16,6 +16,7 @@ from contact.quantity import InputError
 from damper3d import protocol, vibration
 from damper3d.case import DamperCase
 from damper3d.fill import fill, random_start
+from damper3d.pictures.scene import read_scene
 
 CASE = {
     "enclosure.diameter": "20 mm",
@@ -98,6 +99,19 @@ def test_a_run_answers_and_keeps_how_the_particles_lie(undisturbed):
     last = read_tables(undisturbed.path, "particles").at(-1)
     size = sum(last[f"turn_{c}"].astype(float) ** 2 for c in "wxyz")
     assert size == pytest.approx(1.0, abs=1e-6)
+
+
+def test_pictures_show_the_spheres_where_they_are(undisturbed):
+    """Those of each particle, turned by its quaternion, in single precision: 10 mm to 1e-9 m."""
+    scene, particle = read_scene(undisturbed.path), small().particle
+    table = read_tables(undisturbed.path, "particles").at(-1)
+    arm, radius, whose = scene.spheres(len(scene.frame_sample) - 1)
+    k = len(particle.radii)
+    for n in (0, 17):
+        turn = rotation([float(table[f"turn_{c}"][n]) for c in "wxyz"])
+        assert arm[n * k : (n + 1) * k] == pytest.approx(particle.offsets @ turn.T, abs=1e-8)
+        assert (whose[n * k : (n + 1) * k] == n).all()
+    assert np.array_equal(radius[:k], particle.radii)
 
 
 @pytest.mark.parametrize("write", [3, 6])

@@ -36,3 +36,14 @@ def cut(scene: Scene, frame: int) -> tuple[Array, NDArray[np.bool_]]:
     inside = view.project(scene.particles(frame).position)
     middle = view.project(np.array([0.0, 0.0, scene.enclosure.height / 2]))[2]
     return inside + view.project(scene.shift(frame)), inside[:, 2] <= middle
+
+
+def spheres_drawn(scene: Scene, frame: int) -> tuple[Array, Array, NDArray[np.int64]]:
+    """The spheres of the particles that are drawn.
+
+    Centres (m, 3) [m] as seen, in the lab, radii (m,) [m], and the particles' numbers (m,).
+    """
+    centre, kept = cut(scene, frame)
+    arm, radius, whose = scene.spheres(frame)
+    stays = kept[whose]
+    return (centre[whose] + scene.view.project(arm))[stays], radius[stays], whose[stays]

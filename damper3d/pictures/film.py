@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from campaign.figure import GREY, INK, PAPER, VERMILION, WALL
 from campaign.film import Image, font, pace, rgb, write_film, write_words
 from damper3d.pictures.colouring import colouring
-from damper3d.pictures.enclosure_view import corners, cut, window
+from damper3d.pictures.enclosure_view import corners, spheres_drawn, window
 from damper3d.pictures.scene import Scene
 from damper3d.pictures.spheres import draw_spheres
 
@@ -88,9 +88,9 @@ class _Canvas:
         image, scene = self.background.copy(), self.scene
         red, green, blue = rgb(PAPER)
         paper = (red / 255, green / 255, blue / 255)
-        centre, kept = cut(scene, frame)
-        colours = self.colours.of(frame)[kept]
-        spheres = draw_spheres(centre[kept], scene.radius[kept], colours, self.window, paper)
+        centre, radius, whose = spheres_drawn(scene, frame)
+        colours = self.colours.of(frame)[whose]
+        spheres = draw_spheres(centre, radius, colours, self.window, paper)
         rows, columns = self.window.shape
         image[self.top : self.top + rows, self.left : self.left + columns] = spheres
         self._draw_enclosure(image, scene.view.project(scene.shift(frame))[:2])

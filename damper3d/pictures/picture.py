@@ -12,7 +12,7 @@ from contact.quantity import InputError, nearest
 from damper3d.pictures import picture_3d
 from damper3d.pictures.charts import energy_chart, motion_chart
 from damper3d.pictures.colouring import Colouring, colouring
-from damper3d.pictures.enclosure_view import corners, cut, window
+from damper3d.pictures.enclosure_view import corners, spheres_drawn, window
 from damper3d.pictures.film import make_film
 from damper3d.pictures.graph import ruled
 from damper3d.pictures.scene import Scene, read_scene
@@ -129,10 +129,8 @@ def draw_enclosure(
 
     shown = window(scene, 1.0)
     shown = window(scene, pixels / (shown.right - shown.left))
-    centre, kept = cut(scene, frame)
-    picture = draw_spheres(
-        centre[kept], scene.radius[kept], colours.of(frame)[kept], shown, to_rgb("white")
-    )
+    centre, radius, whose = spheres_drawn(scene, frame)
+    picture = draw_spheres(centre, radius, colours.of(frame)[whose], shown, to_rgb("white"))
     panel.imshow(
         picture,
         extent=(shown.left, shown.right, shown.bottom, shown.top),

@@ -25,9 +25,10 @@ def draw_space(scene: Scene, frame: int, colours: Colouring) -> NDArray[np.uint8
     pyvista = _pyvista()
     plotter = pyvista.Plotter(off_screen=True, window_size=(_WIDTH, _HEIGHT))
     plotter.set_background("white")
-    points = pyvista.PolyData(scene.particles(frame).position + scene.shift(frame))
-    points["size"] = scene.radius
-    points["colour"] = np.rint(255 * colours.of(frame)).astype(np.uint8)
+    arm, radius, whose = scene.spheres(frame)
+    points = pyvista.PolyData(scene.particles(frame).position[whose] + arm + scene.shift(frame))
+    points["size"] = radius
+    points["colour"] = np.rint(255 * colours.of(frame)[whose]).astype(np.uint8)
     ball = pyvista.Sphere(radius=1.0, theta_resolution=_ROUND, phi_resolution=_ROUND)
     spheres = points.glyph(geom=ball, scale="size", orient=False, factor=1.0)
     plotter.add_mesh(spheres, scalars="colour", rgb=True, smooth_shading=True, specular=0.3)

@@ -194,6 +194,28 @@ class Scene:
         low, high = np.searchsorted(self.frame_sample, [cycle * per, (cycle + 1) * per])
         return list(range(low, high))
 
+    def spheres(self, frame: int) -> tuple[Array, Array, NDArray[np.int64]]:
+        """What is seen of the particles in a frame: all their spheres.
+
+        From the particle's centre to the sphere's (m, 3) [m], radius (m,) [m], number of the
+        particle (m,).
+        """
+        static, n = self.trajectory.static, len(self.radius)
+        if "sphere_offset" not in static:  # balls
+            return np.zeros((n, 3)), self.radius, np.arange(n)
+        table, offset = self.tables.at(frame), static["sphere_offset"]
+        turn = np.stack([table[f"turn_{c}"] for c in "wxyz"], axis=1).astype(float)
+        w, about = turn[:, None, :1], turn[:, None, 1:]
+        # r + 2 w (q x r) + 2 q x (q x r) of a unit quaternion (w, q)
+        first = np.cross(about, offset[None])
+        turned = offset[None] + 2.0 * w * first + 2.0 * np.cross(about, first)
+        k = len(offset)
+        return (
+            turned.reshape(-1, 3),
+            np.tile(static["sphere_radius"], n),
+            np.repeat(np.arange(n), k),
+        )
+
     def particles(self, frame: int) -> Particles:
         """What moves in a frame."""
         table = self.tables.at(frame)
