@@ -9,12 +9,12 @@ the picture (Cucchiara et al. 2003, doi 10.1109/TPAMI.2003.1233909), and is repl
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.film.light import gains, relit
 from calibration.film.reader import Picture
 
 Mask = NDArray[np.uint8]  # 255 where true
 
 _MEMORY = 16  # pictures that the running mean spans
-_SAMPLE = 4  # every such pixel tells the light as a whole
 _EVERY = 4  # frames from one learning to the next, once it has begun
 _LIMIT_FOR = 4  # learnings for which the limit is kept: noise changes slowly
 _LIMIT = 6.0  # noise that differs by more: less than one pixel in a picture of millions
@@ -31,9 +31,17 @@ class Background:
         self._spread = np.zeros(picture.shape[:2], np.float32)
         self._seen = 1
         self._frames = 0
+        self._level = float(picture.mean())
         self.picture = picture.copy()  # rounded mean
         self._limit: Picture | None = None
         self.noise = _ROUNDING  # sigma of one channel of a pixel, over the picture [grey levels]
+
+    def lit_alike(self, picture: Picture) -> Picture:
+        """The picture as it were in the background's light, where that is another beyond noise."""
+        factors = gains(picture, self.picture)
+        if np.abs(factors - 1).max() * self._level <= self.noise / 2:
+            return picture
+        return relit(picture, factors)
 
     def difference(self, picture: Picture) -> Picture:
         """(h, w) how far each pixel differs, in the channel where it differs most."""
@@ -76,21 +84,6 @@ class Background:
         cv2.accumulateWeighted(difference, self._spread, share, still)
         cv2.convertScaleAbs(self._mean, dst=self.picture)
         self.noise = max(_mean_of_quiet(difference) / _MEAN_OF_LARGEST, _ROUNDING / 2)
-        self._adjust(picture, things)
-
-    def _adjust(self, picture: Picture, things: Mask) -> None:
-        """Follow a change of the light as a whole: one factor a channel."""
-        import cv2
-
-        still = cv2.bitwise_not(np.ascontiguousarray(things[::_SAMPLE, ::_SAMPLE]))
-        now, was = (
-            cv2.mean(np.ascontiguousarray(one[::_SAMPLE, ::_SAMPLE]), still)[:3]
-            for one in (picture, self.picture)
-        )
-        factor = np.array([n / w if w > 1 else 1.0 for n, w in zip(now, was, strict=True)])
-        if np.abs(factor - 1).max() * max(was) > self.noise / 2:
-            self._mean *= factor.astype(np.float32)
-            cv2.convertScaleAbs(self._mean, dst=self.picture)
 
     def replace(self, picture: Picture, where: Mask) -> None:
         """Take the picture as it is in some place: a ghost, or a new view."""

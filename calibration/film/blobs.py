@@ -122,7 +122,8 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
         return None
     box = _box(body, left, top, reduce)
     if reduce > 1 and 2 * max(box[2:]) < max(w, h):  # what hung on it made the window large
-        return measure(picture, background, noise, _part(one, box))
+        part = _part(one, box)
+        return None if part is None else measure(picture, background, noise, part)
     kernel = np.ones((3, 3), np.uint8)
     weight = np.clip((share - _LOW) / (_HIGH - _LOW), 0, 1)
     weight[cv2.dilate(body, kernel, iterations=2) == 0] = 0.0
@@ -156,10 +157,12 @@ def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool
     return float(mean) > _NEW * noise
 
 
-def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate:
-    """The part of a candidate that lies in a box."""
+def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate | None:
+    """The part of a candidate that lies in a box; None where nothing does."""
     left, top = (max(box[i], one.box[i]) for i in (0, 1))
     right, bottom = (min(k[i] + k[i + 2] for k in (box, one.box)) for i in (0, 1))
+    if right <= left or bottom <= top:
+        return None
     x, y = left - one.box[0], top - one.box[1]
     mask = one.mask[y : y + bottom - top, x : x + right - left]
     return Candidate((left, top, right - left, bottom - top), one.strength, mask)
