@@ -63,7 +63,7 @@ class Search:
             picture = self._background.lit_alike(picture)
         motion = self._motion(picture)
         notes.motion.append(motion)
-        picture = self._steadied(picture, motion)
+        picture, taken_off = self._steadied(picture, motion)
         if self._background is None:
             self._background = Background(picture)
             self._camera.look_at(self._small(picture))
@@ -76,7 +76,7 @@ class Search:
             return
         self._odd = 0
         blobs = self._measured(picture, found)
-        self.linker.add(number, [_moved(blob, motion) for blob in blobs])
+        self.linker.add(number, [_moved(blob, taken_off) for blob in blobs])
         self._before = picture
         if self._background.due():
             things = self._mask(found)
@@ -110,17 +110,19 @@ class Search:
         size = (self._size[0] // self._further, self._size[1] // self._further)
         return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
 
-    def _steadied(self, picture: Picture, motion: Array) -> Picture:
-        """The picture as the camera would have seen it in the first frame."""
+    def _steadied(self, picture: Picture, motion: Array) -> tuple[Picture, Array]:
+        """The picture as the camera would have seen it in the first frame, and what was undone.
+
+        What is no more than the error of the camera's motion is left in.
+        """
         import cv2
 
         if largest_shift(motion, *self._size) < _DRIFT * self._further:
-            return picture
+            return picture, np.eye(3)
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        return np.asarray(
-            cv2.warpAffine(picture, motion[:2], self._size, flags=flags,
-                           borderMode=cv2.BORDER_REPLICATE)
-        )  # fmt: skip
+        steady = cv2.warpAffine(picture, motion[:2], self._size, flags=flags,
+                                borderMode=cv2.BORDER_REPLICATE)  # fmt: skip
+        return np.asarray(steady), motion
 
     def _odd_one(self, number: int, picture: Picture, notes: Notes) -> None:
         """A frame that shows something else: left out, or another view if it lasts."""
