@@ -1,6 +1,7 @@
 """Which of the things that were followed is the one that a drop test is about."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -97,7 +98,7 @@ def _several(found: list[Bounces]) -> str:
     first = [float(one.track.frame[0]) for one in found]
     last = [float(one.track.frame[-1]) for one in found]
     order = np.argsort(first)
-    after = all(first[k] > last[j] for j, k in zip(order[:-1], order[1:], strict=True))
+    after = all(first[k] > last[j] for j, k in pairwise(order))
     what = "drops follow one another" if after else "things bounce"
     film = found[0].track.radius is not None
     ways = "--track, --at or --roi" if film else "--track"

@@ -58,6 +58,11 @@ def follow(
         if progress is not None and film.count:
             progress(frame.number / film.count, f"frame {frame.number} of {film.count}")
     tracks = tracks_of(film, search, notes, region)
+    if not tracks and len(notes.junk) + len(notes.views) > len(notes.numbers) / 4:
+        raise InputError(
+            f"{film.path}: the picture changes as a whole again and again (lamps that flicker in "
+            "bands, a camera that moves, cuts): nothing can be followed"
+        )
     if not tracks:
         raise InputError(f"{film.path}: nothing moves in {len(notes.numbers)} frames")
     return [_nearest(film, tracks, Hint(*hint))] if hint is not None else tracks
