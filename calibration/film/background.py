@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.film.light import gains, relit
 from calibration.film.reader import Picture
 
 Mask = NDArray[np.uint8]  # 255 where true
 
 _MEMORY = 16  # pictures that the running mean spans
-_SAMPLE = 4  # every such pixel tells the light as a whole
 _EVERY = 4  # frames from one learning to the next, once it has begun
 _LIMIT_FOR = 4  # learnings for which the limit is kept: noise changes slowly
 _LIMIT = 6.0  # noise that differs by more: less than one pixel in a picture of millions
@@ -33,11 +33,19 @@ class Background:
         self._spread = np.zeros(picture.shape[:2], np.float32)
         self._seen = 1
         self._frames = 0
+        self._level = float(picture.mean())
         self.picture = picture.copy()  # rounded mean
         self._limit: Picture | None = None
         self._away = np.empty_like(picture)
         self._planes: list[Any] = [np.empty(picture.shape[:2], np.uint8) for _ in range(3)]
         self.noise = _ROUNDING  # sigma of one channel of a pixel, over the picture [grey levels]
+
+    def lit_alike(self, picture: Picture) -> Picture:
+        """The picture as it were in the background's light, where that is another beyond noise."""
+        factors = gains(picture, self.picture)
+        if np.abs(factors - 1).max() * self._level <= self.noise / 2:
+            return picture
+        return relit(picture, factors)
 
     def difference(self, picture: Picture) -> Picture:
         """(h, w) how far each pixel differs, in the channel where it differs most.
@@ -84,18 +92,6 @@ class Background:
         cv2.accumulateWeighted(difference, self._spread, share, still)
         cv2.convertScaleAbs(self._mean, dst=self.picture)
         self.noise = max(_mean_of_quiet(difference) / _MEAN_OF_LARGEST, _ROUNDING / 2)
-        self._adjust(picture, things)
-
-    def _adjust(self, picture: Picture, things: Mask) -> None:
-        """Follow a change of the light as a whole: one factor a channel."""
-        import cv2
-
-        still = cv2.bitwise_not(_sampled(things))
-        now, was = (cv2.mean(_sampled(one), still)[:3] for one in (picture, self.picture))
-        factor = np.array([n / w if w > 1 else 1.0 for n, w in zip(now, was, strict=True)])
-        if np.abs(factor - 1).max() * max(was) > self.noise / 2:
-            cv2.multiply(self._mean, np.append(factor, 1.0), self._mean)
-            cv2.convertScaleAbs(self._mean, dst=self.picture)
 
     def replace(self, picture: Picture, where: Mask) -> None:
         """Take the picture as it is in some place: a ghost, or a new view."""
@@ -107,13 +103,6 @@ class Background:
         chosen = where[cut] > 0
         for stored in (self._mean, self.picture):
             stored[cut][chosen] = picture[cut][chosen]
-
-
-def _sampled(picture: Picture) -> Picture:
-    import cv2
-
-    size = (picture.shape[1] // _SAMPLE, picture.shape[0] // _SAMPLE)
-    return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_NEAREST), dtype=np.uint8)
 
 
 def _largest(channels: Picture, planes: Any = None) -> Picture:

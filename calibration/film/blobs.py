@@ -20,7 +20,7 @@ _LOW, _HIGH = 0.25, 0.75  # share of a thing from and to which a pixel counts in
 _NEW = 1.13  # mean difference of two normal deviates, in their sigma
 _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
 _CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
-_LARGEST = 0.1  # share of the picture beyond which a thing is not taken as a whole
+_LARGEST = 0.2  # share of the picture: a thing and the place it left are half of _CUT
 _FEWEST = 3  # pixels of the difference that make a thing
 _MOST = 6  # things in one picture: the strongest
 _ACROSS = 80  # px of a thing's window; larger ones are reduced, their place is no less known
@@ -37,7 +37,8 @@ class Blob(NamedTuple):
     xx, xy, yy covariance of the centroid from the noise of the pixels and the edge's shading
     area       sum of the shares
     colour     (3,) of its core, blue, green, red
-    contrast   difference of that to the background [grey levels]
+    behind     (3,) colour of the background there
+    contrast   difference of the two [grey levels]
     whole      False where it touches the edge of the picture
     box        x, y, width, height
     changed    whether the picture there is another than that of the frame before
@@ -50,6 +51,7 @@ class Blob(NamedTuple):
     yy: float
     area: float
     colour: NDArray[np.float64]
+    behind: NDArray[np.float64]
     contrast: float
     whole: bool
     box: tuple[int, int, int, int]
@@ -132,7 +134,7 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
     mask = np.zeros((bottom - top, right - left), np.uint8)
     mask[y - top : y - top + h, x - left : x - left + w] = one.mask[: bottom - y, : right - x]
     seen, behind, mask = (_reduced(part, reduce) for part in (picture[cut], background[cut], mask))
-    share, colour, contrast, sigma = _shares(seen, behind, mask, noise / reduce)
+    share, (colour, beneath), contrast, sigma = _shares(seen, behind, mask, noise / reduce)
     if share is None:
         return None
     body = _body(share, mask)
@@ -158,7 +160,7 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
     inside = box[0] > 0 and box[1] > 0 and box[0] + box[2] < width and box[1] + box[3] < height
     return Blob(
         left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
-        area * reduce**2, colour, contrast, inside, box,
+        area * reduce**2, colour, beneath, contrast, inside, box,
     )  # fmt: skip
 
 
@@ -198,8 +200,13 @@ def _reduced(part: Picture, reduce: int) -> Picture:
 
 def _shares(
     seen: Picture, behind: Picture, mask: Mask, noise: float
-) -> tuple[NDArray[np.float64] | None, NDArray[np.float64], float, NDArray[np.float64]]:
-    """Share of the thing in each pixel, its colour, its contrast, and sigma of the shares.
+) -> tuple[
+    NDArray[np.float64] | None,
+    tuple[NDArray[np.float64], NDArray[np.float64]],
+    float,
+    NDArray[np.float64],
+]:
+    """Share of the thing in each pixel, colours of it and behind it, its contrast, sigma of shares.
 
     The colour is that of the pixels that differ nearly as much as any: a shadow differs less.
     Of a thing of several colours other parts count by how much they differ. Where the background
@@ -211,16 +218,16 @@ def _shares(
     inside = mask > 127
     nothing = np.zeros(3)
     if inside.sum() < 2:
-        return None, nothing, 0.0, size
+        return None, (nothing, nothing), 0.0, size
     core = inside & (size >= 0.6 * _near_largest(size[inside]))
-    colour = _median(seen[core]).astype(float)
+    colour, beneath = (_median(one[core]).astype(float) for one in (seen, behind))
     towards = colour.astype(np.float32) - behind_it
     square = _dot(towards, towards)
     contrast = float(np.sqrt(_median(square[core])))
     least = (4 * noise) ** 2
     share = np.where(square > least, _dot(away, towards) / np.maximum(square, least), 0)
     share = np.maximum(share, size / max(contrast, np.sqrt(least)))  # things of several colours
-    return share, colour, contrast, noise / np.sqrt(np.maximum(square, least))
+    return share, (colour, beneath), contrast, noise / np.sqrt(np.maximum(square, least))
 
 
 def _median(values: NDArray[Any]) -> NDArray[Any]:

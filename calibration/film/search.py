@@ -12,6 +12,7 @@ from calibration.film.blobs import Blob, Candidate, candidates, changed, measure
 from calibration.film.camera_motion import CameraMotion, largest_shift
 from calibration.film.linking import Linker
 from calibration.film.reader import Picture
+from calibration.film.stillness import shows_motion
 from calibration.track import Array
 
 _LONGEST = 1280  # px of a picture that things are measured in
@@ -59,6 +60,8 @@ class Search:
 
         if self._reduce > 1:
             picture = np.asarray(cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA))
+        if self._background is not None:
+            picture = self._background.lit_alike(picture)
         motion = self._motion(picture)
         notes.motion.append(motion)
         picture, taken_off = self._steadied(picture, motion)
@@ -88,9 +91,14 @@ class Search:
         if self._stood >= _STANDS and self._frames % _SEEN_TO:
             return self._moved
         factor = np.diag([self._further, self._further, 1.0])
-        small = self._camera.follow(self._small(picture))
-        height, width = (length / self._further for length in picture.shape[:2])
-        self._stood = self._stood + 1 if largest_shift(small, width, height) < _DRIFT else 0
+        seen = self._small(picture)
+        small = self._camera.follow(seen)
+        height, width = seen.shape[:2]
+        moves = largest_shift(small, width, height) >= _DRIFT
+        if moves and self._background is not None:
+            moves = shows_motion(seen, self._small(self._background.picture), small)
+        small = small if moves else np.eye(3)
+        self._stood = 0 if moves else self._stood + 1
         self._moved = np.asarray(factor @ small @ np.linalg.inv(factor))
         return self._moved
 
