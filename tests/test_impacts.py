@@ -235,8 +235,8 @@ def test_a_row_that_chance_may_make_is_not_believed():
     """C(n, 3) triples of n events, each further one within its miss of where the ratio puts it.
 
     Five impacts, the last two flights 1 ms longer than a constant ratio has them, with three events
-    left out in 3 s, 1 a second: about C(8, 3) (2 x 1 ms x 1/s)^2 = 2e-4 rows by chance. With flights
-    100 ms longer, 2.
+    left out in 3 s, 1 a second: about C(8, 3) (2 x 1 ms x 1/s)^2 = 2e-4 rows by chance.
+    With flights 100 ms longer, 2.
     """
     impacts = Bounces(0.8, 5, first_flight=0.4).times
     strange = np.array([0.1, 2.6, 3.1])
