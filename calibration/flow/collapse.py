@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.film.reader import open_film
-from calibration.flow.silo import CLEAR, check_said, parse_roi
-from calibration.flow.survey import Grey, Survey, clock_warnings, frame_rate, survey, to_grey
+from calibration.flow.silo import check_said, parse_roi
+from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, frame_rate, survey, to_grey
 from calibration.quantity import metres_per_pixel
 from calibration.robust import MEDIAN_TO_SIGMA
 from calibration.uncertainty import Estimate

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.flow.survey import Survey, to_grey
+from calibration.flow.survey import CLEAR, Survey, to_grey
+from calibration.flow.tones import find_tones
 from calibration.quantity import measured_quantity, metres_per_pixel
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError
@@ -16,7 +17,6 @@ from contact.quantity import InputError
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-CLEAR = 5.0  # standard deviations of the noise that make a change
 _SOME = 0.05  # of a side that must have changed for a row or column to be of the inside
 _SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' grains
 _EDGE = 0.41  # px, of a found side: whole pixels, 1/sqrt(12), for the edge and for the limit each
@@ -109,19 +109,41 @@ def _scale(
     return Estimate(1.0, 0.0, 1), "px"
 
 
-def changes(seen: Survey) -> tuple[NDArray[np.float32], Mask]:
-    """By how much each pixel differs from the first to the last picture, and whether it does."""
+def changes(seen: Survey, limit: float) -> tuple[NDArray[np.float32], Mask]:
+    """By how much each pixel's colour differs from the first to the last picture [grey levels].
+
+    And whether the mean over 3 x 3 pixels does by more than a limit.
+    """
     import cv2
 
-    apart = np.abs(seen.last.astype(np.int16) - seen.first).max(axis=2).astype(np.float32)
-    # The mean of 3 x 3 pixels has a third of the noise, and of two pictures sqrt(2) times it.
-    return apart, np.asarray(cv2.blur(apart, (3, 3)) > CLEAR * seen.noise * np.sqrt(2))
+    apart = seen.last.astype(np.float32) - seen.first.astype(np.float32)
+    size = np.sqrt(np.square(apart).sum(axis=2))
+    return size, np.asarray(cv2.blur(size, (3, 3)) > limit)
 
 
 def _changed_box(seen: Survey) -> tuple[float, float, float, float]:
+    """What differs by more than noise, and in it what differs by half of the contrast."""
+    rows, columns = _patch(seen, CLEAR * seen.noise * np.sqrt(2))[0]
+    limit = find_tones(seen, (rows, columns)).limit(seen.noise)
+    (rows, columns), there = _patch(seen, limit)
+    x0, x1 = _ends(there.mean(axis=0) > _SOME)
+    y0, y1 = _ends(there.mean(axis=1) > _SOME)
+    left, top = columns.start + x0, rows.start + y0
+    grey = to_grey(seen.first)[top : rows.start + y1, left : columns.start + x1]
+    y1 = y0 + _without_door(grey, there[y0:y1, x0:x1])
+    if min(x1 - x0, y1 - y0) < _SMALLEST:
+        raise InputError(
+            f"only {x1 - x0} x {y1 - y0} px differ between the first and the last frame: "
+            "nothing flows there; say where the silo is: --roi x,y,w,h"
+        )
+    return float(left), float(top), float(x1 - x0), float(y1 - y0)
+
+
+def _patch(seen: Survey, limit: float) -> tuple[tuple[slice, slice], Mask]:
+    """Rows and columns of the largest patch that changed, and its pixels in them."""
     import cv2
 
-    apart, changed = changes(seen)
+    apart, changed = changes(seen, limit)
     size = max(3, min(changed.shape) // 100)
     kernel = np.ones((size, size), np.uint8)
     closed = cv2.morphologyEx(changed.astype(np.uint8), cv2.MORPH_CLOSE, kernel)
@@ -131,19 +153,9 @@ def _changed_box(seen: Survey) -> tuple[float, float, float, float]:
     biggest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
     left, top, w, h = (int(v) for v in stats[biggest, :4])
     part = slice(top, top + h), slice(left, left + w)
-    there = label[part] == biggest
     # Blur smears an edge to both sides; it stands where half of the change is reached.
-    there &= (apart > cv2.dilate(apart, np.ones((_NEAR, _NEAR), np.uint8)) / 2)[part]
-    x0, x1 = _ends(there.mean(axis=0) > _SOME)
-    y0, y1 = _ends(there.mean(axis=1) > _SOME)
-    grey = to_grey(seen.first)[top + y0 : top + y1, left + x0 : left + x1]
-    y1 = y0 + _without_door(grey, there[y0:y1, x0:x1])
-    if min(x1 - x0, y1 - y0) < _SMALLEST:
-        raise InputError(
-            f"only {x1 - x0} x {y1 - y0} px differ between the first and the last frame: "
-            "nothing flows there; say where the silo is: --roi x,y,w,h"
-        )
-    return float(left + x0), float(top + y0), float(x1 - x0), float(y1 - y0)
+    half = apart > cv2.dilate(apart, np.ones((_NEAR, _NEAR), np.uint8)) / 2
+    return part, np.asarray((label == biggest) & half)[part]
 
 
 def _ends(holds: Mask) -> tuple[int, int]:
@@ -152,11 +164,14 @@ def _ends(holds: Mask) -> tuple[int, int]:
 
 
 def _without_door(grey: NDArray[np.uint8], there: Mask) -> int:
-    """Rows down to the lowest that shows grains: a door that is taken away is plain."""
+    """Rows down to the lowest that shows grains: a door that is taken away is plain.
+
+    A row of which hardly anything changed tells nothing: a codec's errors are rough, too.
+    """
     steps = np.abs(np.diff(grey.astype(np.float32), axis=1))
     both = there[:, 1:] & there[:, :-1]
-    rough = np.array(
-        [np.mean(row[use]) if use.any() else 0.0 for row, use in zip(steps, both, strict=True)]
-    )
+    count = both.sum(axis=1)
+    told = np.maximum(count, 1)
+    rough = np.where(count > _SOME * both.shape[1], (steps * both).sum(axis=1) / told, 0.0)
     grains = rough > _PLAIN * np.median(rough)
     return _ends(grains)[1]

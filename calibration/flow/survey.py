@@ -12,6 +12,7 @@ from contact.quantity import InputError
 
 Grey = NDArray[np.uint8]
 
+CLEAR = 5.0  # standard deviations of the noise that make a change
 _FASTEST = 1e6  # frames/s: what cameras reach
 _FEWEST = 5  # frames of a film in which something flows
 _EVEN = 0.25  # of a frame: how far time stamps may stray from an even clock

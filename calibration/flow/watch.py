@@ -14,8 +14,8 @@ from calibration.flow.material import material_mask, outlet_columns, seeds
 from calibration.flow.outlet import Crossing, Opening
 from calibration.flow.result import Curve, Flow
 from calibration.flow.settings import Settings
-from calibration.flow.silo import CLEAR, Silo
-from calibration.flow.survey import Grey, Survey, clock_warnings, to_grey
+from calibration.flow.silo import Silo
+from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, to_grey
 from calibration.flow.tones import Tones, find_tones
 from calibration.flow.tracers import Points, Tracers
 from calibration.flow.velocity import Velocities
@@ -47,9 +47,9 @@ class Watch:
         self.film, self.rate, self.interval = film, rate, interval
         self.seen, self.silo, self.settings = seen, silo, settings
         self.grain = silo.width / settings.columns / 2  # px: columns are two grains wide
-        self.tones: Tones = find_tones(seen, silo)
+        self.tones: Tones = find_tones(seen, silo.box)
         labels = self.tones.labels(seen.first)
-        self.mask = material_mask(seen, silo, labels, self.grain)
+        self.mask = material_mask(seen, silo, self.tones, labels, self.grain)
         start, tone = seeds(self.mask, labels, silo, self.grain)
         if len(start) < 100:
             raise InputError(f"{film.path}: no material is seen in the silo; check --roi")
