@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.film.reader import Film
+from calibration.film.region import inside
 from calibration.flow.survey import CLEAR, Survey, to_grey
 from calibration.flow.tones import find_tones
 from calibration.quantity import measured_quantity, metres_per_pixel
@@ -16,9 +18,10 @@ from contact.quantity import InputError
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Roi = tuple[int, int, int, int] | None
 
 _SOME = 0.05  # of a side that must have changed for a row or column to be of the inside
-_SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' grains
+SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' grains
 _EDGE = 0.41  # px, of a found side: whole pixels, 1/sqrt(12), for the edge and for the limit each
 _NEAR = 7  # px about an edge in which its whole change is found
 _PLAIN = 0.5  # of the usual roughness of a row, below which it shows a door and not grains
@@ -55,39 +58,22 @@ class Silo:
         return slice(top, round(self.outlet)), slice(left, round(self.left + self.width))
 
 
-def parse_roi(text: str, shape: tuple[int, ...]) -> tuple[float, float, float, float]:
-    """ "x,y,w,h" in pixels, within a picture of a shape (height, width); InputError otherwise."""
-    try:
-        x, y, w, h = (float(part) for part in text.split(","))
-    except ValueError:
-        raise InputError(f"--roi {text!r}: four numbers of pixels, such as 20,40,300,500") from None
-    height, width = shape[:2]
-    if not (0 <= x < x + w <= width and 0 <= y < y + h <= height):
-        raise InputError(f"--roi {text}: not within the picture of {width} x {height} px")
-    if min(w, h) < _SMALLEST:
-        raise InputError(f"--roi {text}: {_SMALLEST} x {_SMALLEST} px at least")
-    return x, y, w, h
-
-
-def check_said(
-    shape: tuple[int, ...], roi: str | None, scale: str | None, width: str | None
-) -> None:
+def check_said(film: Film, roi: Roi, scale: str | None, width: str | None) -> None:
     """Raise InputError, before the film is read, for what find_silo would refuse after it."""
     if scale is not None and width is not None:
         raise InputError("--scale and --width: give one; each tells the scale by itself")
     _scale(scale, width, 1.0, 0.0)
-    if roi is not None:
-        parse_roi(roi, shape)
+    inside(film, roi, SMALLEST)
 
 
-def find_silo(seen: Survey, roi: str | None, scale: str | None, width: str | None) -> Silo:
+def find_silo(film: Film, seen: Survey, roi: Roi, scale: str | None, width: str | None) -> Silo:
     """The inside, given or found, and the scale, given or from the silo's inner width.
 
     Found: the part of the picture that differs between the first and the last frame.
     """
-    check_said(seen.first.shape, roi, scale, width)
+    check_said(film, roi, scale, width)
     if roi is not None:
-        x, y, w, h = parse_roi(roi, seen.first.shape)
+        x, y, w, h = inside(film, roi, SMALLEST)
         edge = 0.5  # px: whoever wrote whole pixels
     else:
         (x, y, w, h), edge = _changed_box(seen), _EDGE
@@ -130,13 +116,13 @@ def _changed_box(seen: Survey) -> tuple[float, float, float, float]:
     y0, y1 = _ends(there.mean(axis=1) > _SOME)
     left, top = columns.start + x0, rows.start + y0
     grey = to_grey(seen.first)[top : rows.start + y1, left : columns.start + x1]
-    y1 = y0 + _without_door(grey, there[y0:y1, x0:x1])
-    if min(x1 - x0, y1 - y0) < _SMALLEST:
+    height = _without_door(grey, there[y0:y1, x0:x1])
+    if min(x1 - x0, height) < SMALLEST:
         raise InputError(
-            f"only {x1 - x0} x {y1 - y0} px differ between the first and the last frame: "
+            f"only {x1 - x0} x {height:.0f} px differ between the first and the last frame: "
             "nothing flows there; say where the silo is: --roi x,y,w,h"
         )
-    return float(left), float(top), float(x1 - x0), float(y1 - y0)
+    return float(left), float(top), float(x1 - x0), height
 
 
 def _patch(seen: Survey, limit: float) -> tuple[tuple[slice, slice], Mask]:
@@ -163,15 +149,23 @@ def _ends(holds: Mask) -> tuple[int, int]:
     return (int(where[0]), int(where[-1]) + 1) if len(where) else (0, 0)
 
 
-def _without_door(grey: NDArray[np.uint8], there: Mask) -> int:
-    """Rows down to the lowest that shows grains: a door that is taken away is plain.
+def _without_door(grey: NDArray[np.uint8], there: Mask) -> float:
+    """Rows down to where grains end: a door that is taken away is plain.
 
+    Blur smears that edge: it stands midway between the roughness of grains and that of the door.
     A row of which hardly anything changed tells nothing: a codec's errors are rough, too.
     """
     steps = np.abs(np.diff(grey.astype(np.float32), axis=1))
     both = there[:, 1:] & there[:, :-1]
     count = both.sum(axis=1)
-    told = np.maximum(count, 1)
-    rough = np.where(count > _SOME * both.shape[1], (steps * both).sum(axis=1) / told, 0.0)
-    grains = rough > _PLAIN * np.median(rough)
-    return _ends(grains)[1]
+    rough = (steps * both).sum(axis=1) / np.maximum(count, 1)
+    rough[count <= _SOME * both.shape[1]] = 0.0
+    usual = float(np.median(rough))
+    end = _ends(rough > _PLAIN * usual)[1]
+    if end == len(rough):
+        return float(end)
+    middle = (usual + float(np.median(rough[end:]))) / 2
+    last = int(np.flatnonzero(rough[:end] > middle)[-1])
+    # A row's value stands at its middle.
+    part = (rough[last] - middle) / (rough[last] - rough[last + 1])
+    return last + 0.5 + float(part)
