@@ -51,6 +51,10 @@ class Silo:
         """Points (..., 2) of the picture [px] along the silo's axes [m, or px without a scale]."""
         return (pixels - (self.left, self.outlet)) * (1, -1) * self.scale.value
 
+    def pixels(self, metres: Floats) -> Floats:
+        """The inverse of metres."""
+        return np.asarray(metres / self.scale.value * (1, -1) + (self.left, self.outlet))
+
     @property
     def box(self) -> tuple[slice, slice]:
         """Rows and columns of the inside in a picture."""

@@ -22,6 +22,7 @@ from calibration.flow.plausible import (
 from calibration.flow.result import Curve, Flow
 from calibration.flow.settings import Settings
 from calibration.flow.silo import Silo
+from calibration.flow.steps import Steps
 from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, to_grey
 from calibration.flow.tones import Tones, find_tones
 from calibration.flow.tracers import Points, Tracers
@@ -218,8 +219,15 @@ class Watch:
         middle = (first + last) / 2
         if self.settings.velocity and self.velocities.wants(middle, self.interval):
             step = (now.number - before.number) / self.rate
-            bed = before.bed & now.bed
-            self.velocities.add(int(middle / self.interval), before.grey, now.grey, bed, step)
+            self.velocities.add(
+                int(middle / self.interval), (before.grey, now.grey), (before.bed, now.bed),
+                self._steps(before, now), step,
+            )  # fmt: skip
+
+    def _steps(self, before: _Moment, now: _Moment) -> Steps:
+        first, last = (self.silo.pixels(one.place) for one in (before, now))
+        off = np.sqrt(now.variance) - np.sqrt(before.variance)  # errors along a way add up
+        return Steps((first + last) / 2, last - first, np.square(off))
 
     def flow(self) -> Flow:
         """All that the film told."""
