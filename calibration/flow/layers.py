@@ -44,30 +44,30 @@ class Pieces(NamedTuple):
     """A parting of the tracers into pieces of a grain's size.
 
     use      (n,) tracers that are in a piece, in the order of the pieces
-    count    (m,) tracers of each piece
+    tracers  (m,) number of them in each piece of each piece
     start    (m,) mean height at the start
     layer    (m,)
     """
 
     use: NDArray[np.int64]
-    count: NDArray[np.int64]
+    tracers: NDArray[np.int64]
     start: Floats
     layer: NDArray[np.int64]
 
     def means(self, values: Floats) -> Floats:
         """(m,) mean of the tracers' values in each piece."""
-        return np.asarray(np.bincount(self._piece, values[self.use]) / self.count)
+        return np.asarray(np.bincount(self._piece, values[self.use]) / self.tracers)
 
     def medians(self, values: Floats) -> Floats:
         """(m,) their median."""
         ordered = values[self.use][np.lexsort((values[self.use], self._piece))]
-        first = np.cumsum(self.count) - self.count
-        low, high = (ordered[first + k // 2] for k in (self.count - 1, self.count))
+        first = np.cumsum(self.tracers) - self.tracers
+        low, high = (ordered[first + k // 2] for k in (self.tracers - 1, self.tracers))
         return np.asarray((low + high) / 2)
 
     @property
     def _piece(self) -> NDArray[np.int64]:
-        return np.repeat(np.arange(len(self.count)), self.count)
+        return np.repeat(np.arange(len(self.tracers)), self.tracers)
 
 
 @dataclass(frozen=True)

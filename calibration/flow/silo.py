@@ -76,11 +76,9 @@ def find_silo(film: Film, seen: Survey, roi: Roi, scale: str | None, width: str 
     Found: the part of the picture that differs between the first and the last frame.
     """
     check_said(film, roi, scale, width)
-    if roi is not None:
-        x, y, w, h = inside(film, roi, SMALLEST)
-        edge = 0.5  # px: whoever wrote whole pixels
-    else:
-        (x, y, w, h), edge = _changed_box(seen), _EDGE
+    said = None if roi is None else inside(film, roi, SMALLEST)
+    x, y, w, h = said or _changed_box(seen)
+    edge = _EDGE if said is None else 0.5  # px: whoever wrote whole pixels
     known, unit = _scale(scale, width, w, edge)
     return Silo(x, y, w, h, edge, known, unit)
 
