@@ -18,49 +18,41 @@ Floats = NDArray[np.float64]
 _AGAIN = 0.05
 # By how much falls differ, over their mean, when a twentieth has left: 0 for a thing that falls as
 # one, 1 where they go with the height down to none (in rendered discharges 0.7 to 1.4).
-_ALIKE = 0.25
-LEFT = 0.05
+_ALIKE, _LEFT = 0.25, 0.05
 _MOST = 0.5  # of what stands above the outlet, and of what leaves, for it to be so on the whole
 _ELSE = "is it a silo from before its opening on, and --roi its inside from the outlet up?"
 
 
-def check_begins_filled(path: Path, seen: int, wanted: float) -> None:
-    """Tracers that are above the outlet, and how many there would be if all were grains."""
-    if seen < _MOST * wanted:
-        raise InputError(f"{path}: no material stands above the outlet in the first frame; {_ELSE}")
+class Plausible:
+    """Looks at a film as it goes by; InputError, one line, for what no discharge does."""
 
-
-class OnlyLeaves:
-    """What remains, frame by frame, of which nothing comes back."""
-
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, standing: int, wanted: float) -> None:
+        """Tracers above the outlet, and how many there would be if all there were grains."""
         self._path = path
+        if standing < _MOST * wanted:
+            self._refuse("no material stands above the outlet in the first frame")
         self._first: float | None = None
         self._least = np.inf
+        self._deforms = False  # as far as has been seen
 
-    def see(self, remains: float) -> None:
-        """What remains, in any unit; InputError where it has grown again."""
-        if self._first is None:
-            self._first = remains
-        self._least = min(self._least, remains)
-        if (again := (remains - self._least) / max(self._first, 1e-12)) > _AGAIN:
-            raise InputError(
-                f"{self._path}: {again:.0%} of the material comes back after it left: what moves "
-                f"is no discharge; {_ELSE}"
-            )
+    def see(self, area: float, share: float, falls: Floats) -> None:
+        """Area of the material, NaN where unknown; tracers not yet below the outlet; all falls."""
+        if np.isfinite(area):
+            self._first = area if self._first is None else self._first
+            self._least = min(self._least, area)
+            again = (area - self._least) / max(self._first, 1.0)
+            if again > _AGAIN:
+                self._refuse(f"{again:.0%} of the material comes back after it left")
+        if share < 1 - _LEFT and not self._deforms:
+            if falls.std() < _ALIKE * abs(falls.mean()):
+                self._refuse("all of it falls alike, as a thing and no material does")
+            self._deforms = True
 
+    def end(self, across: Floats, ends: tuple[float, float]) -> None:
+        """Columns (n,) of tracers that have left, and the outlet's ends, a grain wider [px]."""
+        by_it = np.mean((across > ends[0]) & (across < ends[1])) if len(across) else 1.0
+        if by_it < _MOST:
+            self._refuse(f"{1 - by_it:.0%} of what leaves does not go through the outlet")
 
-def check_deforms(path: Path, falls: Floats) -> None:
-    """Falls (n,) of all tracers when a share LEFT of them is below the outlet."""
-    if falls.std() < _ALIKE * abs(falls.mean()):
-        raise InputError(f"{path}: all of it falls alike: a thing, no material; {_ELSE}")
-
-
-def check_left_by_outlet(path: Path, across: Floats, ends: tuple[float, float]) -> None:
-    """Columns (n,) of tracers below the outlet, and the outlet's ends, a grain wider [px]."""
-    by_it = np.mean((across > ends[0]) & (across < ends[1])) if len(across) else 1.0
-    if by_it < _MOST:
-        raise InputError(
-            f"{path}: {1 - by_it:.0%} of what leaves does not go through the outlet: what moves is "
-            f"no discharge; {_ELSE}"
-        )
+    def _refuse(self, what: str) -> None:
+        raise InputError(f"{self._path}: {what}: no discharge; {_ELSE}")

@@ -12,13 +12,7 @@ from calibration.film.reader import Film, Picture
 from calibration.flow.layers import Band, Lines, Profile, drawn_bands, of_bands, painted_bands
 from calibration.flow.material import material_mask, outlet_columns, seeds
 from calibration.flow.outlet import Crossing, Opening
-from calibration.flow.plausible import (
-    LEFT,
-    OnlyLeaves,
-    check_begins_filled,
-    check_deforms,
-    check_left_by_outlet,
-)
+from calibration.flow.plausible import Plausible
 from calibration.flow.result import Curve, Flow
 from calibration.flow.settings import Settings
 from calibration.flow.silo import Silo
@@ -69,9 +63,8 @@ class Watch:
         self.lines = self._lines(start, tone)
         self._lowest = self._above_outlet(start)
         strip = (self.outlet[1] - self.outlet[0]) * self.grain
-        check_begins_filled(film.path, int(self._lowest.sum()), strip / self.tracers_step() ** 2)
-        self._amount = OnlyLeaves(film.path)
-        self._deforms = False  # as far as has been seen
+        wanted = strip / self.tracers_step() ** 2
+        self._plausible = Plausible(film.path, int(self._lowest.sum()), wanted)
         self.opening, self.crossing = Opening(self.grain), Crossing(self.grain)
         self.velocities = Velocities(silo, self.grain)
         self._series: list[tuple[float, float, float, float]] = []
@@ -137,13 +130,9 @@ class Watch:
         area, surface = self._seen_area(picture)
         share = self._share()
         self._series.append((float(number), area, surface, share))
-        if self.tones.backing is not None:
-            self._amount.see(area)
         falls = (self.tracers.place[:, 1] - self.tracers.start[:, 1]).astype(float)
         self.opening.see(number, float(falls[self._lowest].mean()))
-        if share < 1 - LEFT and not self._deforms:
-            check_deforms(self.film.path, falls)
-            self._deforms = True
+        self._plausible.see(area, share, falls)
         self._keep(number, grey)
 
     def _differs(self, before: Grey, grey: Grey) -> bool:
@@ -239,7 +228,7 @@ class Watch:
             )
         place = self.tracers.place[self.tracers.place[:, 1] > self.silo.outlet].astype(float)
         ends = self.outlet[0] - self.grain, self.outlet[1] + self.grain
-        check_left_by_outlet(self.film.path, place[:, 0], ends)
+        self._plausible.end(place[:, 0], ends)
         frame, area, surface, share = np.array(self._series).T
         time = (frame - opening.value) / self.rate
         still = time <= 0
