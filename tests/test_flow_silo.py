@@ -7,6 +7,7 @@ import pytest
 from calibrating import calibrate
 
 from calibration.flow.silo import find_silo
+from calibration.flow.steps import Steps
 from calibration.flow.survey import Survey
 from calibration.rendered.camera import write_film
 from contact.quantity import InputError
@@ -110,3 +111,20 @@ def test_a_part_outside_the_picture_is_refused():
     film = SimpleNamespace(width=SHAPE[1], height=SHAPE[0])
     with pytest.raises(InputError, match="within the picture of 240 x 200 px"):
         find_silo(film, filled(20.0, 0.0), (0, 0, 300, 100), None, None)
+
+
+def test_tracers_in_a_window_of_a_shear_have_the_step_of_its_middle():
+    """u = 2 + y/10, v = -x/20 px: linear, so that means over windows are its values at their
+    middles, to rounding; an empty window has none. The variance is that of one tracer, 0.04 px^2,
+    for what all share, and the scatter of (20/10)^2/12 and (20/20)^2/12 px^2 over 100 tracers in
+    20 px, of either on average, for which of the flow they see."""
+    x, y = np.meshgrid(np.arange(1, 60, 2.0), np.arange(1, 80, 2.0))
+    place = np.column_stack([x.ravel(), y.ravel()])
+    step = np.column_stack([2 + place[:, 1] / 10, -place[:, 0] / 20])
+    at_x, at_y = np.array([20.0, 30.0, 40.0]), np.array([30.0, 40.0])
+    steps = Steps(place, step, np.full(len(place), 0.04))
+    u, v, variance = steps.means(at_x, at_y, 20.0)
+    np.testing.assert_allclose(u, np.repeat(2 + at_y[:, None] / 10, 3, axis=1))
+    np.testing.assert_allclose(v, np.repeat(-at_x[None] / 20, 2, axis=0))
+    np.testing.assert_allclose(variance, 0.04 + (4 + 1) / 24 / 100, rtol=1e-3)
+    assert np.isnan(steps.means(at_x, np.array([110.0, 120.0]), 20.0)[0]).all()
