@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.film.background import Mask
+from calibration.film.parts import Outline, filled, largest, outlines, pixels_within
 from calibration.film.reader import Picture
 
 _LOW, _HIGH = 0.25, 0.75  # share of a thing from and to which a pixel counts in part
@@ -79,25 +80,42 @@ def candidates(difference: Picture, limit: Picture, reduce: int) -> list[Candida
 
     height, width = difference.shape
     size = (width // reduce, height // reduce)
-    small, least = (cv2.resize(one, size, interpolation=cv2.INTER_AREA) if reduce > 1 else one
-                    for one in (difference, limit))  # fmt: skip
-    mask = cv2.compare(small, least, cv2.CMP_GT)
+    if reduce > 1:
+        difference, limit = (
+            np.asarray(cv2.resize(one, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+            for one in (difference, limit)
+        )
+    mask: Mask = np.asarray(cv2.compare(difference, limit, cv2.CMP_GT), dtype=np.uint8)
     if cv2.countNonZero(mask) > _CUT * mask.size:
         return None
-    mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
-    _n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
-    found = []
-    big = np.flatnonzero(stats[1:, cv2.CC_STAT_AREA] >= _FEWEST) + 1
-    big = big[np.argsort(-stats[big, cv2.CC_STAT_AREA], kind="stable")][: 2 * _MOST]
-    for k in big:
-        x, y, w, h = (int(v) for v in stats[k, :4])
-        inside = np.asarray(labels[y : y + h, x : x + w] == k, dtype=np.uint8) * 255
-        strength = float(small[y : y + h, x : x + w][inside > 0].sum())
-        box = (x * reduce, y * reduce, w * reduce, h * reduce)
-        whole = cv2.resize(inside, box[2:], interpolation=cv2.INTER_NEAREST)
-        found.append(Candidate(box, strength, np.asarray(whole, dtype=np.uint8)))
-    found.sort(key=lambda one: -one.strength)
-    return found[:_MOST]
+    closed = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+    mask = np.asarray(closed, dtype=np.uint8)
+    around = [one for one in outlines(mask) if len(one) >= _FEWEST]
+    around.sort(key=pixels_within, reverse=True)
+    parts = [_part_of(difference, mask, outline) for outline in around[: 2 * _MOST]]
+    parts.sort(key=lambda one: -one.strength)
+    return [_enlarged(one, reduce) for one in parts[:_MOST]]
+
+
+def _part_of(difference: Picture, mask: Mask, outline: Outline) -> Candidate:
+    """The part of a mask that has this outline."""
+    import cv2
+
+    x, y, w, h = cv2.boundingRect(outline)
+    cut = np.s_[y : y + h, x : x + w]
+    inside = mask[cut] & filled(outline, (x, y, w, h))
+    return Candidate((x, y, w, h), float(difference[cut][inside > 0].sum()), inside)
+
+
+def _enlarged(one: Candidate, factor: int) -> Candidate:
+    """In the picture that is larger by a whole number."""
+    import cv2
+
+    if factor == 1:
+        return one
+    x, y, w, h = (factor * value for value in one.box)
+    mask = cv2.resize(one.mask, (w, h), interpolation=cv2.INTER_NEAREST)
+    return Candidate((x, y, w, h), one.strength, np.asarray(mask, dtype=np.uint8))
 
 
 def measure(picture: Picture, background: Picture, noise: float, one: Candidate) -> Blob | None:
@@ -160,7 +178,7 @@ def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool
 
 
 def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate | None:
-    """The part of a candidate that lies in a box; None where nothing does."""
+    """The part of a candidate that lies in a box; None where none does."""
     left, top = (max(box[i], one.box[i]) for i in (0, 1))
     right, bottom = (min(k[i] + k[i + 2] for k in (box, one.box)) for i in (0, 1))
     if right <= left or bottom <= top:
@@ -235,34 +253,15 @@ def _body(share: NDArray[np.float64], mask: Mask) -> Mask | None:
 
     more = np.where(share > (_LOW + _HIGH) / 2, 255, 0).astype(np.uint8)
     more[cv2.dilate(mask, np.ones((5, 5), np.uint8)) == 0] = 0
-    half = _largest(more)
+    half = largest(more)  # without holes: highlights and marks on a thing
     if half is None:
         return None
-    half = _filled(half)
     edged = cv2.copyMakeBorder(half, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     radius = int(_THIN * float(cv2.distanceTransform(edged, cv2.DIST_L2, 3).max()))
     if radius < 1:
         return half
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
-    return _largest(np.asarray(cv2.morphologyEx(half, cv2.MORPH_OPEN, kernel), dtype=np.uint8))
-
-
-def _largest(mask: Mask) -> Mask | None:
-    import cv2
-
-    n, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
-    if n < 2:
-        return None
-    best = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
-    return np.asarray(labels == best, dtype=np.uint8) * 255
-
-
-def _filled(mask: Mask) -> Mask:
-    """Without holes: highlights and marks on a thing."""
-    import cv2
-
-    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    return np.asarray(cv2.drawContours(mask.copy(), outlines, -1, 255, cv2.FILLED), dtype=np.uint8)
+    return largest(np.asarray(cv2.morphologyEx(half, cv2.MORPH_OPEN, kernel), dtype=np.uint8))
 
 
 def _box(body: Mask, left: int, top: int, reduce: int) -> tuple[int, int, int, int]:

@@ -23,6 +23,7 @@ _CORNERS_FOR = 32  # frames for which the same corners show how the camera moves
 _STANDS = 16  # frames for which it has stood, from which on
 _SEEN_TO = 4  # it is looked at in every such frame alone
 _GHOST = 3  # frames for which a thing that has left its image behind stands still
+_GHOST_AGAIN = 4  # frames from one look at what stands still to the next
 
 
 @dataclass
@@ -154,7 +155,8 @@ class Search:
             near = [k for k in still if np.abs(np.subtract(k, one.box)).max() <= 2 * self._further]
             lasted = 1 + max((still[k] for k in near), default=0)
             self._still[one.box] = lasted
-            if lasted >= _GHOST and self._left_behind(picture, one):
+            looked = lasted >= _GHOST and (lasted - _GHOST) % _GHOST_AGAIN == 0
+            if looked and self._left_behind(picture, one):
                 continue
             blob = measure(picture, self._background.picture, self._background.noise, one)
             if blob is None:
