@@ -26,8 +26,9 @@ _MOST = 6  # things in one picture: the strongest
 _ACROSS = 80  # px of a thing's window; larger ones are reduced, their place is no less known
 _THIN = 0.5  # of the half thickness of a thing: what is thinner hangs on it (strings, fingers)
 
-
 Channels = NDArray[np.float32]
+
+_SUM: Channels = np.ones((1, 3), np.float32)
 
 
 class Blob(NamedTuple):
@@ -133,7 +134,10 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
     reduce = -(-max(right - left, bottom - top) // _ACROSS)
     mask = np.zeros((bottom - top, right - left), np.uint8)
     mask[y - top : y - top + h, x - left : x - left + w] = one.mask[: bottom - y, : right - x]
-    seen, behind, mask = (_reduced(part, reduce) for part in (picture[cut], background[cut], mask))
+    seen, behind = (
+        _reduced(part, reduce, cv2.INTER_AREA) for part in (picture[cut], background[cut])
+    )
+    mask = _reduced(mask, reduce, cv2.INTER_NEAREST)
     share, (colour, beneath), contrast, sigma = _shares(seen, behind, mask, noise / reduce)
     if share is None:
         return None
@@ -148,15 +152,15 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
     weight = np.clip((share - _LOW) / (_HIGH - _LOW), 0, 1)
     weight[cv2.dilate(body, kernel, iterations=2) == 0] = 0.0
     weight[cv2.erode(body, kernel, iterations=2) > 0] = 1.0  # marks and highlights
-    area = float(weight.sum())
+    sums = cv2.moments(weight)
+    area = sums["m00"]
     if area < 1:
         return None
-    ys, xs = np.nonzero(weight)
-    known = weight[ys, xs]
-    cx, cy = float(known @ xs / area), float(known @ ys / area)
-    edge = (known < 1) * np.hypot(sigma[ys, xs], _UNEVEN) / (_HIGH - _LOW)
+    cx, cy = sums["m10"] / area, sums["m01"] / area
+    ys, xs = np.nonzero((weight > 0) & (weight < 1))
+    edge = np.hypot(sigma[ys, xs], _UNEVEN) / (_HIGH - _LOW)
     lever = np.stack([xs - cx, ys - cy]) * edge / area
-    xx, xy, yy = (float(lever[i] @ lever[j]) * reduce**2 for i, j in ((0, 0), (0, 1), (1, 1)))
+    (xx, xy), (_, yy) = (lever @ lever.T * reduce**2).tolist()
     inside = box[0] > 0 and box[1] > 0 and box[0] + box[2] < width and box[1] + box[3] < height
     return Blob(
         left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
@@ -188,14 +192,14 @@ def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate | None:
     return Candidate((left, top, right - left, bottom - top), one.strength, mask)
 
 
-def _reduced(part: Picture, reduce: int) -> Picture:
+def _reduced(part: Picture, reduce: int, how: int) -> Picture:
     import cv2
 
     if reduce == 1:
         return part
     height, width = (length // reduce for length in part.shape[:2])
-    whole = np.ascontiguousarray(part[: height * reduce, : width * reduce])
-    return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA))
+    whole = part[: height * reduce, : width * reduce]
+    return np.asarray(cv2.resize(whole, (width, height), interpolation=how), dtype=np.uint8)
 
 
 def _shares(
@@ -213,17 +217,17 @@ def _shares(
     has nearly the thing's colour the share is not known, and taken as zero.
     """
     behind_it = behind.astype(np.float32)
-    away = seen.astype(np.float32) - behind_it
+    away = seen - behind_it
     size = np.sqrt(_dot(away, away))
     inside = mask > 127
     nothing = np.zeros(3)
-    if inside.sum() < 2:
+    if np.count_nonzero(inside) < 2:
         return None, (nothing, nothing), 0.0, size
-    core = inside & (size >= 0.6 * _near_largest(size[inside]))
-    colour, beneath = (_median(one[core]).astype(float) for one in (seen, behind))
+    core = np.flatnonzero(inside & (size >= 0.6 * _near_largest(size[inside])))
+    colour, beneath = (_median(one.reshape(-1, 3)[core]).astype(float) for one in (seen, behind))
     towards = colour.astype(np.float32) - behind_it
     square = _dot(towards, towards)
-    contrast = float(np.sqrt(_median(square[core])))
+    contrast = float(np.sqrt(_median(square.ravel()[core])))
     least = (4 * noise) ** 2
     share = np.where(square > least, _dot(away, towards) / np.maximum(square, least), 0)
     share = np.maximum(share, size / max(contrast, np.sqrt(least)))  # things of several colours
@@ -243,15 +247,17 @@ def _near_largest(values: Channels) -> float:
 
 
 def _dot(a: Channels, b: Channels) -> Channels:
-    """(h, w) product of the colours of pixels; einsum makes no copies."""
-    return np.einsum("ijk,ijk->ij", a, b)
+    """(h, w) product of the colours of pixels."""
+    import cv2
+
+    return np.asarray(cv2.transform(cv2.multiply(a, b), _SUM), dtype=np.float32)
 
 
 def _body(share: NDArray[np.float64], mask: Mask) -> Mask | None:
     """The largest connected part that is half the thing or more, without what is thin."""
     import cv2
 
-    more = np.where(share > (_LOW + _HIGH) / 2, 255, 0).astype(np.uint8)
+    more = np.where(share > (_LOW + _HIGH) / 2, np.uint8(255), np.uint8(0))
     more[cv2.dilate(mask, np.ones((5, 5), np.uint8)) == 0] = 0
     half = largest(more)  # without holes: highlights and marks on a thing
     if half is None:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from calibration.film.reader import Picture
 
-_SAMPLED = 4096  # pixels or so that tell the light; its factor is known to a thousandth by them
+_SAMPLED = 1024  # pixels or so that tell the light: to a thousandth, where each does to 3 %
 _DARK, _BRIGHT = 16, 250  # grey levels between which a pixel is in proportion to the light
 _FEWEST = 64  # such pixels in the sample
 _ALIKE = 3.0  # scatter about the middle ratio within which a pixel shows what it showed before
@@ -18,26 +18,26 @@ def gains(picture: Picture, background: Picture) -> NDArray[np.float64]:
     move, and edges where the camera does, are not among them.
     """
     step = max(int(np.sqrt(picture[..., 0].size / _SAMPLED)), 1)
-    now, was = (one[::step, ::step].reshape(-1, 3).astype(float) for one in (picture, background))
-    return np.array([_gain(now[:, k], was[:, k]) for k in range(3)])
+    now, was = (
+        np.ascontiguousarray(one[::step, ::step].reshape(-1, 3).T) for one in (picture, background)
+    )
+    return np.array([_gain(now[k], was[k]) for k in range(3)])
 
 
-def _gain(now: NDArray[np.float64], was: NDArray[np.float64]) -> float:
-    inside = (was > _DARK) & (was < _BRIGHT) & (now > 0) & (now < _BRIGHT)
-    if np.count_nonzero(inside) < _FEWEST:
+def _gain(levels: NDArray[np.uint8], before: NDArray[np.uint8]) -> float:
+    inside = (before > _DARK) & (before < _BRIGHT) & (levels > 0) & (levels < _BRIGHT)
+    rows = np.flatnonzero(inside)
+    if len(rows) < _FEWEST:
         return 1.0
-    now, was = now[inside], was[inside]
+    now, was = (one[rows].astype(np.float32) for one in (levels, before))
     ratio = now / was
-    middle = np.median(ratio)
-    off = np.abs(ratio - middle)
-    near = off <= _ALIKE * np.median(off)
-    return float(now[near].sum() / was[near].sum())
+    off = np.abs(ratio - np.median(ratio))
+    near = np.asarray(off <= _ALIKE * np.median(off), dtype=np.float32)
+    return float(now @ near) / float(was @ near)
 
 
 def relit(picture: Picture, factors: NDArray[np.float64]) -> Picture:
     """A picture with its channels divided by these factors."""
     import cv2
 
-    levels = np.arange(256)[:, None] / factors[None, :]
-    table = np.clip(np.rint(levels), 0, 255).astype(np.uint8)
-    return np.asarray(cv2.LUT(picture, table[None, :, :]), dtype=np.uint8)
+    return np.asarray(cv2.transform(picture, np.diag(1 / factors)), dtype=np.uint8)
