@@ -124,10 +124,6 @@ def test_stamps_that_lie_are_found_out_by_free_fall(tmp_path):
     assert any("an even clock is used" in said for said in found.remarks)
 
 
-def test_a_ball_out_of_sight_above_is_measured_on(tmp_path):
-    measured("leaves at the top and comes back", tmp_path)
-
-
 def test_a_second_drop_of_the_same_ball_is_told(tmp_path):
     """It is carried back in half a second: longer than its flights, so no contact."""
     found = measured("carried back and dropped again", tmp_path)
