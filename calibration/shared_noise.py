@@ -90,7 +90,8 @@ def _lengths(place: Array, rows: list[Rows]) -> Array:
     step = np.median(np.abs(np.concatenate([np.diff(place[one]) for one in rows])))
     range_ = max(float(np.ptp(place[one])) for one in rows)
     step = max(float(step), 1e-6 * range_, 1e-300)
-    return step * 2.0 ** np.arange(max(1, int(np.log2(max(range_ / 8 / step, 1))) + 1))
+    octaves = int(np.log2(max(range_ / 8 / step, 1)))
+    return step * 2.0 ** np.arange(octaves + 1, dtype=np.float64)
 
 
 def _pieces(one: Rows) -> list[Rows]:
