@@ -105,7 +105,8 @@ def _part_of(difference: Picture, mask: Mask, outline: Outline) -> Candidate:
     x, y, w, h = cv2.boundingRect(outline)
     cut = np.s_[y : y + h, x : x + w]
     inside = mask[cut] & filled(outline, (x, y, w, h))
-    return Candidate((x, y, w, h), float(difference[cut][inside > 0].sum()), inside)
+    strength = cv2.sumElems(difference[cut] & inside)[0]
+    return Candidate((x, y, w, h), strength, inside)
 
 
 def _enlarged(one: Candidate, factor: int) -> Candidate:
@@ -177,8 +178,8 @@ def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool
 
     x, y, w, h = (max(value, 0) for value in blob.box)
     cut = np.s_[y : y + h, x : x + w]
-    mean = np.mean(cv2.mean(cv2.absdiff(picture[cut], before[cut]))[:3])
-    return float(mean) > _NEW * noise
+    here = picture[cut]
+    return cv2.norm(here, before[cut], cv2.NORM_L1) > _NEW * noise * here.size
 
 
 def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate | None:
