@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from calibration.drag import with_drag
 from calibration.drop_choice import the_one_that_bounces
 from calibration.drop_fall import with_free_fall
 from calibration.drop_result import Drop
@@ -45,7 +46,7 @@ def measure_drop(
     length = _metres(scale)
     fps = said_rate(fps)
     tracks, header = _tracks(source, roi, hint, progress)
-    found = the_one_that_bounces(tracks, track, one_bounce, where)
+    found = with_drag(the_one_that_bounces(tracks, track, one_bounce, where))
     if length is not None and found.track.scale is not None:
         raise InputError(f"{where}--scale: the unit of y stands in the table's head already")
     drop = with_free_fall(found, fps, found.track.scale if length is None else length, header)
