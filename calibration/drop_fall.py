@@ -12,6 +12,7 @@ import numpy as np
 from calibration.bounce import STANDARD_GRAVITY, Bounces
 from calibration.drop_result import Drop
 from calibration.uncertainty import Estimate, through
+from calibration.upright import not_upright
 
 _FAR = 0.05  # share by which g may miss before scale or rate is doubted
 
@@ -42,7 +43,7 @@ def with_free_fall(
         remarks.append("no rate: free fall gives it")
     else:
         remarks.append("neither rate nor scale: times in frames, no speeds")
-    warnings += nearer(found)
+    warnings += nearer(found) + not_upright(found)
     header = found.track.rate if header is None else header
     return Drop(found, header, rate, length, gravity, tuple(remarks), tuple(warnings))
 

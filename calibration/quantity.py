@@ -48,6 +48,8 @@ def plus_minus(value: float, sigma: float | None) -> str:
         return f"{value:.6g}"
     digits = 1 - math.floor(math.log10(sigma))
     if abs(digits) > 6:  # more zeros than anybody counts
-        return f"{value:.6g} +- {sigma:.2g}"
+        places = digits + math.floor(math.log10(abs(value))) + 1 if value else 1
+        known = f"{value:#.{max(1, min(places, 15))}g}".rstrip(".")
+        return f"{known} +- {sigma:.2g}"
     shown = (f"{round(number, digits):.{max(digits, 0)}f}" for number in (value, sigma))
     return " +- ".join(shown)

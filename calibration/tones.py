@@ -27,6 +27,22 @@ def amplitudes(
     return found * np.exp(-2j * np.pi * np.outer(begin, frequencies))
 
 
+def remainder(
+    x: NDArray[np.float64],
+    rate: float,
+    frequencies: NDArray[np.float64],
+    found: NDArray[np.complex128],
+) -> NDArray[np.float64]:
+    """What tones (k,) [Hz] of amplitudes (blocks, k) leave of samples (n,); blocks without mean."""
+    blocks = len(found)
+    pieces = x[: len(x) // blocks * blocks].reshape(blocks, -1)
+    t = np.arange(pieces.size).reshape(pieces.shape) / rate
+    left = pieces - sum(
+        (found[:, k, None] * np.exp(2j * np.pi * f * t)).real for k, f in enumerate(frequencies)
+    )
+    return (left - left.mean(axis=1, keepdims=True)).ravel()
+
+
 def strongest(x: NDArray[np.float64], rate: float) -> float:
     """The frequency [Hz] of the largest line of samples (n,), to about a tenth of a line."""
     spectrum = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(len(x))))

@@ -97,7 +97,7 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
     """
     from campaign.folder import FolderError
     from campaign.study import StudyError
-    from campaign.task import EngineError
+    from campaign.task import EngineError, SimulationError, Stopped
 
     def fail(line: str, code: int) -> None:
         click.echo(f"{name}: {line}", err=True)
@@ -111,15 +111,12 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
         fail(str(error), 2)
     except Ended as error:
         fail(str(error), error.code)
+    except SimulationError as error:
+        fail(str(error), 3)
+    except Stopped as error:
+        fail(f"stopped; {error}", 130)
     except (KeyboardInterrupt, click.Abort):
         fail("interrupted; the same command goes on from the last checkpoint", 130)
     except BrokenPipeError:
         sys.stderr.close()  # the reader of a pipe (head) has gone: nothing to say, nobody to tell
         sys.exit(0)
-    except Exception as error:
-        # The two that carry a run's fate live in modules that load numba: looked up by name here.
-        if type(error).__name__ == "SimulationError":
-            fail(str(error), 3)
-        if type(error).__name__ == "Stopped":
-            fail(f"stopped; {error}", 130)
-        raise

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from campaign.engine import Tally, run_tasks
 from campaign.folder import FolderError, RunFolder, find_run
 from campaign.provenance import Sources, to_stderr
-from campaign.task import Failed, Function, Interrupted, Outcome
+from campaign.task import Failed, Function, Outcome
 from campaign.terminal import Progress
 
 _MEMORY = 3600.0  # [s] over which the speed is taken that gives the time left
@@ -134,12 +134,10 @@ def run_labelled(
 
 
 @contextmanager
-def as_outcome(*, stopped: type[Exception], failed: tuple[type[Exception], ...]) -> Iterator[None]:
+def as_outcome(*failed: type[Exception]) -> Iterator[None]:
     """Turn what a simulator raises in a worker into what the engine knows; see campaign.task."""
     try:
         yield
-    except stopped as error:
-        raise Interrupted(str(error)) from None
     except failed as error:
         raise Failed(without_again(str(error))) from None
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 Stop = Callable[[], bool]  # to be asked now and then by a task: is it to keep its state and end?
+Progress = Callable[[float, str], None]  # is told the fraction done (0 to 1), and words
 Function = Callable[[Any, Stop], Any]  # of a task; importable by name, and safe to call twice
 
 
@@ -19,8 +20,12 @@ class Failed(Exception):
     """Raised by a task that fails for a reason which one line tells."""
 
 
-class Interrupted(Exception):
-    """Raised by a task that was asked to stop and has kept its state."""
+class Stopped(Exception):
+    """Raised by what was asked to stop and has kept its state; the message says how to go on."""
+
+
+class SimulationError(RuntimeError):
+    """A simulation that cannot go on; one line that says when, and what to try."""
 
 
 class WorkerLost(Exception):
@@ -48,7 +53,7 @@ def call(function: Function, task: Any, stop: Stop) -> Outcome:
 
     try:
         return ended("done", value=function(task, stop))
-    except Interrupted as error:
+    except Stopped as error:
         return ended("interrupted", reason=in_one_line(error))
     except Exception as error:
         return ended("failed", reason=in_one_line(error))
@@ -57,7 +62,7 @@ def call(function: Function, task: Any, stop: Stop) -> Outcome:
 def in_one_line(error: BaseException) -> str:
     """An exception in one line; one that nobody foresaw with its kind and place."""
     text = " ".join(str(error).split())
-    if isinstance(error, (Failed, Interrupted)):
+    if isinstance(error, (Failed, Stopped)):
         return text
     places = traceback.extract_tb(error.__traceback__)
     where = f" ({Path(places[-1].filename).name}:{places[-1].lineno})" if places else ""

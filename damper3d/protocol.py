@@ -3,26 +3,17 @@
 import dataclasses
 import json
 import shutil
-import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from campaign.alone import alone
 from campaign.checkpoint import load_checkpoint
-from campaign.folder import (
-    FolderError,
-    RunFolder,
-    digest,
-    open_run,
-    resume_run,
-    write_atomic,
-    writing,
-)
-from campaign.provenance import Warn, provenance, to_stderr
+from campaign.folder import FolderError, RunFolder, digest, open_run, resume_run
+from campaign.protocol import begin_or_check, check_unchanged, end, kept
+from campaign.provenance import Warn, to_stderr
+from campaign.task import Progress, Stop, Stopped
 from campaign.trajectory import TrajectoryWriter, read_trajectory
 from damper3d.case import DamperCase
 from damper3d.fill import fill, resting
@@ -32,9 +23,9 @@ from damper3d.result import Result
 from damper3d.simulation import Simulation
 from damper3d.sources import SOURCES
 from damper3d.summary import first_counted, summarise
-from damper3d.vibration import Clock, Progress, Stopped, vibrate
+from damper3d.vibration import Clock, vibrate
 
-__all__ = ["PACKAGES", "Stopped", "get_packing", "resume", "run", "run_digest", "run_in"]
+__all__ = ["PACKAGES", "get_packing", "resume", "run", "run_digest", "run_in"]
 
 PACKAGES = ["numpy", "numba", "llvmlite", "h5py"]
 
@@ -45,7 +36,7 @@ def run(
     out: str | Path | None = None,
     progress: Progress | None = None,
     again: bool = False,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Stop = lambda: False,
     warn: Warn = to_stderr,
 ) -> Result:
     """Run a case in a folder below `out` ("runs"), or give the answer that stands there.
@@ -64,16 +55,12 @@ def resume(
     path: str | Path,
     *,
     progress: Progress | None = None,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Stop = lambda: False,
 ) -> Result:
     """Go on with the run in a folder; see `run`."""
     folder = resume_run(path)
     case = DamperCase.load(folder.path / "case.toml")
-    if folder.read_provenance().get("run_digest") != run_digest(case):
-        raise FolderError(
-            f"{folder.path}: case.toml or materials.toml were changed since the run began; run the "
-            "changed case as a new one"
-        )
+    check_unchanged(folder, run_digest(case), "case.toml or materials.toml")
     return run_in(folder, case, progress or (lambda fraction, text: None), stop)
 
 
@@ -86,18 +73,22 @@ def run_in(
     folder: RunFolder,
     case: DamperCase,
     progress: Progress,
-    stop: Callable[[], bool],
+    stop: Stop,
     warn: Warn = to_stderr,
 ) -> Result:
     """Run a case in its folder; see `run`."""
     with folder.lock():
         begun = time.perf_counter()
-        if folder.state == "new":
-            _begin_folder(folder, case)
-        else:
-            made = folder.read_provenance().get("source_digest")
-            cure = "--again computes it anew beside it"
-            SOURCES.check(f"{folder.path} was begun", made, cure, warn)
+        begin_or_check(
+            folder,
+            case=case.to_toml(),
+            files=case.files,
+            run_digest=run_digest(case),
+            seed=case.settings.run.seed,
+            packages=PACKAGES,
+            sources=SOURCES,
+            warn=warn,
+        )
         if folder.state == "finished":
             _clear(folder, case)  # it may have been killed before it could
             return Result.read(folder, reused=True)
@@ -107,28 +98,16 @@ def run_in(
         writer.write_static(*describe(case, packing))
         vibrate(sim, case, folder, writer, clock, progress, stop)
         summary = _end(folder, case, packing, sim, clock, writer)
-        wall = {"wall_s": time.perf_counter() - begun}
-        folder.write_provenance({**folder.read_provenance(), **wall})
-        folder.write_summary(summary)
+        end(folder, summary, begun)
         _clear(folder, case)
         return Result.read(folder, reused=False)
-
-
-def _begin_folder(folder: RunFolder, case: DamperCase) -> None:
-    for name, text in case.files.items():
-        write_atomic(folder.path / name, text)
-    origin = provenance(
-        command=sys.argv, seed=case.settings.run.seed, packages=PACKAGES, sources=SOURCES.folders
-    )
-    folder.write_provenance({**origin, "run_digest": run_digest(case)})
-    folder.write_case(case.to_toml())  # last: from here on the run counts as begun
 
 
 def get_packing(
     case: DamperCase,
     root: Path,
     progress: Progress,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Stop = lambda: False,
     warn: Warn = to_stderr,
 ) -> Packing:
     """The packing of a case: kept under root/packings, or filled and kept now.
@@ -137,18 +116,18 @@ def get_packing(
     FolderError where a packing is damaged, or could not be written, and what `fill` raises.
     """
     folder = packing_folder(case, root)
-    packing = load_packing(folder)
-    if packing is None:
-        with writing(folder):  # before the work of filling, not after it
-            folder.mkdir(parents=True, exist_ok=True)
-        with alone(folder, stop, Stopped("the same command goes on from there")):
-            return load_packing(folder) or _fill(case, folder, progress, stop)
-    cure = "delete it and the enclosure is filled anew"
-    SOURCES.check(f"{folder} was filled", packing.sources, cure, warn)
-    return packing
+    return kept(
+        folder,
+        load=load_packing,
+        make=lambda: _fill(case, folder, progress, stop),
+        cure="delete it and the enclosure is filled anew",
+        sources=SOURCES,
+        stop=stop,
+        warn=warn,
+    )
 
 
-def _fill(case: DamperCase, folder: Path, progress: Progress, stop: Callable[[], bool]) -> Packing:
+def _fill(case: DamperCase, folder: Path, progress: Progress, stop: Stop) -> Packing:
     def report(fraction: float, text: str) -> None:
         progress(fraction, text)
         if stop():

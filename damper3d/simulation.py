@@ -4,6 +4,7 @@ import hashlib
 
 import numpy as np
 
+from campaign.task import SimulationError
 from damper3d import sampling, state
 from damper3d.integrate import advance, enclosure_at
 from damper3d.lists import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL
@@ -33,10 +34,6 @@ _COLUMNS = {
     for c, name in enumerate(CLASSES)
     for m, mechanism in enumerate(_BOOKS)
 }
-
-
-class SimulationError(RuntimeError):
-    """A simulation that cannot go on; one line that says when, and what to try."""
 
 
 class Simulation:

@@ -9,14 +9,13 @@ from typing import Any
 
 from campaign.folder import FolderError, RunFolder
 from campaign.sweep import Labelled, Simulator, Task, as_outcome, run_labelled, silent
-from campaign.task import Stop
+from campaign.task import SimulationError, Stop
 from contact.quantity import InputError
 from damper3d.case import DamperCase
 from damper3d.packing import load_packing, packing_folder
-from damper3d.protocol import PACKAGES, Stopped, get_packing, run, run_digest
+from damper3d.protocol import PACKAGES, get_packing, run, run_digest
 from damper3d.report import expected_cpu_s
 from damper3d.result import Result
-from damper3d.simulation import SimulationError
 from damper3d.sources import SOURCES
 from damper3d.warm import compile_kernels
 
@@ -39,7 +38,7 @@ def run_cases(
 def run_task(task: Task, stop: Stop) -> Result | None:
     """Run a case, or fill its packing; in a worker."""
     compile_kernels()
-    with as_outcome(stopped=Stopped, failed=(InputError, FolderError, SimulationError)):
+    with as_outcome(InputError, FolderError, SimulationError):
         if task.packing_only:
             get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
             return None

@@ -9,6 +9,7 @@ import numpy as np
 
 from campaign.checkpoint import save_checkpoint
 from campaign.folder import RunFolder
+from campaign.task import Progress, Stopped
 from campaign.trajectory import TrajectoryWriter
 from damper3d.case import DamperCase
 from damper3d.efficiency import held, reference_energy, summed
@@ -24,12 +25,6 @@ CHECKPOINT_WORK = 2e8
 BOOKS_OFF = 0.2
 _NOTHING = 1e-4  # efficiency below which this is not asked: next to nothing is dissipated
 _LONGEST_LOOK = 2e7  # particles times steps between looks whether to stop
-
-Progress = Callable[[float, str], None]  # fraction done (0 to 1), words
-
-
-class Stopped(Exception):
-    """The run was stopped and can go on; the message says how."""
 
 
 @dataclass

@@ -12,6 +12,7 @@ import numpy as np
 
 from campaign.checkpoint import save_checkpoint
 from campaign.folder import RunFolder
+from campaign.task import Progress, Stopped
 from campaign.trajectory import TrajectoryWriter
 from silo2d import state
 from silo2d.case import SiloCase
@@ -24,12 +25,6 @@ LOOK = 0.01  # [s] between looks for the end of the run, whatever the output
 # Energy that may be unaccounted for, over the dissipated: at 5 us the published runs leave 0.2 to
 # 0.4 %, and more means that the step is too long for what happens.
 BOOKS_OFF = 0.05
-
-Progress = Callable[[float, str], None]  # fraction done (0 to 1), words
-
-
-class Stopped(Exception):
-    """The run was stopped and can go on; the message says how."""
 
 
 @dataclass

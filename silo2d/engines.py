@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from campaign.task import Progress
 from contact.quantity import InputError, nearest
 from silo2d.case import SiloCase
-from silo2d.discharge import Progress
 from silo2d.protocol import get_packing, run
 
 ENGINES = ["dem", "pymunk"]

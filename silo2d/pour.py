@@ -13,12 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from campaign.task import SimulationError
 from contact.quantity import InputError
 from silo2d.case import GRAVITY, SiloCase
 from silo2d.outline import Outline
 from silo2d.packing import Packing, in_rows, packing_fraction
 from silo2d.shape import ShapeSet
-from silo2d.simulation import Simulation, SimulationError
+from silo2d.simulation import Simulation
 from silo2d.state import INV_MASS
 from silo2d.world import build_world
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from campaign.task import SimulationError
 from silo2d.case import GRAVITY, SiloCase
 from silo2d.outline import Outline
 from silo2d.packing import Packing
 from silo2d.pour import Report, down_at, level_off, packed, part_settled, pouring, rain, settle
 from silo2d.pymunk_space import SMOOTH, add_grain, add_walls, empty_space, strays
-from silo2d.simulation import SimulationError
 
 if TYPE_CHECKING:
     import pymunk

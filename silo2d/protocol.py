@@ -1,28 +1,19 @@
 """A silo run: fill, settle, open, discharge; checkpoints, and going on from them."""
 
 import dataclasses
-import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from campaign.alone import alone
 from campaign.checkpoint import load_checkpoint
-from campaign.folder import (
-    FolderError,
-    RunFolder,
-    digest,
-    open_run,
-    resume_run,
-    write_atomic,
-    writing,
-)
-from campaign.provenance import Warn, provenance, to_stderr
+from campaign.folder import FolderError, RunFolder, digest, open_run, resume_run
+from campaign.protocol import begin_or_check, check_unchanged, end, kept
+from campaign.provenance import Warn, to_stderr
+from campaign.task import Progress, Stop, Stopped
 from campaign.trajectory import TrajectoryWriter
 from silo2d import state
 from silo2d.case import GRAVITY, SiloCase
-from silo2d.discharge import Clock, Progress, Stopped, discharge
+from silo2d.discharge import Clock, discharge
 from silo2d.disorder import with_friction
 from silo2d.packing import Packing, load_packing, packing_folder, save_packing
 from silo2d.pour import agitation, pour
@@ -44,7 +35,7 @@ def run(
     out: str | Path | None = None,
     progress: Progress | None = None,
     again: bool = False,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Stop = lambda: False,
     warn: Warn = to_stderr,
 ) -> Result:
     """Run a case in a folder below `out` ("runs"), or give the answer that stands there.
@@ -63,16 +54,12 @@ def resume(
     path: str | Path,
     *,
     progress: Progress | None = None,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Stop = lambda: False,
 ) -> Result:
     """Go on with the run in a folder; see `run`."""
     folder = resume_run(path)
     case = SiloCase.load(folder.path / "case.toml")
-    if folder.read_provenance().get("run_digest") != run_digest(case):
-        raise FolderError(
-            f"{folder.path}: case.toml, shapes.toml or materials.toml were changed since the run "
-            "began; run the changed case as a new one"
-        )
+    check_unchanged(folder, run_digest(case), "case.toml, shapes.toml or materials.toml")
     return run_in(folder, case, progress or (lambda fraction, text: None), stop)
 
 
@@ -88,18 +75,22 @@ def run_in(
     folder: RunFolder,
     case: SiloCase,
     progress: Progress,
-    stop: Callable[[], bool],
+    stop: Stop,
     warn: Warn = to_stderr,
 ) -> Result:
     """Run a case in its folder; see `run`."""
     with folder.lock():
         begun = time.perf_counter()
-        if folder.state == "new":
-            _begin_folder(folder, case)
-        else:
-            made = folder.read_provenance().get("source_digest")
-            cure = "--again computes it anew beside it"
-            SOURCES.check(f"{folder.path} was begun", made, cure, warn)
+        begin_or_check(
+            folder,
+            case=case.to_toml(),
+            files=case.files,
+            run_digest=run_digest(case),
+            seed=case.settings.run.seed,
+            packages=PACKAGES,
+            sources=SOURCES,
+            warn=warn,
+        )
         if folder.state == "finished":
             return Result.read(folder, reused=True)
         if case.impulses:
@@ -118,14 +109,13 @@ def run_in(
 
 def _finish(folder: RunFolder, summary: dict[str, Any], begun: float) -> Result:
     """Keep the answers and the wall time since `begun`."""
-    folder.write_provenance({**folder.read_provenance(), "wall_s": time.perf_counter() - begun})
-    folder.write_summary(summary)
+    end(folder, summary, begun)
     folder.checkpoint.unlink(missing_ok=True)
     return Result.read(folder, reused=False)
 
 
 def _by_pymunk(
-    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool], warn: Warn
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Stop, warn: Warn
 ) -> dict[str, Any]:
     """The answers of a discharge by pymunk; its frames are in the folder."""
     packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
@@ -141,18 +131,8 @@ def _by_pymunk(
     return summarise(folder, case, sim, packing, clock, outcome)
 
 
-def _begin_folder(folder: RunFolder, case: SiloCase) -> None:
-    for name, text in case.files.items():
-        write_atomic(folder.path / name, text)
-    origin = provenance(
-        command=sys.argv, seed=case.settings.run.seed, packages=PACKAGES, sources=SOURCES.folders
-    )
-    folder.write_provenance({**origin, "run_digest": run_digest(case)})
-    folder.write_case(case.to_toml())  # last: from here on the run counts as begun
-
-
 def _start_or_resume(
-    folder: RunFolder, case: SiloCase, progress: Progress, stop: Callable[[], bool], warn: Warn
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Stop, warn: Warn
 ) -> tuple[Simulation, Clock, Packing]:
     resuming = folder.checkpoint.exists()
     packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
@@ -179,7 +159,7 @@ def get_packing(
     case: SiloCase,
     root: Path,
     progress: Progress,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Stop = lambda: False,
     warn: Warn = to_stderr,
 ) -> Packing:
     """The packing of a case: kept under root/packings, or poured and kept now.
@@ -188,18 +168,18 @@ def get_packing(
     Raises FolderError where a packing is damaged, or could not be written.
     """
     folder = packing_folder(case, root)
-    packing = load_packing(folder)
-    if packing is None:
-        with writing(folder):  # before the work of filling, not after it
-            folder.mkdir(parents=True, exist_ok=True)
-        with alone(folder, stop, Stopped("the same command goes on from there")):
-            return load_packing(folder) or _fill(case, folder, progress, stop)
-    cure = "delete it and it is filled anew"
-    SOURCES.check(f"{folder} was filled", packing.sources, cure, warn)
-    return packing
+    return kept(
+        folder,
+        load=load_packing,
+        make=lambda: _fill(case, folder, progress, stop),
+        cure="delete it and it is filled anew",
+        sources=SOURCES,
+        stop=stop,
+        warn=warn,
+    )
 
 
-def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Callable[[], bool]) -> Packing:
+def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Stop) -> Packing:
     def report(phase: str, fraction: float, text: str) -> None:
         progress(fraction, f"{phase}, {text}")
         if stop():
@@ -241,7 +221,7 @@ def settle_under_own_law(
     sim: Simulation,
     case: SiloCase,
     progress: Progress,
-    stop: Callable[[], bool] = lambda: False,
+    stop: Stop = lambda: False,
 ) -> None:
     """Let a packing that was poured softer come to rest, which several looks in a row must find.
 

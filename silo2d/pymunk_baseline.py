@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from campaign.task import Progress, SimulationError, Stopped
 from campaign.trajectory import TrajectoryWriter
 from contact.jit import njit
 from silo2d.case import GRAVITY, SiloCase
-from silo2d.discharge import LOOK, Clock, Progress, Stopped, ending, tell
+from silo2d.discharge import LOOK, Clock, ending, tell
 from silo2d.impulses import factors
 from silo2d.packing import Packing
 from silo2d.pymunk_space import Placed, Surface, add_grain, add_walls, empty_space, strays
-from silo2d.simulation import SimulationError
 
 if TYPE_CHECKING:
     import pymunk

@@ -4,6 +4,7 @@ import hashlib
 
 import numpy as np
 
+from campaign.task import SimulationError
 from contact.jit import njit
 from silo2d import state
 from silo2d.door import draw_on
@@ -24,10 +25,6 @@ from silo2d.touch import (
     list_contacts,
 )
 from silo2d.world import longer_lists, more_pairs, with_laws
-
-
-class SimulationError(RuntimeError):
-    """The simulation failed; the message is one line with the time and what to try."""
 
 
 @njit

@@ -6,15 +6,13 @@ from typing import Any
 
 from campaign.folder import FolderError, RunFolder
 from campaign.sweep import Labelled, Simulator, Task, as_outcome, run_labelled, silent
-from campaign.task import Stop
+from campaign.task import SimulationError, Stop
 from contact.quantity import InputError
 from silo2d import protocol
 from silo2d.case import SiloCase
-from silo2d.discharge import Stopped
 from silo2d.packing import load_packing, packing_folder
 from silo2d.report import expected_cpu_s
 from silo2d.result import Result
-from silo2d.simulation import SimulationError
 from silo2d.sources import SOURCES
 from silo2d.warm import compile_kernels
 
@@ -37,7 +35,7 @@ def run_cases(
 def run_task(task: Task, stop: Stop) -> Result | None:
     """Run a case, or fill its packing; in a worker."""
     compile_kernels(drawn=task.case.disorder is not None and not task.packing_only)
-    with as_outcome(stopped=Stopped, failed=(InputError, FolderError, SimulationError)):
+    with as_outcome(InputError, FolderError, SimulationError):
         if task.packing_only:
             protocol.get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
             return None

@@ -11,13 +11,9 @@ from pydantic import BaseModel
 from campaign.folder import FolderError, RunFolder, digest, open_run
 from campaign.provenance import Sources
 from campaign.sweep import Simulator, Task, as_outcome
-from campaign.task import Stop
+from campaign.task import Stop, Stopped
 
 SOURCES = Sources(Path(__file__).parent / "published")  # of no .py file: a digest that stays
-
-
-class FakeStopped(Exception):
-    """The run was asked to stop."""
 
 
 class FakeRun(BaseModel):
@@ -64,7 +60,7 @@ def packing_from(file: Path) -> str | None:
 
 def work(task: Task, stop: Stop) -> FakeResult | None:
     """Fails for 13, stops for 99, and asks nobody before it makes a packing."""
-    with as_outcome(stopped=FakeStopped, failed=(FolderError,)):
+    with as_outcome(FolderError):
         file = packing_file(task.case, task.out)
         if not file.exists():
             file.parent.mkdir(parents=True)  # fails where two make it at once
@@ -76,7 +72,7 @@ def work(task: Task, stop: Stop) -> FakeResult | None:
         if number == 13:
             raise FolderError("13: unlucky; use --again to compute the run anew")
         if number == 99:
-            raise FakeStopped("the same command goes on")
+            raise Stopped("the same command goes on")
         name = f"{task.case.name}-seed{task.case.settings.run.seed}"
         folder = open_run(task.out, name, fake_digest(task.case))
         folder.write_case("schema = 1\n")

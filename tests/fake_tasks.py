@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from campaign.task import Failed, Interrupted, Stop
+from campaign.task import Failed, Stop, Stopped
 
 
 def square(number: int, stop: Stop) -> int:
@@ -46,7 +46,7 @@ def patient(task: tuple[Path, float], stop: Stop) -> str:
     while time.monotonic() < end:
         if stop():
             file.with_suffix(".kept").touch()
-            raise Interrupted("go on with: the same")
+            raise Stopped("go on with: the same")
         time.sleep(0.01)
     return "waited"
 

@@ -11,10 +11,10 @@ import pytest
 from small_silo import NARROWEST, Answer, DischargeStop, contents, silo2d, the_run, write_case
 
 from campaign.checkpoint import load_checkpoint, save_checkpoint
+from campaign.task import Stopped
 from contact.datafile import data_file
 from silo2d import protocol, state
 from silo2d.case import SiloCase
-from silo2d.discharge import Stopped
 from silo2d.measures import MEASURES
 
 

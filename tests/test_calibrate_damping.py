@@ -196,7 +196,8 @@ def test_any_text_is_read_or_refused(text):
         (0.530012, 0.0201, "0.530 +- 0.020"),
         (650.0, 400.0, "650 +- 400"),
         (0.38, None, "0.38"),
-        (1.5e-9, 1e-10, "1.5e-09 +- 1e-10"),
+        (1.5e-9, 1e-10, "1.50e-09 +- 1e-10"),
+        (0.75000015, 6.3e-7, "0.75000015 +- 6.3e-07"),
     ],
 )
 def test_a_value_is_shown_as_far_as_it_is_known(value, sigma, shown):

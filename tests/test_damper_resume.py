@@ -18,10 +18,10 @@ from small_silo import finish, the_run
 
 from campaign.alone import alone
 from campaign.folder import FolderError, RunFolder
+from campaign.task import SimulationError, Stopped
 from campaign.trajectory import read_tables, read_trajectory
 from damper3d import protocol, vibration
-from damper3d.protocol import Stopped
-from damper3d.simulation import Simulation, SimulationError
+from damper3d.simulation import Simulation
 from damper3d.steady import BLOCK
 
 # Particles times steps of three samples: a checkpoint each, so some 27 in the four cycles.

@@ -37,10 +37,10 @@ from test_motion_on_plane import LAW, STEP, G
 from test_resume import assert_same_run
 
 from campaign.folder import RunFolder
+from campaign.task import Stopped
 from campaign.trajectory import read_trajectory
 from silo2d import protocol
 from silo2d.case import SiloCase
-from silo2d.discharge import Stopped
 from silo2d.disorder import FARTHEST, Spread, cut_normal, drawn_laws, pair_constants, scores
 from silo2d.pair_law import LEVELS
 from silo2d.settings import Settings, check_settings

@@ -10,11 +10,11 @@ from scenes import LEVEL, SPHERORADIUS, WOOD, block, mass, position, simulation_
 from small_silo import DischargeStop, silo2d, the_run, write_case
 from test_bad_input import assert_refused
 
+from campaign.task import Stopped
 from campaign.trajectory import read_trajectory
 from silo2d import protocol, state
 from silo2d.case import SiloCase
 from silo2d.charts import energy_chart
-from silo2d.discharge import Stopped
 from silo2d.observe import energy_closure
 from silo2d.scene import read_scene
 

@@ -206,6 +206,46 @@ def test_the_last_echo_is_no_impact():
     assert times[order][bouncing(times[order], levels[order])] == pytest.approx(impacts)
 
 
+def clicks(tmp_path, times, sizes, room=None):
+    """A WAV of events at these times."""
+    room = room or Room()
+    t = np.arange(round(room.rate * room.length)) / room.rate
+    x = room.noise * np.random.default_rng(2).standard_normal(len(t))
+    x += sum(tone(t - time, size) for time, size in zip(times, sizes, strict=True))
+    return write_wav(tmp_path / "clicks.wav", x, room.rate)
+
+
+def test_what_ticks_is_no_body_that_bounces(tmp_path):
+    """Of ten even ticks, those after 4, 2 and 1 steps would make a row of e = 0.5."""
+    ticks = 0.2 + 0.25 * np.arange(10)
+    found = measure_impacts(clicks(tmp_path, ticks, np.ones(10)))
+    assert found.restitution.value is None
+    assert "may make it by chance" in found.warnings[0]
+
+
+def test_three_of_many_knocks_are_no_row(tmp_path):
+    """Any three events whose second interval is shorter have a ratio: 0.3 s and 0.15 s here."""
+    times = [0.4, 0.75, 1.05, 1.2, 1.9, 2.2]
+    found = measure_impacts(clicks(tmp_path, times, [1.0, 0.9, 0.95, 1.0, 0.9, 0.95]))
+    assert found.restitution.value is None
+
+
+def test_an_impact_that_began_before_the_signal_is_left_out(tmp_path):
+    """Its ringing is there, its onset is not: the others give e, as if it had not been."""
+    x = Room().record(BOUNCES, 1)
+    begin = round((BOUNCES.times[0] + 2e-3) * Room().rate)
+    found = measure_impacts(write_wav(tmp_path / "late.wav", x[begin:], Room().rate))
+    assert len(found.times_s) == BOUNCES.n - 1
+    assert found.restitution.value == pytest.approx(0.8, abs=4 * found.restitution.sigma)
+    assert any("begins within an event" in words for words in found.warnings)
+
+
+def test_a_channel_without_signal_is_not_called_clipped(tmp_path):
+    x = Room().record(BOUNCES, 1)
+    found = measure_impacts(write_wav(tmp_path / "s.wav", np.stack([x, 0 * x], 1), Room().rate))
+    assert not any("clipped" in words for words in found.warnings)
+
+
 def test_drop_height_gives_the_first_restitution(tmp_path):
     """v = sqrt(2 g h) arrives, g T/2 leaves; two impacts suffice."""
     bounces = Bounces(0.8, 2, 2 * 0.8 * np.sqrt(2 * 0.5 / 9.81))

@@ -13,11 +13,11 @@ from heaps import (
     weight,
 )
 
+from campaign.task import SimulationError
 from silo2d import pour as pour_module
 from silo2d import state
 from silo2d.case import GRAVITY, SiloCase
 from silo2d.pour import LOOSE, level_off, pour, pouring, rain, settle
-from silo2d.simulation import SimulationError
 
 
 @pytest.fixture(scope="module")

@@ -14,11 +14,11 @@ from heaps import (
     weight,
 )
 
+from campaign.task import SimulationError
 from silo2d import pour_pymunk
 from silo2d.case import SiloCase
 from silo2d.pour import pour, rain
 from silo2d.pour_pymunk import SKIN, fall, pour_with_pymunk
-from silo2d.simulation import SimulationError
 
 
 @pytest.fixture(scope="module")

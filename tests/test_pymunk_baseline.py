@@ -16,18 +16,17 @@ from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
 from test_resume import COSTS
 
 from campaign.folder import RunFolder
+from campaign.task import SimulationError, Stopped
 from campaign.trajectory import read_trajectory
 from silo2d import protocol, pymunk_baseline
 from silo2d.case import GRAVITY, SiloCase
 from silo2d.compare import compare
-from silo2d.discharge import Stopped
 from silo2d.impulses import factors
 from silo2d.observe import discharge_curve
 from silo2d.packing import Packing
 from silo2d.protocol import run_digest
 from silo2d.pymunk_baseline import Baseline
 from silo2d.pymunk_space import Surface, add_grain, add_walls, empty_space
-from silo2d.simulation import SimulationError
 
 STEP = 2.5e-4  # [s]
 MU, E = (0.38, 0.44), (0.45, 0.53)  # grain-grain and grain-wall

@@ -14,10 +14,10 @@ import pytest
 from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
 
 from campaign.folder import RunFolder
+from campaign.task import Stopped
 from campaign.trajectory import read_tables, read_trajectory
 from silo2d import protocol
 from silo2d.case import SiloCase
-from silo2d.discharge import Stopped
 
 # Of the machine, not of the grains.
 COSTS = {"cpu_s", "cpu_us_per_step"}

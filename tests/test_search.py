@@ -13,9 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import LEVEL, SPHERORADIUS, block, launch, simulation_of, wall
 
+from campaign.task import SimulationError
 from silo2d import state
 from silo2d.shape import load_shapes
-from silo2d.simulation import Simulation, SimulationError
+from silo2d.simulation import Simulation
 
 SHAPES = load_shapes("wood19").shapes
 BAR = wall(0.3, half_length=6e-3, through=(0.0, LEVEL))  # its ends are corners among the grains

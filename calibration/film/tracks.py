@@ -10,7 +10,7 @@ from calibration.film.reader import Film
 from calibration.film.region import Region
 from calibration.film.search import Notes, Search
 from calibration.film.stamps import clean_stamps
-from calibration.track import Array, Track
+from calibration.track import Array, Look, Track
 
 _MOVES = 1.0  # px of the picture measured in, from which the camera's motion is taken off
 _FEWEST = 8  # positions of a track
@@ -56,7 +56,10 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     radius = np.sqrt(area[kept] * fx * fy / np.pi)
     frame = np.array([path.frames[k] for k in kept], dtype=float)
     repeated = tuple(float(path.frames[k]) for k in kept if not path.blobs[k].changed)
-    return Track(frame, x, y, None, covariance, radius=radius, repeated=repeated)
+    colour = np.array([one.colour for one in blobs]).reshape(-1, 3)
+    behind = np.array([one.behind for one in blobs]).reshape(-1, 3)
+    look = Look(*(np.median(one, axis=0) for one in (colour, behind))) if blobs else None
+    return Track(frame, x, y, None, covariance, radius=radius, look=look, repeated=repeated)
 
 
 def _usual(area: Array) -> np.ndarray:

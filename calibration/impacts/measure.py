@@ -10,7 +10,7 @@ from calibration.impacts.onset import edge_of
 from calibration.impacts.power import onsets_of
 from calibration.impacts.ratios import Restitution, first_restitution, restitution
 from calibration.impacts.search import RISE, WINDOW, Search, search
-from calibration.impacts.sequence import bouncing
+from calibration.impacts.sequence import bouncing, strangers
 from calibration.impacts.shape import with_shape
 from calibration.signals import Signal, read_signal
 from contact.quantity import InputError
@@ -90,11 +90,7 @@ def measure_signal(
         )
     found = search(signal, _checked(window, signal))
     starts, ends = found.begins * found.block, found.peaks * found.block
-    chosen = bouncing(starts / signal.rate, found.level[found.peaks])
-    remarks = list(signal.remarks) + _clipped(signal)
-    if not chosen:
-        chosen = list(range(len(starts)))
-        remarks += _no_row(signal.path, len(starts), drop_height)
+    chosen, believed, remarks = _row(found, signal, drop_height)
     clearest = _clearest(found)
     x, white = signal.channels[:, clearest], found.white[:, clearest]
     spans = [(int(starts[k]), int(ends[k])) for k in chosen]
@@ -102,8 +98,8 @@ def measure_signal(
     times = signal.start + np.array([one.time for one in onsets]) / signal.rate
     sigmas = with_shape(x, onsets) / signal.rate
     others = np.delete(starts, chosen) / signal.rate + signal.start
-    value, first = _restitution(times, sigmas, drop_height)
-    remarks += _remarks(value, first, others)
+    value, first = _restitution(times, sigmas, drop_height, believed)
+    remarks = [*remarks, *signal.remarks, *_clipped(signal), *_remarks(value, first, others)]
     return Impacts(
         signal, found, times, sigmas, tuple(map(float, others)), value, first, tuple(remarks)
     )
@@ -129,9 +125,28 @@ def _clipped(signal: Signal) -> list[str]:
     words = []
     for name, x in zip(signal.names, signal.channels.T, strict=True):
         full = np.abs(x) >= np.abs(x).max() * (1.0 - 1e-12)
-        if (full[2:] & full[1:-1] & full[:-2]).any():
+        if x.any() and (full[2:] & full[1:-1] & full[:-2]).any():
             words.append(f"{name}: {int(full.sum())} samples clipped at {np.abs(x).max():g}")
     return words
+
+
+def _row(
+    found: Search, signal: Signal, drop_height: float | None
+) -> tuple[list[int], bool, list[str]]:
+    """The events that are the impacts, whether they make a row, and what is to be said of it."""
+    times, levels = found.begins * found.block / signal.rate, found.level[found.peaks]
+    late = ["the signal begins within an event, which was left out"] if found.late else []
+    row = bouncing(times, levels)
+    if not row:
+        return list(range(len(times))), False, _no_row(signal.path, len(times), drop_height) + late
+    others = strangers(row, times, levels)
+    if len(others) < len(row) - 2:
+        return row, True, late
+    doubt = (
+        f"{len(others)} other events among the {len(row)} that would make a row are about as loud, "
+        "and may make it by chance: no restitution; cut the signal to one drop"
+    )
+    return row, False, [doubt, *late]
 
 
 def _no_row(path: Path, n: int, drop_height: float | None) -> list[str]:
@@ -150,12 +165,15 @@ def _no_row(path: Path, n: int, drop_height: float | None) -> list[str]:
 
 
 def _restitution(
-    times: NDArray[np.float64], sigmas: NDArray[np.float64], drop_height: float | None
+    times: NDArray[np.float64],
+    sigmas: NDArray[np.float64],
+    drop_height: float | None,
+    believed: bool,
 ) -> tuple[Restitution, float | None]:
     """The restitution of a row, and that of its first impact from the drop height."""
     first = None if drop_height is None else first_restitution(times[1] - times[0], drop_height)
     flights = np.diff(times)
-    if len(times) > 2 and (flights[1:] < flights[:-1]).all():
+    if believed:
         return restitution(times, sigmas), first
     if len(times) == 2 and first is not None:
         relative = np.hypot(*sigmas) / flights[0]

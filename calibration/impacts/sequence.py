@@ -17,6 +17,7 @@ LOUDER = 6.0  # [dB] that an impact may be louder than the one before, on anothe
 _STEEPEST = 3.0  # largest power of the impact speed with which the amplitude goes
 LEAST, MOST = 0.05, 1.0  # of a ratio of two flights that is taken for a restitution
 _SAME = 0.03  # of the shortest flight: how far an echo's row may be from the impacts' in step
+_FAINTER = 3.0  # [dB] by which an echo is weaker than its impact, at least: 70 % of the amplitude
 _CHANCE = 5e-3  # below which events in step are echoes, and not there by chance
 _NEAR = 2e-3  # [s] how far echoes may be from in step with their impacts
 _MOST_CANDIDATES = 60  # the strongest; the search takes the cube of it
@@ -35,6 +36,25 @@ def bouncing(times: ArrayLike, levels: ArrayLike) -> list[int]:
         if echo is None:
             return [int(kept[k]) for k in row]
         kept, t, weight = (np.delete(of_all, echo) for of_all in (kept, t, weight))
+
+
+def strangers(row: list[int], times: ArrayLike, levels: ArrayLike) -> list[int]:
+    """Events (of times (m,) [s] and levels (m,) [dB]) that the row of one body does not explain.
+
+    Between impacts a body flies: an event there that is about as loud as the impact before it is
+    no echo. One flight before the row and behind it counts, too. A row of n impacts has n - 2
+    ratios, of which the first fits any three events: with as many strangers it may be chance.
+    """
+    t, level = np.asarray(times, float), np.asarray(levels, float)
+    flights = np.diff(t[row])
+    first = t[row[0]] - flights[0] ** 2 / flights[1]  # where an impact before it would have been
+    last = t[row[-1]] + flights[-1]
+    found = []
+    for k in np.flatnonzero((t > first) & (t < last)):
+        before = max((member for member in row if member < k), default=row[0])
+        if k not in row and level[k] > level[before] - _FAINTER:
+            found.append(int(k))
+    return found
 
 
 def _is_echo(
