@@ -118,7 +118,7 @@ def _quoted(line: str, separator: str, where: str) -> list[str]:
 
 def _spaced_words(rows: list[Row], lines: Sequence[str]) -> list[Row]:
     """Rows between spaces, the words cut to as many fields as most lines have numbers."""
-    widths = [len(fields) for _, fields in rows if all(map(is_number, fields))]
+    widths = [len(fields) for _, fields in rows if any(map(is_number, fields))]
     if not widths:
         return rows
     width = max(set(widths), key=widths.count)

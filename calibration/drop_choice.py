@@ -11,6 +11,7 @@ from calibration.track import Track
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError
 
+_FEWEST = 8  # positions of a drop
 _TOGETHER = 1.0  # frames: contacts of a thing and of its shadow or reflection
 
 
@@ -40,12 +41,38 @@ def the_one_that_bounces(
     if len(found) > 1:
         raise InputError(f"{where}{_several(found)}")
     _refuse_what_is_no_restitution(found[0].pooled, where)
-    return found[0]
+    return replace(found[0], warnings=[*found[0].warnings, *_other_drops(found[0])])
+
+
+def _other_drops(found: Bounces) -> list[str]:
+    """A warning for each drop of the same track before or after the flights that were used.
+
+    It falls farther than the last flight used went up: else it is the end of the same drop.
+    """
+    used = found.base.rows[np.concatenate(found.flights.rows)]
+    last = found.base.rows[found.flights.rows[-1]]
+    least = float(np.ptp(found.track.y[last]))
+    said = []
+    for rows in (np.arange(used.min()), np.arange(used.max() + 1, len(found.track.frame))):
+        if len(rows) < _FEWEST or np.ptp(found.track.y[rows]) < least:
+            continue
+        try:
+            other = find_bounces(found.track.chosen(rows))
+        except InputError:
+            continue
+        e, first = other.pooled, _frames(other)[0]
+        said.append(
+            f"another drop of the same thing, from its contact at frame {first:.0f} on, has "
+            f"{e.value:.4f} +- {e.sigma or 0.0:.1g}: not used; cut the recording to measure it"
+        )
+    return said
 
 
 def _refuse_what_falls_sideways(tracks: list[Track], where: str) -> None:
     """InputError where a thing bounces along x."""
     for track in tracks:
+        if np.ptp(track.y) > np.ptp(track.x):
+            continue
         try:
             found = find_bounces(replace(track, x=track.y, y=track.x, covariance=None))
         except InputError:

@@ -15,11 +15,12 @@ from contact.quantity import InputError, is_unit
 
 _LIKE_A_NUMBER = re.compile(r"[-+.,]?\d")
 _LOOKED_AT = 200  # lines among which the numbers begin
-_SUMMARY = (  # what spreadsheets call the lines that they make of those above
+_MEANS = {  # what spreadsheets call the lines that they make of others,
     "mean", "average", "mittelwert", "mittel", "durchschnitt", "moyenne", "media", "ø", "median",
-    "sd", "std", "stdev", "std dev", "stdabw", "standardabweichung", "s", "sum", "summe", "total",
-    "min", "max", "cv", "rsd",
-)  # fmt: skip
+    "sd", "std", "stdev", "std dev", "std. dev", "stdabw", "standardabweichung", "sum", "summe",
+    "total", "cv", "rsd",
+}  # fmt: skip
+_BESIDE = {"min", "max", "minimum", "maximum", "n", "count", "anzahl"}  # and beside these
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ def layout(rows: Sequence[Row], where: str) -> Layout:
         begin = 1  # no numbers at all: who reads the columns says so
         if len(rows) == 1:
             raise InputError(f"{where}: no line below the head {', '.join(rows[0][1])!r}")
-    body, below = _without_tail(rows[begin:], counts)
+    body, below = _parted(rows[begin:], counts)
     above = [fields for _, fields in rows[:begin]]
     head, units, spare = _head(above, len(counts))
     width = len(head) if head else len(body[0][1])
@@ -55,7 +56,7 @@ def layout(rows: Sequence[Row], where: str) -> Layout:
     names, units_of = _named(head, units, where)
     told = [f"{where}: {len(spare)} lines above the head left out"] if any(map(any, spare)) else []
     told += [
-        f"{where}: line {line} left out, which holds no more numbers of the table: "
+        f"{where}: line {line} left out, a note or made from other lines: "
         f"{' '.join(filter(None, fields))[:60]!r}"
         for line, fields in below
         if any(fields)
@@ -97,12 +98,22 @@ def _is_data(fields: Sequence[str], counted: Sequence[int]) -> bool:
     return 2 * words < len(held) and any(map(is_number, held))
 
 
-def _without_tail(rows: Sequence[Row], counted: Sequence[int]) -> tuple[list[Row], list[Row]]:
-    """The lines of numbers, and those below: words, and means that a spreadsheet made."""
+def _parted(rows: Sequence[Row], counted: Sequence[int]) -> tuple[list[Row], list[Row]]:
+    """The lines of numbers, and those of words below, and of means that a spreadsheet made."""
     end = len(rows)
-    while end > 1 and (_is_note(rows[end - 1][1], counted) or _is_summary(rows, end)):
+    while end > 1 and _is_note(rows[end - 1][1], counted):
         end -= 1
-    return list(rows[:end]), list(rows[end:])
+    labels = [_label(fields) for _, fields in rows[:end]]
+    made = _MEANS | _BESIDE if _MEANS.intersection(labels) else set()
+    kept = [row for row, label in zip(rows[:end], labels, strict=True) if label not in made]
+    spare = [row for row, label in zip(rows[:end], labels, strict=True) if label in made]
+    return kept, spare + list(rows[end:])
+
+
+def _label(fields: Sequence[str]) -> str:
+    """The first word of a line."""
+    word = next((field for field in fields if field and number(field) is None), "")
+    return word.strip(" :.=").lower()
 
 
 def _is_note(fields: Sequence[str], counted: Sequence[int]) -> bool:
@@ -110,15 +121,6 @@ def _is_note(fields: Sequence[str], counted: Sequence[int]) -> bool:
     held = [field for field in _at(fields, counted) if not is_missing(field)]
     slips = any(map(_LIKE_A_NUMBER.match, held))
     return not any(fields) or (bool(held) and not slips and not _is_data(fields, counted))
-
-
-def _is_summary(rows: Sequence[Row], end: int) -> bool:
-    """Whether the last line is called a mean or the like, as no line above it is."""
-    fields = rows[end - 1][1]
-    k = next((k for k, field in enumerate(fields) if field and number(field) is None), None)
-    if k is None or fields[k].strip(" :.=").lower() not in _SUMMARY:
-        return False
-    return not any(k < len(others) and others[k] == fields[k] for _, others in rows[: end - 1])
 
 
 def _head(

@@ -42,6 +42,11 @@ def metres_per_pixel(text: str, field: str = "--scale") -> float:
     return scale
 
 
+def six_digits(value: float) -> float | None:
+    """A number for a table or an object, to six digits: more than is known; None for NaN."""
+    return float(f"{value:.6g}") if math.isfinite(value) else None
+
+
 def plus_minus(value: float, sigma: float | None) -> str:
     """A value and its uncertainty for a person: sigma to two digits, the value as far as it."""
     if not sigma or not math.isfinite(sigma):

@@ -145,6 +145,8 @@ def _called(table: Table, name: str) -> str | None:
     """The column of a name, alone or with a unit of time behind it: time, time_ms."""
     if not table.has(name, "s"):
         return None
+    if table.has(name) and name not in map(str.lower, table.columns):
+        table.column(name, "s", "s")  # says which of its fields is no number
     low = [key for key in table.columns if key.lower() == name]
     return next(iter([*low, *(k for k in table.columns if k.lower().startswith(f"{name}_"))]), None)
 

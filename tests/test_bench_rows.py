@@ -137,6 +137,17 @@ def test_a_merged_cell_names_all_trials_beside_it(tmp_path):
     assert any("4 empty fields of pairing" in words for words in found["remarks"])
 
 
+def test_trials_that_do_not_differ_tell_no_sigma(tmp_path):
+    """Three readings of 20 deg to the degree are not exact: 1 deg wide, sigma 1/sqrt(12) deg."""
+    table = write(tmp_path / "t.csv", "angle_deg", [[20, 20, 20]])
+    found = calibrate("incline", table, "--json").json["friction"]
+    assert found["sigma"] is None
+    assert any("too coarse" in words for words in found["remarks"])
+    known = calibrate("incline", table, "--instrument", "angle=0.29 deg", "--json").json["friction"]
+    slope = math.radians(0.29) / math.cos(math.radians(20)) ** 2
+    assert known["sigma"] == pytest.approx(slope, rel=1e-4)
+
+
 def test_radians_called_degrees_are_doubted(tmp_path):
     said = calibrate("incline", write(tmp_path / "t.csv", "angle_deg", [[0.36, 0.37]])).out
     assert "if they are in radians" in said

@@ -135,7 +135,7 @@ def test_words_above_and_below_the_numbers_are_left_out_and_told(
     assert {name: list(column) for name, column in table.columns.items()} == _NUMBERS_OF_3
     assert table.units["angle"] == "°"
     assert any("above the head" in words for words in table.remarks)
-    assert sum("no more numbers" in words for words in table.remarks) == (2 if below else 0)
+    assert sum("a note or made from" in words for words in table.remarks) == (2 if below else 0)
 
 
 def test_a_slip_among_the_numbers_or_at_their_end_is_no_note(tmp_path):
@@ -145,6 +145,20 @@ def test_a_slip_among_the_numbers_or_at_their_end_is_no_note(tmp_path):
                 table_of(tmp_path, text).column("angle", "1")
     table = table_of(tmp_path, "angle [deg];a\n\N{MINUS SIGN}20,8;A\n21,3;B\n")
     assert list(table.columns["angle"]) == [-20.8, 21.3]  # and not a line of units
+
+
+def test_means_between_the_trials_are_no_trials(tmp_path):
+    text = "pairing,angle [deg]\nA,20\nA,22\nMean:,21\nMax,22\nB,23\nB,25\nmean,24\nSD,1.4\n"
+    table = table_of(tmp_path, text)
+    assert list(table.columns["angle"]) == [20, 22, 23, 25]
+    assert len(table.remarks) == 4
+    table = table_of(tmp_path, "load,angle [deg]\nmin,20\nmax,22\n")  # groups, not made of others
+    assert list(table.columns["angle"]) == [20, 22]
+
+
+def test_a_head_and_labels_stand_between_spaces(tmp_path):
+    table = table_of(tmp_path, "angle [deg]  pairing\n20.1  A\n21.2  B\n")
+    assert (table.units["angle"], table.labels("pairing")) == ("deg", ("A", "B"))
 
 
 def test_what_spreadsheets_write_besides(tmp_path):

@@ -179,7 +179,9 @@ def _tables(
         if not kept.any():
             raise InputError(f"{path}: no row in which {', '.join(columns)} is there")
         if not kept.all():
-            remarks.append(f"{path}: {n - kept.sum()} of {n} rows left out: a field is empty")
+            remarks.append(
+                f"{path}: {n - kept.sum()} of {n} rows left out: a field is empty or not finite"
+            )
         yield table, columns, kept
 
 

@@ -61,7 +61,7 @@ def follow(
     if not tracks and len(notes.junk) + len(notes.views) > len(notes.numbers) / 4:
         raise InputError(
             f"{film.path}: the picture changes as a whole again and again (lamps that flicker in "
-            "bands, a camera that moves, cuts): nothing can be followed"
+            "bands, a camera that moves, cuts, noise): nothing can be followed"
         )
     if not tracks:
         raise InputError(f"{film.path}: nothing moves in {len(notes.numbers)} frames")

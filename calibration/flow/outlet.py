@@ -56,7 +56,7 @@ class Opening:
             self.clock = self._start()
 
     def _start(self) -> Estimate:
-        """Where the fall begins by its series; between two frames if there are few."""
+        """Where the fall from rest begins; between two frames if it is seen in few."""
         t, s = np.array(self._falls).T
         if len(t) < _FEWEST:
             return self._between(self._still, t[0])

@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.impacts.chance import doubt
 from calibration.impacts.onset import edge_of
 from calibration.impacts.power import onsets_of
 from calibration.impacts.ratios import Restitution, first_restitution, restitution
 from calibration.impacts.search import RISE, WINDOW, Search, search
-from calibration.impacts.sequence import bouncing, strangers
+from calibration.impacts.sequence import bouncing
 from calibration.impacts.shape import with_shape
 from calibration.signals import Signal, read_signal
 from contact.quantity import InputError
@@ -90,19 +91,32 @@ def measure_signal(
         )
     found = search(signal, _checked(window, signal))
     starts, ends = found.begins * found.block, found.peaks * found.block
-    chosen, believed, remarks = _row(found, signal, drop_height)
+    row = bouncing(starts / signal.rate, found.level[found.peaks])
+    chosen = row or list(range(len(starts)))
+    problem = None if row else _no_row(signal.path, len(starts), drop_height)
+    events = starts / signal.rate
+    times, sigmas = _timed(signal, found, [(int(starts[k]), int(ends[k])) for k in chosen])
+    events[chosen] = times
+    if row:
+        problem = doubt(row, events, found.level[found.peaks])
+    others = np.delete(events, chosen) + signal.start
+    value, first = _restitution(times, sigmas, drop_height, problem is None)
+    remarks = [problem] if problem else []
+    remarks += [*signal.remarks, *_said(found, signal), *_remarks(value, first, others)]
+    return Impacts(
+        signal, found, times + signal.start, sigmas, tuple(map(float, others)), value, first,
+        tuple(remarks),
+    )  # fmt: skip
+
+
+def _timed(
+    signal: Signal, found: Search, spans: list[tuple[int, int]]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times (m,) [s] from the first sample and their sigmas, of events that rise in these spans."""
     clearest = _clearest(found)
     x, white = signal.channels[:, clearest], found.white[:, clearest]
-    spans = [(int(starts[k]), int(ends[k])) for k in chosen]
     onsets = onsets_of([edge_of(x, white, span, found.window) for span in spans])
-    times = signal.start + np.array([one.time for one in onsets]) / signal.rate
-    sigmas = with_shape(x, onsets) / signal.rate
-    others = np.delete(starts, chosen) / signal.rate + signal.start
-    value, first = _restitution(times, sigmas, drop_height, believed)
-    remarks = [*remarks, *signal.remarks, *_clipped(signal), *_remarks(value, first, others)]
-    return Impacts(
-        signal, found, times, sigmas, tuple(map(float, others)), value, first, tuple(remarks)
-    )
+    return np.array([one.time for one in onsets]) / signal.rate, with_shape(x, onsets) / signal.rate
 
 
 def _clearest(found: Search) -> int:
@@ -120,9 +134,9 @@ def _checked(window: float, signal: Signal) -> float:
     return window
 
 
-def _clipped(signal: Signal) -> list[str]:
-    """A warning where three samples running stand at the largest value."""
-    words = []
+def _said(found: Search, signal: Signal) -> list[str]:
+    """Warnings of a signal that begins within an event, and of three largest samples running."""
+    words = ["the signal begins within an event, which was left out"] if found.late else []
     for name, x in zip(signal.names, signal.channels.T, strict=True):
         full = np.abs(x) >= np.abs(x).max() * (1.0 - 1e-12)
         if x.any() and (full[2:] & full[1:-1] & full[:-2]).any():
@@ -130,26 +144,7 @@ def _clipped(signal: Signal) -> list[str]:
     return words
 
 
-def _row(
-    found: Search, signal: Signal, drop_height: float | None
-) -> tuple[list[int], bool, list[str]]:
-    """The events that are the impacts, whether they make a row, and what is to be said of it."""
-    times, levels = found.begins * found.block / signal.rate, found.level[found.peaks]
-    late = ["the signal begins within an event, which was left out"] if found.late else []
-    row = bouncing(times, levels)
-    if not row:
-        return list(range(len(times))), False, _no_row(signal.path, len(times), drop_height) + late
-    others = strangers(row, times, levels)
-    if len(others) < len(row) - 2:
-        return row, True, late
-    doubt = (
-        f"{len(others)} other events among the {len(row)} that would make a row are about as loud, "
-        "and may make it by chance: no restitution; cut the signal to one drop"
-    )
-    return row, False, [doubt, *late]
-
-
-def _no_row(path: Path, n: int, drop_height: float | None) -> list[str]:
+def _no_row(path: Path, n: int, drop_height: float | None) -> str:
     """What to say where no three events make a row; InputError for fewer than two events."""
     if n == 0:
         raise InputError(f"{path}: no impact: nothing rises by {RISE:g} dB out of the noise")
@@ -158,10 +153,10 @@ def _no_row(path: Path, n: int, drop_height: float | None) -> list[str]:
             f"{path}: one impact alone; a restitution needs three, one after the other"
         )
     if n > 2:
-        return [f"none of the {n} events make a row of shrinking flights: no restitution"]
+        return f"none of the {n} events make a row of shrinking flights: no restitution"
     if drop_height is None:
-        return ["two impacts make one flight: no restitution without a third or --drop-height"]
-    return ["two impacts: the restitution is that of the drop height and the one flight"]
+        return "two impacts make one flight: no restitution without a third or --drop-height"
+    return "two impacts: the restitution is that of the drop height and the one flight"
 
 
 def _restitution(

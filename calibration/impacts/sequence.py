@@ -17,9 +17,8 @@ LOUDER = 6.0  # [dB] that an impact may be louder than the one before, on anothe
 _STEEPEST = 3.0  # largest power of the impact speed with which the amplitude goes
 LEAST, MOST = 0.05, 1.0  # of a ratio of two flights that is taken for a restitution
 _SAME = 0.03  # of the shortest flight: how far an echo's row may be from the impacts' in step
-_FAINTER = 3.0  # [dB] by which an echo is weaker than its impact, at least: 70 % of the amplitude
 _CHANCE = 5e-3  # below which events in step are echoes, and not there by chance
-_NEAR = 2e-3  # [s] how far echoes may be from in step with their impacts
+NEAR = 2e-3  # [s] how far echoes may be from in step with their impacts
 _MOST_CANDIDATES = 60  # the strongest; the search takes the cube of it
 
 
@@ -38,25 +37,6 @@ def bouncing(times: ArrayLike, levels: ArrayLike) -> list[int]:
         kept, t, weight = (np.delete(of_all, echo) for of_all in (kept, t, weight))
 
 
-def strangers(row: list[int], times: ArrayLike, levels: ArrayLike) -> list[int]:
-    """Events (of times (m,) [s] and levels (m,) [dB]) that the row of one body does not explain.
-
-    Between impacts a body flies: an event there that is about as loud as the impact before it is
-    no echo. One flight before the row and behind it counts, too. A row of n impacts has n - 2
-    ratios, of which the first fits any three events: with as many strangers it may be chance.
-    """
-    t, level = np.asarray(times, float), np.asarray(levels, float)
-    flights = np.diff(t[row])
-    first = t[row[0]] - flights[0] ** 2 / flights[1]  # where an impact before it would have been
-    last = t[row[-1]] + flights[-1]
-    found = []
-    for k in np.flatnonzero((t > first) & (t < last)):
-        before = max((member for member in row if member < k), default=row[0])
-        if k not in row and level[k] > level[before] - _FAINTER:
-            found.append(int(k))
-    return found
-
-
 def _is_echo(
     member: int, row: list[int], t: NDArray[np.float64], weight: NDArray[np.float64]
 ) -> bool:
@@ -67,13 +47,13 @@ def _is_echo(
     from scipy.stats import binom
 
     outside = ~np.isin(np.arange(len(t)), row)  # flights near e = 1 are nearly in step themselves
-    chance = min(1.0, 2.0 * _NEAR * len(t) / (t[-1] - t[0]))  # of an event at a given time
+    chance = min(1.0, 2.0 * NEAR * len(t) / (t[-1] - t[0]))  # of an event at a given time
     for source in row[: row.index(member)]:
         delay = t[member] - t[source]
-        others = [k for k in row if k not in (member, source) and t[k] + delay < t[-1] + _NEAR]
+        others = [k for k in row if k not in (member, source) and t[k] + delay < t[-1] + NEAR]
         followed = [
             k for k in others
-            if (outside & (np.abs(t - t[k] - delay) < _NEAR) & (weight < weight[k])).any()
+            if (outside & (np.abs(t - t[k] - delay) < NEAR) & (weight < weight[k])).any()
         ]  # fmt: skip
         by_chance = binom.sf(len(followed) - 1, len(others), chance)
         if weight[member] < weight[source] and by_chance < _CHANCE:
