@@ -52,6 +52,7 @@ def layout(rows: Sequence[Row], where: str) -> Layout:
     body = _without_surplus(body, width)
     if not head:
         _refuse_data_as_head(body[0][1], where)
+        _refuse_half_a_head(rows[:begin], len(counts), where)
         head = [f"column {k + 1}" for k in range(width)]
     names, units_of = _named(head, units, where)
     told = [f"{where}: {len(spare)} lines above the head left out"] if any(map(any, spare)) else []
@@ -173,4 +174,15 @@ def _refuse_data_as_head(first: Sequence[str], where: str) -> None:
         raise InputError(
             f"{where}: a head is missing: the first line, {', '.join(first)!r}, holds data; write "
             "a line of names above it"
+        )
+
+
+def _refuse_half_a_head(above: Sequence[Row], counted: int, where: str) -> None:
+    """A head in another dialect than its numbers would be lost, and its units with it."""
+    words = [(line, ", ".join(filter(None, fields))) for line, fields in above if any(fields)]
+    if words:
+        line, said = words[-1]
+        raise InputError(
+            f"{where}: line {line}, {said[:60]!r}, stands above {counted} columns of numbers and "
+            "does not name them; write a line of names, or # before what is none"
         )

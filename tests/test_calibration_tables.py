@@ -197,6 +197,7 @@ def test_parts_of_a_head():
         ("a,a\n1,2\n", "two columns are called 'a'"),
         ("flat,1,2\nflat,3,4\n", "a head is missing"),
         ('a,b\n"1,234",2\n', "a comma in quotes may be decimal or mark thousands"),
+        ("time [ms];load [N]\n1.5,2\n2.5,3\n", "line 1, .* does not name them; write a line of"),
         ("a;b\n20.8°;c\n", "no column of numbers; line 2: a = '20.8°' is no number"),
         ("a;b\n1,5;2\n2.5;3\n", "decimal commas and decimal points"),
         (b"RIFF\x00\x01\x02", "not a text file"),

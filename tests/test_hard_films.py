@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hard_films import CASES
+from made_tracks import made_track
 
 from calibration.drop import measure_drop
 from calibration.film.light import gains, relit
@@ -128,6 +129,13 @@ def test_a_second_drop_of_the_same_ball_is_told(tmp_path):
     """It is carried back in half a second: longer than its flights, so no contact."""
     found = measured("carried back and dropped again", tmp_path)
     assert any("another drop" in said for said in found.warnings)
+
+
+@pytest.mark.parametrize(("fps", "told"), [(10, True), (100, False)])
+def test_a_fall_higher_than_a_room_is_told(fps, told):
+    """h = g t^2/2: a fall of 40.3 frames is 80 m at 10 frames/s, 0.8 m at 100."""
+    found = measure_drop(made_track([0.8] * 4).track, fps=fps)
+    assert any("slow motion" in said for said in found.warnings) == told
 
 
 @pytest.mark.parametrize(
