@@ -203,7 +203,15 @@ def test_last_grain_s_centroid_passes_half_its_length_before_its_end():
     """A grain of 10 px at 5 px/frame, last seen in frame 20: 20 + 1/2 - 1."""
     crossing = Crossing(grain=10.0)
     for frame in range(30):
-        crossing.see(frame, np.arange(40) < (8 if frame <= 20 else 0), 5.0)
+        crossing.see(frame, np.arange(40) < (8 if frame <= 20 else 0), np.full(9, 5.0))
+    assert crossing.last().value == pytest.approx(19.5)
+
+
+def test_a_tracer_that_creeps_out_after_the_last_grain_does_not_tell_its_speed():
+    """One of nine at a fiftieth of the speed: the median is the grain's."""
+    crossing = Crossing(grain=10.0)
+    crossing.see(20, np.full(8, True), np.full(9, 5.0))
+    crossing.see(90, np.full(8, False), np.array([0.1]))
     assert crossing.last().value == pytest.approx(19.5)
 
 

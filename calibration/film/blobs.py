@@ -107,7 +107,8 @@ def _part_of(difference: Picture, mask: Mask, outline: Outline) -> Candidate:
     x, y, w, h = cv2.boundingRect(outline)
     cut = np.s_[y : y + h, x : x + w]
     inside = mask[cut] & filled(outline, (x, y, w, h))
-    return Candidate((x, y, w, h), float(difference[cut][inside > 0].sum()), inside)
+    strength = cv2.sumElems(difference[cut] & inside)[0]
+    return Candidate((x, y, w, h), strength, inside)
 
 
 def _enlarged(one: Candidate, factor: int) -> Candidate:
@@ -140,7 +141,7 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
         _reduced(part, reduce, cv2.INTER_AREA) for part in (picture[cut], background[cut])
     )
     mask = _reduced(mask, reduce, cv2.INTER_NEAREST)
-    share, (colour, beneath), contrast, sigma = _shares(seen, behind, mask, noise / reduce)
+    share, (colour, beneath), contrast, square = _shares(seen, behind, mask, noise / reduce)
     if share is None:
         return None
     share = _of_what_is_near(share)
@@ -161,7 +162,7 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
         return None
     cx, cy = sums["m10"] / area, sums["m01"] / area
     ys, xs = np.nonzero((weight > 0) & (weight < 1))
-    edge = np.hypot(sigma[ys, xs], _UNEVEN) / (_HIGH - _LOW)
+    edge = np.hypot(noise / reduce / np.sqrt(square[ys, xs]), _UNEVEN) / (_HIGH - _LOW)
     lever = np.stack([xs - cx, ys - cy]) * edge / area
     (xx, xy), (_, yy) = (lever @ lever.T * reduce**2).tolist()
     inside = box[0] > 0 and box[1] > 0 and box[0] + box[2] < width and box[1] + box[3] < height
@@ -180,8 +181,8 @@ def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool
 
     x, y, w, h = (max(value, 0) for value in blob.box)
     cut = np.s_[y : y + h, x : x + w]
-    mean = np.mean(cv2.mean(cv2.absdiff(picture[cut], before[cut]))[:3])
-    return float(mean) > _NEW * noise
+    here = picture[cut]
+    return cv2.norm(here, before[cut], cv2.NORM_L1) > _NEW * noise * here.size
 
 
 def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate | None:
@@ -208,12 +209,9 @@ def _reduced(part: Picture, reduce: int, how: int) -> Picture:
 def _shares(
     seen: Picture, behind: Picture, mask: Mask, noise: float
 ) -> tuple[
-    NDArray[np.float64] | None,
-    tuple[NDArray[np.float64], NDArray[np.float64]],
-    float,
-    NDArray[np.float64],
-]:
-    """Share of the thing in each pixel, colours of it and behind it, its contrast, sigma of shares.
+    Channels | None, tuple[NDArray[np.float64], NDArray[np.float64]], float, Channels
+]:  # fmt: skip
+    """Share of the thing in each pixel, colours of it and behind it, contrast, its square by pixel.
 
     The colour is that of the pixels that differ nearly as much as any: a shadow differs less.
     Of a thing of several colours other parts count by how much they differ. Where the background
@@ -232,9 +230,11 @@ def _shares(
     square = _dot(towards, towards)
     contrast = float(np.sqrt(_median(square.ravel()[core])))
     least = (4 * noise) ** 2
-    share = np.where(square > least, _dot(away, towards) / np.maximum(square, least), 0)
-    share = np.maximum(share, size / max(contrast, np.sqrt(least)))  # things of several colours
-    return share, (colour, beneath), contrast, noise / np.sqrt(np.maximum(square, least))
+    known = square > least
+    np.maximum(square, least, out=square)
+    share = _dot(away, towards) / square * known
+    np.maximum(share, size / max(contrast, np.sqrt(least)), out=share)  # things of several colours
+    return share, (colour, beneath), contrast, square
 
 
 def _of_what_is_near(share: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -268,7 +268,7 @@ def _dot(a: Channels, b: Channels) -> Channels:
     return np.asarray(cv2.transform(cv2.multiply(a, b), _SUM), dtype=np.float32)
 
 
-def _body(share: NDArray[np.float64], mask: Mask) -> Mask | None:
+def _body(share: Channels, mask: Mask) -> Mask | None:
     """The largest connected part that is half the thing or more, without what is thin."""
     import cv2
 

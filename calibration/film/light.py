@@ -31,9 +31,15 @@ def _gain(levels: NDArray[np.uint8], before: NDArray[np.uint8]) -> float:
         return 1.0
     now, was = (one[rows].astype(np.float32) for one in (levels, before))
     ratio = now / was
-    off = np.abs(ratio - np.median(ratio))
-    near = np.asarray(off <= _ALIKE * np.median(off), dtype=np.float32)
+    off = np.abs(ratio - _middle(ratio))
+    near = np.asarray(off <= _ALIKE * _middle(off), dtype=np.float32)
     return float(now @ near) / float(was @ near)
+
+
+def _middle(values: NDArray[np.float32]) -> np.float32:
+    """The upper median; numpy's own costs several times more."""
+    half = len(values) // 2
+    return np.float32(np.partition(values, half)[half])
 
 
 def relit(picture: Picture, factors: NDArray[np.float64]) -> Picture:

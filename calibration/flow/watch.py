@@ -151,8 +151,8 @@ class Watch:
         apart = picture[part].astype(np.float32).mean(axis=0) - self.seen.last[part].mean(axis=0)
         now = self.tracers.place[:, 1]
         passing = (before < self.silo.outlet) & (now >= self.silo.outlet)
-        speed = float(np.median((now - before)[passing])) if passing.any() else np.nan
-        self.crossing.see(number, np.linalg.norm(apart, axis=1) > self._contrast, speed)
+        steps = (now - before)[passing].astype(float)
+        self.crossing.see(number, np.linalg.norm(apart, axis=1) > self._contrast, steps)
 
     def _seen_area(self, picture: Picture) -> tuple[float, float]:
         """Pixels of material in the silo, and the mean height of its free surface."""
