@@ -261,4 +261,6 @@ def test_green_ball_in_a_room_as_measured_by_others():
     assert found.bounces.times[1:3, 0] == pytest.approx([0.706, 0.719], abs=0.012)
     flights = np.diff(found.bounces.contacts[:4, 0]) / found.rate.value
     assert flights == pytest.approx([0.508, 0.359, 0.258], abs=0.004)
-    assert any("plate's level changes" in warning for warning in found.warnings)
+    # the path is seen in perspective: places are off by as much as the accelerations scatter, and
+    # the plate's level changes by less than three such sigma
+    assert any("do not share one acceleration" in warning for warning in found.warnings)

@@ -55,7 +55,11 @@ class Background:
         import cv2
 
         cv2.absdiff(picture, self.picture, self._away)
-        return _largest(self._away, self._planes)
+        away = _largest(self._away, self._planes)
+        if self._seen == 1 and self._frames == 0:  # before that nothing is known of the noise
+            self._spread[:] = _mean_of_quiet(away)
+            self._limit = None
+        return away
 
     def limit(self) -> Picture:
         """(h, w) difference that noise and a trembling of edges do not reach."""
@@ -80,9 +84,6 @@ class Background:
         """Take in a picture but for the things in it."""
         import cv2
 
-        if self._seen == 1:
-            self._spread[:] = _mean_of_quiet(difference)
-            self._limit = None
         self._seen += 1
         if self._seen < _MEMORY or self._seen % _LIMIT_FOR == 0:
             self._limit = None

@@ -4,7 +4,8 @@ A pixel that shows a share a of a thing and 1 - a of the background has the colo
 a = (I - B).(F - B)/|F - B|^2 (Smith and Blinn 1996, doi 10.1145/237170.237263), F the thing's own
 colour, is 1 inside, falls to 0 over the edge, or over the blur of motion, alike on either side: its
 centroid is the place of the thing at the middle of the exposure. Shadows and reflections have small
-a and are cut off below a quarter; shading of the thing itself is cut off above three quarters.
+a and are cut off below a quarter. Shade on the thing itself makes a less, too, but not at its rim
+alone: a counts against the most that is seen within a few pixels.
 """
 
 from typing import Any, NamedTuple
@@ -19,6 +20,7 @@ from calibration.film.reader import Picture
 _LOW, _HIGH = 0.25, 0.75  # share of a thing from and to which a pixel counts in part
 _NEW = 1.13  # mean difference of two normal deviates, in their sigma
 _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
+_SHADED = 0.6  # share to which shade may bring the inside of a thing: shadows have less
 _CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
 _LARGEST = 0.2  # share of the picture: a thing and the place it left are half of _CUT
 _FEWEST = 3  # pixels of the difference that make a thing
@@ -142,6 +144,7 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
     share, (colour, beneath), contrast, square = _shares(seen, behind, mask, noise / reduce)
     if share is None:
         return None
+    share = _of_what_is_near(share)
     body = _body(share, mask)
     if body is None:
         return None
@@ -232,6 +235,18 @@ def _shares(
     share = _dot(away, towards) / square * known
     np.maximum(share, size / max(contrast, np.sqrt(least)), out=share)  # things of several colours
     return share, (colour, beneath), contrast, square
+
+
+def _of_what_is_near(share: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Shares of the most that a pixel shows within three: shade ends inside a thing, not its rim.
+
+    Without that the dark side of a lit thing counts less, and its place turns with its marks.
+    """
+    import cv2
+
+    smooth = cv2.blur(np.clip(share, 0, 1), (3, 3))
+    most = cv2.dilate(smooth, np.ones((7, 7), np.uint8))
+    return np.asarray(share / np.maximum(most, _SHADED))
 
 
 def _median(values: NDArray[Any]) -> NDArray[Any]:
