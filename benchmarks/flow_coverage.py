@@ -28,6 +28,8 @@ FILMS = {
         {"backing": (0.9, 0.9, 0.88), "paint": (0.5, 0.2, 0.1), "bare": (0.35, 0.5, 0.6)},
     ),
     "coarse": (Camera(120, blur=0.5, moments=2), {"lead": 0.08, "pixels": 220}),
+    "dim": (Camera(90, exposure=0.5, blur=1.2, noise=6.0, moments=5), {"lead": 0.11}),
+    "sharp": (Camera(300, exposure=0.1, blur=0.4, noise=1.0, moments=2), {"lead": 0.04}),
     "fine": (Camera(200, noise=2.0, moments=2), {"lead": 0.06, "pixels": 380}),
 }
 PIXELS = 290  # across the silo

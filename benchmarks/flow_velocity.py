@@ -59,7 +59,7 @@ def figure(field: object, true: TrueField, name: str) -> object:
                       label=label)  # fmt: skip
     fields.set(aspect="equal", xlabel="x [mm]", ylabel="height above the outlet [mm]",
                title=f"{name}, {field.start:.2g} to {field.end:.2g} s")  # fmt: skip
-    fields.margins(0.15)
+    fields.margins(0.15, 0.3)  # arrows begin at their places
     fields.legend(loc="lower left", bbox_to_anchor=(0, 1.08), ncols=2, fontsize=8)
     for got, known, label, colour in ((field.vx, true.vx, "along x", "#30638e"),
                                       (field.vy, true.vy, "along y", "#d1495b")):  # fmt: skip

@@ -44,6 +44,11 @@ def impact_of(
         for name, value in (("restitution", e), ("kn", stiffness), ("the mass", reduced))
         if value.sigma is None
     ]
+    if e.sigma is not None and not e.sigma < e.value <= 1 - e.sigma:
+        remarks.append(
+            f"restitution {e.value:g} +- {e.sigma:.2g} reaches beyond 0 or 1, where no contact is: "
+            "sigmas to first order say little of what follows"
+        )
     return Impact(e, stiffness, reduced, contacts, end, remarks)
 
 

@@ -1,4 +1,4 @@
-"""What the lines of a table mean: separator, fields, numbers, and the head with its units."""
+"""What the lines of a table are written in: separator, fields, numbers, names with their units."""
 
 import csv
 import re
@@ -11,8 +11,10 @@ Row = tuple[int, list[str]]  # number of the line, its fields
 _UNIT = re.compile(r"\s*\[(?P<unit>[^\]]*)\]"), re.compile(r"\s*\((?P<unit>[^)]*)\)")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+(?:[eE][-+]?[0-9]+)?")
 _SPACED_FIELD = re.compile(r'"[^"]*"|\S+')
-_LOOKED_AT = 50  # lines that tell the separator
+_SEPARATOR_LINE = re.compile(r'"?sep=(?P<separator>.)"?')  # what Excel reads and writes on top
+_LOOKED_AT = 50  # lines at either end that tell the separator
 _MISSING = ("", "nan", "na", "n/a", "null", "none")
+_SHEET_ERROR = re.compile(r"#(?:N/A|NV|[A-ZÄÖÜ0/]+[!?])")  # #DIV/0!, #WERT!: no value there
 
 
 def rows(text: str, where: str) -> list[Row]:
@@ -23,15 +25,17 @@ def rows(text: str, where: str) -> list[Row]:
     lines = [
         (number, line)
         for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
+        if line.strip() and (line.lstrip()[0] != "#" or _SHEET_ERROR.match(line.lstrip()))
     ]
+    said = _SEPARATOR_LINE.fullmatch(lines[0][1].strip()) if lines else None
+    lines = lines[1:] if said else lines
     if not lines:
         raise InputError(f"{where}: empty")
-    separator = _separator([line for _, line in lines[:_LOOKED_AT]])
+    told = [line for _, line in lines]
+    ends = told[:_LOOKED_AT] + told[_LOOKED_AT:][-_LOOKED_AT:]
+    separator = said["separator"] if said else _separator(ends)
     read = [(number, _fields(line, separator, where, number)) for number, line in lines]
-    if not separator:
-        read[0] = lines[0][0], _spaced_head(lines[0][1], len(read[-1][1]))
-    return read
+    return read if separator else _spaced_words(read, told)
 
 
 def number(field: str) -> float | None:
@@ -41,9 +45,20 @@ def number(field: str) -> float | None:
     try:
         return float(field)
     except ValueError:
-        if field.lower() in _MISSING:
+        if is_missing(field):
             return float("nan")
+        field = field.replace("\N{MINUS SIGN}", "-")
         return float(field.replace(",", ".")) if _DECIMAL_COMMA.fullmatch(field) else None
+
+
+def is_missing(field: str) -> bool:
+    """Whether a field says that there is no number: empty, "n/a", an error of a spreadsheet."""
+    return field.lower() in _MISSING or _SHEET_ERROR.fullmatch(field) is not None
+
+
+def is_number(field: str) -> bool:
+    """Whether a field holds a number; an empty one does not."""
+    return not is_missing(field) and number(field) is not None
 
 
 def name_and_unit(field: str) -> tuple[str, str]:
@@ -55,40 +70,6 @@ def name_and_unit(field: str) -> tuple[str, str]:
     return field.strip(), ""
 
 
-def head(rows: list[Row], where: str) -> tuple[list[str], dict[str, str], list[Row]]:
-    """Names, unit of each, and the rows below; a table without a head has "column 1" and so on.
-
-    A second line without a number, above numbers, holds units: "(mm)", "mm". Raises InputError
-    where the head is missing above text, a name stands twice, or nothing stands below.
-    """
-    first = rows[0][1]
-    if any(map(_is_number, first)) and all(number(field) is not None for field in first):
-        rows = _without_surplus(rows, len(first))
-        return [f"column {k + 1}" for k in range(len(first))], _no_units(len(first)), rows
-    if len(rows) == 1:
-        raise InputError(f"{where}: no line below the head {', '.join(first)!r}")
-    body = _without_surplus(rows[1:], len(first))
-    _refuse_data_as_head(first, body[0][1], where)
-    below: list[str] = []
-    if len(body) > 1 and _are_units(body[0][1], body[1][1]):
-        below, body = body[0][1], body[1:]
-    names, units = _named(first, below, where)
-    return names, units, body
-
-
-def _named(
-    first: Sequence[str], below: Sequence[str], where: str
-) -> tuple[list[str], dict[str, str]]:
-    units: dict[str, str] = {}
-    for k, field in enumerate(first):
-        name, unit = name_and_unit(field)
-        name = name or f"column {k + 1}"
-        if name in units:
-            raise InputError(f"{where}: two columns are called {name!r}")
-        units[name] = unit or (below[k].strip("[]() ") if k < len(below) else "")
-    return list(units), units
-
-
 def _separator(lines: Sequence[str]) -> str:
     """Tab or semicolon where most lines have it, a comma that is no decimal one, else spaces.
 
@@ -96,8 +77,7 @@ def _separator(lines: Sequence[str]) -> str:
     """
 
     def most(separator: str) -> bool:
-        share = sum(separator in line for line in lines) / len(lines)
-        return separator in lines[0] and share > 0.5
+        return sum(separator in line for line in lines) > 0.5 * len(lines)
 
     for separator in ("\t", ";"):  # text holds tabs least of all
         if most(separator):
@@ -136,6 +116,18 @@ def _quoted(line: str, separator: str, where: str) -> list[str]:
     return parts
 
 
+def _spaced_words(rows: list[Row], lines: Sequence[str]) -> list[Row]:
+    """Rows between spaces, the words cut to as many fields as most lines have numbers."""
+    widths = [len(fields) for _, fields in rows if any(map(is_number, fields))]
+    if not widths:
+        return rows
+    width = max(set(widths), key=widths.count)
+    return [
+        row if any(map(is_number, row[1])) else (row[0], _spaced_head(line, width))
+        for row, line in zip(rows, lines, strict=True)
+    ]
+
+
 def _spaced_head(line: str, width: int) -> list[str]:
     """A head above `width` fields between spaces, where names and units may hold spaces too."""
     choices = [
@@ -144,36 +136,3 @@ def _spaced_head(line: str, width: int) -> list[str]:
         re.split(r"\s+(?![\[(])", line.strip()),
     ]
     return next((choice for choice in choices if len(choice) == width), choices[0])
-
-
-def _without_surplus(rows: list[Row], width: int) -> list[Row]:
-    """Rows without the empty fields that separators at the end of a line make."""
-    for _, fields in rows:
-        while len(fields) > width and not fields[-1]:
-            fields.pop()
-    return rows
-
-
-def _refuse_data_as_head(first: Sequence[str], second: Sequence[str], where: str) -> None:
-    kinds = [_is_number(field) for field in first]
-    if any(kinds) and kinds == [_is_number(field) for field in second]:
-        raise InputError(
-            f"{where}: a head is missing: the first line, {', '.join(first)!r}, holds data; write "
-            "a line of names above it"
-        )
-
-
-def _are_units(fields: Sequence[str], below: Sequence[str]) -> bool:
-    """Whether no field is a number, and one that says something stands above a number."""
-    return not any(_is_number(field) for field in fields) and any(
-        field and _is_number(under) for field, under in zip(fields, below, strict=False)
-    )
-
-
-def _is_number(field: str) -> bool:
-    """Whether a field holds a number; an empty one does not."""
-    return field.lower() not in _MISSING and number(field) is not None
-
-
-def _no_units(width: int) -> dict[str, str]:
-    return {f"column {k + 1}": "" for k in range(width)}

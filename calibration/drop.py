@@ -4,16 +4,16 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from calibration.drag import with_drag
 from calibration.drop_choice import the_one_that_bounces
 from calibration.drop_fall import with_free_fall
 from calibration.drop_result import Drop
+from calibration.film.rate import said_rate
 from calibration.film.reader import Told, is_film, open_film
 from calibration.quantity import metres_per_pixel
 from calibration.track import Track
 from calibration.track_table import read_tracks
 from contact.quantity import InputError
-
-_SLOWEST, _FASTEST = 1.0, 1e6  # frames/s: a bounce within 20 m has four; cameras reach a million
 
 
 def measure_drop(
@@ -44,13 +44,9 @@ def measure_drop(
     """
     where = f"{source}: " if isinstance(source, str | Path) else ""
     length = _metres(scale)
-    if fps is not None and not _SLOWEST <= fps <= _FASTEST:
-        raise InputError(
-            f"--fps = {fps!r}: frames per second of the camera, from {_SLOWEST:g} to {_FASTEST:g}, "
-            "such as 240"
-        )
+    fps = said_rate(fps)
     tracks, header = _tracks(source, roi, hint, progress)
-    found = the_one_that_bounces(tracks, track, one_bounce, where)
+    found = with_drag(the_one_that_bounces(tracks, track, one_bounce, where))
     if length is not None and found.track.scale is not None:
         raise InputError(f"{where}--scale: the unit of y stands in the table's head already")
     drop = with_free_fall(found, fps, found.track.scale if length is None else length, header)

@@ -1,12 +1,17 @@
 """Which of the things that were followed is the one that a drop test is about."""
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 
 from calibration.bounce import Bounces, find_bounces
+from calibration.companions import is_shown_twice
 from calibration.track import Track
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError
 
+_FEWEST = 8  # positions of a drop
 _TOGETHER = 1.0  # frames: contacts of a thing and of its shadow or reflection
 
 
@@ -30,13 +35,53 @@ def the_one_that_bounces(
         except InputError as error:
             failures.append((_range(track), error))
     if not found:
+        _refuse_what_falls_sideways(tracks, where)
         raise InputError(f"{where}{max(failures, key=lambda failure: failure[0])[1]}")
     found = _without_companions(found)
     if len(found) > 1:
-        names = ", ".join(_named(one.track) for one in found)
-        raise InputError(f"{where}{len(found)} things bounce: choose one with --track ({names})")
+        raise InputError(f"{where}{_several(found)}")
     _refuse_what_is_no_restitution(found[0].pooled, where)
-    return found[0]
+    return replace(found[0], warnings=[*found[0].warnings, *_other_drops(found[0])])
+
+
+def _other_drops(found: Bounces) -> list[str]:
+    """A warning for each drop of the same track before or after the flights that were used.
+
+    It falls farther than the last flight used went up: else it is the end of the same drop.
+    """
+    used = found.base.rows[np.concatenate(found.flights.rows)]
+    last = found.base.rows[found.flights.rows[-1]]
+    least = float(np.ptp(found.track.y[last]))
+    said = []
+    for rows in (np.arange(used.min()), np.arange(used.max() + 1, len(found.track.frame))):
+        if len(rows) < _FEWEST or np.ptp(found.track.y[rows]) < least:
+            continue
+        try:
+            other = find_bounces(found.track.chosen(rows))
+        except InputError:
+            continue
+        e, first = other.pooled, _frames(other)[0]
+        said.append(
+            f"another drop of the same thing, from its contact at frame {first:.0f} on, has "
+            f"{e.value:.4f} +- {e.sigma or 0.0:.1g}: not used; cut the recording to measure it"
+        )
+    return said
+
+
+def _refuse_what_falls_sideways(tracks: list[Track], where: str) -> None:
+    """InputError where a thing bounces along x."""
+    for track in tracks:
+        if np.ptp(track.y) > np.ptp(track.x):
+            continue
+        try:
+            found = find_bounces(replace(track, x=track.y, y=track.x, covariance=None))
+        except InputError:
+            continue
+        side = "right" if found.flights.acceleration[0] > 0 else "left"
+        raise InputError(
+            f"{where}it falls to the {side}, along x, with a restitution of "
+            f"{found.pooled.value:.3f}: the recording is turned by 90 degrees; turn it upright"
+        )
 
 
 def _refuse_what_is_no_restitution(pooled: Estimate, where: str) -> None:
@@ -53,11 +98,11 @@ def _refuse_what_is_no_restitution(pooled: Estimate, where: str) -> None:
 
 
 def _without_companions(found: list[Bounces]) -> list[Bounces]:
-    """Those that do not bounce together with one that was seen in more places."""
+    """Those that are no shadow, reflection or part of one that was seen in more places."""
     in_order = sorted(found, key=lambda one: -sum(map(len, one.flights.rows)))
     kept: list[Bounces] = []
     for one in in_order:
-        if one.track.radius is None or not any(_together(one, other) for other in kept):
+        if not any(_together(one, other) and is_shown_twice(one, other) for other in kept):
             kept.append(one)
     return [one for one in found if any(one is other for other in kept)]
 
@@ -75,11 +120,25 @@ def _frames(found: Bounces) -> np.ndarray:
     return np.interp(found.contacts[:, 0], base.clock, found.track.frame[base.rows])
 
 
-def _named(track: Track) -> str:
-    """The name of a track and, in a film, where it begins."""
-    if track.radius is None:
-        return repr(track.name)
-    return f"{track.name!r} from {track.x[0]:.0f},{track.y[0]:.0f} px in frame {track.frame[0]:g}"
+def _several(found: list[Bounces]) -> str:
+    """What is said of more than one thing that bounces, with the value of each."""
+    first = [float(one.track.frame[0]) for one in found]
+    last = [float(one.track.frame[-1]) for one in found]
+    order = np.argsort(first)
+    after = all(first[k] > last[j] for j, k in pairwise(order))
+    what = "drops follow one another" if after else "things bounce"
+    film = found[0].track.radius is not None
+    ways = "--track, --at or --roi" if film else "--track"
+    return f"{len(found)} {what}: choose one with {ways} ({', '.join(map(_named, found))})"
+
+
+def _named(found: Bounces) -> str:
+    """The name of a track, where it begins in a film, and its restitution."""
+    track, e = found.track, found.pooled
+    told = f"{track.name!r}"
+    if track.radius is not None:
+        told += f" from {track.x[0]:.0f},{track.y[0]:.0f} px in frame {track.frame[0]:g}"
+    return f"{told}: {e.value:.3f} +- {e.sigma or 0.0:.1g}"
 
 
 def _range(track: Track) -> float:

@@ -12,7 +12,9 @@ import numpy as np
 from calibration.bounce import STANDARD_GRAVITY, Bounces
 from calibration.drop_result import Drop
 from calibration.uncertainty import Estimate, through
+from calibration.upright import not_upright
 
+_ROOM = 3.0  # m: laboratories drop things within a room
 _FAR = 0.05  # share by which g may miss before scale or rate is doubted
 
 
@@ -37,12 +39,13 @@ def with_free_fall(
     elif rate:
         length = through(lambda g, a, f: g / (a * f**2), STANDARD_GRAVITY, fall, rate)
         remarks.append("no scale: free fall gives it")
+        warnings += _too_high(found, rate, length)
     elif length:
         rate = through(lambda g, a, s: math.sqrt(g / (a * s)), STANDARD_GRAVITY, fall, length)
         remarks.append("no rate: free fall gives it")
     else:
         remarks.append("neither rate nor scale: times in frames, no speeds")
-    warnings += nearer(found)
+    warnings += nearer(found) + not_upright(found)
     header = found.track.rate if header is None else header
     return Drop(found, header, rate, length, gravity, tuple(remarks), tuple(warnings))
 
@@ -57,6 +60,18 @@ def _doubts(gravity: Estimate, rate: Estimate, scale: Estimate) -> list[str]:
         f"free fall gives g = {gravity.value:.4g} m/s2: with this scale the rate would be "
         f"{rate.value / math.sqrt(ratio):.4g} frames/s, with this rate the scale "
         f"{1e3 * scale.value / ratio:.4g} mm/px"
+    ]
+
+
+def _too_high(found: Bounces, rate: Estimate, scale: Estimate) -> list[str]:
+    """A warning where the fall would be higher than a room, as slow motion makes it."""
+    rows = np.concatenate(found.flights.rows)
+    height = float(np.ptp(found.track.y[found.base.rows[rows]])) * scale.value
+    if height < _ROOM:
+        return []
+    return [
+        f"at {rate.value:.4g} frames/s the fall would be {height:.3g} m high: if that is slow "
+        "motion, give the camera's rate with --fps; restitution does not need it"
     ]
 
 

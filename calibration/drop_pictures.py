@@ -20,7 +20,7 @@ def with_pictures(
     Raises FolderError where they cannot be written.
     """
     from calibration.drop_sheet import draw_sheet
-    from calibration.film.annotate import annotate, stills
+    from calibration.film.annotate import annotate
 
     if not isinstance(source, str | Path):
         name = f"drop-{drop.bounces.track.name or 'track'}"
@@ -29,12 +29,8 @@ def with_pictures(
     sheet = folder / f"drop-{name}.png"
     if not is_film(source):
         return replace(drop, sheet=draw_sheet(drop, sheet, name))
-    film = open_film(source)
-    return replace(
-        drop,
-        sheet=draw_sheet(drop, sheet, name, stills(drop, film)),
-        film=annotate(drop, film, folder / f"drop-{name}.mp4", progress),
-    )
+    film, pictures = annotate(drop, open_film(source), folder / f"drop-{name}.mp4", progress)
+    return replace(drop, sheet=draw_sheet(drop, sheet, name, pictures), film=film)
 
 
 def _name(path: Path) -> str:

@@ -49,10 +49,10 @@ class Drop:
         """
         if self.rate is None:
             return None
-        stamps = self.bounces.track.time
+        stamps, stamped = self.bounces.track.time, self.bounces.track.rate
         start = 0.0
-        if stamps is not None and self.rate_header:
-            start = float(stamps[0]) * self.rate_header / self.rate.value
+        if stamps is not None and stamped:
+            start = float(stamps[0]) * stamped / self.rate.value
         return start + (clock - self.bounces.track.clock[0]) / self.rate.value
 
     def as_json(self) -> dict[str, Any]:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def draw_sheet(drop: Drop, path: Path, name: str, pictures: Sequence[Still] = ()) -> Path:
     """Write the sheet of a drop test called `name` as a PNG; its path.
 
-    pictures   of the film, with what was measured drawn in: see calibration.film.annotate.stills
+    pictures   of the film, with what was measured drawn in: see calibration.film.annotate
     """
     return write_figure(path, lambda: _sheet(drop, name, pictures))
 

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration import shared_noise
 from calibration.rebound import contact_times
-from calibration.robust import for_correlation, robust_fit, run_left_out
+from calibration.robust import influence, robust_fit, run_left_out
 from calibration.track import Array, Rows
 from contact.quantity import InputError
 
 _REFUTED = 0.05  # p of a common acceleration below which the flights' own scatter about it
-_FEWEST = 4  # points of a flight
+_FEWEST = 3  # points of a flight: two tell its place and speed where others tell the fall
 
 
 @dataclass(frozen=True)
@@ -82,12 +83,13 @@ def _fit(t: Array, y: Array, rows: list[Rows], spread: Array | None) -> Flights:
     scatter = 0.0 if p is None or p >= _REFUTED else scatter_beyond_noise(own)
     mapping = _mapping(len(rows), scatter > 0)
     beta, covariance, residuals, weights, sigma = _on_rows(
-        _design(t, rows, centre) @ mapping, y, rows, spread, _lean(len(rows), scatter)
+        _design(t, rows, centre) @ mapping, t, y, rows, spread, _lean(len(rows), scatter)
     )
     acceleration = float(beta[-1]), float(np.sqrt(max(covariance[-1, -1], 0.0)))
+    covariance = mapping @ covariance @ mapping.T + _of_places_or_fall(t, rows, scatter)
     return Flights(
-        centre, (mapping @ beta).reshape(-1, 3), mapping @ covariance @ mapping.T, rows, residuals,
-        weights, sigma, acceleration, scatter, own, p,
+        centre, (mapping @ beta).reshape(-1, 3), covariance, rows, residuals, weights,
+        sigma, acceleration, scatter, own, p,
     )  # fmt: skip
 
 
@@ -97,15 +99,15 @@ def _own(
     """Acceleration of each flight alone with its sigma; p of one acceleration for all."""
     from scipy.stats import chi2
 
-    beta, covariance, *_ = _on_rows(_design(t, rows, centre), y, rows, spread)
+    beta, covariance, *_ = _on_rows(_design(t, rows, centre), t, y, rows, spread)
     own = np.stack([beta[2::3], np.sqrt(np.maximum(np.diag(covariance)[2::3], 1e-300))], axis=1)
-    if len(rows) < 2:
+    if len(rows) < 2 or sum(map(len, rows)) <= 3 * len(rows):  # nothing is left that shows noise
         return own, None
     return own, float(chi2.sf(chi_square(own), len(rows) - 1))
 
 
 def _on_rows(
-    design: Array, y: Array, rows: list[Rows], spread: Array, lean: Array | None = None
+    design: Array, t: Array, y: Array, rows: list[Rows], spread: Array, lean: Array | None = None
 ) -> tuple[Array, Array, Array, Array, float]:
     """Coefficients, covariance, residuals and weights of all points (NaN in no flight), scale.
 
@@ -114,14 +116,32 @@ def _on_rows(
     every = np.concatenate(rows)
     divided, least = design / spread[every, None], 0.0
     while True:
-        beta, covariance, kept, sigma = robust_fit(divided, y[every] / spread[every], lean, least)
+        beta, _, kept, sigma = robust_fit(divided, y[every] / spread[every], lean, least)
         residuals, weights = np.full(len(y), np.nan), np.full(len(y), np.nan)
         residuals[every], weights[every] = y[every] - design @ beta, kept
         if not any(run_left_out(residuals[one], weights[one]) for one in rows):
             break
         least = 1.5 * sigma
-    factor = for_correlation(residuals / spread, rows)
-    return beta, covariance * factor, residuals, weights, sigma
+    pulls = np.full(len(y), np.nan)
+    pulls[every] = influence(residuals[every] / spread[every], sigma)
+    noise = shared_noise.covariances(pulls, y, t, rows)
+    lean = np.empty((0, len(beta))) if lean is None else lean
+    covariance = shared_noise.of_parameters(divided, noise, lean)
+    return beta, covariance, residuals, weights, sigma
+
+
+def _of_places_or_fall(t: Array, rows: list[Rows], scatter: float) -> Array:
+    """(3m, 3m) variance of the coefficients from not knowing what the scatter of c2 is of.
+
+    It may be of the fall, or of places that are seen wrong over a whole flight (light, blur), which
+    residuals do not show. The two differ by c2 - a in c2, and by -(c2 - a) T^2/8 in c0: at the
+    plate neighbouring flights see the same place, with the same error, and still meet when they do.
+    """
+    extra = np.zeros((3 * len(rows), 3 * len(rows)))
+    for k, one in enumerate(rows):
+        way = scatter * np.array([-(np.ptp(t[one]) ** 2) / 8, 0.0, 1.0])
+        extra[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = np.outer(way, way)
+    return extra
 
 
 def chi_square(known: Array) -> float:

@@ -42,12 +42,19 @@ def metres_per_pixel(text: str, field: str = "--scale") -> float:
     return scale
 
 
+def six_digits(value: float) -> float | None:
+    """A number for a table or an object, to six digits: more than is known; None for NaN."""
+    return float(f"{value:.6g}") if math.isfinite(value) else None
+
+
 def plus_minus(value: float, sigma: float | None) -> str:
     """A value and its uncertainty for a person: sigma to two digits, the value as far as it."""
     if not sigma or not math.isfinite(sigma):
         return f"{value:.6g}"
     digits = 1 - math.floor(math.log10(sigma))
     if abs(digits) > 6:  # more zeros than anybody counts
-        return f"{value:.6g} +- {sigma:.2g}"
+        places = digits + math.floor(math.log10(abs(value))) + 1 if value else 1
+        known = f"{value:#.{max(1, min(places, 15))}g}".rstrip(".")
+        return f"{known} +- {sigma:.2g}"
     shown = (f"{round(number, digits):.{max(digits, 0)}f}" for number in (value, sigma))
     return " +- ".join(shown)

@@ -59,6 +59,17 @@ def _variance(residual: Array, sigma: float, p: int) -> float:
     return float(correction**2 * np.sum(psi**2) / max(n - p, 1) / np.mean(slope) ** 2)
 
 
+def influence(residual: Array, sigma: float) -> Array:
+    """What each residual does to the coefficients: those that least squares would see so.
+
+    psi/mean(psi'); their variance is that of the covariance of robust_fit.
+    """
+    u = residual / (_TUKEY * sigma)
+    inside = np.abs(u) < 1
+    slope = np.where(inside, (1 - u**2) * (1 - 5 * u**2), 0.0)
+    return np.asarray(np.where(inside, residual * (1 - u**2) ** 2, 0.0) / np.mean(slope))
+
+
 def for_correlation(residuals: Array, rows: list[Rows]) -> float:
     """A factor for variances where neighbouring residuals agree (pixel locking, smoothing).
 

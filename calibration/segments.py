@@ -151,8 +151,40 @@ def flights(t: Array, y: Array) -> tuple[list[tuple[int, int]], float | None]:
         else:
             chains.append([one])
     best = max(chains, key=lambda chain: (len(chain), sum(one.duration for one in chain)))
+    if len(best) == 2:
+        best = best + _short_flight(t, y, best, acceleration, sigma)
     ranges = [(one.i, one.j) for one in best]
     return _without_doubtful_ends(t, best, ranges, acceleration, sigma), acceleration
+
+
+def _short_flight(
+    t: Array, y: Array, chain: list[Stretch], acceleration: float, sigma: float
+) -> list[Stretch]:
+    """A third flight that is too short for a parabola of its own; in a list, empty without one.
+
+    Three points or more with the acceleration of the clip, within four of the sigma that the two
+    flights before show about it, which meet the last in a contact.
+    """
+    last, step = chain[-1], float(np.median(np.diff(t)))
+    off = np.concatenate([_off(t, y, one) for one in chain])
+    allowed = 4 * max(sigma, float(np.sqrt(np.mean(off**2))))
+    for i in range(last.j, min(last.j + 2, len(t))):  # a point may be within the contact
+        found = []
+        for j in range(i + _FEWEST - 1, len(t) + 1):
+            one = with_acceleration(t, y, _fitted(t, y, i, j, sigma), acceleration)
+            if np.abs(_off(t, y, one)).max() > allowed:
+                break
+            if _meets(last, one, acceleration, step):
+                found = [one]
+        if found:
+            return found
+    return []
+
+
+def _off(t: Array, y: Array, one: Stretch) -> Array:
+    """Of the points of a stretch from its parabola."""
+    s = t[one.i : one.j] - one.centre
+    return np.asarray(y[one.i : one.j] - np.stack([s**0, s, s**2 / 2], axis=1) @ one.coefficients)
 
 
 def _without_doubtful_ends(
@@ -206,7 +238,12 @@ def place(one: Stretch, time: float) -> float:
 
 
 def _meets(last: Stretch, one: Stretch, acceleration: float, step: float) -> bool:
-    """Whether two parabolas meet in a contact between them, where the velocity turns."""
+    """Whether two parabolas meet in a contact between them, where the velocity turns.
+
+    Where it was seen in more places between them than in either, it did something else there.
+    """
+    if one.i - last.j > max(last.j - last.i, one.j - one.i):
+        return False
     middle = (last.end + one.start) / 2
     jump = speed(one, middle) - speed(last, middle)
     if jump * acceleration >= 0:

@@ -1,17 +1,22 @@
 """Tones of force and acceleration in a record of a shaken enclosure."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.bench.sections import Input
 from calibration.signals import clock_of
 from calibration.tables import read_table
-from calibration.tones import amplitudes, strongest, tuned
+from calibration.tones import amplitudes, remainder, strongest, tuned
 from contact.quantity import InputError
 
+INPUTS = (
+    Input("force", "N", "of the shaker on the enclosure"),
+    Input("acceleration", "m/s2", "of the enclosure"),
+)
 BLOCKS = 16  # of a record, whose scatter gives sigma
 _STANDS_OUT = 10.0  # sigmas of its mean over blocks, for a tone that is shaken and not noise
 _LEAST_CYCLES = 2.0  # of the lowest tone, or the lowest difference of two, in a block
@@ -22,7 +27,8 @@ class Record:
     """Force [N] and acceleration [m/s2] at tones (k,) [Hz] in each of b blocks: (b, k) complex.
 
     shaken (k,) tells the tones that the shaker was given from their harmonics; samples (2, n) are
-    force and acceleration as read, `rate` [Hz] of them a second.
+    force and acceleration as read, `rate` [Hz] of them a second. left_out is the strongest steady
+    tone that is not among them, and the power [W] it could carry at most; None where there is none.
     """
 
     path: Path
@@ -32,6 +38,8 @@ class Record:
     shaken: NDArray[np.bool_]
     samples: NDArray[np.float64]
     rate: float
+    left_out: tuple[float, float] | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def mass(self) -> NDArray[np.complex128]:
@@ -45,14 +53,16 @@ def read_record(
     rate: float | None = None,
     frequencies: Sequence[float] = (),
     harmonics: int = 5,
+    columns: Mapping[str, str] | None = None,
 ) -> Record:
     """Tones in the columns 'force' and 'acceleration' of a table, their units in the head.
 
     frequencies [Hz] are those that the shaker was given (each is tuned to the signal); without
     any, the strongest line of the acceleration. Each is followed by its harmonics 2 to `harmonics`.
+    columns {"force": "Kraft [kN]"} are those that are called otherwise in the table.
     Raises InputError for a table without these columns, and a record too short for the tones.
     """
-    table = read_table(path)
+    table = read_table(path).renamed(columns or {})
     clock = clock_of(table, rate)
     force = _finite(path, "force", table.column("force", "N"))
     moved = _finite(path, "acceleration", table.column("acceleration", "m/s2"))
@@ -68,8 +78,30 @@ def read_record(
     for frequency in first:
         _check_tone(path, frequency, moves[:, int(np.argmin(np.abs(tones - frequency)))])
     forces = amplitudes(force, clock.rate, tones, BLOCKS)
-    samples = np.stack([force, moved])
-    return Record(Path(path), tones, forces, moves, np.isin(tones, first), samples, clock.rate)
+    return Record(
+        Path(path), tones, forces, moves, np.isin(tones, first), np.stack([force, moved]),
+        clock.rate, _left_out(force, moved, clock.rate, tones, forces, moves), clock.remarks,
+    )  # fmt: skip
+
+
+def _left_out(
+    force: NDArray[np.float64], moved: NDArray[np.float64], rate: float,
+    tones: NDArray[np.float64], forces: NDArray[np.complex128], moves: NDArray[np.complex128],
+) -> tuple[float, float] | None:  # fmt: skip
+    """The strongest steady tone that is left of the acceleration, and |F| |V|/2 there [W]."""
+    rest = remainder(moved, rate, tones, moves)
+    if not np.ptp(rest) > 0:
+        return None
+    frequency = strongest(rest, rate)
+    if frequency * len(rest) / BLOCKS / rate < _LEAST_CYCLES:
+        return None
+    tone = np.array([tuned(rest, rate, frequency, BLOCKS)])
+    sizes = amplitudes(rest, rate, tone, BLOCKS)
+    if abs(sizes.mean()) < _STANDS_OUT * float(sizes.std()) / np.sqrt(BLOCKS):
+        return None
+    push = amplitudes(remainder(force, rate, tones, forces), rate, tone, BLOCKS)
+    most = 0.5 * abs(push.mean()) * abs(sizes.mean()) / (2.0 * np.pi * float(tone[0]))
+    return float(tone[0]), float(most)
 
 
 def _with_harmonics(

@@ -23,6 +23,7 @@ from contact.quantity import InputError
 
 GRAVITY = 9.81  # [m/s2]
 _SAME = 0.01  # of a frequency: how far that of the empty enclosure may be from it
+_COUNTS = 1e-3  # of the power: a tone that could carry more is missed
 _KNOWN_PHASE = 0.1  # [rad] sigma above which the empty enclosure's tone is lost in noise
 
 
@@ -30,6 +31,7 @@ _KNOWN_PHASE = 0.1  # [rad] sigma above which the empty enclosure's tone is lost
 class Tone:
     """One line of the sum: amplitudes, the phase error taken off, its power.
 
+    phase_error_sigma and sigma_w are None where no record of the empty enclosure tells the error.
     efficiency of a tone that is shaken: P_k/f_k over 4 V_k^2 M (eqs 7.8, 6.10); None for harmonics,
     whose motion is an accident, and without a particle mass.
     """
@@ -38,10 +40,10 @@ class Tone:
     force_n: float
     acceleration_m_s2: float
     phase_error_rad: float
-    phase_error_sigma: float
+    phase_error_sigma: float | None
     power_w: float
     reactive_power_w: float
-    sigma_w: float
+    sigma_w: float | None
     efficiency: float | None = None
     efficiency_sigma: float | None = None
 
@@ -70,40 +72,78 @@ def dissipation(
     """
     if particle_mass is not None and not 0.0 < particle_mass < np.inf:
         raise InputError(f"--particle-mass = {particle_mass:g} kg: expected more than 0")
-    warnings = [] if empty else ["no record of the empty enclosure: the phase error stays in"]
+    warnings = list(loaded.remarks)
     sign = np.sign(loaded.mass[:, 0].real.mean())
     tones: list[Tone] = []
     totals = np.zeros(len(loaded.force))
     for k, frequency in enumerate(loaded.frequencies):
-        known = _phase_error(loaded, k, empty, warnings)
-        # A tone that the empty enclosure does not have: as far off as the first one's delay makes.
-        delay = tones[0].phase_error_rad / tones[0].frequency_hz if tones else 0.0
-        error, sigma = known or (0.0, abs(delay) * frequency)
+        error, sigma = _phase_error(loaded, k, empty, warnings) or (0.0, _like(tones, frequency))
         velocity = loaded.acceleration[:, k] / (2j * np.pi * frequency)
         flow = 0.5 * sign * loaded.force[:, k] * np.exp(-1j * error) * velocity.conj()
         totals += flow.real
         tones.append(_with_efficiency(_tone(loaded, k, (error, sigma), flow),
                                       particle_mass if loaded.shaken[k] else None))  # fmt: skip
-    phases = [tone.reactive_power_w * tone.phase_error_sigma for tone in tones]
-    scatter = float(totals.std(ddof=1)) / np.sqrt(BLOCKS)
-    power = Estimate(float(totals.mean()), float(np.hypot(scatter, np.linalg.norm(phases))), BLOCKS)
-    if power.value < -2.0 * np.hypot(scatter, np.linalg.norm(phases)):
-        warnings.append("the power is below zero: is the phase error that of this very set-up?")
+    power = _total(totals, tones)
+    warnings += _doubts(loaded, tones, power)
     return _with_cycle(loaded, tones, power, empty, particle_mass, warnings)
 
 
-def _tone(loaded: Record, k: int, phase: tuple[float, float], flow: NDArray[np.complex128]) -> Tone:
+def _like(tones: Sequence[Tone], frequency: float) -> float | None:
+    """Sigma [rad] of a phase error that nobody measured: as far off as the first tone's delay."""
+    if not tones or tones[0].phase_error_sigma is None:
+        return None
+    return abs(tones[0].phase_error_rad / tones[0].frequency_hz) * frequency
+
+
+def _total(totals: NDArray[np.float64], tones: Sequence[Tone]) -> Estimate:
+    """The power of all tones from that of each block (b,); its sigma with those of the phases."""
+    scatter = float(totals.std(ddof=1)) / np.sqrt(BLOCKS)
+    parts = [
+        None if t.phase_error_sigma is None else t.reactive_power_w * t.phase_error_sigma
+        for t in tones
+    ]
+    known = [part for part in parts if part is not None]
+    sigma = float(np.hypot(scatter, np.linalg.norm(known))) if len(known) == len(parts) else None
+    return Estimate(float(totals.mean()), sigma, BLOCKS)
+
+
+def _doubts(loaded: Record, tones: Sequence[Tone], power: Estimate) -> list[str]:
+    """What a person should know before believing the power."""
+    words = []
+    if power.sigma is None:
+        each = 1e-3 * float(np.linalg.norm([tone.reactive_power_w for tone in tones]))
+        words.append(
+            "no record of the empty enclosure at this frequency: the phase error stays in, and "
+            f"sigma is not known; each mrad is {each:.2g} W"
+        )
+    elif power.value < -2.0 * power.sigma:
+        words.append("the power is below zero: is the phase error that of this very set-up?")
+    least = power.sigma if power.sigma is not None else _COUNTS * abs(power.value)
+    if loaded.left_out is not None and loaded.left_out[1] > least:
+        frequency, most = loaded.left_out
+        words.append(
+            f"a tone of {frequency:.4g} Hz is not in the sum, and could carry {most:.2g} W: give "
+            f"it, too, as --frequency {frequency:.4g}"
+        )
+    return words
+
+
+def _tone(
+    loaded: Record, k: int, phase: tuple[float, float | None], flow: NDArray[np.complex128]
+) -> Tone:
     """A tone from the complex power (b,) of its blocks."""
     mean = flow.mean()
-    scatter = flow.real.std(ddof=1) / np.sqrt(BLOCKS)
+    scatter = float(flow.real.std(ddof=1)) / np.sqrt(BLOCKS)
+    error, sigma = phase
     return Tone(
         float(loaded.frequencies[k]),
         float(np.abs(loaded.force[:, k]).mean()),
         float(np.abs(loaded.acceleration[:, k]).mean()),
-        *phase,
+        error,
+        sigma,
         float(mean.real),
         float(mean.imag),
-        float(np.hypot(scatter, mean.imag * phase[1])),
+        None if sigma is None else float(np.hypot(scatter, mean.imag * sigma)),
     )
 
 
@@ -113,7 +153,8 @@ def _with_efficiency(tone: Tone, particle_mass: float | None) -> Tone:
         return tone
     speed = tone.acceleration_m_s2 / (2.0 * np.pi * tone.frequency_hz)
     most = 4.0 * speed**2 * particle_mass * tone.frequency_hz  # [W]
-    return replace(tone, efficiency=tone.power_w / most, efficiency_sigma=tone.sigma_w / most)
+    sigma = None if tone.sigma_w is None else tone.sigma_w / most
+    return replace(tone, efficiency=tone.power_w / most, efficiency_sigma=sigma)
 
 
 def _with_cycle(
@@ -125,13 +166,12 @@ def _with_cycle(
     warnings: Sequence[str],
 ) -> Dissipation:
     """What follows from the power: eqs 7.7, 7.8, 6.10."""
-    assert power.sigma is not None
     first = tones[0]
     speed = first.acceleration_m_s2 / (2.0 * np.pi * first.frequency_hz)
 
     def scaled(factor: float) -> Estimate:
-        assert power.sigma is not None
-        return Estimate(factor * power.value, factor * power.sigma, power.trials)
+        sigma = None if power.sigma is None else factor * power.sigma
+        return Estimate(factor * power.value, sigma, power.trials)
 
     per_cycle = 1.0 / first.frequency_hz
     orders = loaded.frequencies / first.frequency_hz
@@ -166,9 +206,9 @@ def _phase_error(
             size = float(np.abs(record.acceleration[:, near]).mean())
             known.append((size, float(np.angle(masses.mean())), sigma))
     if not known:
-        if empty and k == 0:
+        if k > 0 and empty and loaded.shaken[k]:
             warnings.append(
-                f"no record of the empty enclosure at {frequency:g} Hz: the phase error stays in"
+                f"{frequency:g} Hz: no record of the empty enclosure; its phase error stays in"
             )
         return None
     sizes, errors, sigmas = np.array(sorted(known)).T

@@ -38,10 +38,13 @@ def draw_sheet(found: Dissipation, loaded: Record) -> "Figure":
 
 
 def _words(found: Dissipation) -> str:
-    words = f"P = {found.power.value:.4g} ± {found.power.sigma:.2g} W"
+    def known(sigma: float | None) -> str:
+        return "" if sigma is None else f" ± {sigma:.2g}"
+
+    words = f"P = {found.power.value:.4g}{known(found.power.sigma)} W"
     if found.efficiency is None:
         return words
-    return f"{words}, efficiency {found.efficiency.value:.4f} ± {found.efficiency.sigma:.2g}"
+    return f"{words}, efficiency {found.efficiency.value:.4f}{known(found.efficiency.sigma)}"
 
 
 def _spectrum(axes: "Axes", record: Record, row: int, label: str, heights: list[float]) -> None:
@@ -62,12 +65,14 @@ def _spectrum(axes: "Axes", record: Record, row: int, label: str, heights: list[
 
 def _phases(axes: "Axes", found: Dissipation) -> None:
     errors = [1e3 * tone.phase_error_rad for tone in found.tones]
-    _marks(axes, found.tones, errors, [1e3 * tone.phase_error_sigma for tone in found.tones])
+    _marks(axes, found.tones, errors, [1e3 * (t.phase_error_sigma or 0.0) for t in found.tones])
     axes.set_ylabel("phase taken off [mrad]")
+    if found.tones[0].phase_error_sigma is None:
+        axes.text(0.5, 0.6, "not known: no empty record", transform=axes.transAxes, ha="center")
 
 
 def _powers(axes: "Axes", found: Dissipation) -> None:
-    powers, sigmas = [t.power_w for t in found.tones], [t.sigma_w for t in found.tones]
+    powers, sigmas = [t.power_w for t in found.tones], [t.sigma_w or 0.0 for t in found.tones]
     _marks(axes, found.tones, powers, sigmas)
     axes.set_ylabel("power [W]")
 

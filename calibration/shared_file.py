@@ -1,5 +1,6 @@
 """A text file that several commands may edit: one at a time, and whole or not at all."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -32,12 +33,16 @@ def alone(path: Path) -> Iterator[None]:
 
 
 def write(path: Path, text: str) -> None:
-    """Write a file, or what a link points at; it keeps its rights. InputError where it cannot be.
+    """Write a file, or what a link points at; it keeps its rights.
 
-    At any moment, also after kill -9, it is the old one or the new one.
+    At any moment, also after kill -9, it is the old one or the new one. Raises InputError where
+    it cannot be written, or is write-protected.
     """
     file = path.resolve()
     mode = file.stat().st_mode if file.exists() else None
+    # The new file takes the old one's name, for which the folder's rights would do.
+    if mode is not None and not (mode & 0o222 and os.access(file, os.W_OK)):
+        raise InputError(f"{path}: is write-protected; chmod u+w {path}, or name another file")
     try:
         write_atomic(file, text)
     except FolderError as error:

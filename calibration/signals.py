@@ -129,7 +129,7 @@ def clock_of(table: Table, rate: float | None) -> Clock:
     timed = next((key for name in _TIME_NAMES if (key := _called(table, name))), None)
     if rate is not None:
         unused = () if timed is None else (f"--rate was used, not the column {timed!r}",)
-        return Clock(rate, 0.0, timed, unused)
+        return Clock(rate, 0.0, timed, table.remarks + unused)
     if timed is None and _counts_up(table):
         timed = next(iter(table.columns))
     if timed is None:
@@ -137,13 +137,16 @@ def clock_of(table: Table, rate: float | None) -> Clock:
             f"{table.path}: no column called 'time'; give --rate, such as --rate 200000"
         )
     times, remarks = _times(table, timed)
-    return Clock((len(times) - 1) / (times[-1] - times[0]), float(times[0]), timed, remarks)
+    rate = (len(times) - 1) / (times[-1] - times[0])
+    return Clock(rate, float(times[0]), timed, table.remarks + remarks)
 
 
 def _called(table: Table, name: str) -> str | None:
     """The column of a name, alone or with a unit of time behind it: time, time_ms."""
     if not table.has(name, "s"):
         return None
+    if table.has(name) and name not in map(str.lower, table.columns):
+        table.column(name, "s", "s")  # says which of its fields is no number
     low = [key for key in table.columns if key.lower() == name]
     return next(iter([*low, *(k for k in table.columns if k.lower().startswith(f"{name}_"))]), None)
 
@@ -168,9 +171,12 @@ def _times(table: Table, name: str) -> tuple[NDArray[np.float64], tuple[str, ...
     if not (steps >= 0).all() or not times[-1] > times[0]:  # rounded times may stand still
         raise InputError(f"{table.path}: the column {name!r} does not grow from line to line")
     even = np.linspace(times[0], times[-1], n)
-    if np.abs(times - even).max() > even[1] - even[0]:
+    usual = float(np.median(steps))
+    lost = steps.min() > 0.5 * usual and steps.max() > 1.5 * usual  # rounding makes short steps too
+    if lost or np.abs(times - even).max() > even[1] - even[0]:
         raise InputError(
             f"{table.path}: the column {name!r} has gaps or an uneven rate: steps of "
-            f"{steps.min():.3g} to {steps.max():.3g} s; cut or resample the signal"
+            f"{steps.min():.3g} to {steps.max():.3g} s, the longest at {times[steps.argmax()]:.6g} "
+            "s; cut or resample the signal, or give --rate where the times alone are rounded"
         )
     return times, remarks

@@ -2,17 +2,19 @@
 
 Separator comma, semicolon, tab or spaces; decimal point or decimal comma; a head of names, with
 or without units ("load [N]", "load (N)", load_N, or a line of units below), or none; quotes, blank
-lines and comments (#). What a line means is decided in calibration/dialect.py.
+lines and comments (#); words above the head and below the numbers. What a line is written in is
+decided in calibration/dialect.py, what it is in calibration/layout.py.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibration import dialect
+from calibration.layout import layout
 from contact.quantity import InputError, nearest, to_si
 
 _MOST_BYTES = 512 * 2**20
@@ -27,6 +29,7 @@ class Table:
     units     of each column as written in its head; "" where there is none
     texts     of all columns, numbers too, each field as written
     lines     number of the line in the file of each row
+    remarks   lines that were left out
     """
 
     path: Path
@@ -34,6 +37,7 @@ class Table:
     units: dict[str, str]
     texts: dict[str, tuple[str, ...]]
     lines: tuple[int, ...]
+    remarks: tuple[str, ...] = ()
 
     def column(self, name: str, unit: str, written_in: str | None = None) -> NDArray[np.float64]:
         """A column in SI units `unit`; its head's unit, else `written_in`, says what it holds.
@@ -77,7 +81,8 @@ class Table:
         if found in columns:
             columns = columns | {name: columns[found]}
         units = self.units | {name: unit}
-        return Table(self.path, columns, units, texts | {name: texts[found]}, self.lines)
+        texts |= {name: texts[found]}
+        return replace(self, columns=columns, units=units, texts=texts)
 
     def _find(self, name: str, unit: str) -> tuple[str, str | None]:
         found = self._search(name, unit)
@@ -123,20 +128,32 @@ def read_table(path: str | Path) -> Table:
     Raises InputError, one line with file, line and value, for what is no table with numbers.
     """
     path = Path(path)
-    names, units, rows = dialect.head(dialect.rows(_text(path), str(path)), str(path))
-    width = len(names)
-    for line, fields in rows:
+    found = layout(dialect.rows(_text(path), str(path)), str(path))
+    width = len(found.names)
+    for line, fields in found.rows:
         if len(fields) != width:
             raise InputError(f"{path}: line {line}: {len(fields)} fields and not {width}")
-    texts = {name: tuple(fields[k] for _, fields in rows) for k, name in enumerate(names)}
+    texts = {name: tuple(f[k] for _, f in found.rows) for k, name in enumerate(found.names)}
     columns = {
         name: values
         for name, fields in texts.items()
         if (values := _all_numbers(fields, f"{path}: column {name!r}")) is not None
     }
+    lines = tuple(line for line, _ in found.rows)
     if not columns:
-        raise InputError(f"{path}: no column of numbers")
-    return Table(path, columns, units, texts, tuple(line for line, _ in rows))
+        raise InputError(f"{path}: no column of numbers{_slip(texts, lines)}")
+    return Table(path, columns, found.units, texts, lines, found.remarks)
+
+
+def _slip(texts: Mapping[str, tuple[str, ...]], lines: tuple[int, ...]) -> str:
+    """Where a column holds something like a number that is none."""
+    slips = (
+        f"; line {line}: {name} = {field!r} is no number"
+        for name, fields in texts.items()
+        for line, field in zip(lines, fields, strict=True)
+        if any(c.isdigit() for c in field) and dialect.number(field) is None
+    )
+    return next(slips, "")
 
 
 def _all_numbers(fields: tuple[str, ...], where: str) -> NDArray[np.float64] | None:

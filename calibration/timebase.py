@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.repeated import repeated
 from calibration.segments import (
     Stretch,
     is_flight,
@@ -66,24 +67,12 @@ def _repeats(track: Track, clock: Array) -> tuple[Rows, NDArray[np.bool_]]:
     """Positions equal to the one before, in flight; and whether the clock ran on in vain.
 
     In a film a repeated picture, coded anew, may give a position off by its noise.
-    It did where the next position is one step on, and did not (the copy took the place of a
-    lost frame) where it is two.
     """
     sigma = noise(clock, track.y)
     step = np.diff(track.y)
     still = np.maximum(np.abs(step), np.abs(np.diff(track.x)))
     alike = np.isin(track.frame[1:], track.repeated)
-    same = still < np.where(alike, 3, 1e-3) * sigma
-    found, late = [], []
-    for k in (int(i) + 1 for i in np.flatnonzero(same)):
-        around = [i for i in range(max(k - 4, 0), min(k + 4, len(step))) if not same[i] and i != k]
-        usual = np.median(step[around]) if around else 0.0
-        steady = around and np.median(np.abs(step[around] - usual)) < abs(usual) / 2
-        if not steady or abs(usual) < 5 * sigma or k >= len(step):
-            continue
-        found.append(k)
-        late.append(step[k] / usual < 1.5)
-    return np.array(found, dtype=int), np.array(late, dtype=bool)
+    return repeated(step, still < np.where(alike, 3, 1e-3) * sigma, sigma)
 
 
 def _put_right(track: Track, base: TimeBase) -> TimeBase:

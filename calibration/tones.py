@@ -1,8 +1,9 @@
 """Complex amplitudes of tones in a signal, block by block, by least squares: no leakage.
 
-x(t) = c + Re sum_k X_k e^(j 2 pi f_k t). Tones need no whole number of cycles in a block, and do
-not leak into one another; thesis, eqs 7.10 and 7.11 are the same sums where they have one, with
-the factor 2/N that is not printed (errata).
+x(t) = c + d t + Re sum_k X_k e^(j 2 pi f_k t). Tones need no whole number of cycles in a block, and
+do not leak into one another; thesis, eqs 7.10 and 7.11 are the same sums where they have one, with
+the factor 2/N that is not printed (errata). Amplifiers drift: without d t, a slope would leak alike
+into all blocks of whole cycles, and no scatter would show it.
 """
 
 import numpy as np
@@ -16,15 +17,33 @@ def amplitudes(
 ) -> NDArray[np.complex128]:
     """X (blocks, k) of samples (n,) at tones (k,) [Hz]; phases count from the first sample."""
     length = len(x) // blocks
-    found = np.empty((blocks, len(frequencies)), dtype=complex)
     angle = 2.0 * np.pi * np.outer(np.arange(length) / rate, frequencies)
-    terms = np.hstack([np.ones((length, 1)), np.cos(angle), -np.sin(angle)])
+    line = np.column_stack([np.ones(length), np.linspace(-1.0, 1.0, length)])
+    terms = np.hstack([line, np.cos(angle), -np.sin(angle)])
     pieces = x[: blocks * length].reshape(blocks, length)
     solved, *_ = np.linalg.lstsq(terms, pieces.T, rcond=None)
     n = len(frequencies)
-    found = (solved[1 : n + 1] + 1j * solved[n + 1 :]).T
+    found = (solved[2 : n + 2] + 1j * solved[n + 2 :]).T
     begin = np.arange(blocks) * length / rate
     return found * np.exp(-2j * np.pi * np.outer(begin, frequencies))
+
+
+def remainder(
+    x: NDArray[np.float64],
+    rate: float,
+    frequencies: NDArray[np.float64],
+    found: NDArray[np.complex128],
+) -> NDArray[np.float64]:
+    """What tones (k,) [Hz] of amplitudes (blocks, k) leave of samples (n,), drift taken off."""
+    from scipy.signal import detrend
+
+    blocks = len(found)
+    pieces = x[: len(x) // blocks * blocks].reshape(blocks, -1)
+    t = np.arange(pieces.size).reshape(pieces.shape) / rate
+    left = pieces - sum(
+        (found[:, k, None] * np.exp(2j * np.pi * f * t)).real for k, f in enumerate(frequencies)
+    )
+    return np.asarray(detrend(left, axis=1)).ravel()
 
 
 def strongest(x: NDArray[np.float64], rate: float) -> float:

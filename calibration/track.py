@@ -1,6 +1,7 @@
 """A track: where one thing was seen, frame by frame; what every way of tracking hands on."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,13 @@ from contact.quantity import InputError
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
+
+
+class Look(NamedTuple):
+    """What colour a thing is, and what is behind it: blue, green, red, (3,) each [grey levels]."""
+
+    colour: Array
+    behind: Array
 
 
 @dataclass(frozen=True)
@@ -22,6 +30,7 @@ class Track:
     scale        metres per unit of x, y; None where it is not known
     name         which of several tracks of a file
     radius       (n,) of a circle of the thing's area [px]; None where only places are known
+    look         its colour and that of its background; None where only places are known
     camera       (n, 2) what the camera's motion added to x, y in the picture, and was taken off
     repeated     frame numbers whose picture of the thing is that of the frame before
     remarks      what its reader had to assume or leave out
@@ -35,6 +44,7 @@ class Track:
     scale: float | None = None
     name: str = ""
     radius: Array | None = None
+    look: Look | None = None
     camera: Array | None = None
     repeated: tuple[float, ...] = ()
     remarks: tuple[str, ...] = ()

@@ -51,7 +51,8 @@ class Pooled:
 def of_trials(values: Sequence[float]) -> Estimate:
     """The mean of trials, half its 68.3 % interval (Student's t), and their scatter.
 
-    Raises InputError where there is no trial, or one is not a finite number.
+    Trials that do not differ at all tell no sigma: their readings were too coarse. Raises
+    InputError where there is no trial, or one is not a finite number.
     """
     if not values:
         raise InputError("no trial: at least one measurement is needed")
@@ -61,8 +62,12 @@ def of_trials(values: Sequence[float]) -> Estimate:
     assert found.mean is not None
     if found.sd is None:
         return Estimate(found.mean, None, 1)
-    error = student(found.n - 1) * found.sd / math.sqrt(found.n)
-    return Estimate(found.mean, error, found.n, found.sd)
+    return Estimate(found.mean, _of_mean(found.sd, found.n), found.n, found.sd)
+
+
+def _of_mean(scatter: float, n: int) -> float | None:
+    """Half the 68.3 % interval of the mean of n trials; None where they do not differ."""
+    return student(n - 1) * scatter / math.sqrt(n) or None
 
 
 def student(freedom: int) -> float:
@@ -93,7 +98,7 @@ def pooled_summaries(groups: Mapping[str, Estimate]) -> Pooled:
     if n == 1:
         return Pooled(ones[0], dict(groups), None)
     scatter = math.sqrt((within + between) / (n - 1))
-    whole = Estimate(mean, student(n - 1) * scatter / math.sqrt(n), n, scatter)
+    whole = Estimate(mean, _of_mean(scatter, n), n, scatter)
     if k == 1 or n == k or within == 0:
         return Pooled(whole, dict(groups), None)
     p = float(f.sf(between / (k - 1) / (within / (n - k)), k - 1, n - k))

@@ -84,8 +84,9 @@ def _parse(text: str, unit: str, field: str, example: str) -> float:
         raise bad("not a finite number")
     registry = _registry()
     target = registry.Unit(_spelled_for_pint(unit))
+    in_g = unit == "m/s2" and match["unit"] == "g"  # of an accelerometer: gravity, no gram
     try:
-        given = registry.Unit(_spelled_for_pint(match["unit"]))
+        given = registry.Unit("standard_gravity" if in_g else _spelled_for_pint(match["unit"]))
     except pint.PintError as error:
         raise bad(f"unknown unit {match['unit']!r}") from error
     # Root units, not dimensions: these also tell an angle from a pure number, and rpm from 1/s.
@@ -104,6 +105,19 @@ def _spelled_for_pint(unit: str) -> str:
     unit = unit.translate(_SUPERSCRIPTS).replace("%", "percent")
     unit = re.sub(r"(?<=[^\W\d_])(-?[0-9])", r"**\1", unit)
     return f"1{unit}" if unit.startswith("/") else unit
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit alone, of whatever kind; "-" and "1" are that of a pure number."""
+    import pint
+
+    if text in ("-", "1"):
+        return True
+    match = _QUANTITY.fullmatch(f"1 {text}")
+    try:
+        return match is not None and bool(_registry().Unit(_spelled_for_pint(match["unit"])))
+    except pint.PintError:
+        return False
 
 
 def is_plain_number(value: object) -> bool:

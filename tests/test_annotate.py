@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from calibration import measure_drop
-from calibration.film.annotate import stills
+from calibration.film.annotate import annotate
 from calibration.film.marks import Marks
 from calibration.film.reader import Frame, open_film
 from calibration.labels import scale_bar, with_sigma
@@ -57,8 +57,8 @@ def test_contacts_appear_when_they_have_happened(drop):
     assert after > before
 
 
-def test_stills_are_of_release_first_contact_apex_and_last_contact(drop):
-    found = stills(drop, open_film(CLIP))
+def test_stills_are_of_release_first_contact_apex_and_last_contact(drop, tmp_path):
+    _, found = annotate(drop, open_film(CLIP), tmp_path / "marked.mp4")
     contacts = [drop.frame(t) for t in drop.bounces.contacts[:, 0]]
     numbers = [one.number for one in found]
     assert len(numbers) == 4

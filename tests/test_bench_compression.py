@@ -156,6 +156,11 @@ def test_the_papers_own_numbers_give_14520_newton_per_millimetre():
         ([[1, 2, 3], [1, 2, 3]], [], "no unloading: the load never falls by 10%"),
         ([[1, 2, 3, 2], [1, 2, 3, 2]], [], "at least 4 with unlike displacements"),
         ([[5, 6, 7, 8, 9, 10, 0], [10, 9, 8, 7, 6, 5, 0]], [], "does not fall with the load"),
+        (
+            [[*range(40), *range(39, 0, -1)], [*range(40), *range(39, 0, -1)]],
+            ["--constant", "length=10 mm", "--constant", "area=100 mm2"],
+            "goes over 39 mm of a specimen that is 10 mm long",
+        ),
         ([[1, 2], [1, 2]], ["--range", "0.2", "0.9"], "the upper one first"),
         ([[1, 2], [1, 2]], ["--column", "load=z"], "no column 'z'"),
     ],

@@ -129,6 +129,30 @@ def test_shares_of_mass_and_volume_add_as_squares(tmp_path):
     assert found["density_kg_m3"]["sigma"] == pytest.approx(450 * math.hypot(0.01, 0.02), rel=1e-3)
 
 
+def test_a_merged_cell_names_all_trials_beside_it(tmp_path):
+    table = tmp_path / "t.csv"
+    table.write_text("pairing,angle_deg\nA,20\n,21\n,22\nB,25\n,26\n,27\n")
+    found = calibrate("incline", table, "--json").json["friction"]
+    assert {name: one["trials"] for name, one in found["groups"].items()} == {"A": 3, "B": 3}
+    assert any("4 empty fields of pairing" in words for words in found["remarks"])
+
+
+def test_trials_that_do_not_differ_tell_no_sigma(tmp_path):
+    """Three readings of 20 deg to the degree are not exact: 1 deg wide, sigma 1/sqrt(12) deg."""
+    table = write(tmp_path / "t.csv", "angle_deg", [[20, 20, 20]])
+    found = calibrate("incline", table, "--json").json["friction"]
+    assert found["sigma"] is None
+    assert any("too coarse" in words for words in found["remarks"])
+    known = calibrate("incline", table, "--instrument", "angle=0.29 deg", "--json").json["friction"]
+    slope = math.radians(0.29) / math.cos(math.radians(20)) ** 2
+    assert known["sigma"] == pytest.approx(slope, rel=1e-4)
+
+
+def test_radians_called_degrees_are_doubted(tmp_path):
+    said = calibrate("incline", write(tmp_path / "t.csv", "angle_deg", [[0.36, 0.37]])).out
+    assert "if they are in radians" in said
+
+
 def test_a_row_with_an_empty_field_is_left_out_and_told(tmp_path):
     table = write(tmp_path / "t.csv", "mass_g;volume_cm3", [[2.7, "", 2.8], [6.0, 6.0, 6.0]])
     found = calibrate("density", table, "--json").json
@@ -153,6 +177,8 @@ def test_a_row_with_an_empty_field_is_left_out_and_told(tmp_path):
         ("incline", "h1_mm;h2_mm;length_mm", [9, 0, 8], [], "no slope"),
         ("interface", "dx_t_mm;dx_n_mm;sigma_t_MPa;sigma_n_MPa", [0, 1, 1, 1], [], "may be 0"),
         ("density", "mass_g;volume_cm3", [1, 0], [], "both are above 0"),
+        ("density", "mass_kg;volume_cm3", [2.7, 6], [], "denser than any solid; check the units"),
+        ("incline", "pairing;angle_deg", ["", 20], [], "line 2: pairing is empty"),
         ("density", "mass_g;volume_cm3", ["", 1], [], "no row in which mass, volume is there"),
     ],
 )
@@ -162,6 +188,11 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path, command, head, values, 
     assert answer.code == 2
     assert line in answer.err
     assert answer.err.count("\n") == 1
+
+
+def test_a_file_given_twice_is_refused(tmp_path):
+    table = write(tmp_path / "t.csv", "angle_deg", [[20, 21]])
+    assert "given twice" in calibrate("incline", table, tmp_path / "." / "t.csv").err
 
 
 def test_a_missing_file_is_told():

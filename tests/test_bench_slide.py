@@ -96,6 +96,28 @@ def test_terminal_velocities_of_a_table_and_what_their_constants_add(tmp_path):
     assert found["gamma_t_per_s"]["sigma"] == pytest.approx(expected, rel=1e-9)
 
 
+def test_a_slide_is_one_whichever_way_velocity_counts(tmp_path):
+    """Friction from eq. 3.11c needs v0 down the slope: counted upwards it is the same."""
+    v = V0 * (1 - np.exp(-GAMMA * TIME)) + np.random.default_rng(9).normal(0, 0.005, 90)
+    both = [
+        calibrate("slide", write(tmp_path / name, "time_s;velocity_m_s", [TIME, way * v]),
+                  "--constant", "incline=30 deg", "--json").json
+        for name, way in (("down.csv", 1), ("up.csv", -1))
+    ]  # fmt: skip
+    for key in ("gamma_t_per_s", "terminal_velocity_m_s", "friction_sliding"):
+        assert both[1][key]["value"] == pytest.approx(both[0][key]["value"], rel=1e-9)
+
+
+@pytest.mark.parametrize("late", [0.3, -0.1])
+def test_a_clock_that_does_not_start_at_the_release_is_refused(tmp_path, late):
+    """Eq. 3.11b from rest would give a gamma_t of 1.2 or 4.6 1/s with a small sigma; 3 went in."""
+    v = V0 * (1 - np.exp(-GAMMA * TIME)) + np.random.default_rng(10).normal(0, 0.005, 90)
+    table = write(tmp_path / "t.csv", "time_s;velocity_m_s", [TIME + late, v])
+    assert "m/s at t = 0, and not 0" in calibrate("slide", table).err
+    found = calibrate("slide", table, "--start", "any", "--json").json["gamma_t_per_s"]
+    assert abs(found["value"] - GAMMA) < 3 * found["sigma"]
+
+
 def test_noise_that_is_not_white_is_told(tmp_path):
     v = V0 * (1 - np.exp(-GAMMA * TIME)) + 0.02 * np.sin(20 * TIME)
     table = write(tmp_path / "t.csv", "time_s;velocity_m_s", [TIME, v])

@@ -97,6 +97,15 @@ def test_a_file_in_the_making_is_read_too(tmp_path):
     assert (rows["gamma_n"]["section"], rows["gamma_n"]["trials"]) == ("pair.a-b.linear", 12)
 
 
+@pytest.mark.parametrize("restitution", ["0.1 +- 0.3", "0.95 +- 0.1"])
+def test_an_interval_that_no_contact_can_have_is_doubted(restitution):
+    """gamma_n is infinite at e = 0 and 0 at e = 1: no slope holds from one end to the other."""
+    answer = calibrate("damping", *GIVEN[2:], "--restitution", restitution)
+    assert answer.code == 0
+    assert "reaches beyond 0 or 1" in answer.out
+    assert "reaches beyond" not in calibrate("damping", *GIVEN).out
+
+
 def test_the_report_of_a_file_in_the_making(tmp_path):
     new = tmp_path / "new.toml"
     calibrate("damping", "--into", new, "--pair", "wood-steel", *GIVEN)
@@ -196,7 +205,8 @@ def test_any_text_is_read_or_refused(text):
         (0.530012, 0.0201, "0.530 +- 0.020"),
         (650.0, 400.0, "650 +- 400"),
         (0.38, None, "0.38"),
-        (1.5e-9, 1e-10, "1.5e-09 +- 1e-10"),
+        (1.5e-9, 1e-10, "1.50e-09 +- 1e-10"),
+        (0.75000015, 6.3e-7, "0.75000015 +- 6.3e-07"),
     ],
 )
 def test_a_value_is_shown_as_far_as_it_is_known(value, sigma, shown):

@@ -117,6 +117,59 @@ def test_spaces_empty_fields_surplus_separators_and_other_encodings(tmp_path):
         assert table.units["Weg"] == "µm", encoding
 
 
+_NUMBERS_OF_3 = {"Nr": [1, 2, 3], "angle": [20.8, 21.3, 20.1]}
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("pad", [False, True])  # spreadsheets fill every line to the same width
+@pytest.mark.parametrize("below", ["", "\nNotes: by hand\nHumidity 45 %\n", "Mean|21.07\nSD|0.6\n"])
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+def test_words_above_and_below_the_numbers_are_left_out_and_told(
+    tmp_path, separator, pad, below, encoding
+):
+    """A title, a remark and a line of units above; notes, or a mean that is no trial, below."""
+    text = "Versuch 7, Müller|\nPlatte 3|\n|\nNr|angle\n|[°]\n1|20.8\n2|21.3\n3|20.1\n" + below
+    lines = [line if pad else line.rstrip("|") for line in text.splitlines()]
+    text = "\r\n".join(lines).replace("|", separator)
+    table = table_of(tmp_path, text.encode(encoding))
+    assert {name: list(column) for name, column in table.columns.items()} == _NUMBERS_OF_3
+    assert table.units["angle"] == "°"
+    assert any("above the head" in words for words in table.remarks)
+    assert sum("a note or made from" in words for words in table.remarks) == (2 if below else 0)
+
+
+def test_a_slip_among_the_numbers_or_at_their_end_is_no_note(tmp_path):
+    for last in ("2x", "21,x", "1.021,3"):
+        for text in (f"angle;a\n20;1\n{last};2\n", f"angle;a\n{last};1\n20;2\n21;3\n"):
+            with pytest.raises(InputError, match=f"angle = '{last}' is no number"):
+                table_of(tmp_path, text).column("angle", "1")
+    table = table_of(tmp_path, "angle [deg];a\n\N{MINUS SIGN}20,8;A\n21,3;B\n")
+    assert list(table.columns["angle"]) == [-20.8, 21.3]  # and not a line of units
+
+
+def test_means_between_the_trials_are_no_trials(tmp_path):
+    text = "pairing,angle [deg]\nA,20\nA,22\nMean:,21\nMax,22\nB,23\nB,25\nmean,24\nSD,1.4\n"
+    table = table_of(tmp_path, text)
+    assert list(table.columns["angle"]) == [20, 22, 23, 25]
+    assert len(table.remarks) == 4
+    table = table_of(tmp_path, "load,angle [deg]\nmin,20\nmax,22\n")  # groups, not made of others
+    assert list(table.columns["angle"]) == [20, 22]
+
+
+def test_a_head_and_labels_stand_between_spaces(tmp_path):
+    table = table_of(tmp_path, "angle [deg]  pairing\n20.1  A\n21.2  B\n")
+    assert (table.units["angle"], table.labels("pairing")) == ("deg", ("A", "B"))
+
+
+def test_what_spreadsheets_write_besides(tmp_path):
+    table = table_of(tmp_path, "sep=,\na,b\n1,2\n3,4\n")  # Excel's own line
+    assert list(table.columns) == ["a", "b"]
+    table = table_of(tmp_path, "a\n1\n#DIV/0!\n#WERT!\n3\n")  # errors are no remarks
+    np.testing.assert_array_equal(table.columns["a"], [1, math.nan, math.nan, 3])
+    table = table_of(tmp_path, "a;;b\n[deg];[rad];\n1;2;x\n")  # two cells of the head in one
+    assert table.units == {"a": "deg", "column 2": "rad", "b": ""}
+
+
 def test_one_column_with_decimal_commas_is_one_column(tmp_path):
     assert list(table_of(tmp_path, "angle\n20,5\n21,0\n").columns["angle"]) == [20.5, 21.0]
 
@@ -144,6 +197,8 @@ def test_parts_of_a_head():
         ("a,a\n1,2\n", "two columns are called 'a'"),
         ("flat,1,2\nflat,3,4\n", "a head is missing"),
         ('a,b\n"1,234",2\n', "a comma in quotes may be decimal or mark thousands"),
+        ("time [ms];load [N]\n1.5,2\n2.5,3\n", "line 1, .* does not name them; write a line of"),
+        ("a;b\n20.8°;c\n", "no column of numbers; line 2: a = '20.8°' is no number"),
         ("a;b\n1,5;2\n2.5;3\n", "decimal commas and decimal points"),
         (b"RIFF\x00\x01\x02", "not a text file"),
     ],

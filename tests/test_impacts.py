@@ -12,6 +12,7 @@ from made_signals import Bounces, Room, half_sine, hertz, tone, write_csv, write
 
 from calibration import measure_impacts
 from calibration.cli import app
+from calibration.impacts.chance import doubt
 from calibration.impacts.ratios import restitution
 from calibration.impacts.sequence import bouncing
 from contact.quantity import InputError
@@ -173,7 +174,7 @@ def test_pairs_that_differ_are_told():
     assert found.constant_within_noise is False
     assert found.per_pair == pytest.approx([0.70, 0.74, 0.78])
     assert found.value == pytest.approx(0.74)
-    assert found.sigma == pytest.approx(0.04 / np.sqrt(3))
+    assert found.sigma == pytest.approx(1.3213 * 0.04 / np.sqrt(3), rel=1e-4)  # Student's t for 2
 
 
 def test_speed_of_arrival_is_half_g_times_the_flight():
@@ -204,6 +205,63 @@ def test_the_last_echo_is_no_impact():
     levels = np.concatenate([np.linspace(40, 30, 6), np.linspace(34, 24, 6)])
     order = np.argsort(times)
     assert times[order][bouncing(times[order], levels[order])] == pytest.approx(impacts)
+
+
+def clicks(tmp_path, times, sizes, room=None):
+    """A WAV of events at these times."""
+    room = room or Room()
+    t = np.arange(round(room.rate * room.length)) / room.rate
+    x = room.noise * np.random.default_rng(2).standard_normal(len(t))
+    x += sum(tone(t - time, size) for time, size in zip(times, sizes, strict=True))
+    return write_wav(tmp_path / "clicks.wav", x, room.rate)
+
+
+def test_what_ticks_is_no_body_that_bounces(tmp_path):
+    """Of ten even ticks, those after 4, 2 and 1 steps would make a row of e = 0.5."""
+    ticks = 0.2 + 0.25 * np.arange(10)
+    found = measure_impacts(clicks(tmp_path, ticks, np.ones(10)))
+    assert found.restitution.value is None
+    assert "are about as loud: no restitution" in found.warnings[0]
+
+
+def test_three_of_many_knocks_are_no_row(tmp_path):
+    """Any three events whose second interval is shorter have a ratio: 0.3 s and 0.15 s here."""
+    times = [0.4, 0.75, 1.05, 1.2, 1.9, 2.2]
+    found = measure_impacts(clicks(tmp_path, times, [1.0, 0.9, 0.95, 1.0, 0.9, 0.95]))
+    assert found.restitution.value is None
+
+
+def test_a_row_that_chance_may_make_is_not_believed():
+    """C(n, 3) triples of n events, each further one within its miss of where the ratio puts it.
+
+    Five impacts, the last two flights 1 ms longer than a constant ratio has them, with three events
+    left out in 3 s, 1 a second: about C(8, 3) (2 x 1 ms x 1/s)^2 = 2e-4 rows by chance.
+    With flights 100 ms longer, 2.
+    """
+    impacts = Bounces(0.8, 5, first_flight=0.4).times
+    strange = np.array([0.1, 2.6, 3.1])
+    levels = np.array([35.0, 40.0, 38.0, 36.0, 34.0, 32.0, 35.0, 35.0])
+    for late, believed in ((1e-3, True), (0.1, False)):
+        row = impacts + np.array([0.0, 0.0, 0.0, late, 2 * late])
+        words = doubt([1, 2, 3, 4, 5], np.sort(np.concatenate([row, strange])), levels)
+        assert (words is None) == believed, words
+    assert doubt([0, 1, 2, 3, 4], row, levels[1:6]) is None  # nothing is left out
+
+
+def test_an_impact_that_began_before_the_signal_is_left_out(tmp_path):
+    """Its ringing is there, its onset is not: the others give e, as if it had not been."""
+    x = Room().record(BOUNCES, 1)
+    begin = round((BOUNCES.times[0] + 2e-3) * Room().rate)
+    found = measure_impacts(write_wav(tmp_path / "late.wav", x[begin:], Room().rate))
+    assert len(found.times_s) == BOUNCES.n - 1
+    assert found.restitution.value == pytest.approx(0.8, abs=4 * found.restitution.sigma)
+    assert any("begins within an event" in words for words in found.warnings)
+
+
+def test_a_channel_without_signal_is_not_called_clipped(tmp_path):
+    x = Room().record(BOUNCES, 1)
+    found = measure_impacts(write_wav(tmp_path / "s.wav", np.stack([x, 0 * x], 1), Room().rate))
+    assert not any("clipped" in words for words in found.warnings)
 
 
 def test_drop_height_gives_the_first_restitution(tmp_path):

@@ -330,6 +330,15 @@ def test_two_writers_at_once_lose_nothing(wood):
     assert len(values) == 16
 
 
+def test_a_file_that_is_protected_stays_as_it_is(wood):
+    """Replacing it by another of its name would not ask for its own rights."""
+    wood.chmod(0o444)
+    before = wood.read_bytes()
+    with pytest.raises(InputError, match=r"write-protected; chmod u\+w"):
+        put(wood)
+    assert wood.read_bytes() == before
+
+
 def test_a_link_stays_a_link_and_the_rights_stay(wood):
     wood.chmod(0o640)
     link = wood.with_name("link.toml")

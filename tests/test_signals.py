@@ -96,3 +96,12 @@ def test_an_unknown_column_is_answered_with_the_known_ones(tmp_path):
     assert read_signal(path, column="Sound").names == ("sound",)
     with pytest.raises(InputError, match="did you mean 'force'"):
         read_signal(path, column="forse")
+
+
+def test_one_lost_sample_is_a_gap(tmp_path):
+    """It would shift all that follows by a whole sample, a hundred sigmas of an impact's time."""
+    t = np.delete(np.arange(200) / 1e4, 90)
+    path = tmp_path / "lost.csv"
+    path.write_text("time [s],force [N]\n" + "".join(f"{v:.4f},1\n" for v in t))
+    with pytest.raises(InputError, match=r"the longest at 0\.0089 s"):
+        read_signal(path)

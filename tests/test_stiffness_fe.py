@@ -137,6 +137,8 @@ def test_the_flat_contact_alone_is_the_bulk_and_goes_into_the_file(tmp_path):
     assert flat["kn_n_per_m"]["value"] == pytest.approx(242e6 / 0.9 * 0.0012 / 0.02)
     assert flat["kt_n_per_m"]["value"] == pytest.approx(242e6 / 2.4 * 0.0012 / 0.02)
     assert flat["kt_over_kn"]["printed"] == 0.28
+    assert answer["kt_n_per_m"]["value"] == pytest.approx(3.75e6)
+    assert answer["kt_n_per_m"]["sigma"] >= 0.18 * 3.75e6 * (1 - 1e-9)  # that of kn at least
     assert "3750 N/mm" in file.read_text() or "3.75e" in file.read_text().lower()
 
 

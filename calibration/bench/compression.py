@@ -80,6 +80,12 @@ class _Records:
         if self.y == "stress":
             return self.slope(columns)
         area, length = (_positive(columns, name) for name in _SPECIMEN)
+        travel = float(np.ptp(columns[self.x]))
+        if travel >= length:
+            raise InputError(
+                f"the displacement goes over {1e3 * travel:.3g} mm of a specimen that is "
+                f"{1e3 * length:g} mm long; check the units in the head"
+            )
         return _times(self.slope(columns), length / area)
 
 

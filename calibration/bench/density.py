@@ -19,6 +19,7 @@ INPUTS = (
     Input("height", "m", "and height,"),
     Input("diameter", "m", "or the diameter of a sphere; with a length, of a cylinder"),
 )
+_DENSEST = 22.6e3  # [kg/m3] osmium
 # Sets of columns that give a volume, and how.
 _VOLUMES = {
     ("volume",): lambda c: c["volume"],
@@ -45,6 +46,11 @@ def density(files: Sequence[str | Path], what: Asked) -> list[Result]:
         if mass <= 0 or volume <= 0:
             raise InputError(
                 f"mass = {1e3 * mass:g} g, volume = {1e6 * volume:g} cm3: both are above 0"
+            )
+        if mass > _DENSEST * volume:
+            raise InputError(
+                f"mass = {1e3 * mass:g} g, volume = {1e6 * volume:g} cm3: denser than any solid; "
+                "check the units in the head"
             )
         return Estimate(mass / volume, None, 1)
 

@@ -32,11 +32,21 @@ def friction(files: Sequence[str | Path], what: Asked, *, along: str = "slope") 
         formula = {"slope": "sin(alpha)", "base": "tan(alpha)"}[along]
         remarks.append(f"L lies along the {along}: {formula} = |H1 - H2|/L")
 
+    remarks += _in_degrees_by_mistake(sections)
+
     def evaluate(columns: Columns) -> Estimate:
         return Estimate(_friction(columns, along), None, 1)
 
     found = measure(sections, evaluate, what, key="friction", name="friction", remarks=remarks)
     return [found]
+
+
+def _in_degrees_by_mistake(sections: Sequence[Section]) -> list[str]:
+    """A remark where every angle is less in degrees than a right one has radians."""
+    angles = [float(np.degrees(s.columns["angle"][0])) for s in sections if "angle" in s.columns]
+    if not angles or not 0 < max(angles) < np.pi / 2:
+        return []
+    return [f"all angles are below {max(angles):.2g} deg: if they are in radians, say so: [rad]"]
 
 
 def _by_heights(section: Section) -> bool:

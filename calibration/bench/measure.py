@@ -13,6 +13,11 @@ from contact.quantity import InputError, located
 
 Evaluate = Callable[[Columns], Estimate]
 
+_COARSE = (
+    "the trials do not differ: their readings are too coarse to tell sigma; give the resolution as "
+    "--instrument"
+)
+
 
 @dataclass(frozen=True)
 class Result:
@@ -65,7 +70,9 @@ def measure(
             if any(slopes):  # not an input that only another result of the method needs
                 found, shared[one] = _widened(found, sections, slopes)
     trials = tuple((s.name, s.group, v) for s, v in zip(sections, values, strict=True))
-    return Result(key, name, si, unit, found, trials, shared, tuple(remarks))
+    alike = len(values) > 1 and found.all.scatter == 0 and found.all.sigma is None
+    coarse = [_COARSE] if alike else []
+    return Result(key, name, si, unit, found, trials, shared, (*remarks, *coarse))
 
 
 def _one(section: Section, evaluate: Evaluate, what: Asked) -> Estimate:

@@ -108,7 +108,7 @@ def rows(
     sections: list[Section] = []
     remarks: list[str] = []
     for table, columns, kept in _tables(files, inputs, what, remarks):
-        groups = _labels(table, what.group)
+        groups = _labels(table, what.group, remarks)
         several = len(files) > 1
         for k in np.flatnonzero(kept):
             name = f"line {table.lines[k]}" + (f" of {table.path.name}" if several else "")
@@ -124,7 +124,7 @@ def curves(
     sections: list[Section] = []
     remarks: list[str] = []
     for table, columns, kept in _tables(files, inputs, what, remarks):
-        groups = _labels(table, what.group)
+        groups = _labels(table, what.group, remarks)
         if trial is not None or table.has("trial"):
             names = table.labels(trial or "trial")
         else:
@@ -157,8 +157,10 @@ def _tables(
     files: Sequence[str | Path], inputs: Sequence[Input], what: Asked, remarks: list[str]
 ) -> Iterator[tuple[Table, dict[str, NDArray[np.float64]], NDArray[np.bool_]]]:
     """Each file's inputs as far as they are there, and which rows have them all."""
+    _refuse_twice(files)
     for path in files:
         table = read_table(path).renamed(what.columns)
+        remarks += table.remarks
         n = len(table.lines)
         columns = {}
         for one in inputs:
@@ -166,7 +168,7 @@ def _tables(
                 columns[one.name] = np.full(n, what.constants[one.name])
             elif table.has(one.name, one.unit):
                 columns[one.name] = table.column(one.name, one.unit)
-        if not columns:
+        if columns.keys() <= what.constants.keys():
             raise InputError(
                 f"{path}: none of the columns {', '.join(one.name for one in inputs)}; it has "
                 f"{', '.join(table.texts)}; say which is which: --column '{inputs[0].name}=HEAD'"
@@ -177,15 +179,35 @@ def _tables(
         if not kept.any():
             raise InputError(f"{path}: no row in which {', '.join(columns)} is there")
         if not kept.all():
-            remarks.append(f"{path}: {n - kept.sum()} of {n} rows left out: a field is empty")
+            remarks.append(
+                f"{path}: {n - kept.sum()} of {n} rows left out: a field is empty or not finite"
+            )
         yield table, columns, kept
 
 
-def _labels(table: Table, group: str | None) -> tuple[str, ...]:
-    if group is not None:
-        return table.labels(group)
-    found = next((name for name in _GROUPS if table.has(name)), None)
-    return table.labels(found) if found else ("all",) * len(table.lines)
+def _refuse_twice(files: Sequence[str | Path]) -> None:
+    """The same trials counted twice would look like ones that agree."""
+    seen: set[Path] = set()
+    for path in files:
+        if (file := Path(path).resolve()) in seen:
+            raise InputError(f"{path}: given twice; its trials count once")
+        seen.add(file)
+
+
+def _labels(table: Table, group: str | None, remarks: list[str]) -> tuple[str, ...]:
+    """The group of each row; an empty field belongs to the label above it, as in merged cells."""
+    found = group or next((name for name in _GROUPS if table.has(name)), None)
+    if found is None:
+        return ("all",) * len(table.lines)
+    labels = list(table.labels(found))
+    if not labels[0]:
+        raise InputError(f"{table.path}: line {table.lines[0]}: {found} is empty; name the group")
+    filled = labels.count("")
+    for k in range(1, len(labels)):
+        labels[k] = labels[k] or labels[k - 1]
+    if filled:
+        remarks.append(f"{table.path}: {filled} empty fields of {found} taken as the one above")
+    return tuple(labels)
 
 
 def need(section: Section, choices: Sequence[Sequence[str]], inputs: Sequence[Input]) -> int:

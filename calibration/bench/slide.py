@@ -30,6 +30,9 @@ INPUTS = (
 )
 GRAVITY = 9.80665  # [m/s2], standard
 
+_MOVING = 4.0  # sigmas: once in 16000 curves that do begin at rest
+_RESTS = 1e-3  # of v0: a velocity that moves gamma_t by as little, whatever its sigma
+
 Fit = tuple[NDArray[np.float64], NDArray[np.float64]]  # parameters, their covariance
 
 _CURVE, _TERMINAL = ["time", "velocity"], ["terminal_velocity", "incline", "friction"]
@@ -75,10 +78,14 @@ def damping(
     sections, remarks = curves(files, INPUTS, what, trial)
     if any(need(section, [_CURVE, _TERMINAL], INPUTS) == 1 for section in sections):
         return [_from_terminal(files, what)]
+    sections = [_downhill(section) for section in sections]
     by_curve = _Curves(start)
     for section in sections:
         with located(f"{section.name}:"):
-            remarks += _not_random(section, by_curve.fitted(section.columns)[0])
+            p, _ = by_curve.fitted(section.columns)
+            if start == "rest":
+                _refuse_moving(section)
+            remarks += _not_random(section, p)
     results = [
         _gamma_t(sections, by_curve.gamma, what, remarks),
         measure(
@@ -92,6 +99,28 @@ def damping(
             measure(sections, friction, what, key="friction_sliding", name="friction, sliding")
         )
     return results
+
+
+def _downhill(section: Section) -> Section:
+    """The velocities of a curve counted in the direction in which the block slides."""
+    velocity = section.columns["velocity"]
+    return section._replace(
+        columns=section.columns | {"velocity": velocity if velocity.sum() >= 0 else -velocity}
+    )
+
+
+def _refuse_moving(section: Section) -> None:
+    """InputError where the curve itself says that t = 0 is not the release, by _MOVING sigmas."""
+    try:
+        p, covariance = fit(section.columns["time"], section.columns["velocity"], "any")
+    except InputError:  # too few points to tell
+        return
+    sigma = float(np.sqrt(covariance[2, 2]))
+    if abs(p[2]) > max(_MOVING * sigma, _RESTS * abs(p[0])):
+        raise InputError(
+            f"the velocities give {p[2]:.3g} +- {sigma:.2g} m/s at t = 0, and not 0: count time "
+            "from the release, or give --start any"
+        )
 
 
 def fit(time: NDArray[np.float64], velocity: NDArray[np.float64], start: str) -> Fit:

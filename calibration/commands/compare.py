@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from calibration.commands.film_options import Box
 from calibration.commands.flow import film_options
 from calibration.commands.options import sheets_option
 from campaign.commandline import json_option, quiet_option
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 @json_option
 def command(
     run: str, video: str, fps: float | None, scale: str | None, width: str | None,
-    roi: str | None, interval: str | None, out: Path | None, quiet: bool, as_json: bool,
+    roi: Box | None, interval: str | None, out: Path | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Profiles and curve of a run folder beside those of a film, and how far they are apart.
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from calibration.commands.film_options import Box, fps_option, place, roi_option
 from calibration.commands.options import into_options, sheets_option
 from campaign.commandline import json_option, quiet_option
 
@@ -18,11 +19,11 @@ if TYPE_CHECKING:
 
 @click.command(short_help="Restitution of a thing that falls and bounces")
 @click.argument("file")
-@click.option("--fps", type=float, metavar="240", help="Frames per second of the camera.")
+@fps_option
 @click.option("--scale", metavar='"0.81 mm/px"', help="Length per unit of x and y.")
 @click.option("--track", metavar="NAME", help="Which of several things that bounce.")
 @click.option("--one-bounce", is_flag=True, help="Take a single bounce, unchecked by another.")
-@click.option("--roi", metavar="x,y,w,h", help="Part of the picture to look at, in pixels.")
+@roi_option("Part of the picture to look at, in pixels.")
 @click.option("--at", metavar="frame,x,y", help="Where the thing is in some frame of a film.")
 @sheets_option("Put sheet and annotated film there.")
 @into_options("restitution")
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 @json_option
 def command(
     file: str, fps: float | None, scale: str | None, track: str | None, one_bounce: bool,
-    roi: str | None, at: str | None, out: Path | None, into: "Into | None", quiet: bool,
+    roi: Box | None, at: str | None, out: Path | None, into: "Into | None", quiet: bool,
     as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution of a thing that falls on a plate and bounces (eq. 3.5).
@@ -41,13 +42,12 @@ def command(
 
     For example: calibrate drop marble.mp4 --fps 240 --out sheets
     """
-    from calibration.commands.film_options import place, region
     from calibration.drop import measure_drop
     from campaign.terminal import Progress
 
     with Progress(Path(file).name, quiet) as progress:
         drop = measure_drop(
-            file, fps=fps, scale=scale, track=track, one_bounce=one_bounce, roi=region(roi),
+            file, fps=fps, scale=scale, track=track, one_bounce=one_bounce, roi=roi,
             hint=place(at), progress=progress.update, out=out,
         )  # fmt: skip
     if into is not None:

@@ -1,15 +1,31 @@
-"""Options of commands that read films: a part of the picture, and a place in it."""
+"""Options of commands that read films: the camera's rate, a part of the picture, a place in it."""
+
+from collections.abc import Callable
+from typing import Any
+
+import click
 
 from contact.quantity import InputError
 
+Box = tuple[int, int, int, int]  # x, y, width, height [px]
 
-def region(text: str | None) -> tuple[int, int, int, int] | None:
-    """--roi "x,y,w,h" as whole numbers of pixels."""
-    found = _numbers("--roi", text, "x,y,width,height", "0,100,640,380")
-    if found is None:
-        return None
-    x, y, width, height = (round(value) for value in found)
-    return x, y, width, height
+
+def fps_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """--fps, checked by who uses it (calibration.film.rate)."""
+    words = "Frames per second of the camera."
+    return click.option("--fps", type=float, metavar="240", help=words)(command)
+
+
+def roi_option(words: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """--roi "x,y,w,h" as four whole numbers of pixels; whether they lie in it, the film tells."""
+
+    def parsed(
+        _context: click.Context, _option: click.Parameter, text: str | None
+    ) -> tuple[int, ...] | None:
+        found = _numbers("--roi", text, "x,y,width,height", "0,100,640,380")
+        return None if found is None else tuple(round(value) for value in found)
+
+    return click.option("--roi", metavar="x,y,w,h", callback=parsed, help=words)
 
 
 def place(text: str | None) -> tuple[float, float, float] | None:

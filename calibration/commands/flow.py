@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from calibration.commands.film_options import Box, fps_option, roi_option
 from calibration.commands.options import sheets_option
 from campaign.commandline import json_option, quiet_option
 
@@ -17,12 +18,12 @@ if TYPE_CHECKING:
 def film_options(command: Any) -> Any:
     """What is said of a film: rate, scale, and where the silo is."""
     for option in (
-        click.option("--roi", metavar="x,y,w,h", help="The silo's inside, outlet to top [px]."),
+        roi_option("The silo's inside, outlet to top [px]."),
         click.option(
             "--width", metavar='"300 mm"', help="The silo's inner width: gives the scale."
         ),
         click.option("--scale", metavar='"0.81 mm/px"', help="Length of a pixel."),
-        click.option("--fps", type=float, metavar="240", help="Frames per second of the camera."),
+        fps_option,
     ):
         command = option(command)
     return command
@@ -42,7 +43,7 @@ def film_options(command: Any) -> Any:
 @quiet_option
 @json_option
 def command(
-    video: str, fps: float | None, scale: str | None, width: str | None, roi: str | None,
+    video: str, fps: float | None, scale: str | None, width: str | None, roi: Box | None,
     interval: str | None, columns: int, layer_height: str | None, no_velocity: bool,
     collapse: bool, out: Path | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip

@@ -78,10 +78,10 @@ def _report(found: "Impacts") -> str:
     """Impacts, pairs and what is made of them, as text."""
     from calibration.quantity import plus_minus
 
-    lines = ["impact  time [s]                flight [s]"]
+    lines = [f"impact  {'time [s]':28}flight [s]"]
     for k, (time, sigma) in enumerate(zip(found.times_s, found.sigmas_s, strict=True)):
         flight = f"{found.times_s[k + 1] - time:.6f}" if k + 1 < len(found.times_s) else "-"
-        lines.append(f"{k + 1:6d}  {time:.6f} ± {sigma:.6f}  {flight}")
+        lines.append(f"{k + 1:6d}  {plus_minus(time, sigma):28}{flight}")
     one = found.restitution
     for k, (value, sigma, speed) in enumerate(
         zip(one.per_pair, one.per_pair_sigma, one.impact_speeds_m_s, strict=True), start=2

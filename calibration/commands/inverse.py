@@ -106,11 +106,8 @@ def _write_example(path: Path) -> None:
 
 def _plan(loaded: "Fit") -> dict[str, Any]:
     """What a fit would do; nothing is written."""
-    import numpy as np
-
-    middle = np.array([prior.quantile(np.array(0.5)) for prior in loaded.priors])
     costs = [
-        sum(loaded.simulated.campaign.expected_cpu_s(loaded.case(number, middle)))
+        sum(loaded.simulated.campaign.expected_cpu_s(loaded.case(number, loaded.middle)))
         for number in range(len(loaded.cases))
     ]
     return {

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from calibration.commands.film_options import region
+from calibration.commands.film_options import Box, fps_option, roi_option
 from calibration.commands.options import into_options, sheets_option
 from campaign.commandline import json_option, quiet_option
 from contact.quantity import InputError, to_si
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 @click.command(short_help="Restitution of two blocks on strings, or a ball and a wall")
 @click.argument("file")
-@click.option("--fps", type=float, metavar="240", help="Frames per second of the camera.")
-@click.option("--roi", metavar="X,Y,W,H", help="Part of the film to look at [px].")
+@fps_option
+@roi_option("Part of the picture to look at, in pixels.")
 @click.option("--track", multiple=True, metavar="NAME", help="Which thing; twice for two blocks.")
 @click.option("--masses", metavar='"10 g,12 g"', help="Of the left and the right block: a check.")
 @sheets_option("Draw the sheet there.")
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @quiet_option
 @json_option
 def command(
-    file: str, fps: float | None, roi: str | None, track: tuple[str, ...], masses: str | None,
+    file: str, fps: float | None, roi: Box | None, track: tuple[str, ...], masses: str | None,
     out: Path | None, into: "Into | None", quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution of two blocks on strings (eq. 3.6), or of a ball on a string against a wall.
@@ -43,7 +43,7 @@ def command(
 
     with Progress(Path(file).name, quiet) as progress:
         found = measure_pendulum(
-            file, fps=fps, tracks=track, roi=region(roi), masses=_masses(masses), out=out,
+            file, fps=fps, tracks=track, roi=roi, masses=_masses(masses), out=out,
             progress=progress.update,
         )  # fmt: skip
     if into is not None:

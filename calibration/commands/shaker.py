@@ -29,24 +29,31 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option("--particle-mass", metavar='"27.9 g"', help="For the efficiency.")
 @click.option("--harmonics", type=click.IntRange(1, 50), default=5, help="Counted [default: 5].")
+@click.option(
+    "--column", "columns", multiple=True, metavar="NAME=HEAD",
+    help='force or acceleration that is called otherwise: "force=Kraft [kN]".',
+)  # fmt: skip
 @click.option("--rate", type=float, metavar="40000", help="Samples/s of tables without times.")
 @sheets_option("Folder for the sheet (PNG).")
 @quiet_option
 @json_option
 def command(
     file: Path, empty: tuple[Path, ...], frequency: tuple[float, ...], particle_mass: str | None,
-    harmonics: int, rate: float | None, out: Path | None, quiet: bool, as_json: bool,
+    harmonics: int, columns: tuple[str, ...], rate: float | None, out: Path | None, quiet: bool,
+    as_json: bool,
 ) -> None:  # fmt: skip
     """Dissipated power and efficiency from force and acceleration (thesis, eqs 7.6 to 7.12).
 
     For example: calibrate shaker full.csv --empty empty.csv --particle-mass "27.9 g" -o sheets
     """
-    from calibration.shaken import read_record
+    from calibration.bench.sections import asked
+    from calibration.shaken import INPUTS, read_record
     from calibration.shaker import dissipation
 
     mass = None if particle_mass is None else to_si(particle_mass, "kg", "--particle-mass")
+    called = asked(INPUTS, columns).columns
     loaded, *others = (
-        read_record(path, rate=rate, frequencies=frequency, harmonics=harmonics)
+        read_record(path, rate=rate, frequencies=frequency, harmonics=harmonics, columns=called)
         for path in (file, *empty)
     )
     found = dissipation(loaded, others, mass)
@@ -94,11 +101,11 @@ def _report(found: "Dissipation") -> str:
     lines += [_line(tone) for tone in found.tones]
     rows = [("gamma", f"{found.gamma:.4g} g")]
     for name, one, unit in (
-        ("dissipated power", found.power, "W"),
-        ("energy per cycle", found.energy_per_cycle, "J"),
+        ("dissipated power", found.power, " W"),
+        ("energy per cycle", found.energy_per_cycle, " J"),
         ("efficiency", found.efficiency, ""),
     ):
-        rows += [(name, f"{one.value:.5g} ± {one.sigma:.2g} {unit}")] if one is not None else []
+        rows += [(name, f"{_shown(one.value, one.sigma, '.5g')}{unit}")] if one is not None else []
     if found.enclosure_mass_kg is not None:
         rows.append(("empty enclosure", f"{found.enclosure_mass_kg:.4g} kg"))
     lines += [f"{name:20} {value}" for name, value in rows]
@@ -106,11 +113,18 @@ def _report(found: "Dissipation") -> str:
 
 
 def _line(tone: "Tone") -> str:
-    power = f"{tone.power_w:.4g} ± {tone.sigma_w:.2g}"
+    sigma = tone.phase_error_sigma
+    phase = (
+        "not known" if sigma is None else f"{1e3 * tone.phase_error_rad:8.3f} ± {1e3 * sigma:.3f}"
+    )
     line = (
         f"{tone.frequency_hz:9.3f}    {tone.force_n:9.4g}    {tone.acceleration_m_s2:13.4g}    "
-        f"{1e3 * tone.phase_error_rad:8.3f} ± {1e3 * tone.phase_error_sigma:<7.3f}    {power:<23}"
+        f"{phase:18}    {_shown(tone.power_w, tone.sigma_w, '.4g'):<23}"
     )
     if tone.efficiency is not None:
-        line += f"    {tone.efficiency:.4f} ± {tone.efficiency_sigma:.2g}"
+        line += f"    {_shown(tone.efficiency, tone.efficiency_sigma, '.4f')}"
     return line.rstrip()
+
+
+def _shown(value: float, sigma: float | None, form: str) -> str:
+    return f"{value:{form}}" + ("" if sigma is None else f" ± {sigma:.2g}")

@@ -70,7 +70,7 @@ if TYPE_CHECKING:
 @click.option(
     "--kn",
     metavar='"1e4 N/mm +- 18 %"',
-    help="Measured kn, which kt/kn makes the kt that --into writes.",
+    help="Measured kn, of which kt/kn makes kt: said, and written by --into.",
 )
 @sheets_option("Folder for the sheet (PNG).")
 @into_options("kt")
@@ -97,6 +97,8 @@ def command(
     from calibration.interface_fe.report import as_json as for_json
     from calibration.interface_fe.report import as_text
     from calibration.interface_fe.setting import read_kn, read_setting
+    from calibration.quantity import plus_minus
+    from calibration.uncertainty import as_pair
 
     setting, sigma_e = read_setting(given)
     known_kn = read_kn(kn, into is not None)
@@ -118,20 +120,23 @@ def command(
     rows = [] if no_assumptions or wanted != "both" else vary(setting, seed, progress)
     if rows:
         found = applied(found, rows)
-    if into is not None and known_kn is not None:
+    kt = None if known_kn is None else _kt(found, known_kn)
+    if into is not None and kt is not None:
         into.put(
             "kt",
-            _kt(found, known_kn),
+            kt,
             method="finite elements",
             files=given["profiles"],
             source=None if given["profiles"] else "made surfaces",
         )
     sheet = None if out is None else _sheet(found, out)
     if as_json:
-        answer = for_json(found, rows)
+        answer = for_json(found, rows) | {"kt_n_per_m": as_pair(kt)}
         click.echo(json.dumps(answer | {"sheet": None if sheet is None else str(sheet)}, indent=2))
         return
     click.echo(as_text(found, rows))
+    if kt is not None:
+        click.echo(f"kt = (kt/kn) kn = {plus_minus(1e-3 * kt.value, 1e-3 * (kt.sigma or 0))} N/mm")
     if sheet is not None and not quiet:
         click.echo(f"sheet: {sheet}", err=True)
 

@@ -5,6 +5,7 @@ frame, time, the restitution of each bounce once it has happened, and a scale ba
 """
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,21 +22,18 @@ _WIDEST, _HIGHEST = 960, 720  # px of a picture, as laptops show it
 _PANEL, _MARGIN, _LINE = 250, 14, 22  # px
 
 
-def annotate(drop: Drop, film: Film, path: Path, progress: Told | None = None) -> Path:
-    """Write the annotated film as an mp4; its path. See campaign.film.write_film.
+def annotate(
+    drop: Drop, film: Film, path: Path, progress: Told | None = None
+) -> tuple[Path, list[Still]]:
+    """Write the annotated film as an mp4; its path, and stills, of one pass over the film.
 
     The track of `drop` must have been followed in `film`: its frames and pixels are the film's.
+    Stills show the moments that tell: let go, first contact, apex after it, last contact.
     """
-    return write_film(path.parent, lambda: _pictures(drop, film, path.stem, progress), path.stem)
-
-
-def stills(drop: Drop, film: Film) -> list[Still]:
-    """A few frames with the marks in them: let go, first contact, apex after it, last contact."""
-    marks = Marks(drop, film.width, film.height, _WIDEST, _HIGHEST)
-    return [
-        Still(frame.number, film.width, film.height, marks.draw(frame))
-        for frame in film.some(_telling(drop))
-    ]
+    kept: dict[int, Still] = {}  # by frame: a film is drawn again where a codec is not to be had
+    pictures = partial(_pictures, drop, film, path.stem, kept, progress)
+    written = write_film(path.parent, pictures, path.stem)
+    return written, [kept[number] for number in sorted(kept)]
 
 
 def _telling(drop: Drop) -> set[int]:
@@ -46,11 +44,18 @@ def _telling(drop: Drop) -> set[int]:
     return {round(drop.frame(t)) for t in (release, contacts[0], apex, contacts[-1])}
 
 
-def _pictures(drop: Drop, film: Film, name: str, progress: Told | None) -> Iterator[Image]:
+def _pictures(
+    drop: Drop, film: Film, name: str, kept: dict[int, Still], progress: Told | None
+) -> Iterator[Image]:
+    """All frames with marks and panel; those that tell are kept."""
     marks = Marks(drop, film.width, film.height, _WIDEST, _HIGHEST)
     panel = _Panel(drop, marks, name)
+    telling = _telling(drop)
     for frame in film.frames():
-        yield _even(np.hstack([marks.draw(frame), panel.draw(frame.number)]))
+        image = marks.draw(frame)
+        if frame.number in telling:
+            kept[frame.number] = Still(frame.number, film.width, film.height, image)
+        yield _even(np.hstack([image, panel.draw(frame.number)]))
         if progress is not None and film.count:
             progress(frame.number / film.count, "annotated film")
 

@@ -6,15 +6,17 @@ selective: what differs is no background. What was in the first frame and left i
 the picture (Cucchiara et al. 2003, doi 10.1109/TPAMI.2003.1233909), and is replaced at once.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.film.light import gains, relit
 from calibration.film.reader import Picture
 
 Mask = NDArray[np.uint8]  # 255 where true
 
 _MEMORY = 16  # pictures that the running mean spans
-_SAMPLE = 4  # every such pixel tells the light as a whole
 _EVERY = 4  # frames from one learning to the next, once it has begun
 _LIMIT_FOR = 4  # learnings for which the limit is kept: noise changes slowly
 _LIMIT = 6.0  # noise that differs by more: less than one pixel in a picture of millions
@@ -31,15 +33,33 @@ class Background:
         self._spread = np.zeros(picture.shape[:2], np.float32)
         self._seen = 1
         self._frames = 0
+        self._level = float(picture.mean())
         self.picture = picture.copy()  # rounded mean
         self._limit: Picture | None = None
+        self._away = np.empty_like(picture)
+        self._planes: list[Any] = [np.empty(picture.shape[:2], np.uint8) for _ in range(3)]
         self.noise = _ROUNDING  # sigma of one channel of a pixel, over the picture [grey levels]
 
+    def lit_alike(self, picture: Picture) -> Picture:
+        """The picture as it were in the background's light, where that is another beyond noise."""
+        factors = gains(picture, self.picture)
+        if np.abs(factors - 1).max() * self._level <= self.noise / 2:
+            return picture
+        return relit(picture, factors)
+
     def difference(self, picture: Picture) -> Picture:
-        """(h, w) how far each pixel differs, in the channel where it differs most."""
+        """(h, w) how far each pixel differs, in the channel where it differs most.
+
+        It is overwritten by the next call: new memory for each picture costs more than the sum.
+        """
         import cv2
 
-        return _largest(np.asarray(cv2.absdiff(picture, self.picture), dtype=np.uint8))
+        cv2.absdiff(picture, self.picture, self._away)
+        away = _largest(self._away, self._planes)
+        if self._seen == 1 and self._frames == 0:  # before that nothing is known of the noise
+            self._spread[:] = _mean_of_quiet(away)
+            self._limit = None
+        return away
 
     def limit(self) -> Picture:
         """(h, w) difference that noise and a trembling of edges do not reach."""
@@ -64,9 +84,6 @@ class Background:
         """Take in a picture but for the things in it."""
         import cv2
 
-        if self._seen == 1:
-            self._spread[:] = _mean_of_quiet(difference)
-            self._limit = None
         self._seen += 1
         if self._seen < _MEMORY or self._seen % _LIMIT_FOR == 0:
             self._limit = None
@@ -76,42 +93,34 @@ class Background:
         cv2.accumulateWeighted(difference, self._spread, share, still)
         cv2.convertScaleAbs(self._mean, dst=self.picture)
         self.noise = max(_mean_of_quiet(difference) / _MEAN_OF_LARGEST, _ROUNDING / 2)
-        self._adjust(picture, things)
-
-    def _adjust(self, picture: Picture, things: Mask) -> None:
-        """Follow a change of the light as a whole: one factor a channel."""
-        import cv2
-
-        still = cv2.bitwise_not(np.ascontiguousarray(things[::_SAMPLE, ::_SAMPLE]))
-        now, was = (
-            cv2.mean(np.ascontiguousarray(one[::_SAMPLE, ::_SAMPLE]), still)[:3]
-            for one in (picture, self.picture)
-        )
-        factor = np.array([n / w if w > 1 else 1.0 for n, w in zip(now, was, strict=True)])
-        if np.abs(factor - 1).max() * max(was) > self.noise / 2:
-            self._mean *= factor.astype(np.float32)
-            cv2.convertScaleAbs(self._mean, dst=self.picture)
 
     def replace(self, picture: Picture, where: Mask) -> None:
         """Take the picture as it is in some place: a ghost, or a new view."""
-        chosen = where > 0
+        import cv2
+
+        x, y, w, h = cv2.boundingRect(where)
+        cut = np.s_[y : y + h, x : x + w]
         self._limit = None
-        self._mean[chosen] = picture[chosen]
-        self.picture[chosen] = picture[chosen]
+        chosen = where[cut] > 0
+        for stored in (self._mean, self.picture):
+            stored[cut][chosen] = picture[cut][chosen]
 
 
-def _largest(channels: Picture) -> Picture:
-    """(h, w) the largest of three channels."""
+def _largest(channels: Picture, planes: Any = None) -> Picture:
+    """(h, w) the largest of three channels; in the first of three planes where they are given."""
     import cv2
 
-    blue, green, red = cv2.split(channels)
-    return np.asarray(cv2.max(cv2.max(blue, green), red), dtype=np.uint8)
+    blue, green, red = cv2.split(channels, planes)
+    cv2.max(blue, green, blue)
+    return np.asarray(cv2.max(blue, red, blue), dtype=np.uint8)
 
 
 def _mean_of_quiet(difference: Picture) -> float:
     """Mean of the differences that are not far beyond the median: noise alone."""
-    sample = difference[::3, ::3]
-    return float(sample[sample <= 3 * np.median(sample) + 2].mean())
+    count = np.bincount(difference[::3, ::3].ravel(), minlength=256)
+    median = int(np.searchsorted(np.cumsum(count), count.sum() / 2))
+    quiet = count[: 3 * median + 3]
+    return float(quiet @ np.arange(len(quiet)) / quiet.sum())
 
 
 def is_ghost(picture: Picture, background: Picture, thing: Mask) -> bool:

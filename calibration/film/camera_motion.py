@@ -106,6 +106,8 @@ def _better(
     by_both, by_shift = (
         float(np.sum((there - corners @ one[:, :2].T - one[:, 2]) ** 2)) for one in (matrix, shift)
     )
+    if by_both == 0:  # the same picture again
+        return by_shift > 0
     freedom = 2 * len(corners) - 4
     gain = (by_shift - by_both) / 2 / (by_both / freedom)
     return float(fdtrc(2, freedom, gain)) < _CHANCE
@@ -116,3 +118,29 @@ def largest_shift(motion: Array, width: float, height: float) -> float:
     ends = np.array([[0, 0, 1], [width, 0, 1], [0, height, 1], [width, height, 1]], dtype=float)
     moved = (motion @ ends.T)[..., :2, :] - ends.T[:2]
     return float(np.hypot(moved[..., 0, :], moved[..., 1, :]).max())
+
+
+def lasting_motion(
+    motion: Array, width: float, height: float, least: float
+) -> tuple[Array | None, str]:
+    """The motion (n, 3, 3) of a camera that moves by `least` px, else None; what is said of it."""
+    from scipy.ndimage import median_filter
+
+    lasting = median_filter(motion, size=(5, 1, 1), mode="nearest")  # not a frame's noise
+    farthest = largest_shift(lasting, width, height)
+    if farthest < least:
+        return None, ""
+    return motion, f"the camera moves by up to {farthest:.1f} px: taken off"
+
+
+def offsets(motion: Array, x: Array, y: Array) -> Array:
+    """(n, 2) how far motion (n, 3, 3) took places (n,) from where the first frame has them."""
+    there = np.stack([x, y, np.ones_like(x)], axis=1)
+    first = np.einsum("nij,nj->ni", np.linalg.inv(motion), there)
+    return np.asarray(there[:, :2] - first[:, :2])
+
+
+def scaled(motion: Array, across: float, down: float) -> Array:
+    """The motion (n, 3, 3) of a picture in one whose pixels are so many times as small."""
+    larger = np.array([[across, 0, (across - 1) / 2], [0, down, (down - 1) / 2], [0, 0, 1]])
+    return larger @ motion @ np.linalg.inv(larger)

@@ -44,6 +44,8 @@ def follow(
     camera moves they are places in its first frame. Raises InputError where nothing moves.
     """
     region = inside(film, roi)
+    if hint is not None:
+        _refuse_beyond(film, Hint(*hint))
     notes = Notes()
     search = Search(region.width, region.height)
     for frame in film.frames():
@@ -56,9 +58,26 @@ def follow(
         if progress is not None and film.count:
             progress(frame.number / film.count, f"frame {frame.number} of {film.count}")
     tracks = tracks_of(film, search, notes, region)
+    if not tracks and len(notes.junk) + len(notes.views) > len(notes.numbers) / 4:
+        raise InputError(
+            f"{film.path}: the picture changes as a whole again and again (lamps that flicker in "
+            "bands, a camera that moves, cuts, noise): nothing can be followed"
+        )
     if not tracks:
         raise InputError(f"{film.path}: nothing moves in {len(notes.numbers)} frames")
     return [_nearest(film, tracks, Hint(*hint))] if hint is not None else tracks
+
+
+def _refuse_beyond(film: Film, hint: Hint) -> None:
+    """InputError for a hint that no frame of the film holds, before it is read."""
+    if hint.frame < 0 or 0 < film.count <= hint.frame:
+        known = f"0 to {film.count - 1}" if film.count else "0 and more"
+        raise InputError(f"{film.path}: no frame {hint.frame:g} for --at; frames are {known}")
+    if not (0 <= hint.x < film.width and 0 <= hint.y < film.height):
+        raise InputError(
+            f"{film.path}: x = {hint.x:g}, y = {hint.y:g} px of --at lies outside the picture, "
+            f"{film.width} x {film.height} px"
+        )
 
 
 def _nearest(film: Film, tracks: list[Track], hint: Hint) -> Track:

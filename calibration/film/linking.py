@@ -41,22 +41,16 @@ class Path:
         self.frames.append(frame)
         self.blobs.append(blob)
 
-    def cost(self, frame: int, blob: Blob, farthest: float) -> float:
-        """How ill a blob goes on with this thing: below 1 in place, look; or impossible."""
+    def costs(self, frame: int, blobs: list[Blob], farthest: float) -> list[float]:
+        """How ill each blob goes on with this thing: below 1 in place, look; or impossible."""
         last = self.blobs[-1]
-        look = unlike(last, blob)
-        if look >= 1:
-            return _IMPOSSIBLE
-        size = math.sqrt(blob.area)
-        here = (blob.x, blob.y)
         places, reach = self._expected(frame)
-        if reach is None:
-            off = math.dist(here, places[0]) / min(farthest, _FIRST_STEP * size)
-        else:
-            stays = math.dist(here, places[0]) / (size + 1.5 * reach)
-            goes = min(math.dist(here, place) for place in places[1:]) / (size + 0.5 * reach)
-            off = min(stays, goes)
-        return off + look if off < 1 else _IMPOSSIBLE
+        found = []
+        for blob in blobs:
+            off = _off(blob, places, reach, farthest)
+            look = unlike(last, blob) if off < 1 else 1.0
+            found.append(off + look if look < 1 else _IMPOSSIBLE)
+        return found
 
     def may_become(self, piece: "Path") -> bool:
         """Whether a later piece may be the same thing: alike, within reach, soon enough."""
@@ -100,6 +94,19 @@ class Path:
         return places, max(math.hypot(*speed) for speed in speeds) * ahead
 
 
+def _off(
+    blob: Blob, places: list[tuple[float, float]], reach: float | None, farthest: float
+) -> float:
+    """How far a blob is from where a thing may be; 1 and more is out of reach."""
+    size = math.sqrt(blob.area)
+    here = (blob.x, blob.y)
+    if reach is None:
+        return math.dist(here, places[0]) / min(farthest, _FIRST_STEP * size)
+    stays = math.dist(here, places[0]) / (size + 1.5 * reach)
+    goes = min(math.dist(here, place) for place in places[1:]) / (size + 0.5 * reach)
+    return min(stays, goes)
+
+
 def unlike(one: Blob, other: Blob) -> float:
     """How different two blobs look; 1 and more is another thing."""
     larger = abs(math.log(one.area / other.area)) / _LARGER
@@ -126,7 +133,7 @@ class Linker:
         self._alive = keep
         free = set(range(len(blobs)))
         if keep and blobs:
-            cost = np.array([[p.cost(frame, b, self._farthest) for b in blobs] for p in keep])
+            cost = np.array([p.costs(frame, blobs, self._farthest) for p in keep])
             for row, column in zip(*linear_sum_assignment(cost), strict=True):
                 if cost[row, column] < _IMPOSSIBLE:
                     keep[row].add(frame, blobs[column])

@@ -56,8 +56,8 @@ class Marks:
 
         area = cv2.INTER_AREA if self.zoom < 1 else cv2.INTER_LINEAR
         size = (self.width, self.height)
-        shown = cv2.resize(frame.picture, size, interpolation=area)[:, :, ::-1]
-        image = np.ascontiguousarray(shown, dtype=np.uint8)
+        shown = cv2.cvtColor(cv2.resize(frame.picture, size, interpolation=area), cv2.COLOR_BGR2RGB)
+        image = np.asarray(shown, dtype=np.uint8)
         moved = np.array([np.interp(frame.number, self.frames, c) for c in self.camera.T])
         self._draw_plate(image, frame.number, moved)
         self._draw_track(image, frame.number, moved)

@@ -15,16 +15,17 @@ class Region(NamedTuple):
     height: int
 
 
-def inside(film: Film, roi: Region | tuple[int, int, int, int] | None) -> Region:
-    """The region, checked to lie in the picture and to have a size."""
+def inside(
+    film: Film, roi: Region | tuple[int, int, int, int] | None, smallest: int = 16
+) -> Region:
+    """The region, or the whole picture; InputError where it is not in it or too small [px]."""
     if roi is None:
         return Region(0, 0, film.width, film.height)
     one = Region(*roi)
-    if one.x < 0 or one.y < 0 or one.width < 16 or one.height < 16 or (
-        one.x + one.width > film.width or one.y + one.height > film.height
-    ):  # fmt: skip
+    within = one.x + one.width <= film.width and one.y + one.height <= film.height
+    if min(one.x, one.y) < 0 or min(one.width, one.height) < smallest or not within:
         raise InputError(
-            f"--roi {','.join(map(str, one))}: x,y,width,height, 16 px and more, within "
-            f"{film.width} x {film.height} px"
+            f"--roi {','.join(map(str, one))}: x,y,width,height, {smallest} px and more, within "
+            f"the picture of {film.width} x {film.height} px"
         )
     return one

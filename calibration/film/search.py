@@ -12,6 +12,7 @@ from calibration.film.blobs import Blob, Candidate, candidates, changed, measure
 from calibration.film.camera_motion import CameraMotion, largest_shift
 from calibration.film.linking import Linker
 from calibration.film.reader import Picture
+from calibration.film.stillness import shows_motion
 from calibration.track import Array
 
 _LONGEST = 1280  # px of a picture that things are measured in
@@ -22,6 +23,7 @@ _CORNERS_FOR = 32  # frames for which the same corners show how the camera moves
 _STANDS = 16  # frames for which it has stood, from which on
 _SEEN_TO = 4  # it is looked at in every such frame alone
 _GHOST = 3  # frames for which a thing that has left its image behind stands still
+_GHOST_AGAIN = 4  # frames from one look at what stands still to the next
 
 
 @dataclass
@@ -58,9 +60,11 @@ class Search:
 
         if self._reduce > 1:
             picture = np.asarray(cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA))
+        if self._background is not None:
+            picture = self._background.lit_alike(picture)
         motion = self._motion(picture)
         notes.motion.append(motion)
-        picture = self._steadied(picture, motion)
+        picture, taken_off = self._steadied(picture, motion)
         if self._background is None:
             self._background = Background(picture)
             self._camera.look_at(self._small(picture))
@@ -73,7 +77,7 @@ class Search:
             return
         self._odd = 0
         blobs = self._measured(picture, found)
-        self.linker.add(number, [_moved(blob, motion) for blob in blobs])
+        self.linker.add(number, [_moved(blob, taken_off) for blob in blobs])
         self._before = picture
         if self._background.due():
             things = self._mask(found)
@@ -87,9 +91,14 @@ class Search:
         if self._stood >= _STANDS and self._frames % _SEEN_TO:
             return self._moved
         factor = np.diag([self._further, self._further, 1.0])
-        small = self._camera.follow(self._small(picture))
-        height, width = (length / self._further for length in picture.shape[:2])
-        self._stood = self._stood + 1 if largest_shift(small, width, height) < _DRIFT else 0
+        seen = self._small(picture)
+        small = self._camera.follow(seen)
+        height, width = seen.shape[:2]
+        moves = largest_shift(small, width, height) >= _DRIFT
+        if moves and self._background is not None:
+            moves = shows_motion(seen, self._small(self._background.picture), small)
+        small = small if moves else np.eye(3)
+        self._stood = 0 if moves else self._stood + 1
         self._moved = np.asarray(factor @ small @ np.linalg.inv(factor))
         return self._moved
 
@@ -102,17 +111,19 @@ class Search:
         size = (self._size[0] // self._further, self._size[1] // self._further)
         return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA))
 
-    def _steadied(self, picture: Picture, motion: Array) -> Picture:
-        """The picture as the camera would have seen it in the first frame."""
+    def _steadied(self, picture: Picture, motion: Array) -> tuple[Picture, Array]:
+        """The picture as the camera would have seen it in the first frame, and what was undone.
+
+        What is no more than the error of the camera's motion is left in.
+        """
         import cv2
 
         if largest_shift(motion, *self._size) < _DRIFT * self._further:
-            return picture
+            return picture, np.eye(3)
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        return np.asarray(
-            cv2.warpAffine(picture, motion[:2], self._size, flags=flags,
-                           borderMode=cv2.BORDER_REPLICATE)
-        )  # fmt: skip
+        steady = cv2.warpAffine(picture, motion[:2], self._size, flags=flags,
+                                borderMode=cv2.BORDER_REPLICATE)  # fmt: skip
+        return np.asarray(steady), motion
 
     def _odd_one(self, number: int, picture: Picture, notes: Notes) -> None:
         """A frame that shows something else: left out, or another view if it lasts."""
@@ -144,7 +155,8 @@ class Search:
             near = [k for k in still if np.abs(np.subtract(k, one.box)).max() <= 2 * self._further]
             lasted = 1 + max((still[k] for k in near), default=0)
             self._still[one.box] = lasted
-            if lasted >= _GHOST and self._left_behind(picture, one):
+            looked = lasted >= _GHOST and (lasted - _GHOST) % _GHOST_AGAIN == 0
+            if looked and self._left_behind(picture, one):
                 continue
             blob = measure(picture, self._background.picture, self._background.noise, one)
             if blob is None:

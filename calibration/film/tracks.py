@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from calibration.film.camera_motion import largest_shift
+from calibration.film.camera_motion import lasting_motion, offsets, scaled
 from calibration.film.linking import Path
 from calibration.film.reader import Film
 from calibration.film.region import Region
 from calibration.film.search import Notes, Search
 from calibration.film.stamps import clean_stamps
-from calibration.track import Array, Track
+from calibration.track import Array, Look, Track
 
 _MOVES = 1.0  # px of the picture measured in, from which the camera's motion is taken off
 _FEWEST = 8  # positions of a track
@@ -19,7 +19,8 @@ _FEWEST = 8  # positions of a track
 def tracks_of(film: Film, search: Search, notes: Notes, region: Region) -> list[Track]:
     """Of all things that move, that which went farthest first."""
     time, remarks = clean_stamps(notes.numbers, notes.stamps, film.rate)
-    motion, remark = _camera(notes, search.scale, region)
+    whole = scaled(np.array(notes.motion), *search.scale)
+    motion, remark = lasting_motion(whole, region.width, region.height, _MOVES * search.scale[0])
     remarks += [*_remarks(film, notes), *([remark] if remark else [])]
     moving = sorted(
         (one for one in search.linker.paths() if one.is_smooth()),
@@ -33,7 +34,7 @@ def tracks_of(film: Film, search: Search, notes: Notes, region: Region) -> list[
             continue
         at = np.array([row[int(n)] for n in track.frame], dtype=int)
         if motion is not None:
-            offset = _offsets(motion[at], track)
+            offset = offsets(motion[at], track.x, track.y)
             x, y = track.x - offset[:, 0], track.y - offset[:, 1]
             track = replace(track, x=x, y=y, camera=offset)
         when = None if time is None else time[at]
@@ -56,7 +57,10 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     radius = np.sqrt(area[kept] * fx * fy / np.pi)
     frame = np.array([path.frames[k] for k in kept], dtype=float)
     repeated = tuple(float(path.frames[k]) for k in kept if not path.blobs[k].changed)
-    return Track(frame, x, y, None, covariance, radius=radius, repeated=repeated)
+    colour = np.array([one.colour for one in blobs]).reshape(-1, 3)
+    behind = np.array([one.behind for one in blobs]).reshape(-1, 3)
+    look = Look(*(np.median(one, axis=0) for one in (colour, behind))) if blobs else None
+    return Track(frame, x, y, None, covariance, radius=radius, look=look, repeated=repeated)
 
 
 def _usual(area: Array) -> np.ndarray:
@@ -65,28 +69,6 @@ def _usual(area: Array) -> np.ndarray:
 
     off = np.abs(np.log(area / median_filter(area, size=min(31, len(area)), mode="nearest")))
     return np.asarray(off < max(np.log(1.25), 5 * float(np.median(off))))
-
-
-def _camera(notes: Notes, scale: tuple[float, float], region: Region) -> tuple[Array | None, str]:
-    """(n, 3, 3) the camera's motion in pixels of the region where it moves; and what is said."""
-    from scipy.ndimage import median_filter
-
-    motion = np.array(notes.motion)
-    to_film = np.array([[scale[0], 0, (scale[0] - 1) / 2], [0, scale[1], (scale[1] - 1) / 2],
-                        [0, 0, 1]])  # fmt: skip
-    motion = to_film @ motion @ np.linalg.inv(to_film)
-    lasting = median_filter(motion, size=(5, 1, 1), mode="nearest")  # not a frame's noise
-    farthest = largest_shift(lasting, region.width, region.height)
-    if farthest < _MOVES * scale[0]:
-        return None, ""
-    return motion, f"the camera moves by up to {farthest:.1f} px: taken off"
-
-
-def _offsets(motion: Array, track: Track) -> Array:
-    """(n, 2) how far the camera's motion moved each place from where the first frame has it."""
-    there = np.stack([track.x, track.y, np.ones_like(track.x)], axis=1)
-    first = np.einsum("nij,nj->ni", np.linalg.inv(motion), there)
-    return np.asarray(there[:, :2] - first[:, :2])
 
 
 def _remarks(film: Film, notes: Notes) -> list[str]:

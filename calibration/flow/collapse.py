@@ -14,9 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.film.rate import frame_rate
 from calibration.film.reader import open_film
-from calibration.flow.silo import CLEAR, check_said, parse_roi
-from calibration.flow.survey import Grey, Survey, clock_warnings, frame_rate, survey, to_grey
+from calibration.film.region import inside
+from calibration.flow.silo import Roi, check_said
+from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, survey, to_grey
 from calibration.quantity import metres_per_pixel
 from calibration.robust import MEDIAN_TO_SIGMA
 from calibration.uncertainty import Estimate
@@ -76,19 +78,17 @@ class Collapse:
 
 def measure_collapse(
     path: str | Path, *, fps: float | None = None, scale: str | None = None,
-    roi: str | None = None, tell: Callable[[float], None] = lambda part: None,
+    roi: Roi = None, tell: Callable[[float], None] = lambda part: None,
 ) -> Collapse:  # fmt: skip
     """The front in every frame of a film; InputError, one line, where nothing spreads."""
     import cv2
 
     film = open_film(path)
     rate = frame_rate(film, fps)
-    check_said((film.height, film.width), roi, scale, None)
+    check_said(film, roi, scale, None)
     seen = survey(film, lambda part: tell(0.3 * part))
-    part = (slice(None), slice(None))
-    if roi is not None:
-        x, y, w, h = (round(v) for v in parse_roi(roi, seen.first.shape))
-        part = slice(y, y + h), slice(x, x + w)
+    x, y, w, h = inside(film, roi)
+    part = slice(y, y + h), slice(x, x + w)
     limit = _limit(path, seen, part)
     known = Estimate(1.0, 0.0, 1)
     if scale is not None:
@@ -101,7 +101,6 @@ def measure_collapse(
         tell(0.3 + 0.7 * frame.number / seen.count)
     time, left, right, top = np.array(rows).T
     k = known.value
-    offset = part[1].start or 0, part[0].start or 0
     warnings = clock_warnings(film, seen)
     if film.rate is not None and fps is None:
         warnings.append(
@@ -110,7 +109,7 @@ def measure_collapse(
         )
     return Collapse(
         Path(path), film.rate, rate, known, "px" if scale is None else "m", time,
-        k * (left + offset[0]), k * (right + offset[0]), k * (top + offset[1]),
+        k * (left + x), k * (right + x), k * (top + y),
         k * _noise(left, right), warnings,
     )  # fmt: skip
 

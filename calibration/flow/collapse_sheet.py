@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from calibration.flow.collapse import Collapse
-from calibration.flow.report import write_table
+from calibration.flow.report import write_rows
 from campaign.figure import BLUE, GREEN, INK, VERMILION, headline, write_figure
 
 if TYPE_CHECKING:
@@ -14,9 +14,15 @@ if TYPE_CHECKING:
 def write_collapse(seen: Collapse, folder: Path, name: str) -> list[Path]:
     """collapse-NAME.csv and .png in a folder; their paths."""
     unit = seen.unit
-    head = ["time_s", *(f"{what}_{unit}" for what in ("left", "right", "half_width", "surface"))]
-    rows = zip(seen.time, seen.left, seen.right, seen.half_width, seen.surface, strict=True)
-    table = write_table(folder / f"collapse-{name}.csv", head, map(list, rows))
+    columns = {"time_s": seen.time} | {
+        f"{what}_{unit}": series
+        for what, series in (
+            ("left", seen.left), ("right", seen.right), ("half_width", seen.half_width),
+            ("surface", seen.surface),
+        )
+    }  # fmt: skip
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    table = write_rows(folder / f"collapse-{name}.csv", rows)
     return [table, write_figure(folder / f"collapse-{name}.png", lambda: _sheet(seen, name))]
 
 

@@ -7,8 +7,10 @@ The line of layer k at a time t, over columns j two grains wide (silo2d.measures
 with means over grains: the layer's at the start, and those in column j that have not left, two at
 least. A film shows material and no list of grains. So the tracers are parted many times into
 grains that might have been: what is nearest to the points of a lattice, turned and shifted by
-chance. The line is the mean over these partings. Their scatter is how far the line depends on which
-grains there are, to which that of the tracers' own errors is added.
+chance. Such a piece may lie over two grains of which one leaves before the other: it is where the
+median of its tracers is, and has left when half of them have, as a grain when its centroid has.
+The line is the mean over these partings. Their scatter is how far the line depends on which grains
+there are, to which that of the tracers' own errors is added.
 """
 
 from dataclasses import dataclass
@@ -36,6 +38,36 @@ class Band(NamedTuple):
     top: float
     bottom: float
     tone: int
+
+
+class Pieces(NamedTuple):
+    """A parting of the tracers into pieces of a grain's size.
+
+    use      (n,) tracers that are in a piece, in the order of the pieces
+    tracers  (m,) number of them in each piece of each piece
+    start    (m,) mean height at the start
+    layer    (m,)
+    """
+
+    use: NDArray[np.int64]
+    tracers: NDArray[np.int64]
+    start: Floats
+    layer: NDArray[np.int64]
+
+    def means(self, values: Floats) -> Floats:
+        """(m,) mean of the tracers' values in each piece."""
+        return np.asarray(np.bincount(self._piece, values[self.use]) / self.tracers)
+
+    def medians(self, values: Floats) -> Floats:
+        """(m,) their median."""
+        ordered = values[self.use][np.lexsort((values[self.use], self._piece))]
+        first = np.cumsum(self.tracers) - self.tracers
+        low, high = (ordered[first + k // 2] for k in (self.tracers - 1, self.tracers))
+        return np.asarray((low + high) / 2)
+
+    @property
+    def _piece(self) -> NDArray[np.int64]:
+        return np.repeat(np.arange(len(self.tracers)), self.tracers)
 
 
 @dataclass(frozen=True)
@@ -128,8 +160,8 @@ class Lines:
         size = (edges[1] - edges[0]) / 2
         self._partings = [self._parting(size, random) for _ in range(_PARTINGS)]
 
-    def _parting(self, size: float, random: np.random.Generator) -> NDArray[np.int64]:
-        """A grain for each tracer (n,), numbered; -1 where too little is of its layer."""
+    def _parting(self, size: float, random: np.random.Generator) -> Pieces:
+        """Pieces of one layer each, without those of which too little is of a layer."""
         from scipy.spatial import cKDTree
 
         middle, reach = self._start.mean(axis=0), np.ptp(self._start, axis=0).max() * 0.75
@@ -143,7 +175,12 @@ class Lines:
         key = np.column_stack([cell, self._layer])
         _, number, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
         number = number.ravel()
-        return np.where(count[number] * self._share >= _WHOLE, number, -1)
+        order = np.argsort(number, kind="stable")
+        whole = count * self._share >= _WHOLE
+        use, first = order[whole[number[order]]], (np.cumsum(count) - count)[whole]
+        layer = self._layer[order[first]]
+        start = np.bincount(number, self._start[:, 1])[whole] / count[whole]
+        return Pieces(use, count[whole], start, layer)
 
     @property
     def levels(self) -> Floats:
@@ -165,28 +202,21 @@ class Lines:
                        grains.mean(axis=0))  # fmt: skip
 
     def _lines(
-        self, parting: NDArray[np.int64], place: Floats, variance: Floats
+        self, parting: Pieces, place: Floats, variance: Floats
     ) -> tuple[Floats, Floats, Floats]:
         """Lines (l, c), the variance of each from that of the tracers, and the grains."""
-        use = parting >= 0
-        grain, n = parting[use], np.bincount(parting[use])
-        there = np.flatnonzero(n)
+        inside = parting.medians(place[:, 1]) > 0
+        fall = parting.medians(place[:, 1] - self._start[:, 1])[inside]
+        column = np.digitize(parting.medians(place[:, 0])[inside], self.edges[1:-1])
+        shape = self._count, len(self.edges) - 1
+        cell = np.ravel_multi_index((parting.layer[inside], column), shape)
 
-        def of_grains(values: NDArray) -> Floats:
-            return np.bincount(grain, values[use])[there] / n[there]
+        def sums(values: Floats | None = None) -> Floats:
+            return np.bincount(cell, values, self._count * shape[1]).reshape(shape).astype(float)
 
-        x, y = (of_grains(place[:, axis]) for axis in (0, 1))
-        start, layer = of_grains(self._start[:, 1]), of_grains(self._layer).astype(np.int64)
-        columns = len(self.edges) - 1
-        level = np.bincount(layer, start, self._count) / np.maximum(
-            np.bincount(layer, minlength=self._count), 1
-        )
-        inside = y > 0
-        cell = (layer * columns + np.digitize(x, self.edges[1:-1]))[inside]
-        size = self._count * columns
-        count = np.bincount(cell, minlength=size)
-        moved = np.bincount(cell, (y - start)[inside], size) / np.maximum(count, 1)
-        own = np.bincount(cell, of_grains(variance)[inside], size) / np.maximum(count, 1) ** 2
-        shape = self._count, columns
-        lines = np.where(count >= _FEWEST, moved, np.nan).reshape(shape) + level[:, None]
-        return lines, own.reshape(shape), count.reshape(shape).astype(float)
+        count = sums()
+        grains = np.maximum(np.bincount(parting.layer, minlength=self._count), 1)
+        level = np.bincount(parting.layer, parting.start, self._count) / grains
+        moved, own = sums(fall), sums(parting.means(variance)[inside])
+        lines = np.where(count >= _FEWEST, moved / np.maximum(count, 1), np.nan) + level[:, None]
+        return lines, own / np.maximum(count, 1) ** 2, count

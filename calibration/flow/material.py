@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from calibration.flow.silo import Silo, changes
 from calibration.flow.survey import Survey, to_grey
-from calibration.flow.tones import Labels
+from calibration.flow.tones import Labels, Tones
 from calibration.flow.tracers import Points
 
 Mask = NDArray[np.bool_]
@@ -15,7 +15,7 @@ _PER_GRAIN = 3  # tracers across a grain
 _CLOSEST = 2.0  # px between tracers
 
 
-def material_mask(seen: Survey, silo: Silo, labels: Labels, grain: float) -> Mask:
+def material_mask(seen: Survey, silo: Silo, tones: Tones, labels: Labels, grain: float) -> Mask:
     """Pixels (height, width) of the silo's inside where there is material or it passes.
 
     What changes from the first picture to the last; and what is as rough as that in the tones of
@@ -23,7 +23,7 @@ def material_mask(seen: Survey, silo: Silo, labels: Labels, grain: float) -> Mas
     """
     import cv2
 
-    _, moved = changes(seen)
+    _, moved = changes(seen, tones.limit(seen.noise))
     inside = np.zeros(moved.shape, dtype=bool)
     inside[silo.box] = True
     moved &= inside

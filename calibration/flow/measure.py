@@ -3,11 +3,12 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from calibration.film.rate import frame_rate
 from calibration.film.reader import open_film
 from calibration.flow.result import Flow
 from calibration.flow.settings import Settings
 from calibration.flow.silo import check_said, find_silo
-from calibration.flow.survey import frame_rate, survey
+from calibration.flow.survey import survey
 from calibration.flow.watch import Watch
 from contact.quantity import InputError, to_si
 
@@ -34,10 +35,10 @@ def measure_flow(
         )
     if settings.columns < 3 or settings.columns % 2 == 0:
         raise InputError(f"--columns {settings.columns}: an odd number, 3 at least")
-    check_said((film.height, film.width), settings.roi, settings.scale, settings.width)
+    check_said(film, settings.roi, settings.scale, settings.width)
     try:
         seen = survey(film, lambda part: tell(0.2 * part, "first look"))
-        silo = find_silo(seen, settings.roi, settings.scale, settings.width)
+        silo = find_silo(film, seen, settings.roi, settings.scale, settings.width)
     except InputError as error:
         text = str(error)
         raise InputError(text if str(path) in text else f"{path}: {text}") from None

@@ -11,6 +11,8 @@ flow settles just so. The last grain passes with its centroid half its length be
 outlet's row.
 """
 
+from collections import deque
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +24,7 @@ _CLEAR = 3.0  # standard deviations of the place of the lowest tracers that make
 _PLACE = 0.1  # px: standard deviation of their mean place from frame to frame
 _WIDE = 0.25  # grains across, from which on something is no speck
 _FEWEST = 5  # moments that show how a fall begins
+_LAST = 9  # tracers whose speed is the last grain's: there are three across one
 _MOST = 2.0  # grains by which it is followed at most
 _SLOW = 1e-4  # per frame: a rate that is none, over the tens of frames of a fall
 UNIFORM = 1 / np.sqrt(12)  # standard deviation of a uniform distribution of width 1
@@ -56,7 +59,7 @@ class Opening:
             self.clock = self._start()
 
     def _start(self) -> Estimate:
-        """Where the fall begins by its series; between two frames if there are few."""
+        """Where the fall from rest begins; between two frames if it is seen in few."""
         t, s = np.array(self._falls).T
         if len(t) < _FEWEST:
             return self._between(self._still, t[0])
@@ -102,14 +105,13 @@ class Crossing:
     def __init__(self, grain: float) -> None:
         self._grain = grain  # px
         self._last: float | None = None
-        self._speed = np.nan  # px/frame
+        self._steps: deque[float] = deque(maxlen=_LAST)
 
-    def see(self, frame: float, crossed: NDArray[np.bool_], speed: float) -> None:
-        """Where something stands in the outlet's row (w,); speed of tracers that cross it."""
+    def see(self, frame: float, crossed: NDArray[np.bool_], steps: Floats) -> None:
+        """Where something stands in the outlet's row (w,); steps of tracers that cross it [px]."""
         if crossed.sum() > _WIDE * self._grain:
             self._last = frame
-        if np.isfinite(speed):
-            self._speed = speed
+        self._steps.extend(steps.tolist())
 
     def last(self) -> Estimate | None:
         """Frame at which the last grain's centroid passed; None where nothing crossed.
@@ -118,6 +120,7 @@ class Crossing:
         """
         if self._last is None:
             return None
-        half = self._grain / 2 / self._speed if self._speed > 0 else 0.0
+        speed = float(np.median(self._steps)) if self._steps else 0.0
+        half = self._grain / 2 / speed if speed > 0 else 0.0
         # It was last seen in one frame and gone in the next: on average half a frame later.
         return Estimate(self._last + 0.5 - half, float(np.hypot(UNIFORM, half / 2)), 1)

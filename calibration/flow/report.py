@@ -1,8 +1,5 @@
 """What a discharge film told, as one JSON object and as tables with units."""
 
-import csv
-import io
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.flow.result import Flow
+from calibration.quantity import six_digits
 from calibration.uncertainty import as_pair
 from campaign.folder import write_atomic
+from campaign.table import as_csv
 
-_DIGITS = 6
+Row = dict[str, float]
 
 
 def as_json(flow: Flow) -> dict[str, Any]:
@@ -79,62 +78,66 @@ def numbers(series: NDArray) -> list[Any]:
     """A series as nested lists for JSON, NaN as None, to six digits."""
     if series.ndim > 1:
         return [numbers(row) for row in series]
-    return [None if np.isnan(v) else float(f"{v:.{_DIGITS}g}") for v in series.tolist()]
+    return [six_digits(value) for value in series.tolist()]
 
 
 def write_tables(flow: Flow, folder: Path, name: str) -> list[Path]:
-    """Tables of the curve, the profiles and the velocities as CSV; their paths."""
-    unit = flow.silo.unit
-    curve, sigma = flow.curve, flow.curve.sigma
-    rows = zip(curve.time, curve.remaining, curve.tracers, curve.surface, strict=True)
+    """Tables of the curve, the profiles and the velocities as CSV, of those there are; paths."""
     tables = {
-        "curve": (
-            ["time_s", "remaining", "sigma", "remaining_by_tracers", f"surface_{unit}"],
-            ([t, r, "" if sigma is None else sigma, by, s] for t, r, by, s in rows),
-        ),
-        "profile": (
-            ["time_s", "layer", f"x_{unit}", f"y_{unit}", f"sigma_{unit}", "grains"],
-            _profile_rows(flow),
-        ),
-        "velocity": (
-            ["from_s", "until_s", f"x_{unit}", f"y_{unit}", f"vx_{unit}_per_s", f"vy_{unit}_per_s",
-             f"sigma_{unit}_per_s", "pairs"],
-            _velocity_rows(flow),
-        ),
-    }  # fmt: skip
+        "curve": _curve_rows(flow),
+        "profile": _profile_rows(flow),
+        "velocity": _velocity_rows(flow),
+    }
     return [
-        write_table(folder / f"flow-{name}-{what}.csv", head, lines)
-        for what, (head, lines) in tables.items()
+        write_rows(folder / f"flow-{name}-{what}.csv", rows)
+        for what, rows in tables.items()
+        if rows
     ]
 
 
-def write_table(path: Path, head: list[str], rows: Iterable[list[Any]]) -> Path:
-    """A CSV of numbers to six digits, nothing where there is none; its path."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(head)
-    for row in rows:
-        writer.writerow(["" if _is_nan(v) else f"{v:.{_DIGITS}g}" if v != "" else v for v in row])
+def write_rows(path: Path, rows: list[Row]) -> Path:
+    """Numbers by name, to six digits, nothing where there is none, as a CSV; its path."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomic(path, text.getvalue())
+    write_atomic(path, as_csv([{name: _cell(v) for name, v in row.items()} for row in rows]))
     return path
 
 
-def _is_nan(value: Any) -> bool:
-    return isinstance(value, float) and bool(np.isnan(value))
+def _cell(value: float) -> float | None:
+    return int(value) if isinstance(value, int | np.integer) else six_digits(value)
 
 
-def _profile_rows(flow: Flow) -> Iterable[list[Any]]:
-    x = (flow.edges[:-1] + flow.edges[1:]) / 2
-    for p in flow.profiles:
-        for layer, column in np.argwhere(np.isfinite(p.lines)):
-            at = layer, column
-            yield [p.time, layer, x[column], p.lines[at], p.sigma[at], p.grains[at]]
+def _curve_rows(flow: Flow) -> list[Row]:
+    curve, surface = flow.curve, f"surface_{flow.silo.unit}"
+    sigma = np.nan if curve.sigma is None else curve.sigma
+    return [
+        {"time_s": t, "remaining": r, "sigma": sigma, "remaining_by_tracers": by, surface: s}
+        for t, r, by, s in zip(
+            curve.time, curve.remaining, curve.tracers, curve.surface, strict=True
+        )
+    ]
 
 
-def _velocity_rows(flow: Flow) -> Iterable[list[Any]]:
-    for one in flow.velocities:
-        for j, i in np.argwhere(np.isfinite(one.vx)):
-            at = j, i
-            yield [one.start, one.end, one.x[i], one.y[j], one.vx[at], one.vy[at], one.sigma[at],
-                   one.count[at]]  # fmt: skip
+def _profile_rows(flow: Flow) -> list[Row]:
+    x, unit = (flow.edges[:-1] + flow.edges[1:]) / 2, flow.silo.unit
+    return [
+        {
+            "time_s": p.time, "layer": layer, f"x_{unit}": x[column],
+            f"y_{unit}": p.lines[layer, column], f"sigma_{unit}": p.sigma[layer, column],
+            "grains": p.grains[layer, column],
+        }
+        for p in flow.profiles
+        for layer, column in np.argwhere(np.isfinite(p.lines))
+    ]  # fmt: skip
+
+
+def _velocity_rows(flow: Flow) -> list[Row]:
+    unit = flow.silo.unit
+    return [
+        {
+            "from_s": one.start, "until_s": one.end, f"x_{unit}": one.x[i], f"y_{unit}": one.y[j],
+            f"vx_{unit}_per_s": one.vx[j, i], f"vy_{unit}_per_s": one.vy[j, i],
+            f"sigma_{unit}_per_s": one.sigma[j, i], "pairs": one.count[j, i],
+        }
+        for one in flow.velocities
+        for j, i in np.argwhere(np.isfinite(one.vx))
+    ]  # fmt: skip

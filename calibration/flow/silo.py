@@ -8,17 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.flow.survey import Survey, to_grey
+from calibration.film.reader import Film
+from calibration.film.region import inside
+from calibration.flow.survey import CLEAR, Survey, to_grey
+from calibration.flow.tones import find_tones
 from calibration.quantity import measured_quantity, metres_per_pixel
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Roi = tuple[int, int, int, int] | None
 
-CLEAR = 5.0  # standard deviations of the noise that make a change
 _SOME = 0.05  # of a side that must have changed for a row or column to be of the inside
-_SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' grains
+SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' grains
 _EDGE = 0.41  # px, of a found side: whole pixels, 1/sqrt(12), for the edge and for the limit each
 _NEAR = 7  # px about an edge in which its whole change is found
 _PLAIN = 0.5  # of the usual roughness of a row, below which it shows a door and not grains
@@ -48,6 +51,10 @@ class Silo:
         """Points (..., 2) of the picture [px] along the silo's axes [m, or px without a scale]."""
         return (pixels - (self.left, self.outlet)) * (1, -1) * self.scale.value
 
+    def pixels(self, metres: Floats) -> Floats:
+        """The inverse of metres."""
+        return np.asarray(metres / self.scale.value * (1, -1) + (self.left, self.outlet))
+
     @property
     def box(self) -> tuple[slice, slice]:
         """Rows and columns of the inside in a picture."""
@@ -55,42 +62,23 @@ class Silo:
         return slice(top, round(self.outlet)), slice(left, round(self.left + self.width))
 
 
-def parse_roi(text: str, shape: tuple[int, ...]) -> tuple[float, float, float, float]:
-    """ "x,y,w,h" in pixels, within a picture of a shape (height, width); InputError otherwise."""
-    try:
-        x, y, w, h = (float(part) for part in text.split(","))
-    except ValueError:
-        raise InputError(f"--roi {text!r}: four numbers of pixels, such as 20,40,300,500") from None
-    height, width = shape[:2]
-    if not (0 <= x < x + w <= width and 0 <= y < y + h <= height):
-        raise InputError(f"--roi {text}: not within the picture of {width} x {height} px")
-    if min(w, h) < _SMALLEST:
-        raise InputError(f"--roi {text}: {_SMALLEST} x {_SMALLEST} px at least")
-    return x, y, w, h
-
-
-def check_said(
-    shape: tuple[int, ...], roi: str | None, scale: str | None, width: str | None
-) -> None:
+def check_said(film: Film, roi: Roi, scale: str | None, width: str | None) -> None:
     """Raise InputError, before the film is read, for what find_silo would refuse after it."""
     if scale is not None and width is not None:
         raise InputError("--scale and --width: give one; each tells the scale by itself")
     _scale(scale, width, 1.0, 0.0)
-    if roi is not None:
-        parse_roi(roi, shape)
+    inside(film, roi, SMALLEST)
 
 
-def find_silo(seen: Survey, roi: str | None, scale: str | None, width: str | None) -> Silo:
+def find_silo(film: Film, seen: Survey, roi: Roi, scale: str | None, width: str | None) -> Silo:
     """The inside, given or found, and the scale, given or from the silo's inner width.
 
     Found: the part of the picture that differs between the first and the last frame.
     """
-    check_said(seen.first.shape, roi, scale, width)
-    if roi is not None:
-        x, y, w, h = parse_roi(roi, seen.first.shape)
-        edge = 0.5  # px: whoever wrote whole pixels
-    else:
-        (x, y, w, h), edge = _changed_box(seen), _EDGE
+    check_said(film, roi, scale, width)
+    said = None if roi is None else inside(film, roi, SMALLEST)
+    x, y, w, h = said or _changed_box(seen)
+    edge = _EDGE if said is None else 0.5  # px: whoever wrote whole pixels
     known, unit = _scale(scale, width, w, edge)
     return Silo(x, y, w, h, edge, known, unit)
 
@@ -109,19 +97,41 @@ def _scale(
     return Estimate(1.0, 0.0, 1), "px"
 
 
-def changes(seen: Survey) -> tuple[NDArray[np.float32], Mask]:
-    """By how much each pixel differs from the first to the last picture, and whether it does."""
+def changes(seen: Survey, limit: float) -> tuple[NDArray[np.float32], Mask]:
+    """By how much each pixel's colour differs from the first to the last picture [grey levels].
+
+    And whether the mean over 3 x 3 pixels does by more than a limit.
+    """
     import cv2
 
-    apart = np.abs(seen.last.astype(np.int16) - seen.first).max(axis=2).astype(np.float32)
-    # The mean of 3 x 3 pixels has a third of the noise, and of two pictures sqrt(2) times it.
-    return apart, np.asarray(cv2.blur(apart, (3, 3)) > CLEAR * seen.noise * np.sqrt(2))
+    apart = seen.last.astype(np.float32) - seen.first.astype(np.float32)
+    size = np.sqrt(np.square(apart).sum(axis=2))
+    return size, np.asarray(cv2.blur(size, (3, 3)) > limit)
 
 
 def _changed_box(seen: Survey) -> tuple[float, float, float, float]:
+    """What differs by more than noise, and in it what differs by half of the contrast."""
+    rows, columns = _patch(seen, CLEAR * seen.noise * np.sqrt(2))[0]
+    limit = find_tones(seen, (rows, columns)).limit(seen.noise)
+    (rows, columns), there = _patch(seen, limit)
+    x0, x1 = _ends(there.mean(axis=0) > _SOME)
+    y0, y1 = _ends(there.mean(axis=1) > _SOME)
+    left, top = columns.start + x0, rows.start + y0
+    grey = to_grey(seen.first)[top : rows.start + y1, left : columns.start + x1]
+    height = _without_door(grey, there[y0:y1, x0:x1])
+    if min(x1 - x0, height) < SMALLEST:
+        raise InputError(
+            f"only {x1 - x0} x {height:.0f} px differ between the first and the last frame: "
+            "nothing flows there; say where the silo is: --roi x,y,w,h"
+        )
+    return float(left), float(top), float(x1 - x0), height
+
+
+def _patch(seen: Survey, limit: float) -> tuple[tuple[slice, slice], Mask]:
+    """Rows and columns of the largest patch that changed, and its pixels in them."""
     import cv2
 
-    apart, changed = changes(seen)
+    apart, changed = changes(seen, limit)
     size = max(3, min(changed.shape) // 100)
     kernel = np.ones((size, size), np.uint8)
     closed = cv2.morphologyEx(changed.astype(np.uint8), cv2.MORPH_CLOSE, kernel)
@@ -131,19 +141,9 @@ def _changed_box(seen: Survey) -> tuple[float, float, float, float]:
     biggest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
     left, top, w, h = (int(v) for v in stats[biggest, :4])
     part = slice(top, top + h), slice(left, left + w)
-    there = label[part] == biggest
     # Blur smears an edge to both sides; it stands where half of the change is reached.
-    there &= (apart > cv2.dilate(apart, np.ones((_NEAR, _NEAR), np.uint8)) / 2)[part]
-    x0, x1 = _ends(there.mean(axis=0) > _SOME)
-    y0, y1 = _ends(there.mean(axis=1) > _SOME)
-    grey = to_grey(seen.first)[top + y0 : top + y1, left + x0 : left + x1]
-    y1 = y0 + _without_door(grey, there[y0:y1, x0:x1])
-    if min(x1 - x0, y1 - y0) < _SMALLEST:
-        raise InputError(
-            f"only {x1 - x0} x {y1 - y0} px differ between the first and the last frame: "
-            "nothing flows there; say where the silo is: --roi x,y,w,h"
-        )
-    return float(left + x0), float(top + y0), float(x1 - x0), float(y1 - y0)
+    half = apart > cv2.dilate(apart, np.ones((_NEAR, _NEAR), np.uint8)) / 2
+    return part, np.asarray((label == biggest) & half)[part]
 
 
 def _ends(holds: Mask) -> tuple[int, int]:
@@ -151,12 +151,23 @@ def _ends(holds: Mask) -> tuple[int, int]:
     return (int(where[0]), int(where[-1]) + 1) if len(where) else (0, 0)
 
 
-def _without_door(grey: NDArray[np.uint8], there: Mask) -> int:
-    """Rows down to the lowest that shows grains: a door that is taken away is plain."""
+def _without_door(grey: NDArray[np.uint8], there: Mask) -> float:
+    """Rows down to where grains end: a door that is taken away is plain.
+
+    Blur smears that edge: it stands midway between the roughness of grains and that of the door.
+    A row of which hardly anything changed tells nothing: a codec's errors are rough, too.
+    """
     steps = np.abs(np.diff(grey.astype(np.float32), axis=1))
     both = there[:, 1:] & there[:, :-1]
-    rough = np.array(
-        [np.mean(row[use]) if use.any() else 0.0 for row, use in zip(steps, both, strict=True)]
-    )
-    grains = rough > _PLAIN * np.median(rough)
-    return _ends(grains)[1]
+    count = both.sum(axis=1)
+    rough = (steps * both).sum(axis=1) / np.maximum(count, 1)
+    rough[count <= _SOME * both.shape[1]] = 0.0
+    usual = float(np.median(rough))
+    end = _ends(rough > _PLAIN * usual)[1]
+    if end == len(rough):
+        return float(end)
+    middle = (usual + float(np.median(rough[end:]))) / 2
+    last = int(np.flatnonzero(rough[:end] > middle)[-1])
+    # A row's value stands at its middle.
+    part = (rough[last] - middle) / (rough[last] - rough[last + 1])
+    return last + 0.5 + float(part)

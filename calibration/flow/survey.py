@@ -12,7 +12,7 @@ from contact.quantity import InputError
 
 Grey = NDArray[np.uint8]
 
-_FASTEST = 1e6  # frames/s: what cameras reach
+CLEAR = 5.0  # standard deviations of the noise that make a change
 _FEWEST = 5  # frames of a film in which something flows
 _EVEN = 0.25  # of a frame: how far time stamps may stray from an even clock
 
@@ -32,17 +32,6 @@ class Survey:
     noise: float
     repeated: int
     uneven: bool
-
-
-def frame_rate(film: Film, fps: float | None) -> float:
-    """Frames/s as said, else the file's own; InputError where neither is known."""
-    if fps is not None:
-        if not 0 < fps < _FASTEST:
-            raise InputError(f"--fps {fps:g}: frames per second, above 0 and below {_FASTEST:g}")
-        return fps
-    if film.rate is None:
-        raise InputError(f"{film.path}: no frame rate is known; say it: --fps 100")
-    return film.rate
 
 
 def survey(film: Film, tell: Callable[[float], None] = lambda part: None) -> Survey:

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.film.reader import Picture
-from calibration.flow.silo import Silo
-from calibration.flow.survey import Survey
+from calibration.flow.survey import CLEAR, Survey
 
 Labels = NDArray[np.int64]
 
@@ -33,6 +32,16 @@ class Tones:
         apart = np.linalg.norm(self.colours[:2] - self.colours[2], axis=1)
         return float(apart.min())
 
+    def limit(self, noise: float) -> float:
+        """By how much a colour must differ [grey levels] to be another thing: half of the contrast.
+
+        Five standard deviations of the difference of two pictures with `noise` at least. The noise
+        alone will not do: a codec leaves still pixels alone, and about a strong edge it is off by
+        many times what changes there from frame to frame.
+        """
+        clear = CLEAR * noise * np.sqrt(2)
+        return clear if self.backing is None else max(self.contrast / 2, clear)
+
     def labels(self, picture: Picture) -> Labels:
         """Tone of each pixel (height, width): the nearest; 0 dark, 1 light, 2 backing."""
         import cv2
@@ -42,11 +51,11 @@ class Tones:
         return np.argmin(apart, axis=0)
 
 
-def find_tones(seen: Survey, silo: Silo) -> Tones:
-    """Three tones in the first and last picture's inside; the one that grows is the backing."""
+def find_tones(seen: Survey, box: tuple[slice, slice]) -> Tones:
+    """Three tones in a part of the first and last picture; the one that grows is the backing."""
     import cv2
 
-    rows, columns = silo.box
+    rows, columns = box
     parts = [
         cv2.medianBlur(p, _MEDIAN)[rows, columns].reshape(-1, 3) for p in (seen.first, seen.last)
     ]

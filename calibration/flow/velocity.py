@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.flow.silo import Silo
+from calibration.flow.steps import Steps
 from calibration.flow.survey import Grey
 
 Floats = NDArray[np.float64]
@@ -13,6 +14,7 @@ Mask = NDArray[np.bool_]
 
 _WINDOW = 2.0  # grains across a window: a grain's own turning is not the flow
 _SMALLEST = 16  # px
+_COVERED = 0.5  # of a window, by the bed
 _LEAST = 0.01  # of the silo that is filled, below which no field is sought
 PAIRS = 10  # of pictures in an interval: their scatter is known to a quarter
 FEWEST = 3  # of them that make a mean with a scatter
@@ -39,22 +41,46 @@ class VelocityField:
     count: NDArray[np.int64]
 
 
-@dataclass
 class _Sum:
-    """Of velocities [px/s], their squares, and the variance that each was measured with."""
+    """Velocities (ny, nx) of an interval's pairs, summed: the latest [px/s], and how they change.
 
-    u: Floats
-    v: Floats
-    squares: Floats
-    variance: Floats
-    count: NDArray[np.int64]
+    A flow that changes steadily does so in all pairs. What of their differences is noise is told by
+    those of successive ones, half of whose mean square is the variance (von Neumann 1941).
+    """
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self.count, self._changes = (np.zeros(shape, dtype=np.int64) for _ in range(2))
+        self.u, self.v, self._squares, self._variance = (np.zeros(shape) for _ in range(4))
+        self._last = np.full((2, *shape), np.nan)
+
+    def add(self, u: Floats, v: Floats, variance: Floats) -> None:
+        """Velocities and the variance of either component, NaN where none was found."""
+        told = np.isfinite(u)
+        self.count += told
+        for total, one in ((self.u, u), (self.v, v), (self._variance, variance)):
+            total += np.where(told, one, 0.0)
+        change = np.square(np.stack([u, v]) - self._last).mean(axis=0)
+        self._changes += np.isfinite(change)
+        self._squares += np.nan_to_num(change)
+        self._last = np.where(told, np.stack([u, v]), self._last)
+
+    def variance(self, seconds: float, grain: float) -> Floats:
+        """Of the means over an interval [s]: by the scatter of pairs, and by what each is known to.
+
+        What is wrong of a window is so by its grains [px]: it is another thing when they have gone
+        on by one, and the same in all pairs as long as they have not.
+        """
+        n, changes = np.maximum(self.count, 1), np.maximum(self._changes, 1)
+        passed = np.hypot(self.u, self.v) / n * seconds / grain
+        others = np.minimum(1 + passed, n)
+        return np.asarray((self._squares / changes / 2 + self._variance / others) / n)
 
 
 class Velocities:
     """Sums of velocities, interval by interval, of a few pairs of pictures in each."""
 
     def __init__(self, silo: Silo, grain: float) -> None:
-        self._silo = silo
+        self._silo, self._grain = silo, grain
         self._window = max(2 * round(_WINDOW * grain / 2), _SMALLEST)
         self._sums: dict[int, _Sum] = {}
         self._pairs: dict[int, int] = {}
@@ -65,32 +91,34 @@ class Velocities:
         index = int(time / length)
         return time >= (index + (self._pairs.get(index, 0) + 0.5) / PAIRS) * length
 
-    def add(self, interval: int, before: Grey, after: Grey, bed: Mask, step: float) -> None:
+    def add(
+        self, interval: int, pictures: tuple[Grey, Grey], beds: tuple[Mask, Mask], steps: Steps,
+        step: float,
+    ) -> None:  # fmt: skip
         """Add the velocities of the bed between two pictures that are `step` [s] apart.
 
-        before, after    whole pictures; bed (rows, columns) of the silo's box
+        pictures    whole ones; beds (rows, columns) of the silo's box
         """
         from calibration.piv import displacement
 
         self._pairs[interval] = self._pairs.get(interval, 0) + 1
-        box = self._silo.box
+        box, bed = self._silo.box, beds[0] & beds[1]
         if bed.mean() < _LEAST:
             return
-        found = displacement(before[box], after[box], window=self._window, mask=bed)
-        if self._grid is None:
-            # There (0, 0) is the middle of the box's first pixel.
-            self._grid = found.x[0] + 0.5 + box[1].start, found.y[:, 0] + 0.5 + box[0].start
-        u, v, sigma = (
-            np.where(found.valid, a, 0.0) / step for a in (found.u, found.v, found.sigma)
+        found = displacement(pictures[0][box], pictures[1][box], window=self._window, mask=bed)
+        # There (0, 0) is the middle of the box's first pixel.
+        x, y = found.x[0] + 0.5 + box[1].start, found.y[:, 0] + 0.5 + box[0].start
+        self._grid = x, y
+        by_tracers = steps.means(x, y, self._window)
+        by_pattern = found.u, found.v, found.sigma**2
+        u, v, variance = (
+            np.where(found.valid, one, other)
+            for one, other in zip(by_pattern, by_tracers, strict=True)
         )
-        u0, v0, squares, variance = (np.zeros(u.shape) for _ in range(4))
-        empty = _Sum(u0, v0, squares, variance, np.zeros(u.shape, dtype=np.int64))
-        total = self._sums.setdefault(interval, empty)
-        total.u += u
-        total.v += v
-        total.squares += u**2 + v**2
-        total.variance += sigma**2
-        total.count += found.valid
+        bare = _covered(beds, found.x, found.y, self._window) <= _COVERED
+        u, v, variance = (np.where(bare, np.nan, one) for one in (u, v, variance))
+        total = self._sums.setdefault(interval, _Sum(u.shape))
+        total.add(u / step, v / step, variance / step**2)
 
     def fields(self, length: float, late: float) -> list[VelocityField]:
         """The mean velocities of all intervals of a length [s], the opening known to `late` [s]."""
@@ -108,20 +136,25 @@ class Velocities:
             for one, gain in zip(found, gained, strict=True)
         ]
 
-    def _field(
-        self, start: float, end: float, x: Floats, y: Floats, total: "_Sum"
-    ) -> VelocityField:
+    def _field(self, start: float, end: float, x: Floats, y: Floats, total: _Sum) -> VelocityField:
         scale = self._silo.scale
-        n = np.where(total.count > 0, total.count, np.nan)
+        n = np.where(total.count >= FEWEST, total.count, np.nan)
         u, v = total.u / n, total.v / n
-        about = np.maximum(total.squares / n - u**2 - v**2, 0.0) / 2  # of one component
-        scatter = about / np.maximum(n - 1, 1)
         relative = (scale.sigma or 0.0) / scale.value
-        own = np.maximum(scatter, total.variance / n**2) + (u**2 + v**2) / 2 * relative**2
-        sigma = np.where(n >= FEWEST, np.sqrt(own), np.nan)
-        vx, vy = (np.where(n >= FEWEST, speed, np.nan) for speed in (u, -v))
+        sigma = np.sqrt(total.variance(end - start, self._grain) + (u**2 + v**2) / 2 * relative**2)
         k = scale.value
-        return VelocityField(start, end, x, y, k * vx, k * vy, k * sigma, total.count)
+        return VelocityField(start, end, x, y, k * u, -k * v, k * sigma, total.count)
+
+
+def _covered(beds: tuple[Mask, Mask], x: Floats, y: Floats, side: int) -> Floats:
+    """(ny, nx) share of the windows about pixels x, y that the bed covers, midway."""
+    import cv2
+
+    share = cv2.boxFilter(
+        (beds[0].astype(np.float32) + beds[1]) / 2, -1, (side, side), borderType=cv2.BORDER_CONSTANT
+    )
+    at = x.astype(np.float32), y.astype(np.float32)
+    return np.asarray(cv2.remap(share, *at, cv2.INTER_LINEAR), np.float64)
 
 
 def _gained(fields: list[VelocityField], k: int) -> Floats:

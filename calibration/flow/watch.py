@@ -12,10 +12,12 @@ from calibration.film.reader import Film, Picture
 from calibration.flow.layers import Band, Lines, Profile, drawn_bands, of_bands, painted_bands
 from calibration.flow.material import material_mask, outlet_columns, seeds
 from calibration.flow.outlet import Crossing, Opening
+from calibration.flow.plausible import Plausible
 from calibration.flow.result import Curve, Flow
 from calibration.flow.settings import Settings
-from calibration.flow.silo import CLEAR, Silo
-from calibration.flow.survey import Grey, Survey, clock_warnings, to_grey
+from calibration.flow.silo import Silo
+from calibration.flow.steps import Steps
+from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, to_grey
 from calibration.flow.tones import Tones, find_tones
 from calibration.flow.tracers import Points, Tracers
 from calibration.flow.velocity import Velocities
@@ -47,9 +49,9 @@ class Watch:
         self.film, self.rate, self.interval = film, rate, interval
         self.seen, self.silo, self.settings = seen, silo, settings
         self.grain = silo.width / settings.columns / 2  # px: columns are two grains wide
-        self.tones: Tones = find_tones(seen, silo)
+        self.tones: Tones = find_tones(seen, silo.box)
         labels = self.tones.labels(seen.first)
-        self.mask = material_mask(seen, silo, labels, self.grain)
+        self.mask = material_mask(seen, silo, self.tones, labels, self.grain)
         start, tone = seeds(self.mask, labels, silo, self.grain)
         if len(start) < 100:
             raise InputError(f"{film.path}: no material is seen in the silo; check --roi")
@@ -60,6 +62,9 @@ class Watch:
         self.bands = self._bands(labels, start)
         self.lines = self._lines(start, tone)
         self._lowest = self._above_outlet(start)
+        strip = (self.outlet[1] - self.outlet[0]) * self.grain
+        wanted = strip / self.tracers_step() ** 2
+        self._plausible = Plausible(film.path, int(self._lowest.sum()), wanted)
         self.opening, self.crossing = Opening(self.grain), Crossing(self.grain)
         self.velocities = Velocities(silo, self.grain)
         self._series: list[tuple[float, float, float, float]] = []
@@ -122,10 +127,12 @@ class Watch:
             self._grey = grey
         self._last = number
         self._cross(number, picture, height)
-        self._series.append((float(number), *self._seen_area(picture), self._share()))
-        fall = self.tracers.place[self._lowest, 1] - self.tracers.start[self._lowest, 1]
-        if len(fall):
-            self.opening.see(number, float(fall.mean()))
+        area, surface = self._seen_area(picture)
+        share = self._share()
+        self._series.append((float(number), area, surface, share))
+        falls = (self.tracers.place[:, 1] - self.tracers.start[:, 1]).astype(float)
+        self.opening.see(number, float(falls[self._lowest].mean()))
+        self._plausible.see(area, share, falls)
         self._keep(number, grey)
 
     def _differs(self, before: Grey, grey: Grey) -> bool:
@@ -144,8 +151,8 @@ class Watch:
         apart = picture[part].astype(np.float32).mean(axis=0) - self.seen.last[part].mean(axis=0)
         now = self.tracers.place[:, 1]
         passing = (before < self.silo.outlet) & (now >= self.silo.outlet)
-        speed = float(np.median((now - before)[passing])) if passing.any() else np.nan
-        self.crossing.see(number, np.linalg.norm(apart, axis=1) > self._contrast, speed)
+        steps = (now - before)[passing].astype(float)
+        self.crossing.see(number, np.linalg.norm(apart, axis=1) > self._contrast, steps)
 
     def _seen_area(self, picture: Picture) -> tuple[float, float]:
         """Pixels of material in the silo, and the mean height of its free surface."""
@@ -201,8 +208,15 @@ class Watch:
         middle = (first + last) / 2
         if self.settings.velocity and self.velocities.wants(middle, self.interval):
             step = (now.number - before.number) / self.rate
-            bed = before.bed & now.bed
-            self.velocities.add(int(middle / self.interval), before.grey, now.grey, bed, step)
+            self.velocities.add(
+                int(middle / self.interval), (before.grey, now.grey), (before.bed, now.bed),
+                self._steps(before, now), step,
+            )  # fmt: skip
+
+    def _steps(self, before: _Moment, now: _Moment) -> Steps:
+        first, last = (self.silo.pixels(one.place) for one in (before, now))
+        off = np.sqrt(now.variance) - np.sqrt(before.variance)  # errors along a way add up
+        return Steps((first + last) / 2, last - first, np.square(off))
 
     def flow(self) -> Flow:
         """All that the film told."""
@@ -212,6 +226,9 @@ class Watch:
                 f"{self.film.path}: no material falls at the outlet; does the film show the "
                 "opening, is --roi the silo's inside from the outlet up, or is it --collapse?"
             )
+        place = self.tracers.place[self.tracers.place[:, 1] > self.silo.outlet].astype(float)
+        ends = self.outlet[0] - self.grain, self.outlet[1] + self.grain
+        self._plausible.end(place[:, 0], ends)
         frame, area, surface, share = np.array(self._series).T
         time = (frame - opening.value) / self.rate
         still = time <= 0

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.impacts.chance import doubt
 from calibration.impacts.onset import edge_of
 from calibration.impacts.power import onsets_of
 from calibration.impacts.ratios import Restitution, first_restitution, restitution
@@ -90,23 +91,32 @@ def measure_signal(
         )
     found = search(signal, _checked(window, signal))
     starts, ends = found.begins * found.block, found.peaks * found.block
-    chosen = bouncing(starts / signal.rate, found.level[found.peaks])
-    remarks = list(signal.remarks) + _clipped(signal)
-    if not chosen:
-        chosen = list(range(len(starts)))
-        remarks += _no_row(signal.path, len(starts), drop_height)
+    row = bouncing(starts / signal.rate, found.level[found.peaks])
+    chosen = row or list(range(len(starts)))
+    problem = None if row else _no_row(signal.path, len(starts), drop_height)
+    events = starts / signal.rate
+    times, sigmas = _timed(signal, found, [(int(starts[k]), int(ends[k])) for k in chosen])
+    events[chosen] = times
+    if row:
+        problem = doubt(row, events, found.level[found.peaks])
+    others = np.delete(events, chosen) + signal.start
+    value, first = _restitution(times, sigmas, drop_height, problem is None)
+    remarks = [problem] if problem else []
+    remarks += [*signal.remarks, *_said(found, signal), *_remarks(value, first, others)]
+    return Impacts(
+        signal, found, times + signal.start, sigmas, tuple(map(float, others)), value, first,
+        tuple(remarks),
+    )  # fmt: skip
+
+
+def _timed(
+    signal: Signal, found: Search, spans: list[tuple[int, int]]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times (m,) [s] from the first sample and their sigmas, of events that rise in these spans."""
     clearest = _clearest(found)
     x, white = signal.channels[:, clearest], found.white[:, clearest]
-    spans = [(int(starts[k]), int(ends[k])) for k in chosen]
     onsets = onsets_of([edge_of(x, white, span, found.window) for span in spans])
-    times = signal.start + np.array([one.time for one in onsets]) / signal.rate
-    sigmas = with_shape(x, onsets) / signal.rate
-    others = np.delete(starts, chosen) / signal.rate + signal.start
-    value, first = _restitution(times, sigmas, drop_height)
-    remarks += _remarks(value, first, others)
-    return Impacts(
-        signal, found, times, sigmas, tuple(map(float, others)), value, first, tuple(remarks)
-    )
+    return np.array([one.time for one in onsets]) / signal.rate, with_shape(x, onsets) / signal.rate
 
 
 def _clearest(found: Search) -> int:
@@ -124,17 +134,17 @@ def _checked(window: float, signal: Signal) -> float:
     return window
 
 
-def _clipped(signal: Signal) -> list[str]:
-    """A warning where three samples running stand at the largest value."""
-    words = []
+def _said(found: Search, signal: Signal) -> list[str]:
+    """Warnings of a signal that begins within an event, and of three largest samples running."""
+    words = ["the signal begins within an event, which was left out"] if found.late else []
     for name, x in zip(signal.names, signal.channels.T, strict=True):
         full = np.abs(x) >= np.abs(x).max() * (1.0 - 1e-12)
-        if (full[2:] & full[1:-1] & full[:-2]).any():
+        if x.any() and (full[2:] & full[1:-1] & full[:-2]).any():
             words.append(f"{name}: {int(full.sum())} samples clipped at {np.abs(x).max():g}")
     return words
 
 
-def _no_row(path: Path, n: int, drop_height: float | None) -> list[str]:
+def _no_row(path: Path, n: int, drop_height: float | None) -> str:
     """What to say where no three events make a row; InputError for fewer than two events."""
     if n == 0:
         raise InputError(f"{path}: no impact: nothing rises by {RISE:g} dB out of the noise")
@@ -143,19 +153,22 @@ def _no_row(path: Path, n: int, drop_height: float | None) -> list[str]:
             f"{path}: one impact alone; a restitution needs three, one after the other"
         )
     if n > 2:
-        return [f"none of the {n} events make a row of shrinking flights: no restitution"]
+        return f"none of the {n} events make a row of shrinking flights: no restitution"
     if drop_height is None:
-        return ["two impacts make one flight: no restitution without a third or --drop-height"]
-    return ["two impacts: the restitution is that of the drop height and the one flight"]
+        return "two impacts make one flight: no restitution without a third or --drop-height"
+    return "two impacts: the restitution is that of the drop height and the one flight"
 
 
 def _restitution(
-    times: NDArray[np.float64], sigmas: NDArray[np.float64], drop_height: float | None
+    times: NDArray[np.float64],
+    sigmas: NDArray[np.float64],
+    drop_height: float | None,
+    believed: bool,
 ) -> tuple[Restitution, float | None]:
     """The restitution of a row, and that of its first impact from the drop height."""
     first = None if drop_height is None else first_restitution(times[1] - times[0], drop_height)
     flights = np.diff(times)
-    if len(times) > 2 and (flights[1:] < flights[:-1]).all():
+    if believed:
         return restitution(times, sigmas), first
     if len(times) == 2 and first is not None:
         relative = np.hypot(*sigmas) / flights[0]

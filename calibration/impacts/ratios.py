@@ -12,6 +12,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.uncertainty import of_trials
+
 GRAVITY = 9.81  # [m/s2]
 
 
@@ -21,8 +23,8 @@ class Restitution:
 
     per_pair, per_pair_sigma   (n - 2,) T(k+1)/T(k), and its standard uncertainty
     impact_speeds_m_s          (n - 2,) with which the body arrives in between
-    value, sigma               pooled; where the pairs differ by more than noise their plain mean
-                               and its standard error from their scatter
+    value, sigma               pooled; where the pairs differ by more than noise their plain mean,
+                               and its Student's interval from their scatter
     p                          chance of pairs that differ so much if one number describes all
     """
 
@@ -80,7 +82,9 @@ def _pooled(
     p = float(chi2.sf(apart @ inverse @ apart, n - 1))
     if p >= 0.05:
         return value, float(weight**-0.5), p
-    return float(ratios.mean()), float(ratios.std(ddof=1) / np.sqrt(n)), p
+    mean = of_trials(ratios.tolist())
+    assert mean.sigma is not None  # they differ
+    return mean.value, mean.sigma, p
 
 
 def first_restitution(flight: float, height: float) -> float:

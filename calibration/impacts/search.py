@@ -44,6 +44,7 @@ class Search:
     threshold: float
     peaks: NDArray[np.intp]
     begins: NDArray[np.intp]
+    late: bool
 
     @property
     def window(self) -> int:
@@ -69,8 +70,13 @@ def search(signal: Signal, window: float = WINDOW) -> Search:
     peaks, _ = find_peaks(padded, height=threshold, prominence=RISE)
     peaks -= 1
     before = [0, *peaks[:-1]]
-    begins = [_begin(level, *pair, threshold) for pair in zip(before, peaks, strict=False)]
-    return Search(white, level, block, threshold, peaks, np.array(begins, dtype=np.intp))
+    begins = np.array(
+        [_begin(level, *pair, threshold) for pair in zip(before, peaks, strict=False)],
+        dtype=np.intp,
+    )
+    risen = begins > 0
+    late = not bool(risen.all())
+    return Search(white, level, block, threshold, peaks[risen], begins[risen], late)
 
 
 def _begin(level: NDArray[np.float64], previous: int, peak: int, threshold: float) -> int:

@@ -18,7 +18,7 @@ _STEEPEST = 3.0  # largest power of the impact speed with which the amplitude go
 LEAST, MOST = 0.05, 1.0  # of a ratio of two flights that is taken for a restitution
 _SAME = 0.03  # of the shortest flight: how far an echo's row may be from the impacts' in step
 _CHANCE = 5e-3  # below which events in step are echoes, and not there by chance
-_NEAR = 2e-3  # [s] how far echoes may be from in step with their impacts
+NEAR = 2e-3  # [s] how far echoes may be from in step with their impacts
 _MOST_CANDIDATES = 60  # the strongest; the search takes the cube of it
 
 
@@ -47,13 +47,13 @@ def _is_echo(
     from scipy.stats import binom
 
     outside = ~np.isin(np.arange(len(t)), row)  # flights near e = 1 are nearly in step themselves
-    chance = min(1.0, 2.0 * _NEAR * len(t) / (t[-1] - t[0]))  # of an event at a given time
+    chance = min(1.0, 2.0 * NEAR * len(t) / (t[-1] - t[0]))  # of an event at a given time
     for source in row[: row.index(member)]:
         delay = t[member] - t[source]
-        others = [k for k in row if k not in (member, source) and t[k] + delay < t[-1] + _NEAR]
+        others = [k for k in row if k not in (member, source) and t[k] + delay < t[-1] + NEAR]
         followed = [
             k for k in others
-            if (outside & (np.abs(t - t[k] - delay) < _NEAR) & (weight < weight[k])).any()
+            if (outside & (np.abs(t - t[k] - delay) < NEAR) & (weight < weight[k])).any()
         ]  # fmt: skip
         by_chance = binom.sf(len(followed) - 1, len(others), chance)
         if weight[member] < weight[source] and by_chance < _CHANCE:

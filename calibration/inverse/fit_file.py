@@ -1,6 +1,5 @@
 """The TOML file of a fit: simulator, case, parameters with priors, observations, runs."""
 
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,7 @@ from calibration.inverse.prior import Array, Prior, prior_of
 from calibration.inverse.simulator import NAMES, simulator
 from calibration.parameter_file import digest_of
 from campaign.folder import digest
-from contact.datafile import is_file
+from contact.datafile import is_file, read_toml
 from contact.quantity import InputError, located, nearest
 
 SCHEMA = 1
@@ -24,7 +23,7 @@ MAX_RUNS = 100_000  # more is taken for a slip
 # 366); half of eight cover the prior, where a plane needs one more than there are parameters.
 _USUAL_POINTS, _LEAST_POINTS = 10, 8
 _KEYS = (
-    "schema", "name", "simulator", "case", "seeds", "runs", "draw_seed", "settings", "parameters",
+    "name", "simulator", "case", "seeds", "runs", "draw_seed", "settings", "parameters",
     "observation",
 )  # fmt: skip
 
@@ -99,23 +98,17 @@ class Fit:
 def read_fit(path: str | Path) -> Fit:
     """The fit of a TOML file; InputError, one line with file, key and what would do."""
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-        document = tomllib.loads(text)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give a fit file") from None
-    except ValueError as error:  # also bytes that are not text
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+    if not is_file(path):
+        raise InputError(f"{path}: no such file; calibrate inverse FIT --init writes one")
+    document = read_toml(path, "fits", SCHEMA)
     with located(f"{path}:"):
-        return _fit(document, path, text)
+        return _fit(document, path, path.read_text(encoding="utf-8"))
 
 
 def _fit(document: dict[str, Any], path: Path, text: str) -> Fit:
     for key in document:
         if key not in _KEYS:
             raise InputError(f"unknown key {key!r}; {nearest(key, _KEYS)}")
-    if document.get("schema") is not SCHEMA:
-        raise InputError(f"schema must be {SCHEMA}; write schema = {SCHEMA} on the first line")
     name = document.get("name", path.stem)
     if not isinstance(name, str) or not name.isprintable() or Path(name).name != name:
         raise InputError(f"name = {name!r}: a folder is called after it; give letters, digits, '-'")
@@ -123,8 +116,9 @@ def _fit(document: dict[str, Any], path: Path, text: str) -> Fit:
         raise InputError(f"simulator = {document.get('simulator')!r}: one of {', '.join(NAMES)}")
     simulated = simulator(document["simulator"])
     priors = _priors(document.get("parameters"), simulated)
-    settings = _settings(document.get("settings", {}), simulated, priors)
-    cases, observations = _observations(document, path.parent, simulated, settings)
+    fitted = [key for prior in priors for key in prior.keys]
+    settings = _settings(document.get("settings", {}), simulated, fitted)
+    cases, observations = _observations(document, path.parent, simulated, settings, fitted)
     seeds, draw_seed = _count(document, "seeds", 3, 2), _count(document, "draw_seed", 1, 0)
     points = _points(document, seeds * len(cases), len(priors))
     fit = Fit(path, name, text, simulated, cases, priors, observations, seeds, points, draw_seed)
@@ -171,8 +165,7 @@ def _refuse_twice(key: str, there: list[str], where: str) -> None:
         raise InputError(f"{where} {key}: stands there twice")
 
 
-def _settings(tables: Any, simulated: Simulated, priors: tuple[Prior, ...]) -> dict[str, Any]:
-    fitted = [key for prior in priors for key in prior.keys]
+def _settings(tables: Any, simulated: Simulated, fitted: list[str]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for keys, written in _entries(tables, "[settings]"):
         for key in keys:
@@ -185,7 +178,11 @@ def _settings(tables: Any, simulated: Simulated, priors: tuple[Prior, ...]) -> d
 
 
 def _observations(
-    document: dict[str, Any], folder: Path, simulated: Simulated, settings: dict[str, Any]
+    document: dict[str, Any],
+    folder: Path,
+    simulated: Simulated,
+    settings: dict[str, Any],
+    fitted: list[str],
 ) -> tuple[tuple[tuple[str, dict[str, Any]], ...], tuple[tuple[int, Observation], ...]]:
     """The cases that are simulated, and what was observed of each."""
     tables = document.get("observation")
@@ -195,7 +192,7 @@ def _observations(
     found: list[tuple[int, Observation]] = []
     for k, table in enumerate(tables, start=1):
         where = f"[[observation]] {k}:"
-        if not isinstance(table, dict) or table.get("kind") not in simulated.kinds:
+        if not isinstance(table, dict) or table.get("kind") not in tuple(simulated.kinds):
             kind = table.get("kind") if isinstance(table, dict) else table
             known = ", ".join(simulated.kinds)
             raise InputError(f"{where} kind = {kind!r}: {simulated.campaign.name} has {known}")
@@ -209,12 +206,22 @@ def _observations(
         written.end()
         for one in observations:
             setting = (name, settings | dict(one.changes))
+            _refuse_given(one, where, settings, fitted)
             if setting not in cases:
                 cases.append(setting)
             found.append((cases.index(setting), one))
     if any(o.blocked for _, o in found) and len(cases) > 1:
         raise InputError("clogging goes with one case; fit the others apart")
     return tuple(cases), tuple(found)
+
+
+def _refuse_given(
+    one: Observation, where: str, settings: dict[str, Any], fitted: list[str]
+) -> None:
+    for key, _ in one.changes:
+        for table, keys in (("settings", list(settings)), ("parameters", fitted)):
+            if key in keys:
+                raise InputError(f"{where} each row has its {key}; leave it out of [{table}]")
 
 
 def _count(document: dict[str, Any], key: str, usual: int, least: int) -> int:
@@ -237,10 +244,15 @@ def _points(document: dict[str, Any], a_point: int, parameters: int) -> int:
 
 
 def _check_ends(fit: Fit) -> None:
-    """InputError where the simulator does not take a prior's end, the others in the middle."""
+    """InputError where the simulator does not take a prior's end, the others in the middle.
+
+    A case that it does not take as it stands has an error of its own, and no prior is to blame.
+    """
+    for name, changes in fit.cases:
+        fit.simulated.load(name, changes)
     for k, prior in enumerate(fit.priors):
         for share in (0.0, 1.0):
-            x = np.array([p.quantile(np.array(0.5)) for p in fit.priors])
+            x = fit.middle
             x[k] = prior.quantile(np.array(share))
             try:
                 for number in range(len(fit.cases)):

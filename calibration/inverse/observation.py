@@ -97,11 +97,11 @@ class Written:
                 "a value was measured"
             )
         self._known.append("sigma")
-        wrong = np.flatnonzero(~(values > 0))
+        wrong = np.flatnonzero(~((values > 0) & np.isfinite(values)))
         if len(wrong):
             line = table.lines[wrong[0]]
             raise InputError(f"{table.path}: line {line}: sigma = {values[wrong[0]]:g}: must be "
-                             "above 0")  # fmt: skip
+                             "a number above 0")  # fmt: skip
         return values
 
     def end(self) -> None:

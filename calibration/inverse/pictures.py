@@ -40,7 +40,8 @@ def draw_posterior(found: Fitted) -> "Figure":
     count = len(found.fit.priors)
     size = max(_CELL * count + 1.0, 4.4)
     figure = Figure(figsize=(size, size), layout="constrained")
-    headline(figure, f"{found.fit.name}: posterior; shaded: 68.3 %, of pairs 68.3 and 95.4 %")
+    pairs = ", of pairs 68.3 and 95.4 %" if count > 1 else ""
+    headline(figure, f"{found.fit.name}: posterior; shaded: 68.3 %{pairs}")
     grid = figure.subplots(count, count, squeeze=False)
     values = found.posterior.values()
     points = np.stack(
@@ -141,23 +142,20 @@ def _panel(axes: "Axes", panel: Panel) -> None:
 
 
 def draw_identifiability(found: Fitted) -> "Figure":
-    """Widths, correlations of the posterior, and directions of the Fisher information."""
+    """Widths; of several parameters, correlations and directions of the Fisher information, too."""
     from matplotlib.figure import Figure
 
     count = len(found.fit.priors)
-    height = max(0.55 * count + 2.0, 3.2)
-    figure = Figure(figsize=(13.0, height), layout="constrained")
+    if count == 1:
+        figure = Figure(figsize=(6.5, 2.4), layout="constrained")
+        headline(figure, f"{found.fit.name}: what the observation tells")
+        _widths(figure.subplots(), found)
+        return figure
+    figure = Figure(figsize=(13.0, max(0.55 * count + 2.0, 3.2)), layout="constrained")
     headline(figure, f"{found.fit.name}: what the observation tells, and what it cannot tell apart")
     bars, matrix, along = figure.subplots(1, 3, width_ratios=[1.1, 1.0, 1.2])
     names = [_label(found, k) for k in range(count)]
-    colours = [BLUE if width <= NARROWER else VERMILION for width in found.widths]
-    bars.barh(range(count), found.widths, color=colours, height=0.6)
-    bars.axvline(NARROWER, color=GREY, lw=1.0, ls=(0, (4, 2)))
-    bars.set_yticks(range(count), names)
-    bars.invert_yaxis()
-    bars.set_xlim(0, max(1.05, float(found.widths.max()) * 1.05))
-    bars.set_xlabel(f"posterior width/prior width [-]; identifiable below {NARROWER:g}")
-    bars.set_title("how much narrower", loc="left", fontsize=9)
+    _widths(bars, found)
     _matrix(matrix, found.correlations, names, names)
     matrix.set_title("correlations of the posterior", loc="left", fontsize=9)
     loads = np.array([direction.along for direction in found.directions])
@@ -167,6 +165,19 @@ def draw_identifiability(found: Fitted) -> "Figure":
                     fontsize=9)  # fmt: skip
     along.set_ylabel("posterior width/prior width along it [-]")
     return figure
+
+
+def _widths(bars: "Axes", found: Fitted) -> None:
+    """A bar for each parameter."""
+    count = len(found.fit.priors)
+    colours = [BLUE if width <= NARROWER else VERMILION for width in found.widths]
+    bars.barh(range(count), found.widths, color=colours, height=0.6)
+    bars.axvline(NARROWER, color=GREY, lw=1.0, ls=(0, (4, 2)))
+    bars.set_yticks(range(count), [_label(found, k) for k in range(count)])
+    bars.set_ylim(count - 0.5, -0.5)
+    bars.set_xlim(0, max(1.05, float(found.widths.max()) * 1.05))
+    bars.set_xlabel(f"posterior width/prior width [-]; identifiable below {NARROWER:g}")
+    bars.set_title("how much narrower", loc="left", fontsize=9)
 
 
 def _matrix(axes: "Axes", numbers: np.ndarray, columns: list[str], rows: list[str]) -> None:

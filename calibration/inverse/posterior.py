@@ -4,11 +4,15 @@
 
 with the observed combinations z, the emulator's m(x) and C = measuring + scatter/trials + the
 emulator's own variance at x, the chance P(x) that a trial passes, and the n that passed and n'
-that were blocked. Samples: Foreman-Mackey et al., Publ. Astron. Soc. Pac. 125 (2013) 306.
+that were blocked. Samples: emcee (Foreman-Mackey et al., Publ. Astron. Soc. Pac. 125 (2013) 306),
+by differences of walkers (ter Braak, Stat. Comput. 16 (2006) 239): a third of the stretch move's
+memory, for posteriors that the walkers begin in.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,10 +21,13 @@ from calibration.inverse.emulator import Chance, Processes, chance_of, processes
 from calibration.inverse.prior import Array, Prior, within
 from calibration.inverse.reduction import Reduction, inflation, reduce, scatter
 
+if TYPE_CHECKING:
+    import emcee
+
 # Many walkers, which begin as draws from the posterior already, need few steps.
 _WALKERS = 200
-_STEPS = 60  # in a row; so many more as long as the chain is short against its memory
-_MOST = 40  # times
+_STEPS = 30  # in a row; so many more as long as the chain is short against its memory
+_MOST = 80  # times
 _MEMORIES = 20  # autocorrelation times that a chain lasts at least
 _DRAWS = 4096  # of the prior, from which the walkers begin
 
@@ -140,17 +147,26 @@ def sample(model: Model, seed: int, most: int = _MOST) -> Posterior:
 
     random = np.random.RandomState(seed)  # what emcee takes
     start = _start(model, random)
-    sampler = emcee.EnsembleSampler(*start.shape, model.log_posterior, vectorize=True)
+    sampler = emcee.EnsembleSampler(
+        *start.shape, model.log_posterior, vectorize=True, moves=emcee.moves.DEMove()
+    )
     sampler.random_state = random.get_state()
     state: emcee.State | Array = start
-    memory = 0.0
+    memory = math.inf
     for _ in range(most):
         state = sampler.run_mcmc(state, _STEPS, skip_initial_state_check=True)
-        memory = float(np.max(sampler.get_autocorr_time(tol=0, quiet=True)))
+        memory = _memory(sampler)
         if sampler.iteration > _MEMORIES * memory:
             break
-    samples = sampler.get_chain(discard=min(int(2 * memory), sampler.iteration // 2), flat=True)
+    samples = sampler.get_chain(discard=int(min(2 * memory, sampler.iteration / 2)), flat=True)
     return Posterior(model, samples, memory, len(samples) / memory)
+
+
+def _memory(sampler: "emcee.EnsembleSampler") -> float:
+    """Autocorrelation time in steps; infinity while a walker has not moved yet."""
+    with np.errstate(invalid="ignore"):  # 0/0 of that walker
+        memory = float(np.max(sampler.get_autocorr_time(tol=0, quiet=True)))
+    return memory if math.isfinite(memory) else math.inf
 
 
 def _start(model: Model, random: np.random.RandomState) -> Array:

@@ -114,7 +114,7 @@ def prior_of(
     the file, for what is wrong.
     """
     where = f"[parameters] {', '.join(keys)}"
-    if not isinstance(written, dict) or written.get("distribution") not in _KEYS:
+    if not isinstance(written, dict) or written.get("distribution") not in tuple(_KEYS):
         names = ", ".join(_KEYS)
         raise InputError(
             f"{where}: write a prior, such as {{ distribution = 'uniform', min = 0.1, max = 0.8 }}"

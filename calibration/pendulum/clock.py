@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.repeated import repeated
 from calibration.segments import noise
 from calibration.track import Array, Rows
 
@@ -12,21 +13,12 @@ _STILL = 4  # times the noise: what moves less is held
 
 
 def repeats(t: Array, gap: Array) -> tuple[Rows, NDArray[np.bool_]]:
-    """Positions that repeat the one before where the thing moves on steadily.
+    """Positions that repeat the one before in a swing; and whether the clock ran on in vain."""
+    from scipy.ndimage import median_filter
 
-    Also whether each took no time: the next position is then one step on, and two where the copy
-    took the place of a lost frame.
-    """
-    sigma, step = noise(t, gap), np.diff(gap)
-    found, late = [], []
-    for k in range(1, len(step)):
-        around = np.r_[max(k - 1 - _NEAR, 0) : k - 1, k : min(k + _NEAR, len(step))]
-        usual = float(np.median(step[around]))
-        steady = np.median(np.abs(step[around] - usual)) < abs(usual) / 4
-        if steady and abs(usual) > 5 * sigma and abs(step[k - 1]) < _SAME * abs(usual):
-            found.append(k)
-            late.append(step[k] / usual < 1.5)
-    return np.array(found, dtype=int), np.array(late, dtype=bool)
+    step = np.diff(gap)
+    usual = median_filter(step, 2 * _NEAR + 1, mode="nearest")
+    return repeated(step, np.abs(step) < _SAME * np.abs(usual), noise(t, gap))
 
 
 def held_until(t: Array, gap: Array) -> int | None:

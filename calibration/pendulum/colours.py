@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.film.camera_motion import CameraMotion, lasting_motion, offsets, scaled
 from calibration.film.reader import Film, Picture, Told
 from calibration.film.region import Region
 from calibration.film.stamps import clean_stamps
@@ -26,6 +27,7 @@ _STEP = 16  # grey levels by which a pixel differs from its median when somethin
 _PART = 0.25  # of the area of the larger thing: what is smaller is no second one
 _OFTEN = 0.6  # share of frames in which all things must be found
 _ALIKE = 3.0  # times the usual area, or a third: more is another thing, or two that touch
+_MOVES = 1.0  # px of what is searched, from which the camera's motion is taken off
 _LEAST = 12  # px of a thing's area
 
 
@@ -55,6 +57,13 @@ class _Look:
         few = self.share[_binned(picture[:: self.skip, :: self.skip])]
         return np.asarray(cv2.GaussianBlur(few, (0, 0), 1.0))
 
+    def things(self, picture: Picture) -> Picture:
+        """Where they are in the pixels that are searched, and what is next to them (255)."""
+        import cv2
+
+        there = (self.likely(picture) > 0.5).astype(np.uint8)
+        return np.asarray(255 * cv2.dilate(there, np.ones((9, 9), dtype=np.uint8)))
+
 
 def by_colour(
     film: Film,
@@ -72,17 +81,28 @@ def by_colour(
     spots: list[list[_Spot]] = []
     numbers: list[int] = []
     stamps: list[float | None] = []
+    camera = CameraMotion()
+    motion: list[Array] = []
     for frame in film.frames():
-        spots.append(_spots(look, frame.picture[view]))
+        picture = frame.picture[view]
+        spots.append(_spots(look, picture))
+        few = np.ascontiguousarray(picture[:: look.skip, :: look.skip])
+        if not motion:
+            camera.look_at(few, look.things(picture))
+        motion.append(camera.follow(few))
         numbers.append(frame.number)
         stamps.append(frame.stamp)
         if progress is not None and film.count:
             progress((frame.number + 1) / film.count, f"frame {frame.number + 1} of {film.count}")
     found = _things(film, spots)
     time, remarks = clean_stamps(numbers, stamps, film.rate)
+    moved, remark = lasting_motion(
+        scaled(np.array(motion), look.skip, look.skip), width, height, _MOVES * look.skip
+    )
+    remarks += [remark] if remark else []
     whole = Track(np.array(numbers, dtype=float), np.zeros(0), np.zeros(0), time)
     return [
-        replace(_track(whole, one, (x, y)), name=str(k + 1), remarks=tuple(remarks))
+        replace(_track(whole, one, (x, y), moved), name=str(k + 1), remarks=tuple(remarks))
         for k, one in enumerate(found)
     ]
 
@@ -203,14 +223,19 @@ def _like(spots: list[_Spot], areas: Array) -> list[_Spot] | None:
     return sorted(chosen, key=lambda one: one.x)
 
 
-def _track(whole: Track, spots: list[_Spot | None], corner: tuple[int, int]) -> Track:
-    """The frames, and times if any, of `whole` in which there is a spot."""
+def _track(
+    whole: Track, spots: list[_Spot | None], corner: tuple[int, int], motion: Array | None
+) -> Track:
+    """The frames, and times if any, of `whole` in which there is a spot; places in the first."""
     rows = np.array([k for k, one in enumerate(spots) if one is not None])
     known = np.array([[one.area, one.x, one.y] for one in spots if one is not None])
+    offset = None if motion is None else offsets(motion[rows], known[:, 1], known[:, 2])
+    place = known[:, 1:] if offset is None else known[:, 1:] - offset
     return Track(
         whole.frame[rows],
-        known[:, 1] + corner[0],
-        known[:, 2] + corner[1],
+        place[:, 0] + corner[0],
+        place[:, 1] + corner[1],
         None if whole.time is None else whole.time[rows],
         radius=np.sqrt(known[:, 0] / np.pi),
+        camera=offset,
     )

@@ -15,6 +15,7 @@ from contact.quantity import InputError
 FEWEST = 4  # points of a swing: its place and speed, and two to see noise by
 _SEEN = 8  # times the noise that the thing must move within a frame's width about a contact
 _SHORT = 0.25  # of its neighbours' duration: a stretch that is a contact that takes time
+_GAINS = 1.1  # times the speed: less may be the noise of places that speeds are told from
 SHARE = 0.5  # of the speed of impact: a hand, or another contact, may be nearer to the ends
 
 
@@ -122,8 +123,8 @@ def _swings(t: Array, gap: Array, times: Array, sign: int) -> Swings:
     rows, before, after = [_approach(t, gap, between[0], sign)], [0], []
     for k, one in enumerate(between[1:-1]):
         after.append(len(rows))
-        if _broken(np.diff(times), k):
-            rows += [_departure(t, gap, one, sign), _approach(t, gap, one, sign)]
+        if _broken(np.diff(times), k) or _driven(t, gap, one):
+            rows += [_fast(t, -sign * gap, one), _approach(t, gap, one, sign)]
         else:
             rows.append(one)
         before.append(len(rows) - 1)
@@ -140,6 +141,14 @@ def _broken(durations: Array, k: int) -> bool:
     if not 0 < k < len(durations) - 1:
         return False
     return bool(durations[k] > 1.5 * max(durations[k - 1], durations[k + 1]))
+
+
+def _driven(t: Array, gap: Array, rows: Rows) -> bool:
+    """Whether the thing comes back faster than it left: a swing alone cannot do that."""
+    if len(rows) <= 2 * FEWEST:
+        return False
+    left, back = np.abs(_speed(t, gap, rows)[[0, -1]])
+    return bool(back > _GAINS * left and back - left > _SEEN * noise(t, gap) / FEWEST)
 
 
 def _approach(t: Array, gap: Array, rows: Rows, sign: int) -> Rows:

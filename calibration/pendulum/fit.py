@@ -13,6 +13,7 @@ from calibration.pendulum.motion import Law, across, swung
 from calibration.robust import for_correlation, robust_fit
 from calibration.track import Array, Rows
 from calibration.uncertainty import Estimate
+from contact.quantity import InputError
 
 _LAW = 3  # parameters of Law, first in the vector
 _ROUNDS = 12
@@ -91,7 +92,7 @@ def states(p: Array, seen: Seen, swings: Rows, times: Array) -> tuple[Array, Arr
 
 
 def fit(seen: Seen, *, damped: bool = True) -> Fit:
-    """The fit of all swings; damped = False holds beta at zero."""
+    """The fit of all swings; damped = False holds beta at zero. InputError where none converges."""
     free = np.ones(_LAW + len(seen.z) * (1 + 2 * len(seen.rows)), dtype=bool)
     free[1], free[2] = damped, seen.curvature is not None and bool(seen.curvature.sigma)
     y = _stacked(seen, seen.z)
@@ -105,7 +106,10 @@ def fit(seen: Seen, *, damped: bool = True) -> Fit:
         found, covariance, weights, sigma = robust_fit(
             slopes / size, y - model + slopes @ off[free], _lean(seen, free, size)
         )
-        move = found / size - off[free]
+        with np.errstate(over="ignore"):
+            move = found / size - off[free]
+        if not np.isfinite(move).all():
+            raise InputError("the swings are no pendulum's: no period and length fit them")
         p = p.copy()
         p[free] += move
         if np.abs(slopes @ move).max() < _SETTLED * sigma:

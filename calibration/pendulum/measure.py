@@ -19,6 +19,8 @@ from calibration.segments import noise
 from calibration.track import Array, Track
 from contact.quantity import InputError
 
+_SURE = 3  # sigma
+
 
 def measure_pendulum(
     source: str | Path | Track | Sequence[Track],
@@ -50,12 +52,25 @@ def measure_pendulum(
         for x, y in zip(things.x, things.y, strict=True)
     )
     pendulum = _measured(things, arcs, found, rough, masses)
+    _refuse_impossible(pendulum)
     pendulum = replace(pendulum, warnings=tuple(doubts(pendulum)))
     if out is None:
         return pendulum
     from calibration.pendulum.sheet import draw_sheet
 
     return replace(pendulum, sheet=draw_sheet(pendulum, Path(out), things.name))
+
+
+def _refuse_impossible(found: Pendulum) -> None:
+    """InputError where the pooled restitution is surely below 0 or above 1."""
+    value, sigma = found.pooled.value, found.pooled.sigma
+    assert sigma is not None
+    if value < -_SURE * sigma or value > 1 + _SURE * sigma:
+        raise InputError(
+            f"{found.things.name}: the speeds about its turning points give a restitution of "
+            f"{value:.2f} (sigma {sigma:.2g}), outside 0 to 1: these are no contacts of things "
+            "that swing freely; give the part of the film where they are (--roi, or cut it)"
+        )
 
 
 def _measured(

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from calibration.film.rate import said_rate
 from calibration.film.reader import Film, Told, is_film, open_film
 from calibration.pendulum.clock import held_until, repeats
 from calibration.pendulum.colours import by_colour
@@ -18,7 +19,6 @@ from contact.quantity import InputError
 
 _MOST = 4  # tracks that are looked at, of those that go farthest
 _MOVES = 0.05  # of the widest track's range: what moves less is no thing that swings
-_FASTEST = 1e6  # frames/s: what cameras reach
 _SURE = 5  # sigma by which a velocity must change at a contact
 _UPRIGHT = 2  # times as far along y as along x: no swing, or a film that is turned
 
@@ -68,10 +68,7 @@ def things_in(
     progress: Told | None = None,
 ) -> Things:
     """What swings in a film, a table or tracks; see measure_pendulum. Raises InputError."""
-    if fps is not None and not 0 < fps <= _FASTEST:
-        raise InputError(
-            f"--fps = {fps!r}: frames per second of the camera, up to {_FASTEST:g}, such as 240"
-        )
+    fps = said_rate(fps)
     path = Path(source) if isinstance(source, str | Path) else None
     where = "" if path is None else f"{path}: "
     tracks = _read(source, roi, progress)

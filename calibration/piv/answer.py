@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from calibration.piv.field import Array, Field, Reason
 from calibration.piv.measure import displacement
 from calibration.piv.pictures import read_mask, read_picture
+from calibration.quantity import six_digits
 from contact.quantity import InputError
 
 _FEW = 0.75  # share of valid vectors below which a field is doubtful (Raffel et al. 2018, sec. 7.1:
@@ -71,7 +72,7 @@ class Answer:
         rows = []
         for values, reason in zip(numbers, field.reason.ravel().tolist(), strict=True):
             row: dict[str, float | int | str | None] = {
-                name: _number(value) for name, value in zip(columns, values, strict=True)
+                name: six_digits(value) for name, value in zip(columns, values, strict=True)
             }
             rows.append(row | {"valid": int(reason == Reason.MEASURED), "reason": _name(reason)})
         return rows
@@ -144,11 +145,6 @@ def _size(picture: NDArray) -> str:
 
 def _name(reason: int) -> str:
     return Reason(reason).name.lower()
-
-
-def _number(value: float) -> float | None:
-    """A table's number to a thousandth of what it can be known to; None where there is none."""
-    return float(f"{value:.6g}") if np.isfinite(value) else None
 
 
 def _spread(values: Array) -> dict[str, float]:
