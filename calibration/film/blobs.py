@@ -237,7 +237,7 @@ def _shares(
     return share, (colour, beneath), contrast, square
 
 
-def _of_what_is_near(share: NDArray[np.float64]) -> NDArray[np.float64]:
+def _of_what_is_near(share: Channels) -> Channels:
     """Shares of the most that a pixel shows within three: shade ends inside a thing, not its rim.
 
     Without that the dark side of a lit thing counts less, and its place turns with its marks.
@@ -246,7 +246,7 @@ def _of_what_is_near(share: NDArray[np.float64]) -> NDArray[np.float64]:
 
     smooth = cv2.blur(np.clip(share, 0, 1), (3, 3))
     most = cv2.dilate(smooth, np.ones((7, 7), np.uint8))
-    return np.asarray(share / np.maximum(most, _SHADED))
+    return np.asarray(share / np.maximum(most, np.float32(_SHADED)), dtype=np.float32)
 
 
 def _median(values: NDArray[Any]) -> NDArray[Any]:
