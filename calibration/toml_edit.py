@@ -5,6 +5,7 @@ from difflib import SequenceMatcher
 from typing import Any
 
 import tomlkit
+from tomlkit.container import OutOfOrderTableProxy
 from tomlkit.items import InlineTable, Table
 
 
@@ -82,6 +83,8 @@ def _add_after_last(table: Any, key: str, written: str) -> None:
     Not at the table's end, where tomlkit would: blank lines and comments there belong to the head
     of the next one. The text goes into what trails the last key, so that its place is certain.
     """
+    if isinstance(table, OutOfOrderTableProxy):  # other heads stand between it and its own tables
+        table = next(part for part in table._tables if not part.is_super_table())
     plain = [item for item in table.values() if not isinstance(item, Table)]
     last = plain[-1] if plain else table
     trail = last.trivia.trail

@@ -10,7 +10,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from small_silo import silo2d
 
@@ -189,6 +189,22 @@ _TARGETS = [
 ]  # fmt: skip
 
 
+_DOTTED_APART = """schema = 1
+[pair.a-b]
+friction.value = 0.25
+[material.a]
+density = "0.25 g/cm3"
+[material.b]
+density = "0.25 g/cm3"
+[pair.a-b.linear]
+kn = "0.25 N/mm"
+kt = "0.25 N/mm"
+gamma_n = "0.25 1/s"
+gamma_t = "0.25 1/s"
+"""
+
+
+@example(text=_DOTTED_APART, target=("pair.b-a", "restitution"))
 @given(text=files(), target=st.sampled_from(_TARGETS))
 @settings(
     deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture]
