@@ -1,14 +1,21 @@
 """The opening and the last grain: when the lowest material begins to fall, and when all has left.
 
-The lowest material begins to fall from rest with a pull a and nears a steady flow, with a rate k.
-Its fall after the opening at t0 is
+The lowest material begins to fall from rest at t0, with a pull a that changes as grains meet, part
+and jam: nobody knows how. So it is a random walk (W: Brownian motion, tau = t - t0, T the fall's
+length),
 
-    s(t) = a (exp(-k tau) - 1 + k tau)/k^2,   tau = t - t0,   and a tau^2/2 for k = 0
+    s(t) = int_0^tau (tau - u) a(u) du,   a(u) = a0 (1 + rho W(u/T)),   0 < rho < 1
 
-A parabola of free height fits such a fall too, with a vertex that is early by as much as a frame.
-How far t0 moves when half of the fall is taken is part of its uncertainty: nothing says that the
-flow settles just so. The last grain passes with its centroid half its length before it has left the
-outlet's row.
+whose falls have the mean a0 tau^2/2 and, for tau <= tau', with d = tau' - tau, the covariance
+
+    (rho a0)^2/T int_0^tau (tau - u)^2 (tau' - u)^2/4 du
+        = (rho a0)^2/T (tau^5/5 + d tau^4/2 + d^2 tau^3/3)/4
+
+How likely seen falls make t0 and rho, whatever a0: Rasmussen and Williams, Gaussian Processes for
+Machine Learning (2006), sec. 2.7 (a0 in the covariance is that of the whole fall). t0 is the mean
+over all t0 and rho, none preferred before, and its sigma their standard deviation: what is not
+known of the pull counts. The last grain passes with its centroid half its length before it has left
+the outlet's row.
 """
 
 from collections import deque
@@ -23,10 +30,12 @@ Floats = NDArray[np.float64]
 _CLEAR = 3.0  # standard deviations of the place of the lowest tracers that make a fall
 _PLACE = 0.1  # px: standard deviation of their mean place from frame to frame
 _WIDE = 0.25  # grains across, from which on something is no speck
-_FEWEST = 5  # moments that show how a fall begins
+_FEWEST = 4  # moments of a fall: when it began, its pull, how that changes, and one to spare
+_MANY = 40  # moments of a fall that are used, of more: their errors are mostly shared
+_GRID = 100  # beginnings that are tried, then again about the likely ones
+_CHANGES = (np.arange(10) + 0.5) / 10  # rho: from a pull that stays to one that may be all spent
 _LAST = 9  # tracers whose speed is the last grain's: there are three across one
 _MOST = 2.0  # grains by which it is followed at most
-_SLOW = 1e-4  # per frame: a rate that is none, over the tens of frames of a fall
 UNIFORM = 1 / np.sqrt(12)  # standard deviation of a uniform distribution of width 1
 
 
@@ -39,7 +48,7 @@ class Opening:
     def __init__(self, grain: float) -> None:
         self._grain = grain  # px
         self._falls: list[tuple[float, float]] = []
-        self._still = 0.0
+        self._still = 0.0, 0.0
         self.clock: Estimate | None = None
 
     @property
@@ -52,51 +61,48 @@ class Opening:
         if self.clock is not None:
             return
         if fall < _CLEAR * _PLACE and not self._falls:
-            self._still = frame
+            self._still = frame, fall
             return
         self._falls.append((frame, fall))
         if fall > _MOST * self._grain or (fall > self._grain and len(self._falls) >= _FEWEST):
             self.clock = self._start()
 
     def _start(self) -> Estimate:
-        """Where the fall from rest begins; between two frames if it is seen in few."""
-        t, s = np.array(self._falls).T
-        if len(t) < _FEWEST:
-            return self._between(self._still, t[0])
-        start, pull, sigma = _fall_from_rest(t, s)
-        if pull <= 0:
-            return self._between(self._still, t[0])
-        half = s < s[-1] / 2
-        if half.sum() >= _FEWEST:
-            sigma = float(np.hypot(sigma, _fall_from_rest(t[half], s[half])[0] - start))
-        # What is too little to be seen takes this long.
-        earliest = self._still - np.sqrt(2 * _CLEAR * _PLACE / pull)
-        if earliest - sigma <= start < t[0]:
-            return Estimate(start, sigma, len(t))
-        # A door that is drawn, or grains that hang on, begin otherwise.
-        return self._between(earliest, t[0])
-
-    def _between(self, early: float, late: float) -> Estimate:
-        return Estimate(float(early + late) / 2, float((late - early) * UNIFORM), 1)
+        """When the fall from rest begins; between two frames if it is seen in few."""
+        last, first = self._still[0], self._falls[0][0]
+        if len(self._falls) < _FEWEST:
+            return Estimate((last + first) / 2, (first - last) * UNIFORM, 1)
+        some = self._falls[:: -(-len(self._falls) // _MANY)]
+        t, s = np.array([self._still, *some]).T
+        begins = first + np.linspace(last - t[-1], 0.0, _GRID, endpoint=False)
+        for _ in range(2):
+            share = _likely(t, s, begins)
+            value = float(share @ begins)
+            sigma = float(np.sqrt(share @ np.square(begins - value)))
+            reach = 5 * max(sigma, begins[1] - begins[0])
+            begins = np.linspace(value - reach, min(value + reach, first), _GRID, endpoint=False)
+        return Estimate(value, sigma, len(self._falls))
 
 
-def _fall_from_rest(t: Floats, s: Floats) -> tuple[float, float, float]:
-    """t0 of a fall s(t) [px], the pull there [px/frame^2], and the standard deviation of t0."""
-    from scipy.optimize import least_squares
-
-    def misfit(known: Floats) -> Floats:
-        start, pull, rate = known
-        tau = np.maximum(t - start, 0.0)
-        k = rate if abs(rate) > _SLOW else _SLOW
-        return np.asarray((pull * (np.expm1(-k * tau) + k * tau) / k**2 - s) / _PLACE)
-
-    long = t[-1] - t[0] + 1
-    first = t[0] - 0.5, 2 * s[-1] / long**2, 1 / long
-    low, high = (t[0] - 2 * long, 0.0, 0.0), (t[0], np.inf, np.inf)
-    fit = least_squares(misfit, first, bounds=(low, high), x_scale=(1.0, *first[1:]))
-    cov = np.linalg.pinv(fit.jac.T @ fit.jac)
-    scatter = max(2 * fit.cost / (len(t) - 3), 1.0)
-    return float(fit.x[0]), float(fit.x[1]), float(np.sqrt(cov[0, 0] * scatter))
+def _likely(t: Floats, s: Floats, begins: Floats) -> Floats:
+    """How likely falls s(t) [px] make each beginning (n,), in sum 1, whatever pull and rho are."""
+    tau = np.maximum(t - begins[:, None], 0.0)
+    mean = np.square(tau) / 2
+    pull = s[-1] / mean[:, -1]
+    low = np.minimum(tau[:, :, None], tau[:, None, :])
+    d = np.abs(tau[:, :, None] - tau[:, None, :])
+    walk = (low**5 / 5 + d * low**4 / 2 + d**2 * low**3 / 3) / 4
+    walk *= (pull**2 / tau[:, -1])[:, None, None]
+    logs = []
+    for rho in _CHANGES:
+        root = np.linalg.cholesky(rho**2 * walk + _PLACE**2 * np.eye(len(t)))
+        known = np.stack([mean, np.broadcast_to(s, mean.shape)], axis=-1)
+        h, y = np.moveaxis(np.linalg.solve(root, known), -1, 0)
+        hh, hy, yy = (h * h).sum(axis=1), (h * y).sum(axis=1), (y * y).sum(axis=1)
+        size = np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
+        logs.append((hy**2 / hh - yy - np.log(hh)) / 2 - size)
+    share = np.exp(np.array(logs) - np.max(logs)).sum(axis=0)
+    return np.asarray(share / share.sum())
 
 
 class Crossing:

@@ -42,6 +42,18 @@ class Tones:
         clear = CLEAR * noise * np.sqrt(2)
         return clear if self.backing is None else max(self.contrast / 2, clear)
 
+    def stands(self, rows: Picture, behind: Picture, noise: float) -> NDArray[np.bool_]:
+        """Where (width,) material stands in most of some rows, before what else is seen there.
+
+        Pixel by pixel, by half of the contrast there: at the outlet the backing ends, and what is
+        seen below may be of any tone; by the spread of a tone at least, by which grains differ.
+        """
+        back = behind.astype(np.float32)
+        half = np.linalg.norm(back[..., None, :] - self.colours[:2], axis=-1).min(axis=-1) / 2
+        limit = np.maximum(half, max(self.spread, CLEAR * noise * np.sqrt(2)))
+        differs = np.linalg.norm(rows.astype(np.float32) - back, axis=-1) > limit
+        return np.asarray(np.median(differs, axis=0) > 0.5)
+
     def labels(self, picture: Picture) -> Labels:
         """Tone of each pixel (height, width): the nearest; 0 dark, 1 light, 2 backing."""
         import cv2

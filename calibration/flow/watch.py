@@ -56,9 +56,10 @@ class Watch:
         if len(start) < 100:
             raise InputError(f"{film.path}: no material is seen in the silo; check --roi")
         self.left = self._without_edges()
-        self._contrast = max(self.tones.contrast / 2, CLEAR * seen.noise)
         self.tracers = Tracers(start, self.grain)
         self.outlet = outlet_columns(self.mask, silo, self.grain)
+        row = round(silo.outlet)
+        self._lip = slice(max(row - 1, 0), row + 2), slice(*self.outlet)
         self.bands = self._bands(labels, start)
         self.lines = self._lines(start, tone)
         self._lowest = self._above_outlet(start)
@@ -146,13 +147,12 @@ class Watch:
 
     def _cross(self, number: int, picture: Picture, before: Points) -> None:
         """See what stands in the outlet's row, and how fast tracers that began above it pass."""
-        row = round(self.silo.outlet)
-        part = slice(max(row - 1, 0), row + 2), slice(*self.outlet)
-        apart = picture[part].astype(np.float32).mean(axis=0) - self.seen.last[part].mean(axis=0)
+        seen, lip = self.seen, self._lip
+        crossed = self.tones.stands(picture[lip], seen.last[lip], seen.noise)
         now = self.tracers.place[:, 1]
         passing = (before < self.silo.outlet) & (now >= self.silo.outlet)
         steps = (now - before)[passing].astype(float)
-        self.crossing.see(number, np.linalg.norm(apart, axis=1) > self._contrast, steps)
+        self.crossing.see(number, crossed, steps)
 
     def _seen_area(self, picture: Picture) -> tuple[float, float]:
         """Pixels of material in the silo, and the mean height of its free surface."""
