@@ -8,6 +8,8 @@ u (1 - u^2/2w^2): speed after over speed before is T(k+1)/T(k) (1 + (u(k)^2 + u(
 A shutter that reads the picture row by row adds c y v, odd about the apex as drag is: the one that
 explains the flights better is taken for the cause. Contacts, all in one row, are no less known for
 that.
+What scatters the flights' accelerations beyond what drag does to them (places seen wrong over a
+whole flight) may bend them as drag does: sigma holds that, so that drag is not read out of it.
 """
 
 from dataclasses import replace
@@ -16,6 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from calibration.bounce import Bounces
+from calibration.parabolas import scatter_beyond_noise
 from calibration.robust import for_correlation
 from calibration.track import Array
 from calibration.uncertainty import Estimate
@@ -30,7 +33,7 @@ def slowness(found: Bounces) -> tuple[Estimate, bool]:
     not taken for drag.
     """
     fitted = found.flights
-    left, odd, size = [], [], [0]
+    left, odd, size, turned, spread = [], [], [0], [], []
     for rows, centre, (_, slope, bend) in zip(
         fitted.rows, fitted.centre, fitted.coefficients, strict=True
     ):
@@ -41,7 +44,10 @@ def slowness(found: Bounces) -> tuple[Estimate, bool]:
         seen = found.track.y[found.base.rows[used]]
         shapes = np.stack([-(bend**3) * late**3 * np.abs(late) / 12, late**3], axis=1)
         left.append(seen - own @ np.linalg.lstsq(own, seen, rcond=None)[0])
-        odd.append(shapes - own @ np.linalg.lstsq(own, shapes, rcond=None)[0])
+        taken_up = np.linalg.lstsq(own, shapes, rcond=None)[0]
+        odd.append(shapes - own @ taken_up)
+        turned.append(2 * taken_up[2, 0])  # what drag does to the flight's own acceleration
+        spread.append(np.std(s**2) / 2)  # of places, by one unit of acceleration
         size.append(size[-1] + len(used))
     y, (air, shutter) = np.concatenate(left), np.concatenate(odd).T
     value = float(air @ y / (air @ air))
@@ -51,7 +57,13 @@ def slowness(found: Bounces) -> tuple[Estimate, bool]:
     variance *= for_correlation(residuals, parts)
     by_shutter = y - shutter * float(shutter @ y / (shutter @ shutter))
     better = float(residuals @ residuals) <= float(by_shutter @ by_shutter) + variance
-    return Estimate(value, float(np.sqrt(variance / (air @ air))), len(parts)), better
+    accelerations = fitted.own - value * np.stack([turned, np.zeros(len(parts))], axis=1)
+    wrong = scatter_beyond_noise(accelerations) * np.array(spread)
+    bent = [np.linalg.norm(air[part]) * np.sqrt(len(part)) for part in parts]
+    off = np.linalg.norm(wrong * bent) / (air @ air)
+    return Estimate(
+        value, float(np.hypot(np.sqrt(variance / (air @ air)), off)), len(parts)
+    ), better
 
 
 def with_drag(found: Bounces) -> Bounces:

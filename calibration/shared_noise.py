@@ -12,6 +12,8 @@ the covariance is the mean over q and l with these weights: what few residuals d
 not known.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from calibration.track import Array, Rows
@@ -109,9 +111,17 @@ def _spectra(residual: Array, place: Array, time: Array, lengths: Array) -> tupl
 
     Each (lengths, k - 3).
     """
-    s = time - time.mean()
+    known = (np.asarray(one, dtype=np.float64).tobytes() for one in (place, time, lengths))
+    spread, beside = _basis(*known)
+    return spread, (beside @ residual) ** 2
+
+
+@lru_cache(maxsize=32)  # a fit with one acceleration, and one with each flight's own, share it
+def _basis(place: bytes, time: bytes, lengths: bytes) -> tuple[Array, Array]:
+    """Eigenvalues (lengths, k - 3) of the common part and its directions beside the parabola."""
+    at, s, length = (np.frombuffer(one) for one in (place, time, lengths))
+    s = s - s.mean()
     powers = np.stack([s**0, s, s**2], axis=1)
     beside = np.linalg.qr(powers, mode="complete")[0][:, _OWN:]
-    spread, turn = np.linalg.eigh(beside.T @ _alike(place, lengths) @ beside)
-    along = np.swapaxes(turn, 1, 2) @ (beside.T @ residual)
-    return np.maximum(spread, 0.0), along**2
+    spread, turn = np.linalg.eigh(beside.T @ _alike(at, length) @ beside)
+    return np.maximum(spread, 0.0), np.swapaxes(turn, 1, 2) @ beside.T
