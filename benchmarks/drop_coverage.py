@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calibration.drop import measure_drop
+from calibration.drop.measure import measure_drop
 from calibration.rendered.backdrop import Backdrop
 from calibration.rendered.camera import Camera
 from calibration.rendered.drop import Ball, DropScene, film_drop, sharp

@@ -4,7 +4,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from calibration.drop import measure_drop
+    from calibration.drop.measure import measure_drop
     from calibration.impacts.measure import measure_impacts
     from calibration.pendulum.measure import measure_pendulum
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from calibration.parabolas import scatter_beyond_noise
+from calibration.drop.parabolas import scatter_beyond_noise
 from calibration.track import Array
 from calibration.uncertainty import Estimate
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from calibration.provenance import read_values
+from calibration.materials.provenance import read_values
 from calibration.quantity import measured_quantity
 from contact.damping import reduced_mass_of
 from contact.material import PROPERTIES, Measured, check_range

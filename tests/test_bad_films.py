@@ -6,7 +6,7 @@ import calibrating
 import numpy as np
 import pytest
 
-from calibration.drop import measure_drop
+from calibration.drop.measure import measure_drop
 from calibration.rendered.camera import Camera
 from calibration.rendered.drop import Ball, DropScene, film_drop
 from calibration.track import Track

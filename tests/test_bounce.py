@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from made_tracks import made_track
 
 from calibration import measure_drop
-from calibration.bounce import find_bounces
+from calibration.drop.bounce import find_bounces
 from calibration.track import Track
 from contact.quantity import InputError
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from calibration.dialect import name_and_unit
-from calibration.tables import Table, read_table
+from calibration.reading.dialect import name_and_unit
+from calibration.reading.tables import Table, read_table
 from contact.datafile import data_root
 from contact.quantity import InputError
 

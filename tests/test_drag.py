@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration.bounce import find_bounces
-from calibration.drag import slowness, with_drag
+from calibration.drop.bounce import find_bounces
+from calibration.drop.drag import slowness, with_drag
 from calibration.track import Track
 
 A, DROP, E = 0.6, 500.0, 0.8  # px/frame^2, px

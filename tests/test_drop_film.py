@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from made_tracks import made_track
 
-from calibration.drop import measure_drop
+from calibration.drop.measure import measure_drop
 from calibration.film.camera_motion import CameraMotion
 from calibration.film.follow import follow
 from calibration.film.reader import open_film

@@ -7,7 +7,7 @@ import pytest
 from hard_films import CASES
 from made_tracks import made_track
 
-from calibration.drop import measure_drop
+from calibration.drop.measure import measure_drop
 from calibration.film.light import gains, relit
 from calibration.film.stillness import shows_motion
 from contact.quantity import InputError

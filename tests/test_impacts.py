@@ -145,7 +145,7 @@ def test_hertz_contacts_are_timed_as_well_as_their_noise_lets():
     1 %, 6e-6 s/sqrt(25) and for the last, weakest impacts four times that; e is off by 2/T of it.
     """
     from calibration.impacts.measure import measure_signal
-    from calibration.signals import Signal
+    from calibration.reading.signals import Signal
 
     room = Room(rate=50e3, noise=0.01, length=2.3, shape=hertz)
     x = room.record(Bounces(0.8, 5, 0.41), 1)
@@ -157,7 +157,7 @@ def test_hertz_contacts_are_timed_as_well_as_their_noise_lets():
 def covers(room, seed):
     """Whether the interval of one made signal holds its restitution."""
     from calibration.impacts.measure import measure_signal
-    from calibration.signals import Signal
+    from calibration.reading.signals import Signal
 
     rng = np.random.default_rng(seed)
     # Flights are no whole number of samples, or the impacts' rounding errors would be alike.

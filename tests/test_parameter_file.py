@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from small_silo import silo2d
 
-from calibration.parameter_file import check_place, digest_of, into
+from calibration.materials.parameter_file import check_place, digest_of, into
 from calibration.uncertainty import Estimate
 from contact.datafile import data_root
 from contact.material import PROPERTIES
@@ -280,7 +280,7 @@ def test_a_section_written_on_one_line_takes_a_key(tmp_path):
 
 _WRITER = """
 import datetime, os, pathlib, sys
-from calibration.parameter_file import into
+from calibration.materials.parameter_file import into
 from calibration.uncertainty import Estimate
 def put(value):
     into(sys.argv[1], "pair.wood-wood", "restitution", Estimate(value, None, 1), method="m",

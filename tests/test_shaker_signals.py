@@ -12,8 +12,8 @@ import pytest
 from click.testing import CliRunner
 
 from calibration.cli import app
-from calibration.shaken import read_record
-from calibration.shaker import dissipation
+from calibration.shaker.measure import dissipation
+from calibration.shaker.shaken import read_record
 from contact.quantity import InputError
 
 ENCLOSURE, BED = 0.2, 0.03  # [kg]

@@ -5,7 +5,7 @@ import pytest
 from made_tracks import made_track
 
 from calibration import shared_noise
-from calibration.bounce import find_bounces
+from calibration.drop.bounce import find_bounces
 from calibration.film.blobs import candidates, measure
 from calibration.rendered.backdrop import Backdrop
 from calibration.rendered.camera import Camera

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import wavfile
 
-from calibration.signals import read_signal
+from calibration.reading.signals import read_signal
 from contact.quantity import InputError
 
 SAMPLES = np.arange(-32, 32, dtype=np.int16) * 100

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from made_tracks import made_track
 
-from calibration.bounce import find_bounces
+from calibration.drop.bounce import find_bounces
 from calibration.track import Track
 
 

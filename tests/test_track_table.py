@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from made_tracks import made_track
 
-from calibration.track_table import read_tracks
+from calibration.reading.track_table import read_tracks
 from contact.quantity import InputError
 
 READER = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

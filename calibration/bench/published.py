@@ -12,7 +12,7 @@ import numpy as np
 from calibration.bench import compression, interface, slide
 from calibration.bench.sections import Asked
 from calibration.bench.statement import Statement
-from calibration.tables import Table, read_table
+from calibration.reading.tables import Table, read_table
 from calibration.uncertainty import Estimate, Pooled, pooled_summaries
 from contact.datafile import data_file
 from contact.quantity import InputError, nearest, to_si

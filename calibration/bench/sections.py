@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.quantity import measured_quantity
-from calibration.tables import Table, read_table
+from calibration.reading.tables import Table, read_table
 from contact.quantity import InputError, nearest, to_si
 
 Columns = Mapping[str, NDArray[np.float64]]

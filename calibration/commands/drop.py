@@ -13,7 +13,7 @@ from campaign.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
     from calibration.commands.options import Into
-    from calibration.drop import Drop
+    from calibration.drop.measure import Drop
     from calibration.uncertainty import Estimate
 
 
@@ -42,7 +42,7 @@ def command(
 
     For example: calibrate drop marble.mp4 --fps 240 --out sheets
     """
-    from calibration.drop import measure_drop
+    from calibration.drop.measure import measure_drop
     from campaign.terminal import Progress
 
     with Progress(Path(file).name, quiet) as progress:

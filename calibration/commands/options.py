@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from calibration.parameter_file import Written
+    from calibration.materials.parameter_file import Written
     from calibration.uncertainty import Estimate
 
 _PAIR_KEYS = ("friction", "restitution", "kn", "kt", "gamma_n", "gamma_t")
@@ -30,9 +30,9 @@ class Into:
         """Write an estimate, in SI, that was measured from files, and say so on stderr.
 
         source is the names of the files unless given. Raises InputError; see
-        calibration.parameter_file.into.
+        calibration.materials.parameter_file.into.
         """
-        from calibration.parameter_file import digest_of, into
+        from calibration.materials.parameter_file import digest_of, into
 
         paths = [Path(file) for file in files]
         written = into(
@@ -53,7 +53,7 @@ class Into:
 
     def check(self, keys: Sequence[str]) -> None:
         """Raise InputError now for what put would refuse after the work."""
-        from calibration.parameter_file import check_file, check_place
+        from calibration.materials.parameter_file import check_file, check_place
 
         check_file(self.path)
         for key in [key for key in keys if self.takes(key)] or keys:

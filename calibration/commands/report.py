@@ -15,7 +15,7 @@ def command(file: str, as_json: bool) -> None:
 
     FILE is a .toml file or a shipped table, such as wood. For example: calibrate report wood.toml
     """
-    from calibration import provenance
+    from calibration.materials import provenance
 
     read = provenance.read_values(file)
     if as_json:

@@ -12,8 +12,8 @@ from campaign.commandline import json_option, quiet_option
 from contact.quantity import to_si
 
 if TYPE_CHECKING:
-    from calibration.shaken import Record
-    from calibration.shaker import Dissipation, Tone
+    from calibration.shaker.measure import Dissipation, Tone
+    from calibration.shaker.shaken import Record
     from calibration.uncertainty import Estimate
 
 
@@ -47,8 +47,8 @@ def command(
     For example: calibrate shaker full.csv --empty empty.csv --particle-mass "27.9 g" -o sheets
     """
     from calibration.bench.sections import asked
-    from calibration.shaken import INPUTS, read_record
-    from calibration.shaker import dissipation
+    from calibration.shaker.measure import dissipation
+    from calibration.shaker.shaken import INPUTS, read_record
 
     mass = None if particle_mass is None else to_si(particle_mass, "kg", "--particle-mass")
     called = asked(INPUTS, columns).columns
@@ -67,7 +67,7 @@ def command(
 
 
 def _sheet(found: "Dissipation", loaded: "Record", out: Path) -> Path:
-    from calibration.shaker_sheet import draw_sheet
+    from calibration.shaker.sheet import draw_sheet
     from campaign.figure import write_figure
 
     name = f"{loaded.path.stem}-shaker.png"

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.drop_result import Drop
+from calibration.drop.result import Drop
 from calibration.film.marks import Marks, Still
 from calibration.film.reader import Film, Told
 from calibration.labels import scale_bar, with_sigma

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calibration.drop_result import Drop
+from calibration.drop.result import Drop
 from calibration.film.reader import Frame
 from calibration.track import Array
 from campaign.figure import BLUE, ORANGE, PAPER, VERMILION

@@ -13,7 +13,7 @@ from calibration.impacts.ratios import Restitution, first_restitution, restituti
 from calibration.impacts.search import RISE, WINDOW, Search, search
 from calibration.impacts.sequence import bouncing
 from calibration.impacts.shape import with_shape
-from calibration.signals import Signal, read_signal
+from calibration.reading.signals import Signal, read_signal
 from contact.quantity import InputError
 
 _MOST_LISTED = 6  # events that a warning names

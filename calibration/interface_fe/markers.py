@@ -11,7 +11,7 @@ import numpy as np
 
 from calibration.interface_fe.blocks import Array
 from calibration.interface_fe.protocol import Outcome
-from calibration.tables import Table, read_table
+from calibration.reading.tables import Table, read_table
 from contact.datafile import data_file
 
 

@@ -12,7 +12,7 @@ from calibration.inverse.kind import Simulated
 from calibration.inverse.observation import Observation, Written
 from calibration.inverse.prior import Array, Prior, prior_of
 from calibration.inverse.simulator import NAMES, simulator
-from calibration.parameter_file import digest_of
+from calibration.materials.parameter_file import digest_of
 from campaign.folder import digest
 from contact.datafile import is_file, read_toml
 from contact.quantity import InputError, located, nearest

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from calibration.inverse.prior import Array
-from calibration.tables import Table, read_table
+from calibration.reading.tables import Table, read_table
 from contact.quantity import InputError, nearest, to_si
 
 

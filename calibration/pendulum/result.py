@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.bounce import STANDARD_GRAVITY
 from calibration.correlated import CHANCE
+from calibration.drop.bounce import STANDARD_GRAVITY
 from calibration.pendulum.arc import Arc, planar
 from calibration.pendulum.collisions import Collisions
 from calibration.pendulum.contacts import Swings

@@ -12,9 +12,9 @@ from calibration.film.reader import Film, Told, is_film, open_film
 from calibration.pendulum.clock import held_until, repeats
 from calibration.pendulum.colours import by_colour
 from calibration.pendulum.contacts import FEWEST, found_swings
+from calibration.reading.track_table import read_tracks
 from calibration.segments import noise
 from calibration.track import Array, Track
-from calibration.track_table import read_tracks
 from contact.quantity import InputError
 
 _MOST = 4  # tracks that are looked at, of those that go farthest

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from calibration.bounce import Bounces, find_bounces
-from calibration.companions import is_shown_twice
+from calibration.drop.bounce import Bounces, find_bounces
+from calibration.drop.companions import is_shown_twice
 from calibration.track import Track
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.shaken import Record
-from calibration.shaker import Dissipation, Tone
+from calibration.shaker.measure import Dissipation, Tone
+from calibration.shaker.shaken import Record
 from campaign.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.shaken import BLOCKS, Record
+from calibration.shaker.shaken import BLOCKS, Record
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError
 

@@ -3,7 +3,7 @@
 Separator comma, semicolon, tab or spaces; decimal point or decimal comma; a head of names, with
 or without units ("load [N]", "load (N)", load_N, or a line of units below), or none; quotes, blank
 lines and comments (#); words above the head and below the numbers. What a line is written in is
-decided in calibration/dialect.py, what it is in calibration/layout.py.
+decided in calibration/reading/dialect.py, what it is in calibration/reading/layout.py.
 """
 
 from collections.abc import Mapping
@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration import dialect
-from calibration.layout import layout
+from calibration.reading import dialect
+from calibration.reading.layout import layout
 from contact.quantity import InputError, nearest, to_si
 
 _MOST_BYTES = 512 * 2**20

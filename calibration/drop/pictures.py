@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from calibration.drop_result import Drop
+from calibration.drop.result import Drop
 from calibration.film.reader import Told, is_film, is_pattern, open_film
 from calibration.track import Track
 
@@ -19,7 +19,7 @@ def with_pictures(
 
     Raises FolderError where they cannot be written.
     """
-    from calibration.drop_sheet import draw_sheet
+    from calibration.drop.sheet import draw_sheet
     from calibration.film.annotate import annotate
 
     if not isinstance(source, str | Path):

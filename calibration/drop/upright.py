@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from calibration.bounce import Bounces
+from calibration.drop.bounce import Bounces
 from calibration.uncertainty import Estimate
 
 _SIGMAS = 4.0  # by which a tilt must be known to be said

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from calibration.correlated import CHANCE, pool, propagated, with_sigma
-from calibration.parabolas import Flights, fit
-from calibration.rebound import (
+from calibration.drop.parabolas import Flights, fit
+from calibration.drop.rebound import (
     contact_times,
     from_heights,
     from_times,
@@ -26,8 +26,8 @@ from calibration.rebound import (
     levels,
     speeds,
 )
+from calibration.drop.timebase import TimeBase, check
 from calibration.segments import flights
-from calibration.timebase import TimeBase, check
 from calibration.track import Array, Track
 from calibration.uncertainty import Estimate
 from contact.quantity import InputError

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from calibration.dialect import Row, is_missing, is_number, name_and_unit, number
+from calibration.reading.dialect import Row, is_missing, is_number, name_and_unit, number
 from contact.quantity import InputError, is_unit
 
 _LIKE_A_NUMBER = re.compile(r"[-+.,]?\d")

@@ -17,8 +17,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from calibration.bounce import Bounces
-from calibration.parabolas import scatter_beyond_noise
+from calibration.drop.bounce import Bounces
+from calibration.drop.parabolas import scatter_beyond_noise
 from calibration.robust import for_correlation
 from calibration.track import Array
 from calibration.uncertainty import Estimate

@@ -14,8 +14,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from calibration.shared_file import alone, write
-from calibration.toml_edit import inline, with_entry
+from calibration.materials.shared_file import alone, write
+from calibration.materials.toml_edit import inline, with_entry
 from calibration.uncertainty import Estimate
 from contact.datafile import read_toml
 from contact.material import PROPERTIES, Measured, check_range

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from calibration.bounce import Bounces
+from calibration.drop.bounce import Bounces
 from calibration.uncertainty import Estimate, as_pair, through
 
 

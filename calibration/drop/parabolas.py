@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibration import shared_noise
-from calibration.rebound import contact_times
+from calibration.drop.rebound import contact_times
 from calibration.robust import influence, robust_fit, run_left_out
 from calibration.track import Array, Rows
 from contact.quantity import InputError

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.drop_result import Drop
+from calibration.drop.result import Drop
 from calibration.film.marks import Still
 from calibration.labels import scale_bar, with_sigma
 from campaign.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline, write_figure

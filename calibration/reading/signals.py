@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.tables import Table, read_table
+from calibration.reading.tables import Table, read_table
 from contact.quantity import InputError, nearest
 
 _TIME_NAMES = ("time", "t", "zeit")

@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from calibration.bounce import STANDARD_GRAVITY, Bounces
-from calibration.drop_result import Drop
+from calibration.drop.bounce import STANDARD_GRAVITY, Bounces
+from calibration.drop.result import Drop
+from calibration.drop.upright import not_upright
 from calibration.uncertainty import Estimate, through
-from calibration.upright import not_upright
 
 _ROOM = 3.0  # m: laboratories drop things within a room
 _FAR = 0.05  # share by which g may miss before scale or rate is doubted

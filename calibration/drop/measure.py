@@ -4,15 +4,15 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from calibration.drag import with_drag
-from calibration.drop_choice import the_one_that_bounces
-from calibration.drop_fall import with_free_fall
-from calibration.drop_result import Drop
+from calibration.drop.choice import the_one_that_bounces
+from calibration.drop.drag import with_drag
+from calibration.drop.fall import with_free_fall
+from calibration.drop.result import Drop
 from calibration.film.rate import said_rate
 from calibration.film.reader import Told, is_film, open_film
 from calibration.quantity import metres_per_pixel
+from calibration.reading.track_table import read_tracks
 from calibration.track import Track
-from calibration.track_table import read_tracks
 from contact.quantity import InputError
 
 
@@ -52,7 +52,7 @@ def measure_drop(
     drop = with_free_fall(found, fps, found.track.scale if length is None else length, header)
     if out is None:
         return drop
-    from calibration.drop_pictures import with_pictures
+    from calibration.drop.pictures import with_pictures
 
     return with_pictures(drop, source, Path(out), progress)
 

@@ -7,7 +7,7 @@ not the thing's own colour.
 
 import numpy as np
 
-from calibration.bounce import Bounces
+from calibration.drop.bounce import Bounces
 from calibration.track import Look
 
 _WITHIN = 1.2  # sums of the radii, within which the middles of a thing's parts stay

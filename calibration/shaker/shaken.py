@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.bench.sections import Input
-from calibration.signals import clock_of
-from calibration.tables import read_table
-from calibration.tones import amplitudes, remainder, strongest, tuned
+from calibration.reading.signals import clock_of
+from calibration.reading.tables import read_table
+from calibration.shaker.tones import amplitudes, remainder, strongest, tuned
 from contact.quantity import InputError
 
 INPUTS = (

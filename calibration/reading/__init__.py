@@ -1,0 +1,1 @@
+"""Tables, tracks and signals as people, tools and instruments write them."""

@@ -1,0 +1,1 @@
+"""A shaken record: the power that a bed dissipates, from force and acceleration."""
