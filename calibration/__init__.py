@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 __all__ = ["measure_drop", "measure_impacts", "measure_pendulum"]
 
 _HOMES = {
-    "measure_drop": "drop",
+    "measure_drop": "drop.measure",
     "measure_impacts": "impacts.measure",
     "measure_pendulum": "pendulum.measure",
 }
