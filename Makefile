@@ -5,6 +5,8 @@ BIN := $(VENV)/bin
 RUNS ?= runs
 # Of a file's tests all run in one worker, so that what they share is made once.
 TESTERS := --numprocesses logical --maxprocesses 4 --dist loadfile
+# A worker a core is enough: the linear algebra of small matrices only loses by threads of its own.
+test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint constraints.txt --editable
 

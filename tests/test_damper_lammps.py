@@ -161,6 +161,7 @@ def assert_same_mean(eta: np.ndarray, resolved: float) -> None:
     assert abs(here - there) < resolved * there, "more than the scatter was meant to hide"
 
 
+@pytest.mark.validation
 def test_efficiency_of_a_small_bouncing_bed():
     """60 spheres, 40 Hz, Gamma 20, four packings, steps of 2 us (which is within the scatter).
 

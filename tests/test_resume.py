@@ -157,6 +157,7 @@ def test_a_run_killed_at_any_moment_ends_with_the_same_bits(slow_reference, tmp_
     assert_same_run(run_quietly(case, root), slow_reference)
 
 
+@pytest.mark.validation
 def test_a_run_killed_while_it_writes_ends_with_the_same_bits(runs, tmp_path):
     """kill -9 at the first write, at a later one of the next process, and so on to the end.
 
