@@ -65,12 +65,7 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, begin, end, n):
     """
     x, n_spheres = spheres.position, len(spheres.inverse_mass)
     for i in range(begin, end):
-        px, py, pz = x[i, 0] - shift[0], x[i, 1] - shift[1], x[i, 2] - shift[2]
-        if w < len(walls.planes):
-            plane = walls.planes[w]
-            gap = plane[0] * px + plane[1] * py + plane[2] * pz - plane[3] - x[i, 3]
-        else:
-            gap = walls.radius - np.sqrt(px * px + py * py) - x[i, 3]
+        gap = gap_to_wall(walls, x, w, i, shift)
         if gap < skin or walls.history[w, i, DAMPING] >= 0.0:
             if not gap >= -2.0 * DEEPEST * x[i, 3]:
                 return -2
@@ -88,3 +83,13 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, begin, end, n):
                 wall.history[n, h] = walls.history[w, i, h]
             n += 1
     return n
+
+
+@inner
+def gap_to_wall(walls, x, w, i, shift):
+    """Gap between wall w and the ball of row i of x, its radius the fourth number [m]."""
+    px, py, pz = x[i, 0] - shift[0], x[i, 1] - shift[1], x[i, 2] - shift[2]
+    if w < len(walls.planes):
+        plane = walls.planes[w]
+        return plane[0] * px + plane[1] * py + plane[2] * pz - plane[3] - x[i, 3]
+    return walls.radius - np.sqrt(px * px + py * py) - x[i, 3]

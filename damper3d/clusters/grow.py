@@ -16,12 +16,12 @@ from damper3d.clusters.motion import arm_of, note_axes
 from damper3d.clusters.pairs import pairs_of_bodies, search_near
 from damper3d.clusters.rotation import half_turn, product
 from damper3d.clusters.state import ClusterWorld
-from damper3d.clusters.walls import ball_gap
 from damper3d.clusters.world import columns_of, roomier
 from damper3d.enclosure import Enclosure
 from damper3d.grow import FIRST_PACE, MARGIN, PATIENCE, TOLERANCE, descend, first_size, grow, stages
 from damper3d.neighbours import near_reach_left
 from damper3d.state import NEAR, NEAR_SKIN
+from damper3d.wall_list import gap_to_wall
 
 _AT_REST, _IMPATIENT, _NEAR_FULL, _CLOSE_FULL = range(4)  # how it ends
 _START = 0.3  # fill ratio of the balls round them to begin with; random insertion ends near 0.38
@@ -147,7 +147,7 @@ def push_walls(world, gyration, force):
     deepest, gap = 0.0, world.scratch.gap
     for b in range(len(world.bodies.inverse_mass)):
         for w in range(len(world.walls.force)):
-            if ball_gap(world.walls, world.bodies.position, w, b, _NOWHERE) >= 0.0:
+            if gap_to_wall(world.walls, world.bodies.position, w, b, _NOWHERE) >= 0.0:
                 continue
             largest = total = 0.0
             for s in range(len(world.shape.offset)):

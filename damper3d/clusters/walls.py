@@ -16,7 +16,7 @@ from damper3d.state import (
     WALL_SEARCHES,
     WALL_SKIN,
 )
-from damper3d.wall_list import contacts_of_wall, store_wall_history
+from damper3d.wall_list import contacts_of_wall, gap_to_wall, store_wall_history
 
 
 @inner
@@ -33,7 +33,7 @@ def search_walls(world, shift):
     for w in range(len(walls.force)):
         walls.first[w] = n
         for b in range(len(world.bodies.inverse_mass)):
-            gap = ball_gap(world.walls, world.bodies.position, w, b, shift)
+            gap = gap_to_wall(world.walls, world.bodies.position, w, b, shift)
             leeway[b] = min(leeway[b], max(gap, skin))
             if gap < skin:
                 begin, end = b * size, (b + 1) * size
@@ -65,22 +65,12 @@ def note_group(world, b, begin, end):
 
 
 @inner
-def ball_gap(walls, x, w, b, shift):
-    """Gap between wall w and the ball round body b [m]."""
-    px, py, pz = x[b, 0] - shift[0], x[b, 1] - shift[1], x[b, 2] - shift[2]
-    if w < len(walls.planes):
-        plane = walls.planes[w]
-        return plane[0] * px + plane[1] * py + plane[2] * pz - plane[3] - x[b, 3]
-    return walls.radius - np.sqrt(px * px + py * py) - x[b, 3]
-
-
-@inner
 def place_near_walls(world, skin, shift):
     """Bring all spheres of the bodies that are near a wall to their places."""
     spheres, offset, bodies = world.spheres, world.shape.offset, world.bodies
     for b in range(len(bodies.inverse_mass)):
         for w in range(len(world.walls.force)):
-            if ball_gap(world.walls, world.bodies.position, w, b, shift) < skin:
+            if gap_to_wall(world.walls, world.bodies.position, w, b, shift) < skin:
                 for s in range(len(offset)):
                     r = arm_of(bodies.axes, offset, b, s)
                     for c in range(3):
