@@ -32,6 +32,7 @@ def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
         "section_perimeter_error": errors.section_perimeter,
         "smallest_sub_sphere_m": particle.smallest_radius,
         "rayleigh_step_s": case.steps.rayleigh,
+        "step_limit_s": case.steps.limit,
         "time_step_s": case.time_step,
         "n_particles": case.count,
         "fill_ratio": case.fill_ratio,
