@@ -48,9 +48,7 @@ class Compaction:
     cpu_s: float
 
 
-def compact(
-    particle: Cluster, bodies: int, seed: int, stop: Stop = lambda: False
-) -> Compaction:
+def compact(particle: Cluster, bodies: int, seed: int, stop: Stop = lambda: False) -> Compaction:
     """Jam so many particles, from a seed.
 
     Raises InputError where the cube would be so small that a particle meets its own image, and
@@ -75,9 +73,7 @@ def compact(
     squeeze(cell, fraction + EXCESS)
     cell = _relaxed(cell, 0.0)[0]
     neighbours, held = coordination(touching(cell))
-    return Compaction(
-        fraction, neighbours, 1.0 - held, overlap, time.process_time() - begun
-    )
+    return Compaction(fraction, neighbours, 1.0 - held, overlap, time.process_time() - begun)
 
 
 def squeeze(cell: Cell, fraction: float) -> None:
@@ -105,7 +101,7 @@ def cell_of(particle: Cluster, places: np.ndarray, turns: np.ndarray, side: floa
         place=np.zeros((n, 3)),
         facing=np.zeros((n, 4)),
         measure=np.array([side, particle.bounding_radius / radius, gyration, 0.1]),
-        count=np.zeros(3, np.int64),
+        tally=np.zeros(3, np.int64),
     )
 
 
@@ -136,9 +132,7 @@ def _check(particle: Cluster, bodies: int) -> None:
         )
 
 
-def _scattered(
-    particle: Cluster, bodies: int, rng: np.random.Generator
-) -> tuple[Cell, float]:
+def _scattered(particle: Cluster, bodies: int, rng: np.random.Generator) -> tuple[Cell, float]:
     """Bodies at random places, turned at random, so thin that their balls are apart."""
     side = side_of(_START, bodies)
     turns = rng.normal(size=(bodies, 4))  # evenly over all orientations (Muller 1959)

@@ -32,7 +32,7 @@ class Cell(NamedTuple):
     place: np.ndarray  # (n, 3) positions when the list was made
     facing: np.ndarray  # (n, 4) turns when the list was made
     measure: np.ndarray  # side of the cube, radius of the ball round a body, of gyration, skin
-    count: np.ndarray  # (3,) pairs in the list; most overlaps of a pair of bodies; steps since
+    tally: np.ndarray  # (3,) pairs in the list; most overlaps of a pair of bodies; steps since
 
 
 SIDE, BALL, GYRATION, SKIN = range(4)
@@ -49,14 +49,14 @@ def relax(cell, allowed, patience, steady):
     n = len(cell.position)
     velocity, force = np.zeros((n, 6)), np.zeros((n, 6))
     pace = FIRST_PACE
-    cell.count[SINCE] = -1
+    cell.tally[SINCE] = -1
     deepest = 0.0
     for step in range(patience):
-        if cell.count[SINCE] < 0 or has_moved(cell):
+        if cell.tally[SINCE] < 0 or has_moved(cell):
             adapt_skin(cell)
             if not list_pairs(cell):
                 return FULL, deepest, step
-        cell.count[SINCE] += 1
+        cell.tally[SINCE] += 1
         deepest, mean_push = push(cell, force)
         if deepest <= allowed:
             return UNJAMMED, deepest, step
@@ -85,7 +85,7 @@ def has_moved(cell):
 @njit
 def adapt_skin(cell):
     """A wider skin where lists are made often, a narrower one where they last."""
-    skin, since = cell.measure[SKIN], cell.count[SINCE]
+    skin, since = cell.measure[SKIN], cell.tally[SINCE]
     if 0 <= since < _OFTEN:
         cell.measure[SKIN] = min(1.5 * skin, _MOST_SKIN)
     elif since > _SELDOM:
@@ -117,7 +117,7 @@ def list_pairs(cell):
                 most = max(most, overlaps)
     cell.place[:] = position
     cell.facing[:] = cell.turn
-    cell.count[PAIRS], cell.count[MOST], cell.count[SINCE] = found, max(most, 1), 0
+    cell.tally[PAIRS], cell.tally[MOST], cell.tally[SINCE] = found, max(most, 1), 0
     return True
 
 
@@ -189,11 +189,11 @@ def turn_arms(cell):
 def push(cell, force):
     """What overlaps push (n, :3) and turn (n, 3:) the bodies with; deepest overlap, mean push."""
     k, gyration, arm = len(cell.offset), cell.measure[GYRATION], cell.arm
-    scale = 1.0 / cell.count[MOST]
+    scale = 1.0 / cell.tally[MOST]
     turn_arms(cell)
     force[:] = 0.0
     deepest = total = 0.0
-    for m in range(cell.count[PAIRS]):
+    for m in range(cell.tally[PAIRS]):
         reach, square, dx, dy, dz = separation(cell, m)
         if square >= reach * reach or square == 0.0:
             continue
@@ -244,7 +244,7 @@ def touching(cell):
     """Which bodies overlap, (n, n) bools, by the list and the arms as they stand."""
     n, k = len(cell.position), len(cell.offset)
     found = np.zeros((n, n), np.bool_)
-    for m in range(cell.count[PAIRS]):
+    for m in range(cell.tally[PAIRS]):
         reach, square = separation(cell, m)[:2]
         if square < reach * reach:
             a, b = cell.first[m] // k, cell.second[m] // k

@@ -80,8 +80,7 @@ def predict(
     clearances = [_packed(name, most, fill, length) for name, most in known.items() if most]
     if not clearances and packing is None and full_count is None:
         raise InputError(
-            f"{shape}: no packing of this shape is shipped; give --packing 0.65, or --pack to "
-            "compute it"
+            f"{shape}: no packing of this shape is shipped; give --packing, such as 0.65"
         )
     if packing is not None:
         own = theory.effective_clearance(fill, length, packing)
