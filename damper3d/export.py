@@ -37,7 +37,7 @@ def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> l
     `path` is the file of the particles (vtkhdf; the others go beside it, with -enclosure and
     -spheres in their names) or the folder for the tables (csv); export/ in the run folder where
     it is not given. What stands there is replaced, each file at once. Raises InputError for another
-    format or suffix, FolderError where the run has no frames, cannot be read or the files be written.
+    format or suffix, FolderError where the run has no frames, cannot be read or cannot be written.
     """
     if to not in FORMATS:
         raise InputError(f"--to {to!r}: {nearest(to, list(FORMATS))}")
