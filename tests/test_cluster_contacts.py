@@ -164,6 +164,32 @@ def test_restitution_of_a_landing_spheroid():
     assert 0.86 > slow > fast > 0.5
 
 
+@pytest.mark.parametrize("shape", ["prolate:1.5", "prolate:3"])
+def test_the_step_that_impacts_need_does_not_go_with_the_smallest_sphere(shape):
+    """Elastic impacts on a wall, without friction, of 25 bodies turned at random, 0.8 m/s: what 1
+    us leaves open of the energy is at most 3e-4 of it and falls with the square of the step, for
+    tips of 2.2 mm as for those of 0.9 mm (of whose Rayleigh step 1 us is a third)."""
+    cluster, rng = particle(shape, 3.8e-3), np.random.default_rng(3)
+    turns = rng.normal(size=(25, 4))
+    turns /= np.linalg.norm(turns, axis=1)[:, None]
+    x, y = (grid.ravel() for grid in np.meshgrid(*[0.05 * np.arange(-2, 3)] * 2))
+    height = np.full(25, cluster.bounding_radius + 1e-5)
+    law, mass = acrylic(0.0, 1.0), DENSITY * cluster.volume
+
+    def left_open(step):
+        sim = world_of(cluster, np.column_stack([x, y, height]), turns, wall_law=law,
+                       time_step=step)  # fmt: skip
+        sim.set_velocity(np.tile([0.0, 0.0, -0.8], (25, 1)), np.zeros((25, 3)))
+        sim.step(round((cluster.bounding_radius + 1e-3) / 0.8 / step))
+        now, momentum = sim.frame(), sim.world.bodies.momentum_now[:, :3]
+        energy = 0.5 * mass * (now["v"] ** 2).sum(axis=1) + 0.5 * (momentum * now["spin"]).sum(1)
+        return np.abs(energy / (0.5 * mass * 0.64) - 1.0)
+
+    errors = [left_open(step).max() for step in (2e-6, 1e-6)]
+    assert errors[1] < 3e-4
+    assert errors[1] < errors[0] / 3
+
+
 # Single particles that are held and pressed
 
 

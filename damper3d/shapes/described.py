@@ -35,6 +35,7 @@ def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
         "speed_to_groove_m_s": speed_to_groove(particle, case.wall_law, case.particle_mass),
         "smallest_sub_sphere_m": particle.smallest_radius,
         "rayleigh_step_s": case.steps.rayleigh,
+        "step_limit_s": case.steps.limit,
         "time_step_s": case.time_step,
         "n_particles": case.count,
         "fill_ratio": case.fill_ratio,
