@@ -11,8 +11,8 @@ from damper3d import state
 from damper3d.clusters import world as building
 from damper3d.records import CLASSES, HELD, MECHANISMS
 from damper3d.shapes.particle import parse_particle
-from damper3d.single_contact import shape_force
-from damper3d.single_contact.alone import AS_IT_IS, pressed, sheared
+from damper3d.single_contact import shape_force, shape_shear
+from damper3d.single_contact.alone import AS_IT_IS, matrix, pressed, sheared
 from damper3d.single_contact.smooth_body import Elastic, ellipse
 from damper3d.single_contact.steel_shapes import settings, steel
 
@@ -215,6 +215,33 @@ def test_pressed_row_is_the_sum_of_its_spheres():
     stiffness = law.tangential * law.hertz * np.sqrt(prolate.radii * depth[1])
     wanted = np.minimum(stiffness * across[:, None], law.mu * each[1]).sum(axis=1)
     assert tangential == pytest.approx(wanted, rel=1e-6)
+
+
+def test_sheared_oblate_under_the_normal_force_of_the_smooth_one(monkeypatch):
+    """Figs 5.6b, 5.8b: under one force a round contact's radius, and with it kt = 8 G* a, goes with
+    the cube root of the body's radius, and F/d^1.5 with its root (eqs 5.7, 5.15): one sub-sphere's
+    kt is that of F/d^1.5 to the power 2/3. All treatments slide at mu N in the end."""
+    way = shape_shear.ways()[0]
+    only = way.setting._replace(finenesses=way.setting.finenesses[:1])
+    monkeypatch.setattr(shape_shear, "ways", lambda: [way._replace(setting=only)])
+    found = shape_shear.compute()
+    (name,) = (key for key in found.numbers if key != "friction")
+    numbers, (_, law) = found.numbers[name], steel()
+    cluster = only.clusters()[0]
+    overlap = shape_shear.overlap_under(
+        cluster, way.orientation, law, "sum", numbers["normal_force_n"]
+    )
+    held = pressed(cluster, way.orientation, np.array([overlap]), law, "sum")
+    assert held[0] == pytest.approx(numbers["normal_force_n"], rel=1e-6)
+    lowest = np.argmin((cluster.offsets @ matrix(way.orientation)[2]) - cluster.radii)
+    radius = 1.5e-3**2 / 1.4e-3
+    ratio = (cluster.radii[lowest] / radius) ** (1 / 3)
+    assert numbers["deepest_stiffness_over_smooth"] == pytest.approx(ratio, rel=1e-4)
+    assert numbers["sum_stiffness_over_smooth"] > numbers["scaled_stiffness_over_smooth"] > ratio
+    limit = law.mu * numbers["normal_force_n"]
+    last = max(row["displacement_m"] for row in found.rows)
+    ends = [row["force_n"] for row in found.rows if row["displacement_m"] == last]
+    assert ends == pytest.approx([limit] * 3, rel=1e-4)
 
 
 def test_force_of_a_lying_toroid_passes_that_of_the_smooth_one(monkeypatch):

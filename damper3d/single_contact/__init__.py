@@ -25,6 +25,7 @@ STUDIES: dict[str, tuple[str, str]] = {
     "oblique": ("oblique", "oblique impact by each tangential law, against gross sliding"),
     "orientation": ("orientation", "rebound of particles from a wall, by orientation"),
     "shape-force": ("shape_force", "normal force of particles, and of smooth ones (Figs 5.6-5.13)"),
+    "shape-shear": ("shape_shear", "tangential force likewise (Figs 5.6b, 5.8b)"),
     "steel-ball": ("steel_ball", "40 mm steel ball at 2.4 m/s on a steel block (Fig. 5.20)"),
     "yield": ("yielding", "yield velocities, and restitution above them (eq. 5.26, Fig. 5.15)"),
 }

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = dict(zip(TREATMENTS, (BLUE, VERMILION, GREEN), strict=True))
-_WIDTHS = dict(zip(TREATMENTS, (1.6, 3.0, 1.2), strict=True))  # those above let others be seen
+WIDTHS = dict(zip(TREATMENTS, (1.6, 3.0, 1.2), strict=True))  # those above let others be seen
 
 
 def compute() -> Found:
@@ -103,7 +103,7 @@ def draw(found: Found) -> "Figure":
     legend = panels[-1]
     legend.axis("off")
     for name, colour in COLOURS.items():
-        legend.plot([], [], color=colour, lw=_WIDTHS[name], label=f"sub-spheres, {name}")
+        legend.plot([], [], color=colour, lw=WIDTHS[name], label=f"sub-spheres, {name}")
     legend.plot([], [], color=BLUE, lw=0.7, label="other numbers of sub-spheres, sum")
     legend.plot([], [], color=INK, ls="--", label="smooth body: Hertz; line load on a ring")
     legend.plot([], [], color=GREY, ls=":", label="depth of the groove (eq. 5.19)")
@@ -122,7 +122,7 @@ def _panel(axes: "Axes", found: Found, setting: Setting) -> None:
         unit, main = mine[0]["normal_unit_n"], number == numbers[-1]
         for name in reversed(TREATMENTS) if main else TREATMENTS[:1]:
             y = np.array([row[f"{name}_n"] for row in mine]) / unit
-            axes.plot(x, y, color=COLOURS[name], lw=_WIDTHS[name] if main else 0.7,
+            axes.plot(x, y, color=COLOURS[name], lw=WIDTHS[name] if main else 0.7,
                       zorder=1.5 if name == "deepest" else 2)  # fmt: skip
         axes.annotate(f"{number}", (x[-1], y[-1]), xytext=(4, 0), color=BLUE, va="center",
                       textcoords="offset points", fontsize=7)  # fmt: skip
