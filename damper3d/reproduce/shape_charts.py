@@ -23,7 +23,7 @@ from damper3d.reproduce.shape_plan import (
     Shape,
     particle_text,
 )
-from damper3d.reproduce.shape_statements import by_sphericity, onsets
+from damper3d.reproduce.shape_statements import Onsets, by_sphericity, onsets
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,14 +73,23 @@ def _onsets(part: "SubFigure", found: Found) -> None:
             axes.errorbar(list(own), gammas, bars, color=colour, marker=marker, ms=4, lw=1.2,
                           elinewidth=0.7, capsize=2, label=orientation)  # fmt: skip
             if orientation == "vertical":
-                close = [one.predicted("close") for one in own.values()]
-                axes.plot(list(own), close, color=GREY, lw=1, label="eq. 6.11, close packing")
+                _predicted(axes, own)
         name, sphere = _FAMILIES[family]
         axes.axvline(sphere, color=GREY, lw=0.6, zorder=0)
         axes.set(xlabel=name, ylim=(0, None))
         axes.set_title(f"onset, {family}s, {frequency:g} Hz", loc="left", fontsize=9)
     panels[0].set_ylabel("Γ at the best efficiency [-]")
     _legend(panels[0], "lower right")
+
+
+def _predicted(axes: "Axes", own: Onsets) -> None:
+    """Eq. 6.11 with the close packing of each shape that has one, and with that of spheres."""
+    for name, style in (("close", "-"), ("spheres", ":")):
+        known = [(ratio, g) for ratio, one in own.items() if (g := one.predicted(name))]
+        label = f"eq. 6.11, {'own packing' if name == 'close' else 'packed as spheres'}"
+        axes.plot(
+            [x for x, _ in known], [y for _, y in known], style, color=GREY, lw=1, label=label
+        )
 
 
 def _bouncing_curves(part: "SubFigure", rows: Sequence[Row], found: Found) -> None:

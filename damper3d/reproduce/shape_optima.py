@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 from damper3d.map.grid import MapResult
 from damper3d.map.peaks import Peak
-from damper3d.pack.known import CLOSE_PACKING
+from damper3d.pack.known import CLOSE_PACKING, close_packing
 from damper3d.predict.prediction import Clearance, Prediction
 from damper3d.reproduce.optima import Optimum
 from damper3d.reproduce.runs import Row
-from damper3d.reproduce.shape_plan import HEIGHT, Shape
+from damper3d.reproduce.shape_plan import HEIGHT, Shape, particle_text
 
 
 class Line(NamedTuple):
@@ -69,9 +69,13 @@ def _highest(rows: Sequence[Row], frequency: float) -> Peak | None:
 
 
 def _prediction(rows: Sequence[Row], line: Line) -> Prediction:
-    """Eq. 6.11 with the clearance that spheres packed closely would leave."""
+    """Eq. 6.11 with the clearance of the shape's close packing, and of that of spheres."""
     fill = next(row["fill_ratio"] for row in rows if row["state"] == "done")
     length = HEIGHT / 1e3
-    clearances = (Clearance("close", CLOSE_PACKING, (1 - fill / CLOSE_PACKING) * length),)
+    own = close_packing(particle_text(line.shape))
+    packings = {"close": own.value if own else None, "spheres": CLOSE_PACKING}
+    clearances = tuple(
+        Clearance(name, most, (1 - fill / most) * length) for name, most in packings.items() if most
+    )
     name = f"{line.shape[0]} {line.shape[1]:g}"
     return Prediction(name, fill, length, line.orientation, clearances, None)

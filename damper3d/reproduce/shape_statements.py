@@ -35,6 +35,10 @@ def bouncing_statements(found: Found) -> list[Statement]:
             "toroids: it rises to 0.05 as spheroids' does: by more than half of 50 %",
             "toroid", _rises_to_toroid, found,
         ),
+        _of(
+            "spheroids: closer packing alone (eq. 6.12) explains less than the rise to 1.5",
+            "spheroid", _beyond_packing, found,
+        ),
         _of("toroids: it falls from 0.05 to 0.33", "toroid", _falls, found),
         _of("toroids: at 0.33 it is nearer to the sphere's than to 0.05's", "toroid", _back, found),
         _of(
@@ -120,6 +124,17 @@ def _rises_to_toroid(own: Onsets) -> Check:
     if times is None:
         return _unknown()
     return Check(times > 1 + 0.5 * (_RISE - 1), f"{_percent(times)}: {_shown(own, 0.0, 0.05)}")
+
+
+def _beyond_packing(own: Onsets) -> Check:
+    times = rise(own, 1.5, 1.0)
+    if times is None:
+        return _unknown()
+    closer, sphere = own[1.5].predicted("close"), own[1.0].predicted("close")
+    if closer is None or sphere is None:
+        return _unknown()
+    packed = closer / sphere
+    return Check(times > packed, f"{_percent(times)}, of packing {_percent(packed)}")
 
 
 def _falls(own: Onsets) -> Check:

@@ -20,6 +20,7 @@ from damper3d.reproduce.shape_effects import (
 )
 from damper3d.reproduce.shape_optima import Found, Line, optima
 from damper3d.reproduce.shape_plan import (
+    BOUNCING,
     TREATED,
     TREATED_AT,
     TREATMENTS,
@@ -39,12 +40,14 @@ if TYPE_CHECKING:
 
 SEEDS = 3
 REFINE = 2
+_PACKINGS = "close", "spheres"
 
 _CRITERION = """\
 onset: where the highest peak of eta along Gamma lies, by a parabola through its top, geometric mean
   +- standard deviation over the packings that have a peak (their number); bracket: between which
   Gammas the peak of the mean curve lies by more than noise; times: over the sphere's of the same
-  family; eq. 6.11: with the clearance that closely packed spheres leave. fluidisation optimum: the
+  family; own, spheres: eq. 6.11 with the clearance that the shape's own close packing leaves
+  (damper3d reproduce packing), and that of spheres. fluidisation optimum: the
   same peak at 125 Hz and more. Statements: the thesis prints no value of its figures, so that each
   is judged by the rule in its words, on the optima themselves."""
 
@@ -110,9 +113,11 @@ def _onset_table(found: Found) -> str:
             for ratio, one in own.items():
                 head = [f"{like.frequency:g}", like.orientation, family, f"{ratio:g}"]
                 roundness = f"{sphericities()[family, ratio]:.3f}"
-                lines.append([*head, roundness, *_cells(one), _times(one, sphere), _close(one)])
+                lines.append(
+                    [*head, roundness, *_cells(one), _times(one, sphere), *_predicted(one)]
+                )
     heads = ["f [Hz]", "orientation", "shape", "ratio", "sphericity", "onset", "bracket", "eta",
-             "times", "eq. 6.11"]  # fmt: skip
+             "times", "own", "spheres"]  # fmt: skip
     return columns(heads, lines) if lines else ""
 
 
@@ -132,7 +137,7 @@ def _treatment_table(found: Found) -> str:
 
 def _fluidised_table(found: Found) -> str:
     """A line a shape, a column a frequency: Gamma and eta of the highest peak."""
-    vertical = [line for line in found if line.frequency > max(f for f in (20.0, 40.0))]
+    vertical = [line for line in found if line.frequency > max(BOUNCING)]
     frequencies = sorted({line.frequency for line in vertical})
     lines = []
     for shape in sorted({line.shape for line in vertical}):
@@ -153,9 +158,10 @@ def _times(one: Optimum, reference: Optimum | None) -> str:
     return "-" if reference is None else f"{one.gamma / reference.gamma:.2f}"
 
 
-def _close(one: Optimum) -> str:
-    onset = one.predicted("close")
-    return "-" if onset is None else f"{onset:.3g}"
+def _predicted(one: Optimum) -> list[str]:
+    """Eq. 6.11 with the close packing of the shape and of spheres."""
+    onsets = [one.predicted(name) for name in _PACKINGS]
+    return ["-" if onset is None else f"{onset:.3g}" for onset in onsets]
 
 
 def _strained(rows: Sequence[Row]) -> str:
