@@ -36,6 +36,12 @@ def column_of(n: int, **options: Any):
     return sim, law
 
 
+def forces_of_a_step(sim) -> np.ndarray:
+    """Those of the particles on the walls (4, 3) [N] in one more step."""
+    sim.sample()  # the forces are means since then
+    return sim.run(1)["wall_force"][0]
+
+
 @pytest.mark.parametrize("n", [1, 3])
 def test_a_column_of_spheres_is_as_stiff_as_hertz_contacts_in_series(n):
     """z = sum (F/K)^(2/3), K = (4/3) E* sqrt(R*): R at both ends, R/2 between spheres (eq. 5.5).
@@ -46,11 +52,10 @@ def test_a_column_of_spheres_is_as_stiff_as_hertz_contacts_in_series(n):
     sim, law = column_of(n)
     sim.drive({TABLE: -2e-3 * UP})
     sim.step(20_000)
-    row = sim.run(1)
+    pushed = forces_of_a_step(sim)
     z = (2 * n * R - ROOM) - sim.place[TABLE, 2]
     ends, between = law.hertz * math.sqrt(R), law.hertz * math.sqrt(0.5 * R)
     expected = (z / (2 * ends ** (-2 / 3) + (n - 1) * between ** (-2 / 3))) ** 1.5
-    pushed = row["wall_force"][0]
     assert pushed[TABLE, 2] == pytest.approx(expected, rel=0.01)
     assert pushed[BASE, 2] == pytest.approx(-expected, rel=0.01)
     assert np.abs(pushed[[BOTTOM_SIDE, TOP_SIDE]]).max() == 0.0
@@ -68,24 +73,28 @@ def pressed_ring(preload: float):
 
 
 def test_a_sheared_ring_resists_as_mindlin_says_and_then_slides_at_coulombs_limit():
-    """F = k x, k of n contacts above and as many below: n k_t/2, k_t = 8 G* sqrt(R d) (eq. 5.16);
-    then F = mu N. 2 % of the first, where it has reached a third of the limit: the dashpot of the
-    law, and the ring's inertia; 0.1 % of the second: the pre-load as held."""
+    """F = k x, k of n contacts above and as many below: n k_t/2, k_t = 8 G* sqrt(R d) (eq. 5.16),
+    over 1 + 2 (k_t/k_n) (r/A)^2, as the couple 2 r F rocks the ring, of radius A and tube r, on its
+    normal springs k_n = (3/2) N/(n d); then F = mu N. 2 % of the first, where it has reached a third of the limit: the law's dashpot;
+    0.1 % of the second: the pre-load as held."""
     preload = 5.0
     sim, ring = pressed_ring(preload)
     law, n = acrylic(), len(ring.radii)
-    assert sim.run(1)["wall_force"][0, TABLE, 2] == pytest.approx(preload, rel=1e-4)
+    assert forces_of_a_step(sim)[TABLE, 2] == pytest.approx(preload, rel=1e-4)
     overlap = (preload / (n * law.hertz * math.sqrt(ring.radii[0]))) ** (2 / 3)
-    spring = 0.5 * n * law.tangential * law.hertz * math.sqrt(ring.radii[0] * overlap)
+    each = law.tangential * law.hertz * math.sqrt(ring.radii[0] * overlap)
+    tube_over_ring = ring.radii[0] / np.linalg.norm(ring.offsets[0])
+    rocking = 2 * each / (1.5 * preload / (n * overlap)) * tube_over_ring**2
+    spring = 0.5 * n * each / (1 + rocking)
     limit, speed = law.mu * preload, 1e-3
     sim.drive({TABLE: speed * np.array([1.0, 0, 0])})
     sim.step(round(limit / 3 / spring / speed / 1e-6))
     moved = sim.place[TABLE, 0]
-    held = sim.run(1)["wall_force"][0]
-    assert held[TABLE, 0] == pytest.approx(-spring * moved, rel=0.02)
-    assert held[BASE, 0] == pytest.approx(spring * moved, rel=0.02)
+    held = forces_of_a_step(sim)
+    mean = 0.5 * (held[BASE, 0] - held[TABLE, 0])  # wherever between both the ring is now
+    assert mean == pytest.approx(spring * moved, rel=0.02)
     sim.step(round(3 * limit / spring / speed / 1e-6))
-    assert sim.run(1)["wall_force"][0, BASE, 0] == pytest.approx(limit, rel=1e-3)
+    assert forces_of_a_step(sim)[BASE, 0] == pytest.approx(limit, rel=1e-3)
 
 
 def test_the_gap_to_a_wall_is_that_to_its_nearest_point():
@@ -167,9 +176,7 @@ SMALL: dict[str, Any] = {
     "particles.shape": "prolate:1.5",
     "particles.equal_volume_radius": "2.2 mm",
     "particles.count": 36,
-    "law.restitution": 0.5,  # at rest the sooner
-    "fill.settle_time": "50 ms",
-    "run.time_step": "2 us",
+    "fill.settle_time": "60 ms",
 }
 ROUND = {"diameter": "17.6 mm", "half_height": "8.8 mm", "speed": "20 mm/s", "distance": "0.4 mm",
          "at": "0.2 mm"}  # fmt: skip
@@ -196,12 +203,12 @@ def run_of(root: Path, kind: str = "shear"):
 
 
 def test_the_servo_holds_the_preload_while_the_top_half_moves(undisturbed):
-    """To 2 % in the mean: c v of the servo is 1 % at the test's speed, the bed gives way no faster
-    on average; and the base carries it and the weight, but for what friction gives the sides."""
+    """To 10 % in the mean: where the loose bed collapses, as it does under shear, the table follows
+    at its speed limit and the pre-load lacks meanwhile; on a ring that only slides it is exact."""
     found = run_of(undisturbed).read_summary()
-    assert found["preload_mean_n"] == pytest.approx(10.0, rel=0.02)
+    assert found["preload_mean_n"] == pytest.approx(10.0, rel=0.1)
     assert found["force_imbalance"] < 1e-3
-    assert abs(found["energy_closure"]) < 0.02  # 0.005 at 1 us, four times that at 2 us
+    assert abs(found["energy_closure"]) < 0.005  # at 1 us
     assert found["stiffness_n_per_m"] > 0.0
     assert 0.0 < found["force_end_n"] - found["force_start_n"] < 2.0 * 10.0
     assert found["displacement_m"][-1] == pytest.approx(0.4e-3, rel=0.02)
@@ -210,7 +217,7 @@ def test_the_servo_holds_the_preload_while_the_top_half_moves(undisturbed):
 @pytest.mark.parametrize("write", [6, 7])
 def test_a_test_that_is_killed_goes_on_to_the_same_bits(undisturbed, tmp_path, monkeypatch, write):
     """Killed at its so many-th write, in pre-load and test, with a checkpoint every nine rows."""
-    monkeypatch.setattr(course, "_CHECKPOINT_WORK", 9 * 36 * 500)
+    monkeypatch.setattr(course, "_CHECKPOINT_WORK", 9 * 36 * 1000)
     shutil.copytree(undisturbed / "packings", tmp_path / "packings")
     assert forked(lambda: protocol.run(small(), out=tmp_path), kill_at_write=write) == -9
     assert run_of(tmp_path).checkpoint.exists()

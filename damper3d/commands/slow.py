@@ -37,8 +37,8 @@ _OF_TEST = [
     ("--gap", '"0.5 mm"', "Between the rims of the halves."),
     ("--preload", '"50 N"', "Of the table [default: 50 N for shear, 10 N to compress]."),
     ("--speed", '"5 mm/s"', "Of the test."),
-    ("--distance", '"1 mm"', "Of the test [default: shear 1 mm, compress 0.3 mm]."),
-    ("--at", '"0.5 mm"', "Of the secant stiffness [default: shear 0.5 mm, compress 0.15 mm]."),
+    ("--distance", '"1 mm"', "Of the test [default: shear 1 mm, compress 0.2 mm]."),
+    ("--at", '"0.5 mm"', "Of the secant stiffness [default: shear 0.5 mm, compress 0.1 mm]."),
 ]
 
 
