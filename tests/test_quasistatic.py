@@ -75,8 +75,8 @@ def pressed_ring(preload: float):
 def test_a_sheared_ring_resists_as_mindlin_says_and_then_slides_at_coulombs_limit():
     """F = k x, k of n contacts above and as many below: n k_t/2, k_t = 8 G* sqrt(R d) (eq. 5.16),
     over 1 + 2 (k_t/k_n) (r/A)^2, as the couple 2 r F rocks the ring, of radius A and tube r, on its
-    normal springs k_n = (3/2) N/(n d); then F = mu N. 2 % of the first, where it has reached a third of the limit: the law's dashpot;
-    0.1 % of the second: the pre-load as held."""
+    normal springs k_n = (3/2) N/(n d); then F = mu N. 2 % of the first, where it has reached a
+    third of the limit: the law's dashpot; 0.1 % of the second: the pre-load as held."""
     preload = 5.0
     sim, ring = pressed_ring(preload)
     law, n = acrylic(), len(ring.radii)
@@ -260,7 +260,8 @@ def test_a_dry_run_says_what_it_costs_and_bad_shapes_end_with_code_two(tmp_path)
 
 
 def made(shape: str, values: list[float]) -> list[dict[str, Any]]:
-    return [{"shape": shape, "state": "done", "stiffness_n_per_m": v} for v in values]
+    columns = [{"stiffness_n_per_m": v, "force_mean_n": v} for v in values]
+    return [{"shape": shape, "state": "done", **own} for own in columns]
 
 
 def verdicts(kind: str, means: dict[str, float]) -> list[bool | None]:

@@ -1,4 +1,4 @@
-"""The curves of slow tests as the thesis draws them (Figs 8.16 to 8.19), and the stiffnesses."""
+"""The curves of slow tests as the thesis draws them (Figs 8.16 to 8.19), and what is judged."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -9,6 +9,7 @@ from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILI
 from damper3d.pictures.graph import ruled
 from damper3d.quasistatic.report import half_width
 from damper3d.quasistatic.shapes import Shape, by_shape, ratio_of
+from damper3d.quasistatic.statements import MEASURE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +28,7 @@ _NAMES = {
 
 
 def draw(rows: Sequence[dict[str, Any]]) -> "Figure":
-    """A panel a family with means and deviations over the packings; its stiffnesses below it."""
+    """A panel a family with means and deviations over the packings; what is judged below it."""
     from matplotlib.figure import Figure
 
     groups = _groups(by_shape(rows))
@@ -42,9 +43,10 @@ def draw(rows: Sequence[dict[str, Any]]) -> "Figure":
     panels = figure.subplots(2, len(groups), squeeze=False, height_ratios=[2, 1], sharey="row")
     for column, (family, shapes) in enumerate(groups.items()):
         _curves(panels[0, column], shapes, family, first["test"])
-        _stiffnesses(panels[1, column], shapes, family)
+        _measured(panels[1, column], shapes, family, first["test"])
     panels[0, 0].set_ylabel(_AXES[first["test"]][1])
-    panels[1, 0].set_ylabel(f"secant stiffness\nto {1e3 * first['at_m']:g} mm [N/mm]")
+    secant = f"secant stiffness\nto {1e3 * first['at_m']:g} mm [N/mm]"
+    panels[1, 0].set_ylabel(secant if first["test"] == "compress" else "mean rise [N]")
     return figure
 
 
@@ -71,17 +73,20 @@ def _curves(axes: "Axes", shapes: list[Shape], family: str, test: str) -> None:
     axes.set_title(_NAMES[family][0], loc="left", fontsize=10)
     axes.set_xlabel(_AXES[test][0])
     axes.set_xlim(left=0.0)
+    axes.locator_params(axis="x", nbins=5)
     axes.legend(loc="upper left", title=_NAMES[family][1] or None, fontsize=8, title_fontsize=8)
 
 
-def _stiffnesses(axes: "Axes", shapes: list[Shape], family: str) -> None:
+def _measured(axes: "Axes", shapes: list[Shape], family: str, test: str) -> None:
+    """What the statements judge, with the 95 % interval of the mean over the packings."""
     ruled(axes)
+    scale = 1e-3 if test == "compress" else 1.0
     for number, shape in enumerate(shapes):
-        sample = shape.sample("stiffness_n_per_m")
+        sample = shape.sample(MEASURE[test])
         x = number if family == "" else ratio_of(shape.name)
         width = half_width(sample)
         axes.errorbar(
-            [x], [1e-3 * (sample.mean or 0.0)], None if width is None else [1e-3 * width],
+            [x], [scale * (sample.mean or 0.0)], None if width is None else [scale * width],
             fmt="o", color=_COLOURS[number % len(_COLOURS)], capsize=3, elinewidth=0.9,
         )  # fmt: skip
     if family == "":
