@@ -7,6 +7,7 @@ import numpy as np
 
 from contact.hertz import HertzLaw
 from damper3d.case import DamperCase
+from damper3d.clusters.swing import DEEPEST
 from damper3d.parameters import SAFE_SHARE
 from damper3d.predict.theory import fluidisation_threshold
 from damper3d.records import CLASSES
@@ -19,7 +20,6 @@ _COARSE = 0.005  # closed at 1 us, relative to what is dissipated
 _HEAVY = 25e3  # [kg/m3] above osmium and all others
 _FAST = 3.0  # peak speed of the enclosure over the yield velocity
 _MOST_CYCLES = 12  # that are told one by one
-_DEEP = 0.05  # overlap over radius: Hertz's law is for small ones
 
 
 def echo(case: DamperCase, dry_run: bool) -> str:
@@ -133,7 +133,7 @@ def expected_cpu_s(case: DamperCase) -> tuple[float, float]:
 def warnings(case: DamperCase) -> list[str]:
     """What is valid and looks wrong, a line each."""
     found = []
-    share = case.time_step / case.steps.rayleigh
+    share = case.time_step / case.steps.limit
     if share > SAFE_SHARE:
         found.append(
             f"the time step is {share:.2f} of the Rayleigh step; above {SAFE_SHARE:g} the energy "
@@ -177,7 +177,7 @@ def _impact_warnings(case: DamperCase, pair: str) -> list[str]:
             f"velocity of {name}; the restitution would be lower there"
         )
     depth = _hertz_overlap(case, pair) / case.particle.smallest_radius
-    if depth > _DEEP:
+    if depth > DEEPEST:
         lines.append(
             f"{name} impacts at the peak speed overlap by {depth:.2g} radii; the law holds for "
             "small overlaps: give a higher youngs_modulus or a lower gamma"
@@ -215,6 +215,7 @@ def plan(case: DamperCase) -> dict[str, Any]:
         "time_step_s": case.time_step,
         "time_step_reason": case.steps.reason,
         "rayleigh_step_s": case.steps.rayleigh,
+        "step_limit_s": case.steps.limit,
         "restitution": case.restitution,
         "yield_velocity_m_s": case.yield_velocity,
         "steps": steps_at_most(case),

@@ -6,6 +6,7 @@ import numpy as np
 
 from damper3d.case import DamperCase
 from damper3d.shapes.errors import Errors
+from damper3d.shapes.grooves import groove_depth, speed_to_groove
 
 
 def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
@@ -30,8 +31,11 @@ def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
         "area_error": errors.area,
         "section_area_error": errors.section_area,
         "section_perimeter_error": errors.section_perimeter,
+        "groove_depth_m": groove_depth(particle),
+        "speed_to_groove_m_s": speed_to_groove(particle, case.wall_law, case.particle_mass),
         "smallest_sub_sphere_m": particle.smallest_radius,
         "rayleigh_step_s": case.steps.rayleigh,
+        "step_limit_s": case.steps.limit,
         "time_step_s": case.time_step,
         "n_particles": case.count,
         "fill_ratio": case.fill_ratio,
@@ -57,6 +61,7 @@ def as_text(found: dict[str, Any]) -> str:
         ("surface area error", _percent(found["area_error"])),
         ("section area error", _percent(found["section_area_error"])),
         ("section perimeter error", _percent(found["section_perimeter_error"])),
+        ("groove under a wall", _groove(found)),
         ("smallest sub-sphere", f"{1e3 * found['smallest_sub_sphere_m']:.4g} mm: Rayleigh step "
                                 f"{1e6 * found['rayleigh_step_s']:.3g} us, time step "
                                 f"{1e6 * found['time_step_s']:.3g} us"),
@@ -73,6 +78,15 @@ _ARRANGED = {
     "ring": "in a ring round z",
     "any": "wherever they fill it",
 }
+
+
+def _groove(found: dict[str, Any]) -> str:
+    depth, speed = found["groove_depth_m"], found["speed_to_groove_m_s"]
+    if found["arrangement"] == "ball":
+        return "none"
+    if depth is None:
+        return "known for rows and rings only; the surface error bounds it"
+    return f"{1e6 * depth:.4g} um lying (eq. 5.19), reached by one contact at {speed:.3g} m/s"
 
 
 def _millimetres(lengths: list[float]) -> str:
