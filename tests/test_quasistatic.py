@@ -20,7 +20,7 @@ from damper3d.efficiency import closure
 from damper3d.quasistatic import course, protocol
 from damper3d.quasistatic.case import SlowTest
 from damper3d.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, Halves
-from damper3d.quasistatic.shapes import by_shape
+from damper3d.quasistatic.shapes import by_shape, scatter_of
 from damper3d.quasistatic.shells import gap_to_shell
 from damper3d.quasistatic.statements import statements
 
@@ -283,6 +283,19 @@ def test_the_thesis_statements_hold_of_made_stiffnesses_as_it_tells_and_fail_of_
     assert verdicts("shear", of(1, 2, 2, 1, 2, 2, 1)) == [True] * 6
     assert verdicts("shear", of(2, 1, 3, 2, 1, 3, 4)) == [False] * 6
     assert verdicts("shear", of(1, 1, 1, 1, 1, 1, 1))[0] is None  # within the scatter
+    single = [row for shape in ratios for row in made(shape, [1.0])]
+    assert {one.holds for one in statements("shear", by_shape(single))} == {None}
+
+
+def test_the_scatter_of_a_packing_is_pooled_over_the_shapes():
+    """Pairs 0.9 m, 1.1 m about any m: variance 0.02 m^2 of each with one degree of freedom; the
+    interval of a mean of two is t(2) sqrt(0.02) m/sqrt(2)."""
+    rows = made("prolate:1", [0.9, 1.1]) + made("prolate:2", [9.0, 11.0])
+    shapes = by_shape(rows)
+    scatter = scatter_of(shapes, "compress", "stiffness_n_per_m")
+    assert (scatter.sd, scatter.freedom) == (pytest.approx(math.sqrt(0.02)), 2)
+    width = scatter.half_width(shapes["prolate:2"].sample("stiffness_n_per_m"))
+    assert width == pytest.approx(4.303 * math.sqrt(0.02) * 10.0 / math.sqrt(2), rel=1e-3)
 
 
 def test_the_inertial_number_of_the_thesis_test_is_quasi_static():

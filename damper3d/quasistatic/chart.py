@@ -7,8 +7,7 @@ import numpy as np
 
 from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, headline
 from damper3d.pictures.graph import ruled
-from damper3d.quasistatic.report import half_width
-from damper3d.quasistatic.shapes import Shape, by_shape, ratio_of
+from damper3d.quasistatic.shapes import Scatter, Shape, by_shape, ratio_of, scatter_of
 from damper3d.quasistatic.statements import MEASURE
 
 if TYPE_CHECKING:
@@ -31,7 +30,8 @@ def draw(rows: Sequence[dict[str, Any]]) -> "Figure":
     """A panel a family with means and deviations over the packings; what is judged below it."""
     from matplotlib.figure import Figure
 
-    groups = _groups(by_shape(rows))
+    found = by_shape(rows)
+    groups = _groups(found)
     first = next(iter(next(iter(groups.values())))).rows[0]
     figure = Figure(figsize=(5.1 * max(len(groups), 1), 7.4), layout="constrained")
     kind = "Compression" if first["test"] == "compress" else "Shear"
@@ -41,9 +41,10 @@ def draw(rows: Sequence[dict[str, Any]]) -> "Figure":
         f"{first['preload_n']:g} N",
     )
     panels = figure.subplots(2, len(groups), squeeze=False, height_ratios=[2, 1], sharey="row")
+    scatter = scatter_of(found, first["test"], MEASURE[first["test"]])
     for column, (family, shapes) in enumerate(groups.items()):
         _curves(panels[0, column], shapes, family, first["test"])
-        _measured(panels[1, column], shapes, family, first["test"])
+        _measured(panels[1, column], shapes, family, first["test"], scatter)
     panels[0, 0].set_ylabel(_AXES[first["test"]][1])
     secant = f"secant stiffness\nto {1e3 * first['at_m']:g} mm [N/mm]"
     panels[1, 0].set_ylabel(secant if first["test"] == "compress" else "mean rise [N]")
@@ -77,14 +78,16 @@ def _curves(axes: "Axes", shapes: list[Shape], family: str, test: str) -> None:
     axes.legend(loc="upper left", title=_NAMES[family][1] or None, fontsize=8, title_fontsize=8)
 
 
-def _measured(axes: "Axes", shapes: list[Shape], family: str, test: str) -> None:
-    """What the statements judge, with the 95 % interval of the mean over the packings."""
+def _measured(
+    axes: "Axes", shapes: list[Shape], family: str, test: str, scatter: Scatter | None
+) -> None:
+    """What the statements judge, with the 95 % interval of the mean."""
     ruled(axes)
     scale = 1e-3 if test == "compress" else 1.0
     for number, shape in enumerate(shapes):
         sample = shape.sample(MEASURE[test])
         x = number if family == "" else ratio_of(shape.name)
-        width = half_width(sample)
+        width = None if scatter is None else scatter.half_width(sample)
         axes.errorbar(
             [x], [scale * (sample.mean or 0.0)], None if width is None else [scale * width],
             fmt="o", color=_COLOURS[number % len(_COLOURS)], capsize=3, elinewidth=0.9,

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from campaign.layout import columns, done, not_done
-from campaign.statistics import Sample, quantile
-from damper3d.quasistatic.shapes import Shape, by_shape
+from damper3d.quasistatic.shapes import Scatter, Shape, by_shape, scatter_of
 from damper3d.quasistatic.statements import statements
 from damper3d.reproduce.statements import report_statements
 
 Row = dict[str, Any]
 
-_MEASURED = ("stiffness_n_per_m", "force_mean_n", "force_end_n", "bed_height_m", "packing_fraction")
+_SCATTERED = ("stiffness_n_per_m", "force_mean_n")
+_MEASURED = (*_SCATTERED, "force_end_n", "bed_height_m", "packing_fraction")
 _TITLES = {
     "compress": "normal force on the base over the displacement of the table (Figs 8.16, 8.17)",
     "shear": "horizontal force on the bottom half over that of the top half (Figs 8.18, 8.19)",
@@ -46,7 +46,7 @@ def answers(test: str, rows: Sequence[Row]) -> dict[str, Any]:
         "test": test,
         "shapes": [
             {"shape": name, "packings": len(shape.rows)}
-            | {column: _measured(shape.sample(column)) for column in _MEASURED}
+            | {column: _measured(shape, column, shapes, test) for column in _MEASURED}
             for name, shape in shapes.items()
         ],
         "statements": [
@@ -56,8 +56,14 @@ def answers(test: str, rows: Sequence[Row]) -> dict[str, Any]:
     }
 
 
-def _measured(sample: Sample) -> dict[str, float | None]:
-    return {"value": sample.mean, "half_width": half_width(sample)}
+def _measured(
+    shape: Shape, column: str, shapes: dict[str, Shape], test: str
+) -> dict[str, float | None]:
+    """A mean over the packings, and the half width of its 95 % interval where that is known."""
+    scatter = scatter_of(shapes, test, column) if column in _SCATTERED else None
+    sample = shape.sample(column)
+    width = None if scatter is None else scatter.half_width(sample)
+    return {"value": sample.mean, "half_width": width}
 
 
 def _how(first: Row, shapes: dict[str, Shape]) -> str:
@@ -66,7 +72,8 @@ def _how(first: Row, shapes: dict[str, Shape]) -> str:
     return (
         f"{first['n_particles']} particles, pre-load {first['preload_n']:g} N, "
         f"{1e3 * first['speed_m_per_s']:g} mm/s over {1e3 * first['distance_m']:g} mm; "
-        f"packings of each shape: {packings}; +- the 95 % interval of a mean over them"
+        f"packings of each shape: {packings};\n+- the 95 % interval of a mean, from the scatter of "
+        "one packing pooled over the shapes"
     )
 
 
@@ -76,12 +83,13 @@ def _table(shapes: dict[str, Shape]) -> str:
         "  shape", f"secant to {1e3 * first['at_m']:g} mm [N/mm]", "rise of force, mean [N]",
         "at the end [N]", "bed [mm]", "packing",
     ]  # fmt: skip
+    stiffness, mean = (scatter_of(shapes, first["test"], column) for column in _SCATTERED)
     lines = [
         [
             f"  {name}",
-            _with_interval(shape.sample("stiffness_n_per_m"), 1e-3),
-            _with_interval(shape.sample("force_mean_n")),
-            _with_interval(shape.sample("force_end_n")),
+            _with_interval(shape, "stiffness_n_per_m", stiffness, 1e-3),
+            _with_interval(shape, "force_mean_n", mean),
+            f"{shape.sample('force_end_n').mean:.4g}",
             f"{1e3 * (shape.sample('bed_height_m').mean or 0.0):.2f}",
             f"{shape.sample('packing_fraction').mean:.3f}",
         ]
@@ -90,16 +98,9 @@ def _table(shapes: dict[str, Shape]) -> str:
     return columns(header, lines)
 
 
-def half_width(sample: Sample) -> float | None:
-    """Of the 95 % interval of a mean; None where there is one value."""
-    if sample.sd is None:
-        return None
-    return float(quantile(sample.n - 1) * sample.sd / sample.n**0.5)
-
-
-def _with_interval(sample: Sample, scale: float = 1.0) -> str:
-    width = half_width(sample)
-    spread = "" if width is None else f" +- {scale * width:.3g}"
+def _with_interval(shape: Shape, column: str, scatter: Scatter | None, scale: float = 1.0) -> str:
+    sample = shape.sample(column)
+    spread = "" if scatter is None else f" +- {scale * scatter.half_width(sample):.3g}"
     return f"{scale * (sample.mean or 0.0):.4g}{spread}"
 
 

@@ -1,13 +1,14 @@
 """The particle shapes of a table of slow tests, and their curves as means over the packings."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from campaign.layout import done
-from campaign.statistics import Sample, mean_sd
+from campaign.statistics import Sample, mean_sd, quantile
 
 Row = dict[str, Any]
 
@@ -48,6 +49,40 @@ class Shape:
         ])  # fmt: skip
         spread = each.std(axis=0, ddof=1) if len(each) > 1 else np.full(len(way), np.nan)
         return way, each.mean(axis=0), spread
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Of one packing about the mean of its shape, pooled over the shapes of a table.
+
+    A shape has few packings, a table many shapes. Stiffnesses of compression are scattered in
+    proportion, from shape to shape by a factor of ten; shear forces alike, all near mu N.
+    """
+
+    sd: float  # of one packing; over the mean where it is relative
+    freedom: int
+    relative: bool
+
+    def error(self, sample: Sample) -> float:
+        """Standard error of a mean."""
+        assert sample.mean is not None
+        scale = abs(sample.mean) if self.relative else 1.0
+        return self.sd * scale / math.sqrt(sample.n)
+
+    def half_width(self, *samples: Sample) -> float:
+        """Of the 95 % interval of a mean, or of the difference of two."""
+        return quantile(self.freedom) * math.hypot(*map(self.error, samples))
+
+
+def scatter_of(shapes: Mapping[str, Shape], test: str, column: str) -> Scatter | None:
+    """The scatter of a column; None where no shape has two packings."""
+    relative, squares, freedom = test == "compress", 0.0, 0
+    for shape in shapes.values():
+        values = np.array(shape.values(column))
+        scale = values.mean() if relative else 1.0
+        squares += float(np.sum(((values - values.mean()) / scale) ** 2))
+        freedom += len(values) - 1
+    return Scatter(math.sqrt(squares / freedom), freedom, relative) if freedom else None
 
 
 def by_shape(rows: Sequence[Row]) -> dict[str, Shape]:
