@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from damper3d.map.grid import MapResult
 from damper3d.map.peaks import Peak
-from damper3d.parts import CLOSE_PACKING
+from damper3d.pack.known import CLOSE_PACKING
 from damper3d.predict.prediction import Clearance, Prediction
 from damper3d.reproduce.optima import Optimum
 from damper3d.reproduce.runs import Row

@@ -13,7 +13,7 @@ from typing import Any
 
 from contact.datafile import data_file
 from damper3d.map.grid import GAMMAS
-from damper3d.parts import CLOSE_PACKING
+from damper3d.pack.known import CLOSE_PACKING
 from damper3d.predict.theory import bouncing_bed_onset
 from damper3d.reproduce.dampers import ORIENTATIONS
 from damper3d.reproduce.runs import Panel, Point, Row
