@@ -140,6 +140,8 @@ def _cases(
 def _listed(particles: str) -> list[str]:
     """The shapes of a list; a comma before a digit belongs to a shape, as in superquadric:1,1."""
     shapes = [word.strip() for word in re.split(r",\s*(?=[A-Za-z])", particles)]
+    if not any(shapes):
+        raise click.UsageError("--particles: empty; give shapes such as prolate:1.5,toroid:0.2")
     return list(dict.fromkeys(filter(None, shapes)))
 
 
