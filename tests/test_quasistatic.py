@@ -255,6 +255,8 @@ def test_a_dry_run_says_what_it_costs_and_bad_shapes_end_with_code_two(tmp_path)
     planned = damper3d("shear", "--particles", "prolate:1,toroid:0.2", "--seeds", 2, "--dry-run")
     assert planned.code == 0
     assert "4 runs of 4 packings" in planned.out
+    none = damper3d("shear", "--particles", "prolate:1", "--so-far", "-o", tmp_path)
+    assert (none.code, none.out) == (2, "")
     refused = damper3d("compress", "--particles", "prolate:0.5", "-o", tmp_path, "--quiet")
     assert (refused.code, refused.out, refused.err.count("\n")) == (2, "", 1)
 

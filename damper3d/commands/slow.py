@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,6 +56,7 @@ def _options(command: Callable[..., Any]) -> Callable[..., Any]:
                      help="Shapes [default: the thesis's, and oblate:0.7]."),
         engine_options, out_option,
         click.option("--write", metavar="DIR", help="Where csv, txt and png go [default: --out]."),
+        click.option("--so-far", is_flag=True, help="The table of what is finished; run nothing."),
         click.option("--dry-run", is_flag=True, help="Say what would be run, and end."),
         click.option("--no-figures", is_flag=True, help="Make no picture."),
         quiet_option, json_option,
@@ -87,7 +89,7 @@ def compress(**options: Any) -> None:
 
 def _slow(
     kind: Any, *, particles: str | None, seeds: int, material: str | None, out: str,
-    write: str | None, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
+    write: str | None, so_far: bool, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
     engine: str, workers: int | None, scheduler: str | None, **options: str | None,
 ) -> None:  # fmt: skip
     """Run the tests of all shapes and packings; print, keep and draw the table of them."""
@@ -98,13 +100,17 @@ def _slow(
     from damper3d.quasistatic.report import answers, report
 
     cases = _cases(kind, particles, seeds, material, options)
-    if dry_run or not quiet:
+    if so_far:
+        cases = [c for c in cases if SLOW_TESTS.run_folder(c[1], Path(out)).state == "finished"]
+        if not cases:
+            raise click.UsageError(f"--so-far: none of these tests is finished in {out}")
+    if dry_run or not (quiet or so_far):
         click.echo(cost(SLOW_TESTS, cases), err=not dry_run)
     if dry_run:
         return
     for folder, option in ((out, "--out"), (write or out, "--write")):
         refuse_unless_writable(Path(folder), option)
-    announce_compilation(quiet)
+    announce_compilation(quiet or so_far)
     rows = run_labelled(
         SLOW_TESTS, cases, out=Path(out), engine=engine, workers=workers, scheduler=scheduler,
         quiet=quiet,
@@ -112,6 +118,7 @@ def _slow(
     text = report(rows)
     click.echo(json.dumps(answers(kind, rows), indent=2) if as_json else text)
     given = {"particles": particles, "seeds": str(seeds), "material": material, **options}
+    given |= {"so-far": ""} if so_far else {}
     if not no_figures and any(row["state"] == "done" for row in rows):
         _write(kind, rows, text, given, Path(write or out), quiet)
     stop_unless_whole(rows)
@@ -157,7 +164,11 @@ def _write(
     if any(row["state"] == "interrupted" for row in rows):
         return
     keys = {name: name.rpartition("__")[2].replace("_", "-") for name in given}
-    words = [f"--{keys[name]} {value!r}" for name, value in given.items() if value is not None]
+    words = [
+        f"--{keys[name]} {shlex.quote(value)}" if value else f"--{keys[name]}"
+        for name, value in given.items()
+        if value is not None
+    ]
     lines = origin(" ".join([f"damper3d {kind}", *words]), SLOW_TESTS)
     files = write_results(folder, kind, rows, lines, text, lambda: draw(rows))
     if not quiet:
