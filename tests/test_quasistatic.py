@@ -13,17 +13,21 @@ from damper_runs import answers, forked
 from slow_rigs import HALVES, UP, bed, rig
 from small_damper import damper3d
 
+from campaign.folder import RunFolder
+from campaign.results import read_results
 from contact.quantity import InputError
 from damper3d import state
 from damper3d.cluster import sphere
 from damper3d.efficiency import closure
 from damper3d.quasistatic import course, protocol
 from damper3d.quasistatic.case import SlowTest
+from damper3d.quasistatic.report import report
 from damper3d.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, Halves
 from damper3d.quasistatic.shapes import by_shape, scatter_of
 from damper3d.quasistatic.shells import gap_to_shell
 from damper3d.quasistatic.statements import statements
 
+RESULTS = Path(__file__).parent.parent / "docs" / "results" / "damper3d"
 R = 2.2e-3  # radius of single spheres [m]
 ROOM = HALVES.enclosure.height
 
@@ -196,8 +200,6 @@ def undisturbed(tmp_path_factory):
 
 
 def run_of(root: Path, kind: str = "shear"):
-    from campaign.folder import RunFolder
-
     (case,) = root.glob(f"{kind}-*/case.toml")
     return RunFolder(case.parent)
 
@@ -298,6 +300,17 @@ def test_the_scatter_of_a_packing_is_pooled_over_the_shapes():
     assert (scatter.sd, scatter.freedom) == (pytest.approx(math.sqrt(0.02)), 2)
     width = scatter.half_width(shapes["prolate:2"].sample("stiffness_n_per_m"))
     assert width == pytest.approx(4.303 * math.sqrt(0.02) * 10.0 / math.sqrt(2), rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["compress", "shear"])
+def test_the_words_of_a_committed_table_are_what_its_rows_say(kind):
+    """The report is made again from the rows: neither can be changed alone."""
+    head, rows = read_results(RESULTS / f"{kind}.csv")
+    assert head["command"].startswith(f"damper3d {kind} --seeds 2")
+    text = (RESULTS / f"{kind}.txt").read_text(encoding="utf-8")
+    words = "\n".join(line for line in text.splitlines() if not line.startswith("# "))
+    assert words.strip() == report(rows).strip()
+    assert [row["state"] for row in rows] == ["done"] * 26
 
 
 def test_the_inertial_number_of_the_thesis_test_is_quasi_static():
