@@ -43,21 +43,20 @@ def loose_packing(shape: str) -> Fraction | None:
 
 def _known(shape: str, which: str, spheres: float) -> Fraction | None:
     kind, _, values = shape.partition(":")
-    if kind == "sphere" or shape in ("prolate:1", "oblate:1", "toroid:0"):
-        measured, sigma = _at("spheroid", 1.0, which) or (spheres, 0.0)
-        off = max(abs(spheres - measured), sigma)
-        return Fraction(spheres, off, "spheres (thesis, below eq. 6.13)")
-    if kind not in _FAMILIES:
+    if kind != "sphere" and kind not in _FAMILIES:
         return None
+    if kind == "sphere" or float(values) == (0.0 if kind == "toroid" else 1.0):
+        found = _at("spheroid", 1.0, which)
+        assert found is not None  # the table begins below the sphere and ends above
+        off = max(abs(spheres - found[0]), found[1])
+        return Fraction(spheres, off, "spheres (thesis, below eq. 6.13)")
     found = _at(_FAMILIES[kind], float(values), which)
     return found and Fraction(*found, f"shipped table, {_FAMILIES[kind]} of ratio {values}")
 
 
 def _at(family: str, ratio: float, which: str) -> tuple[float, float] | None:
     """Value and uncertainty at a ratio, between those of the table; None beyond its ends."""
-    rows = [row for row in _table() if row["family"] == family and row.get(which)]
-    if not rows:
-        return None
+    rows = [row for row in _table() if row["family"] == family]
     ratios = [float(row["ratio"]) for row in rows]
     if not ratios[0] <= ratio <= ratios[-1]:
         return None

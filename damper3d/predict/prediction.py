@@ -70,18 +70,14 @@ def predict(
 ) -> Prediction:
     """Predict a case, beside its shape's packings for one's own fill ratio or number that fills it.
 
-    close: the shape's close packing, where it was computed; else the shipped table's is taken.
-    Raises InputError where the motion does not meet two parallel walls, where the bed of one's own
-    packing has no room, or where no packing is known.
+    close: the shape's close packing, where it was computed; else that of the shipped table, and
+    None of a shape that is not in it. Raises InputError where the motion does not meet two parallel
+    walls, or where the bed of one's own packing has no room.
     """
     length = _between_walls(case)
     fill, shape = case.fill_ratio, case.particle.name
     known = {"loose": loose_packing(shape), "close": close or close_packing(shape)}
-    clearances = [_packed(name, most, fill, length) for name, most in known.items() if most]
-    if not clearances and packing is None and full_count is None:
-        raise InputError(
-            f"{shape}: no packing of this shape is shipped; give --packing, such as 0.65"
-        )
+    clearances = [_packed(name, most, fill, length) for name, most in known.items()]
     if packing is not None:
         own = theory.effective_clearance(fill, length, packing)
         clearances.append(Clearance("own", packing, own))
@@ -95,8 +91,19 @@ def predict(
     return Prediction(case.name, fill, length, orientation, tuple(clearances), threshold)
 
 
-def _packed(name: str, most: Fraction, fill: float, length: float) -> Clearance:
-    """The clearance of eq. 6.13 with its uncertainty."""
+def check_known(prediction: Prediction) -> None:
+    """Raise InputError where no packing of the shape is known, so that no onset is."""
+    if prediction.best.packing is None and prediction.best.name == "close":
+        raise InputError(
+            f"{prediction.name}: no packing of its particles' shape is shipped; give --packing, "
+            "such as 0.65, or --pack to compute it"
+        )
+
+
+def _packed(name: str, most: Fraction | None, fill: float, length: float) -> Clearance:
+    """The clearance of eq. 6.13 with its uncertainty; none where no packing is known."""
+    if most is None:
+        return Clearance(name, None, None)
     room = (1 - fill / most.value) * length if fill < most.value else None
     off = fill / most.value**2 * most.uncertainty * length
     onset = f"; onset +- {100 * off / room:.2g} %" if room else ""
