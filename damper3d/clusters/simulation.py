@@ -73,7 +73,10 @@ class ClusterSimulation(Simulation):
         building.note_all_axes(self.world)
 
     def _restore_pairs(self, pairs: np.ndarray, histories: np.ndarray) -> None:
-        """Give the next list the pairs in contact (n, 2) and their histories."""
+        """Give the next list the pairs in contact (n, 2) and their histories.
+
+        Their keys are those of pairs.key_of, which only kernels can call.
+        """
         while len(self.world.kept.key) < len(pairs):
             self.world = self._roomier("close")
         kept, n, k = self.world.kept, len(pairs), self.n_spheres

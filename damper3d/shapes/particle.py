@@ -7,12 +7,11 @@ from pathlib import Path
 
 from contact.quantity import InputError, nearest, to_si
 from damper3d.cluster import Cluster, sphere
-from damper3d.shapes import family
-from damper3d.shapes.family import FAMILIES, SPHEROID_RADIUS, Family
+from damper3d.shapes.family import FAMILIES, Family
 from damper3d.shapes.mesh import read_mesh, unit_of
 from damper3d.shapes.solid import filled
 
-_MESH = Family("mesh:rock.stl", family.no_values, SPHEROID_RADIUS)
+_MESH = Family("mesh:rock.stl", None)
 
 
 @dataclass(frozen=True)
@@ -119,8 +118,9 @@ def _sphere(text: str, size: str, equal_volume_radius: float | None) -> Cluster:
 @cache
 def _shaped(kind: str, values: str, sub_spheres: int | None, tolerance: float | None) -> Cluster:
     """A particle of a family at an equal-volume radius of 1 m."""
-    numbers = FAMILIES[kind].numbers(kind, values)
-    made = FAMILIES[kind].build(numbers, sub_spheres, tolerance)
+    build = FAMILIES[kind].build
+    assert build is not None  # as of a mesh
+    made = build(FAMILIES[kind].numbers(kind, values), sub_spheres, tolerance)
     return dataclasses.replace(made, name=f"{kind}:{values}", kind=kind)
 
 
