@@ -23,7 +23,7 @@ class Clearance:
     name: str  # "loose", "close", "own" or "counted"
     packing: float | None  # None for "counted", which knows numbers of particles only
     length: float | None  # [m]
-    uncertainty: float = 0.0  # of the length, one standard deviation [m]
+    uncertainty: float | None = None  # of the length, one standard deviation [m]
     source: str = ""  # of the packing, in words; "" of what was given by hand
 
     def onset(self, frequency: float) -> float | None:
@@ -33,8 +33,8 @@ class Clearance:
         return float(theory.bouncing_bed_onset(frequency, self.length))
 
     def onset_uncertainty(self, frequency: float) -> float | None:
-        """One standard deviation of that Gamma, which goes with the clearance."""
-        if self.length is None:
+        """One standard deviation of that Gamma, which goes with the clearance; None: not known."""
+        if self.length is None or self.uncertainty is None:
             return None
         return float(theory.bouncing_bed_onset(frequency, self.uncertainty))
 
@@ -105,9 +105,13 @@ def _packed(name: str, most: Fraction | None, fill: float, length: float) -> Cle
     if most is None:
         return Clearance(name, None, None)
     room = (1 - fill / most.value) * length if fill < most.value else None
+    source = f"{most.value:.3g}, {most.source}"
+    if most.uncertainty is None:
+        return Clearance(name, most.value, room, None, source)
     off = fill / most.value**2 * most.uncertainty * length
-    onset = f"; onset +- {100 * off / room:.2g} %" if room else ""
-    source = f"{most.value:.3g} +- {most.uncertainty:.1g}, {most.source}{onset}"
+    source = f"{most.value:.3g} +- {most.uncertainty:.1g}, {most.source}"
+    if room:
+        source += f"; onset +- {100 * off / room:.2g} %"
     return Clearance(name, most.value, room, off, source)
 
 

@@ -16,8 +16,8 @@ Shape = tuple[str, float]  # family and ratio
 _FILL = {"spheroid": 0.4115, "toroid": 0.393, "sphere": 7 / 15}  # of 90 of 3.8 mm and 110 of 3.5 mm
 _HEAD = """\
 # Random packing fractions by shape: means of damper3d reproduce packing (docs/damper-packing.md).
-# close: frictionless, jammed in a periodic cell; loose: poured into a cylinder of 40 mm x 40 mm.
-# uncertainty: standard deviation over packings, shared by the shapes; close: with the size's.
+# close: frictionless, jammed in a periodic cell of 100; uncertainty: the standard deviation over
+# packings that all shapes share and the largest change with the number in the cell, in quadrature.
 """
 
 
@@ -72,10 +72,10 @@ def values(rows: Sequence[Row]) -> dict[Shape, Values]:
 
 
 def size_change(own: Values) -> Change | None:
-    """From 100 to 200 bodies in the cell; None where either lacks or was packed once."""
-    if 100 not in own.close or 200 not in own.close:
+    """Between the two largest numbers in the cell; None where there are no two packed twice."""
+    if len(own.close) < 2:
         return None
-    few, many = own.close[100], own.close[200]
+    few, many = (own.close[bodies] for bodies in sorted(own.close)[-2:])
     noise = noise_of_difference(few, many)
     if noise is None or few.mean is None or many.mean is None:
         return None
@@ -104,18 +104,11 @@ def distance_from_table(packing: float) -> float:
 def shipped(rows: Sequence[Row]) -> str:
     """The text of data/packings/random.csv."""
     found = {shape: own for shape, own in values(rows).items() if 100 in own.close}
-    cells = [own.close[100] for own in found.values()]
-    beds = [own.loose for own in found.values() if own.loose]
-    changes = [change.value for own in found.values() if (change := size_change(own))]
-    pooled, poured = pooled_sd(cells), pooled_sd(beds)
+    pooled = pooled_sd([own.close[100] for own in found.values()])
     assert pooled is not None  # of two packings or more
-    assert poured is not None
-    close = math.hypot(pooled[0], max(abs(change) for change in changes))
-    lines = ["family,ratio,close,close_uncertainty,loose,loose_uncertainty"]
+    changes = [abs(change.value) for own in found.values() if (change := size_change(own))]
+    uncertainty = math.hypot(pooled[0], max(changes))
+    lines = ["family,ratio,close,close_uncertainty"]
     for (family, ratio), own in found.items():
-        assert own.loose is not None
-        lines.append(
-            f"{family},{ratio:g},{own.close[100].mean:.4f},{close:.4f},"
-            f"{own.loose.mean:.4f},{poured[0]:.4f}"
-        )
+        lines.append(f"{family},{ratio:g},{own.close[100].mean:.4f},{uncertainty:.4f}")
     return _HEAD + "\n".join(lines) + "\n"
