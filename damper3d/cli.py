@@ -14,6 +14,7 @@ from damper3d.commands import (
     results,
     run,
     shape,
+    slow,
     sweep,
 )  # fmt: skip
 
@@ -36,8 +37,8 @@ def app(context: click.Context) -> None:
 
 for command in (
     run.run, sweep.sweep, map.map_, reproduce.reproduce, predict.predict, pack.pack, impact.impact,
-    contact.contact, shape.shape, results.render, results.compare, results.export, files.init,
-    files.list_, files.show,
+    contact.contact, shape.shape, slow.shear, slow.compress, results.render, results.compare,
+    results.export, files.init, files.list_, files.show,
 ):  # fmt: skip
     app.add_command(command)
 
