@@ -13,6 +13,7 @@ from damper3d.commands import (
     results,
     run,
     shape,
+    slow,
     sweep,
 )  # fmt: skip
 
@@ -35,8 +36,8 @@ def app(context: click.Context) -> None:
 
 for command in (
     run.run, sweep.sweep, map.map_, reproduce.reproduce, predict.predict, impact.impact,
-    contact.contact, shape.shape, results.render, results.compare, results.export, files.init,
-    files.list_, files.show,
+    contact.contact, shape.shape, slow.shear, slow.compress, results.render, results.compare,
+    results.export, files.init, files.list_, files.show,
 ):  # fmt: skip
     app.add_command(command)
 

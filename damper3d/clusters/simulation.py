@@ -15,7 +15,7 @@ class ClusterSimulation(Simulation):
     Contacts are those of spheres: two particles may have several.
     """
 
-    _MOTION = ("position", "orientation", "velocity", "momentum")
+    _MOTION: tuple[str, ...] = ("position", "orientation", "velocity", "momentum")
 
     @property
     def n_spheres(self) -> int:
