@@ -8,6 +8,7 @@ from damper3d.commands import (
     files,
     impact,
     map,
+    pack,
     predict,
     reproduce,
     results,
@@ -35,7 +36,7 @@ def app(context: click.Context) -> None:
 
 
 for command in (
-    run.run, sweep.sweep, map.map_, reproduce.reproduce, predict.predict, impact.impact,
+    run.run, sweep.sweep, map.map_, reproduce.reproduce, predict.predict, pack.pack, impact.impact,
     contact.contact, shape.shape, slow.shear, slow.compress, results.render, results.compare,
     results.export, files.init, files.list_, files.show,
 ):  # fmt: skip

@@ -51,6 +51,8 @@ def test_a_shape_that_cannot_be(text, words):
         ("oblate:0.7", {"sub_spheres": 1001}, ["from 1 to 1000"]),
         ("oblate:0.7", {"tolerance": 1e-4}, ["from 0.001 to 0.5"]),
         ("toroid:0.2", {"tolerance": 0.01, "sub_spheres": 50}, ["both given"]),
+        ("sphere:5mm", {"sub_spheres": 3}, ["sub_spheres goes with other shapes", "leave it out"]),
+        ("sphere:5mm", {"tolerance": 0.1}, ["tolerance goes with other shapes"]),
         ("toroid:0.2", {"mesh_unit": "mm"}, ["mesh_unit goes with a mesh"]),
         ("mesh:x.stl", {"mesh_unit": "mm", "equal_volume_radius": 1e-3}, ["leave one of them"]),
     ],

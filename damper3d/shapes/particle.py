@@ -84,6 +84,9 @@ def _check(wanted: Particle) -> None:
             f"sub_spheres = {wanted.sub_spheres} and tolerance = {wanted.tolerance:g} are both "
             "given; leave one of them out"
         )
+    if wanted.kind == "sphere" and (wanted.sub_spheres, wanted.tolerance) != (None, None):
+        name = "tolerance" if wanted.sub_spheres is None else "sub_spheres"
+        raise InputError(f"{name} goes with other shapes; {text!r} is one sphere; leave it out")
     if wanted.mesh_unit is not None and wanted.kind != "mesh":
         raise InputError(f"mesh_unit goes with a mesh; shape = {text!r} is none; leave it out")
     if wanted.mesh_unit is None:
