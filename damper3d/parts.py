@@ -46,9 +46,10 @@ def count_of(enclosure: Enclosure, particle: Cluster, given: int | None, where: 
     """The number of particles; InputError where they cannot be inside."""
     size = 2.0 * particle.bounding_radius
     if enclosure.narrowest < size:
+        unit = ", or the unit of the mesh (mesh_unit)" if particle.kind == "mesh" else ""
         raise InputError(
             f"{where}: [enclosure] {1e3 * enclosure.narrowest:g} mm at the narrowest: smaller than "
-            f"a particle, {1e3 * size:g} mm; give a larger enclosure or smaller particles"
+            f"a particle, {1e3 * size:g} mm; give a larger enclosure or smaller particles{unit}"
         )
     room = enclosure.volume / particle.volume
     count = max(round(_usual_fill_ratio(particle.kind) * room), 1) if given is None else given

@@ -12,7 +12,7 @@ from damper3d.protocol import run
 from damper3d.reproduce import TABLES, find
 
 RESULTS = Path(__file__).parent.parent / "docs" / "results" / "damper3d"
-KEPT = sorted(path.stem.removeprefix("reproduce-") for path in RESULTS.glob("*.csv"))
+KEPT = sorted(path.stem.removeprefix("reproduce-") for path in RESULTS.glob("reproduce-*.csv"))
 
 
 def committed(table):

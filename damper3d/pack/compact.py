@@ -55,7 +55,7 @@ def compact(particle: Cluster, bodies: int, seed: int, stop: Stop = lambda: Fals
     Stopped where `stop` says so.
     """
     begun = time.process_time()
-    _check(particle, bodies)
+    least_bodies(particle, bodies)
     cell, fraction = _scattered(particle, bodies, np.random.default_rng(seed))
     step, jams_before, free = _STEP, False, (fraction, 0.0)
     while step > RESOLUTION:
@@ -74,6 +74,12 @@ def compact(particle: Cluster, bodies: int, seed: int, stop: Stop = lambda: Fals
     cell = _relaxed(cell, 0.0)[0]
     neighbours, held = coordination(touching(cell))
     return Compaction(fraction, neighbours, 1.0 - held, overlap, time.process_time() - begun)
+
+
+def protocol() -> dict[str, float]:
+    """The numbers that say how it is done."""
+    return {"allowed": ALLOWED, "resolution": RESOLUTION, "excess": EXCESS, "step": _STEP,
+            "start": _START, "steady": _STEADY, "patience": _PATIENCE}  # fmt: skip
 
 
 def squeeze(cell: Cell, fraction: float) -> None:
@@ -121,8 +127,8 @@ def coordination(neighbours: np.ndarray) -> tuple[float, float]:
     return (float(numbers[held].mean()) if held.any() else 0.0), float(held.mean())
 
 
-def _check(particle: Cluster, bodies: int) -> None:
-    """Raise InputError where a body could meet its own image."""
+def least_bodies(particle: Cluster, bodies: int) -> None:
+    """Raise InputError where so few bodies would meet their own images."""
     size = 2.0 * particle.bounding_radius / particle.equal_volume_radius
     least = math.ceil(_DENSEST * size**3 / (4.0 / 3.0 * math.pi))
     if bodies < max(least, 2):

@@ -14,6 +14,7 @@ from contact.datafile import data_root
 
 # Fractions of spheres packed at random (thesis, below eq. 6.13), of which the table is a check.
 LOOSE_PACKING, CLOSE_PACKING = 0.55, 0.64
+_THESIS = "spheres (thesis, below eq. 6.13)"
 _FAMILIES = {"prolate": "spheroid", "oblate": "spheroid", "toroid": "toroid"}
 
 
@@ -21,7 +22,7 @@ class Fraction(NamedTuple):
     """A packing fraction."""
 
     value: float  # volume of the particles over that of the space [-]
-    uncertainty: float  # one standard deviation [-]
+    uncertainty: float | None  # one standard deviation [-]; None: not known
     source: str  # in words
 
 
@@ -30,45 +31,47 @@ def close_packing(shape: str) -> Fraction | None:
 
     Spheres are the thesis's 0.64; their uncertainty is how far the table is off that.
     """
-    return _known(shape, "close", CLOSE_PACKING)
+    kind, _, values = shape.partition(":")
+    if _is_sphere(kind, values):
+        measured, sigma = _at("spheroid", 1.0)
+        off = max(abs(CLOSE_PACKING - measured), sigma)
+        return Fraction(CLOSE_PACKING, off, _THESIS)
+    if kind not in _FAMILIES:
+        return None
+    family = _FAMILIES[kind]
+    ratios = [float(row["ratio"]) for row in _rows(family)]
+    if not ratios[0] <= float(values) <= ratios[-1]:
+        return None
+    return Fraction(*_at(family, float(values)), f"shipped table, {family} of ratio {values}")
 
 
 def loose_packing(shape: str) -> Fraction | None:
-    """Random loose packing of a shape, poured into the thesis's enclosure; None: not known.
+    """Random loose packing of spheres, the thesis's 0.55; None of another shape: not known.
 
-    Spheres are the thesis's 0.55, likewise.
+    It hangs on how gently they are laid down (Onoda and Liniger 1990, thesis [210]), so that no
+    uncertainty is given.
     """
-    return _known(shape, "loose", LOOSE_PACKING)
-
-
-def _known(shape: str, which: str, spheres: float) -> Fraction | None:
     kind, _, values = shape.partition(":")
-    if kind == "sphere" or shape in ("prolate:1", "oblate:1", "toroid:0"):
-        measured, sigma = _at("spheroid", 1.0, which) or (spheres, 0.0)
-        off = max(abs(spheres - measured), sigma)
-        return Fraction(spheres, off, "spheres (thesis, below eq. 6.13)")
-    if kind not in _FAMILIES:
-        return None
-    found = _at(_FAMILIES[kind], float(values), which)
-    return found and Fraction(*found, f"shipped table, {_FAMILIES[kind]} of ratio {values}")
+    return Fraction(LOOSE_PACKING, None, _THESIS) if _is_sphere(kind, values) else None
 
 
-def _at(family: str, ratio: float, which: str) -> tuple[float, float] | None:
-    """Value and uncertainty at a ratio, between those of the table; None beyond its ends."""
-    rows = [row for row in _table() if row["family"] == family and row.get(which)]
-    if not rows:
-        return None
+def _is_sphere(kind: str, values: str) -> bool:
+    if kind in _FAMILIES:
+        return float(values) == (0.0 if kind == "toroid" else 1.0)
+    return kind == "sphere"
+
+
+def _at(family: str, ratio: float) -> tuple[float, float]:
+    """Value and uncertainty at a ratio, on the line between two of the table."""
+    rows = _rows(family)
     ratios = [float(row["ratio"]) for row in rows]
-    if not ratios[0] <= ratio <= ratios[-1]:
-        return None
-    value, sigma = (
-        float(np.interp(ratio, ratios, [float(row[key]) for row in rows]))
-        for key in (which, f"{which}_uncertainty")
-    )
+    columns = [[float(row[key]) for row in rows] for key in ("close", "close_uncertainty")]
+    value, sigma = (float(np.interp(ratio, ratios, column)) for column in columns)
     return value, sigma
 
 
 @cache
-def _table() -> list[dict[str, str]]:
+def _rows(family: str) -> list[dict[str, str]]:
     text = (data_root() / "packings" / "random.csv").read_text(encoding="utf-8")
-    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return [row for row in rows if row["family"] == family]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.jit import njit
+from contact.jit import inner, njit
 from damper3d.grow import FIRST_PACE, descend
 
 UNJAMMED, JAMMED, IMPATIENT, FULL = range(4)  # how a relaxation ends
@@ -67,7 +67,7 @@ def relax(cell, allowed, patience, steady):
     return IMPATIENT, deepest, patience
 
 
-@njit
+@inner
 def has_moved(cell):
     """Whether some body has used up half of the skin by moving and turning."""
     for b in range(len(cell.position)):
@@ -82,7 +82,7 @@ def has_moved(cell):
     return False
 
 
-@njit
+@inner
 def adapt_skin(cell):
     """A wider skin where lists are made often, a narrower one where they last."""
     skin, since = cell.measure[SKIN], cell.tally[SINCE]
@@ -121,7 +121,7 @@ def list_pairs(cell):
     return True
 
 
-@njit
+@inner
 def image_of(number, few, home):
     """How many sides away an image stands: the nearest one, or up to `few` beyond it."""
     each = 2 * few + 1
@@ -129,7 +129,7 @@ def image_of(number, few, home):
             number % each - few - home[2])  # fmt: skip
 
 
-@njit
+@inner
 def list_bodies(cell, a, b, way, image, near, height, found):
     """Append the pairs of sub-spheres of body a and an image of b; how many now, and overlaps."""
     k, skin, arm, r = len(cell.offset), cell.measure[SKIN], cell.arm, cell.offset
@@ -142,19 +142,19 @@ def list_bodies(cell, a, b, way, image, near, height, found):
         height[0, s] = arm[i, 0] * d[0] + arm[i, 1] * d[1] + arm[i, 2] * d[2] + r[s, 3]
         height[1, s] = apart + arm[j, 0] * d[0] + arm[j, 1] * d[1] + arm[j, 2] * d[2] - r[s, 3]
         high, low = max(high, height[0, s]), min(low, height[1, s])
-    counts = [0, 0]
+    n_a = n_b = 0
     for s in range(k):
         if height[0, s] > low - skin:
-            near[0, counts[0]] = s
-            counts[0] += 1
+            near[0, n_a] = s
+            n_a += 1
         if height[1, s] < high + skin:
-            near[1, counts[1]] = s
-            counts[1] += 1
+            near[1, n_b] = s
+            n_b += 1
     overlaps = np.int64(0)
-    for p in range(counts[0]):
+    for p in range(n_a):
         s = a * k + near[0, p]
         x, y, z = way[0] - arm[s, 0], way[1] - arm[s, 1], way[2] - arm[s, 2]
-        for q in range(counts[1]):
+        for q in range(n_b):
             t = b * k + near[1, q]
             reach = r[near[0, p], 3] + r[near[1, q], 3]
             square = (x + arm[t, 0]) ** 2 + (y + arm[t, 1]) ** 2 + (z + arm[t, 2]) ** 2
@@ -169,7 +169,7 @@ def list_bodies(cell, a, b, way, image, near, height, found):
     return found, overlaps
 
 
-@njit
+@inner
 def turn_arms(cell):
     """The sub-spheres from their centroids, by the turns of the bodies."""
     k = len(cell.offset)
@@ -208,7 +208,7 @@ def push(cell, force):
     return deepest, 2.0 * total / len(cell.position)
 
 
-@njit
+@inner
 def add_push(force, b, arm, push, sign, gyration):
     """Add a push at the end of an arm to what moves and turns body b."""
     force[b, 0] += sign * push[0]
@@ -219,7 +219,7 @@ def add_push(force, b, arm, push, sign, gyration):
     force[b, 5] += sign * (arm[0] * push[1] - arm[1] * push[0]) / gyration
 
 
-@njit
+@inner
 def displace(cell, velocity, dt):
     """Move the bodies and turn them."""
     half = 0.5 * dt / cell.measure[GYRATION]
@@ -252,7 +252,7 @@ def touching(cell):
     return found
 
 
-@njit
+@inner
 def separation(cell, m):
     """Sum of the radii of a pair of the list, square of the distance, and the way between them."""
     k, side, x, arm = len(cell.offset), cell.measure[SIDE], cell.position, cell.arm

@@ -243,8 +243,11 @@ class Scene:
     def title(self) -> str:
         """Particles, enclosure and motion, in one line."""
         n, motion = len(self.radius), self.settings.motion
-        kind, _, size = self.settings.particles.shape.partition(":")
-        what = f"{n} {kind}s of {re.sub('(?<=[0-9])(?=[a-z])', ' ', size)}"
+        shape = self.settings.particles.shape
+        kind, _, size = shape.partition(":")
+        what = f"{n} spheres of {re.sub('(?<=[0-9])(?=[a-z])', ' ', size)}"
+        if kind != "sphere":
+            what = f"{n} particles {shape.removesuffix('.obj')}"
         how = orientation_of(self.gravity, self.direction).replace("none", "no gravity")
         fill = self.trajectory.attributes["fill_ratio"]
         return (

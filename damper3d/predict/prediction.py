@@ -23,7 +23,7 @@ class Clearance:
     name: str  # "loose", "close", "own" or "counted"
     packing: float | None  # None for "counted", which knows numbers of particles only
     length: float | None  # [m]
-    uncertainty: float = 0.0  # of the length, one standard deviation [m]
+    uncertainty: float | None = None  # of the length, one standard deviation [m]
     source: str = ""  # of the packing, in words; "" of what was given by hand
 
     def onset(self, frequency: float) -> float | None:
@@ -33,8 +33,8 @@ class Clearance:
         return float(theory.bouncing_bed_onset(frequency, self.length))
 
     def onset_uncertainty(self, frequency: float) -> float | None:
-        """One standard deviation of that Gamma, which goes with the clearance."""
-        if self.length is None:
+        """One standard deviation of that Gamma, which goes with the clearance; None: not known."""
+        if self.length is None or self.uncertainty is None:
             return None
         return float(theory.bouncing_bed_onset(frequency, self.uncertainty))
 
@@ -70,18 +70,14 @@ def predict(
 ) -> Prediction:
     """Predict a case, beside its shape's packings for one's own fill ratio or number that fills it.
 
-    close: the shape's close packing, where it was computed; else the shipped table's is taken.
-    Raises InputError where the motion does not meet two parallel walls, where the bed of one's own
-    packing has no room, or where no packing is known.
+    close: the shape's close packing, where it was computed; else that of the shipped table, and
+    None of a shape that is not in it. Raises InputError where the motion does not meet two parallel
+    walls, or where the bed of one's own packing has no room.
     """
     length = _between_walls(case)
     fill, shape = case.fill_ratio, case.particle.name
     known = {"loose": loose_packing(shape), "close": close or close_packing(shape)}
-    clearances = [_packed(name, most, fill, length) for name, most in known.items() if most]
-    if not clearances and packing is None and full_count is None:
-        raise InputError(
-            f"{shape}: no packing of this shape is shipped; give --packing, such as 0.65"
-        )
+    clearances = [_packed(name, most, fill, length) for name, most in known.items()]
     if packing is not None:
         own = theory.effective_clearance(fill, length, packing)
         clearances.append(Clearance("own", packing, own))
@@ -95,12 +91,27 @@ def predict(
     return Prediction(case.name, fill, length, orientation, tuple(clearances), threshold)
 
 
-def _packed(name: str, most: Fraction, fill: float, length: float) -> Clearance:
-    """The clearance of eq. 6.13 with its uncertainty."""
+def check_known(prediction: Prediction) -> None:
+    """Raise InputError where no packing of the shape is known, so that no onset is."""
+    if prediction.best.packing is None and prediction.best.name == "close":
+        raise InputError(
+            f"{prediction.name}: no packing of its particles' shape is shipped; give --packing, "
+            "such as 0.65, or --pack to compute it"
+        )
+
+
+def _packed(name: str, most: Fraction | None, fill: float, length: float) -> Clearance:
+    """The clearance of eq. 6.13 with its uncertainty; none where no packing is known."""
+    if most is None:
+        return Clearance(name, None, None)
     room = (1 - fill / most.value) * length if fill < most.value else None
+    source = f"{most.value:.3g}, {most.source}"
+    if most.uncertainty is None:
+        return Clearance(name, most.value, room, None, source)
     off = fill / most.value**2 * most.uncertainty * length
-    onset = f"; onset +- {100 * off / room:.2g} %" if room else ""
-    source = f"{most.value:.3g} +- {most.uncertainty:.1g}, {most.source}{onset}"
+    source = f"{most.value:.3g} +- {most.uncertainty:.1g}, {most.source}"
+    if room:
+        source += f"; onset +- {100 * off / room:.2g} %"
     return Clearance(name, most.value, room, off, source)
 
 

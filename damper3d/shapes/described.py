@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from damper3d.case import DamperCase
+from damper3d.plan import expected_cpu_of_step, expected_cpu_s, steps_at_most
 from damper3d.shapes.errors import Errors
 from damper3d.shapes.grooves import groove_depth, speed_to_groove
 
@@ -39,7 +40,10 @@ def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
         "time_step_s": case.time_step,
         "n_particles": case.count,
         "fill_ratio": case.fill_ratio,
-        "cpu_us_per_step": None,  # known once it has run
+        "cycles": case.settings.run.cycles,
+        "steps": steps_at_most(case),
+        "expected_cpu_us_per_step": 1e6 * expected_cpu_of_step(case),
+        "expected_min": sum(expected_cpu_s(case)) / 60,
     }
 
 
@@ -63,11 +67,14 @@ def as_text(found: dict[str, Any]) -> str:
         ("section perimeter error", _percent(found["section_perimeter_error"])),
         ("groove under a wall", _groove(found)),
         ("smallest sub-sphere", f"{1e3 * found['smallest_sub_sphere_m']:.4g} mm: Rayleigh step "
-                                f"{1e6 * found['rayleigh_step_s']:.3g} us, time step "
-                                f"{1e6 * found['time_step_s']:.3g} us"),
+                                f"{1e6 * found['rayleigh_step_s']:.3g} us"),
+        ("time step", f"{1e6 * found['time_step_s']:.3g} us; the limit by the body's own contacts "
+                      f"is {1e6 * found['step_limit_s']:.3g} us"),
         ("in 40 mm x 40 mm", f"{found['n_particles']}, a fill ratio of {found['fill_ratio']:.3f}: "
                              f"{found['n_particles'] * found['sub_spheres']} sub-spheres"),
-        ("CPU a step", "not known before it has run; damper3d run tells it"),
+        ("cost", f"about {found['expected_cpu_us_per_step']:.0f} us of CPU a step, "
+                 f"{found['expected_min']:.1f} min for {found['cycles']} cycles of 40 Hz with the "
+                 f"filling, {found['steps']:,} steps; to a factor of two"),
     ]  # fmt: skip
     return "\n".join(f"{name:24} {value}" for name, value in rows)
 

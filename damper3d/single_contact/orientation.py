@@ -1,10 +1,10 @@
 """Rebound of particles from a smooth wall by orientation, against the rigid body's impulse.
 
-Acrylic particles of chapter 8 fall on a flat wall without friction and without spin. A rigid body
-that touches at the arm r from its centroid, with the wall's normal n, gets the impulse
-J = (1 + e) v/(1/m + (r x n) . I^-1 (r x n)), by which its contact point leaves at e v (any textbook
-of dynamics). What is measured is that point of the smooth body when the particle first touches no
-more.
+Acrylic particles, three of chapter 8's sizes, fall on a flat wall without friction and without
+spin. A rigid body that touches at the arm r from its centroid, with the wall's normal n, gets the
+impulse J = (1 + e) v/(1/m + (r x n) . I^-1 (r x n)), by which its contact point leaves at e v (any
+textbook of dynamics). What is measured is that point of the smooth body when the particle first
+touches no more.
 
 The law's dashpot goes by the whole mass m (eq. 5.32), and what hits the wall is
 m_eff = 1/(1/m + ...): its damping ratio is larger by sqrt(m/m_eff), so that one contact alone
@@ -34,12 +34,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SHAPES = ("prolate:1.5", "oblate:0.7", "toroid:0.2")
+SHAPES = ("prolate:1.5", "oblate:0.7", "toroid:0.2", "cylinder:1.5,0.2")
 SPEED = 1.0  # of the impact; a vertical damper at 40 Hz and Gamma 20 reaches 0.78 [m/s]
 N_TILTS = 61  # of the axis from the normal
 _STEP, _LOOK, _LONGEST = 2e-7, 5, 2e-3  # [s], steps between two looks, [s]
 _Y = (0.0, 1.0, 0.0)
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # turns about the particle's axis, no two alike
+_FLAT = 1e-9  # a cosine below which a face lies flat
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -69,7 +70,7 @@ def tilts() -> np.ndarray:
 
 def orientation(kind: str, tilt: float, about: float) -> np.ndarray:
     """A quaternion that tilts the particle's axis from the normal, after a turn about it [rad]."""
-    if kind == "toroid":  # its axis is z
+    if kind in ("toroid", "cylinder"):  # their axis is z
         return combined(turn(_Y, tilt), turn((0.0, 0.0, 1.0), about))
     return combined(turn(_Y, tilt - 0.5 * math.pi), turn((1.0, 0.0, 0.0), about))
 
@@ -77,18 +78,29 @@ def orientation(kind: str, tilt: float, about: float) -> np.ndarray:
 def arm(cluster: Cluster, turned: np.ndarray) -> np.ndarray:
     """From the centroid to the smooth body's lowest point (3,) in the laboratory [m].
 
-    turned (3, 3) takes the body's axes to the laboratory's. Of a toroid that lies flat, the middle
-    of the circle on which it does.
+    turned (3, 3) takes the body's axes to the laboratory's. Where a circle, a face or a line are
+    lowest, their middle.
     """
     down = -turned.T @ _UP
-    if cluster.kind == "toroid":
-        ring, tube = float(np.linalg.norm(cluster.offsets[0])), float(cluster.radii[0])
-        out = np.array([down[0], down[1], 0.0])
-        size = float(np.linalg.norm(out))
-        return turned @ (tube * down + (ring / size * out if size > 1e-9 else 0.0))
+    down[np.abs(down) < _FLAT] = 0.0
+    if cluster.kind in ("toroid", "cylinder"):
+        out, high, edge = _core(cluster)
+        aside = np.array([down[0], down[1], 0.0])
+        size = float(np.linalg.norm(aside))
+        middle = out / size * aside if size > 0.0 else aside
+        return turned @ (edge * down + middle + [0.0, 0.0, high * np.sign(down[2])])
     x, y, _ = cluster.inertia
     square = np.array([2 * y - x, x, x]) * 2.5 / cluster.volume  # of the half axes
     return turned @ (square * down / math.sqrt(float(square @ down**2)))
+
+
+def _core(cluster: Cluster) -> tuple[float, float, float]:
+    """Radius, half height and distance of all within which a toroid or cylinder lies [m]."""
+    if cluster.kind == "toroid":
+        return float(np.linalg.norm(cluster.offsets[0])), 0.0, float(cluster.radii[0])
+    out, _, high = cluster.surface.vertices.max(axis=0)
+    edge = float(cluster.name.split(",")[1]) * out
+    return out - edge, high - edge, edge
 
 
 def rebounds(
@@ -172,7 +184,7 @@ def draw(found: Found) -> "Figure":
     """Restitution of the contact point, and rebound of the centroid, of each shape."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11.5, 6.4), layout="constrained")
+    figure = Figure(figsize=(13.5, 6.2), layout="constrained")
     panels = figure.subplots(2, len(SHAPES), sharex=True, sharey="row")
     for column, shape in enumerate(SHAPES):
         mine = [row for row in found.rows if row["particle"] == shape]
