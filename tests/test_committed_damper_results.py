@@ -36,7 +36,7 @@ def test_committed_results_are_whole_and_their_words_are_what_the_rows_say(table
     assert all(row["state"] == "done" for row in rows)
 
 
-@pytest.mark.parametrize("gamma", [3.0, 10.0])
+@pytest.mark.parametrize("gamma", [3.0, pytest.param(10.0, marks=pytest.mark.validation)])
 def test_a_point_of_shares_computed_again_is_one_of_its_committed_kind(tmp_path, gamma):
     """358 spheres of 5 mm at 160 Hz, seed 1: efficiency and shares of all mechanisms.
 

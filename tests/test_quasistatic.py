@@ -32,6 +32,10 @@ R = 2.2e-3  # radius of single spheres [m]
 ROOM = HALVES.enclosure.height
 
 
+# The engine of clusters, compiled for walls that move each by itself, takes over a minute of CPU.
+compiled = pytest.mark.validation
+
+
 def column_of(n: int, **options: Any):
     """n spheres of radius R on the axis, one on the other, the table on the last."""
     law = acrylic(friction=0.0)
@@ -46,6 +50,7 @@ def forces_of_a_step(sim) -> np.ndarray:
     return sim.run(1)["wall_force"][0]
 
 
+@compiled
 @pytest.mark.parametrize("n", [1, 3])
 def test_a_column_of_spheres_is_as_stiff_as_hertz_contacts_in_series(n):
     """z = sum (F/K)^(2/3), K = (4/3) E* sqrt(R*): R at both ends, R/2 between spheres (eq. 5.5).
@@ -76,6 +81,7 @@ def pressed_ring(preload: float):
     return sim, ring
 
 
+@compiled
 def test_a_sheared_ring_resists_as_mindlin_says_and_then_slides_at_coulombs_limit():
     """F = k x, k of n contacts above and as many below: n k_t/2, k_t = 8 G* sqrt(R d) (eq. 5.16),
     over 1 + 2 (k_t/k_n) (r/A)^2, as the couple 2 r F rocks the ring, of radius A and tube r, on its
@@ -122,6 +128,7 @@ def test_the_gap_to_a_wall_is_that_to_its_nearest_point():
         assert nearest - 1e-4 <= ours <= nearest + 1e-12
 
 
+@compiled
 def test_a_sphere_rests_on_a_rim_and_is_pushed_from_its_nearest_point():
     """With its centre beyond the rim of the bottom half, pressed by the table: the contact's force
     on the wall points from the centre to the rim (frictionless)."""
@@ -143,6 +150,7 @@ def sheared(treatment="sum"):
     return sim
 
 
+@compiled
 @pytest.mark.parametrize("treatment", ["sum", "deepest"])
 def test_no_bit_depends_on_the_lists_of_walls_that_move(treatment):
     """Skins put to extremes every 50 steps; 3000 steps, in which the top half comes 0.9 mm."""
@@ -157,6 +165,7 @@ def test_no_bit_depends_on_the_lists_of_walls_that_move(treatment):
         assert sim.state_digest() == undisturbed.state_digest()
 
 
+@compiled
 def test_forces_on_all_walls_balance_weight_and_inertia_and_the_books_close():
     """Newton's third law step by step: impulses on the walls are those of the weight less what the
     bed's momentum gained, but for the half steps at both ends; and wall work, table's and top
@@ -204,6 +213,7 @@ def run_of(root: Path, kind: str = "shear"):
     return RunFolder(case.parent)
 
 
+@compiled
 def test_the_servo_holds_the_preload_while_the_top_half_moves(undisturbed):
     """To 10 % in the mean: where the loose bed collapses, as it does under shear, the table follows
     at its speed limit and the pre-load lacks meanwhile; on a ring that only slides it is exact."""
@@ -216,6 +226,7 @@ def test_the_servo_holds_the_preload_while_the_top_half_moves(undisturbed):
     assert found["displacement_m"][-1] == pytest.approx(0.4e-3, rel=0.02)
 
 
+@compiled
 @pytest.mark.parametrize("write", [6, 7])
 def test_a_test_that_is_killed_goes_on_to_the_same_bits(undisturbed, tmp_path, monkeypatch, write):
     """Killed at its so many-th write, in pre-load and test, with a checkpoint every nine rows."""
@@ -227,6 +238,7 @@ def test_a_test_that_is_killed_goes_on_to_the_same_bits(undisturbed, tmp_path, m
     assert answers(run_of(tmp_path)) == answers(run_of(undisturbed))
 
 
+@compiled
 def test_compression_stiffens_from_the_preload_on(undisturbed):
     """The base begins with the pre-load less what the sides carry; Hertz contacts stiffen."""
     found = protocol.run(small("compress", distance="0.1 mm", at="0.05 mm"), out=undisturbed)
