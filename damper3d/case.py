@@ -230,12 +230,13 @@ def _resolved(
     materials = materials_of(table, settings)
     laws = contact_laws(table, materials, settings)
     yields = yield_velocities(materials, particle)
+    tangential = max(law.tangential for law in laws)
     gravity, settling = gravity_of(settings.motion, where)
     direction = settings.motion.direction or [0.0, 0.0, 1.0]
     return cls(
         settings, enclosure, particle, count, materials[0].density.value, *laws,
         restitutions(table, settings), yields,
-        time_steps(particle, materials[0], settings, where), gravity, settling,
+        time_steps(particle, materials[0], tangential, settings, where), gravity, settling,
         unit_vector(direction, f"{where}: [motion] direction"),
         {"materials.toml": file.read_text(encoding="utf-8"), **mesh_copy(wanted)},
     )  # fmt: skip
@@ -246,7 +247,7 @@ def _calculable(case: DamperCase) -> bool:
     yields = [v for v in case.yield_velocity.values() if v is not None]
     laws = [x for law in (case.pair_law, case.wall_law) for x in (law.hertz, law.tangential)]
     inertia = case.density * float(case.particle.inertia.min())
-    motion = [case.amplitude, case.peak_speed, case.steps.rayleigh, case.time_step]
+    motion = [case.amplitude, case.peak_speed, case.steps.limit, case.time_step]
     sizes = [case.enclosure.volume, case.mass, case.density, inertia]
     friction = max(case.pair_law.mu, case.wall_law.mu)
     ordinary = all(1e-60 < x < 1e60 for x in [*yields, *laws, *motion, *sizes])

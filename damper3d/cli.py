@@ -8,11 +8,13 @@ from damper3d.commands import (
     files,
     impact,
     map,
+    pack,
     predict,
     reproduce,
     results,
     run,
     shape,
+    slow,
     sweep,
 )  # fmt: skip
 
@@ -34,9 +36,9 @@ def app(context: click.Context) -> None:
 
 
 for command in (
-    run.run, sweep.sweep, map.map_, reproduce.reproduce, predict.predict, impact.impact,
-    contact.contact, shape.shape, results.render, results.compare, results.export, files.init,
-    files.list_, files.show,
+    run.run, sweep.sweep, map.map_, reproduce.reproduce, predict.predict, pack.pack, impact.impact,
+    contact.contact, shape.shape, slow.shear, slow.compress, results.render, results.compare,
+    results.export, files.init, files.list_, files.show,
 ):  # fmt: skip
     app.add_command(command)
 

@@ -1,9 +1,13 @@
 """A run for other programs: VTKHDF files for ParaView, or CSV tables (see tables.py).
 
-VTKHDF: two files (PolyData with time steps), of which each stored frame is a step.
+VTKHDF: two or three files (PolyData with time steps), of which each stored frame is a step.
 
     particles    a point each, in the lab [m], with arrays radius [m], velocity (3) [m/s], spin (3)
-                 [rad/s], heat [J] dissipated at it so far, power [W] since the step before, id
+                 [rad/s], heat [J] dissipated at it so far, power [W] since the step before, id;
+                 of clusters orientation (4), a unit quaternion (w, x, y, z), and radius that of
+                 the ball of the same volume
+    spheres      of clusters: their sub-spheres likewise, with radius [m], velocity (3) [m/s] of
+                 the sphere's centre, power [W] of its particle, particle: its id
     enclosure    its walls as polygons where they stand, with array wall: row of wall_names
 
 In ParaView: Glyph, sphere, scale by radius with factor 2; the enclosure at an opacity of 0.2.
@@ -30,10 +34,10 @@ Points = NDArray[np.float64]
 def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> list[Path]:
     """Write a run, finished or not, in a format ("vtkhdf" or "csv"); the paths of the files.
 
-    `path` is the file of the particles (vtkhdf; the enclosure's goes beside it, with -enclosure in
-    its name) or the folder for the tables (csv); export/ in the run folder where it is not given.
-    What stands there is replaced, each file at once. Raises InputError for another format or
-    suffix, FolderError where the run has no frames, cannot be read or the files be written.
+    `path` is the file of the particles (vtkhdf; the others go beside it, with -enclosure and
+    -spheres in their names) or the folder for the tables (csv); export/ in the run folder where
+    it is not given. What stands there is replaced, each file at once. Raises InputError for another
+    format or suffix, FolderError where the run has no frames, cannot be read or cannot be written.
     """
     if to not in FORMATS:
         raise InputError(f"--to {to!r}: {nearest(to, list(FORMATS))}")
@@ -51,15 +55,22 @@ def _to_vtkhdf(scene: Scene, place: Path, path: Path | None) -> list[Path]:
             f"{place.parent}: it kept no particles (output.frames = 0), nothing to show; run it "
             "with output.frames above 0"
         )
-    beside = path.with_name("enclosure" if path.parent == place else f"{path.stem}-enclosure")
-    files = {path: particles_file(scene), beside.with_suffix(_SUFFIX): enclosure_file(scene)}
-    return [write_output(name, content) for name, content in files.items()]
+    makers = {"enclosure": enclosure_file}
+    if scene.of_clusters:
+        makers["spheres"] = spheres_file
+    written = [write_output(path, particles_file(scene))]
+    for name, maker in makers.items():
+        beside = path.with_name((name if path.parent == place else f"{path.stem}-{name}") + _SUFFIX)
+        written.append(write_output(beside, maker(scene)))
+    return written
 
 
 def _to_csv(scene: Scene, place: Path, path: Path | None) -> list[Path]:
-    from damper3d.tables import bodies_csv, particles_csv, samples_csv
+    from damper3d.tables import bodies_csv, particles_csv, samples_csv, spheres_csv
 
     tables = {"samples": samples_csv, "bodies": bodies_csv}
+    if scene.of_clusters:
+        tables["spheres"] = spheres_csv
     if len(scene.tables):
         tables["particles"] = particles_csv
     folder = path or place
@@ -74,24 +85,54 @@ FORMATS: dict[str, Callable[[Scene, Path, Path | None], list[Path]]] = {
 
 def particles_file(scene: Scene) -> bytes:
     """The particles as points with arrays, a step for each frame."""
-    from campaign.vtkhdf import PolyDataFile
 
-    file, n = PolyDataFile(), len(scene.radius)
-    for frame, sample in enumerate(scene.frame_sample):
+    def of(frame: int) -> tuple[Points, dict[str, np.ndarray]]:
         now = scene.particles(frame)
         arrays = {
             "radius": scene.radius, "velocity": now.velocity, "spin": now.spin, "heat": now.heat,
-            "power": power(scene, frame),
+            "power": power(scene, frame), "id": np.arange(len(scene.radius)),
         }  # fmt: skip
-        at_points = {name: values.astype(np.float32) for name, values in arrays.items()}
+        if scene.of_clusters:
+            arrays["orientation"] = scene.orientation(frame)
+        return now.position, arrays
+
+    return _points_file(scene, of)
+
+
+def spheres_file(scene: Scene) -> bytes:
+    """The sub-spheres of clusters as points with arrays, a step for each frame."""
+
+    def of(frame: int) -> tuple[Points, dict[str, np.ndarray]]:
+        now, (arm, radius, whose) = scene.particles(frame), scene.spheres(frame)
+        return now.position[whose] + arm, {
+            "radius": radius,
+            "velocity": now.velocity[whose] + np.cross(now.spin[whose], arm),
+            "power": power(scene, frame)[whose],
+            "particle": whose,
+        }
+
+    return _points_file(scene, of)
+
+
+def _points_file(scene: Scene, of: Callable[[int], tuple[Points, dict[str, np.ndarray]]]) -> bytes:
+    """Points with arrays, of which `of` gives those of a frame, in the enclosure's frame [m]."""
+    from campaign.vtkhdf import PolyDataFile
+
+    file = PolyDataFile()
+    for frame, sample in enumerate(scene.frame_sample):
+        points, arrays = of(frame)
         file.append(
             float(scene.time[sample]),
-            (now.position + scene.shift(frame)).astype(np.float32),
-            {"Vertices": np.ones(n, dtype=np.int64)},
+            (points + scene.shift(frame)).astype(np.float32),
+            {"Vertices": np.ones(len(points), dtype=np.int64)},
             {},
-            {**at_points, "id": np.arange(n, dtype=np.int32)},
+            {name: _single(values) for name, values in arrays.items()},
         )
     return file.content()
+
+
+def _single(values: np.ndarray) -> np.ndarray:
+    return values.astype(np.float32 if values.dtype.kind == "f" else np.int32)
 
 
 def enclosure_file(scene: Scene) -> bytes:

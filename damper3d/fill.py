@@ -60,7 +60,7 @@ def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray |
         centres, reached = grow(case.enclosure, count, radius, rng)
     else:
         *places, first = random_places(case.enclosure, case.particle, count, rng)
-        world = _clusters(case, *places)
+        world = clusters(case, *places)
         reached = grow_clusters(world, case.particle, first)
         centres, orientations = world.bodies.position[:, :3], world.bodies.orientation
     if reached < 1.0:
@@ -82,14 +82,15 @@ def resting(
     left out.
     """
     if not case.particle.is_ball:
-        return ClusterSimulation(_clusters(case, centres, orientations))
+        return ClusterSimulation(clusters(case, centres, orientations))
     radii = np.full(len(centres), case.particle.radii[0])
     return Simulation(build_world(centres, radii, **_surroundings(case)))
 
 
-def _clusters(
+def clusters(
     case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None
 ) -> ClusterWorld:
+    """The particles of a case at rest, also balls, as clusters; see `resting`."""
     return build_cluster_world(
         centres, case.particle, orientations,
         treatment=case.settings.law.contact_treatment, **_surroundings(case),

@@ -15,7 +15,7 @@ from contact.hertz import damping_of_impact, hertz_force, mindlin_force, with_hi
 from contact.jit import inlined_inner, inner
 from contact.spring_books import spring_books
 from contact.vectors import add, cross, dot, scale
-from damper3d.geometry import between_spheres, place, put, vector, with_cylinder, with_plane
+from damper3d.geometry import between_spheres, place, put, vector
 from damper3d.kinds import find_at_wall, find_pairs
 from damper3d.lanes import add_loads, gather, keep_history, whole
 from damper3d.state import (
@@ -39,6 +39,7 @@ from damper3d.state import (
     TANGENTIAL_DAMPING,
     WALL_WORK,
 )
+from damper3d.wall_kinds import put_wall, with_wall
 
 
 @inlined_inner
@@ -48,7 +49,6 @@ def apply_forces(world, shift, speed):
     The books are summed over all blocks of a class in the order of the list.
     """
     spheres, walls, block, books = world.spheres, world.walls, world.block, world.books
-    put_enclosure(spheres, shift, speed)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
     n_touching = find_pairs(world)
     for begin in range(np.int64(0), n_touching, BLOCK):
@@ -59,40 +59,30 @@ def apply_forces(world, shift, speed):
     keep_books(books, 0, sums, world.time_step)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
     for w in range(len(walls.force)):
+        put_wall(spheres, walls, w, shift, speed)
         n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
             sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
-        books[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w], speed)
+        books[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w])
     keep_books(books, N_MECHANISMS, sums, world.time_step)
-
-
-@inlined_inner
-def put_enclosure(spheres, shift, speed):
-    """Where the enclosure is and how fast it moves, in its row."""
-    last = len(spheres.inverse_mass)
-    for c in range(3):
-        spheres.position[last, c], spheres.velocity[last, c] = shift[c], speed[c]
 
 
 @inlined_inner
 def meet_wall(spheres, walls, contacts, w, begin, n_contacts, block):
     """Geometry of contacts with wall w."""
     gather(spheres, contacts, begin, n_contacts, block)
-    if w < len(walls.planes):
-        with_plane(walls.planes[w], whole(n_contacts), block)
-    else:
-        with_cylinder(walls.radius, whole(n_contacts), block)
+    with_wall(walls, w, whole(n_contacts), block)
 
 
 @inlined_inner
-def take_push(spheres, force, speed):
-    """Move the force that a wall's contacts left in the enclosure's row to the wall; its power."""
+def take_push(spheres, force):
+    """Move the force that a wall's contacts left in the last row to the wall; its power."""
     last = len(spheres.inverse_mass)
     power = 0.0
     for c in range(3):
-        power += spheres.force[last, c] * speed[c]
+        power += spheres.force[last, c] * spheres.velocity[last, c]
         force[c] += spheres.force[last, c]
         spheres.force[last, c] = 0.0
     return power

@@ -1,15 +1,19 @@
 """What a step does in one way with balls and in another with clusters, chosen when compiled.
 
 Each name stands for the kernel that goes with the kind of world it is given: state.World, whose
-bodies are balls, or clusters.state.ClusterWorld, whose bodies have many spheres and turn them.
+bodies are balls, or clusters.state.ClusterWorld, whose bodies have many spheres and turn them. The
+walls of a world of clusters may move each by itself (wall_kinds).
 """
 
 from numba.extending import overload
 
+from contact.jit import inlined_inner
 from damper3d import moving, neighbours, touching, wall_list
 from damper3d.clusters import motion, pairs, treatments, walls
 from damper3d.clusters.state import ClusterWorld
+from damper3d.quasistatic.drive import drive
 from damper3d.state import CLOSE
+from damper3d.wall_kinds import are_shells
 
 
 def search_pairs(world, shift):
@@ -40,6 +44,10 @@ def _are_clusters(world):
     return getattr(world, "instance_class", None) is ClusterWorld
 
 
+def _in_shells(world):
+    return _are_clusters(world) and are_shells(world[world.fields.index("walls")])
+
+
 @overload(search_pairs, inline="always")
 def _search_pairs(world, shift):
     if _are_clusters(world):
@@ -49,6 +57,8 @@ def _search_pairs(world, shift):
 
 @overload(search_walls, inline="always")
 def _search_walls(world, shift):
+    if _in_shells(world):
+        return lambda world, shift: walls.search_shells(world)
     if _are_clusters(world):
         return lambda world, shift: walls.search_walls(world, shift)
     return lambda world, shift: wall_list.search_walls(world, shift)
@@ -65,6 +75,8 @@ def _find_pairs(world):
 
 @overload(find_at_wall, inline="always")
 def _find_at_wall(world, w):
+    if _in_shells(world):
+        return lambda world, w: treatments.acting_at_shell(world, w)
     if _are_clusters(world):
         return lambda world, w: treatments.acting_at_wall(world, w)
     return lambda world, w: touching.touching_wall(
@@ -74,9 +86,17 @@ def _find_at_wall(world, w):
 
 @overload(move, inline="always")
 def _move(world, shift):
+    if _in_shells(world):
+        return lambda world, shift: _move_in_shells(world)
     if _are_clusters(world):
         return lambda world, shift: motion.move(world, shift)
     return lambda world, shift: moving.move(world, shift)
+
+
+@inlined_inner
+def _move_in_shells(world):
+    drive(world)
+    motion.move(world, (0.0, 0.0, 0.0))
 
 
 @overload(mean_motion, inline="always")

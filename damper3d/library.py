@@ -22,7 +22,13 @@ def listing(root: Path) -> str:
 
 
 def _answer(summary: dict[str, Any]) -> str:
-    """What tells a finished run from others, and its efficiency."""
+    """What tells a finished run from others, and its efficiency, or stiffness."""
+    if "test" in summary:
+        return (
+            f"{summary['n_particles']} of {summary['particles']}, {summary['test']}, pre-load "
+            f"{float(summary['preload_n']):g} N: secant stiffness "
+            f"{1e-3 * float(summary['stiffness_n_per_m']):.3g} N/mm"
+        )
     return (
         f"{summary['n_particles']} of {summary['particles']}, {summary['orientation']}, "
         f"{float(summary['frequency_hz']):g} Hz, gamma {float(summary['gamma']):g}: efficiency "

@@ -11,6 +11,7 @@ from contact.datafile import is_file
 from contact.quantity import InputError
 from damper3d.cluster import Cluster
 from damper3d.enclosure import Enclosure, box, cylinder
+from damper3d.pack.known import close_packing
 from damper3d.settings import MOST_PARTICLES, Motion, Particles, Settings
 from damper3d.shapes.mesh_file import as_obj, read_triangles
 from damper3d.shapes.particle import Particle, usual
@@ -20,8 +21,6 @@ GRAVITY = 9.81  # [m/s2]
 # which 3, 5 and 6 mm are 1659, 358 and 207 spheres (Table 6.1).
 USUAL_FILL_RATIO = 7 / 15
 SHAPED_CYCLES = 18  # of which 3 are left out: chapter 8 of the thesis, of all its particles
-# Fill ratios of spheres packed at random (thesis, below eq. 6.13); no shaking packs them closer.
-LOOSE_PACKING, CLOSE_PACKING = 0.55, 0.64
 
 
 def enclosure_of(settings: Settings, where: str) -> Enclosure:
@@ -47,17 +46,21 @@ def count_of(enclosure: Enclosure, particle: Cluster, given: int | None, where: 
     """The number of particles; InputError where they cannot be inside."""
     size = 2.0 * particle.bounding_radius
     if enclosure.narrowest < size:
+        unit = ", or the unit of the mesh (mesh_unit)" if particle.kind == "mesh" else ""
         raise InputError(
             f"{where}: [enclosure] {1e3 * enclosure.narrowest:g} mm at the narrowest: smaller than "
-            f"a particle, {1e3 * size:g} mm; give a larger enclosure or smaller particles"
+            f"a particle, {1e3 * size:g} mm; give a larger enclosure or smaller particles{unit}"
         )
     room = enclosure.volume / particle.volume
     count = max(round(_usual_fill_ratio(particle.kind) * room), 1) if given is None else given
-    fit = max(math.floor(CLOSE_PACKING * room), 1)
+    close = close_packing(particle.name)
+    most = close.value if close else 1.0  # of a shape that is not known, the filling says
+    fit = max(math.floor(most * room), 1)
     if count > fit:
+        above = f"random close packing, {most:.3g}" if close else "1"
         raise InputError(
-            f"{where}: [particles] count = {count}: fill ratio {count / room:.3f}, above random "
-            f"close packing, {CLOSE_PACKING:g}; at most {fit} fit"
+            f"{where}: [particles] count = {count}: fill ratio {count / room:.3f}, above {above}; "
+            f"at most {fit} fit"
         )
     if count > MOST_PARTICLES:
         raise InputError(

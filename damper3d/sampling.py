@@ -16,7 +16,7 @@ from damper3d.columns import (
     TIME,
     VELOCITY,
 )
-from damper3d.forces import contact_law, meet_wall, put_enclosure, surface_motion, without_slip
+from damper3d.forces import contact_law, meet_wall, surface_motion, without_slip
 from damper3d.geometry import between_spheres, place
 from damper3d.integrate import advance, enclosure_at
 from damper3d.kinds import find_at_wall, find_pairs, mean_motion
@@ -31,6 +31,7 @@ from damper3d.state import (
     STEP,
     STIFFNESS,
 )
+from damper3d.wall_kinds import put_wall
 
 # Columns of a row of list_contacts.
 FORCE, NORMAL, POINT, OVERLAP = 0, 3, 6, 9
@@ -80,7 +81,6 @@ def elastic_energies(world, shift, speed, row):
     spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
     row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
     row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0
-    put_enclosure(spheres, shift, speed)
     n_touching = find_pairs(world)
     for begin in range(np.int64(0), n_touching, BLOCK):
         n = min(n_touching - begin, BLOCK)
@@ -88,6 +88,7 @@ def elastic_energies(world, shift, speed, row):
         between_spheres(n, block)
         add_elastic(world.pair_law, n, block, dt, row, CONTACTS_PP)
     for w in range(len(walls.force)):
+        put_wall(spheres, walls, w, shift, speed)
         n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
@@ -127,7 +128,6 @@ def list_contacts(world, bodies, numbers):
     spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
     now = world.counts[STEP] * dt
     shift, speed = enclosure_at(world.shaker, world.direction, now)
-    put_enclosure(spheres, shift, speed)
     found = np.int64(0)
     n_touching = find_pairs(world)
     for begin in range(np.int64(0), n_touching, BLOCK):
@@ -137,6 +137,7 @@ def list_contacts(world, bodies, numbers):
         contact_law(world.pair_law, n, block, dt)
         found = copy_contacts(spheres, block, world.close, begin, n, 0, bodies, numbers, found)
     for w in range(len(walls.force)):
+        put_wall(spheres, walls, w, shift, speed)
         n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)

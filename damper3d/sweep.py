@@ -13,8 +13,8 @@ from campaign.task import SimulationError, Stop
 from contact.quantity import InputError
 from damper3d.case import DamperCase
 from damper3d.packing import load_packing, packing_folder
+from damper3d.plan import expected_cpu_s
 from damper3d.protocol import PACKAGES, get_packing, run, run_digest
-from damper3d.report import expected_cpu_s
 from damper3d.result import Result
 from damper3d.sources import SOURCES
 from damper3d.warm import compile_kernels

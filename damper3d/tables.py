@@ -15,6 +15,7 @@ _MOVING = {  # columns of particles.csv and what is kept of each
     **{f"spin_{axis}_rad_per_s": f"spin_{axis}" for axis in "xyz"},
     "heat_j": "heat",
 }
+_TURNING = {f"turn_{c}": f"turn_{c}" for c in "wxyz"}  # of clusters: a unit quaternion
 
 
 def samples_csv(scene: Scene) -> bytes:
@@ -48,17 +49,19 @@ def particles_csv(scene: Scene) -> bytes:
     """One row for each frame and particle.
 
     Positions are relative to the enclosure, velocities those in the lab; `sample` is the row of
-    samples.csv, from 0, where the enclosure's displacement stands.
+    samples.csv, from 0, where the enclosure's displacement stands. Clusters have orientations too.
     """
-    names = ["sample", "time_s", "id", *_MOVING]
-    shape = ["%d", "%.9g", "%d", *["%.9g"] * len(_MOVING)]
-    return _table(names, shape, (_rows(scene, frame) for frame in range(len(scene.tables))))
+    moving = _MOVING | _TURNING if scene.of_clusters else _MOVING
+    names = ["sample", "time_s", "id", *moving]
+    shape = ["%d", "%.9g", "%d", *["%.9g"] * len(moving)]
+    rows = (_rows(scene, frame, list(moving.values())) for frame in range(len(scene.tables)))
+    return _table(names, shape, rows)
 
 
-def _rows(scene: Scene, frame: int) -> np.ndarray:
+def _rows(scene: Scene, frame: int, keys: list[str]) -> np.ndarray:
     table, sample = scene.tables.at(frame), scene.frame_sample[frame]
     same = np.ones(len(scene.radius))
-    moving = [table[key] for key in _MOVING.values()]
+    moving = [table[key] for key in keys]
     return np.column_stack(
         [sample * same, scene.time[sample] * same, np.arange(len(same)), *moving]
     )
@@ -68,6 +71,15 @@ def bodies_csv(scene: Scene) -> bytes:
     """What does not change of each particle."""
     rows = np.column_stack([np.arange(len(scene.radius)), scene.radius, scene.masses])
     return _table(["id", "radius_m", "mass_kg"], ["%d", "%.9g", "%.9g"], [rows])
+
+
+def spheres_csv(scene: Scene) -> bytes:
+    """The sub-spheres of a cluster, alike in all, about its centroid in its principal axes."""
+    static = scene.trajectory.static
+    offset, radius = static["sphere_offset"], static["sphere_radius"]
+    rows = np.column_stack([np.arange(len(radius)), offset, radius])
+    names = ["sphere", "x_m", "y_m", "z_m", "radius_m"]
+    return _table(names, ["%d", *["%.9g"] * 4], [rows])
 
 
 def _table(names: list[str], shape: list[str], parts: Iterable[np.ndarray]) -> bytes:

@@ -18,6 +18,7 @@ from damper3d.state import (
     WALL_SEARCHES,
     WALL_SKIN,
 )
+from damper3d.wall_kinds import gap_to_wall, radius_at_wall
 
 
 @inner
@@ -71,10 +72,7 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, begin, end, n):
                 return -2
             if n + LANES >= len(wall.i):
                 return -1
-            radius = x[i, 3]
-            if walls.curved and w == len(walls.planes):
-                # Half the cylinder's curvature, the mean of 1/r and 1/r - 1/R: r D / (D - r).
-                radius = 2.0 * radius * walls.radius / (2.0 * walls.radius - radius)
+            radius = radius_at_wall(walls, w, x[i, 3])
             wall.i[n], wall.j[n] = i, n_spheres  # the enclosure's row
             wall.reach[n] = wall.constants[n, RADIUS_I] = x[i, 3]
             wall.constants[n, HERTZ] = law.hertz * np.sqrt(radius)
@@ -83,13 +81,3 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, begin, end, n):
                 wall.history[n, h] = walls.history[w, i, h]
             n += 1
     return n
-
-
-@inner
-def gap_to_wall(walls, x, w, i, shift):
-    """Gap between wall w and the ball of row i of x, its radius the fourth number [m]."""
-    px, py, pz = x[i, 0] - shift[0], x[i, 1] - shift[1], x[i, 2] - shift[2]
-    if w < len(walls.planes):
-        plane = walls.planes[w]
-        return plane[0] * px + plane[1] * py + plane[2] * pz - plane[3] - x[i, 3]
-    return walls.radius - np.sqrt(px * px + py * py) - x[i, 3]

@@ -29,6 +29,8 @@ SHARES = {  # of what is dissipated
 EFFICIENCY = [0.2, 0.3, 0.42, 0.5, 0.52]
 LAW_GAIN = 0.04  # of what is dissipated, gained by the springs without work
 CIRCLE = 0.2e-3  # m
+OFFSETS = 1e-3 * np.array([[0.5, 0.0, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.25, 0.0]])  # m
+RADII = np.array([0.9e-3, 0.9e-3, 0.7e-3])  # m
 
 _CYLINDER = 'shape = "cylinder"\ndiameter = "20 mm"\nheight = "20 mm"'
 _BOX = 'shape = "box"\nwidth = "20 mm"\ndepth = "14 mm"\nheight = "20 mm"'
@@ -49,10 +51,12 @@ def write_fake_damper_run(
     keep: str = "all",
     diameter: float = 3e-3,
     until: int | None = None,
+    clusters: bool = False,
 ) -> RunFolder:
     """Write a run of some dozens of spheres; `samples` and `frames` (0: none) of each cycle.
 
-    One that is not `finished` may have come to sample `until` only.
+    One that is not `finished` may have come to sample `until` only. As `clusters` the particles
+    are OFFSETS and RADII of them, which turn about (1, 2, 2)/3.
     """
     height, clearance = 20e-3, 6e-3
     discard = min(discard, cycles - 1)
@@ -72,6 +76,8 @@ def write_fake_damper_run(
     run.write_case(_case(shape, orientation, diameter, len(start), frequency, gamma, cycles,
                          discard, samples, frames, keep))  # fmt: skip
     static = {"radius": np.full(len(start), diameter / 2), "mass": mass}
+    if clusters:
+        static |= {"sphere_offset": OFFSETS, "sphere_radius": RADII}
     fill = len(start) * np.pi / 6 * diameter**3 / (np.pi / 4 * 20e-3**2 * height)
     attributes = {
         "wall_names": json.dumps(names), "fill_ratio": fill, "frequency": frequency,
@@ -84,7 +90,10 @@ def write_fake_damper_run(
     for k in range(len(time)):
         sample = {key: array[k] for key, array in moving.items()}
         here = frames and k % (samples // frames) == 0
-        writer.append(sample, {"particles": _particles(start, sample, omega)} if here else None)
+        table = _particles(start, sample, omega) if here else {}
+        if here and clusters:
+            table |= _turns(len(start), k / samples)
+        writer.append(sample, {"particles": table} if here else None)
         if k == len(time) // 2:
             writer.flush()
         if k == until:
@@ -186,6 +195,14 @@ def _particles(start, sample, omega) -> dict[str, np.ndarray]:
         "heat": lost * weight / weight.sum(),
     }  # fmt: skip
     return {name: column.astype(np.float32) for name, column in table.items()}
+
+
+def _turns(n: int, cycle: float) -> dict[str, np.ndarray]:
+    """Quaternions of a turn about (1, 2, 2)/3, each particle by another angle."""
+    half = 0.5 * (cycle + np.arange(n))
+    sine = np.sin(half) / 3
+    parts = {"w": np.cos(half), "x": sine, "y": 2 * sine, "z": 2 * sine}
+    return {f"turn_{c}": part.astype(np.float32) for c, part in parts.items()}
 
 
 def _case(shape, orientation, diameter, count, frequency, gamma, cycles, discard, samples, frames,

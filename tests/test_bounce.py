@@ -55,6 +55,7 @@ def deviates(**options):
     return {name: np.array(values)[np.isfinite(values)] for name, values in found.items()}
 
 
+@pytest.mark.validation
 def test_68_per_cent_intervals_cover_the_truth_in_60_to_76_per_cent():
     """Normal noise: a sigma that is right covers 68 %.
 
@@ -69,6 +70,7 @@ def test_68_per_cent_intervals_cover_the_truth_in_60_to_76_per_cent():
         assert abs(np.mean(z)) < 0.3, (name, np.mean(z))
 
 
+@pytest.mark.validation
 def test_one_number_is_refuted_as_often_as_its_test_says():
     """p < 0.05 in 5 % of clips with one restitution; 40 clips: at most 6 (99 %)."""
     made = [made_track([0.75] * 5, seed=seed) for seed in range(40)]

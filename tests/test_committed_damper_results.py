@@ -12,7 +12,8 @@ from damper3d.protocol import run
 from damper3d.reproduce import TABLES, find
 
 RESULTS = Path(__file__).parent.parent / "docs" / "results" / "damper3d"
-KEPT = sorted(path.stem.removeprefix("reproduce-") for path in RESULTS.glob("*.csv"))
+PARTLY = {"shapes"}  # not run as a whole yet; its report says what lacks
+KEPT = sorted(path.stem.removeprefix("reproduce-") for path in RESULTS.glob("reproduce-*.csv"))
 
 
 def committed(table):
@@ -31,11 +32,11 @@ def test_committed_results_are_whole_and_their_words_are_what_the_rows_say(table
     text = (RESULTS / f"reproduce-{table}.txt").read_text(encoding="utf-8")
     words = "\n".join(line for line in text.splitlines() if not line.startswith("# "))
     assert words.strip() == find(table).report(rows).strip()
-    assert words.strip().startswith("complete: ")
+    assert words.strip().startswith("INCOMPLETE: " if table in PARTLY else "complete: ")
     assert all(row["state"] == "done" for row in rows)
 
 
-@pytest.mark.parametrize("gamma", [3.0, 10.0])
+@pytest.mark.parametrize("gamma", [3.0, pytest.param(10.0, marks=pytest.mark.validation)])
 def test_a_point_of_shares_computed_again_is_one_of_its_committed_kind(tmp_path, gamma):
     """358 spheres of 5 mm at 160 Hz, seed 1: efficiency and shares of all mechanisms.
 

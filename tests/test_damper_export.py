@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_damper_run import write_fake_damper_run
+from fake_damper_run import OFFSETS, RADII, write_fake_damper_run
 from small_damper import damper3d
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOHDF import vtkHDFReader
@@ -120,6 +120,46 @@ def test_every_sphere_lies_in_the_exported_enclosure(films):
         walls = points(films[1].step(frame))[:, 2]
         assert (z - radius).min() > walls.min() - 1e-8
         assert (z + radius).max() < walls.max() + 1e-8
+
+
+@pytest.fixture(scope="module")
+def clusters(tmp_path_factory) -> Path:
+    return write_fake_damper_run(tmp_path_factory.mktemp("clusters"), cycles=1, clusters=True).path
+
+
+@pytest.mark.parametrize("frame", [0, 5])
+def test_sub_spheres_lie_where_rodrigues_turns_them(clusters, frame):
+    """r' = r cos a + (u x r) sin a + u (u . r)(1 - cos a) about u = (1, 2, 2)/3 by the angle a of
+    a particle, and move as a rigid body does, v + w x r'. Single precision of 20 mm: 2e-9 m."""
+    paths = export(clusters, "vtkhdf", clusters / "a.vtkhdf")
+    assert [path.name for path in paths] == ["a.vtkhdf", "a-enclosure.vtkhdf", "a-spheres.vtkhdf"]
+    bodies, spheres = Film(paths[0]).step(frame), Film(paths[2]).step(frame)
+    of_body, found = arrays(bodies.GetPointData()), arrays(spheres.GetPointData())
+    assert sorted(found) == ["particle", "power", "radius", "velocity"]
+    n, whose = bodies.GetNumberOfPoints(), found["particle"]
+    np.testing.assert_array_equal(whose, np.repeat(np.arange(n), 3))
+    np.testing.assert_allclose(found["radius"], np.tile(RADII, n), rtol=SINGLE)
+    about, angle = np.array([1.0, 2.0, 2.0]) / 3, (frame / 8 + np.arange(n))[:, None, None]
+    arms = (OFFSETS * np.cos(angle) + np.cross(about, OFFSETS) * np.sin(angle)
+            + (OFFSETS @ about)[:, None] * about * (1 - np.cos(angle))).reshape(-1, 3)  # fmt: skip
+    place = points(bodies).astype(float)[whose] + arms
+    np.testing.assert_allclose(points(spheres), place, atol=5e-9)
+    moving = of_body["velocity"][whose] + np.cross(of_body["spin"][whose], arms)
+    np.testing.assert_allclose(found["velocity"], moving, atol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(of_body["orientation"], axis=1), 1.0, rtol=1e-6)
+    np.testing.assert_allclose(of_body["orientation"][:, 0], np.cos(angle / 2).ravel(), atol=1e-6)
+
+
+def test_tables_of_clusters_tell_how_they_lie(clusters, tmp_path):
+    """A quaternion for each particle and frame, and the spheres of one particle."""
+    paths = export(clusters, "csv", tmp_path)
+    assert [path.stem for path in paths] == ["samples", "bodies", "spheres", "particles"]
+    spheres, particles = map(read_csv, paths[2:])
+    np.testing.assert_allclose(spheres["radius_m"], RADII, rtol=1e-8)
+    np.testing.assert_allclose(spheres["y_m"], OFFSETS[:, 1], rtol=1e-8)
+    half = 0.5 * (particles["sample"] / 40 + particles["id"])
+    np.testing.assert_allclose(particles["turn_w"], np.cos(half), atol=1e-6)
+    np.testing.assert_allclose(particles["turn_z"], 2 * np.sin(half) / 3, atol=1e-6)
 
 
 def read_csv(path: Path) -> dict[str, np.ndarray]:

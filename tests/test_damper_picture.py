@@ -1,5 +1,6 @@
 """Pictures of a damper's run: drawn from its folder alone, with the right numbers on their axes."""
 
+import dataclasses
 import subprocess
 import sys
 
@@ -194,6 +195,21 @@ def test_height_of_a_lying_bed_is_counted_from_its_lowest_wall(lying):
     assert height.get_ylabel() == "height above\nthe lowest point [mm]"
     (centre,) = series(height).values()
     np.testing.assert_allclose(centre, 10.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        ("prolate:1.5", "particles prolate:1.5, fill"),
+        ("mesh:rock.obj", "particles mesh:rock, fill"),
+    ],
+)
+def test_headline_names_shapes_that_are_no_spheres(scene, shape, words):
+    """A mesh as it was called; the run folder's copy of it is an OBJ file."""
+    particles = scene.settings.particles.model_copy(update={"shape": shape})
+    settings = scene.settings.model_copy(update={"particles": particles})
+    title = dataclasses.replace(scene, settings=settings).title
+    assert title.startswith(f"{len(scene.radius)} {words} ratio 0.1")
 
 
 def test_headline_tells_particles_motion_and_outcome(scene, lying, tmp_path):

@@ -10,7 +10,8 @@ from small_damper import damper3d, write_damper
 
 from campaign.folder import FolderError, RunFolder
 from damper3d.case import DamperCase
-from damper3d.report import expected_cpu_s, report
+from damper3d.plan import expected_cpu_s
+from damper3d.report import report
 from damper3d.result import Result
 
 # Scripts rely on these names: to change one needs a reason in the changelog.

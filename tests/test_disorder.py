@@ -172,9 +172,11 @@ def test_a_level_is_the_share_of_the_standard_normal_below_the_score():
     assert_allclose((mu / WOOD.mu - 1) / 0.17, expected, atol=1e-12)
 
 
-# What a pair then does
+# What a pair then does: the engine, compiled for constants of each pair, takes 40 s of CPU.
+dynamic = pytest.mark.validation
 
 
+@dynamic
 @pytest.mark.parametrize(("per", "seed"), [("particle", 30), ("pair", 16)])
 def test_a_block_slides_or_rests_by_its_own_friction(per, seed):
     """Four blocks on one incline: those with mu < tan slide by g (sin - mu cos), the others stay.
@@ -283,6 +285,7 @@ def kinds(_finished_root, tmp_path_factory) -> dict[str, dict[str, Any]]:
     }
 
 
+@dynamic
 @pytest.mark.parametrize("per", ["particle", "pair"])
 def test_disorder_of_no_width_gives_the_bits_of_none(per, kinds, tmp_path, runs):
     """The kernels of drawn laws are those of shared ones."""
@@ -291,6 +294,7 @@ def test_disorder_of_no_width_gives_the_bits_of_none(per, kinds, tmp_path, runs)
     assert answer["state_digest"] == kinds["none"]["state_digest"]
 
 
+@dynamic
 @pytest.mark.parametrize("per", ["particle", "pair"])
 def test_a_run_with_disorder_is_reproducible_and_its_books_close(per, kinds, tmp_path, runs):
     """Stopped and gone on with at random, or looked at more often, it has the same bits; its books

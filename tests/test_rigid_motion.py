@@ -1,5 +1,6 @@
 """Motion of rigid clusters: free rotation, impacts and rolling with a closed form, momenta."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -12,7 +13,11 @@ from damper3d.cluster import sphere
 from damper3d.clusters.simulation import ClusterSimulation
 from damper3d.clusters.world import build_cluster_world
 from damper3d.enclosure import box
+from damper3d.shapes.cylinder import cylinder
+from damper3d.shapes.oblate import oblate
 from damper3d.simulation import Simulation
+from damper3d.single_contact import free_rotation, orientation
+from damper3d.single_contact.free_rotation import SPIN, jacobi, triaxial
 from damper3d.world import build_world
 
 MIDDLE = [0.0, 0.0, 0.5]
@@ -184,3 +189,127 @@ def test_momenta_change_by_the_impulses_of_the_walls_only(shape, treatment):
     assert np.abs(after[0] - linear + impulses).max() < 1e-11 * np.abs(mass * 1.5).sum()
     assert abs((after[1] + after[2] - orbit - own).sum()) < 1e-11 * scale
     assert np.abs(after[2] - own).max() > 0.01 * scale / len(mass)  # spins did change
+
+
+def set_rolling(shape, mu, *, slope=0.0, speed=0.0, time_step=2e-6):
+    """(simulation, k, R): a body on the floor that can roll along x, of k = I/(m R^2) about its
+    axis and the radius R: a lying prolate, or a toroid of 1000 sub-spheres on its rim."""
+    if shape == "prolate":
+        cluster, turn = particle("prolate:1.5", 3.8e-3), about([0, 0, 1], math.pi / 2)
+        radius, moment = cluster.radii.max(), cluster.inertia[0]
+    else:  # its axis z to -y, a sub-sphere at the bottom: x to -z
+        cluster = particle("toroid:0.2", 3.5e-3, sub_spheres=1000)
+        turn = about([1, 1, -1], 2 * math.pi / 3)
+        radius, moment = cluster.bounding_radius, cluster.inertia[2]
+    law, mass = acrylic(mu), DENSITY * cluster.volume
+    pressed = mass * G * math.cos(slope) / (law.hertz * math.sqrt(cluster.radii.max()))
+    sim = world_of(cluster, [0.0, 0.0, radius - pressed ** (2 / 3)], turn, wall_law=law,
+                   gravity=(G * math.sin(slope), 0.0, -G * math.cos(slope)), treatment="deepest",
+                   time_step=time_step)  # fmt: skip
+    sim.set_velocity(np.array([[speed, 0.0, 0.0]]), np.zeros((1, 3)))
+    return sim, cluster.volume * radius**2 / moment, radius
+
+
+def test_a_toroid_that_slides_on_its_rim_ends_rolling():
+    """While it slides v = u0 - mu g t, R w = (mu g/k) t, k = I/(m R^2); they are equal at
+    t = u0/(mu g (1 + 1/k)), and v = u0/(1 + k) from then on. The grooves between 1000 sub-spheres
+    are 0.03 um deep; the contact stands to either side by up to 14 um then, over which the weight
+    turns the body by 1 % of what friction does, forth and back."""
+    mu, u0 = 0.3, 0.1
+    sim, inverse, radius = set_rolling("toroid", mu, speed=u0)
+    slides = u0 / (mu * G * (1 + inverse))
+    sim.step(round(0.5 * slides / 2e-6))
+    frame = sim.frame()
+    assert frame["v"][0, 0] == pytest.approx(u0 - mu * G * sim.time, rel=1e-3)
+    assert frame["spin"][0, 1] * radius == pytest.approx(inverse * mu * G * sim.time, rel=0.01)
+    sim.step(round(1.0 * slides / 2e-6))
+    frame = sim.frame()
+    assert frame["v"][0, 0] == pytest.approx(u0 / (1 + 1 / inverse), rel=2e-3)
+    assert frame["spin"][0, 1] * radius == pytest.approx(frame["v"][0, 0], rel=2e-3)
+
+
+@pytest.mark.parametrize("shape", ["prolate", "toroid"])
+@pytest.mark.parametrize("mu", [0.5, 0.05])
+def test_rolling_and_sliding_down_an_incline(shape, mu):
+    """From rest at 15 degrees: where mu > tan/(1 + m R^2/I) it rolls, v = g sin t/(1 + k), 5/7 of
+    g sin for a prolate that lies across; else it slides, v = g (sin - mu cos) t and
+    R w = (mu g cos/k) t. Of a toroid the weight turns it about the contact beside, see
+    above, by 6 % of what friction of 0.05 does, forth and back."""
+    slope, seconds = math.radians(15), 0.02
+    sim, inverse, radius = set_rolling(shape, mu, slope=slope)
+    sim.step(round(seconds / 2e-6))
+    speed, rim = sim.frame()["v"][0, 0], sim.frame()["spin"][0, 1] * radius
+    rolling = G * math.sin(slope) * seconds / (1 + 1 / inverse)
+    if shape == "prolate":
+        assert rolling == pytest.approx(5 / 7 * G * math.sin(slope) * seconds, rel=1e-9)
+    rolls = mu > math.tan(slope) / (1 + inverse)
+    assert rolls == (mu == 0.5)
+    push = mu * G * math.cos(slope) * seconds
+    assert speed == pytest.approx(
+        rolling if rolls else G * math.sin(slope) * seconds - push, rel=5e-3
+    )
+    assert rim == pytest.approx(speed if rolls else inverse * push, rel=0.01)
+
+
+def test_a_triaxial_body_turns_by_jacobi_s_elliptic_functions():
+    """Landau and Lifshitz, Mechanics, sec. 37: w in the body's axes, which obeys Euler's equations
+    (by differences), and what the engine gives, to second order; in both senses about the axis."""
+    moments = np.array([1.0, 1.5, 2.0])
+    times = np.linspace(0.0, 3.0, 3001)
+    for spin in ((0.3, 2.0, 0.9), (-0.3, 0.5, -1.1)):
+        w = jacobi(moments, np.array(spin), times)
+        assert w[0] == pytest.approx(spin, abs=1e-12)
+        rates = np.cross(moments * w, w) / moments
+        assert np.gradient(w, times, axis=0)[1:-1] == pytest.approx(rates[1:-1], abs=1e-5)
+    body = triaxial()
+    exact = jacobi(DENSITY * body.inertia, np.array(SPIN), np.array([0.02]))[0]
+    off = []
+    for step in (2e-4, 1e-4):
+        sim = free_rotation.turning(body, SPIN, step)
+        sim.step(round(0.02 / step))
+        off.append(np.abs(free_rotation.own_spin(sim) - exact).max())
+    assert off[0] / off[1] == pytest.approx(4.0, rel=0.1)
+    assert off[1] < 2e-4 * np.abs(exact).max()
+
+
+def test_rebound_by_orientation_against_the_rigid_body(monkeypatch):
+    """Elastic, one contact: the contact point leaves as fast as it came at every tilt, and the
+    centroid as the impulse has it; the spheroid turns and its contact moves on while they touch:
+    2 %. With e = 0.86 the dashpot of the whole mass acts on 1/(1/m + (r x n).I^-1.(r x n)), and
+    the damping ratio is larger by the root of their ratio (eq. 5.29); also to 2 %."""
+    monkeypatch.setattr(orientation, "N_TILTS", 7)
+    for shape, radius in (("prolate:1.5", 3.8e-3), ("toroid:0.2", 3.5e-3)):
+        cluster = particle(shape, radius)
+        elastic = orientation.rebounds(cluster, acrylic(0.0, 1.0), "deepest", DENSITY, 1.0)
+        damped = orientation.rebounds(cluster, acrylic(0.0, 0.86), "deepest", DENSITY, 0.86)
+        for row, slower in zip(elastic, damped, strict=True):
+            assert row["restitution"] == pytest.approx(1.0, abs=0.02)
+            assert row["rebound"] == pytest.approx(row["rigid_rebound"], abs=0.02)
+            assert row["energy_lost"] == pytest.approx(0.0, abs=2e-3)
+            wanted = slower["one_contact_restitution"]
+            assert slower["restitution"] == pytest.approx(wanted, abs=0.02)
+        assert min(row["one_contact_restitution"] for row in damped) < 0.845
+
+
+def without_filling(shape):
+    """A particle whose smooth shape alone counts, of 1 m."""
+    if shape.startswith(("prolate", "toroid")):
+        return particle(shape, 1.0)
+    solid = oblate(0.7) if shape == "oblate:0.7" else cylinder(1.5, 0.2)
+    return dataclasses.replace(
+        sphere(1.0), name=shape, kind=shape.partition(":")[0], surface=solid.surface,
+        volume=solid.volume, inertia=solid.inertia,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("shape", orientation.SHAPES)
+def test_the_arm_of_an_impact_ends_at_the_lowest_point_of_the_smooth_body(shape):
+    """None of the surface's triangles reaches lower, and some corner as low but for their size:
+    0.3 % of the equal-volume radius for the coarsest, of a toroid's tube (1 - cos(pi/32) of b)."""
+    cluster = without_filling(shape)
+    for tilt in np.radians([10.0, 35.0, 60.0, 85.0]):
+        turned = orientation.matrix(orientation.orientation(cluster.kind, tilt, 0.4))
+        arm = orientation.arm(cluster, turned)
+        lowest = (cluster.surface.vertices @ turned.T)[:, 2].min()
+        assert arm[2] <= lowest + 1e-9
+        assert arm[2] == pytest.approx(lowest, abs=3e-3)

@@ -216,6 +216,7 @@ def test_noise_is_no_tone(tmp_path):
         read_record(path)
 
 
+@pytest.mark.validation
 def test_sigma_is_the_error(tmp_path):
     """68 % intervals hold the truth in 60 to 76 % of 120 trials (standard deviation 4 %)."""
     rig = Rig(length=1.0, rate=2000.0, noise=0.02)

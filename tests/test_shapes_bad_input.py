@@ -1,15 +1,17 @@
 """Shapes that cannot be: one line that says what is wrong and what would do."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from test_shapes_mesh import CUBE, CUBE_FACES, write_obj
+from test_shapes_mesh import CUBE, CUBE_FACES, rotation, write_obj
 
 from contact.quantity import InputError
 from damper3d.cluster import Cluster
+from damper3d.shapes.mesh_check import sound
 from damper3d.shapes.particle import FAMILIES, parse_particle
 from damper3d.shapes.surface import unit_ball
 
@@ -49,6 +51,8 @@ def test_a_shape_that_cannot_be(text, words):
         ("oblate:0.7", {"sub_spheres": 1001}, ["from 1 to 1000"]),
         ("oblate:0.7", {"tolerance": 1e-4}, ["from 0.001 to 0.5"]),
         ("toroid:0.2", {"tolerance": 0.01, "sub_spheres": 50}, ["both given"]),
+        ("sphere:5mm", {"sub_spheres": 3}, ["sub_spheres goes with other shapes", "leave it out"]),
+        ("sphere:5mm", {"tolerance": 0.1}, ["tolerance goes with other shapes"]),
         ("toroid:0.2", {"mesh_unit": "mm"}, ["mesh_unit goes with a mesh"]),
         ("mesh:x.stl", {"mesh_unit": "mm", "equal_volume_radius": 1e-3}, ["leave one of them"]),
     ],
@@ -74,7 +78,33 @@ def bent_through() -> tuple[np.ndarray, list[tuple[int, ...]]]:
     return vertices, [tuple(t) for t in ball.triangles.tolist()]
 
 
+def fanned(x: float, y: float) -> tuple[np.ndarray, list[tuple[int, ...]]]:
+    """The cube with one face cut into triangles about a point of its plane, from 0 to 1 inside."""
+    low, high = CUBE.min(axis=0), CUBE.max(axis=0)
+    face = next(f for f in CUBE_FACES if (CUBE[list(f), 2] == high[2]).all())
+    apex = low + np.array([x, y, 1.0]) * (high - low)
+    fan = [(a, b, 8) for a, b in zip(face, [*face[1:], face[0]], strict=True)]
+    return np.vstack([CUBE, apex]), [*(f for f in CUBE_FACES if f != face), *fan]
+
+
+def folded_within() -> tuple[np.ndarray, list[tuple[int, ...]]]:
+    """The same, one of its four triangles cut about a point that lies in the next but one."""
+    vertices, faces = fanned(0.5, 0.5)
+    *others, (a, b, apex) = faces
+    point = 1.5 * vertices[apex] - 0.25 * (vertices[a] + vertices[b])
+    return np.vstack([vertices, point]), [*others, (a, b, 9), (b, apex, 9), (apex, a, 9)]
+
+
+def with_a_sliver() -> tuple[np.ndarray, list[tuple[int, ...]]]:
+    """The cube with a corner on one edge that one of the two faces there does not have."""
+    (a, b, c, d), *others = CUBE_FACES
+    middle = 0.5 * (CUBE[a] + CUBE[b])
+    return np.vstack([CUBE, middle]), [(a, 8, c, d), (8, b, c), (a, b, 8), *others]
+
+
 MESHES = {
+    "folded": (folded_within, ["has faces that lie on each other, near ("]),
+    "sliver": (with_a_sliver, ["1 triangles have their corners in a line", "T-vertices"]),
     "open": (lambda: (CUBE, CUBE_FACES[1:]), ["4 edges are of one triangle only", "close"]),
     "walled": (lambda: two_cubes(1.0), ["of three triangles or more"]),
     "pieces": (lambda: two_cubes(5.0), ["more than one piece"]),
@@ -93,6 +123,23 @@ def test_a_mesh_that_encloses_no_body(kind, tmp_path):
     assert "\n" not in str(error.value)
     for word in ["bad.obj", *words]:
         assert word in str(error.value)
+
+
+@given(st.floats(-0.5, 1.5), st.floats(-0.5, 1.5), st.floats(0.0, 6.0))
+def test_a_face_that_is_folded_back_is_found_wherever_it_is(x, y, angle):
+    """And only then: the point about which it is cut lies outside the face, where its triangles
+    are a flap without thickness (which may touch other faces too, and in line with a rim has
+    none); however the cube is turned."""
+    margin = min(x, y, 1.0 - x, 1.0 - y)
+    assume(abs(margin) > 0.01)  # nearer to its rim triangles are flat or nearly so
+    vertices, faces = fanned(x, y)
+    vertices = vertices @ rotation(np.array([1.0, 2.0, -1.0]), angle).T
+    corners = np.array([vertices[[f[0], b, c]] for f in faces for b, c in pairwise(f[1:])])
+    if margin > 0.0:
+        assert len(sound(corners, "cube").triangles) == len(corners)
+    else:
+        with pytest.raises(InputError, match=r"'cube': (has faces that|cuts itself|1 tri)"):
+            sound(corners, "cube")
 
 
 @pytest.mark.parametrize(

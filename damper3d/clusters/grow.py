@@ -21,7 +21,7 @@ from damper3d.enclosure import Enclosure
 from damper3d.grow import FIRST_PACE, MARGIN, PATIENCE, TOLERANCE, descend, first_size, grow, stages
 from damper3d.neighbours import near_reach_left
 from damper3d.state import NEAR, NEAR_SKIN
-from damper3d.wall_list import gap_to_wall
+from damper3d.wall_kinds import gap_to_wall
 
 _AT_REST, _IMPATIENT, _NEAR_FULL, _CLOSE_FULL = range(4)  # how it ends
 _START = 0.3  # fill ratio of the balls round them to begin with; random insertion ends near 0.38

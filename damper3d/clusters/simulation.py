@@ -15,7 +15,7 @@ class ClusterSimulation(Simulation):
     Contacts are those of spheres: two particles may have several.
     """
 
-    _MOTION = ("position", "orientation", "velocity", "momentum")
+    _MOTION: tuple[str, ...] = ("position", "orientation", "velocity", "momentum")
 
     @property
     def n_spheres(self) -> int:
@@ -73,7 +73,10 @@ class ClusterSimulation(Simulation):
         building.note_all_axes(self.world)
 
     def _restore_pairs(self, pairs: np.ndarray, histories: np.ndarray) -> None:
-        """Give the next list the pairs in contact (n, 2) and their histories."""
+        """Give the next list the pairs in contact (n, 2) and their histories.
+
+        Their keys are those of pairs.key_of, which only kernels can call.
+        """
         while len(self.world.kept.key) < len(pairs):
             self.world = self._roomier("close")
         kept, n, k = self.world.kept, len(pairs), self.n_spheres

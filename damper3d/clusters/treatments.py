@@ -16,6 +16,7 @@ import numpy as np
 from contact.jit import inlined_inner, inner
 from damper3d.clusters.state import DEEPEST, SUM
 from damper3d.geometry import off_axis
+from damper3d.quasistatic.shells import depths_at_shell, touching_shell
 from damper3d.state import CLOSE, DAMPING, HERTZ, MASS, N_HISTORY, NO_CONTACT
 from damper3d.touching import touching_pairs, touching_wall
 
@@ -34,6 +35,13 @@ def acting_at_wall(world, w):
     """The same of the contacts with wall w."""
     n = touching_wall(world.spheres, world.walls, world.wall, w, world.block)
     return n if world.treatment == SUM else treat_wall(world, w, n)
+
+
+@inlined_inner
+def acting_at_shell(world, w):
+    """The same where walls move each by itself."""
+    n = touching_shell(world.spheres, world.walls, world.wall, w, world.block)
+    return n if world.treatment == SUM else treat_shell(world, w, n)
 
 
 @inner
@@ -64,6 +72,13 @@ def treat_wall(world, w, n_touching):
             distance = walls.radius - off_axis((px, py, pz))
         depth[t] = max(contacts.reach[n] - distance, 0.0)
     return treat(world, contacts, world.scratch.wall_whole, n_touching)
+
+
+@inner
+def treat_shell(world, w, n_touching):
+    """The same where walls move each by itself."""
+    depths_at_shell(world, w, n_touching)
+    return treat(world, world.wall, world.scratch.wall_whole, n_touching)
 
 
 @inner

@@ -16,7 +16,8 @@ from damper3d.state import (
     WALL_SEARCHES,
     WALL_SKIN,
 )
-from damper3d.wall_list import contacts_of_wall, gap_to_wall, store_wall_history
+from damper3d.wall_kinds import gap_to_wall
+from damper3d.wall_list import contacts_of_wall, store_wall_history
 
 
 @inner
@@ -52,6 +53,20 @@ def search_walls(world, shift):
         world.wall_seen.drift[c] = shift[c]
     list_active(world)
     return DONE
+
+
+@inner
+def search_shells(world):
+    """The same of walls that move each by itself: half of the skin is left for them to move."""
+    outcome = search_walls(world, (0.0, 0.0, 0.0))
+    if outcome == DONE:
+        leeway, walls = world.wall_seen.leeway, world.walls
+        for b in range(len(leeway)):
+            leeway[b] -= 0.5 * world.lengths[WALL_SKIN]
+        for w in range(len(walls.force)):
+            for c in range(3):
+                walls.listed[w, c] = walls.place[w, c]
+    return outcome
 
 
 @inner

@@ -11,6 +11,7 @@ from damper3d.commands.many import numbers, stop_unless_whole
 from damper3d.commands.options import announce_compilation, case_options, changes_of
 
 if TYPE_CHECKING:
+    from damper3d.pack.known import Fraction
     from damper3d.predict.prediction import Prediction
 
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 @case_options
 @click.option("--frequencies", metavar="20,40,80", help="In Hz [default: 20, 40, 80].")
 @click.option("--packing", type=float, metavar="0.6", help="Fill ratio of your packed bed.")
+@click.option("--pack", is_flag=True, help="Compute the close packing of the particles' shape.")
 @click.option("--full-count", type=int, metavar="N", help="How many particles fill the enclosure.")
 @click.option("--simulate", is_flag=True, help="Set runs beside the ideal curves, to Gamma 100.")
 @engine_options
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 @json_option
 def predict(
     case: str | None, seed: str | None, material: str | None, frequencies: str | None,
-    packing: float | None, full_count: int | None, simulate: bool, workers: int | None,
+    packing: float | None, pack: bool, full_count: int | None, simulate: bool, workers: int | None,
     engine: str, scheduler: str | None, out: str, no_figures: bool, quiet: bool, as_json: bool,
     **options: str | bool | None,
 ) -> None:  # fmt: skip
@@ -48,7 +50,10 @@ def predict(
     wanted = rising("frequencies", numbers("--frequencies", frequencies, predicting.FREQUENCIES))
     fills = predicting.fills(case, changes_of(seed, material, options))
     cases = [DamperCase.load(*fill) for fill in fills]
-    predictions = [predicting.predict(loaded, packing, full_count) for loaded in cases]
+    close = _computed(fills[0], out, workers, quiet) if pack else None
+    predictions = [predicting.predict(loaded, packing, full_count, close) for loaded in cases]
+    for prediction in predictions:
+        predicting.check_known(prediction)
     rows: list[dict[str, Any]] = []
     if simulate:
         from damper3d.predict import beside
@@ -67,6 +72,18 @@ def predict(
         write_figure(picture, lambda: draw_predictions(predictions, wanted, rows))
         click.echo(picture, err=True)
     stop_unless_whole(rows)
+
+
+def _computed(
+    fill: tuple[str, dict[str, Any]], out: str, workers: int | None, quiet: bool
+) -> "Fraction | None":
+    """The close packing of a case's particles, which all fills have in common."""
+    from damper3d.pack import computed
+
+    announce_compilation(quiet)
+    rows = computed.pack(*fill, out=Path(out), beds=False, workers=workers, quiet=quiet)
+    stop_unless_whole(rows)
+    return computed.close_fraction(rows, computed.BODIES)
 
 
 def _in_words(

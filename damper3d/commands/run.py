@@ -39,7 +39,8 @@ def run(
         raise click.UsageError("--resume goes on with a case as it is; leave other options out")
     from campaign.folder import resume_run
     from damper3d.case import DamperCase
-    from damper3d.report import echo, plan, report
+    from damper3d.plan import plan
+    from damper3d.report import echo, report
 
     usual = "thesis" if case is None else case
     loaded = DamperCase.load(resume_run(resume).path / "case.toml" if resume else usual, changes)

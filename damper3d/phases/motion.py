@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.parts import CLOSE_PACKING, LOOSE_PACKING, orientation_of
+from damper3d.pack.known import CLOSE_PACKING, LOOSE_PACKING
+from damper3d.parts import orientation_of
 
 if TYPE_CHECKING:
     from campaign.ragged import Tables

@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 _ANEW = "use --again to compute the run anew"
 _G = 9.81  # m/s2, in which gamma is counted
 _OF_PARTICLES = [f"{name}{axis}" for name in ("", "v", "spin_") for axis in "xyz"] + ["heat"]
+_TURNS = [f"turn_{c}" for c in "wxyz"]  # and of clusters
 
 
 class NothingKept(FolderError):
@@ -201,10 +202,9 @@ class Scene:
         particle (m,).
         """
         static, n = self.trajectory.static, len(self.radius)
-        if "sphere_offset" not in static:  # balls
+        if not self.of_clusters:
             return np.zeros((n, 3)), self.radius, np.arange(n)
-        table, offset = self.tables.at(frame), static["sphere_offset"]
-        turn = np.stack([table[f"turn_{c}"] for c in "wxyz"], axis=1).astype(float)
+        turn, offset = self.orientation(frame), static["sphere_offset"]
         w, about = turn[:, None, :1], turn[:, None, 1:]
         # r + 2 w (q x r) + 2 q x (q x r) of a unit quaternion (w, q)
         first = np.cross(about, offset[None])
@@ -215,6 +215,16 @@ class Scene:
             np.tile(static["sphere_radius"], n),
             np.repeat(np.arange(n), k),
         )
+
+    @property
+    def of_clusters(self) -> bool:
+        """Whether the particles are clusters of sub-spheres, and so have orientations."""
+        return "sphere_offset" in self.trajectory.static
+
+    def orientation(self, frame: int) -> Array:
+        """Of clusters (n, 4): unit quaternions (w, x, y, z), from principal axes to the lab."""
+        table = self.tables.at(frame)
+        return np.stack([table[name] for name in _TURNS], axis=1).astype(float)
 
     def particles(self, frame: int) -> Particles:
         """What moves in a frame."""
@@ -233,8 +243,11 @@ class Scene:
     def title(self) -> str:
         """Particles, enclosure and motion, in one line."""
         n, motion = len(self.radius), self.settings.motion
-        kind, _, size = self.settings.particles.shape.partition(":")
-        what = f"{n} {kind}s of {re.sub('(?<=[0-9])(?=[a-z])', ' ', size)}"
+        shape = self.settings.particles.shape
+        kind, _, size = shape.partition(":")
+        what = f"{n} spheres of {re.sub('(?<=[0-9])(?=[a-z])', ' ', size)}"
+        if kind != "sphere":
+            what = f"{n} particles {shape.removesuffix('.obj')}"
         how = orientation_of(self.gravity, self.direction).replace("none", "no gravity")
         fill = self.trajectory.attributes["fill_ratio"]
         return (
@@ -274,7 +287,8 @@ def read_scene(run_folder: str | Path) -> Scene:
         raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {_ANEW}")
     none = Tables(np.empty(0, np.int64), np.empty(0, np.int64), {})
     tables = stored_tables(run.path).get("particles", none)
-    if len(tables) and (missing := [key for key in _OF_PARTICLES if key not in tables.columns]):
+    needed = [*_OF_PARTICLES, *(_TURNS if "sphere_offset" in trajectory.static else [])]
+    if len(tables) and (missing := [key for key in needed if key not in tables.columns]):
         wrong = f"particles without {', '.join(missing)}"
         raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {_ANEW}")
     # A run that goes on may have flushed more frames between the two readings.

@@ -8,6 +8,7 @@ import numpy as np
 
 from contact.quantity import InputError
 from damper3d.case import DamperCase
+from damper3d.pack.known import Fraction, close_packing, loose_packing
 from damper3d.predict import theory
 
 FREQUENCIES = (20.0, 40.0, 80.0)  # [Hz] of Table 6.3
@@ -22,12 +23,20 @@ class Clearance:
     name: str  # "loose", "close", "own" or "counted"
     packing: float | None  # None for "counted", which knows numbers of particles only
     length: float | None  # [m]
+    uncertainty: float | None = None  # of the length, one standard deviation [m]
+    source: str = ""  # of the packing, in words; "" of what was given by hand
 
     def onset(self, frequency: float) -> float | None:
         """Gamma at which the bouncing bed sets in (eq. 6.11)."""
         if self.length is None:
             return None
         return float(theory.bouncing_bed_onset(frequency, self.length))
+
+    def onset_uncertainty(self, frequency: float) -> float | None:
+        """One standard deviation of that Gamma, which goes with the clearance; None: not known."""
+        if self.length is None or self.uncertainty is None:
+            return None
+        return float(theory.bouncing_bed_onset(frequency, self.uncertainty))
 
 
 @dataclass(frozen=True)
@@ -44,7 +53,8 @@ class Prediction:
     @property
     def best(self) -> Clearance:
         """The one to go by: what the user gave, else the close packing (thesis sec. 6.4.1)."""
-        return next((c for c in self.clearances[2:] if c.length), self.clearances[1])
+        known = {clearance.name: clearance for clearance in self.clearances}
+        return next(known[name] for name in ("own", "counted", "close") if name in known)
 
     @property
     def fluidisation(self) -> tuple[float, float] | None:
@@ -53,19 +63,21 @@ class Prediction:
 
 
 def predict(
-    case: DamperCase, packing: float | None = None, full_count: int | None = None
+    case: DamperCase,
+    packing: float | None = None,
+    full_count: int | None = None,
+    close: Fraction | None = None,
 ) -> Prediction:
-    """Predict a case, beside the two packings for one's own fill ratio or number that fills it.
+    """Predict a case, beside its shape's packings for one's own fill ratio or number that fills it.
 
-    Raises InputError where the motion does not meet two parallel walls, or where the bed of one's
-    own packing has no room.
+    close: the shape's close packing, where it was computed; else that of the shipped table, and
+    None of a shape that is not in it. Raises InputError where the motion does not meet two parallel
+    walls, or where the bed of one's own packing has no room.
     """
     length = _between_walls(case)
-    fill = case.fill_ratio
-    clearances = [
-        Clearance(name, most, (1 - fill / most) * length if fill < most else None)
-        for name, most in theory.PACKINGS.items()
-    ]
+    fill, shape = case.fill_ratio, case.particle.name
+    known = {"loose": loose_packing(shape), "close": close or close_packing(shape)}
+    clearances = [_packed(name, most, fill, length) for name, most in known.items()]
     if packing is not None:
         own = theory.effective_clearance(fill, length, packing)
         clearances.append(Clearance("own", packing, own))
@@ -77,6 +89,30 @@ def predict(
     if orientation != "oblique":
         threshold = theory.fluidisation_threshold(orientation, case.wall_law.mu)
     return Prediction(case.name, fill, length, orientation, tuple(clearances), threshold)
+
+
+def check_known(prediction: Prediction) -> None:
+    """Raise InputError where no packing of the shape is known, so that no onset is."""
+    if prediction.best.packing is None and prediction.best.name == "close":
+        raise InputError(
+            f"{prediction.name}: no packing of its particles' shape is shipped; give --packing, "
+            "such as 0.65, or --pack to compute it"
+        )
+
+
+def _packed(name: str, most: Fraction | None, fill: float, length: float) -> Clearance:
+    """The clearance of eq. 6.13 with its uncertainty; none where no packing is known."""
+    if most is None:
+        return Clearance(name, None, None)
+    room = (1 - fill / most.value) * length if fill < most.value else None
+    source = f"{most.value:.3g}, {most.source}"
+    if most.uncertainty is None:
+        return Clearance(name, most.value, room, None, source)
+    off = fill / most.value**2 * most.uncertainty * length
+    source = f"{most.value:.3g} +- {most.uncertainty:.1g}, {most.source}"
+    if room:
+        source += f"; onset +- {100 * off / room:.2g} %"
+    return Clearance(name, most.value, room, off, source)
 
 
 def fills(name: str | None, changes: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
@@ -100,6 +136,8 @@ def onsets(prediction: Prediction, frequencies: Sequence[float]) -> list[dict[st
             "clearance_m": clearance.length,
             "amplitude_m": clearance.length and clearance.length / np.pi,
             "gamma": [clearance.onset(frequency) for frequency in frequencies],
+            "gamma_uncertainty": [clearance.onset_uncertainty(f) for f in frequencies],
+            "packing_source": clearance.source or None,
         }
         for clearance in prediction.clearances
     ]
@@ -134,12 +172,13 @@ def as_text(prediction: Prediction, frequencies: Sequence[float]) -> str:
         f"  {head[0]:14}" + "".join(f"{word:>10}" for word in head[1:]),
     ]
     for row in onsets(prediction, frequencies):
-        packed = "" if row["max_fill_ratio"] is None else f" {row['max_fill_ratio']:g}"
+        packed = "" if row["max_fill_ratio"] is None else f" {row['max_fill_ratio']:.3g}"
         lengths = [_millimetres(row["clearance_m"]), _millimetres(row["amplitude_m"])]
         gammas = ["-" if gamma is None else f"{gamma:.3g}" for gamma in row["gamma"]]
         cells = "".join(f"{cell:>10}" for cell in [*lengths, *gammas])
         lines.append(f"  {row['packing'] + packed:14}{cells}")
-    return "\n".join([*lines, *_on_fluidisation(prediction)])
+    sources = [f"  {c.name} packing {c.source}" for c in prediction.clearances if c.source]
+    return "\n".join([*lines, *sources, *_on_fluidisation(prediction)])
 
 
 def _on_fluidisation(prediction: Prediction) -> list[str]:

@@ -25,11 +25,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.quantity import InputError, nearest
-from damper3d.parts import CLOSE_PACKING, GRAVITY, LOOSE_PACKING
+from damper3d.pack.known import CLOSE_PACKING, LOOSE_PACKING
+from damper3d.parts import GRAVITY
 
 Floats = NDArray[np.float64]
 
-# Fill ratio of the bed where it is packed (thesis, below eq. 6.13).
+# Fill ratio of a bed of spheres where it is packed (thesis, below eq. 6.13).
 PACKINGS = {"loose": LOOSE_PACKING, "close": CLOSE_PACKING}
 WHOLE_FLIGHT = float(np.hypot(1.0, np.pi))  # Gamma at which a block flies for a whole cycle
 PERIOD_DOUBLING = float(np.hypot(2.0, np.pi))  # Gamma above which its cycles are unlike

@@ -20,7 +20,9 @@ TABLES: dict[str, tuple[str, str]] = {
     ),
     "map": ("maps", "efficiency over frequency and Gamma, 4 fills (thesis, Figs 6.4 and 6.5)"),
     "optimum": ("optimum", "where the bouncing bed damps best (thesis, Table 6.3)"),
+    "packing": ("packing", "how densely each shape packs (thesis, eq. 6.13 and sec. 8.5.1.2)"),
     "sensitivity": ("sensitivity", "the optimum against four properties (thesis, Fig. 6.13)"),
+    "shapes": ("shapes", "spheroids and toroids of unlike ratio (thesis, chapter 8)"),
     "shares": ("shares", "friction and particle-particle contacts (thesis, Figs 6.28, 6.29)"),
     "sizes": ("sizes", "spheres of 3, 4, 5 and 6 mm (thesis, Figs 6.12, 6.22 and 6.26)"),
 }

@@ -49,9 +49,9 @@ class Optimum:
         return math.log(high / low) / 2
 
     def predicted(self, packing: str) -> float | None:
-        """Gamma of eq. 6.11 for "loose" or "close" packing."""
-        found = next(c for c in self.prediction.clearances if c.name == packing)
-        return found.onset(self.frequency)
+        """Gamma of eq. 6.11 for a packing of the prediction, such as "close"; None: none."""
+        found = next((c for c in self.prediction.clearances if c.name == packing), None)
+        return found.onset(self.frequency) if found else None
 
     def error(self, pooled: tuple[float, int] | None) -> float:
         """Half width of the interval of ln Gamma: scatter of the mean and resolution together.

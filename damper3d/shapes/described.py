@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 
 from damper3d.case import DamperCase
+from damper3d.plan import expected_cpu_of_step, expected_cpu_s, steps_at_most
 from damper3d.shapes.errors import Errors
+from damper3d.shapes.grooves import groove_depth, speed_to_groove
 
 
 def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
@@ -30,12 +32,18 @@ def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
         "area_error": errors.area,
         "section_area_error": errors.section_area,
         "section_perimeter_error": errors.section_perimeter,
+        "groove_depth_m": groove_depth(particle),
+        "speed_to_groove_m_s": speed_to_groove(particle, case.wall_law, case.particle_mass),
         "smallest_sub_sphere_m": particle.smallest_radius,
         "rayleigh_step_s": case.steps.rayleigh,
+        "step_limit_s": case.steps.limit,
         "time_step_s": case.time_step,
         "n_particles": case.count,
         "fill_ratio": case.fill_ratio,
-        "cpu_us_per_step": None,  # known once it has run
+        "cycles": case.settings.run.cycles,
+        "steps": steps_at_most(case),
+        "expected_cpu_us_per_step": 1e6 * expected_cpu_of_step(case),
+        "expected_min": sum(expected_cpu_s(case)) / 60,
     }
 
 
@@ -57,12 +65,16 @@ def as_text(found: dict[str, Any]) -> str:
         ("surface area error", _percent(found["area_error"])),
         ("section area error", _percent(found["section_area_error"])),
         ("section perimeter error", _percent(found["section_perimeter_error"])),
+        ("groove under a wall", _groove(found)),
         ("smallest sub-sphere", f"{1e3 * found['smallest_sub_sphere_m']:.4g} mm: Rayleigh step "
-                                f"{1e6 * found['rayleigh_step_s']:.3g} us, time step "
-                                f"{1e6 * found['time_step_s']:.3g} us"),
+                                f"{1e6 * found['rayleigh_step_s']:.3g} us"),
+        ("time step", f"{1e6 * found['time_step_s']:.3g} us; the limit by the body's own contacts "
+                      f"is {1e6 * found['step_limit_s']:.3g} us"),
         ("in 40 mm x 40 mm", f"{found['n_particles']}, a fill ratio of {found['fill_ratio']:.3f}: "
                              f"{found['n_particles'] * found['sub_spheres']} sub-spheres"),
-        ("CPU a step", "not known before it has run; damper3d run tells it"),
+        ("cost", f"about {found['expected_cpu_us_per_step']:.0f} us of CPU a step, "
+                 f"{found['expected_min']:.1f} min for {found['cycles']} cycles of 40 Hz with the "
+                 f"filling, {found['steps']:,} steps; to a factor of two"),
     ]  # fmt: skip
     return "\n".join(f"{name:24} {value}" for name, value in rows)
 
@@ -73,6 +85,15 @@ _ARRANGED = {
     "ring": "in a ring round z",
     "any": "wherever they fill it",
 }
+
+
+def _groove(found: dict[str, Any]) -> str:
+    depth, speed = found["groove_depth_m"], found["speed_to_groove_m_s"]
+    if found["arrangement"] == "ball":
+        return "none"
+    if depth is None:
+        return "known for rows and rings only; the surface error bounds it"
+    return f"{1e6 * depth:.4g} um lying (eq. 5.19), reached by one contact at {speed:.3g} m/s"
 
 
 def _millimetres(lengths: list[float]) -> str:

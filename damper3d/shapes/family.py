@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 from contact.quantity import InputError
@@ -33,7 +34,7 @@ class Family:
     """What the members of a family have in common."""
 
     example: str
-    build: Build  # at an equal-volume radius of 1 m
+    build: Build | None  # at an equal-volume radius of 1 m; None: not made from numbers
     radius: float = SPHEROID_RADIUS  # of equal volume, where none is given [m]
     count: int = SPHEROIDS  # of them fill a cylinder of 40 mm x 40 mm as the thesis's did
     values: tuple[Value, ...] = ()
@@ -67,11 +68,6 @@ class Family:
         return number
 
 
-def no_values(numbers: Numbers, sub_spheres: int | None, tolerance: float | None) -> Cluster:
-    """Stands where a family is not made from numbers."""
-    raise NotImplementedError
-
-
 def _fewest(make: Callable[[int], Cluster], low: int, step: int, tolerance: float) -> Cluster:
     """The particle of least sub-spheres, low + step k, with a surface error in a tolerance."""
     few, many = -1, (MOST_SUB_SPHERES - low) // step
@@ -89,30 +85,36 @@ def _fewest(make: Callable[[int], Cluster], low: int, step: int, tolerance: floa
     return make(low + step * many)
 
 
+def _counted(
+    kind: str, make: Callable[[int], Cluster], fewest: int, step: int, usual: int,
+    sub_spheres: int | None, tolerance: float | None,
+) -> Cluster:  # fmt: skip
+    """The particle of so many sub-spheres, the usual number, or as few as the tolerance lets."""
+    if tolerance is not None:
+        return _fewest(make, fewest, step, checked(tolerance))
+    number = usual if sub_spheres is None else sub_spheres
+    check_number(kind, number, fewest)
+    if (number - fewest) % step:
+        raise InputError(f"sub_spheres = {number} of {kind!r}: must be odd, such as {number + 1}")
+    return make(number)
+
+
 def _prolate(numbers: Numbers, sub_spheres: int | None, tolerance: float | None) -> Cluster:
     (ratio,) = numbers
     if ratio == 1.0:
         return sphere(1.0)
-    fewest = prolate.fewest_sub_spheres(ratio)
-    if tolerance is not None:
-        return _fewest(lambda n: prolate.prolate(ratio, n), fewest, 2, checked(tolerance))
-    number = prolate.USUAL_SUB_SPHERES if sub_spheres is None else sub_spheres
-    check_number("prolate", number, fewest)
-    if number % 2 == 0:
-        raise InputError(f"sub_spheres = {number} of 'prolate': must be odd, such as {number + 1}")
-    return prolate.prolate(ratio, number)
+    fewest, usual = prolate.fewest_sub_spheres(ratio), prolate.USUAL_SUB_SPHERES
+    make = partial(prolate.prolate, ratio)
+    return _counted("prolate", make, fewest, 2, usual, sub_spheres, tolerance)
 
 
 def _toroid(numbers: Numbers, sub_spheres: int | None, tolerance: float | None) -> Cluster:
     (hole,) = numbers
     if hole == 0.0:
         return sphere(1.0)
-    fewest = toroid.fewest_sub_spheres(hole)
-    if tolerance is not None:
-        return _fewest(lambda n: toroid.toroid(hole, n), fewest, 1, checked(tolerance))
-    number = toroid.USUAL_SUB_SPHERES if sub_spheres is None else sub_spheres
-    check_number("toroid", number, fewest)
-    return toroid.toroid(hole, number)
+    fewest, usual = toroid.fewest_sub_spheres(hole), toroid.USUAL_SUB_SPHERES
+    make = partial(toroid.toroid, hole)
+    return _counted("toroid", make, fewest, 1, usual, sub_spheres, tolerance)
 
 
 def _oblate(numbers: Numbers, sub_spheres: int | None, tolerance: float | None) -> Cluster:

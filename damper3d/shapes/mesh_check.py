@@ -3,9 +3,10 @@
 import numpy as np
 
 from contact.quantity import InputError
-from damper3d.shapes.surface import Surface
+from damper3d.shapes.surface import Surface, normals_and_areas
 
 _SAME = 1e-6  # of the diagonal of the box: corners nearer than this are one; STL has single numbers
+_SHARED = 1e-3  # of the area of a triangle on another: less is rounding at its rim
 
 
 def sound(corners: np.ndarray, name: str) -> Surface:
@@ -23,13 +24,15 @@ def sound(corners: np.ndarray, name: str) -> Surface:
     size = float(np.ptp(vertices, axis=0).max())
     if abs(volume) / 6.0 <= 1e-9 * size**3:
         raise InputError(f"mesh {name!r}: encloses no volume; it is flat")
-    pair = crossing(surface)
-    if pair is not None:
-        x, y, z = surface.corners[pair[0]].mean(axis=0)
-        raise InputError(
-            f"mesh {name!r}: cuts itself, near ({x:.4g}, {y:.4g}, {z:.4g}); unite its parts first "
-            "(MeshLab, Blender: boolean union)"
-        )
+    _check_heights(surface, name)
+    for look, what in ((crossing, "cuts itself"), (covering, "has faces that lie on each other")):
+        pair = look(surface)
+        if pair is not None:
+            x, y, z = surface.corners[pair[0]].mean(axis=0)
+            raise InputError(
+                f"mesh {name!r}: {what}, near ({x:.4g}, {y:.4g}, {z:.4g}); unite its parts first "
+                "(MeshLab, Blender: boolean union)"
+            )
     return surface
 
 
@@ -41,8 +44,7 @@ def _welded(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     points = corners.reshape(-1, 3)
     exact, which = np.unique(points, axis=0, return_inverse=True)
-    reach = _SAME * float(np.linalg.norm(np.ptp(points, axis=0)))
-    pairs = cKDTree(exact).query_pairs(reach, output_type="ndarray")
+    pairs = cKDTree(exact).query_pairs(_reach(corners), output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(exact), len(exact)))
     of_point = connected_components(links, directed=False)[1][which.ravel()]
     triangles = of_point.reshape(-1, 3)
@@ -104,6 +106,28 @@ def _oriented(
     return np.where(flip[:, None], triangles[:, ::-1], triangles)
 
 
+def _check_heights(surface: Surface, name: str) -> None:
+    """Raise InputError where a triangle has all corners in a line, and so no direction."""
+    corners = surface.corners
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    areas = 0.5 * np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    thin = np.flatnonzero(2.0 * areas <= _reach(corners) * longest)
+    if len(thin):
+        x, y, z = corners[thin[0]].mean(axis=0)
+        raise InputError(
+            f"mesh {name!r}: {len(thin)} triangles have their corners in a line, near ({x:.4g}, "
+            f"{y:.4g}, {z:.4g}); take them out first (MeshLab: remove T-vertices)"
+        )
+
+
+def _reach(corners: np.ndarray) -> float:
+    """How near corners are one, in the unit of the file."""
+    points = corners.reshape(-1, 3)
+    return _SAME * float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
 def crossing(surface: Surface) -> tuple[int, int] | None:
     """Two triangles of which an edge of one goes through the other, or None.
 
@@ -121,6 +145,33 @@ def crossing(surface: Surface) -> tuple[int, int] | None:
                 at = np.flatnonzero(apart)[hit[0]]
                 return int(one[at]), int(other[at])
     return None
+
+
+def covering(surface: Surface) -> tuple[int, int] | None:
+    """Two triangles of one plane that lie on each other with a part of their area, or None.
+
+    Neighbours with a common edge do where the surface is folded back there; others are cut with
+    each other in the plane.
+    """
+    from shapely import area, intersection, polygons
+
+    corners = surface.corners
+    i, j = _near_pairs(corners)
+    normals, areas = normals_and_areas(corners)
+    height = np.einsum("nkx,nx->nk", corners[j] - corners[i, :1], normals[i])
+    flat = np.abs(height).max(axis=1) <= _reach(corners)
+    i, j = i[flat], j[flat]
+    common = (surface.triangles[i][:, :, None] == surface.triangles[j][:, None, :]).sum((1, 2))
+    facing = np.einsum("nx,nx->n", normals[i], normals[j])
+    doubtful = (common < 2) | (facing < 0.0)
+    i, j = i[doubtful], j[doubtful]
+    across = np.linalg.svd(normals[i][:, None, :])[2][:, 1:]  # two directions in each plane
+    first, second = (
+        polygons(np.einsum("nkx,nax->nka", corners[k] - corners[i, :1], across)) for k in (i, j)
+    )
+    shared = area(intersection(first, second)) > _SHARED * np.minimum(areas[i], areas[j])
+    hit = np.flatnonzero(shared)
+    return (int(i[hit[0]]), int(j[hit[0]])) if len(hit) else None
 
 
 def _near_pairs(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -7,12 +7,11 @@ from pathlib import Path
 
 from contact.quantity import InputError, nearest, to_si
 from damper3d.cluster import Cluster, sphere
-from damper3d.shapes import family
-from damper3d.shapes.family import FAMILIES, SPHEROID_RADIUS, Family
+from damper3d.shapes.family import FAMILIES, Family
 from damper3d.shapes.mesh import read_mesh, unit_of
 from damper3d.shapes.solid import filled
 
-_MESH = Family("mesh:rock.stl", family.no_values, SPHEROID_RADIUS)
+_MESH = Family("mesh:rock.stl", None)
 
 
 @dataclass(frozen=True)
@@ -85,6 +84,9 @@ def _check(wanted: Particle) -> None:
             f"sub_spheres = {wanted.sub_spheres} and tolerance = {wanted.tolerance:g} are both "
             "given; leave one of them out"
         )
+    if wanted.kind == "sphere" and (wanted.sub_spheres, wanted.tolerance) != (None, None):
+        name = "tolerance" if wanted.sub_spheres is None else "sub_spheres"
+        raise InputError(f"{name} goes with other shapes; {text!r} is one sphere; leave it out")
     if wanted.mesh_unit is not None and wanted.kind != "mesh":
         raise InputError(f"mesh_unit goes with a mesh; shape = {text!r} is none; leave it out")
     if wanted.mesh_unit is None:
@@ -119,8 +121,9 @@ def _sphere(text: str, size: str, equal_volume_radius: float | None) -> Cluster:
 @cache
 def _shaped(kind: str, values: str, sub_spheres: int | None, tolerance: float | None) -> Cluster:
     """A particle of a family at an equal-volume radius of 1 m."""
-    numbers = FAMILIES[kind].numbers(kind, values)
-    made = FAMILIES[kind].build(numbers, sub_spheres, tolerance)
+    build = FAMILIES[kind].build
+    assert build is not None  # as of a mesh
+    made = build(FAMILIES[kind].numbers(kind, values), sub_spheres, tolerance)
     return dataclasses.replace(made, name=f"{kind}:{values}", kind=kind)
 
 

@@ -18,9 +18,14 @@ if TYPE_CHECKING:
 # name as in `damper3d contact STUDY`: module of this package, what it shows
 STUDIES: dict[str, tuple[str, str]] = {
     "aluminium-ball": ("aluminium_ball", "200 mm aluminium ball on a rigid wall (Fig. 5.21)"),
+    "contact-limit": ("contact_limit", "overlaps up to which sub-spheres will do (Fig. 5.12)"),
     "damping": ("damping", "damping ratio and restitution of the three dashpots (Fig. 5.19)"),
     "force": ("force", "normal and tangential force, simplified and exact law (Fig. 5.4)"),
+    "free-rotation": ("free_rotation", "free bodies against Jacobi's functions and a precession"),
     "oblique": ("oblique", "oblique impact by each tangential law, against gross sliding"),
+    "orientation": ("orientation", "rebound of particles from a wall, by orientation"),
+    "shape-force": ("shape_force", "normal force of particles, and of smooth ones (Figs 5.6-5.13)"),
+    "shape-shear": ("shape_shear", "tangential force likewise (Figs 5.6b, 5.8b)"),
     "steel-ball": ("steel_ball", "40 mm steel ball at 2.4 m/s on a steel block (Fig. 5.20)"),
     "yield": ("yielding", "yield velocities, and restitution above them (eq. 5.26, Fig. 5.15)"),
 }

@@ -1,0 +1,53 @@
+"""The command that computes how densely particles pack: pack."""
+
+import json
+from pathlib import Path
+
+import click
+
+from campaign.commandline import engine_options, json_option, out_option, quiet_option
+from damper3d.commands.many import stop_unless_whole
+from damper3d.commands.options import announce_compilation, case_options, changes_of
+
+
+@click.command()
+@click.argument("case", required=False)
+@case_options
+@click.option("--bodies", type=int, default=100, metavar="100", help="In the periodic cell.")
+@click.option("--packings", type=int, default=3, metavar="3", help="Of each kind: seeds 1 to N.")
+@click.option("--no-enclosure", is_flag=True, help="The periodic cell only.")
+@engine_options
+@out_option
+@quiet_option
+@json_option
+def pack(
+    case: str | None, seed: str | None, material: str | None, bodies: int, packings: int,
+    no_enclosure: bool, workers: int | None, engine: str, scheduler: str | None, out: str,
+    quiet: bool, as_json: bool, **options: str | bool | None,
+) -> None:  # fmt: skip
+    """Compute random close and loose packing fractions of a case's particles.
+
+    Close: frictionless particles jam in a periodic cell. Loose, and shaken down: in the case's own
+    enclosure, with its walls. For example: damper3d pack --particles prolate:1.5
+    """
+    if packings < 1:
+        raise click.UsageError(f"--packings = {packings}: must be at least 1")
+    if scheduler is not None or engine != "processes":
+        raise click.UsageError("packings are computed on this machine only; leave --engine out")
+    if seed is not None:
+        raise click.UsageError("packings take the seeds 1 to --packings; leave --seed out")
+    from damper3d.case import DamperCase
+    from damper3d.pack import computed
+
+    name, changes = case or "thesis", changes_of(None, material, options)
+    particles = DamperCase.load(name, changes).particle.name
+    announce_compilation(quiet)
+    rows = computed.pack(
+        name, changes, out=Path(out), bodies=bodies, packings=packings, beds=not no_enclosure,
+        workers=workers, quiet=quiet,
+    )  # fmt: skip
+    if as_json:
+        click.echo(json.dumps(computed.answers(particles, bodies, rows), indent=2))
+    else:
+        click.echo(computed.as_text(particles, bodies, rows))
+    stop_unless_whole(rows)

@@ -1,0 +1,175 @@
+"""The commands that press and shear a bed slowly: shear and compress."""
+
+import json
+import re
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from campaign.commandline import engine_options, json_option, out_option, quiet_option
+from damper3d.commands.many import stop_unless_whole
+from damper3d.commands.options import announce_compilation, changes_of
+
+if TYPE_CHECKING:
+    from campaign.sweep import Labelled
+
+# Options that change a key of the particles' case.
+_OF_PARTICLES = [
+    ("--equal-volume-radius", "particles.equal_volume_radius", '"3.8 mm"', "Of shapes by ratio."),
+    ("--sub-spheres", "particles.sub_spheres", "N", "That stand for one particle."),
+    ("--tolerance", "particles.tolerance", "0.02", "Or their surface error over that radius."),
+    ("--count", "particles.count", "N", "Number of particles [default: 100]."),
+    ("--density", "law.density", '"1.19 g/cm3"', "Of the particles."),
+    ("--youngs-modulus", "law.youngs_modulus", '"3.3 GPa"', "Of particles and walls."),
+    ("--friction", "law.friction", "0.52", "Of all contacts."),
+    ("--friction-wall", "law.friction_wall", "0.52", "Of contacts with the walls."),
+    ("--restitution", "law.restitution", "0.86", "Of all contacts."),
+    ("--restitution-wall", "law.restitution_wall", "0.86", "Of contacts with the walls."),
+    ("--contact-treatment", "law.contact_treatment", "sum|deepest|scaled", "Of several of a pair."),
+    ("--settle-time", "fill.settle_time", '"0.2 s"', "Under gravity, before the pre-load."),
+    ("--time-step", "run.time_step", '"1 us"', "Chosen if not given."),
+]
+_OF_TEST = [
+    ("--diameter", '"40 mm"', "Of both halves, inside."),
+    ("--half-height", '"20 mm"', "Of each half."),
+    ("--gap", '"0.5 mm"', "Between the rims of the halves."),
+    ("--preload", '"50 N"', "Of the table [default: 50 N for shear, 10 N to compress]."),
+    ("--speed", '"5 mm/s"', "Of the test."),
+    ("--distance", '"1 mm"', "Of the test [default: shear 1 mm, compress 0.2 mm]."),
+    ("--at", '"0.5 mm"', "Of the secant stiffness [default: shear 0.5 mm, compress 0.1 mm]."),
+]
+
+
+def _options(command: Callable[..., Any]) -> Callable[..., Any]:
+    for flag, example, text in reversed(_OF_TEST):
+        command = click.option(flag, metavar=example, help=text)(command)
+    for flag, key, example, text in reversed(_OF_PARTICLES):
+        command = click.option(flag, key.replace(".", "__"), metavar=example, help=text)(command)
+    for option in (
+        click.option("--material", metavar="acrylic|FILE", help="Of particles and walls."),
+        click.option("--seeds", type=click.IntRange(1), default=3, metavar="N",
+                     help="Packings of each shape [default: 3]."),
+        click.option("--particles", metavar="prolate:1.5,toroid:0.2",
+                     help="Shapes [default: the thesis's, and oblate:0.7]."),
+        engine_options, out_option,
+        click.option("--write", metavar="DIR", help="Where csv, txt and png go [default: --out]."),
+        click.option("--so-far", is_flag=True, help="The table of what is finished; run nothing."),
+        click.option("--dry-run", is_flag=True, help="Say what would be run, and end."),
+        click.option("--no-figures", is_flag=True, help="Make no picture."),
+        quiet_option, json_option,
+    ):  # fmt: skip
+        command = option(command)
+    return command
+
+
+@click.command()
+@_options
+def shear(**options: Any) -> None:
+    """Shear beds in two half containers under a held pre-load, the top half sideways.
+
+    Runs that are finished are not done again: the same command goes on after whatever stopped it.
+    For example: damper3d shear --particles prolate:1,prolate:1.5 --seeds 5
+    """
+    _slow("shear", **options)
+
+
+@click.command()
+@_options
+def compress(**options: Any) -> None:
+    """Compress beds in two half containers by a table, from a pre-load on.
+
+    Runs that are finished are not done again: the same command goes on after whatever stopped it.
+    For example: damper3d compress --particles toroid:0,toroid:0.2 --distance "0.3 mm"
+    """
+    _slow("compress", **options)
+
+
+def _slow(
+    kind: Any, *, particles: str | None, seeds: int, material: str | None, out: str,
+    write: str | None, so_far: bool, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
+    engine: str, workers: int | None, scheduler: str | None, **options: str | None,
+) -> None:  # fmt: skip
+    """Run the tests of all shapes and packings; print, keep and draw the table of them."""
+    from campaign.folder import refuse_unless_writable
+    from campaign.overview import cost
+    from campaign.sweep import run_labelled
+    from damper3d.quasistatic.protocol import SLOW_TESTS
+    from damper3d.quasistatic.report import answers, report
+
+    cases = _cases(kind, particles, seeds, material, options)
+    if so_far:
+        cases = [c for c in cases if SLOW_TESTS.run_folder(c[1], Path(out)).state == "finished"]
+        if not cases:
+            raise click.UsageError(f"--so-far: none of these tests is finished in {out}")
+    if dry_run or not (quiet or so_far):
+        click.echo(cost(SLOW_TESTS, cases), err=not dry_run)
+    if dry_run:
+        return
+    for folder, option in ((out, "--out"), (write or out, "--write")):
+        refuse_unless_writable(Path(folder), option)
+    announce_compilation(quiet or so_far)
+    rows = run_labelled(
+        SLOW_TESTS, cases, out=Path(out), engine=engine, workers=workers, scheduler=scheduler,
+        quiet=quiet,
+    )  # fmt: skip
+    text = report(rows)
+    click.echo(json.dumps(answers(kind, rows), indent=2) if as_json else text)
+    given = {"particles": particles, "seeds": str(seeds), "material": material, **options}
+    given |= {"so-far": ""} if so_far else {}
+    if not no_figures and any(row["state"] == "done" for row in rows):
+        _write(kind, rows, text, given, Path(write or out), quiet)
+    stop_unless_whole(rows)
+
+
+def _cases(
+    kind: Any, particles: str | None, seeds: int, material: str | None,
+    options: dict[str, str | None],
+) -> "list[Labelled]":  # fmt: skip
+    """The test of each shape and packing; all shapes of the first packing stand in front."""
+    from damper3d.quasistatic.case import SlowTest
+    from damper3d.quasistatic.shapes import SHAPES
+
+    names = {flag.removeprefix("--").replace("-", "_") for flag, _, _ in _OF_TEST}
+    of_test = {name: options[name] for name in names}
+    changes = changes_of(None, material, {k: v for k, v in options.items() if k not in names})
+    shapes = list(SHAPES) if particles is None else _listed(particles)
+    return [
+        ({"shape": shape, "seed": seed},
+         SlowTest.load(kind, changes | {"particles.shape": shape}, of_test, seed))
+        for seed in range(1, seeds + 1)
+        for shape in shapes
+    ]  # fmt: skip
+
+
+def _listed(particles: str) -> list[str]:
+    """The shapes of a list; a comma before a digit belongs to a shape, as in superquadric:1,1."""
+    shapes = [word.strip() for word in re.split(r",\s*(?=[A-Za-z])", particles)]
+    if not any(shapes):
+        raise click.UsageError("--particles: empty; give shapes such as prolate:1.5,toroid:0.2")
+    return list(dict.fromkeys(filter(None, shapes)))
+
+
+def _write(
+    kind: str, rows: list[dict[str, Any]], text: str, given: dict[str, str | None], folder: Path,
+    quiet: bool,
+) -> None:  # fmt: skip
+    """Keep the table, unless runs that were interrupted left it in parts."""
+    from campaign.results import origin, write_results
+    from damper3d.quasistatic.chart import draw
+    from damper3d.quasistatic.protocol import SLOW_TESTS
+
+    if any(row["state"] == "interrupted" for row in rows):
+        return
+    keys = {name: name.rpartition("__")[2].replace("_", "-") for name in given}
+    words = [
+        f"--{keys[name]} {shlex.quote(value)}" if value else f"--{keys[name]}"
+        for name, value in given.items()
+        if value is not None
+    ]
+    lines = origin(" ".join([f"damper3d {kind}", *words]), SLOW_TESTS)
+    files = write_results(folder, kind, rows, lines, text, lambda: draw(rows))
+    if not quiet:
+        click.echo("\n".join(map(str, files)), err=True)

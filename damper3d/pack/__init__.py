@@ -1,0 +1,1 @@
+"""How densely particles of any shape pack at random, and the numbers that are shipped of it."""

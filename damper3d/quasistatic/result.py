@@ -1,0 +1,56 @@
+"""The answers of a slow test, as summary.json keeps them and --json prints them."""
+
+from dataclasses import dataclass
+from functools import cache
+
+from pydantic import TypeAdapter
+
+from campaign.answers import read_answers
+from campaign.folder import RunFolder
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a test found; SI, None for what does not exist. See measure.py."""
+
+    test: str
+    particles: str
+    n_particles: int
+    seed: int
+    preload_n: float
+    preload_mean_n: float | None  # on the table during the test; None where it is not held
+    preload_rms_deviation_n: float | None
+    preload_displacement_m: float  # of the table, from the top of the bed to where it rests
+    bed_height_m: float  # under the pre-load
+    packing_fraction: float
+    speed_m_per_s: float
+    distance_m: float
+    inertial_number: float
+    at_m: float
+    stiffness_n_per_m: float  # secant to at_m
+    force_start_n: float
+    force_end_n: float
+    force_mean_n: float  # above that at the start, mean over the distance
+    displacement_m: list[float]
+    force_n: list[float]
+    force_imbalance: float
+    energy_closure: float | None
+    law_term: float | None
+    max_impact_over_yield_velocity: dict[str, float | None]
+    time_step_s: float
+    steps: int
+    cpu_us_per_step: float
+    cpu_s: float
+    state_digest: str
+    reused: bool
+    run_folder: str
+
+    @classmethod
+    def read(cls, folder: RunFolder, *, reused: bool) -> "Result":
+        """The result kept in a finished run folder; FolderError where it is damaged."""
+        return read_answers(_adapter(), folder, reused=reused)
+
+
+@cache
+def _adapter() -> TypeAdapter[Result]:
+    return TypeAdapter(Result)
