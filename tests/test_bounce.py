@@ -92,6 +92,7 @@ def test_restitution_that_falls_with_speed_is_found():
     assert min(e[1:-1]) < found.pooled.value < max(e[1:-1])
 
 
+@pytest.mark.validation
 def test_bounces_that_share_a_flight_are_anticorrelated_and_the_pooled_value_knows():
     """T2 is in T2/T1 and in T3/T2: errors of a long flight cancel in the pooled value.
 
