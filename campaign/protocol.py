@@ -91,3 +91,12 @@ def kept(
         folder.mkdir(parents=True, exist_ok=True)
     with alone(folder, stop, Stopped("the same command goes on from there")):
         return load(folder) or make()
+
+
+def packing_sources(load: Callable[[Path], Made | None], file: Path) -> str | None:
+    """Digest of the sources that made the packing in a file; None where none can be read."""
+    try:
+        packing = load(file.parent)
+    except FolderError:
+        return None
+    return packing.sources if packing else None

@@ -1,10 +1,12 @@
 """Many silos on many cores: each packing filled once, each run in its own folder, one row each."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from campaign.folder import FolderError, RunFolder
+from campaign.protocol import packing_sources
 from campaign.sweep import Labelled, Simulator, Task, as_outcome, run_labelled, silent
 from campaign.task import SimulationError, Stop
 from contact.quantity import InputError
@@ -46,14 +48,6 @@ def _packing_file(case: SiloCase, out: Path) -> Path:
     return packing_folder(case, out) / "packing.h5"
 
 
-def _packing_from(file: Path) -> str | None:
-    try:
-        packing = load_packing(file.parent)
-    except FolderError:
-        return None
-    return packing.sources if packing else None
-
-
 def _read(folder: RunFolder) -> Result:
     return Result.read(folder, reused=True)
 
@@ -62,7 +56,7 @@ SILO = Simulator(
     name="silo2d",
     digest=protocol.run_digest,
     packing_file=_packing_file,
-    packing_from=_packing_from,
+    packing_from=partial(packing_sources, load_packing),
     work=run_task,
     read=_read,
     expected_cpu_s=expected_cpu_s,

@@ -2,12 +2,13 @@
 
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from campaign.alone import once
 from campaign.folder import FolderError, RunFolder, digest, open_run
-from campaign.protocol import begin_or_check, end
+from campaign.protocol import begin_or_check, end, packing_sources
 from campaign.provenance import Warn, to_stderr
 from campaign.sweep import Simulator, Task, as_outcome, silent
 from campaign.task import Progress, SimulationError, Stop
@@ -121,14 +122,6 @@ def _packing_file(test: SlowTest, out: Path) -> Path:
     return packing_folder(test, out) / "packing.h5"
 
 
-def _packing_from(file: Path) -> str | None:
-    try:
-        packing = load_packing(file.parent)
-    except FolderError:
-        return None
-    return packing.sources if packing else None
-
-
 def _read(folder: RunFolder) -> Result:
     return Result.read(folder, reused=True)
 
@@ -137,7 +130,7 @@ SLOW_TESTS = Simulator(
     name="damper3d",
     digest=run_digest,
     packing_file=_packing_file,
-    packing_from=_packing_from,
+    packing_from=partial(packing_sources, load_packing),
     work=run_task,
     read=_read,
     expected_cpu_s=expected_cpu_s,

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 from campaign.layout import done
 from campaign.statistics import mean_sd, slope
+from damper3d.reproduce.curves import curve
 from damper3d.reproduce.dampers import ORIENTATIONS
 from damper3d.reproduce.optima import Optimum
 from damper3d.reproduce.runs import Row
@@ -191,7 +192,5 @@ def _friction(table: Table) -> Statement:
 
 def efficiencies(rows: Sequence[Row]) -> dict[float, float]:
     """Mean efficiency over the packings at each Gamma."""
-    groups: dict[float, list[float]] = {}
-    for row in done(rows):
-        groups.setdefault(row["gamma"], []).append(row["efficiency"])
-    return {gamma: math.fsum(own) / len(own) for gamma, own in sorted(groups.items())}
+    own = curve(rows, lambda row: row["efficiency"])
+    return dict(zip(own.x, own.mean, strict=True))
