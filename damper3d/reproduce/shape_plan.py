@@ -68,11 +68,11 @@ def particle_text(shape: Shape) -> str:
     return f"{'oblate' if ratio < 1 else 'prolate'}:{ratio:g}"
 
 
-def onset_panels(wanted: Iterable[Shape] | None = None) -> list[Panel]:
+def onset_panels(frequency: float) -> list[Panel]:
     """Figs 8.9-8.14: both orientations, Gammas about the onset, before they are refined."""
     return [
-        panel(shape, orientation, [(f, gamma) for f in BOUNCING for gamma in _about(shape, f)])
-        for orientation, shape in itertools.product(ORIENTATIONS, wanted or shapes())
+        panel(shape, orientation, [(frequency, gamma) for gamma in _about(shape, frequency)])
+        for orientation, shape in itertools.product(ORIENTATIONS, shapes())
     ]
 
 
