@@ -62,9 +62,7 @@ def test_plan_has_the_shapes_and_counts_of_chapter_8():
     assert [family for family, _ in shape_plan.shapes()].count("toroid") == 6
     counts = {p.labels["shape"]: p.changes["particles.count"] for p in onset_panels()}
     assert counts == {"spheroid": 90, "toroid": 110}
-    cycles = {
-        (p.changes["run.cycles"], p.changes["run.discard"]) for p in onset_panels()
-    }
+    cycles = {(p.changes["run.cycles"], p.changes["run.discard"]) for p in onset_panels()}
     assert cycles == {(18, 3)}  # sec. 8.4
 
 
