@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from campaign.figure import BLUE, GREY, INK, headline
-from campaign.folder import FolderError, RunFolder, resume_run
+from campaign.folder import FolderError, RunFolder
+from damper3d.folders import shaken
 from damper3d.pictures.charts import dissipated, efficiency_of_cycles
 from damper3d.pictures.graph import ruled
 from damper3d.pictures.scene import Scene, read_scene
@@ -48,7 +49,7 @@ def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
 
     Raises FolderError for a folder that is no finished run.
     """
-    one, other = (_row(resume_run(path)) for path in (first, second))
+    one, other = (_row(shaken(path)) for path in (first, second))
     first_half, second_half = (_half_width(row["efficiency_interval"]) for row in (one, other))
     change = other["efficiency"] - one["efficiency"]
     spread = None

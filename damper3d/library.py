@@ -4,10 +4,12 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from campaign.folder import RunFolder, resume_run
 from campaign.library import packings_and_runs, run_in_words
 from contact.datafile import case_names, data_file, data_names
 from contact.quantity import InputError, nearest
 from damper3d.case import PRESETS, DamperCase
+from damper3d.folders import is_slow_test
 
 
 def listing(root: Path) -> str:
@@ -64,7 +66,19 @@ def _run(folder: Path) -> str:
     from damper3d.report import report
     from damper3d.result import Result
 
+    run = resume_run(folder)
+    if is_slow_test(run):
+        return _slow_test(run)
     return run_in_words(folder, "damper3d", lambda run: report(Result.read(run, reused=False)))
+
+
+def _slow_test(run: RunFolder) -> str:
+    from damper3d.quasistatic.report import one_test
+    from damper3d.quasistatic.result import Result
+
+    if run.state == "unfinished":
+        return f"{run.path}: unfinished; the same damper3d shear or compress goes on with it"
+    return one_test(Result.read(run, reused=False))
 
 
 def _materials(name: str) -> str:

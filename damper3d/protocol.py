@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from campaign.checkpoint import load_checkpoint
-from campaign.folder import FolderError, RunFolder, digest, open_run, resume_run
+from campaign.folder import FolderError, RunFolder, digest, open_run
 from campaign.protocol import begin_or_check, check_unchanged, end, kept
 from campaign.provenance import Warn, to_stderr
 from campaign.task import Progress, Stop, Stopped
 from campaign.trajectory import TrajectoryWriter, read_trajectory
 from damper3d.case import DamperCase
 from damper3d.fill import fill, resting
+from damper3d.folders import shaken
 from damper3d.packing import Packing, damaged, load_packing, packing_folder, save_packing
 from damper3d.phases.criteria import phase_of_run
 from damper3d.result import Result
@@ -58,7 +59,7 @@ def resume(
     stop: Stop = lambda: False,
 ) -> Result:
     """Go on with the run in a folder; see `run`."""
-    folder = resume_run(path)
+    folder = shaken(path)
     case = DamperCase.load(folder.path / "case.toml")
     check_unchanged(folder, run_digest(case), "case.toml or materials.toml")
     return run_in(folder, case, progress or (lambda fraction, text: None), stop)

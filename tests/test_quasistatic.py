@@ -2,6 +2,7 @@
 
 import math
 import shutil
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from damper_runs import answers, forked
 from slow_rigs import HALVES, UP, bed, rig
 from small_damper import damper3d
 
-from campaign.folder import RunFolder
+from campaign.folder import RunFolder, open_run
 from campaign.results import read_results
 from contact.quantity import InputError
 from damper3d import state
@@ -22,6 +23,7 @@ from damper3d.efficiency import closure
 from damper3d.quasistatic import course, protocol
 from damper3d.quasistatic.case import SlowTest
 from damper3d.quasistatic.report import report
+from damper3d.quasistatic.result import Result
 from damper3d.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, Halves
 from damper3d.quasistatic.shapes import by_shape, scatter_of
 from damper3d.quasistatic.shells import gap_to_shell
@@ -323,6 +325,34 @@ def test_the_words_of_a_committed_table_are_what_its_rows_say(kind):
     words = "\n".join(line for line in text.splitlines() if not line.startswith("# "))
     assert words.strip() == report(rows).strip()
     assert [row["state"] for row in rows] == ["done"] * 26
+
+
+def kept_test(root: Path, finished: bool) -> RunFolder:
+    """The folder of a test of the committed table, as a run leaves it."""
+    _, rows = read_results(RESULTS / "shear.csv")
+    names = {field.name for field in fields(Result)}
+    folder = open_run(root, "shear", "0")
+    folder.write_case(small().to_toml())
+    if finished:
+        found = {name: value for name, value in rows[0].items() if name in names}
+        impacts = {"particle_particle": None, "particle_wall": None}
+        folder.write_summary({**found, "max_impact_over_yield_velocity": impacts})
+    return folder
+
+
+def test_a_slow_test_is_shown_and_refused_where_particles_are_wanted(tmp_path):
+    folder = kept_test(tmp_path, finished=True)
+    shown = damper3d("show", folder.path)
+    assert shown.code == 0
+    assert shown.out.startswith("shear of 100 of prolate:1, seed 1: secant stiffness")
+    run = folder.path
+    for words in (["render", run], ["export", run, "--to", "csv"], ["compare", run, run],
+                  ["run", "--resume", run]):  # fmt: skip
+        refused = damper3d(*words)
+        assert (refused.code, refused.out, refused.err.count("\n")) == (2, "", 1)
+        assert "of damper3d shear or compress" in refused.err
+    unfinished = damper3d("show", kept_test(tmp_path / "begun", finished=False).path)
+    assert "unfinished; the same damper3d shear or compress goes on with it" in unfinished.out
 
 
 def test_the_inertial_number_of_the_thesis_test_is_quasi_static():

@@ -37,13 +37,13 @@ def run(
     changes = changes_of(seed, material, options)
     if resume and (case is not None or changes or again):
         raise click.UsageError("--resume goes on with a case as it is; leave other options out")
-    from campaign.folder import resume_run
     from damper3d.case import DamperCase
+    from damper3d.folders import shaken
     from damper3d.plan import plan
     from damper3d.report import echo, report
 
     usual = "thesis" if case is None else case
-    loaded = DamperCase.load(resume_run(resume).path / "case.toml" if resume else usual, changes)
+    loaded = DamperCase.load(shaken(resume).path / "case.toml" if resume else usual, changes)
     if dry_run:
         click.echo(json.dumps(plan(loaded), indent=2) if as_json else echo(loaded, dry_run=True))
         return

@@ -10,11 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.folder import FolderError, RunFolder, resume_run
+from campaign.folder import FolderError, RunFolder
 from campaign.ragged import Tables
 from campaign.trajectory import Trajectory, read_trajectory, stored_tables
 from damper3d.efficiency import reference_energy
 from damper3d.enclosure import Enclosure, box, cylinder
+from damper3d.folders import shaken
 from damper3d.parts import orientation_of
 from damper3d.records import UNITS
 from damper3d.settings import Settings, check_settings, read_settings
@@ -272,7 +273,7 @@ def read_scene(run_folder: str | Path) -> Scene:
     where it has no samples any more.
     """
     run = RunFolder(Path(run_folder))
-    path = resume_run(run_folder).path / "case.toml"
+    path = shaken(run_folder).path / "case.toml"
     settings = check_settings(read_settings(path), str(path))
     summary = run.read_summary() if run.state == "finished" else {}
     if summary and not (run.path / "trajectory.h5").exists():

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from campaign.layout import columns, done, not_done
+from damper3d.quasistatic.result import Result
 from damper3d.quasistatic.shapes import Scatter, Shape, by_shape, scatter_of
 from damper3d.quasistatic.statements import statements
 from damper3d.reproduce.statements import report_statements
@@ -37,6 +38,33 @@ def report(rows: Sequence[Row]) -> str:
             ],
         )
     )
+
+
+def one_test(found: Result) -> str:
+    """A test of one packing for a person to read."""
+    held = ""
+    if found.preload_mean_n is not None:
+        held = f", held at {found.preload_mean_n:.4g} N in the mean"
+        held += f" ({found.preload_rms_deviation_n:.2g} N rms away)"
+    closed = found.energy_closure
+    lines = [
+        f"{found.test} of {found.n_particles} of {found.particles}, seed {found.seed}: secant "
+        f"stiffness {1e-3 * found.stiffness_n_per_m:.4g} N/mm to {1e3 * found.at_m:g} mm",
+        f"  {_TITLES[found.test]}",
+        f"  force            {found.force_start_n:.4g} N at the start, {found.force_end_n:.4g} N "
+        f"at {1e3 * found.distance_m:g} mm, {found.force_mean_n:.4g} N above the start in the mean",
+        f"  pre-load         {found.preload_n:g} N{held}",
+        f"  bed              {1e3 * found.bed_height_m:.2f} mm high under it, packing fraction "
+        f"{found.packing_fraction:.3f}",
+        f"  slow             {1e3 * found.speed_m_per_s:g} mm/s, inertial number "
+        f"{found.inertial_number:.1e}",
+        f"  checks           forces balance to {found.force_imbalance:.1e} of the largest"
+        + ("" if closed is None else f", books closed to {100 * abs(closed):.1g} %"),
+        f"  cost             {found.cpu_us_per_step:.1f} us of CPU a step, {found.steps:,} steps "
+        f"of {found.time_step_s:.3g} s; {found.cpu_s:.0f} s in all",
+        f"  run folder       {found.run_folder}",
+    ]
+    return "\n".join(lines)
 
 
 def answers(test: str, rows: Sequence[Row]) -> dict[str, Any]:
