@@ -11,7 +11,7 @@ from damper3d import state
 from damper3d.enclosure import Enclosure
 from damper3d.state import Block, Bodies, Cells, Contacts, Near, Spheres, Walls, World
 
-FIRST_SKIN = 0.01  # close skin over the largest radius, before it follows the speed
+_FIRST_SKIN = 0.01  # close skin over the largest radius, before it follows the speed
 _LINE = 8  # numbers in a line of the cache
 _WIDEST_NEAR_SKIN = 0.3  # of the near skin over the largest radius, for which the cells are made
 
@@ -35,61 +35,82 @@ def build_world(
     positions (n, 3) in the enclosure's frame [m]; radii (n,) [m]; density [kg/m3]; shaker as in
     shaker.py, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s].
     """
-    n = len(positions)
+    n, largest = len(positions), float(radii.max())
     mass = density * 4.0 / 3.0 * math.pi * radii**3
-    spheres = Spheres(
-        position=zeros(n + 1, 4),
-        velocity=zeros(n + 1, 4),
-        spin=zeros(n + 1, 4),
-        force=zeros(n + 1, 4),
-        torque=zeros(n + 1, 4),
-        inverse_mass=1.0 / mass,
+    spheres = spheres_of(radii, mass)
+    spheres.position[:n, :3] = positions
+    return World(
+        bodies=_bodies(radii, mass),
+        spheres=spheres,
+        cells=cells_over(enclosure, n, largest),
+        near=_near(n, 16 * n + 64),
+        close=contacts_with_room(n, 8 * n + 64),
+        wall=contacts_with_room(n, 8 * (n // 2) + 64),
+        walls=walls_of(enclosure, n, curved_wall),
+        block=block(),
+        counts=first_counts(),
+        books=np.zeros(state.N_BOOKS),
+        fastest=np.zeros(2),
+        lengths=first_skins(largest),
+        pair_law=pair_law,
+        wall_law=wall_law,
+        shaker=shaker,
+        direction=padded(direction),
+        gravity=padded(gravity),
+        time_step=time_step,
     )
-    spheres.position[:n, :3], spheres.position[:n, 3] = positions, radii
-    bodies = Bodies(
+
+
+def spheres_of(radii: np.ndarray, mass: np.ndarray) -> Spheres:
+    """Spheres at the origin and at rest; mass (n,) is that of the body of each [kg]."""
+    n = len(radii)
+    rows = ("position", "velocity", "spin", "force", "torque")
+    spheres = Spheres(**{name: zeros(n + 1, 4) for name in rows}, inverse_mass=1.0 / mass)
+    spheres.position[:n, 3] = radii
+    return spheres
+
+
+def _bodies(radii: np.ndarray, mass: np.ndarray) -> Bodies:
+    n = len(radii)
+    return Bodies(
         velocity=zeros(n, 4),
         spin=zeros(n, 4),
         inverse_mass=1.0 / mass,
         inverse_inertia=1.0 / (0.4 * mass * radii**2),
         heat=np.zeros(n + 1),
     )
-    largest = float(radii.max())
-    skins = np.zeros(state.N_LENGTHS)
-    skins[[state.CLOSE_SKIN, state.WALL_SKIN]] = FIRST_SKIN * largest
-    skins[state.NEAR_SKIN] = -1.0  # no list yet: its reach is used up
+
+
+def walls_of(enclosure: Enclosure, n: int, curved: bool) -> Walls:
+    """The walls of an enclosure that n spheres may touch and none does yet."""
     n_walls = len(enclosure.wall_names)
-    counts = np.zeros(state.N_COUNTS, np.int64)
-    counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
-    return World(
-        bodies=bodies,
-        spheres=spheres,
-        cells=cells_over(enclosure, n, largest),
-        near=_near(n, 16 * n + 64),
-        close=contacts_with_room(n, 8 * n + 64),
-        wall=contacts_with_room(n, 8 * (n // 2) + 64),
-        walls=Walls(
-            planes=enclosure.planes,
-            radius=enclosure.cylinder_radius,
-            curved=curved_wall,
-            first=np.zeros(n_walls + 1, np.int64),
-            force=np.zeros((n_walls, 3)),
-            history=no_history(n_walls, n),
-        ),
-        block=block(),
-        counts=counts,
-        books=np.zeros(state.N_BOOKS),
-        fastest=np.zeros(2),
-        lengths=skins,
-        pair_law=pair_law,
-        wall_law=wall_law,
-        shaker=shaker,
-        direction=_padded(direction),
-        gravity=_padded(gravity),
-        time_step=time_step,
+    return Walls(
+        planes=enclosure.planes,
+        radius=enclosure.cylinder_radius,
+        curved=curved,
+        first=np.zeros(n_walls + 1, np.int64),
+        force=np.zeros((n_walls, 3)),
+        history=no_history(n_walls, n),
     )
 
 
-def _padded(vector: np.ndarray) -> np.ndarray:
+def first_counts() -> np.ndarray:
+    """The counts of a world whose lists are still to be made."""
+    counts = np.zeros(state.N_COUNTS, np.int64)
+    counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+    return counts
+
+
+def first_skins(largest: float) -> np.ndarray:
+    """The lengths of such a world, from the radius of its largest sphere [m]."""
+    skins = np.zeros(state.N_LENGTHS)
+    skins[[state.CLOSE_SKIN, state.WALL_SKIN]] = _FIRST_SKIN * largest
+    skins[state.NEAR_SKIN] = -1.0  # no list yet: its reach is used up
+    return skins
+
+
+def padded(vector: np.ndarray) -> np.ndarray:
+    """A vector (3,) as the kernels load it, (4,)."""
     return np.append(np.asarray(vector, float), 0.0)
 
 

@@ -20,6 +20,7 @@ case = "small.toml"
 [vary]
 motion.gamma = [5, 10]
 """
+SHAPES = 'particles.shape = ["prolate:1.5", "toroid:0.2"]\nparticles.count = 12'
 
 
 def write_study(folder: Path, text: str = STUDY) -> Path:
@@ -121,6 +122,18 @@ def test_a_sweep_has_the_bits_of_single_runs_and_one_packing(swept, tmp_path):
     assert single["state_digest"] == rows[0]["state_digest"] != rows[1]["state_digest"]
     assert float(rows[0]["efficiency"]) == single["efficiency"]
     assert single["n_particles"] == CASE["particles.count"]
+
+
+def test_a_sweep_of_shapes_has_the_same_bits_whatever_the_workers(tmp_path):
+    study = write_study(tmp_path, STUDY.replace("motion.gamma = [5, 10]", SHAPES))
+    digests = []
+    for workers in (1, 2):
+        out = tmp_path / f"runs-{workers}"
+        words = ["-o", out, "--workers", workers, "--quiet", "--json"]
+        rows = damper3d("sweep", study, *words).json["rows"]
+        digests.append([(row["particles"], row["state_digest"]) for row in rows])
+    assert digests[0] == digests[1]
+    assert len({digest for _, digest in digests[0]}) == 2
 
 
 def test_a_finished_run_is_not_done_again(swept):

@@ -19,7 +19,7 @@ from damper3d.clusters.state import (
     Shape,
 )
 from damper3d.enclosure import Enclosure
-from damper3d.state import Contacts, Spheres, Walls
+from damper3d.state import Contacts
 
 _ROUNDING = 1e-9  # by which moments may differ that are meant to be equal
 
@@ -47,21 +47,16 @@ def build_cluster_world(
     in build_world.
     """
     n, k = len(positions), len(particle.radii)
-    n_walls, capacity = len(enclosure.wall_names), 16 * n + 16 * k + 64
-    radius = particle.bounding_radius
-    skins = np.zeros(state.N_LENGTHS)
-    skins[[state.CLOSE_SKIN, state.WALL_SKIN]] = world.FIRST_SKIN * float(particle.radii.max())
-    skins[state.NEAR_SKIN] = -1.0  # no list yet: its reach is used up
-    counts = np.zeros(state.N_COUNTS, np.int64)
-    counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+    capacity = 16 * n + 16 * k + 64
+    radius, largest = particle.bounding_radius, float(particle.radii.max())
     mass = density * particle.volume
     built = ClusterWorld(
         shape=shape_of(particle, density),
         bodies=_bodies(positions, orientations, radius, mass, k),
-        spheres=_spheres(np.tile(particle.radii, n), mass),
+        spheres=world.spheres_of(np.tile(particle.radii, n), np.full(n * k, mass)),
         active=np.zeros(n * k + 1, np.uint32),
         active_first=np.zeros(n + 1, np.int64),
-        cells=world.cells_over(enclosure, n, radius)._replace(largest=float(particle.radii.max())),
+        cells=world.cells_over(enclosure, n, radius)._replace(largest=largest),
         near=_near(n, 16 * n + 64),
         close=world.contacts_with_room(0, capacity),
         close_seen=_seen(n),
@@ -69,24 +64,17 @@ def build_cluster_world(
         wall_seen=_seen(n),
         kept=_kept(capacity),
         scratch=_scratch(n, k, capacity),
-        walls=Walls(
-            planes=enclosure.planes,
-            radius=enclosure.cylinder_radius,
-            curved=curved_wall,
-            first=np.zeros(n_walls + 1, np.int64),
-            force=np.zeros((n_walls, 3)),
-            history=world.no_history(n_walls, n * k),
-        ),
+        walls=world.walls_of(enclosure, n * k, curved_wall),
         block=world.block(),
-        counts=counts,
+        counts=world.first_counts(),
         books=np.zeros(state.N_BOOKS),
         fastest=np.zeros(2),
-        lengths=skins,
+        lengths=world.first_skins(largest),
         pair_law=pair_law,
         wall_law=wall_law,
         shaker=shaker,
-        direction=np.append(np.asarray(direction, float), 0.0),
-        gravity=np.append(np.asarray(gravity, float), 0.0),
+        direction=world.padded(direction),
+        gravity=world.padded(gravity),
         time_step=time_step,
         treatment=TREATMENTS.index(treatment),
     )
@@ -153,16 +141,6 @@ def note_all_axes(built: ClusterWorld) -> None:
     for b in range(len(built.bodies.inverse_mass)):
         note_axes(built.bodies, b)
         note_spin(built.bodies, built.shape, b)
-
-
-def _spheres(radii: np.ndarray, mass: float) -> Spheres:
-    m = len(radii)
-    rows = ("position", "velocity", "spin", "force", "torque")
-    spheres = Spheres(
-        **{name: world.zeros(m + 1, 4) for name in rows}, inverse_mass=np.full(m, 1.0 / mass)
-    )
-    spheres.position[:m, 3] = radii
-    return spheres
 
 
 def _near(n: int, capacity: int) -> BodyPairs:
