@@ -191,7 +191,7 @@ def test_report_names_the_treatments_and_draws_all_panels():
     shapes.draw(made)
 
 
-def test_costly_parts_take_every_third_packing(monkeypatch, tmp_path):
+def test_all_parts_but_the_onset_at_40_hz_take_every_third_packing(monkeypatch, tmp_path):
     taken = {}
 
     def noted(panels, seeds, **_):
@@ -201,5 +201,5 @@ def test_costly_parts_take_every_third_packing(monkeypatch, tmp_path):
 
     monkeypatch.setattr(shapes, "run_panels", noted)
     shapes.run(out=tmp_path, seeds=(1, 2, 3, 4), workers=1, quiet=True)
-    assert taken["curves", 40.0] == taken["sensitivity", 40.0] == {1, 2, 3, 4}
-    assert taken["curves", 20.0] == taken["curves", 1024.0] == {1, 4}
+    assert taken["curves", 40.0] == {1, 2, 3, 4}
+    assert taken["sensitivity", 40.0] == taken["curves", 20.0] == taken["curves", 1024.0] == {1, 4}
