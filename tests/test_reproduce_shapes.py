@@ -137,6 +137,16 @@ def test_fluidisation_optimum_that_goes_with_frequency_alone_passes():
     assert place
 
 
+def test_curves_without_a_peak_are_told_from_curves_without_runs():
+    flat = [{**row, "efficiency": 0.5, "efficiency_interval": [0.4, 0.6]}
+            for row in rows(alike, labels_of(shape_plan.curve_panels()))]  # fmt: skip
+    independent, trend, *_ = shape_effects.fluidisation_statements(optima(flat))
+    words = {check.found for check in (*independent.checks, *trend.checks)}
+    assert words == {"0 of 17 shapes have a peak"}
+    nothing = shape_effects.fluidisation_statements({})
+    assert {check.found for check in nothing[0].checks} == {""}
+
+
 def test_sphericity_orders_prolates_and_toroids():
     """Figs 8.13, 8.14: from the sphere down; oblates are left out (sec. 8.5.1.1)."""
     found = optima(onset_rows(thesis_like))

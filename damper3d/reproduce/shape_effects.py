@@ -45,16 +45,24 @@ def fluidisation_statements(found: Found) -> list[Statement]:
         f: {line.shape: one for line, one in found.items() if line.frequency == f and one}
         for f in FLUIDISED
     }
-    return [_independent(at), _no_trend(at), _level_rises(at), _place_falls(at)]
+    without = {
+        f: _too_few(len(own), sum(line.frequency == f for line in found)) for f, own in at.items()
+    }
+    return [_independent(at, without), _no_trend(at, without), _level_rises(at), _place_falls(at)]
 
 
-def _independent(at: dict[float, dict[Shape, Optimum]]) -> Statement:
+def _too_few(peaks: int, curves: int) -> str:
+    """What to say where they are not enough to judge; "" where nothing is run."""
+    return f"{peaks} of {curves} shapes have a peak" if curves else ""
+
+
+def _independent(at: dict[float, dict[Shape, Optimum]], without: dict[float, str]) -> Statement:
     words = f"shape does not shift the fluidisation optimum: largest over least at most {_SMALL:g}"
     checks = []
     for frequency, own in at.items():
         gammas = [one.gamma for one in own.values()]
         if len(gammas) < 3:
-            checks.append(Check(None, "", f"{frequency:g} Hz"))
+            checks.append(Check(None, without[frequency], f"{frequency:g} Hz"))
             continue
         ratio = max(gammas) / min(gammas)
         text = f"{min(gammas):.2f} to {max(gammas):.2f} of {len(gammas)} shapes, ratio {ratio:.2f}"
@@ -62,7 +70,7 @@ def _independent(at: dict[float, dict[Shape, Optimum]]) -> Statement:
     return Statement(words, checks)
 
 
-def _no_trend(at: dict[float, dict[Shape, Optimum]]) -> Statement:
+def _no_trend(at: dict[float, dict[Shape, Optimum]], without: dict[float, str]) -> Statement:
     """Slopes of ln Gamma against ln aspect ratio of prolates, and against the hole ratio."""
     checks = []
     for frequency, own in at.items():
@@ -77,7 +85,8 @@ def _no_trend(at: dict[float, dict[Shape, Optimum]]) -> Statement:
             if trend is not None:
                 verdicts.append(abs(trend.value) <= trend.half_width)
                 words.append(f"{name} {trend.value:+.2f} +- {trend.half_width:.2f}")
-        checks.append(Check(all_of(verdicts), ", ".join(words), f"{frequency:g} Hz"))
+        text = ", ".join(words) or without[frequency]
+        checks.append(Check(all_of(verdicts), text, f"{frequency:g} Hz"))
     return Statement("its small differences follow no trend: slopes within their noise", checks)
 
 

@@ -3,8 +3,8 @@
 Spheroids and toroids of Tables 8.1 and 8.2 with the thesis's sum of sub-sphere contacts. Onsets of
 the bouncing bed at 20 and 40 Hz in both orientations (Figs 8.9-8.14), those of 40 Hz refined twice
 about each peak, as the Gammas of 20 Hz lie closer; vertical curves from 125 to 1024 Hz (Figs 8.21,
-8.23, 8.25); the properties of Fig. 8.20; and for two shapes the other treatments of several contacts
-of one pair. All but the onsets at 40 Hz take every third packing: some 2 h of CPU a packing.
+8.23, 8.25); the properties of Fig. 8.20; and for two shapes the other treatments of several
+contacts of one pair. All but the onsets at 40 Hz take every third packing, for their cost.
 """
 
 from collections.abc import Sequence
