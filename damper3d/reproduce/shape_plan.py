@@ -27,7 +27,7 @@ TREATMENTS = "sum", "deepest", "scaled"  # of several contacts of one pair; the 
 TREATED = (("spheroid", 1.5), ("toroid", 0.2))  # for which they are compared, vertical
 TREATED_AT = 40.0  # Hz
 # [s] Sec. 8.4 takes chapter 6's 1 us; twice that changes eta by less than packings do (docs), but
-# leaves the books of two spheroids open by more than 0.5 %: their shallow grooves let the most
+# leaves the books of two spheroids open by more than 1 %: their shallow grooves let the most
 # sub-spheres touch at once, and the sum of those contacts is the stiffest.
 TIME_STEP = 2e-6
 SHORT_STEP = 1e-6
