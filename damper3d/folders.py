@@ -9,9 +9,8 @@ from campaign.folder import FolderError, RunFolder, resume_run
 def is_slow_test(folder: RunFolder) -> bool:
     """Whether a run is of `shear` or `compress`; their case has a table that says so."""
     try:
-        text = (folder.path / "case.toml").read_text(encoding="utf-8")
-        return "slow_test" in tomllib.loads(text)
-    except (OSError, ValueError):
+        return "slow_test" in tomllib.loads(folder.read_case())
+    except (FolderError, ValueError):
         return False  # what reads the case says what is wrong with it
 
 

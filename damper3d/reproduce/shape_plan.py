@@ -29,9 +29,9 @@ TREATED_AT = 40.0  # Hz
 # [s] Sec. 8.4 takes chapter 6's 1 us; twice that changes eta by less than packings do (docs), but
 # leaves the books of two spheroids open by more than 1 %: their shallow grooves let the most
 # sub-spheres touch at once, and the sum of those contacts is the stiffest.
-TIME_STEP = 2e-6
-SHORT_STEP = 1e-6
-STIFFEST = (("spheroid", 1.25), ("spheroid", 1.5))
+_TIME_STEP = 2e-6
+_SHORT_STEP = 1e-6
+_STIFFEST = (("spheroid", 1.25), ("spheroid", 1.5))
 
 FILL = {"spheroid": 0.4115, "toroid": 0.393}  # ratio, of 90 of 3.8 mm and 110 of 3.5 mm
 _COUNTS = {"spheroid": 90, "toroid": 110}  # sec. 8.3
@@ -122,15 +122,15 @@ def panel(
         "law.contact_treatment": treatment,
         "run.cycles": 18,
         "run.discard": 3,
-        "run.time_step": f"{1e6 * time_step(shape) * _shortened(*changed):.3g} us",
+        "run.time_step": f"{1e6 * _time_step(shape) * _shortened(*changed):.3g} us",
         **change(*changed),
     }
     return Panel(labels, case, tuple(points))
 
 
-def time_step(shape: Shape) -> float:
+def _time_step(shape: Shape) -> float:
     """In s, of the particles as the thesis has them."""
-    return SHORT_STEP if shape in STIFFEST else TIME_STEP
+    return _SHORT_STEP if shape in _STIFFEST else _TIME_STEP
 
 
 def _shortened(name: str, value: float) -> float:

@@ -97,12 +97,11 @@ def run(
     seeds: Sequence[int],
     workers: int | None,
     quiet: bool,
-    parts: Sequence[Part] | None = None,
     **engine: str,
 ) -> list[Row]:
-    """All points of the table, or of other parts, with their packings."""
+    """All points of the table with their packings."""
     rows: list[Row] = []
-    for part in plan() if parts is None else parts:
+    for part in plan():
         rows += run_panels(
             part.panels, seeds[:: part.every],
             refine=part.refine, out=out, workers=workers, quiet=quiet, **engine,
