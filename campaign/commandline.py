@@ -84,12 +84,6 @@ def sweep_study(
         raise Ended(f"{table['failed']} of {table['runs']} runs failed; see {table['table']}", 3)
 
 
-def announce_compilation(quiet: bool, already_compiled: bool) -> None:
-    """Say why nothing happens for a while, where kernels are compiled first."""
-    if not quiet and not already_compiled:
-        click.echo("compiling the kernels, once for this version (10 to 30 s) ...", err=True)
-
-
 def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
     """Run a command; one line on stderr and an exit code for whatever goes wrong.
 

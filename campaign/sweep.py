@@ -18,7 +18,7 @@ from campaign.engine import Tally, run_tasks
 from campaign.folder import FolderError, RunFolder, find_run
 from campaign.provenance import Sources, to_stderr
 from campaign.task import Failed, Function, Outcome
-from campaign.terminal import Progress
+from campaign.terminal import Progress, announce_compilation
 
 _MEMORY = 3600.0  # [s] over which the speed is taken that gives the time left
 
@@ -40,7 +40,7 @@ class Simulator:
 
     name           of its command
     digest         names a run of a case, with its seed
-    packing_file   where the packing that a case starts from is kept below a folder of runs; it
+    packing_folder where the packing that a case starts from is kept below a folder of runs; it
                    may not be there yet
     packing_from   digest of the sources that made the packing in a file; None where there is none
     work           runs the case of a Task in a worker, or makes its packing; found by its name
@@ -49,11 +49,12 @@ class Simulator:
     packages       distributions whose versions matter to the last bit
     means          columns of numbers of which a study tells mean and deviation over the seeds
     counted        words for kinds of runs that a study counts, and which rows are of the kind
+    compiled       whether its kernels are; what is not compiled yet delays the first runs
     """
 
     name: str
     digest: Callable[[Any], str]
-    packing_file: Callable[[Any, Path], Path]
+    packing_folder: Callable[[Any, Path], Path]
     packing_from: Callable[[Path], str | None]
     work: Function
     read: Callable[[RunFolder], Any]
@@ -62,10 +63,15 @@ class Simulator:
     packages: list[str]
     means: tuple[str, ...] = ()
     counted: Mapping[str, Callable[[dict[str, Any]], bool]] = field(default_factory=dict)
+    compiled: Callable[[], bool] = lambda: True
 
     def run_folder(self, case: Any, out: Path) -> RunFolder:
         """Where a case is run, which a single run finds too; it may not exist yet."""
         return find_run(out, f"{case.name}-seed{case.settings.run.seed}", self.digest(case))
+
+    def packing_file(self, case: Any, out: Path) -> Path:
+        """The packing in its folder."""
+        return self.packing_folder(case, out) / "packing.h5"
 
 
 def over_seeds(labels: Labels, case: Any, seeds: Sequence[int]) -> list[Labelled]:
@@ -114,6 +120,7 @@ def run_labelled(
         else:
             missing[folder.path] = case
     if missing:
+        announce_compilation(quiet, simulator.compiled())
         tasks, needs = _tasks(simulator, list(missing.values()), out)
         before = len(ended)
         title = f"{len(missing)} runs"

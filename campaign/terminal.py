@@ -49,6 +49,13 @@ class Progress:
             print(line, file=sys.stderr, flush=True)
 
 
+def announce_compilation(quiet: bool, already_compiled: bool) -> None:
+    """Say why nothing happens for a while, where kernels are compiled first."""
+    if not quiet and not already_compiled:
+        line = "compiling the kernels, once for this version (10 to 30 s) ..."
+        print(line, file=sys.stderr, flush=True)
+
+
 def _bar(memory: float):
     from rich import progress
     from rich.console import Console

@@ -1,16 +1,12 @@
 """The answers of a run, as summary.json keeps them and --json prints them."""
 
 from dataclasses import dataclass, field
-from functools import cache
 
-from pydantic import TypeAdapter
-
-from campaign.answers import read_answers
-from campaign.folder import RunFolder
+from campaign.answers import Answers
 
 
 @dataclass(frozen=True)
-class Result:
+class Result(Answers):
     """What a run found, over the counted cycles; SI, None for what does not exist."""
 
     frequency_hz: float
@@ -57,14 +53,3 @@ class Result:
     state_digest: str
     reused: bool
     run_folder: str
-
-    @classmethod
-    def read(cls, folder: RunFolder, *, reused: bool) -> "Result":
-        """The result kept in a finished run folder; FolderError where it is damaged."""
-        return read_answers(_adapter(), folder, reused=reused)
-
-
-@cache
-def _adapter() -> TypeAdapter[Result]:
-    """What checks a summary; a map reads many."""
-    return TypeAdapter(Result)

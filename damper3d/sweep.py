@@ -8,12 +8,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from campaign.folder import FolderError, RunFolder
+from campaign.folder import FolderError
 from campaign.protocol import packing_sources
 from campaign.sweep import Labelled, Simulator, Task, as_outcome, run_labelled, silent
 from campaign.task import SimulationError, Stop
+from contact.jit import already_compiled
 from contact.quantity import InputError
-from damper3d.case import DamperCase
 from damper3d.packing import load_packing, packing_folder
 from damper3d.plan import expected_cpu_s
 from damper3d.protocol import PACKAGES, get_packing, run, run_digest
@@ -47,23 +47,16 @@ def run_task(task: Task, stop: Stop) -> Result | None:
         return run(task.case, out=task.out, stop=stop, warn=silent)
 
 
-def _packing_file(case: DamperCase, out: Path) -> Path:
-    return packing_folder(case, out) / "packing.h5"
-
-
-def _read(folder: RunFolder) -> Result:
-    return Result.read(folder, reused=True)
-
-
 DAMPER = Simulator(
     name="damper3d",
     digest=run_digest,
-    packing_file=_packing_file,
+    packing_folder=packing_folder,
     packing_from=partial(packing_sources, load_packing),
     work=run_task,
-    read=_read,
+    read=partial(Result.read, reused=True),
     expected_cpu_s=expected_cpu_s,
     sources=SOURCES,
     packages=PACKAGES,
     means=("efficiency", "dissipated_power_w", "peak_wall_force_n"),
+    compiled=partial(already_compiled, "damper3d"),
 )

@@ -4,13 +4,11 @@ import csv
 import io
 import json
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import TypeAdapter
 
-from campaign.answers import read_answers
+from campaign.answers import Answers
 from campaign.folder import RunFolder, write_atomic
 from campaign.trajectory import read_trajectory
 from silo2d.case import SiloCase
@@ -23,7 +21,7 @@ from silo2d.simulation import Simulation
 
 
 @dataclass(frozen=True)
-class Result:
+class Result(Answers):
     """What a run found; SI, None for what does not exist."""
 
     silo: str
@@ -52,17 +50,6 @@ class Result:
     state_digest: str
     reused: bool
     run_folder: str
-
-    @classmethod
-    def read(cls, folder: RunFolder, *, reused: bool) -> "Result":
-        """The result kept in a finished run folder; FolderError where it is damaged."""
-        return read_answers(_adapter(), folder, reused=reused)
-
-
-@cache
-def _adapter() -> TypeAdapter[Result]:
-    """What checks a summary; a sweep reads many."""
-    return TypeAdapter(Result)
 
 
 def summarise(

@@ -5,13 +5,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from campaign.folder import FolderError, RunFolder
+from campaign.folder import FolderError
 from campaign.protocol import packing_sources
 from campaign.sweep import Labelled, Simulator, Task, as_outcome, run_labelled, silent
 from campaign.task import SimulationError, Stop
+from contact.jit import already_compiled
 from contact.quantity import InputError
 from silo2d import protocol
-from silo2d.case import SiloCase
 from silo2d.packing import load_packing, packing_folder
 from silo2d.report import expected_cpu_s
 from silo2d.result import Result
@@ -44,24 +44,17 @@ def run_task(task: Task, stop: Stop) -> Result | None:
         return protocol.run(task.case, out=task.out, stop=stop, warn=silent)
 
 
-def _packing_file(case: SiloCase, out: Path) -> Path:
-    return packing_folder(case, out) / "packing.h5"
-
-
-def _read(folder: RunFolder) -> Result:
-    return Result.read(folder, reused=True)
-
-
 SILO = Simulator(
     name="silo2d",
     digest=protocol.run_digest,
-    packing_file=_packing_file,
+    packing_folder=packing_folder,
     packing_from=partial(packing_sources, load_packing),
     work=run_task,
-    read=_read,
+    read=partial(Result.read, reused=True),
     expected_cpu_s=expected_cpu_s,
     sources=SOURCES,
     packages=protocol.PACKAGES,
     means=("discharge_time_s", "t90_s", "mean_rate_per_s"),
     counted={"clogged": lambda row: row["outcome"].startswith("clogged")},
+    compiled=partial(already_compiled, "silo2d"),
 )

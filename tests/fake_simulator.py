@@ -50,8 +50,8 @@ def fake_digest(case: FakeCase) -> str:
     return digest(case.settings.model_dump())
 
 
-def packing_file(case: FakeCase, out: Path) -> Path:
-    return out / "packings" / case.settings.packing / "packing.h5"
+def packing_folder(case: FakeCase, out: Path) -> Path:
+    return out / "packings" / case.settings.packing
 
 
 def packing_from(file: Path) -> str | None:
@@ -61,7 +61,7 @@ def packing_from(file: Path) -> str | None:
 def work(task: Task, stop: Stop) -> FakeResult | None:
     """Fails for 13, stops for 99, and asks nobody before it makes a packing."""
     with as_outcome(FolderError):
-        file = packing_file(task.case, task.out)
+        file = packing_folder(task.case, task.out) / "packing.h5"
         if not file.exists():
             file.parent.mkdir(parents=True)  # fails where two make it at once
             time.sleep(0.2)
@@ -93,7 +93,7 @@ def read(folder: RunFolder) -> FakeResult:
 FAKE = Simulator(
     name="fake",
     digest=fake_digest,
-    packing_file=packing_file,
+    packing_folder=packing_folder,
     packing_from=packing_from,
     work=work,
     read=read,

@@ -1,9 +1,10 @@
 """A sweep of a simulator without physics: rows, shared packings, what is there, what fails."""
 
 import csv
+import dataclasses
 import json
 
-from fake_simulator import FAKE, fake, packing_file
+from fake_simulator import FAKE, fake
 
 from campaign.sweep import over_seeds, run_labelled
 from campaign.table import write_table
@@ -63,11 +64,18 @@ def test_other_sources_are_told_in_one_line(tmp_path, capsys):
     case = fake(2)
     run([({}, case)], tmp_path)
     assert capsys.readouterr().err == ""
-    packing_file(case, tmp_path).write_text(json.dumps({"sources": "0" * 12}))
+    FAKE.packing_file(case, tmp_path).write_text(json.dumps({"sources": "0" * 12}))
     run([({}, case)], tmp_path)
     told = capsys.readouterr().err
     assert told.startswith("warning: 0 of 1 runs and 1 of 1 packings were made by another version")
     assert told.count("\n") == 1
+
+
+def test_compilation_is_told_where_something_is_still_to_be_run(tmp_path, capsys):
+    uncompiled = dataclasses.replace(FAKE, compiled=lambda: False)
+    for told in (1, 0):
+        run_labelled(uncompiled, [({}, fake(2))], out=tmp_path, workers=1)
+        assert capsys.readouterr().err.count("compiling the kernels") == told
 
 
 def test_a_list_is_one_cell_of_the_table_that_json_reads(tmp_path):

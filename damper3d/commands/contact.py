@@ -25,14 +25,14 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
 
     Without STUDY it says which there are.
     """
-    from damper3d.commands.options import announce_compilation
+    from damper3d.commands.options import say_if_compiling
     from damper3d.single_contact import STUDIES, find
 
     if study is None:
         click.echo("\n".join(f"{name:15} {text}" for name, (_, text) in STUDIES.items()))
         return
     module = find(study)
-    announce_compilation(quiet=False)
+    say_if_compiling(quiet=False)
     found = module.compute()
     text = report(found)
     files: list[str] = []

@@ -8,7 +8,7 @@ import click
 
 from campaign.commandline import engine_options, json_option, out_option, quiet_option
 from damper3d.commands.many import numbers, stop_unless_whole
-from damper3d.commands.options import announce_compilation, case_options, changes_of
+from damper3d.commands.options import case_options, changes_of
 
 if TYPE_CHECKING:
     from damper3d.map.grid import Grid
@@ -60,7 +60,6 @@ def map_(
         planned = _plan(name, changes, grid, Path(out))
         click.echo(json.dumps(planned, indent=2) if as_json else _in_words(planned))
         return
-    announce_compilation(quiet)
     engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
     result = efficiency_map(name, changes, grid, out=Path(out), **engines)
     folder = map_folder(name, changes, grid, Path(out))

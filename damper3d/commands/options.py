@@ -6,8 +6,6 @@ from typing import Any
 
 import click
 
-from campaign import commandline
-
 # Options of `run` that change a key of the case.
 _CASE_OPTIONS = [
     ("--frequency", "motion.frequency", "40", "Of the motion, in Hz, or with a unit."),
@@ -88,8 +86,9 @@ def changes_of(
     return changes
 
 
-def announce_compilation(quiet: bool) -> None:
+def say_if_compiling(quiet: bool) -> None:
     """Say why nothing happens for a while, where kernels are compiled first."""
+    from campaign.terminal import announce_compilation
     from contact.jit import already_compiled
 
-    commandline.announce_compilation(quiet, already_compiled("damper3d"))
+    announce_compilation(quiet, already_compiled("damper3d"))

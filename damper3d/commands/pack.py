@@ -7,7 +7,7 @@ import click
 
 from campaign.commandline import engine_options, json_option, out_option, quiet_option
 from damper3d.commands.many import stop_unless_whole
-from damper3d.commands.options import announce_compilation, case_options, changes_of
+from damper3d.commands.options import case_options, changes_of, say_if_compiling
 
 
 @click.command()
@@ -41,7 +41,7 @@ def pack(
 
     name, changes = case or "thesis", changes_of(None, material, options)
     particles = DamperCase.load(name, changes).particle.name
-    announce_compilation(quiet)
+    say_if_compiling(quiet)
     rows = computed.pack(
         name, changes, out=Path(out), bodies=bodies, packings=packings, beds=not no_enclosure,
         workers=workers, quiet=quiet,

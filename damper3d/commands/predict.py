@@ -8,7 +8,7 @@ import click
 
 from campaign.commandline import engine_options, json_option, out_option, quiet_option
 from damper3d.commands.many import numbers, stop_unless_whole
-from damper3d.commands.options import announce_compilation, case_options, changes_of
+from damper3d.commands.options import case_options, changes_of, say_if_compiling
 
 if TYPE_CHECKING:
     from damper3d.pack.known import Fraction
@@ -58,7 +58,6 @@ def predict(
     if simulate:
         from damper3d.predict import beside
 
-        announce_compilation(quiet)
         engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
         rows = beside.simulate(fills, predictions, wanted, out=Path(out), **engines)
     answers = {
@@ -80,7 +79,7 @@ def _computed(
     """The close packing of a case's particles, which all fills have in common."""
     from damper3d.pack import computed
 
-    announce_compilation(quiet)
+    say_if_compiling(quiet)
     rows = computed.pack(*fill, out=Path(out), beds=False, workers=workers, quiet=quiet)
     stop_unless_whole(rows)
     return computed.close_fraction(rows, computed.BODIES)

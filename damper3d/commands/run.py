@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from campaign.commandline import json_option, out_option, quiet_option
-from damper3d.commands.options import announce_compilation, case_options, changes_of
+from damper3d.commands.options import case_options, changes_of, say_if_compiling
 
 if TYPE_CHECKING:
     from damper3d.case import DamperCase
@@ -62,7 +62,7 @@ def _computed(
     from campaign.terminal import Progress, StopRequest
     from damper3d import protocol
 
-    announce_compilation(quiet)
+    say_if_compiling(quiet)
     with StopRequest() as stop, Progress(case.name, quiet=quiet) as bar:
         if resume:
             return protocol.resume(resume, progress=bar.update, stop=lambda: stop.requested)

@@ -11,7 +11,7 @@ import click
 
 from campaign.commandline import engine_options, json_option, out_option, quiet_option
 from damper3d.commands.many import stop_unless_whole
-from damper3d.commands.options import announce_compilation, changes_of
+from damper3d.commands.options import changes_of
 
 if TYPE_CHECKING:
     from campaign.sweep import Labelled
@@ -110,7 +110,6 @@ def _slow(
         return
     for folder, option in ((out, "--out"), (write or out, "--write")):
         refuse_unless_writable(Path(folder), option)
-    announce_compilation(quiet or so_far)
     rows = run_labelled(
         SLOW_TESTS, cases, out=Path(out), engine=engine, workers=workers, scheduler=scheduler,
         quiet=quiet,

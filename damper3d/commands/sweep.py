@@ -5,7 +5,6 @@ from typing import Any
 import click
 
 from campaign.commandline import study_options, sweep_study
-from damper3d.commands.options import announce_compilation
 
 
 @click.command()
@@ -19,7 +18,4 @@ def sweep(study: str, dry_run: bool, quiet: bool, **options: Any) -> None:
     from damper3d.study import load_study
     from damper3d.sweep import DAMPER
 
-    loaded = load_study(study)
-    if not dry_run:
-        announce_compilation(quiet)
-    sweep_study(DAMPER, loaded, dry_run=dry_run, quiet=quiet, **options)
+    sweep_study(DAMPER, load_study(study), dry_run=dry_run, quiet=quiet, **options)

@@ -12,7 +12,7 @@ from campaign.protocol import begin_or_check, end, packing_sources
 from campaign.provenance import Warn, to_stderr
 from campaign.sweep import Simulator, Task, as_outcome, silent
 from campaign.task import Progress, SimulationError, Stop
-from contact.jit import cache_folder
+from contact.jit import already_compiled, cache_folder
 from contact.quantity import InputError
 from damper3d.packing import load_packing
 from damper3d.protocol import PACKAGES
@@ -118,22 +118,15 @@ def expected_cpu_s(test: SlowTest) -> tuple[float, float]:
     )
 
 
-def _packing_file(test: SlowTest, out: Path) -> Path:
-    return packing_folder(test, out) / "packing.h5"
-
-
-def _read(folder: RunFolder) -> Result:
-    return Result.read(folder, reused=True)
-
-
 SLOW_TESTS = Simulator(
     name="damper3d",
     digest=run_digest,
-    packing_file=_packing_file,
+    packing_folder=packing_folder,
     packing_from=partial(packing_sources, load_packing),
     work=run_task,
-    read=_read,
+    read=partial(Result.read, reused=True),
     expected_cpu_s=expected_cpu_s,
     sources=SOURCES,
     packages=PACKAGES,
+    compiled=partial(already_compiled, "damper3d"),
 )

@@ -1,16 +1,12 @@
 """The answers of a slow test, as summary.json keeps them and --json prints them."""
 
 from dataclasses import dataclass
-from functools import cache
 
-from pydantic import TypeAdapter
-
-from campaign.answers import read_answers
-from campaign.folder import RunFolder
+from campaign.answers import Answers
 
 
 @dataclass(frozen=True)
-class Result:
+class Result(Answers):
     """What a test found; SI, None for what does not exist. See measure.py."""
 
     test: str
@@ -44,13 +40,3 @@ class Result:
     state_digest: str
     reused: bool
     run_folder: str
-
-    @classmethod
-    def read(cls, folder: RunFolder, *, reused: bool) -> "Result":
-        """The result kept in a finished run folder; FolderError where it is damaged."""
-        return read_answers(_adapter(), folder, reused=reused)
-
-
-@cache
-def _adapter() -> TypeAdapter[Result]:
-    return TypeAdapter(Result)

@@ -7,10 +7,8 @@ from typing import Any
 
 import click
 
-from campaign.commandline import announce_compilation
 from campaign.overview import cost
 from campaign.sweep import Labelled, over_seeds
-from contact.jit import already_compiled
 from damper3d import sweep
 from damper3d.case import DamperCase
 from damper3d.map.grid import MapResult
@@ -62,7 +60,6 @@ def run_all(
     cases: Sequence[Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
 ) -> list[Row]:
     """The rows of the cases, in their order; see damper3d.sweep.run_cases."""
-    announce_compilation(quiet, already_compiled("damper3d"))
     if not quiet:
         click.echo(cost(sweep.DAMPER, cases), err=True)
     return sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)

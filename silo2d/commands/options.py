@@ -6,8 +6,6 @@ from typing import Any
 
 import click
 
-from campaign import commandline
-
 # Options of `run` that change a key of the case.
 _CASE_OPTIONS = [
     ("--outlet", "silo.outlet", '"150 mm"', "Width of the outlet."),
@@ -62,8 +60,9 @@ def changes_of(
     return changes
 
 
-def announce_compilation(quiet: bool) -> None:
+def say_if_compiling(quiet: bool) -> None:
     """Say why nothing happens for a while, where kernels are compiled first."""
+    from campaign.terminal import announce_compilation
     from contact.jit import already_compiled
 
-    commandline.announce_compilation(quiet, already_compiled("silo2d"))
+    announce_compilation(quiet, already_compiled("silo2d"))

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from campaign.commandline import json_option, out_option, quiet_option
-from silo2d.commands.options import announce_compilation, case_options, changes_of
+from silo2d.commands.options import case_options, changes_of, say_if_compiling
 
 
 @click.command()
@@ -103,7 +103,7 @@ def _by_engines(
         raise click.UsageError("--engines and --seeds say this; leave --engine and --seed out")
     chosen = range(1, seeds + 1) if seeds else [changes.get("run.seed", 1)]
     pair = engine_pair(engines)
-    announce_compilation(quiet)
+    say_if_compiling(quiet)
     with StopRequest() as stop, Progress(case, quiet=quiet) as bar:
         return run_engines(case, changes, pair, chosen, out, bar.update, lambda: stop.requested)
 

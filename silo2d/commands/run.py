@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from campaign.commandline import json_option, out_option, quiet_option
-from silo2d.commands.options import announce_compilation, case_options, changes_of
+from silo2d.commands.options import case_options, changes_of, say_if_compiling
 
 if TYPE_CHECKING:
     from silo2d.case import SiloCase
@@ -59,7 +59,7 @@ def _computed(case: "SiloCase", out: str, resume: str | None, again: bool, quiet
     from campaign.terminal import Progress, StopRequest
     from silo2d import protocol
 
-    announce_compilation(quiet)
+    say_if_compiling(quiet)
     with StopRequest() as stop, Progress(case.name, quiet=quiet) as bar:
         if resume:
             return protocol.resume(resume, progress=bar.update, stop=lambda: stop.requested)
@@ -102,7 +102,7 @@ def packing(
     from silo2d.protocol import get_packing
 
     loaded = SiloCase.load(case, changes_of(seed, mu, keep_ratios, options))
-    announce_compilation(quiet)
+    say_if_compiling(quiet)
     with StopRequest() as stop, Progress(loaded.name, quiet=quiet) as bar:
         found = get_packing(loaded, Path(out), bar.update, lambda: stop.requested)
     folder = packing_folder(loaded, Path(out))
