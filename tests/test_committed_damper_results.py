@@ -12,7 +12,6 @@ from damper3d.protocol import run
 from damper3d.reproduce import TABLES, find
 
 RESULTS = Path(__file__).parent.parent / "docs" / "results" / "damper3d"
-PARTLY = {"shapes"}  # not run as a whole yet; its report says what lacks
 KEPT = sorted(path.stem.removeprefix("reproduce-") for path in RESULTS.glob("reproduce-*.csv"))
 
 
@@ -33,7 +32,7 @@ def test_committed_results_are_whole_and_their_words_are_what_the_rows_say(table
     words = "\n".join(line for line in text.splitlines() if not line.startswith("# "))
     assert words.strip() == find(table).report(rows).strip()
     assert "complete: " in words
-    assert ("INCOMPLETE: " in words) == (table in PARTLY)
+    assert "INCOMPLETE: " not in words
     assert all(row["state"] == "done" for row in rows)
 
 
