@@ -133,15 +133,16 @@ class Simulation:
         elif outcome == NOT_FINITE:
             raise self.failure("a position is no longer a finite number")
         elif outcome == TOO_DEEP:
-            raise self.failure("an overlap reached half a radius")
+            cure = "a shorter --time-step, or a higher --youngs-modulus against soft contacts"
+            raise self.failure("an overlap reached half a radius", cure)
         else:
             raise AssertionError(outcome)
 
-    def failure(self, what: str) -> SimulationError:
+    def failure(self, what: str, cure: str = "a shorter --time-step") -> SimulationError:
         """An error that says what happened, when, and what to try."""
         return SimulationError(
             f"the simulation failed at t = {self.time:.6f} s, in steps of "
-            f"{self.world.time_step * 1e6:g} us: {what}; try a shorter --time-step"
+            f"{self.world.time_step * 1e6:g} us: {what}; try {cure}"
         )
 
     def frame(self) -> dict[str, np.ndarray]:

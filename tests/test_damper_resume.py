@@ -206,6 +206,12 @@ def test_energy_that_is_not_accounted_for_ends_the_run(runs, monkeypatch, factor
     assert the_run(runs).state == "unfinished"
 
 
+def test_spheres_too_soft_for_their_load_end_the_run(runs):
+    """Of 1 kPa under the weight of a bed and 10 g: Hertz's law is long past its small overlaps."""
+    with pytest.raises(SimulationError, match=r"half a radius; try .* a higher --youngs-modulus"):
+        protocol.run(small(law__youngs_modulus="1 kPa"), out=runs)
+
+
 # What runs share, and what they keep
 
 
