@@ -179,6 +179,8 @@ def test_property_statements_follow_the_made_trends():
     assert set(verdicts(shape_effects.property_statements(made_properties())).values()) == {True}
     turned = verdicts(shape_effects.property_statements(made_properties(-1.0)))
     assert [turned[words] for words in list(turned)[:3]] == [False] * 3
+    level = verdicts(shape_effects.property_statements(made_properties(0.0)))
+    assert [level[words] for words in list(level)[:3]] == [None] * 3
 
 
 def test_without_runs_nothing_is_judged_and_the_table_is_drawn():
@@ -201,7 +203,7 @@ def test_report_names_the_treatments_and_draws_all_panels():
     shapes.draw(made)
 
 
-def test_all_parts_but_the_onset_at_40_hz_take_every_third_packing(monkeypatch, tmp_path):
+def test_high_frequencies_and_20_hz_take_every_third_packing(monkeypatch, tmp_path):
     taken = {}
 
     def noted(panels, seeds, **_):
@@ -211,5 +213,5 @@ def test_all_parts_but_the_onset_at_40_hz_take_every_third_packing(monkeypatch, 
 
     monkeypatch.setattr(shapes, "run_panels", noted)
     shapes.run(out=tmp_path, seeds=(1, 2, 3, 4), workers=1, quiet=True)
-    assert taken["curves", 40.0] == {1, 2, 3, 4}
-    assert taken["sensitivity", 40.0] == taken["curves", 20.0] == taken["curves", 1024.0] == {1, 4}
+    assert taken["curves", 40.0] == taken["sensitivity", 40.0] == {1, 2, 3, 4}
+    assert taken["curves", 20.0] == taken["curves", 1024.0] == {1, 4}

@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from campaign.layout import done
-from campaign.statistics import mean_sd, slope
+from campaign.statistics import Slope, mean_sd, slope
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.dampers import ORIENTATIONS
 from damper3d.reproduce.optima import Optimum
@@ -106,10 +106,8 @@ def _trend_over_frequency(
     """Of each shape with three frequencies or more: the slope of ln value over ln frequency."""
     slopes = {}
     for shape in sorted({shape for own in at.values() for shape in own}):
-        points = [
-            (math.log(f), math.log(value(own[shape]))) for f, own in at.items() if shape in own
-        ]
-        trend = slope([x for x, _ in points], [y for _, y in points])
+        points = [(f, math.log(value(own[shape]))) for f, own in at.items() if shape in own]
+        trend = _per_e_fold(points)
         if trend is not None:
             slopes[shape] = trend.value
     if not slopes:
@@ -120,15 +118,19 @@ def _trend_over_frequency(
     return Check(right == len(slopes), text)
 
 
+def _per_e_fold(points: Sequence[tuple[float, float]]) -> Slope | None:
+    """Of y over ln x."""
+    return slope([math.log(x) for x, _ in points], [y for _, y in points])
+
+
 def property_statements(rows: Sequence[Row]) -> list[Statement]:
     """Sec. 8.5.1.3 and Fig. 8.20: eta at Gamma 35, 40 Hz, horizontal, against each property."""
     table = property_table(rows)
-    statements = [
-        Statement(f"eta {'rises' if sign > 0 else 'falls'} with {name}, for each shape",
-                  [_with_property(table, name, sign)])
+    with_property = [
+        _with_property(rows, name, sign)
         for name, sign in (("density", -1), ("modulus", +1), ("restitution", +1))
-    ]  # fmt: skip
-    return [*statements, _order_kept(table), _friction(table)]
+    ]
+    return [*with_property, _order_kept(table), _friction(table)]
 
 
 Table = dict[tuple[str, float], dict[float, float]]  # (property, value) -> ratio -> mean eta
@@ -137,7 +139,7 @@ Table = dict[tuple[str, float], dict[float, float]]  # (property, value) -> rati
 def property_table(rows: Sequence[Row]) -> Table:
     """Mean efficiency over the packings of each value and aspect ratio."""
     groups: dict[tuple[str, float], dict[float, list[float]]] = {}
-    for row in done([row for row in rows if row["part"] == "sensitivity"]):
+    for row in _sensitive(rows):
         own = groups.setdefault((row["property"], row["value"]), {})
         own.setdefault(row["ratio"], []).append(row["efficiency"])
     return {
@@ -154,18 +156,27 @@ def values_of(table: Table, name: str) -> dict[float, dict[float, float]]:
     return dict(sorted(own.items()))
 
 
-def _with_property(table: Table, name: str, sign: int) -> Check:
-    values = values_of(table, name)
-    if len(values) < 3:
-        return Check(None, "")
-    slopes = {}
-    for ratio in next(iter(values.values())):
-        points = [(math.log(v), etas[ratio]) for v, etas in values.items() if ratio in etas]
-        trend = slope([x for x, _ in points], [y for _, y in points])
-        if trend is not None:
-            slopes[ratio] = trend.value
-    text = ", ".join(f"{ratio:g}: {s:+.3f}" for ratio, s in slopes.items())
-    return Check(all_of([sign * s > 0 for s in slopes.values()]), f"per e-fold at {text}")
+def _with_property(rows: Sequence[Row], name: str, sign: int) -> Statement:
+    """By the slope of eta over ln value, of all packings; within its noise it says nothing."""
+    points: dict[float, list[tuple[float, float]]] = {}
+    for row in _sensitive(rows):
+        value = STANDARD[name] if row["property"] == "standard" else row["value"]
+        if row["property"] in (name, "standard"):
+            points.setdefault(row["ratio"], []).append((value, row["efficiency"]))
+    checks = []
+    for ratio, own in sorted(points.items()):
+        trend = _per_e_fold(own)
+        if trend is None:
+            continue
+        beyond_noise = abs(trend.value) > trend.half_width
+        text = f"{trend.value:+.3f} +- {trend.half_width:.3f} per e-fold"
+        checks.append(Check(sign * trend.value > 0 if beyond_noise else None, text, f"{ratio:g}"))
+    rises = "rises" if sign > 0 else "falls"
+    return Statement(f"eta {rises} with {name}, for each shape", checks or [Check(None, "")])
+
+
+def _sensitive(rows: Sequence[Row]) -> list[Row]:
+    return done([row for row in rows if row["part"] == "sensitivity"])
 
 
 def _order_kept(table: Table) -> Statement:
