@@ -238,9 +238,8 @@ def test_command_computes_a_small_damper_and_goes_on_where_it_was(monkeypatch, t
 
 
 def test_command_refuses_a_folder_that_cannot_be_made_before_anything_is_run(monkeypatch, tmp_path):
-    """In one line: no word of kernels to compile or of what the runs will cost."""
+    """In one line: no word of what the runs will cost."""
     monkeypatch.setattr(sweep, "run_cases", None)
-    monkeypatch.setattr("damper3d.reproduce.runs.already_compiled", lambda package: False)
     (tmp_path / "file").write_text("in the way")
     answer = damper3d("reproduce", "optimum", "--write", tmp_path / "file", "--out", tmp_path / "x")
     assert (answer.code, answer.out, answer.err.count("\n")) == (2, "", 1)

@@ -17,8 +17,6 @@ def damper3d(monkeypatch, tmp_path, capsys):
     """Run a command line in this process; its exit code, stdout and stderr."""
     monkeypatch.setattr(mapping, "run_cases", made_runs)
     monkeypatch.setattr(beside, "run_cases", made_runs)
-    for name in ("map", "predict"):
-        monkeypatch.setattr(f"damper3d.commands.{name}.announce_compilation", lambda quiet: None)
 
     def run(*words):
         monkeypatch.setattr("sys.argv", ["damper3d", *words, "--out", str(tmp_path)])
