@@ -22,6 +22,7 @@ from damper3d.cluster import sphere
 from damper3d.efficiency import closure
 from damper3d.quasistatic import course, protocol
 from damper3d.quasistatic.case import SlowTest
+from damper3d.quasistatic.chart import draw
 from damper3d.quasistatic.report import report
 from damper3d.quasistatic.result import Result
 from damper3d.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, Halves
@@ -325,6 +326,17 @@ def test_the_words_of_a_committed_table_are_what_its_rows_say(kind, packings):
     words = "\n".join(line for line in text.splitlines() if not line.startswith("# "))
     assert words.strip() == report(rows).strip()
     assert [row["state"] for row in rows] == ["done"] * 13 * packings
+
+
+def test_the_picture_shows_the_stiffest_shape_of_either_family():
+    """Spheroids and toroids share an axis; here toroids need the more of it."""
+    _, rows = read_results(RESULTS / "compress.csv")
+    figure = draw([row for row in rows if row["shape"] in ("prolate:1", "toroid:0", "toroid:0.05")])
+    spheroids, toroids = figure.axes[2:]
+    assert toroids.dataLim.y1 > spheroids.dataLim.y1
+    assert spheroids.get_ylim() == toroids.get_ylim()
+    assert toroids.get_ylim()[0] == 0.0
+    assert toroids.get_ylim()[1] > toroids.dataLim.y1
 
 
 def kept_test(root: Path, finished: bool) -> RunFolder:
