@@ -11,7 +11,7 @@ from damper3d.pictures.graph import ruled
 from damper3d.reproduce.dampers import ORIENTATIONS
 from damper3d.reproduce.runs import Row
 from damper3d.reproduce.sensitivity_values import VALUES, in_words
-from damper3d.reproduce.shape_effects import property_table, values_of
+from damper3d.reproduce.shape_effects import values_of
 from damper3d.reproduce.shape_optima import Found, Line, rows_of
 from damper3d.reproduce.shape_plan import (
     BOUNCING,
@@ -158,10 +158,9 @@ def _fluidised_curves(part: "SubFigure", rows: Sequence[Row]) -> None:
 def _properties(part: "SubFigure", rows: Sequence[Row]) -> None:
     """Fig. 8.20."""
     panels = part.subplots(1, len(VALUES), sharey=True)
-    table = property_table(rows)
     for axes, name in zip(panels, VALUES, strict=True):
         ruled(axes)
-        for colour, (value, etas) in zip(_COLOURS, values_of(table, name).items(), strict=False):
+        for colour, (value, etas) in zip(_COLOURS, values_of(rows, name).items(), strict=False):
             axes.plot(list(etas), list(etas.values()), "o-", ms=3, color=colour, lw=1.1,
                       label=in_words(name, value))  # fmt: skip
         axes.set(xlabel="aspect ratio [-]")

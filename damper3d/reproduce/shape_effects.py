@@ -125,44 +125,39 @@ def _per_e_fold(points: Sequence[tuple[float, float]]) -> Slope | None:
 
 def property_statements(rows: Sequence[Row]) -> list[Statement]:
     """Sec. 8.5.1.3 and Fig. 8.20: eta at Gamma 35, 40 Hz, horizontal, against each property."""
-    table = property_table(rows)
     with_property = [
         _with_property(rows, name, sign)
         for name, sign in (("density", -1), ("modulus", +1), ("restitution", +1))
     ]
-    return [*with_property, _order_kept(table), _friction(table)]
+    return [*with_property, _order_kept(rows), _friction(rows)]
 
 
-Table = dict[tuple[str, float], dict[float, float]]  # (property, value) -> ratio -> mean eta
-
-
-def property_table(rows: Sequence[Row]) -> Table:
-    """Mean efficiency over the packings of each value and aspect ratio."""
-    groups: dict[tuple[str, float], dict[float, list[float]]] = {}
-    for row in _sensitive(rows):
-        own = groups.setdefault((row["property"], row["value"]), {})
-        own.setdefault(row["ratio"], []).append(row["efficiency"])
+def values_of(rows: Sequence[Row], name: str) -> dict[float, dict[float, float]]:
+    """By rising value of a property: mean efficiency over the packings, by aspect ratio."""
+    groups: dict[float, dict[float, list[float]]] = {}
+    for value, row in _varied(rows, name):
+        groups.setdefault(value, {}).setdefault(row["ratio"], []).append(row["efficiency"])
     return {
-        key: {ratio: mean_sd(values).mean or 0.0 for ratio, values in sorted(own.items())}
-        for key, own in groups.items()
+        value: {ratio: mean_sd(etas).mean or 0.0 for ratio, etas in sorted(own.items())}
+        for value, own in sorted(groups.items())
     }
 
 
-def values_of(table: Table, name: str) -> dict[float, dict[float, float]]:
-    """By rising value of a property, the standard among them: ratio -> eta."""
-    own = {value: etas for (key, value), etas in table.items() if key == name}
-    if ("standard", 1.0) in table:
-        own[STANDARD[name]] = table["standard", 1.0]
-    return dict(sorted(own.items()))
+def _varied(rows: Sequence[Row], name: str) -> list[tuple[float, Row]]:
+    """The runs that differ in one property alone, its standard among them, with its value."""
+    own = [row for row in rows if row["part"] == "sensitivity"]
+    return [
+        (STANDARD[name] if row["property"] == "standard" else row["value"], row)
+        for row in done(own)
+        if row["property"] in (name, "standard")
+    ]
 
 
 def _with_property(rows: Sequence[Row], name: str, sign: int) -> Statement:
     """By the slope of eta over ln value, of all packings; within its noise it says nothing."""
     points: dict[float, list[tuple[float, float]]] = {}
-    for row in _sensitive(rows):
-        value = STANDARD[name] if row["property"] == "standard" else row["value"]
-        if row["property"] in (name, "standard"):
-            points.setdefault(row["ratio"], []).append((value, row["efficiency"]))
+    for value, row in _varied(rows, name):
+        points.setdefault(row["ratio"], []).append((value, row["efficiency"]))
     checks = []
     for ratio, own in sorted(points.items()):
         trend = _per_e_fold(own)
@@ -175,17 +170,13 @@ def _with_property(rows: Sequence[Row], name: str, sign: int) -> Statement:
     return Statement(f"eta {rises} with {name}, for each shape", checks or [Check(None, "")])
 
 
-def _sensitive(rows: Sequence[Row]) -> list[Row]:
-    return done([row for row in rows if row["part"] == "sensitivity"])
-
-
-def _order_kept(table: Table) -> Statement:
+def _order_kept(rows: Sequence[Row]) -> Statement:
     """eta at Gamma 35 stands for the onset there (the thesis's own argument)."""
     checks = []
     for name in VALUES:
         gains = {
             value: min(eta for ratio, eta in etas.items() if ratio >= 1.5) - etas[1.0]
-            for value, etas in values_of(table, name).items()
+            for value, etas in values_of(rows, name).items()
             if 1.0 in etas and 1.5 in etas
         }
         text = ", ".join(f"{in_words(name, value)} {gain:+.3f}" for value, gain in gains.items())
@@ -195,11 +186,11 @@ def _order_kept(table: Table) -> Statement:
     )
 
 
-def _friction(table: Table) -> Statement:
+def _friction(rows: Sequence[Row]) -> Statement:
     words = "less friction makes eta more sensitive to shape, more friction less: eta(1.5) - eta(1)"
     gains = {
         value: etas[1.5] - etas[1.0]
-        for value, etas in values_of(table, "friction").items()
+        for value, etas in values_of(rows, "friction").items()
         if 1.0 in etas and 1.5 in etas
     }
     if len(gains) < 3:
