@@ -156,7 +156,8 @@ def test_sphericity_orders_prolates_and_toroids():
     assert pairs[0][0] == 1.0
 
 
-def made_properties(sign=1.0):
+def made_properties(sign=1.0, scatter=0.0):
+    """Each point of two packings, which differ by twice the scatter."""
     found = []
     for labels in labels_of(shape_plan.sensitivity_panels()):
         ratio, name, value = labels["ratio"], labels["property"], labels["value"]
@@ -170,7 +171,10 @@ def made_properties(sign=1.0):
                 * 0.02
                 * math.log(value / standard)
             )
-        found.append({**labels, "efficiency": eta, "seed": 1, "state": "done"})
+        found += [
+            {**labels, "efficiency": eta + off, "seed": seed, "state": "done"}
+            for seed, off in ((1, -scatter), (2, scatter))
+        ]
     return found
 
 
@@ -179,6 +183,11 @@ def test_property_statements_follow_the_made_trends():
     assert set(verdicts(shape_effects.property_statements(made_properties())).values()) == {True}
     turned = verdicts(shape_effects.property_statements(made_properties(-1.0)))
     assert [turned[words] for words in list(turned)[:3]] == [False] * 3
+    clear, hidden = (
+        verdicts(shape_effects.property_statements(made_properties(scatter=s))) for s in (1e-3, 0.2)
+    )
+    assert [clear[words] for words in list(clear)[:3]] == [True] * 3
+    assert [hidden[words] for words in list(hidden)[:3]] == [None] * 3
     level = verdicts(shape_effects.property_statements(made_properties(0.0)))
     assert [level[words] for words in list(level)[:3]] == [None] * 3
 

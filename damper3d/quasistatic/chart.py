@@ -45,7 +45,6 @@ def draw(rows: Sequence[dict[str, Any]]) -> "Figure":
     for column, (family, shapes) in enumerate(groups.items()):
         _curves(panels[0, column], shapes, family, first["test"])
         _measured(panels[1, column], shapes, family, first["test"], scatter)
-    panels[1, 0].autoscale_view()
     panels[1, 0].set_ylim(bottom=0.0)  # of the row, which shares it: after all that it shows
     panels[0, 0].set_ylabel(_AXES[first["test"]][1])
     secant = f"secant stiffness\nto {1e3 * first['at_m']:g} mm [N/mm]"
@@ -94,8 +93,8 @@ def _measured(
             [x], [scale * (sample.mean or 0.0)], None if width is None else [scale * width],
             fmt="o", color=_COLOURS[number % len(_COLOURS)], capsize=3, elinewidth=0.9,
         )  # fmt: skip
+        axes.update_datalim([(x, 0.0)])  # the margin above the points is a part of their height
     if family == "":
         axes.set_xticks(range(len(shapes)), [shape.name for shape in shapes])
     else:
         axes.set_xlabel(_NAMES[family][1])
-    axes.update_datalim([(x, 0.0)])  # the margin above the points is a part of their height
