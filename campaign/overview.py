@@ -21,12 +21,18 @@ def cost(simulator: Simulator, cases: Sequence[Labelled]) -> str:
         packing, run = simulator.expected_cpu_s(case)
         packings[simulator.packing_file(case, Path())] = packing
         runs += run
-    minutes = (sum(packings.values()) + runs) / 60
+    cpu = in_minutes(sum(packings.values()) + runs)
     shortest = min(case.time_step for case in distinct.values())
     return (
-        f"{len(distinct)} runs of {len(packings)} packings, about {minutes:.0f} min of CPU time if "
+        f"{len(distinct)} runs of {len(packings)} packings, about {cpu} min of CPU time if "
         f"none is there yet; the shortest time step is {shortest * 1e6:.2g} us"
     )
+
+
+def in_minutes(seconds: float) -> str:
+    """A time that is known to a factor of two, as a number of minutes."""
+    minutes = max(seconds / 60, 0.1)
+    return f"{minutes:.1g}" if minutes < 1 else f"{minutes:,.0f}"
 
 
 def plan(simulator: Simulator, loaded: LabelledStudy, out: Path) -> dict[str, Any]:

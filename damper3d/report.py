@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from campaign.overview import in_minutes
 from contact.hertz import HertzLaw
 from damper3d.case import DamperCase
 from damper3d.plan import expected_cpu_s, steps_at_most, warnings
@@ -36,8 +37,8 @@ def echo(case: DamperCase, dry_run: bool) -> str:
     if dry_run:
         filling, motion = expected_cpu_s(case)
         lines.append(
-            f"  expected    about {_minutes(filling + motion)} min of CPU, {_minutes(filling)} of "
-            "them for a packing that is not there yet"
+            f"  expected    about {in_minutes(filling + motion)} min of CPU, "
+            f"{in_minutes(filling)} of them for a packing that is not there yet"
         )
     return "\n".join([*lines, *(f"  warning     {line}" for line in warnings(case))])
 
@@ -99,11 +100,6 @@ def _end(case: DamperCase) -> str:
         f"after {run.cycles} cycles of {case.period:.4g} s, the last {run.cycles - run.discard} "
         f"count; {steps_at_most(case):,} steps"
     )
-
-
-def _minutes(seconds: float) -> str:
-    minutes = max(seconds / 60, 0.1)
-    return f"{minutes:.1g}" if minutes < 1 else f"{minutes:,.0f}"
 
 
 def report(result: Result) -> str:

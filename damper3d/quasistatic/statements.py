@@ -72,7 +72,9 @@ class _Judge:
     def all_above(self, own: dict[float, Shape], sphere: float, kind: str) -> list[Check]:
         """That each other shape of a family is stiffer than its sphere."""
         others = [ratio for ratio in own if ratio != sphere]
-        if sphere not in own or not others:
+        if sphere not in own and others:
+            return [Check(None, f"no run of {kind}:{sphere:g}, their sphere", _OF[kind])]
+        if not others:
             return [Check(None, "", _OF[kind])]
         return [self.above(own[r], own[sphere], f"{kind} {r:g}", "the sphere's") for r in others]
 

@@ -66,8 +66,9 @@ class Filler:
             chosen = self._chosen(limit - self._flatness, MOST_SUB_SPHERES)
             if chosen is None:
                 raise InputError(
-                    f"tolerance: takes more than {MOST_SUB_SPHERES} sub-spheres; give a larger one "
-                    "(--tolerance), a number (--sub-spheres), or a shape with rounder edges"
+                    f"tolerance = {tolerance / self._size:.3g}: takes more than {MOST_SUB_SPHERES} "
+                    "sub-spheres; give a larger one (--tolerance 0.05), a number (--sub-spheres), "
+                    "or a shape with rounder edges"
                 )
             found = self._grown(chosen)
             if found.surface_error <= tolerance:
