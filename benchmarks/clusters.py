@@ -11,10 +11,10 @@ import statistics
 import numpy as np
 from damper import BOUNCING, Run, quiet, sampled, steps_of, user_us
 
-from campaign.provenance import cpu_model
-from damper3d.case import DamperCase
-from damper3d.fill import fill, resting
-from damper3d.simulation import Simulation
+from damper3d.case.case import DamperCase
+from damper3d.engine.simulation import Simulation
+from damper3d.run.fill import fill, resting
+from granulab.campaign.runs.provenance import cpu_model
 
 TARGET = 50.0  # us a step, bouncing: 90 prolate spheroids of 51 sub-spheres
 LAMMPS = 470.0  # us a step, of its rigid bodies on the same scene where the number was set

@@ -12,14 +12,14 @@ from collections.abc import Callable
 import numpy as np
 from reference import reference_ns
 
-from campaign.provenance import cpu_model
-from silo2d.case import GRAVITY, SiloCase
-from silo2d.outline import hopper
-from silo2d.packing import Packing, in_rows
-from silo2d.pour import pour
-from silo2d.protocol import settle_under_own_law, world_behind_door
-from silo2d.simulation import Simulation
-from silo2d.world import build_world
+from granulab.campaign.runs.provenance import cpu_model
+from silo2d.case.case import GRAVITY, SiloCase
+from silo2d.case.outline import hopper
+from silo2d.engine.simulation import Simulation
+from silo2d.engine.world import build_world
+from silo2d.run.packing import Packing, in_rows
+from silo2d.run.pour import pour
+from silo2d.run.protocol import settle_under_own_law, world_behind_door
 
 
 def quiet(*_: object) -> None:

@@ -15,12 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
-from campaign.provenance import cpu_model
-from damper3d.case import DamperCase
-from damper3d.fill import fill, resting
-from damper3d.simulation import Simulation
+from damper3d.case.case import DamperCase
+from damper3d.engine.simulation import Simulation
+from damper3d.run.fill import fill, resting
+from granulab.campaign.runs.provenance import cpu_model
 
-sys.path.append(str(Path(__file__).resolve().parent.parent / "tests"))  # the deck for LAMMPS
+# the deck for LAMMPS
+sys.path.append(str(Path(__file__).resolve().parent.parent / "tests" / "helpers"))
 
 BOUNCING = {"motion.frequency": 40.0, "motion.gamma": 20.0}
 TARGETS = {"bouncing": (10.0, 0.4), "at rest": (11.5, 0.2)}  # us a step, part of LAMMPS's
@@ -163,7 +164,7 @@ def against_number(largest: int, repeats: int) -> None:
 
 def of_a_point(us: float) -> None:
     """Print what a point of a map costs beside its steps, and what a whole map comes to."""
-    from damper3d.protocol import run
+    from damper3d.run.protocol import run
 
     summary = {"output.keep": "summary", "output.frames": 0}
     with tempfile.TemporaryDirectory() as room:

@@ -22,7 +22,7 @@ from calibration.drop.measure import measure_drop
 from calibration.rendered.backdrop import Backdrop
 from calibration.rendered.camera import Camera
 from calibration.rendered.drop import Ball, DropScene, film_drop, sharp
-from contact.quantity import InputError
+from granulab.errors import InputError
 
 RATES = (25.0, 120.0, 500.0)  # frames/s
 NOISE = (1.0, 4.0, 10.0)  # grey levels

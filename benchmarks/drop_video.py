@@ -15,10 +15,10 @@ import scipy.ndimage
 import scipy.optimize
 import scipy.special  # noqa: F401  these are loaded once, whatever a film's length
 
-from calibration.film.follow import follow
-from calibration.film.reader import open_film
 from calibration.rendered.camera import Camera
 from calibration.rendered.drop import Ball, DropScene, film_drop
+from calibration.tracking.film.reader import open_film
+from calibration.tracking.follow import follow
 
 _FRAMES = 90
 _SCENE = DropScene((Ball(diameter=0.04, fall=0.4),), width=1920, height=1080, scale=0.04 / 60)

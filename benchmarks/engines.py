@@ -14,10 +14,10 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from campaign.folder import write_atomic
-from campaign.terminal import Progress, StopRequest
-from silo2d.compare import compare
-from silo2d.engines import run_engines
+from granulab.campaign.cli.terminal import Progress, StopRequest
+from granulab.campaign.runs.folder import write_atomic
+from silo2d.baseline.comparison import run_engines
+from silo2d.view.compare import compare
 
 CASES = [("A4", 1), ("A4", 2), ("A4", 3), *((silo, 1) for silo in ("C4", "D4", "A3", "C3", "A2"))]
 SETTINGS = [

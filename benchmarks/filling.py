@@ -9,7 +9,7 @@ from pathlib import Path
 from statistics import fmean
 
 from silo2d import Result, SiloCase, run
-from silo2d.packing import Packing, load_packing, packing_folder
+from silo2d.run.packing import Packing, load_packing, packing_folder
 
 SILOS = ("A4", "C4")
 WAYS = ("dem", "pymunk")

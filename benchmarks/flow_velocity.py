@@ -15,7 +15,7 @@ from flow_coverage import rendered
 from calibration.flow.measure import measure_flow
 from calibration.flow.settings import Settings
 from calibration.rendered.flow_velocity import TrueField, true_field
-from campaign.figure import write_figure
+from granulab.campaign.output.figure import write_figure
 
 COLUMNS = "| {} | windows | true speed | bias along x | along y | rms | sigma | within one sigma |"
 PARTS = 3  # of the windows, by distance from walls and by strain, equally many in each
@@ -23,7 +23,7 @@ PARTS = 3  # of the windows, by distance from walls and by strain, equally many 
 
 def measure(run: Path, folder: Path, name: str) -> Path:
     """Render, measure and compare one film; the numbers' file."""
-    from silo2d.measures.grains import column_edges
+    from silo2d.measures.from_contacts.particles import column_edges
 
     stage, camera, times, film = rendered(run, folder, name)
     edges = column_edges(stage.scene)

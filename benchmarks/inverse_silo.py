@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from campaign.sweep import over_seeds
-from campaign.trajectory import read_trajectory
-from silo2d.case import SiloCase
-from silo2d.sweep import run_cases
+from granulab.campaign.runs.trajectory import read_trajectory
+from granulab.campaign.sweeps.sweep import over_seeds
+from silo2d.case.case import SiloCase
+from silo2d.run.sweep import run_cases
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "helpers"))
 from small_silo import write_case
 
 TRUTH = 0.4
@@ -64,7 +64,7 @@ def measured(folder: Path) -> tuple[float, np.ndarray]:
 
 def main() -> None:
     """Make the measurement, fit it, and keep the answer."""
-    from calibration.cli import main as calibrate
+    from calibration.commands.main import main as calibrate
 
     folder, results = Path(sys.argv[1]), Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)

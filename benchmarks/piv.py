@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from calibration.piv import displacement
-from campaign.provenance import cpu_model
+from granulab.campaign.runs.provenance import cpu_model
 
 
 def pair(side: int) -> tuple[np.ndarray, np.ndarray]:

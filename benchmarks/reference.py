@@ -9,7 +9,7 @@ import time
 import numba
 import numpy as np
 
-import contact.jit  # noqa: F401  its compiler settings count from the first decorator on
+import granulab.contact.jit  # noqa: F401  its compiler settings count from the first decorator on
 
 
 @numba.njit(error_model="numpy")

@@ -14,15 +14,15 @@ import tempfile
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
 from small_silo import write_case
 
-from campaign.engine import run_tasks
-from campaign.task import Stop
-from silo2d.case import SiloCase
-from silo2d.sweep import run_cases
-from silo2d.warm import compile_kernels
+from granulab.campaign.sweeps.engine import run_tasks
+from granulab.campaign.sweeps.task import Stop
+from silo2d.case.case import SiloCase
+from silo2d.run.sweep import run_cases
+from silo2d.run.warm import compile_kernels
 
 LENGTHS = (5.0, 20.0, 60.0)  # [s] of a run; A4 takes about 20 on a current server
 SWEEP, SEEDS = 80, 5  # runs in all, and of each combination: 16 silos times five seeds

@@ -1,5 +1,5 @@
 """python -m calibration: the command calibrate."""
 
-from calibration.cli import main
+from calibration.commands.main import main
 
 main()

@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.flow.result import Flow
-from calibration.uncertainty import Estimate, as_pair
-from contact.quantity import InputError
-from silo2d.measures.grains import column_edges, leavers
+from calibration.statistics.uncertainty import Estimate, as_pair
+from granulab.errors import InputError
+from silo2d.measures.from_contacts.particles import column_edges, leavers
 from silo2d.measures.profile import measure
-from silo2d.scene import Scene, read_scene
+from silo2d.view.scene import Scene, read_scene
 
 Floats = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calibration.compare import Comparison
-from calibration.quantity import plus_minus
-from campaign.figure import BLUE, GREY, INK, VERMILION, WALL, headline, write_figure
+from calibration.statistics.quantity import plus_minus
+from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, WALL, headline, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

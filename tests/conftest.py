@@ -11,7 +11,7 @@ from filelock import FileLock
 from hypothesis import settings
 from small_silo import silo2d, the_run, write_case
 
-from campaign.folder import RunFolder
+from granulab.campaign.runs.folder import RunFolder
 
 # How long an example takes says how busy the machine is, with another worker beside this one.
 settings.register_profile("shared machine", deadline=None)

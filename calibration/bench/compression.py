@@ -13,8 +13,9 @@ import numpy as np
 from calibration.bench.cycles import Cycle, unloading_stiffness
 from calibration.bench.measure import Result, measure
 from calibration.bench.sections import Asked, Columns, Input, Section, curves, need
-from calibration.uncertainty import Estimate, of_trials
-from contact.quantity import InputError, located
+from calibration.statistics.uncertainty import Estimate, of_trials
+from granulab.contact.files.units import located
+from granulab.errors import InputError
 
 INPUTS = (
     Input("displacement", "m", "of a specimen, in the order of the measurement, and"),

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.uncertainty import Estimate
+from granulab.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import numpy as np
 
 from calibration.bench.measure import Result, measure
 from calibration.bench.sections import Asked, Columns, Input, need, rows
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.uncertainty import Estimate
+from granulab.errors import InputError
 
 INPUTS = (
     Input("mass", "kg", "of one particle"),

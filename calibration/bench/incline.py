@@ -13,8 +13,8 @@ import numpy as np
 
 from calibration.bench.measure import Result, measure
 from calibration.bench.sections import Asked, Columns, Input, Section, need, rows
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.uncertainty import Estimate
+from granulab.errors import InputError
 
 INPUTS = (
     Input("angle", "rad", "inclination at first slip"),

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from calibration.bench.measure import Result, measure
 from calibration.bench.sections import Asked, Columns, Input, need, rows
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.uncertainty import Estimate
+from granulab.errors import InputError
 
 INPUTS = (
     Input("dx_t", "m", "displacement along the interface"),

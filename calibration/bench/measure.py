@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from calibration.bench.sections import Asked, Columns, Section
-from calibration.uncertainty import Estimate, Pooled, pooled
-from contact.quantity import InputError, located
+from calibration.statistics.uncertainty import Estimate, Pooled, pooled
+from granulab.contact.files.units import located
+from granulab.errors import InputError
 
 Evaluate = Callable[[Columns], Estimate]
 

@@ -12,10 +12,11 @@ import numpy as np
 from calibration.bench import compression, interface, slide
 from calibration.bench.sections import Asked
 from calibration.bench.statement import Statement
-from calibration.reading.tables import Table, read_table
-from calibration.uncertainty import Estimate, Pooled, pooled_summaries
-from contact.datafile import data_file
-from contact.quantity import InputError, nearest, to_si
+from calibration.files.tables import Table, read_table
+from calibration.statistics.uncertainty import Estimate, Pooled, pooled_summaries
+from granulab.contact.files.datafile import data_file
+from granulab.contact.files.units import nearest, to_si
+from granulab.errors import InputError
 
 
 def friction() -> list[Statement]:

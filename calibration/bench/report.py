@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from calibration.bench.measure import Result
-from calibration.quantity import plus_minus
-from calibration.uncertainty import Estimate
-from contact.quantity import to_si
+from calibration.statistics.quantity import plus_minus
+from calibration.statistics.uncertainty import Estimate
+from granulab.contact.files.units import to_si
 
 _MOST_TRIALS = 60  # lines of single trials; JSON has them all
 

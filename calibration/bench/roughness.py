@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from calibration.bench.measure import Result, measure
 from calibration.bench.sections import Asked, Columns, Input, curves, need
-from calibration.uncertainty import Estimate, of_trials
-from contact.quantity import InputError
+from calibration.statistics.uncertainty import Estimate, of_trials
+from granulab.errors import InputError
 
 INPUTS = (
     Input("x", "m", "along the path"),

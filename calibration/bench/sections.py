@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.quantity import measured_quantity
-from calibration.reading.tables import Table, read_table
-from contact.quantity import InputError, nearest, to_si
+from calibration.files.tables import Table, read_table
+from calibration.statistics.quantity import measured_quantity
+from granulab.contact.files.units import nearest, to_si
+from granulab.errors import InputError
 
 Columns = Mapping[str, NDArray[np.float64]]
 

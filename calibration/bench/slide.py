@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from calibration.bench.measure import Result, measure
 from calibration.bench.sections import Asked, Columns, Input, Section, curves, need, rows
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError, located
+from calibration.statistics.uncertainty import Estimate
+from granulab.contact.files.units import located
+from granulab.errors import InputError
 
 INPUTS = (
     Input("time", "s", "of a sliding block, and"),

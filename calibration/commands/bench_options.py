@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from calibration.commands.options import Into, into_options
-from campaign.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
     from calibration.bench.measure import Result
@@ -87,7 +87,7 @@ def _write(
     files: Sequence[str],
 ) -> None:  # fmt: skip
     """Put what --pair or --material takes into the parameter file."""
-    from contact.quantity import InputError
+    from granulab.errors import InputError
 
     for key, wanted in writes.items():
         if not into.takes(key):

@@ -10,7 +10,7 @@ import click
 from calibration.commands.film_options import Box
 from calibration.commands.flow import film_options
 from calibration.commands.options import sheets_option
-from campaign.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
     from calibration.compare import Comparison
@@ -38,7 +38,7 @@ def command(
     from calibration.compare import columns_of, compare
     from calibration.flow.measure import measure_flow
     from calibration.flow.settings import Settings
-    from campaign.terminal import Progress
+    from granulab.campaign.cli.terminal import Progress
 
     columns, inner = columns_of(run)
     settings = Settings(fps, scale, width, roi, interval, columns, velocity=False)
@@ -61,7 +61,7 @@ def command(
 
 
 def _report(found: "Comparison", figure: Path | None) -> str:
-    from calibration.quantity import plus_minus
+    from calibration.statistics.quantity import plus_minus
 
     d, c = found.distance, found.curve_distance
     apart = plus_minus(1e3 * d.value, 1e3 * (d.sigma or 0))

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from calibration.commands.options import Into
-from campaign.commandline import json_option
+from granulab.campaign.cli.commandline import json_option
 
 if TYPE_CHECKING:
-    from calibration.damping_input import Impact
-    from contact.restitution import ContactEnd
+    from calibration.bench.damping_input import Impact
+    from granulab.contact.restitution import ContactEnd
 
 _PARALLEL = (1, 2, 4, 8)  # a corner; a face on a wall; shifted faces; aligned faces
 _ENDS: tuple["ContactEnd", ...] = ("overlap", "force")
@@ -48,7 +48,7 @@ def command(into: str | None, materials: str | None, pair: str | None, as_json: 
     For example: calibrate damping --restitution "0.53 +- 0.02" --kn "1e4 N/mm" --mass "10.8 g"
     --wall
     """
-    from calibration.damping_input import impact_of
+    from calibration.bench.damping_input import impact_of
 
     target = Into(Path(into), pair, None) if into else None
     if target:
@@ -58,7 +58,7 @@ def command(into: str | None, materials: str | None, pair: str | None, as_json: 
     try:
         answer = _answer(impact)
     except (ValueError, OverflowError, ZeroDivisionError):  # of 1e-100, or a mass of 1e-300 g
-        from contact.quantity import InputError
+        from granulab.errors import InputError
 
         raise InputError(
             f"restitution {impact.restitution.value:g}, kn {impact.kn.value:g} N/m and reduced "
@@ -70,7 +70,12 @@ def command(into: str | None, materials: str | None, pair: str | None, as_json: 
 
 def _answer(impact: "Impact") -> dict[str, Any]:
     """The keys of --json: numbers in the unit of the key."""
-    from contact.damping import damping_ratio, in_parallel, linear_damping, tsuji_damping_ratio
+    from calibration.bench.damping import (
+        damping_ratio,
+        in_parallel,
+        linear_damping,
+        tsuji_damping_ratio,
+    )
 
     e, n = impact.restitution, impact.contacts
     return {
@@ -99,7 +104,7 @@ def _both(value: Any) -> dict[str, float | None]:
 
 def _put(target: Into, impact: "Impact", answer: dict[str, Any]) -> dict[str, Any]:
     """Write gamma_n of the chosen end of contact; the file's own words say what it came from."""
-    from calibration.uncertainty import Estimate
+    from calibration.statistics.uncertainty import Estimate
 
     found = answer["gamma_n_per_s"][impact.end]
     many = "one contact" if impact.contacts == 1 else f"{impact.contacts} contacts in parallel"
@@ -143,7 +148,7 @@ def _row(name: str, values: dict[str, dict[str, float | None]]) -> str:
 
 def _shown(found: dict[str, float | None], factor: float = 1.0) -> str:
     """A value with its sigma, in the unit of the report."""
-    from calibration.quantity import plus_minus
+    from calibration.statistics.quantity import plus_minus
 
     value, sigma = found["value"], found["sigma"]
     assert value is not None

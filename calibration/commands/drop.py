@@ -9,12 +9,12 @@ import click
 
 from calibration.commands.film_options import Box, fps_option, place, roi_option
 from calibration.commands.options import into_options, sheets_option
-from campaign.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
     from calibration.commands.options import Into
     from calibration.drop.measure import Drop
-    from calibration.uncertainty import Estimate
+    from calibration.statistics.uncertainty import Estimate
 
 
 @click.command(short_help="Restitution of a thing that falls and bounces")
@@ -43,7 +43,7 @@ def command(
     For example: calibrate drop marble.mp4 --fps 240 --out sheets
     """
     from calibration.drop.measure import measure_drop
-    from campaign.terminal import Progress
+    from granulab.campaign.cli.terminal import Progress
 
     with Progress(Path(file).name, quiet) as progress:
         drop = measure_drop(

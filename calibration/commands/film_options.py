@@ -5,13 +5,13 @@ from typing import Any
 
 import click
 
-from contact.quantity import InputError
+from granulab.errors import InputError
 
 Box = tuple[int, int, int, int]  # x, y, width, height [px]
 
 
 def fps_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """--fps, checked by who uses it (calibration.film.rate)."""
+    """--fps, checked by who uses it (calibration.tracking.film.rate)."""
     words = "Frames per second of the camera."
     return click.option("--fps", type=float, metavar="240", help=words)(command)
 

@@ -8,7 +8,7 @@ import click
 
 from calibration.commands.film_options import Box, fps_option, roi_option
 from calibration.commands.options import sheets_option
-from campaign.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
     from calibration.flow.collapse import Collapse
@@ -54,7 +54,7 @@ def command(
 
     For example: calibrate flow silo.mp4 --width "300 mm" --out sheets
     """
-    from campaign.terminal import Progress
+    from granulab.campaign.cli.terminal import Progress
 
     if collapse:
         from calibration.flow.collapse import measure_collapse
@@ -105,7 +105,7 @@ def _report(flow: "Flow", files: dict[str, Any]) -> str:
     import numpy as np
 
     from calibration.flow.sheet import words
-    from calibration.quantity import plus_minus
+    from calibration.statistics.quantity import plus_minus
 
     silo, unit = flow.silo, flow.silo.unit
     lines = [

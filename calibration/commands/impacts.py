@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import click
 
 from calibration.commands.options import Into, into_options, sheets_option
-from campaign.commandline import json_option, quiet_option
-from contact.quantity import InputError, to_si
+from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.contact.files.units import to_si
+from granulab.errors import InputError
 
 if TYPE_CHECKING:
     from calibration.impacts.measure import Impacts
-    from calibration.uncertainty import Estimate
+    from calibration.statistics.uncertainty import Estimate
 
 
 @click.command(short_help="Restitution from sound, force or acceleration")
@@ -59,7 +60,7 @@ def command(
 
 def _estimate(found: "Impacts") -> "Estimate":
     """The pooled restitution; InputError where the signal gives none."""
-    from calibration.uncertainty import Estimate
+    from calibration.statistics.uncertainty import Estimate
 
     one = found.restitution
     if one.value is None:
@@ -69,14 +70,14 @@ def _estimate(found: "Impacts") -> "Estimate":
 
 def _sheet(found: "Impacts", file: Path, out: Path) -> Path:
     from calibration.impacts.sheet import draw_sheet
-    from campaign.figure import write_figure
+    from granulab.campaign.output.figure import write_figure
 
     return write_figure(out / f"{file.stem}-impacts.png", lambda: draw_sheet(found))
 
 
 def _report(found: "Impacts") -> str:
     """Impacts, pairs and what is made of them, as text."""
-    from calibration.quantity import plus_minus
+    from calibration.statistics.quantity import plus_minus
 
     lines = [f"impact  {'time [s]':28}flight [s]"]
     for k, (time, sigma) in enumerate(zip(found.times_s, found.sigmas_s, strict=True)):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from campaign.commandline import (
+from granulab.campaign.cli.commandline import (
     Ended,
     engine_options,
     json_option,
@@ -65,7 +65,7 @@ def _fitted(
     """The answer as JSON and as text, both kept in the folder of the fit."""
     from calibration.inverse.fitted import run_fit
     from calibration.inverse.report import as_json, as_text
-    from campaign.folder import refuse_unless_writable, write_atomic
+    from granulab.campaign.runs.folder import refuse_unless_writable, write_atomic
 
     refuse_unless_writable(out, "--out")
     found = run_fit(loaded, out=out.resolve(), quiet=quiet, **engine)
@@ -95,8 +95,8 @@ def _places(answer: dict[str, Any]) -> str:
 
 
 def _write_example(path: Path) -> None:
-    from campaign.library import write_new
-    from contact.datafile import data_file
+    from granulab.campaign.cli.library import write_new
+    from granulab.contact.files.datafile import data_file
 
     template = data_file("fits", "example")
     assert template is not None  # shipped

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from calibration.materials.parameter_file import Written
-    from calibration.uncertainty import Estimate
+    from calibration.files.parameter_file import Written
+    from calibration.statistics.uncertainty import Estimate
 
 _PAIR_KEYS = ("friction", "restitution", "kn", "kt", "gamma_n", "gamma_t")
 
@@ -30,9 +30,9 @@ class Into:
         """Write an estimate, in SI, that was measured from files, and say so on stderr.
 
         source is the names of the files unless given. Raises InputError; see
-        calibration.materials.parameter_file.into.
+        calibration.files.parameter_file.into.
         """
-        from calibration.materials.parameter_file import digest_of, into
+        from calibration.files.parameter_file import digest_of, into
 
         paths = [Path(file) for file in files]
         written = into(
@@ -53,14 +53,14 @@ class Into:
 
     def check(self, keys: Sequence[str]) -> None:
         """Raise InputError now for what put would refuse after the work."""
-        from calibration.materials.parameter_file import check_file, check_place
+        from calibration.files.parameter_file import check_file, check_place
 
         check_file(self.path)
         for key in [key for key in keys if self.takes(key)] or keys:
             check_place(self._where(key), key)
 
     def _where(self, key: str) -> str:
-        from contact.quantity import InputError
+        from granulab.errors import InputError
 
         kind = "pair" if key in _PAIR_KEYS else "material"
         name = self.pair if kind == "pair" else self.material
@@ -74,7 +74,7 @@ def sheets_option(words: str) -> Callable[[Callable[..., Any]], Callable[..., An
     """-o, --out: a folder for what the command draws; refused before the work if not writable."""
 
     def checked(_context: click.Context, _option: click.Parameter, out: Path | None) -> Path | None:
-        from campaign.folder import refuse_unless_writable
+        from granulab.campaign.runs.folder import refuse_unless_writable
 
         if out is not None:
             refuse_unless_writable(out, "--out")
@@ -118,7 +118,7 @@ def into_options(*keys: str) -> Callable[[Callable[..., Any]], Callable[..., Any
 def _checked(
     into: str | None, pair: str | None, material: str | None, keys: Sequence[str]
 ) -> Into | None:
-    from contact.quantity import InputError
+    from granulab.errors import InputError
 
     if into is None:
         if name := pair or material:

@@ -8,8 +8,9 @@ import click
 
 from calibration.commands.film_options import Box, fps_option, roi_option
 from calibration.commands.options import into_options, sheets_option
-from campaign.commandline import json_option, quiet_option
-from contact.quantity import InputError, to_si
+from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.contact.files.units import to_si
+from granulab.errors import InputError
 
 if TYPE_CHECKING:
     from calibration.commands.options import Into
@@ -39,7 +40,7 @@ def command(
     from calibration.pendulum.measure import measure_pendulum
     from calibration.pendulum.statement import as_json as object_of
     from calibration.pendulum.statement import as_text
-    from campaign.terminal import Progress
+    from granulab.campaign.cli.terminal import Progress
 
     with Progress(Path(file).name, quiet) as progress:
         found = measure_pendulum(

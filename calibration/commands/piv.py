@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from calibration.commands.options import sheets_option
-from campaign.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
     from calibration.piv.answer import Answer
@@ -42,8 +42,8 @@ def command(
     For example: calibrate piv a.png b.png --scale "0.1 mm/px" --dt "2 ms" -o field
     """
     from calibration.piv.answer import measure_pair
-    from calibration.quantity import metres_per_pixel
-    from contact.quantity import to_si
+    from calibration.statistics.quantity import metres_per_pixel
+    from granulab.contact.files.units import to_si
 
     answer = measure_pair(
         a,
@@ -67,8 +67,8 @@ def command(
 
 def _written(answer: "Answer", out: Path) -> tuple[Path, Path]:
     from calibration.piv.sheet import draw_sheet
-    from campaign.folder import write_atomic
-    from campaign.table import as_csv
+    from granulab.campaign.output.table import as_csv
+    from granulab.campaign.runs.folder import write_atomic
 
     name = f"{answer.first.stem}-{answer.field.method}"
     sheet = draw_sheet(answer, out / f"{name}.png")

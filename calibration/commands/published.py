@@ -4,7 +4,7 @@ import json
 
 import click
 
-from campaign.commandline import json_option
+from granulab.campaign.cli.commandline import json_option
 
 
 @click.command("published", short_help="The sources' measurements, calculated again")

@@ -4,7 +4,7 @@ import json
 
 import click
 
-from campaign.commandline import json_option
+from granulab.campaign.cli.commandline import json_option
 
 
 @click.command(short_help="Where each number of a parameter file came from")
@@ -15,7 +15,7 @@ def command(file: str, as_json: bool) -> None:
 
     FILE is a .toml file or a shipped table, such as wood. For example: calibrate report wood.toml
     """
-    from calibration.materials import provenance
+    from calibration.files import provenance
 
     read = provenance.read_values(file)
     if as_json:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import click
 
 from calibration.commands.options import sheets_option
-from campaign.commandline import json_option, quiet_option
-from contact.quantity import to_si
+from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.contact.files.units import to_si
 
 if TYPE_CHECKING:
     from calibration.shaker.measure import Dissipation, Tone
     from calibration.shaker.shaken import Record
-    from calibration.uncertainty import Estimate
+    from calibration.statistics.uncertainty import Estimate
 
 
 @click.command(short_help="Power and efficiency of a shaken enclosure")
@@ -68,14 +68,14 @@ def command(
 
 def _sheet(found: "Dissipation", loaded: "Record", out: Path) -> Path:
     from calibration.shaker.sheet import draw_sheet
-    from campaign.figure import write_figure
+    from granulab.campaign.output.figure import write_figure
 
     name = f"{loaded.path.stem}-shaker.png"
     return write_figure(out / name, lambda: draw_sheet(found, loaded))
 
 
 def _as_json(found: "Dissipation") -> dict[str, object]:
-    from calibration.uncertainty import as_pair
+    from calibration.statistics.uncertainty import as_pair
 
     def pair(one: "Estimate | None") -> dict[str, float | None]:
         return as_pair(one) or {"value": None, "sigma": None}

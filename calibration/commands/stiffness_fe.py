@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from calibration.commands.options import Into, into_options, sheets_option
-from campaign.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:
-    from calibration.interface_fe.measure import Found
-    from calibration.uncertainty import Estimate
+    from calibration.statistics.uncertainty import Estimate
+    from calibration.stiffness_fe.measure import Found
 
 
 @click.command("stiffness-fe", short_help="kt/kn of two blocks by finite elements")
@@ -92,13 +92,13 @@ def command(
 
     For example: calibrate stiffness-fe --roughness "12 um" --wavelength "0.8 mm" --out sheets
     """
-    from calibration.interface_fe.assumptions import applied, vary
-    from calibration.interface_fe.measure import measure
-    from calibration.interface_fe.report import as_json as for_json
-    from calibration.interface_fe.report import as_text
-    from calibration.interface_fe.setting import read_kn, read_setting
-    from calibration.quantity import plus_minus
-    from calibration.uncertainty import as_pair
+    from calibration.statistics.quantity import plus_minus
+    from calibration.statistics.uncertainty import as_pair
+    from calibration.stiffness_fe.assumptions import applied, vary
+    from calibration.stiffness_fe.measure import measure
+    from calibration.stiffness_fe.report import as_json as for_json
+    from calibration.stiffness_fe.report import as_text
+    from calibration.stiffness_fe.setting import read_kn, read_setting
 
     setting, sigma_e = read_setting(given)
     known_kn = read_kn(kn, into is not None)
@@ -143,7 +143,7 @@ def command(
 
 def _kt(found: "Found", kn: "Estimate") -> "Estimate":
     """kt = (kt/kn) kn [N/m] of the rough contact, or of the flat one where only that was tested."""
-    from calibration.uncertainty import through
+    from calibration.statistics.uncertainty import through
 
     contact = found.rough or found.flat
     assert contact is not None
@@ -151,6 +151,6 @@ def _kt(found: "Found", kn: "Estimate") -> "Estimate":
 
 
 def _sheet(found: "Found", out: Path) -> Path:
-    from calibration.interface_fe.sheet import draw_sheet
+    from calibration.stiffness_fe.sheet import draw_sheet
 
     return draw_sheet(found, out / "stiffness-fe.png")

@@ -15,7 +15,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from calibration.correlated import CHANCE, pool, propagated, with_sigma
 from calibration.drop.parabolas import Flights, fit
 from calibration.drop.rebound import (
     contact_times,
@@ -27,10 +26,11 @@ from calibration.drop.rebound import (
     speeds,
 )
 from calibration.drop.timebase import TimeBase, check
-from calibration.segments import flights
-from calibration.track import Array, Track
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.correlated import CHANCE, pool, propagated, with_sigma
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.segments import flights
+from calibration.tracking.track import Array, Track
+from granulab.errors import InputError
 
 STANDARD_GRAVITY = Estimate(9.80665, 0.03, 1)  # m/s2; sigma: what it varies by over the earth
 _EXACT = 1e-9  # sigma of restitution that numbers without noise have from their rounding

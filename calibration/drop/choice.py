@@ -7,9 +7,9 @@ import numpy as np
 
 from calibration.drop.bounce import Bounces, find_bounces
 from calibration.drop.companions import is_shown_twice
-from calibration.track import Track
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.track import Track
+from granulab.errors import InputError
 
 _FEWEST = 8  # positions of a drop
 _TOGETHER = 1.0  # frames: contacts of a thing and of its shadow or reflection

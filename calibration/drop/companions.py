@@ -8,7 +8,7 @@ not the thing's own colour.
 import numpy as np
 
 from calibration.drop.bounce import Bounces
-from calibration.track import Look
+from calibration.tracking.track import Look
 
 _WITHIN = 1.2  # sums of the radii, within which the middles of a thing's parts stay
 _SAME = 0.5  # of the contrast, by which colours of one thing differ

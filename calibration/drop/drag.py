@@ -19,9 +19,9 @@ import numpy as np
 
 from calibration.drop.bounce import Bounces
 from calibration.drop.parabolas import scatter_beyond_noise
-from calibration.robust import for_correlation
-from calibration.track import Array
-from calibration.uncertainty import Estimate
+from calibration.statistics.robust import for_correlation
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.track import Array
 
 _SIGMAS = 3.0  # by which drag must be known to be told
 

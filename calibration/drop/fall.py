@@ -12,7 +12,7 @@ import numpy as np
 from calibration.drop.bounce import STANDARD_GRAVITY, Bounces
 from calibration.drop.result import Drop
 from calibration.drop.upright import not_upright
-from calibration.uncertainty import Estimate, through
+from calibration.statistics.uncertainty import Estimate, through
 
 _ROOM = 3.0  # m: laboratories drop things within a room
 _FAR = 0.05  # share by which g may miss before scale or rate is doubted

@@ -8,12 +8,12 @@ from calibration.drop.choice import the_one_that_bounces
 from calibration.drop.drag import with_drag
 from calibration.drop.fall import with_free_fall
 from calibration.drop.result import Drop
-from calibration.film.rate import said_rate
-from calibration.film.reader import Told, is_film, open_film
-from calibration.quantity import metres_per_pixel
-from calibration.reading.track_table import read_tracks
-from calibration.track import Track
-from contact.quantity import InputError
+from calibration.files.track_table import read_tracks
+from calibration.statistics.quantity import metres_per_pixel
+from calibration.tracking.film.rate import said_rate
+from calibration.tracking.film.reader import Told, is_film, open_film
+from calibration.tracking.track import Track
+from granulab.errors import InputError
 
 
 def measure_drop(
@@ -81,7 +81,7 @@ def _tracks(
         return list(source), None
     if not is_film(source):
         return read_tracks(source), None
-    from calibration.film.follow import follow
+    from calibration.tracking.follow import follow
 
     film = open_film(source)
     return follow(film, roi=roi, hint=hint, progress=progress), film.rate

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration import shared_noise
 from calibration.drop.rebound import contact_times
-from calibration.robust import influence, robust_fit, run_left_out
-from calibration.track import Array, Rows
-from contact.quantity import InputError
+from calibration.statistics import shared_noise
+from calibration.statistics.robust import influence, robust_fit, run_left_out
+from calibration.tracking.track import Array, Rows
+from granulab.errors import InputError
 
 _REFUTED = 0.05  # p of a common acceleration below which the flights' own scatter about it
 _FEWEST = 3  # points of a flight: two tell its place and speed where others tell the fall

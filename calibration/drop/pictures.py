@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from calibration.drop.result import Drop
-from calibration.film.reader import Told, is_film, is_pattern, open_film
-from calibration.track import Track
+from calibration.tracking.film.reader import Told, is_film, is_pattern, open_film
+from calibration.tracking.track import Track
 
 
 def with_pictures(
@@ -20,7 +20,7 @@ def with_pictures(
     Raises FolderError where they cannot be written.
     """
     from calibration.drop.sheet import draw_sheet
-    from calibration.film.annotate import annotate
+    from calibration.tracking.film.annotate import annotate
 
     if not isinstance(source, str | Path):
         name = f"drop-{drop.bounces.track.name or 'track'}"

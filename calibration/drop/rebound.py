@@ -6,7 +6,7 @@ All functions give one value per contact, so m - 1, but for those between two wh
 
 import numpy as np
 
-from calibration.track import Array
+from calibration.tracking.track import Array
 
 
 def contact_times(centre: Array, coefficients: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from calibration.drop.bounce import Bounces
-from calibration.uncertainty import Estimate, as_pair, through
+from calibration.statistics.uncertainty import Estimate, as_pair, through
 
 
 @dataclass(frozen=True)

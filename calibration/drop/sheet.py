@@ -7,9 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calibration.drop.result import Drop
-from calibration.film.marks import Still
-from calibration.labels import scale_bar, with_sigma
-from campaign.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline, write_figure
+from calibration.tracking.film.labels import scale_bar, with_sigma
+from calibration.tracking.film.marks import Still
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    PAPER,
+    VERMILION,
+    headline,
+    write_figure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +28,7 @@ if TYPE_CHECKING:
 def draw_sheet(drop: Drop, path: Path, name: str, pictures: Sequence[Still] = ()) -> Path:
     """Write the sheet of a drop test called `name` as a PNG; its path.
 
-    pictures   of the film, with what was measured drawn in: see calibration.film.annotate
+    pictures   of the film, with what was measured drawn in: see calibration.tracking.film.annotate
     """
     return write_figure(path, lambda: _sheet(drop, name, pictures))
 

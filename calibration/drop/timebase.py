@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.repeated import repeated
-from calibration.segments import (
+from calibration.statistics.repeated import repeated
+from calibration.tracking.segments import (
     Stretch,
     is_flight,
     noise,
@@ -21,7 +21,7 @@ from calibration.segments import (
     stretches,
     with_acceleration,
 )
-from calibration.track import Array, Rows, Track
+from calibration.tracking.track import Array, Rows, Track
 
 _WHOLE = 0.25  # of a frame: how near to a whole number a shift must be
 _MOST = 5  # frames at one place

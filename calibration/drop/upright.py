@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from calibration.drop.bounce import Bounces
-from calibration.uncertainty import Estimate
+from calibration.statistics.uncertainty import Estimate
 
 _SIGMAS = 4.0  # by which a tilt must be known to be said
 _LEAST = 1.0  # degrees: what a tripod's level shows

@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.rate import frame_rate
-from calibration.film.reader import open_film
-from calibration.film.region import inside
 from calibration.flow.silo import Roi, check_said
 from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, survey, to_grey
-from calibration.quantity import metres_per_pixel
-from calibration.robust import MEDIAN_TO_SIGMA
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.quantity import metres_per_pixel
+from calibration.statistics.robust import MEDIAN_TO_SIGMA
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.film.rate import frame_rate
+from calibration.tracking.film.reader import open_film
+from calibration.tracking.film.region import inside
+from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

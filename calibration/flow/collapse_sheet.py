@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from calibration.flow.collapse import Collapse
 from calibration.flow.report import write_rows
-from campaign.figure import BLUE, GREEN, INK, VERMILION, headline, write_figure
+from granulab.campaign.output.figure import BLUE, GREEN, INK, VERMILION, headline, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

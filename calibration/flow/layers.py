@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from calibration.flow.silo import Silo
 from calibration.flow.tones import Labels
-from contact.quantity import InputError
+from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
 

@@ -3,14 +3,15 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from calibration.film.rate import frame_rate
-from calibration.film.reader import open_film
 from calibration.flow.result import Flow
 from calibration.flow.settings import Settings
 from calibration.flow.silo import check_said, find_silo
 from calibration.flow.survey import survey
 from calibration.flow.watch import Watch
-from contact.quantity import InputError, to_si
+from calibration.tracking.film.rate import frame_rate
+from calibration.tracking.film.reader import open_film
+from granulab.contact.files.units import to_si
+from granulab.errors import InputError
 
 INTERVAL = 0.25  # s, as in the paper's figures
 

@@ -23,7 +23,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.uncertainty import Estimate
+from calibration.statistics.uncertainty import Estimate
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.quantity import InputError
+from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
 

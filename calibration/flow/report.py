@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.flow.result import Flow
-from calibration.quantity import six_digits
-from calibration.uncertainty import as_pair
-from campaign.folder import write_atomic
-from campaign.table import as_csv
+from calibration.statistics.quantity import six_digits
+from calibration.statistics.uncertainty import as_pair
+from granulab.campaign.output.table import as_csv
+from granulab.campaign.runs.folder import write_atomic
 
 Row = dict[str, float]
 

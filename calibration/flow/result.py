@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.reader import Film
 from calibration.flow.layers import Band, Profile
 from calibration.flow.silo import Silo
 from calibration.flow.survey import Survey
 from calibration.flow.velocity import VelocityField
-from calibration.uncertainty import Estimate
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.film.reader import Film
 
 Floats = NDArray[np.float64]
 

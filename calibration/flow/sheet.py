@@ -5,11 +5,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.film.reader import Picture
 from calibration.flow.layers import Profile
 from calibration.flow.result import Flow
-from calibration.quantity import plus_minus
-from campaign.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline, write_figure
+from calibration.statistics.quantity import plus_minus
+from calibration.tracking.film.reader import Picture
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    PAPER,
+    VERMILION,
+    headline,
+    write_figure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

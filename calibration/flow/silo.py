@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.reader import Film
-from calibration.film.region import inside
 from calibration.flow.survey import CLEAR, Survey, to_grey
 from calibration.flow.tones import find_tones
-from calibration.quantity import measured_quantity, metres_per_pixel
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.quantity import measured_quantity, metres_per_pixel
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.film.reader import Film
+from calibration.tracking.film.region import inside
+from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.reader import Film, Picture
-from calibration.robust import MEDIAN_TO_SIGMA
-from contact.quantity import InputError
+from calibration.statistics.robust import MEDIAN_TO_SIGMA
+from calibration.tracking.film.reader import Film, Picture
+from granulab.errors import InputError
 
 Grey = NDArray[np.uint8]
 

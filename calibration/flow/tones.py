@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.reader import Picture
 from calibration.flow.survey import CLEAR, Survey
+from calibration.tracking.film.reader import Picture
 
 Labels = NDArray[np.int64]
 

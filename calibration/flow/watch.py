@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.reader import Film, Picture
 from calibration.flow.layers import Band, Lines, Profile, drawn_bands, of_bands, painted_bands
 from calibration.flow.material import material_mask, outlet_columns, seeds
 from calibration.flow.outlet import Crossing, Opening
@@ -21,8 +20,10 @@ from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, to_grey
 from calibration.flow.tones import Tones, find_tones
 from calibration.flow.tracers import Points, Tracers
 from calibration.flow.velocity import Velocities
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError, to_si
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.film.reader import Film, Picture
+from granulab.contact.files.units import to_si
+from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
 

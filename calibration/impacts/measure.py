@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.files.signals import Signal, read_signal
 from calibration.impacts.chance import doubt
 from calibration.impacts.onset import edge_of
 from calibration.impacts.power import onsets_of
@@ -13,8 +14,7 @@ from calibration.impacts.ratios import Restitution, first_restitution, restituti
 from calibration.impacts.search import RISE, WINDOW, Search, search
 from calibration.impacts.sequence import bouncing
 from calibration.impacts.shape import with_shape
-from calibration.reading.signals import Signal, read_signal
-from contact.quantity import InputError
+from granulab.errors import InputError
 
 _MOST_LISTED = 6  # events that a warning names
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.uncertainty import of_trials
+from calibration.statistics.uncertainty import of_trials
 
 GRAVITY = 9.81  # [m/s2]
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.reading.signals import Signal
+from calibration.files.signals import Signal
 
 WINDOW = 2e-3  # [s] over which energy is taken: longer than a contact, shorter than a flight
 RISE = 10.0  # [dB] from the energy before to the peak: tenfold

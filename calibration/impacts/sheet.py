@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calibration.impacts.measure import Impacts
-from calibration.quantity import plus_minus
-from campaign.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
+from calibration.statistics.quantity import plus_minus
+from granulab.campaign.output.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

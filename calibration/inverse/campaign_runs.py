@@ -9,8 +9,8 @@ from calibration.inverse.data import Run
 from calibration.inverse.fit_file import Fit
 from calibration.inverse.kind import Row
 from calibration.inverse.prior import Array
-from campaign.sweep import Labelled, over_seeds, run_labelled
-from contact.quantity import InputError
+from granulab.campaign.sweeps.sweep import Labelled, over_seeds, run_labelled
+from granulab.errors import InputError
 
 
 class Cut(Exception):
@@ -18,7 +18,7 @@ class Cut(Exception):
 
 
 class CampaignRuns:
-    """Evaluates points; `rows` has a row for each run (see campaign.sweep.run_labelled).
+    """Evaluates points; `rows` has a row for each run (see sweeps.sweep.run_labelled).
 
     A point has seeds of its own: with the same ones everywhere, their common chance would look
     like something that the parameters do.

@@ -5,11 +5,11 @@ import numpy as np
 from calibration.inverse.kind import Kind, Row, Simulated, Values
 from calibration.inverse.observation import Observation, Written, finite
 from calibration.inverse.prior import Array
-from contact.keys import Keys
-from contact.quantity import InputError
-from damper3d.case import DamperCase
-from damper3d.settings import Settings
-from damper3d.sweep import DAMPER
+from damper3d.case.case import DamperCase
+from damper3d.case.settings import Settings
+from damper3d.run.sweep import DAMPER
+from granulab.contact.files.keys import Keys
+from granulab.errors import InputError
 
 
 def _read_eta(written: Written) -> list[Observation]:

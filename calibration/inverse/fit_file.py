@@ -7,15 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from calibration.files.parameter_file import digest_of
 from calibration.inverse.data import Observed
 from calibration.inverse.kind import Simulated
 from calibration.inverse.observation import Observation, Written
 from calibration.inverse.prior import Array, Prior, prior_of
 from calibration.inverse.simulator import NAMES, simulator
-from calibration.materials.parameter_file import digest_of
-from campaign.folder import digest
-from contact.datafile import is_file, read_toml
-from contact.quantity import InputError, located, nearest
+from granulab.campaign.runs.folder import digest
+from granulab.contact.files.datafile import is_file, read_toml
+from granulab.contact.files.units import located, nearest
+from granulab.errors import InputError
 
 SCHEMA = 1
 MAX_RUNS = 100_000  # more is taken for a slip

@@ -22,10 +22,10 @@ from calibration.inverse.identify import (
 )
 from calibration.inverse.posterior import NothingPassed, Posterior, infer
 from calibration.inverse.prior import Array
-from campaign.commandline import Ended
-from campaign.folder import RunFolder, write_atomic, writing
-from campaign.provenance import provenance
-from campaign.table import write_table
+from granulab.campaign.cli.commandline import Ended
+from granulab.campaign.output.table import write_table
+from granulab.campaign.runs.folder import RunFolder, write_atomic, writing
+from granulab.campaign.runs.provenance import provenance
 
 _INTERVAL = 0.158655, 0.841345  # 68.3 %: one standard deviation of a normal distribution
 
@@ -56,7 +56,7 @@ class Fitted:
 def run_fit(fit: Fit, *, out: Path, **engine: Any) -> Fitted:
     """Run a fit in out/inverse/<name>-<digest>; its runs are in `out`, where others find them.
 
-    engine: as of campaign.sweep.run_labelled. Raises Ended, with the table of the runs kept, where
+    engine: as of sweeps.sweep.run_labelled. Raises Ended, with the table of the runs kept, where
     they were interrupted or none gave what was observed.
     """
     folder = RunFolder(out / "inverse" / f"{fit.name}-{fit.digest}")

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
+from calibration.files.parameter_file import Written, check_file, digest_of, into
 from calibration.inverse.fit_file import Fit
 from calibration.inverse.fitted import Fitted
 from calibration.inverse.identify import NARROWER
 from calibration.inverse.kind import Values
-from calibration.materials.parameter_file import Written, check_file, digest_of, into
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.uncertainty import Estimate
+from granulab.errors import InputError
 
 
 def refuse_unless_written(found: Fitted) -> None:
@@ -27,7 +27,7 @@ def write_into(found: Fitted, path: Path) -> list[Written]:
     """Write what the identifiable parameters say of pairs and materials; method "inverse".
 
     A parameter may stand in several places (kn in both pairs); sigma is half of the 68.3 %
-    interval. Raises InputError; see calibration.materials.parameter_file.into.
+    interval. Raises InputError; see calibration.files.parameter_file.into.
     """
     refuse_unless_written(found)
     fit = found.fit

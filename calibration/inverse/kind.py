@@ -6,8 +6,8 @@ from typing import Any
 
 from calibration.inverse.observation import Observation, Written
 from calibration.inverse.prior import Array
-from campaign.sweep import Simulator
-from contact.keys import Keys
+from granulab.campaign.sweeps.sweep import Simulator
+from granulab.contact.files.keys import Keys
 
 Row = dict[str, Any]
 Values = dict[tuple[str, str], float]  # section and key of a parameter file -> value in SI

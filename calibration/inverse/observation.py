@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from calibration.files.tables import Table, read_table
 from calibration.inverse.prior import Array
-from calibration.reading.tables import Table, read_table
-from contact.quantity import InputError, nearest, to_si
+from granulab.contact.files.units import nearest, to_si
+from granulab.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,17 @@ import numpy as np
 from calibration.inverse.fitted import Fitted
 from calibration.inverse.identify import NARROWER
 from calibration.inverse.prediction import Panel, panels
-from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, SKY, VERMILION, headline, write_figure
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    SKY,
+    VERMILION,
+    headline,
+    write_figure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,7 +15,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.quantity import InputError, nearest
+from granulab.contact.files.units import nearest
+from granulab.errors import InputError
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from typing import Any
 
 from calibration.inverse.fitted import Fitted
 from calibration.inverse.identify import NARROWER, Direction
-from contact.quantity import from_si
+from granulab.contact.files.units import from_si
 
 
 def as_json(found: Fitted) -> dict[str, Any]:

@@ -5,15 +5,15 @@ import numpy as np
 from calibration.inverse.kind import Kind, Row, Simulated, Values
 from calibration.inverse.observation import Observation, Written, finite, single
 from calibration.inverse.prior import Array
-from campaign.trajectory import read_trajectory
-from contact.keys import Keys
-from contact.quantity import InputError
-from silo2d.case import SiloCase
-from silo2d.measures.grains import column_edges
+from granulab.campaign.runs.trajectory import read_trajectory
+from granulab.contact.files.keys import Keys
+from granulab.errors import InputError
+from silo2d.case.case import SiloCase
+from silo2d.case.settings import Settings
+from silo2d.measures.from_contacts.particles import column_edges
 from silo2d.measures.profile import layer_lines
-from silo2d.scene import read_scene
-from silo2d.settings import Settings
-from silo2d.sweep import SILO
+from silo2d.run.sweep import SILO
+from silo2d.view.scene import read_scene
 
 # Columns of a discharge curve: what has left, as a part of all, or as a mass.
 _LEFT = {"fraction": "1", "mass": "kg", "n_out": "1"}

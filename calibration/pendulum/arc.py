@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.robust import for_correlation, robust_fit
-from calibration.track import Array, Rows
-from calibration.uncertainty import Estimate
+from calibration.statistics.robust import for_correlation, robust_fit
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.track import Array, Rows
 
 _CURVED = 5  # sigma by which a path must be curved for its circle to be known
 _NOISY = 3  # times the noise: what lies nearer to the circle is on it

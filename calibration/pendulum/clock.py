@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.repeated import repeated
-from calibration.segments import noise
-from calibration.track import Array, Rows
+from calibration.statistics.repeated import repeated
+from calibration.tracking.segments import noise
+from calibration.tracking.track import Array, Rows
 
 _NEAR = 4  # steps on either side that say how fast the thing goes
 _SAME = 0.1  # of the usual step: a picture shown again, within what compression changes

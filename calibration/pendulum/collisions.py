@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calibration.correlated import propagated, with_sigma
 from calibration.pendulum.contacts import Swings
 from calibration.pendulum.fit import Fit, law_of, rests, starts, states
 from calibration.pendulum.motion import amplitude, root_of_height
-from calibration.track import Array
+from calibration.statistics.correlated import propagated, with_sigma
+from calibration.tracking.track import Array
 
 _NEWTON = 20  # steps: a contact moves by less than a frame from where the parabolas had it
 

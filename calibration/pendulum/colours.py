@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.camera_motion import CameraMotion, lasting_motion, offsets, scaled
-from calibration.film.reader import Film, Picture, Told
-from calibration.film.region import Region
-from calibration.film.stamps import clean_stamps
-from calibration.track import Array, Track
-from contact.quantity import InputError
+from calibration.tracking.camera_motion import CameraMotion, lasting_motion, offsets, scaled
+from calibration.tracking.film.reader import Film, Picture, Told
+from calibration.tracking.film.region import Region
+from calibration.tracking.film.stamps import clean_stamps
+from calibration.tracking.track import Array, Track
+from granulab.errors import InputError
 
 _BINS = 32  # of each of three channels
 _SAMPLES = 60  # frames that the colours are learned from

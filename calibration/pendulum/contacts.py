@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.segments import Stretch, noise, place, speed, stretches
-from calibration.track import Array, Rows
-from contact.quantity import InputError
+from calibration.tracking.segments import Stretch, noise, place, speed, stretches
+from calibration.tracking.track import Array, Rows
+from granulab.errors import InputError
 
 FEWEST = 4  # points of a swing: its place and speed, and two to see noise by
 _SEEN = 8  # times the noise that the thing must move within a frame's width about a contact

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from calibration.correlated import pool
 from calibration.pendulum.arc import HEIGHTS_OFF
 from calibration.pendulum.result import Pendulum
-from calibration.segments import noise
+from calibration.statistics.correlated import pool
+from calibration.tracking.segments import noise
 
 _SURE = 3  # sigma
 _GROWS = 0.02  # share by which the apparent size may change: more, and the scale does, too

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from calibration.pendulum.motion import Law, across, swung
-from calibration.robust import for_correlation, robust_fit
-from calibration.track import Array, Rows
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.robust import for_correlation, robust_fit
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.track import Array, Rows
+from granulab.errors import InputError
 
 _LAW = 3  # parameters of Law, first in the vector
 _ROUNDS = 12

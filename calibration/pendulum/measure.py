@@ -6,8 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.correlated import pool
-from calibration.film.reader import Told
 from calibration.pendulum.arc import Arc, arc_through, planar
 from calibration.pendulum.collisions import collide
 from calibration.pendulum.contacts import Swings, found_swings
@@ -15,9 +13,11 @@ from calibration.pendulum.doubts import doubts
 from calibration.pendulum.fit import Seen, fit
 from calibration.pendulum.result import Pendulum
 from calibration.pendulum.things import Things, things_in
-from calibration.segments import noise
-from calibration.track import Array, Track
-from contact.quantity import InputError
+from calibration.statistics.correlated import pool
+from calibration.tracking.film.reader import Told
+from calibration.tracking.segments import noise
+from calibration.tracking.track import Array, Track
+from granulab.errors import InputError
 
 _SURE = 3  # sigma
 

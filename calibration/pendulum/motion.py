@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calibration.track import Array
+from calibration.tracking.track import Array
 
 _STEPS = 64  # of a quarter to half a period: the error of RK4 is below 1e-6 of the amplitude
 

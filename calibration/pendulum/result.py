@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.correlated import CHANCE
 from calibration.drop.bounce import STANDARD_GRAVITY
 from calibration.pendulum.arc import Arc, planar
 from calibration.pendulum.collisions import Collisions
@@ -13,8 +12,9 @@ from calibration.pendulum.contacts import Swings
 from calibration.pendulum.fit import Fit, rests, starts
 from calibration.pendulum.motion import across, amplitude, root_of_height
 from calibration.pendulum.things import Things
-from calibration.track import Array
-from calibration.uncertainty import Estimate
+from calibration.statistics.correlated import CHANCE
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.track import Array
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.film.reader import Picture, is_film, open_film
 from calibration.pendulum.fit import rests, states
 from calibration.pendulum.motion import across
 from calibration.pendulum.result import Pendulum
-from calibration.track import Array
-from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline, write_figure
+from calibration.tracking.film.reader import Picture, is_film, open_film
+from calibration.tracking.track import Array
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    VERMILION,
+    headline,
+    write_figure,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from calibration.pendulum.result import Pendulum
-from calibration.track import Array
-from calibration.uncertainty import as_pair
+from calibration.statistics.uncertainty import as_pair
+from calibration.tracking.track import Array
 
 
 def as_json(found: Pendulum) -> dict[str, Any]:

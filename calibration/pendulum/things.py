@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.film.rate import said_rate
-from calibration.film.reader import Film, Told, is_film, open_film
+from calibration.files.track_table import read_tracks
 from calibration.pendulum.clock import held_until, repeats
 from calibration.pendulum.colours import by_colour
 from calibration.pendulum.contacts import FEWEST, found_swings
-from calibration.reading.track_table import read_tracks
-from calibration.segments import noise
-from calibration.track import Array, Track
-from contact.quantity import InputError
+from calibration.tracking.film.rate import said_rate
+from calibration.tracking.film.reader import Film, Told, is_film, open_film
+from calibration.tracking.segments import noise
+from calibration.tracking.track import Array, Track
+from granulab.errors import InputError
 
 _MOST = 4  # tracks that are looked at, of those that go farthest
 _MOVES = 0.05  # of the widest track's range: what moves less is no thing that swings
@@ -107,8 +107,8 @@ def _of_film(
     progress: Told | None,
 ) -> list[Track]:
     """By colour; where no colour is that of what moves (grey on grey), by what moves."""
-    from calibration.film.follow import follow
-    from calibration.film.region import inside
+    from calibration.tracking.film.region import inside
+    from calibration.tracking.follow import follow
 
     region = inside(film, roi)
     try:

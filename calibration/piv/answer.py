@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from calibration.piv.field import Array, Field, Reason
 from calibration.piv.measure import displacement
 from calibration.piv.pictures import read_mask, read_picture
-from calibration.quantity import six_digits
-from contact.quantity import InputError
+from calibration.statistics.quantity import six_digits
+from granulab.errors import InputError
 
 _FEW = 0.75  # share of valid vectors below which a field is doubtful (Raffel et al. 2018, sec. 7.1:
 # a good recording has more than 95 %)

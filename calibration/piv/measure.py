@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from calibration.piv.field import Field, Flags
 from calibration.piv.texture import Pixels, grey_levels
-from contact.quantity import InputError
+from granulab.errors import InputError
 
 LEAST_WINDOW, MOST_OVERLAP = 8, 0.75  # windows that overlap more tell no more, and amplify noise
 METHODS = ("piv", "flow")

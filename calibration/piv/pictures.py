@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.quantity import InputError
+from granulab.errors import InputError
 
 
 def read_picture(path: Path) -> NDArray:

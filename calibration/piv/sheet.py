@@ -9,7 +9,7 @@ from calibration.piv.answer import Answer
 from calibration.piv.field import Reason
 from calibration.piv.pictures import read_picture
 from calibration.piv.texture import grey_levels
-from campaign.figure import BLUE, GREY, INK, VERMILION, headline, write_figure
+from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.quantity import InputError
+from granulab.errors import InputError
 
 Pixels = NDArray[np.float32]
 Flags = NDArray[np.bool_]

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.reader import Picture
+from calibration.tracking.film.reader import Picture
 
 Light = NDArray[np.float32]
 Paint = Callable[[float], Light]  # time [s] -> the scene at that time

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.film.reader import Picture
 from calibration.rendered.camera import Camera, Light
-from silo2d.measures.silo_geometry import outwards
-from silo2d.scene import Scene, read_scene
+from calibration.tracking.film.reader import Picture
+from silo2d.measures.from_contacts.silo_geometry import outwards
+from silo2d.view.scene import Scene, read_scene
 
 Floats = NDArray[np.float64]
 
@@ -201,8 +201,8 @@ def _texture(size: float, random: np.random.Generator) -> NDArray[np.float32]:
 
 def simulated(case: str | Path, out: str | Path) -> Path:
     """Run a case file; the run folder, below `out`."""
-    from silo2d.case import SiloCase
-    from silo2d.protocol import run
+    from silo2d.case.case import SiloCase
+    from silo2d.run.protocol import run
 
     return Path(run(SiloCase.load(case), out=out).run_folder)
 

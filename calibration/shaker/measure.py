@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.shaker.shaken import BLOCKS, Record
-from calibration.uncertainty import Estimate
-from contact.quantity import InputError
+from calibration.statistics.uncertainty import Estimate
+from granulab.errors import InputError
 
 GRAVITY = 9.81  # [m/s2]
 _SAME = 0.01  # of a frequency: how far that of the empty enclosure may be from it

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.bench.sections import Input
-from calibration.reading.signals import clock_of
-from calibration.reading.tables import read_table
+from calibration.files.signals import clock_of
+from calibration.files.tables import read_table
 from calibration.shaker.tones import amplitudes, remainder, strongest, tuned
-from contact.quantity import InputError
+from granulab.errors import InputError
 
 INPUTS = (
     Input("force", "N", "of the shaker on the enclosure"),

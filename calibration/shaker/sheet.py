@@ -6,7 +6,7 @@ import numpy as np
 
 from calibration.shaker.measure import Dissipation, Tone
 from calibration.shaker.shaken import Record
-from campaign.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
+from granulab.campaign.output.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from damper3d.single_contact import Found
+    from damper3d.studies.single_contact import Found
 
 
 @click.command()
@@ -26,7 +26,7 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
     Without STUDY it says which there are.
     """
     from damper3d.commands.options import say_if_compiling
-    from damper3d.single_contact import STUDIES, find
+    from damper3d.studies.single_contact import STUDIES, find
 
     if study is None:
         click.echo("\n".join(f"{name:15} {text}" for name, (_, text) in STUDIES.items()))
@@ -37,7 +37,7 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
     text = report(found)
     files: list[str] = []
     if not no_figures:
-        from campaign.results import write_results
+        from granulab.campaign.output.results import write_results
 
         folder = Path(out) if out else Path("runs") / "contact" / study
         head = [f"command: damper3d contact {study}"]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from campaign.commandline import out_option
+from granulab.campaign.cli.commandline import out_option
 
 
 @click.command()
@@ -12,8 +12,8 @@ from campaign.commandline import out_option
 @click.option("--study", is_flag=True, help="Write a study file instead.")
 def init(file: str, study: bool) -> None:
     """Write a case file with a comment on every key."""
-    from campaign.library import write_new
-    from contact.datafile import data_file
+    from granulab.campaign.cli.library import write_new
+    from granulab.contact.files.datafile import data_file
 
     template = data_file("studies" if study else "cases", "damper")
     assert template is not None  # shipped
@@ -25,7 +25,7 @@ def init(file: str, study: bool) -> None:
 @out_option
 def list_(out: str) -> None:
     """What there is: presets, cases, materials; packings and runs with their state and size."""
-    from damper3d.library import listing
+    from damper3d.view.library import listing
 
     click.echo(listing(Path(out)))
 
@@ -34,6 +34,6 @@ def list_(out: str) -> None:
 @click.argument("name")
 def show(name: str) -> None:
     """A preset, case file, materials file or run folder in words and numbers."""
-    from damper3d.library import description
+    from damper3d.view.library import description
 
     click.echo(description(name))

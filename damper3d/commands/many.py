@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from typing import Any
 
-from campaign.commandline import Ended
+from granulab.campaign.cli.commandline import Ended
 
 
 def numbers(option: str, text: str | None, default: Sequence[float]) -> tuple[float, ...]:
     """The numbers of a list such as "20,40,80"; InputError where one is none."""
     if text is None:
         return tuple(default)
-    from contact.quantity import InputError
+    from granulab.errors import InputError
 
     try:
         return tuple(float(word) for word in text.split(",") if word.strip())

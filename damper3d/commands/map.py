@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from campaign.commandline import engine_options, json_option, out_option, quiet_option
 from damper3d.commands.many import numbers, stop_unless_whole
 from damper3d.commands.options import case_options, changes_of
+from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 
 if TYPE_CHECKING:
-    from damper3d.map.grid import Grid
+    from damper3d.studies.map.grid import Grid
 
 
 @click.command("map")
@@ -41,13 +41,13 @@ def map_(
     """
     if options.pop("motion__frequency") or options.pop("motion__gamma"):
         raise click.UsageError("a map takes --frequencies and --gammas, lists such as 20,40,80")
-    from campaign.figure import write_figure
-    from damper3d.case import DamperCase
-    from damper3d.map.chart import draw_map
-    from damper3d.map.grid import FREQUENCIES, GAMMAS, Grid, efficiency_map
-    from damper3d.map.report import as_text, map_folder, summary, write_map
-    from damper3d.map.ridges import ridges
-    from damper3d.predict.prediction import predict
+    from damper3d.case.case import DamperCase
+    from damper3d.studies.map.chart import draw_map
+    from damper3d.studies.map.grid import FREQUENCIES, GAMMAS, Grid, efficiency_map
+    from damper3d.studies.map.report import as_text, map_folder, summary, write_map
+    from damper3d.studies.map.ridges import ridges
+    from damper3d.studies.predict.prediction import predict
+    from granulab.campaign.output.figure import write_figure
 
     name, changes = case or "thesis", changes_of(seed, material, options)
     loaded = DamperCase.load(name, changes)
@@ -75,9 +75,9 @@ def map_(
 
 def _plan(name: str, changes: dict[str, Any], grid: "Grid", out: Path) -> dict[str, Any]:
     """What mapping would do, but for its refinement, which follows from what is found."""
-    from damper3d.map.grid import map_cases
-    from damper3d.map.report import map_folder
-    from damper3d.sweep import DAMPER
+    from damper3d.run.sweep import DAMPER
+    from damper3d.studies.map.grid import map_cases
+    from damper3d.studies.map.report import map_folder
 
     cases = [case for _, case in map_cases(name, changes, grid)]
     todo = [case for case in cases if DAMPER.run_folder(case, out).state != "finished"]

@@ -80,7 +80,7 @@ def changes_of(
         with contextlib.suppress(KeyError, ValueError):  # the case refuses what is no number
             changes[key] = int(changes[key])
     if material is not None:
-        from damper3d.parameters import named_material
+        from damper3d.case.parameters import named_material
 
         changes |= named_material(material)
     return changes
@@ -88,7 +88,8 @@ def changes_of(
 
 def say_if_compiling(quiet: bool) -> None:
     """Say why nothing happens for a while, where kernels are compiled first."""
-    from campaign.terminal import announce_compilation
-    from contact.jit import already_compiled
+    from damper3d.engine import ENGINE
+    from granulab.campaign.cli.terminal import announce_compilation
+    from granulab.contact.jit import already_compiled
 
-    announce_compilation(quiet, already_compiled("damper3d"))
+    announce_compilation(quiet, already_compiled(ENGINE))

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import click
 
-from campaign.commandline import engine_options, json_option, out_option, quiet_option
 from damper3d.commands.many import stop_unless_whole
 from damper3d.commands.options import case_options, changes_of, say_if_compiling
+from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 
 
 @click.command()
@@ -36,8 +36,8 @@ def pack(
         raise click.UsageError("packings are computed on this machine only; leave --engine out")
     if seed is not None:
         raise click.UsageError("packings take the seeds 1 to --packings; leave --seed out")
-    from damper3d.case import DamperCase
-    from damper3d.pack import computed
+    from damper3d.case.case import DamperCase
+    from damper3d.studies.pack import computed
 
     name, changes = case or "thesis", changes_of(None, material, options)
     particles = DamperCase.load(name, changes).particle.name

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from campaign.commandline import engine_options, json_option, out_option, quiet_option
 from damper3d.commands.many import numbers, stop_unless_whole
 from damper3d.commands.options import case_options, changes_of, say_if_compiling
+from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 
 if TYPE_CHECKING:
-    from damper3d.pack.known import Fraction
-    from damper3d.predict.prediction import Prediction
+    from damper3d.studies.pack.known import Fraction
+    from damper3d.studies.predict.prediction import Prediction
 
 
 @click.command()
@@ -41,11 +41,11 @@ def predict(
     """
     if options.pop("motion__frequency") or options.pop("motion__gamma"):
         raise click.UsageError("predictions take --frequencies, a list such as 20,40,80")
-    from campaign.figure import write_figure
-    from damper3d.case import DamperCase
-    from damper3d.map.grid import rising
-    from damper3d.predict import prediction as predicting
-    from damper3d.predict.chart import draw_predictions
+    from damper3d.case.case import DamperCase
+    from damper3d.studies.map.grid import rising
+    from damper3d.studies.predict import prediction as predicting
+    from damper3d.studies.predict.chart import draw_predictions
+    from granulab.campaign.output.figure import write_figure
 
     wanted = rising("frequencies", numbers("--frequencies", frequencies, predicting.FREQUENCIES))
     fills = predicting.fills(case, changes_of(seed, material, options))
@@ -56,7 +56,7 @@ def predict(
         predicting.check_known(prediction)
     rows: list[dict[str, Any]] = []
     if simulate:
-        from damper3d.predict import beside
+        from damper3d.studies.predict import beside
 
         engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
         rows = beside.simulate(fills, predictions, wanted, out=Path(out), **engines)
@@ -77,7 +77,7 @@ def _computed(
     fill: tuple[str, dict[str, Any]], out: str, workers: int | None, quiet: bool
 ) -> "Fraction | None":
     """The close packing of a case's particles, which all fills have in common."""
-    from damper3d.pack import computed
+    from damper3d.studies.pack import computed
 
     say_if_compiling(quiet)
     rows = computed.pack(*fill, out=Path(out), beds=False, workers=workers, quiet=quiet)
@@ -88,11 +88,11 @@ def _computed(
 def _in_words(
     predictions: "list[Prediction]", frequencies: tuple[float, ...], rows: list[dict[str, Any]]
 ) -> str:
-    from damper3d.predict.prediction import as_text
+    from damper3d.studies.predict.prediction import as_text
 
     parts = [as_text(prediction, frequencies) for prediction in predictions]
     if rows:
-        from damper3d.predict import beside
+        from damper3d.studies.predict import beside
 
         parts.append(beside.as_text(rows, predictions))
     return "\n\n".join(parts)

@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from campaign.reproduce import reproduce_options, reproduce_table
+from granulab.campaign.cli.reproduce import reproduce_options, reproduce_table
 
 # Columns that no table needs; with them the rows of a map would be some megabytes.
 _LEFT_OUT = ("phase_next", "phase_measures.", "effective_mass.", "efficiency_per_cycle")
@@ -24,6 +24,6 @@ def reproduce(table: str | None, **options: Any) -> None:
         click.echo("\n".join(f"{name:12} {text}" for name, (_, text) in TABLES.items()))
         return
     found = find(table)
-    from damper3d.sweep import DAMPER
+    from damper3d.run.sweep import DAMPER
 
     reproduce_table(DAMPER, table, found, left_out=_LEFT_OUT, **options)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from campaign.commandline import json_option
+from granulab.campaign.cli.commandline import json_option
 
 
 @click.command()
@@ -22,7 +22,7 @@ from campaign.commandline import json_option
 )
 def render(folder: str, no_film: bool, by: str, engine: str) -> None:
     """Make the pictures and the film of a run again from its folder."""
-    from damper3d.pictures.picture import make_figures
+    from damper3d.view.pictures.picture import make_figures
 
     for path in make_figures(folder, film=not no_film, by=by, engine=engine):
         click.echo(path)
@@ -35,9 +35,9 @@ def render(folder: str, no_film: bool, by: str, engine: str) -> None:
 @json_option
 def compare(first: str, second: str, no_figures: bool, as_json: bool) -> None:
     """Set two runs side by side: efficiency, shares of the mechanisms, histories, cost."""
-    from campaign.figure import write_figure
-    from damper3d import compare as comparison
-    from damper3d.pictures.scene import NothingKept
+    from damper3d.view import compare as comparison
+    from damper3d.view.pictures.scene import NothingKept
+    from granulab.campaign.output.figure import write_figure
 
     found = comparison.compare(first, second)
     click.echo(json.dumps(found, indent=2) if as_json else comparison.table(found))
@@ -56,7 +56,7 @@ def compare(first: str, second: str, no_figures: bool, as_json: bool) -> None:
 @click.option("-o", "--output", metavar="PATH", help="File (vtkhdf) or folder for tables (csv).")
 def export(folder: str, to: str, output: str | None) -> None:
     """Write a run for other programs: ParaView (vtkhdf) or tables (csv)."""
-    from damper3d.export import export as write
+    from damper3d.view.export import export as write
 
     for path in write(folder, to, output):
         click.echo(path)

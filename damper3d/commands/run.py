@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from campaign.commandline import json_option, out_option, quiet_option
 from damper3d.commands.options import case_options, changes_of, say_if_compiling
+from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
 
 if TYPE_CHECKING:
-    from damper3d.case import DamperCase
-    from damper3d.result import Result
+    from damper3d.case.case import DamperCase
+    from damper3d.run.result import Result
 
 
 @click.command()
@@ -37,10 +37,10 @@ def run(
     changes = changes_of(seed, material, options)
     if resume and (case is not None or changes or again):
         raise click.UsageError("--resume goes on with a case as it is; leave other options out")
-    from damper3d.case import DamperCase
-    from damper3d.folders import shaken
-    from damper3d.plan import plan
-    from damper3d.report import echo, report
+    from damper3d.case.case import DamperCase
+    from damper3d.case.plan import plan
+    from damper3d.run.folders import shaken
+    from damper3d.view.report import echo, report
 
     usual = "thesis" if case is None else case
     loaded = DamperCase.load(shaken(resume).path / "case.toml" if resume else usual, changes)
@@ -59,8 +59,8 @@ def _computed(
     case: "DamperCase", out: str, resume: str | None, again: bool, quiet: bool
 ) -> "Result":
     """The result of a case, with a bar on stderr; Ctrl-C stops at the next sample."""
-    from campaign.terminal import Progress, StopRequest
-    from damper3d import protocol
+    from damper3d.run import protocol
+    from granulab.campaign.cli.terminal import Progress, StopRequest
 
     say_if_compiling(quiet)
     with StopRequest() as stop, Progress(case.name, quiet=quiet) as bar:
@@ -73,7 +73,7 @@ def _computed(
 
 def _draw(result: "Result", quiet: bool) -> None:
     """The figures of a run, made where they are missing."""
-    from damper3d.pictures.picture import make_figures
+    from damper3d.view.pictures.picture import make_figures
 
     if result.reused and any((Path(result.run_folder) / "figures").glob("*.png")):
         return

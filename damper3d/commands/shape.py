@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from campaign.commandline import json_option
+from granulab.campaign.cli.commandline import json_option
 
 # Options that name a shape, the example of their values, and what they are.
 _SHAPES = [
@@ -53,8 +53,8 @@ def shape(
         raise click.UsageError(
             f"give one shape, such as --prolate 2; there are --{', --'.join(shapes)}"
         )
-    from damper3d.case import DamperCase
-    from damper3d.parts import particle_wanted
+    from damper3d.case.case import DamperCase
+    from damper3d.case.parts import particle_wanted
     from damper3d.shapes.described import answers, as_text
     from damper3d.shapes.errors import curve, errors_of
 
@@ -70,8 +70,8 @@ def shape(
     click.echo(json.dumps(found, indent=2) if as_json else as_text(found))
     if no_figures:
         return
-    from campaign.figure import write_figure
-    from damper3d.pictures.shape_view import draw_shape
+    from damper3d.view.pictures.shape_view import draw_shape
+    from granulab.campaign.output.figure import write_figure
 
     path = Path(out) / f"{_file_name(case.particle.name)}-{len(case.particle.radii)}.png"
     points = curve(particle_wanted(case.settings.particles, Path()), errors.sub_spheres)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from campaign.commandline import engine_options, json_option, out_option, quiet_option
 from damper3d.commands.many import stop_unless_whole
 from damper3d.commands.options import changes_of
+from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 
 if TYPE_CHECKING:
-    from campaign.sweep import Labelled
+    from granulab.campaign.sweeps.sweep import Labelled
 
 # Options that change a key of the particles' case.
 _OF_PARTICLES = [
@@ -93,11 +93,11 @@ def _slow(
     engine: str, workers: int | None, scheduler: str | None, **options: str | None,
 ) -> None:  # fmt: skip
     """Run the tests of all shapes and packings; print, keep and draw the table of them."""
-    from campaign.folder import refuse_unless_writable
-    from campaign.overview import cost
-    from campaign.sweep import run_labelled
-    from damper3d.quasistatic.protocol import SLOW_TESTS
-    from damper3d.quasistatic.report import answers, report
+    from damper3d.studies.quasistatic.protocol import SLOW_TESTS
+    from damper3d.studies.quasistatic.report import answers, report
+    from granulab.campaign.runs.folder import refuse_unless_writable
+    from granulab.campaign.sweeps.overview import cost
+    from granulab.campaign.sweeps.sweep import run_labelled
 
     cases = _cases(kind, particles, seeds, material, options)
     if so_far:
@@ -128,8 +128,8 @@ def _cases(
     options: dict[str, str | None],
 ) -> "list[Labelled]":  # fmt: skip
     """The test of each shape and packing; all shapes of the first packing stand in front."""
-    from damper3d.quasistatic.case import SlowTest
-    from damper3d.quasistatic.shapes import SHAPES
+    from damper3d.studies.quasistatic.case import SlowTest
+    from damper3d.studies.quasistatic.shapes import SHAPES
 
     names = {flag.removeprefix("--").replace("-", "_") for flag, _, _ in _OF_TEST}
     of_test = {name: options[name] for name in names}
@@ -156,9 +156,9 @@ def _write(
     quiet: bool,
 ) -> None:  # fmt: skip
     """Keep the table, unless runs that were interrupted left it in parts."""
-    from campaign.results import origin, write_results
-    from damper3d.quasistatic.chart import draw
-    from damper3d.quasistatic.protocol import SLOW_TESTS
+    from damper3d.studies.quasistatic.chart import draw
+    from damper3d.studies.quasistatic.protocol import SLOW_TESTS
+    from granulab.campaign.output.results import origin, write_results
 
     if any(row["state"] == "interrupted" for row in rows):
         return

@@ -1,13 +1,14 @@
 """The thesis's tables and figures beside ours: a table of names, each a module of this package.
 
-A module offers what campaign.reproduce.PublishedTable says.
+A module offers what granulab.campaign.cli.reproduce.PublishedTable says.
 """
 
 import importlib
 from typing import Any, cast
 
-from campaign.reproduce import PublishedTable
-from contact.quantity import InputError, nearest
+from granulab.campaign.cli.reproduce import PublishedTable
+from granulab.contact.files.units import nearest
+from granulab.errors import InputError
 
 Row = dict[str, Any]
 

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from campaign.layout import columns
-from damper3d.map.grid import FREQUENCIES, GAMMAS
 from damper3d.reproduce.dampers import HEIGHTS, ORIENTATIONS, SPHERES, panel
 from damper3d.reproduce.fluidisation_statements import statements as fluidised
 from damper3d.reproduce.map_statements import Ridges, likeness, points_of, statements
@@ -22,6 +20,8 @@ from damper3d.reproduce.maps import run as run_maps
 from damper3d.reproduce.runs import Panel, Row, labels_of
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
+from damper3d.studies.map.grid import FREQUENCIES, GAMMAS
+from granulab.campaign.output.layout import columns
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from campaign.layout import done
-from campaign.statistics import mean_sd
+from granulab.campaign.output.layout import done
+from granulab.campaign.output.statistics import mean_sd
 
 Row = dict[str, Any]
 

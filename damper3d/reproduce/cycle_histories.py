@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from campaign.folder import FolderError
+from granulab.campaign.runs.folder import FolderError
 
 Row = dict[str, Any]
 
@@ -27,8 +27,8 @@ def with_history(row: Row) -> Row:
     cycle.bed_velocity     (2 n + 1,) [m/s] along the motion, in the lab
     A run whose samples are not there any more becomes a failed one.
     """
-    from damper3d.efficiency import dissipated
-    from damper3d.pictures.scene import read_scene
+    from damper3d.measures.efficiency import dissipated
+    from damper3d.view.pictures.scene import read_scene
 
     if row["state"] != "done":
         return row

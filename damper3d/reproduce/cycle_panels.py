@@ -6,13 +6,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILION, headline
-from campaign.layout import done
-from damper3d.case import GRAVITY
-from damper3d.efficiency import reference_energy
-from damper3d.pictures.graph import ruled
+from damper3d.case.case import GRAVITY
+from damper3d.measures.efficiency import reference_energy
 from damper3d.reproduce.cycle_histories import BOUNCING, FLUIDISED
 from damper3d.reproduce.cycle_statements import ideal_since, readings
+from damper3d.view.pictures.graph import ruled
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    headline,
+)
+from granulab.campaign.output.layout import done
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from campaign.layout import done
 from damper3d.reproduce.cycle_histories import BOUNCING, FLUIDISED, FREQUENCY
 from damper3d.reproduce.cycle_steps import fields, read
 from damper3d.reproduce.statements import Check, Statement
+from granulab.campaign.output.layout import done
 
 Readings = dict[tuple[str, float], dict[str, float]]  # by orientation and Gamma: mean readings
 
@@ -39,9 +39,9 @@ def ideal_since(gamma: float) -> float | None:
 
     With the onset of eqs 6.11 and 6.13 for the close packing.
     """
-    from damper3d.case import DamperCase
-    from damper3d.predict.prediction import predict
-    from damper3d.predict.theory import meeting_phase
+    from damper3d.case.case import DamperCase
+    from damper3d.studies.predict.prediction import predict
+    from damper3d.studies.predict.theory import meeting_phase
 
     onset = predict(DamperCase.load("thesis")).clearances[1].onset(FREQUENCY)
     since = float(meeting_phase(gamma / onset)) / (2 * math.pi) if onset else math.nan

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from damper3d.case import GRAVITY
+from damper3d.case.case import GRAVITY
 
 Floats = NDArray[np.float64]
 

@@ -8,16 +8,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from campaign.layout import columns, done
 from damper3d.reproduce.cycle_histories import BOUNCING, FREQUENCY, points, with_history
 from damper3d.reproduce.cycle_statements import Readings, cycle_statements, ideal_since, readings
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
+from granulab.campaign.output.layout import columns, done
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from campaign.sweep import Labelled
+    from granulab.campaign.sweeps.sweep import Labelled
 
 Row = dict[str, Any]
 
@@ -42,8 +42,8 @@ Histories are means over five pairs of cycles after three that do not count, so 
 
 def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[Labelled]":
     """Each point once for each seed; `changes` go before what the table sets."""
-    from campaign.sweep import over_seeds
-    from damper3d.case import DamperCase
+    from damper3d.case.case import DamperCase
+    from granulab.campaign.sweeps.sweep import over_seeds
 
     found: list[Labelled] = []
     for point in points():

@@ -3,9 +3,16 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from campaign.figure import headline
-from damper3d.map.chart import LEVELS, draw_onsets, draw_peaks, draw_points, fill_contours, plane
 from damper3d.reproduce.map_statements import Ridges
+from damper3d.studies.map.chart import (
+    LEVELS,
+    draw_onsets,
+    draw_peaks,
+    draw_points,
+    fill_contours,
+    plane,
+)
+from granulab.campaign.output.figure import headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

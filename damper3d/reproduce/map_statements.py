@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper3d.map.grid import MapResult
-from damper3d.map.peaks import Peak
-from damper3d.map.ridges import FLUIDISATION, OnRidge
-from damper3d.predict.prediction import Prediction
 from damper3d.reproduce.statements import Check, Statement, all_of
+from damper3d.studies.map.grid import MapResult
+from damper3d.studies.map.peaks import Peak
+from damper3d.studies.map.ridges import FLUIDISATION, OnRidge
+from damper3d.studies.predict.prediction import Prediction
 
 EFFECTIVE = 0.3  # of eta, the level that the thesis marks
 _APART = 2.0  # by which factor the onset is above Gamma 3 where the two ridges are told apart

@@ -9,16 +9,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from campaign.layout import columns
-from damper3d.map.grid import FREQUENCIES, GAMMAS, MapResult
-from damper3d.map.ridges import ridges
-from damper3d.phases.criteria import PHASES
+from damper3d.measures.phases.criteria import PHASES
 from damper3d.reproduce import fluidisation_statements
 from damper3d.reproduce.dampers import HEIGHTS, ORIENTATIONS, panel, prediction_of
 from damper3d.reproduce.map_statements import Ridges, statements
 from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
+from damper3d.studies.map.grid import FREQUENCIES, GAMMAS, MapResult
+from damper3d.studies.map.ridges import ridges
+from granulab.campaign.output.layout import columns
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from campaign.statistics import Sample, mean_sd, pooled_sd, quantile
-from damper3d.map.grid import MapResult
-from damper3d.map.peaks import Peak
-from damper3d.map.ridges import ridges
-from damper3d.predict.prediction import Prediction
 from damper3d.reproduce.dampers import prediction_of
 from damper3d.reproduce.runs import Row
+from damper3d.studies.map.grid import MapResult
+from damper3d.studies.map.peaks import Peak
+from damper3d.studies.map.ridges import ridges
+from damper3d.studies.predict.prediction import Prediction
+from granulab.campaign.output.statistics import Sample, mean_sd, pooled_sd, quantile
 
 
 @dataclass(frozen=True)

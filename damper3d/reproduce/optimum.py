@@ -12,15 +12,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from campaign.layout import columns, signed
-from contact.datafile import data_file
-from damper3d.map.grid import GAMMAS
 from damper3d.reproduce.dampers import HEIGHTS, ORIENTATIONS, about, close_onset, panel
 from damper3d.reproduce.optima import Optimum, optimum, pooled_scatter, with_scatter
 from damper3d.reproduce.optimum_statements import statements
 from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
+from damper3d.studies.map.grid import GAMMAS
+from granulab.campaign.output.layout import columns, signed
+from granulab.contact.files.datafile import data_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

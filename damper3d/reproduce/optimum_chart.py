@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
-from damper3d.map.grid import MapResult
 from damper3d.reproduce.optima import Optimum
 from damper3d.reproduce.runs import Row
+from damper3d.studies.map.grid import MapResult
+from granulab.campaign.output.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,8 +1,8 @@
 """Random packing fractions by shape: in a periodic cell, and in the thesis's enclosure.
 
 Spheroids and toroids of Tables 8.1 and 8.2. Close: frictionless particles jammed in a periodic cell
-(damper3d.pack.compact), of some shapes other numbers too. Walled: 90 spheroids, 110 toroids in the
-cylinder of 40 mm x 40 mm, poured, and then shaken down (damper3d.pack.shaken); so also the 358
+(studies.pack.compact), of some shapes other numbers too. Walled: 90 spheroids, 110 toroids in the
+cylinder of 40 mm x 40 mm, poured, and then shaken down (studies.pack.shaken); so also the 358
 spheres of 5 mm of Table 6.3, to say which of the two close packings predicts its onsets better.
 """
 
@@ -11,10 +11,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from campaign.layout import columns, done, percent, with_sd
-from damper3d.pack import tasks
-from damper3d.pack.compact import ALLOWED
-from damper3d.pack.known import CLOSE_PACKING
 from damper3d.reproduce.packing_values import (
     Shape,
     Values,
@@ -25,6 +21,10 @@ from damper3d.reproduce.packing_values import (
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import Check, Statement, report_statements
 from damper3d.shapes.particle import parse_particle
+from damper3d.studies.pack import tasks
+from damper3d.studies.pack.compact import ALLOWED
+from damper3d.studies.pack.known import CLOSE_PACKING
+from granulab.campaign.output.layout import columns, done, percent, with_sd
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from campaign.figure import BLUE, GREEN, INK, ORANGE, headline
-from campaign.statistics import Sample
 from damper3d.reproduce.packing_values import Shape, Values
+from granulab.campaign.output.figure import BLUE, GREEN, INK, ORANGE, headline
+from granulab.campaign.output.statistics import Sample
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

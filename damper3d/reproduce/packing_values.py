@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from campaign.statistics import Sample, mean_sd, noise_of_difference, pooled_sd
-from contact.datafile import data_file
-from damper3d.predict.theory import bouncing_bed_onset, effective_clearance
+from damper3d.studies.predict.theory import bouncing_bed_onset, effective_clearance
+from granulab.campaign.output.statistics import Sample, mean_sd, noise_of_difference, pooled_sd
+from granulab.contact.files.datafile import data_file
 
 Row = dict[str, Any]
 Shape = tuple[str, float]  # family and ratio

@@ -7,11 +7,11 @@ from typing import Any
 
 import click
 
-from campaign.overview import cost
-from campaign.sweep import Labelled, over_seeds
-from damper3d import sweep
-from damper3d.case import DamperCase
-from damper3d.map.grid import MapResult
+from damper3d.case.case import DamperCase
+from damper3d.run import sweep
+from damper3d.studies.map.grid import MapResult
+from granulab.campaign.sweeps.overview import cost
+from granulab.campaign.sweeps.sweep import Labelled, over_seeds
 
 Row = dict[str, Any]
 Point = tuple[float, float]  # frequency [Hz] and Gamma
@@ -59,7 +59,7 @@ def labels_of(panels: Sequence[Panel]) -> list[Row]:
 def run_all(
     cases: Sequence[Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
 ) -> list[Row]:
-    """The rows of the cases, in their order; see damper3d.sweep.run_cases."""
+    """The rows of the cases, in their order; see damper3d.run.sweep.run_cases."""
     if not quiet:
         click.echo(cost(sweep.DAMPER, cases), err=True)
     return sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
@@ -71,7 +71,7 @@ def run_panels(
     """All points of all panels; then, `refine` times, the middles beside each peak along Gamma.
 
     A round begins when the one before is whole, so that whatever was interrupted comes to the same
-    points; see damper3d.map.grid. `options` are those of run_all.
+    points; see damper3d.studies.map.grid. `options` are those of run_all.
     """
     rows = run_all([c for p in panels for c in p.cases(seeds)], quiet=quiet, **options)
     for number in range(1, refine + 1):

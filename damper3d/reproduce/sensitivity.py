@@ -8,16 +8,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from campaign.layout import columns, done
 from damper3d.reproduce.sensitivity_statements import Peaks, peaks_of, sensitivity_statements
 from damper3d.reproduce.sensitivity_values import FREQUENCY, change, in_words, points
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
+from granulab.campaign.output.layout import columns, done
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from campaign.sweep import Labelled
+    from granulab.campaign.sweeps.sweep import Labelled
 
 Row = dict[str, Any]
 
@@ -36,8 +36,8 @@ Density and modulus enter as E/rho alone (forces grow with E, masses with rho, t
 
 def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[Labelled]":
     """Each point once for each seed; `changes` go before what the table sets."""
-    from campaign.sweep import over_seeds
-    from damper3d.case import DamperCase
+    from damper3d.case.case import DamperCase
+    from granulab.campaign.sweeps.sweep import over_seeds
 
     found: list[Labelled] = []
     for point in points():

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from campaign.layout import done, percent, signed
-from campaign.statistics import overlap, slope
-from damper3d.map.peaks import Peak
 from damper3d.reproduce.sensitivity_values import STANDARD, VALUES, span
 from damper3d.reproduce.statements import Check, Statement
+from damper3d.studies.map.peaks import Peak
+from granulab.campaign.output.layout import done, percent, signed
+from granulab.campaign.output.statistics import overlap, slope
 
 Row = dict[str, Any]
 Key = tuple[str, float]  # property and value; "standard" and 1
@@ -35,7 +35,7 @@ def of_value(rows: Sequence[Row], key: Key) -> list[Row]:
 
 def peaks_of(rows: Sequence[Row]) -> Peaks:
     """By property and value, as they come; the level is over Gammas that all values have."""
-    from damper3d.map.grid import MapResult
+    from damper3d.studies.map.grid import MapResult
 
     keys = list(dict.fromkeys((row["property"], row["value"]) for row in done(rows)))
     found: dict[Key, Peak | None] = {}

@@ -5,9 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, headline
-from damper3d.map.grid import MapResult
-from damper3d.pictures.graph import ruled
 from damper3d.reproduce.dampers import ORIENTATIONS
 from damper3d.reproduce.runs import Row
 from damper3d.reproduce.sensitivity_values import VALUES, in_words
@@ -24,6 +21,19 @@ from damper3d.reproduce.shape_plan import (
     particle_text,
 )
 from damper3d.reproduce.shape_statements import Onsets, by_sphericity, onsets
+from damper3d.studies.map.grid import MapResult
+from damper3d.view.pictures.graph import ruled
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    headline,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

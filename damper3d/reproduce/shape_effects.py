@@ -4,8 +4,6 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 
-from campaign.layout import done
-from campaign.statistics import Slope, mean_sd, slope
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.dampers import ORIENTATIONS
 from damper3d.reproduce.optima import Optimum
@@ -14,6 +12,8 @@ from damper3d.reproduce.sensitivity_values import STANDARD, VALUES, in_words
 from damper3d.reproduce.shape_optima import Found, Line, rows_of
 from damper3d.reproduce.shape_plan import BOUNCING, FLUIDISED, Shape
 from damper3d.reproduce.statements import Check, Statement, all_of
+from granulab.campaign.output.layout import done
+from granulab.campaign.output.statistics import Slope, mean_sd, slope
 
 _SMALL = 1.5  # largest over least optimum that counts as independent of shape; our choice
 _SPHERE: Shape = ("spheroid", 1.0)

@@ -4,12 +4,12 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 
-from campaign.statistics import slope
 from damper3d.reproduce.dampers import ORIENTATIONS
 from damper3d.reproduce.optima import Optimum
 from damper3d.reproduce.shape_optima import Found, Line
 from damper3d.reproduce.shape_plan import BOUNCING, sphericities
 from damper3d.reproduce.statements import Check, Statement
+from granulab.campaign.output.statistics import slope
 
 _RISE = 1.5  # "the increase in Gamma_optimum is over 50 %" (sec. 8.5.1.2)
 _ALIKE = 1.5  # largest over least peak efficiency that still counts as insensitive; our choice

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from campaign.layout import columns, done
 from damper3d.reproduce.optima import Optimum, pooled_scatter, with_scatter
 from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
 from damper3d.reproduce.shape_effects import (
@@ -35,6 +34,7 @@ from damper3d.reproduce.shape_plan import (
 from damper3d.reproduce.shape_statements import all_bouncing, bouncing_statements, onsets
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
+from granulab.campaign.output.layout import columns, done
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
-from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline
-from damper3d.pictures.graph import ruled
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.share_statements import COUNTS, Landmarks, of_size, quantities
+from damper3d.view.pictures.graph import ruled
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,12 +5,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from campaign.layout import done
-from campaign.statistics import slope
-from damper3d.records import CLASSES
+from damper3d.engine.records import CLASSES
 from damper3d.reproduce.curves import Curve, curve
 from damper3d.reproduce.share_rules import about, above, falls
 from damper3d.reproduce.statements import Check, Statement
+from granulab.campaign.output.layout import done
+from granulab.campaign.output.statistics import slope
 
 Row = dict[str, Any]
 Value = Callable[[Row], float | None]
@@ -69,10 +69,10 @@ class Landmarks:
 
 def landmarks(rows: list[Row]) -> Landmarks:
     """The two peaks of the efficiency along Gamma of each size and frequency in the rows."""
-    from damper3d.case import DamperCase
-    from damper3d.map.grid import MapResult
-    from damper3d.map.ridges import ridges
-    from damper3d.predict.prediction import predict
+    from damper3d.case.case import DamperCase
+    from damper3d.studies.map.grid import MapResult
+    from damper3d.studies.map.ridges import ridges
+    from damper3d.studies.predict.prediction import predict
 
     prediction = predict(DamperCase.load("thesis"))
     found: dict[str, dict[tuple[int, float], float]] = {"fluidisation": {}, "bouncing_bed": {}}

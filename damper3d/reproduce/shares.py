@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from campaign.layout import columns, done
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.share_statements import (
     COUNTS,
@@ -22,11 +21,12 @@ from damper3d.reproduce.share_statements import (
 )
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import report_statements
+from granulab.campaign.output.layout import columns, done
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from campaign.sweep import Labelled
+    from granulab.campaign.sweeps.sweep import Labelled
 
 Row = dict[str, Any]
 
@@ -58,8 +58,8 @@ def points() -> list[dict[str, Any]]:
 
 def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[Labelled]":
     """Each point once for each seed; `changes` go before what the table sets."""
-    from campaign.sweep import over_seeds
-    from damper3d.case import DamperCase
+    from damper3d.case.case import DamperCase
+    from granulab.campaign.sweeps.sweep import over_seeds
 
     found: list[Labelled] = []
     for point in points():

@@ -11,14 +11,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from campaign.layout import columns
-from campaign.statistics import slope
-from damper3d.map.grid import MapResult
 from damper3d.reproduce.dampers import ORIENTATIONS, SPHERES, about, close_onset, panel
 from damper3d.reproduce.optima import Optimum, optimum, pooled_scatter, with_scatter
 from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
 from damper3d.reproduce.standing import standing
 from damper3d.reproduce.statements import Check, Statement, all_of, report_statements
+from damper3d.studies.map.grid import MapResult
+from granulab.campaign.output.layout import columns
+from granulab.campaign.output.statistics import slope
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline
-from damper3d.map.grid import MapResult
 from damper3d.reproduce.optima import Optimum
 from damper3d.reproduce.runs import Row
+from damper3d.studies.map.grid import MapResult
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

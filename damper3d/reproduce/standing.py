@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from campaign.layout import done, not_done
+from granulab.campaign.output.layout import done, not_done
 
 Row = Mapping[str, Any]
 

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from damper3d.shapes.solid import Solid
-from damper3d.shapes.surface import turned
+from damper3d.shapes.surfaces.solid import Solid
+from damper3d.shapes.surfaces.surface import turned
 
 _AROUND = 96  # corners of the triangles round the axis
 _ARC = 12  # pieces of a rounded edge

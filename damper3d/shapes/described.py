@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from damper3d.case import DamperCase
-from damper3d.plan import expected_cpu_of_step, expected_cpu_s, steps_at_most
+from damper3d.case.case import DamperCase
+from damper3d.case.plan import expected_cpu_of_step, expected_cpu_s, steps_at_most
 from damper3d.shapes.errors import Errors
-from damper3d.shapes.grooves import groove_depth, speed_to_groove
+from damper3d.shapes.surfaces.grooves import groove_depth, speed_to_groove
 
 
 def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:

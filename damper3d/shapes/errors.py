@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.quantity import InputError
-from damper3d.cluster import Cluster
-from damper3d.shapes import sections, union
+from damper3d.shapes.cluster import Cluster
 from damper3d.shapes.particle import Particle, particle_of
+from damper3d.shapes.surfaces import sections, union
+from granulab.errors import InputError
 
 # Numbers and tolerances between which the error curves of a shape run; those of figs 4.7 and 4.11
 # run to a hundred sub-spheres or so.

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
-from contact.quantity import InputError
-from damper3d.cluster import Cluster, sphere
 from damper3d.shapes import prolate, toroid
+from damper3d.shapes.cluster import Cluster, sphere
 from damper3d.shapes.cylinder import cylinder
-from damper3d.shapes.filling import MOST_SUB_SPHERES
 from damper3d.shapes.oblate import oblate
-from damper3d.shapes.solid import check_number, checked, filled
 from damper3d.shapes.superquadric import superquadric
+from damper3d.shapes.surfaces.filling import MOST_SUB_SPHERES
+from damper3d.shapes.surfaces.solid import check_number, checked, filled
+from granulab.errors import InputError
 
 SPHEROID_RADIUS, TOROID_RADIUS = 3.8e-3, 3.5e-3  # thesis, sec. 8.2 [m]
 SPHEROIDS, TOROIDS = 90, 110  # thesis, sec. 8.3, in a cylinder of 40 mm x 40 mm

@@ -3,12 +3,13 @@
 import math
 from pathlib import Path
 
-from contact.quantity import InputError, to_si
-from damper3d.shapes.mesh_check import sound
-from damper3d.shapes.mesh_file import read_triangles
-from damper3d.shapes.polyhedron import mass_of, principal_axes
-from damper3d.shapes.solid import Solid
-from damper3d.shapes.surface import Surface
+from damper3d.shapes.surfaces.mesh_check import sound
+from damper3d.shapes.surfaces.mesh_file import read_triangles
+from damper3d.shapes.surfaces.polyhedron import mass_of, principal_axes
+from damper3d.shapes.surfaces.solid import Solid
+from damper3d.shapes.surfaces.surface import Surface
+from granulab.contact.files.units import to_si
+from granulab.errors import InputError
 
 
 def read_mesh(path: Path) -> tuple[Solid, float]:

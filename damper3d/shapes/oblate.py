@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from damper3d.shapes.prolate import axes
-from damper3d.shapes.solid import Solid
-from damper3d.shapes.surface import Surface, unit_ball
+from damper3d.shapes.surfaces.solid import Solid
+from damper3d.shapes.surfaces.surface import Surface, unit_ball
 
 
 def oblate(ratio: float) -> Solid:

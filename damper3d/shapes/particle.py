@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from contact.quantity import InputError, nearest, to_si
-from damper3d.cluster import Cluster, sphere
+from damper3d.shapes.cluster import Cluster, sphere
 from damper3d.shapes.family import FAMILIES, Family
 from damper3d.shapes.mesh import read_mesh, unit_of
-from damper3d.shapes.solid import filled
+from damper3d.shapes.surfaces.solid import filled
+from granulab.contact.files.units import nearest, to_si
+from granulab.errors import InputError
 
 _MESH = Family("mesh:rock.stl", None)
 

@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from damper3d.cluster import Cluster
-from damper3d.shapes.covering import reaches
-from damper3d.shapes.surface import Surface, unit_ball
+from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.surfaces.covering import reaches
+from damper3d.shapes.surfaces.surface import Surface, unit_ball
 
 USUAL_SUB_SPHERES = 51  # the thesis's, sec. 8.2.1
 _PIECES = 20_000  # of the quarter ellipse, for the bound on the surface error

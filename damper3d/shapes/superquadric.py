@@ -8,8 +8,8 @@ import math
 
 import numpy as np
 
-from damper3d.shapes.solid import Solid
-from damper3d.shapes.surface import Surface, area_of, unit_ball
+from damper3d.shapes.surfaces.solid import Solid
+from damper3d.shapes.surfaces.surface import Surface, area_of, unit_ball
 
 
 def superquadric(depth: float, height: float, e1: float, e2: float) -> Solid:

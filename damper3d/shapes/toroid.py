@@ -8,8 +8,8 @@ import math
 
 import numpy as np
 
-from damper3d.cluster import Cluster
-from damper3d.shapes.surface import tube
+from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.surfaces.surface import tube
 
 USUAL_SUB_SPHERES = 50  # the thesis's, sec. 8.2.2
 

@@ -62,7 +62,8 @@ def changes_of(
 
 def say_if_compiling(quiet: bool) -> None:
     """Say why nothing happens for a while, where kernels are compiled first."""
-    from campaign.terminal import announce_compilation
-    from contact.jit import already_compiled
+    from granulab.campaign.cli.terminal import announce_compilation
+    from granulab.contact.jit import already_compiled
+    from silo2d.engine import ENGINE
 
-    announce_compilation(quiet, already_compiled("silo2d"))
+    announce_compilation(quiet, already_compiled(ENGINE))

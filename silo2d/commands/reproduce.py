@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from campaign.reproduce import reproduce_options, reproduce_table
+from granulab.campaign.cli.reproduce import reproduce_options, reproduce_table
 
 # Columns that stand in data/published, or matter to no table.
 _LEFT_OUT = ("published.", "dissipated_j.")
@@ -23,6 +23,6 @@ def reproduce(table: str | None, **options: Any) -> None:
         click.echo("\n".join(f"{name:12} {text}" for name, (_, text) in TABLES.items()))
         return
     found = find(table)
-    from silo2d.sweep import SILO
+    from silo2d.run.sweep import SILO
 
     reproduce_table(SILO, table, found, left_out=_LEFT_OUT, **options)

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from campaign.commandline import json_option, out_option, quiet_option
+from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
 from silo2d.commands.options import case_options, changes_of, say_if_compiling
 
 
@@ -15,8 +15,8 @@ from silo2d.commands.options import case_options, changes_of, say_if_compiling
 @click.option("--no-film", is_flag=True, help="Make the pictures only.")
 def render(folder: str, no_film: bool) -> None:
     """Make the pictures and the film of a run again from its folder."""
-    from campaign.folder import resume_run
-    from silo2d.picture import make_figures
+    from granulab.campaign.runs.folder import resume_run
+    from silo2d.view.picture import make_figures
 
     for path in make_figures(resume_run(folder).path, film=not no_film):
         click.echo(path)
@@ -32,8 +32,8 @@ def observe(folder: str, what: str | None, no_figures: bool, as_json: bool) -> N
 
     Without WHAT it says what can be measured.
     """
-    from campaign.figure import write_figure
-    from campaign.folder import resume_run
+    from granulab.campaign.output.figure import write_figure
+    from granulab.campaign.runs.folder import resume_run
     from silo2d.measures import MEASURES, find
 
     if what is None:
@@ -70,8 +70,8 @@ def compare(
 
     For example: silo2d compare --engines dem,pymunk A4
     """
-    from campaign.figure import write_figure
-    from silo2d import compare as comparison
+    from granulab.campaign.output.figure import write_figure
+    from silo2d.view import compare as comparison
 
     changes = changes_of(seed, mu, keep_ratios, options)
     if engines is None and (len(runs_or_case) != 2 or changes or seeds):
@@ -96,8 +96,8 @@ def _by_engines(
     case: str, engines: str, seeds: int | None, changes: dict[str, Any], out: Path, quiet: bool
 ) -> list[list[str]]:
     """The folders of a case's runs by two engines, a pair a seed."""
-    from campaign.terminal import Progress, StopRequest
-    from silo2d.engines import engine_pair, run_engines
+    from granulab.campaign.cli.terminal import Progress, StopRequest
+    from silo2d.baseline.comparison import engine_pair, run_engines
 
     if "run.engine" in changes or (seeds and "run.seed" in changes):
         raise click.UsageError("--engines and --seeds say this; leave --engine and --seed out")
@@ -114,8 +114,8 @@ def _by_engines(
 @click.option("-o", "--output", metavar="PATH", help="File (vtkhdf) or folder for tables (csv).")
 def export(folder: str, to: str, output: str | None) -> None:
     """Write a run for other programs: ParaView (vtkhdf) or tables (csv)."""
-    from campaign.folder import resume_run
-    from silo2d.export import export as write
+    from granulab.campaign.runs.folder import resume_run
+    from silo2d.view.export import export as write
 
     for path in write(resume_run(folder).path, to, output):
         click.echo(path)

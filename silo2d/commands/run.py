@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from campaign.commandline import json_option, out_option, quiet_option
+from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
 from silo2d.commands.options import case_options, changes_of, say_if_compiling
 
 if TYPE_CHECKING:
-    from silo2d.case import SiloCase
-    from silo2d.result import Result
+    from silo2d.case.case import SiloCase
+    from silo2d.run.result import Result
 
 
 @click.command()
@@ -38,9 +38,9 @@ def run(
         raise click.UsageError("give a case (A4, or a TOML file), or --resume DIR, one of them")
     if resume and (changes or again):
         raise click.UsageError("--resume goes on with a case as it is; leave other options out")
-    from campaign.folder import resume_run
-    from silo2d.case import SiloCase
-    from silo2d.report import echo, plan, report
+    from granulab.campaign.runs.folder import resume_run
+    from silo2d.case.case import SiloCase
+    from silo2d.view.report import echo, plan, report
 
     loaded = SiloCase.load(resume_run(resume).path / "case.toml" if resume else str(case), changes)
     if dry_run:
@@ -56,8 +56,8 @@ def run(
 
 def _computed(case: "SiloCase", out: str, resume: str | None, again: bool, quiet: bool) -> "Result":
     """The result of a case, with a bar on stderr; Ctrl-C stops at the next frame."""
-    from campaign.terminal import Progress, StopRequest
-    from silo2d import protocol
+    from granulab.campaign.cli.terminal import Progress, StopRequest
+    from silo2d.run import protocol
 
     say_if_compiling(quiet)
     with StopRequest() as stop, Progress(case.name, quiet=quiet) as bar:
@@ -70,7 +70,7 @@ def _computed(case: "SiloCase", out: str, resume: str | None, again: bool, quiet
 
 def _draw(folder: str, quiet: bool, anew: bool) -> None:
     """The figures of a run, made where they are missing."""
-    from silo2d.picture import make_figures
+    from silo2d.view.picture import make_figures
 
     if not anew and (Path(folder) / "figures" / "silo.png").exists():
         return
@@ -96,10 +96,10 @@ def packing(
     as_json: bool, **options: str | None,
 ) -> None:  # fmt: skip
     """Fill a silo and keep the packing; runs of the same case take it from there."""
-    from campaign.terminal import Progress, StopRequest
-    from silo2d.case import SiloCase
-    from silo2d.packing import packing_folder
-    from silo2d.protocol import get_packing
+    from granulab.campaign.cli.terminal import Progress, StopRequest
+    from silo2d.case.case import SiloCase
+    from silo2d.run.packing import packing_folder
+    from silo2d.run.protocol import get_packing
 
     loaded = SiloCase.load(case, changes_of(seed, mu, keep_ratios, options))
     say_if_compiling(quiet)

@@ -12,7 +12,8 @@ import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from contact.quantity import InputError, nearest
+from granulab.contact.files.units import nearest
+from granulab.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

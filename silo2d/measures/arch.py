@@ -25,13 +25,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.figure import GREY, INK, ORANGE, PAPER, VERMILION, headline
-from campaign.folder import FolderError
-from contact.quantity import InputError
-from silo2d.measures.contacts import GRAVITY, Moment, read_moments
+from granulab.campaign.output.figure import GREY, INK, ORANGE, PAPER, VERMILION, headline
+from granulab.campaign.runs.folder import FolderError
+from granulab.errors import InputError
+from silo2d.measures.from_contacts.contacts import GRAVITY, Moment, read_moments
+from silo2d.measures.from_contacts.silo_geometry import sides
 from silo2d.measures.network import draw_grains, draw_network
-from silo2d.measures.silo_geometry import sides
-from silo2d.scene import GRAIN_EDGE
+from silo2d.view.scene import GRAIN_EDGE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

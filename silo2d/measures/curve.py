@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.figure import BLUE, GREEN, GREY, INK, headline
-from silo2d.measures.grains import FEWEST_OUT, Series, leavers
-from silo2d.observe import discharge_measures
-from silo2d.scene import read_scene
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, headline
+from silo2d.measures.from_contacts.particles import FEWEST_OUT, Series, leavers
+from silo2d.measures.run_numbers import discharge_measures
+from silo2d.view.scene import read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -20,14 +20,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.figure import BLUE, GREEN, GREY, ORANGE, headline
-from campaign.folder import FolderError
-from silo2d.measures.coarse_graining import Grid, grid_round, part_inside
-from silo2d.measures.contacts import flowing
-from silo2d.measures.field_map import draw_map
-from silo2d.measures.grains import areas, grain_size
-from silo2d.measures.silo_geometry import inside_mask, inside_polygon
-from silo2d.scene import Scene, read_scene
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, headline
+from granulab.campaign.runs.folder import FolderError
+from silo2d.measures.from_contacts.coarse_graining import Grid, grid_round, part_inside
+from silo2d.measures.from_contacts.contacts import flowing
+from silo2d.measures.from_contacts.particles import areas, grain_size
+from silo2d.measures.from_contacts.silo_geometry import inside_mask, inside_polygon
+from silo2d.view.field_map import draw_map
+from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.figure import BLUE, GREY, INK, VERMILION, headline
-from contact.quantity import InputError
-from silo2d.measures.coarse_graining import Floats
-from silo2d.measures.contacts import (
+from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline
+from granulab.errors import InputError
+from silo2d.measures.from_contacts.coarse_graining import Floats
+from silo2d.measures.from_contacts.contacts import (
     GRAVITY,
     STATES,
     Moment,
@@ -36,10 +36,10 @@ from silo2d.measures.contacts import (
     read_moments,
     states,
 )
-from silo2d.measures.grains import grain_size
-from silo2d.measures.silo_geometry import outwards, sides
-from silo2d.measures.wall_traction import STRETCH, Tractions, tractions
-from silo2d.scene import Scene
+from silo2d.measures.from_contacts.particles import grain_size
+from silo2d.measures.from_contacts.silo_geometry import outwards, sides
+from silo2d.measures.from_contacts.wall_traction import STRETCH, Tractions, tractions
+from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

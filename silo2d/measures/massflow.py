@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.figure import BLUE, GREEN, GREY, VERMILION, headline
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headline
 from silo2d.measures.curve import steady_part
-from silo2d.measures.grains import (
+from silo2d.measures.from_contacts.particles import (
     FEWEST_OUT,
     Series,
     grain_size,
@@ -29,7 +29,7 @@ from silo2d.measures.grains import (
     numbers,
     outlet_centre,
 )
-from silo2d.scene import Scene, read_scene
+from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

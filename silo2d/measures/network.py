@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.figure import BLUE, GREEN, GREY, INK, VERMILION, WALL, headline
-from silo2d.measures.coarse_graining import Floats
-from silo2d.measures.contacts import Moment, read_moments
-from silo2d.scene import Scene
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, VERMILION, WALL, headline
+from silo2d.measures.from_contacts.coarse_graining import Floats
+from silo2d.measures.from_contacts.contacts import Moment, read_moments
+from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from silo2d.measures.grains import (
+from silo2d.measures.from_contacts.particles import (
     Series,
     column_edges,
     grain_size,
@@ -34,7 +34,7 @@ from silo2d.measures.grains import (
     outlet_centre,
     start_height,
 )
-from silo2d.scene import Scene, read_scene
+from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

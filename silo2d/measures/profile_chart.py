@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from campaign.figure import BLUE, INK, PAPER, VERMILION, WALL, headline
-from silo2d.measures.grains import Series, column_edges
-from silo2d.scene import WOOD, Scene
+from granulab.campaign.output.figure import BLUE, INK, PAPER, VERMILION, WALL, headline
+from silo2d.measures.from_contacts.particles import Series, column_edges
+from silo2d.view.scene import WOOD, Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

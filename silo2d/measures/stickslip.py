@@ -23,9 +23,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.figure import VERMILION, headline
-from silo2d.measures.grains import Series, grain_size, outlet_centre
-from silo2d.scene import Scene, read_scene
+from granulab.campaign.output.figure import VERMILION, headline
+from silo2d.measures.from_contacts.particles import Series, grain_size, outlet_centre
+from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -25,13 +25,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from campaign.figure import INK, WALL, headline
-from silo2d.measures.coarse_graining import Grid, along_branches, grid_round
-from silo2d.measures.contacts import STATES, Moment, branches, in_words, read_moments, states
-from silo2d.measures.field_map import draw_map
-from silo2d.measures.grains import grain_size
-from silo2d.measures.silo_geometry import inside_mask, inside_polygon
-from silo2d.scene import Scene
+from granulab.campaign.output.figure import INK, WALL, headline
+from silo2d.measures.from_contacts.coarse_graining import Grid, along_branches, grid_round
+from silo2d.measures.from_contacts.contacts import (
+    STATES,
+    Moment,
+    branches,
+    in_words,
+    read_moments,
+    states,
+)
+from silo2d.measures.from_contacts.particles import grain_size
+from silo2d.measures.from_contacts.silo_geometry import inside_mask, inside_polygon
+from silo2d.view.field_map import draw_map
+from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from silo2d.measures.curve import Steady, part_between, steady_part
-from silo2d.measures.grains import leavers
-from silo2d.scene import read_scene
+from silo2d.measures.from_contacts.particles import leavers
+from silo2d.view.scene import read_scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from silo2d.case import SiloCase
+    from silo2d.case.case import SiloCase
 
 Row = dict[str, Any]
 
@@ -38,7 +38,7 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> list[Row]:
     """A row a run: silo A, D or wide, outlet, seed, and the rate of its steady part."""
-    from silo2d.sweep import run_cases
+    from silo2d.run.sweep import run_cases
 
     chosen = list(cases(seeds))
     runs = run_cases(chosen, out=out, workers=workers, quiet=quiet, **engine)
@@ -47,7 +47,7 @@ def run(
 
 def cases(seeds: Sequence[int]) -> "Iterator[tuple[Row, SiloCase]]":
     """The cases with their labels: the paper's silos first, which are shorter."""
-    from silo2d.case import SiloCase
+    from silo2d.case.case import SiloCase
 
     for seed in seeds:
         for silo in SILOS:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from silo2d.case import GRAVITY
+from silo2d.case.case import GRAVITY
 
 Series = NDArray[np.float64]
 

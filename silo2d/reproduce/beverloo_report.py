@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.figure import BLUE, GREEN, VERMILION
+from granulab.campaign.output.figure import BLUE, GREEN, VERMILION
 from silo2d.reproduce.beverloo_law import Fit, fit_law
 
 if TYPE_CHECKING:

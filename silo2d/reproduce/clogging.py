@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from campaign.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
-from campaign.layout import columns, not_done, share
-from campaign.statistics import wilson
-from silo2d.outline import PRESETS
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
+from granulab.campaign.output.layout import columns, not_done, share
+from granulab.campaign.output.statistics import wilson
+from silo2d.case.outline import PRESETS
 from silo2d.reproduce.outcomes import by_silo, outcome_word, outcomes, unfinished
 from silo2d.reproduce.published import trials
 
@@ -36,8 +36,8 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """The twelve silos with the smaller outlets, each with all seeds."""
-    from campaign.sweep import over_seeds
-    from silo2d.case import SiloCase
+    from granulab.campaign.sweeps.sweep import over_seeds
+    from silo2d.case.case import SiloCase
     from silo2d.reproduce.runs import run_all
 
     cases = [c for s in _SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]

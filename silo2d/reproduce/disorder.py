@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from silo2d.reproduce.arms import draw_arms, report_arms
+from silo2d.reproduce.variants import draw_arms, report_arms
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,8 +27,8 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """Both silos, without disorder, per particle and per pair, each with all seeds."""
-    from campaign.sweep import over_seeds
-    from silo2d.case import SiloCase
+    from granulab.campaign.sweeps.sweep import over_seeds
+    from silo2d.case.case import SiloCase
     from silo2d.reproduce.runs import run_all
 
     cases = [

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from silo2d.measures.grains import Series, grain_size, numbers
+from silo2d.measures.from_contacts.particles import Series, grain_size, numbers
 from silo2d.measures.profile import layer_lines, profile_frames, v_shapes
-from silo2d.scene import read_scene
+from silo2d.view.scene import read_scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,8 +29,8 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> list[Row]:
     """A row a silo, seed, time and layer; one row for a run that failed."""
-    from campaign.sweep import over_seeds
-    from silo2d.case import SiloCase
+    from granulab.campaign.sweeps.sweep import over_seeds
+    from silo2d.case.case import SiloCase
     from silo2d.reproduce.runs import run_all
 
     cases = [c for s in SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from campaign.figure import BLUE, VERMILION, WALL
-from silo2d.measures.grains import Series
-from silo2d.outline import preset
+from granulab.campaign.output.figure import BLUE, VERMILION, WALL
+from silo2d.case.outline import preset
+from silo2d.measures.from_contacts.particles import Series
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

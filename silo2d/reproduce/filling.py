@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from silo2d.reproduce.arms import draw_arms, report_arms
+from silo2d.reproduce.variants import draw_arms, report_arms
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,8 +31,8 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """Both silos, each filling with each door, each with all seeds."""
-    from campaign.sweep import over_seeds
-    from silo2d.case import SiloCase
+    from granulab.campaign.sweeps.sweep import over_seeds
+    from silo2d.case.case import SiloCase
     from silo2d.reproduce.runs import run_all
 
     cases = [
@@ -60,8 +60,8 @@ def report(rows: "list[Row]") -> str:
 
 def _packings(rows: "list[Row]") -> str:
     """The packing fraction that each filling leaves, mean and standard deviation."""
-    from campaign.layout import columns, done
-    from campaign.statistics import mean_sd
+    from granulab.campaign.output.layout import columns, done
+    from granulab.campaign.output.statistics import mean_sd
 
     lines = []
     for silo in dict.fromkeys(row["silo"] for row in rows):

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from campaign.layout import Row, done
-from campaign.statistics import overlap, wilson
+from granulab.campaign.output.layout import Row, done
+from granulab.campaign.output.statistics import overlap, wilson
 from silo2d.reproduce.published import Trials
 
 

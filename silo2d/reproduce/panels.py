@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from campaign.figure import BLUE, ORANGE, VERMILION
+from granulab.campaign.output.figure import BLUE, ORANGE, VERMILION
 from silo2d.reproduce.published import Point
 from silo2d.reproduce.trend import LOGARITHMIC
 

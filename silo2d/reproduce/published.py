@@ -6,9 +6,9 @@ Source: Alonso-Marroquin et al., Granular Matter 15 (2013) 811, doi 10.1007/s100
 import csv
 from dataclasses import dataclass
 
-from campaign.statistics import Sample
-from contact.datafile import data_file
-from silo2d.observe import published_times
+from granulab.campaign.output.statistics import Sample
+from granulab.contact.files.datafile import data_file
+from silo2d.measures.run_numbers import published_times
 
 ROUNDING = 0.01  # [s] of all printed times
 

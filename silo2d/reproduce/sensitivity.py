@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from campaign.layout import columns, done, not_done, percent, signed, with_sd
-from campaign.statistics import (
+from granulab.campaign.output.layout import columns, done, not_done, percent, signed, with_sd
+from granulab.campaign.output.statistics import (
     Sample,
     noise_of_one_more,
     pooled_sd,
@@ -52,8 +52,8 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> "list[Row]":
     """Every row of Tables 7 to 11 from both baselines; a case that two rows share runs once."""
-    from campaign.sweep import Labelled, over_seeds
-    from silo2d.case import SiloCase
+    from granulab.campaign.sweeps.sweep import Labelled, over_seeds
+    from silo2d.case.case import SiloCase
     from silo2d.reproduce.runs import run_all
 
     loaded: dict[tuple, SiloCase] = {}

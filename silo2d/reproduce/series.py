@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from campaign.layout import done
-from campaign.statistics import Sample, mean_sd
+from granulab.campaign.output.layout import done
+from granulab.campaign.output.statistics import Sample, mean_sd
 from silo2d.reproduce.trend import Trend
 
 if TYPE_CHECKING:

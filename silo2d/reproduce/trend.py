@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from campaign.layout import percent, signed
-from campaign.statistics import Slope, slope, welch_half_width
+from granulab.campaign.output.layout import percent, signed
+from granulab.campaign.output.statistics import Slope, slope, welch_half_width
 
 LOGARITHMIC = "kn", "kt", "gamma_n"  # parameters tabled in steps of a factor
 

@@ -1,0 +1,1 @@
+"""Files of measurements: tables, tracks and signals in, contact parameters out."""

@@ -1,0 +1,116 @@
+"""Where each number of a parameter file came from."""
+
+from pathlib import Path
+from typing import Any
+
+from calibration.statistics.quantity import plus_minus
+from granulab.contact.files.datafile import data_file, read_toml
+from granulab.contact.files.schema import (
+    SCHEMA,
+    Entry,
+    LinearTable,
+    MaterialTable,
+    PairTable,
+    lacking,
+    section,
+)
+from granulab.contact.files.table import measured
+from granulab.contact.files.units import from_si, located
+from granulab.contact.material import PROPERTIES, Measured, check_range
+
+
+def read_values(
+    name_or_path: str | Path,
+) -> tuple[Path, dict[tuple[str, str], Measured], list[str]]:
+    """The path of a file, its values by section and key, and what simulators still need of it.
+
+    Sections are named as in "pair.wood-steel.linear"; values in SI. Also of a file in the making.
+    Raises InputError, one line with file, section, key and value, for whatever is wrong in it.
+    """
+    path = data_file("materials", str(name_or_path)) or Path(name_or_path)
+    tables = read_toml(path, "materials", SCHEMA)
+    needs = lacking(path, tables)
+    values: dict[tuple[str, str], Measured] = {}
+    for kind, known in (("material", MaterialTable), ("pair", PairTable)):
+        for name, table in tables.get(kind, {}).items():
+            values |= _entries(path, [kind, name], table, known.model_fields)
+            linear = table.get("linear", {}) if kind == "pair" else {}
+            values |= _entries(path, [kind, name, "linear"], linear, LinearTable.model_fields)
+    return path, values, needs
+
+
+def _entries(
+    path: Path, place: list[str], table: dict[str, Any], known: Any
+) -> dict[tuple[str, str], Measured]:
+    found = {}
+    with located(f"{path}: {section(*place)}"):
+        for key, written in table.items():
+            if key in known and key in PROPERTIES:
+                value = found[".".join(place), key] = measured(key, Entry.model_validate(written))
+                check_range(key, value)
+    return found
+
+
+def as_json(
+    path: Path, values: dict[tuple[str, str], Measured], needs: list[str]
+) -> dict[str, Any]:
+    """The answer of calibrate report: numbers in the SI unit that stands beside them."""
+    rows = [
+        {"section": where, "key": key, "unit": PROPERTIES[key].unit, **_fields(value)}
+        for (where, key), value in values.items()
+    ]
+    return {"path": str(path), "values": rows, "lacking": needs}
+
+
+def _fields(value: Measured) -> dict[str, Any]:
+    return {
+        "value": value.value,
+        "sigma": value.sigma,
+        "scatter": value.scatter,
+        "trials": value.trials,
+        "method": value.method,
+        "source": value.source,
+        "digest": value.digest,
+        "date": value.date and value.date.isoformat(),
+        "history": [_fields(old) for old in value.history],
+    }
+
+
+def as_text(path: Path, values: dict[tuple[str, str], Measured], needs: list[str]) -> str:
+    """The same for a person: a line for each value, what it replaced below it."""
+    lines, last = [str(path)], ""
+    for (where, key), value in values.items():
+        if where != last:
+            lines += ["", f"[{where}]"]
+            last = where
+        lines.append(f"  {key:16}{_line(key, value)}")
+        lines += [f"    {'before':14}{_line(key, old)}" for old in reversed(value.history)]
+    if needs:
+        lines += ["", f"a simulator still needs {', '.join(needs)}"]
+    return "\n".join(lines)
+
+
+def _line(key: str, value: Measured) -> str:
+    unit = PROPERTIES[key].unit_in_files
+    parts = [
+        shown(value, unit),
+        value.scatter and f"scatter {shown(Measured(value.scatter), unit)}",
+        value.trials and f"{value.trials} trial{'s' if value.trials > 1 else ''}",
+        value.method,
+        value.source or "no source given",
+        value.digest and f"sha256 {value.digest[:12]}",
+        value.date and value.date.isoformat(),
+    ]
+    return "; ".join(str(part) for part in parts if part)
+
+
+def shown(value: Measured, unit: str) -> str:
+    """A value with its uncertainty, such as "650 +- 400 N/mm"."""
+    if unit == "1":
+        return plus_minus(value.value, value.sigma)
+    known, sigma = (
+        None if number is None else float(from_si(number, unit).split()[0])
+        for number in (value.value, value.sigma)
+    )
+    assert known is not None
+    return f"{plus_minus(known, sigma)} {unit}"

@@ -1,1 +1,0 @@
-"""Films: frames read one by one, and things found in them."""

@@ -1,1 +1,0 @@
-"""The contact-parameter file: values written into it, and where each of them came from."""

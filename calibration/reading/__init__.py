@@ -1,1 +1,0 @@
-"""Tables, tracks and signals as people, tools and instruments write them."""

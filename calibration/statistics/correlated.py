@@ -1,0 +1,57 @@
+"""Values that share their errors: covariance through formulas, the pooled value, and its test."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from calibration.drop.parabolas import scatter_beyond_noise
+from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.track import Array
+
+CHANCE = 0.05  # p below which one number does not describe the values
+
+
+def propagated(
+    parameters: Array, covariance: Array, quantity: Callable[[Array], Array]
+) -> tuple[Array, Array]:
+    """A vector of quantities of (n,) parameters, and its covariance to first order (GUM 5.1)."""
+    value = quantity(parameters)
+    sigma = np.sqrt(np.clip(np.diag(covariance), 0, None))
+    slopes = np.zeros((len(value), len(sigma)))
+    for k in np.flatnonzero(sigma > 0):
+        step = np.zeros(len(sigma))
+        step[k] = sigma[k] * 1e-2  # small: bends of the formula do not count, rounding neither
+        high, low = (quantity(parameters + s * step) for s in (1, -1))
+        slopes[:, k] = (high - low) / (2 * step[k])
+    return value, slopes @ covariance @ slopes.T
+
+
+def with_sigma(value: Array, covariance: Array) -> Array:
+    """(n, 2) values with their standard deviations."""
+    return np.stack([value, np.sqrt(np.clip(np.diag(covariance), 0, None))], axis=1)
+
+
+def pool(values: Array, covariance: Array) -> tuple[Estimate, float | None]:
+    """The weighted mean of correlated values; p of the chi-square test that they are one.
+
+    Where they are not one, their scatter beyond noise counts with every value: the mean is then
+    that of such values, and its sigma how well these few tell it. p is None for one value.
+    """
+    from scipy.stats import chi2
+
+    mean, variance, square = _weighted_mean(values, covariance)
+    if len(values) == 1:
+        return Estimate(mean, float(np.sqrt(variance)), 1), None
+    p = float(chi2.sf(square, len(values) - 1))
+    if p < CHANCE:
+        extra = scatter_beyond_noise(with_sigma(values, covariance)) ** 2
+        mean, variance, _ = _weighted_mean(values, covariance + extra * np.eye(len(values)))
+    return Estimate(mean, float(np.sqrt(variance)), len(values)), p
+
+
+def _weighted_mean(values: Array, covariance: Array) -> tuple[float, float, float]:
+    """Mean, its variance, and chi-square about it."""
+    inverse = np.linalg.pinv(covariance, hermitian=True)
+    variance = 1 / inverse.sum()
+    mean = float(variance * inverse.sum(axis=0) @ values)
+    return mean, float(variance), float((values - mean) @ inverse @ (values - mean))

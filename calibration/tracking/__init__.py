@@ -1,0 +1,1 @@
+"""Tracks of objects in films: found, linked, followed and cut into segments."""

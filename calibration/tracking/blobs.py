@@ -1,0 +1,292 @@
+"""Where things are in one picture, to a fraction of a pixel, from how it differs from background.
+
+A pixel that shows a share a of a thing and 1 - a of the background has the colour a F + (1 - a) B.
+a = (I - B).(F - B)/|F - B|^2 (Smith and Blinn 1996, doi 10.1145/237170.237263), F the thing's own
+colour, is 1 inside, falls to 0 over the edge, or over the blur of motion, alike on either side: its
+centroid is the place of the thing at the middle of the exposure. Shadows and reflections have small
+a and are cut off below a quarter. Shade on the thing itself makes a less, too, but not at its rim
+alone: a counts against the most that is seen within a few pixels.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.tracking.background import Mask
+from calibration.tracking.film.reader import Picture
+from calibration.tracking.parts import Outline, filled, largest, outlines, pixels_within
+
+_LOW, _HIGH = 0.25, 0.75  # share of a thing from and to which a pixel counts in part
+_NEW = 1.13  # mean difference of two normal deviates, in their sigma
+_UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
+_SHADED = 0.6  # share to which shade may bring the inside of a thing: shadows have less
+_CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
+_LARGEST = 0.2  # share of the picture: a thing and the place it left are half of _CUT
+_FEWEST = 3  # pixels of the difference that make a thing
+_MOST = 6  # things in one picture: the strongest
+_ACROSS = 80  # px of a thing's window; larger ones are reduced, their place is no less known
+_THIN = 0.5  # of the half thickness of a thing: what is thinner hangs on it (strings, fingers)
+
+Channels = NDArray[np.float32]
+
+_SUM: Channels = np.ones((1, 3), np.float32)
+
+
+class Blob(NamedTuple):
+    """A thing in one picture; lengths in pixels of that picture.
+
+    x, y       centroid
+    xx, xy, yy covariance of the centroid from the noise of the pixels and the edge's shading
+    area       sum of the shares
+    colour     (3,) of its core, blue, green, red
+    behind     (3,) colour of the background there
+    contrast   difference of the two [grey levels]
+    whole      False where it touches the edge of the picture
+    box        x, y, width, height
+    changed    whether the picture there is another than that of the frame before
+    """
+
+    x: float
+    y: float
+    xx: float
+    xy: float
+    yy: float
+    area: float
+    colour: NDArray[np.float64]
+    behind: NDArray[np.float64]
+    contrast: float
+    whole: bool
+    box: tuple[int, int, int, int]
+    changed: bool = True
+
+
+class Candidate(NamedTuple):
+    """Connected pixels that differ from the background.
+
+    box    x, y, width, height in the picture
+    strength   sum of the difference
+    mask   (height, width) of the box
+    """
+
+    box: tuple[int, int, int, int]
+    strength: float
+    mask: Mask
+
+
+def candidates(difference: Picture, limit: Picture, reduce: int) -> list[Candidate] | None:
+    """Things that differ, the strongest first; None where the picture shows something else.
+
+    They are looked for in the picture reduced by a whole number, in which noise is less.
+    """
+    import cv2
+
+    height, width = difference.shape
+    size = (width // reduce, height // reduce)
+    if reduce > 1:
+        difference, limit = (
+            np.asarray(cv2.resize(one, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+            for one in (difference, limit)
+        )
+    mask: Mask = np.asarray(cv2.compare(difference, limit, cv2.CMP_GT), dtype=np.uint8)
+    if cv2.countNonZero(mask) > _CUT * mask.size:
+        return None
+    closed = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+    mask = np.asarray(closed, dtype=np.uint8)
+    around = [one for one in outlines(mask) if len(one) >= _FEWEST]
+    around.sort(key=pixels_within, reverse=True)
+    parts = [_part_of(difference, mask, outline) for outline in around[: 2 * _MOST]]
+    parts.sort(key=lambda one: -one.strength)
+    return [_enlarged(one, reduce) for one in parts[:_MOST]]
+
+
+def _part_of(difference: Picture, mask: Mask, outline: Outline) -> Candidate:
+    """The part of a mask that has this outline."""
+    import cv2
+
+    x, y, w, h = cv2.boundingRect(outline)
+    cut = np.s_[y : y + h, x : x + w]
+    inside = mask[cut] & filled(outline, (x, y, w, h))
+    strength = cv2.sumElems(difference[cut] & inside)[0]
+    return Candidate((x, y, w, h), strength, inside)
+
+
+def _enlarged(one: Candidate, factor: int) -> Candidate:
+    """In the picture that is larger by a whole number."""
+    import cv2
+
+    if factor == 1:
+        return one
+    x, y, w, h = (factor * value for value in one.box)
+    mask = cv2.resize(one.mask, (w, h), interpolation=cv2.INTER_NEAREST)
+    return Candidate((x, y, w, h), one.strength, np.asarray(mask, dtype=np.uint8))
+
+
+def measure(picture: Picture, background: Picture, noise: float, one: Candidate) -> Blob | None:
+    """A candidate's place; None where it has no core, or is too large to be one thing."""
+    import cv2
+
+    height, width = picture.shape[:2]
+    x, y, w, h = one.box
+    if cv2.countNonZero(one.mask) > _LARGEST * width * height:
+        return None
+    margin = 3 + max(w, h) // 8
+    left, top = max(x - margin, 0), max(y - margin, 0)
+    right, bottom = min(x + w + margin, width), min(y + h + margin, height)
+    cut = np.s_[top:bottom, left:right]
+    reduce = -(-max(right - left, bottom - top) // _ACROSS)
+    mask = np.zeros((bottom - top, right - left), np.uint8)
+    mask[y - top : y - top + h, x - left : x - left + w] = one.mask[: bottom - y, : right - x]
+    seen, behind = (
+        _reduced(part, reduce, cv2.INTER_AREA) for part in (picture[cut], background[cut])
+    )
+    mask = _reduced(mask, reduce, cv2.INTER_NEAREST)
+    share, (colour, beneath), contrast, square = _shares(seen, behind, mask, noise / reduce)
+    if share is None:
+        return None
+    share = _of_what_is_near(share)
+    body = _body(share, mask)
+    if body is None:
+        return None
+    box = _box(body, left, top, reduce)
+    if reduce > 1 and 2 * max(box[2:]) < max(w, h):  # what hung on it made the window large
+        part = _part(one, box)
+        return None if part is None else measure(picture, background, noise, part)
+    kernel = np.ones((3, 3), np.uint8)
+    weight = np.clip((share - _LOW) / (_HIGH - _LOW), 0, 1)
+    weight[cv2.dilate(body, kernel, iterations=2) == 0] = 0.0
+    weight[cv2.erode(body, kernel, iterations=2) > 0] = 1.0  # marks and highlights
+    sums = cv2.moments(weight)
+    area = sums["m00"]
+    if area < 1:
+        return None
+    cx, cy = sums["m10"] / area, sums["m01"] / area
+    ys, xs = np.nonzero((weight > 0) & (weight < 1))
+    edge = np.hypot(noise / reduce / np.sqrt(square[ys, xs]), _UNEVEN) / (_HIGH - _LOW)
+    lever = np.stack([xs - cx, ys - cy]) * edge / area
+    (xx, xy), (_, yy) = (lever @ lever.T * reduce**2).tolist()
+    inside = box[0] > 0 and box[1] > 0 and box[0] + box[2] < width and box[1] + box[3] < height
+    return Blob(
+        left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
+        area * reduce**2, colour, beneath, contrast, inside, box,
+    )  # fmt: skip
+
+
+def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool:
+    """Whether a thing's picture is another than in the frame before, by more than noise.
+
+    Half of the thing's rim is new where it moves: a repeated picture, coded anew, differs less.
+    """
+    import cv2
+
+    x, y, w, h = (max(value, 0) for value in blob.box)
+    cut = np.s_[y : y + h, x : x + w]
+    here = picture[cut]
+    return cv2.norm(here, before[cut], cv2.NORM_L1) > _NEW * noise * here.size
+
+
+def _part(one: Candidate, box: tuple[int, int, int, int]) -> Candidate | None:
+    """The part of a candidate that lies in a box; None where none does."""
+    left, top = (max(box[i], one.box[i]) for i in (0, 1))
+    right, bottom = (min(k[i] + k[i + 2] for k in (box, one.box)) for i in (0, 1))
+    if right <= left or bottom <= top:
+        return None
+    x, y = left - one.box[0], top - one.box[1]
+    mask = one.mask[y : y + bottom - top, x : x + right - left]
+    return Candidate((left, top, right - left, bottom - top), one.strength, mask)
+
+
+def _reduced(part: Picture, reduce: int, how: int) -> Picture:
+    import cv2
+
+    if reduce == 1:
+        return part
+    height, width = (length // reduce for length in part.shape[:2])
+    whole = part[: height * reduce, : width * reduce]
+    return np.asarray(cv2.resize(whole, (width, height), interpolation=how), dtype=np.uint8)
+
+
+def _shares(
+    seen: Picture, behind: Picture, mask: Mask, noise: float
+) -> tuple[
+    Channels | None, tuple[NDArray[np.float64], NDArray[np.float64]], float, Channels
+]:  # fmt: skip
+    """Share of the thing in each pixel, colours of it and behind it, contrast, its square by pixel.
+
+    The colour is that of the pixels that differ nearly as much as any: a shadow differs less.
+    Of a thing of several colours other parts count by how much they differ. Where the background
+    has nearly the thing's colour the share is not known, and taken as zero.
+    """
+    behind_it = behind.astype(np.float32)
+    away = seen - behind_it
+    size = np.sqrt(_dot(away, away))
+    inside = mask > 127
+    nothing = np.zeros(3)
+    if np.count_nonzero(inside) < 2:
+        return None, (nothing, nothing), 0.0, size
+    core = np.flatnonzero(inside & (size >= 0.6 * _near_largest(size[inside])))
+    colour, beneath = (_median(one.reshape(-1, 3)[core]).astype(float) for one in (seen, behind))
+    towards = colour.astype(np.float32) - behind_it
+    square = _dot(towards, towards)
+    contrast = float(np.sqrt(_median(square.ravel()[core])))
+    least = (4 * noise) ** 2
+    known = square > least
+    np.maximum(square, least, out=square)
+    share = _dot(away, towards) / square * known
+    np.maximum(share, size / max(contrast, np.sqrt(least)), out=share)  # things of several colours
+    return share, (colour, beneath), contrast, square
+
+
+def _of_what_is_near(share: Channels) -> Channels:
+    """Shares of the most that a pixel shows within three: shade ends inside a thing, not its rim.
+
+    Without that the dark side of a lit thing counts less, and its place turns with its marks.
+    """
+    import cv2
+
+    smooth = cv2.blur(np.clip(share, 0, 1), (3, 3))
+    most = cv2.dilate(smooth, np.ones((7, 7), np.uint8))
+    return np.asarray(share / np.maximum(most, np.float32(_SHADED)), dtype=np.float32)
+
+
+def _median(values: NDArray[Any]) -> NDArray[Any]:
+    """The upper median along the first axis; numpy's own costs more than all else of a window."""
+    middle = len(values) // 2
+    return np.asarray(np.partition(values, middle, axis=0)[middle])
+
+
+def _near_largest(values: Channels) -> float:
+    """What three in a hundred exceed: highlights do not count."""
+    k = int(0.97 * (len(values) - 1))
+    return float(np.partition(values, k)[k])
+
+
+def _dot(a: Channels, b: Channels) -> Channels:
+    """(h, w) product of the colours of pixels."""
+    import cv2
+
+    return np.asarray(cv2.transform(cv2.multiply(a, b), _SUM), dtype=np.float32)
+
+
+def _body(share: Channels, mask: Mask) -> Mask | None:
+    """The largest connected part that is half the thing or more, without what is thin."""
+    import cv2
+
+    more = np.where(share > (_LOW + _HIGH) / 2, np.uint8(255), np.uint8(0))
+    more[cv2.dilate(mask, np.ones((5, 5), np.uint8)) == 0] = 0
+    half = largest(more)  # without holes: highlights and marks on a thing
+    if half is None:
+        return None
+    edged = cv2.copyMakeBorder(half, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    radius = int(_THIN * float(cv2.distanceTransform(edged, cv2.DIST_L2, 3).max()))
+    if radius < 1:
+        return half
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
+    return largest(np.asarray(cv2.morphologyEx(half, cv2.MORPH_OPEN, kernel), dtype=np.uint8))
+
+
+def _box(body: Mask, left: int, top: int, reduce: int) -> tuple[int, int, int, int]:
+    import cv2
+
+    x, y, w, h = cv2.boundingRect(body)
+    return left + x * reduce, top + y * reduce, w * reduce, h * reduce

@@ -1,0 +1,1 @@
+"""Films as files: frames, time stamps, regions and drawings on frames."""

@@ -1,0 +1,181 @@
+"""Frames of a film, one by one: a video file, a folder of pictures, or a pattern of their names."""
+
+import os
+import re
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granulab.errors import InputError
+
+Picture = NDArray[np.uint8]
+Told = Callable[[float, str], None]  # share of a film that is read, and a few words
+
+_PICTURES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+_FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm", ".wmv")
+
+# What is wrong with a file is told in our own lines; FFmpeg reads this when it is first used.
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+
+_BAD_IN_A_ROW = 1000  # frames that may be missing before a film is taken to end
+
+
+class Frame(NamedTuple):
+    """One picture of a film.
+
+    number    from 0 on, as a player counts
+    stamp     s from the start, as the file says; None for pictures
+    picture   (height, width, 3), blue, green, red
+    """
+
+    number: int
+    stamp: float | None
+    picture: Picture
+
+
+@dataclass(frozen=True)
+class Film:
+    """A film on disk; no frame of it stays in memory.
+
+    rate     frames/s that the file's header says; None for pictures
+    count    frames that the file says, or pictures found; 0 where the header says nothing
+    corrupt  numbers of the frames that could not be decoded, as far as `frames` has been read
+    """
+
+    path: Path
+    width: int
+    height: int
+    rate: float | None
+    count: int
+    pictures: tuple[Path, ...] = ()
+    corrupt: list[int] = field(default_factory=list)
+
+    def frames(self) -> Iterator[Frame]:
+        """All frames in order; one that cannot be decoded is left out, and stands in `corrupt`."""
+        self.corrupt.clear()
+        yield from self._of_pictures() if self.pictures else self._of_video()
+
+    def some(self, numbers: Collection[int]) -> Iterator[Frame]:
+        """Those of these frames that can be read, in order; nothing is read behind the last."""
+        for frame in self.frames():
+            if frame.number in numbers:
+                yield frame
+            if frame.number >= max(numbers):
+                break
+
+    def _of_pictures(self) -> Iterator[Frame]:
+        for number, path in enumerate(self.pictures):
+            picture = _picture(path)
+            if picture is None or picture.shape[:2] != (self.height, self.width):
+                self.corrupt.append(number)
+                continue
+            yield Frame(number, None, picture)
+
+    def _of_video(self) -> Iterator[Frame]:
+        import cv2
+
+        capture = _capture(self.path)
+        number, failed = 0, 0
+        try:
+            while failed < min(max(self.count - number, 1), _BAD_IN_A_ROW):
+                if not capture.grab():
+                    failed += 1  # a bad frame, or the end, which the header may not know
+                    continue
+                stamp = capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3
+                there, picture = capture.retrieve()
+                self.corrupt.extend(range(number, number + failed))
+                number, failed = number + failed, 0
+                if there and picture is not None:
+                    yield Frame(number, stamp, picture)
+                else:
+                    self.corrupt.append(number)
+                number += 1
+        finally:
+            capture.release()
+
+
+def open_film(path: str | Path) -> Film:
+    """A film: mp4, avi, mov and whatever else FFmpeg reads, a folder of pictures, or "im*.png".
+
+    Raises InputError, one line, for what is no film or holds no frame.
+    """
+    path = Path(path)
+    if path.is_dir() or is_pattern(path):
+        return _open_pictures(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; a film, a folder of pictures, or 'im*.png'")
+    if path.suffix.lower() in _PICTURES:
+        raise InputError(f"{path}: one picture is no film; name its folder, or a pattern 'im*.png'")
+    return _open_video(path)
+
+
+def is_film(path: str | Path) -> bool:
+    """Whether a file is to be read as a film: a folder, a pattern, a film's ending, no text."""
+    path = Path(path)
+    if path.is_dir() or is_pattern(path):
+        return True
+    if path.suffix.lower() in _PICTURES + _FILMS:
+        return True
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return b"\0" in file.read(4096)
+
+
+def is_pattern(path: Path) -> bool:
+    """Whether a path stands for several pictures: "im*.png"."""
+    return any(mark in path.name for mark in "*?[")
+
+
+def _open_video(path: Path) -> Film:
+    import cv2
+
+    capture = _capture(path)
+    try:
+        there, picture = capture.read()
+        if not there or picture is None:
+            raise InputError(f"{path}: no frame of this film can be read; is the file cut off?")
+        rate = float(capture.get(cv2.CAP_PROP_FPS))
+        count = int(capture.get(cv2.CAP_PROP_FRAME_COUNT))
+        height, width = picture.shape[:2]
+    finally:
+        capture.release()
+    return Film(path, width, height, rate if rate > 0 else None, max(count, 0))
+
+
+def _open_pictures(path: Path) -> Film:
+    names = path.iterdir() if path.is_dir() else path.parent.glob(path.name)
+    found = sorted((p for p in names if p.suffix.lower() in _PICTURES), key=_natural)
+    if len(found) < 2:
+        raise InputError(f"{path}: {len(found)} pictures; a film has more than one")
+    first = next((p for p in map(_picture, found) if p is not None), None)
+    if first is None:
+        raise InputError(f"{path}: none of {len(found)} pictures can be read")
+    height, width = first.shape[:2]
+    return Film(path, width, height, None, len(found), tuple(found))
+
+
+def _natural(path: Path) -> list[Any]:
+    """Order of im2 before im10."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", path.name)]
+
+
+def _picture(path: Path) -> Picture | None:
+    import cv2
+
+    picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
+    return None if picture is None else np.asarray(picture, dtype=np.uint8)
+
+
+def _capture(path: Path) -> Any:
+    import cv2
+
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    if not capture.isOpened():
+        raise InputError(f"{path}: no film that can be read, or cut off (mp4, avi, mov, pictures)")
+    return capture

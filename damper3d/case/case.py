@@ -1,0 +1,255 @@
+"""A damper's case: settings resolved to enclosure, particles, laws, motion and time step."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from damper3d.case.parameters import (
+    Steps,
+    contact_laws,
+    materials_of,
+    restitutions,
+    time_steps,
+    yield_velocities,
+)
+from damper3d.case.parts import (
+    GRAVITY,
+    check_protocol,
+    count_of,
+    enclosure_of,
+    gravity_of,
+    mesh_copy,
+    orientation_of,
+    particle_wanted,
+    unit_vector,
+    with_usual_cycles,
+)
+from damper3d.case.settings import Settings, check_settings, read_settings, to_toml
+from damper3d.engine.enclosure import Enclosure
+from damper3d.engine.shaker import Sines, sine
+from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.particle import particle_of
+from granulab.contact.files.casefile import changed
+from granulab.contact.files.datafile import case_names, data_file, find, is_file
+from granulab.contact.files.table import ContactTable, load_table
+from granulab.contact.files.units import located, nearest
+from granulab.contact.hertz import HertzLaw
+from granulab.errors import InputError
+
+PRESETS: dict[str, dict[str, Any]] = {"thesis": {}}  # every default is the thesis's
+
+
+@dataclass(frozen=True, eq=False)
+class DamperCase:
+    """Everything that a run needs to know, validated; SI, in the enclosure's frame."""
+
+    settings: Settings
+    enclosure: Enclosure
+    particle: Cluster
+    count: int
+    density: float  # of the particles [kg/m3]
+    pair_law: HertzLaw
+    wall_law: HertzLaw
+    restitution: dict[str, float]  # of particle_particle and particle_wall, as given [-]
+    yield_velocity: dict[str, float | None]  # likewise, eq. 5.26 [m/s]; None: not known
+    steps: Steps
+    gravity: np.ndarray  # (3,) [m/s2]
+    settling_gravity: np.ndarray  # (3,) [m/s2] while the particles settle
+    direction: np.ndarray  # (3,) of the motion, of length one
+    files: dict[str, str]  # name in the run folder -> text, of materials and mesh
+
+    @classmethod
+    def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "DamperCase":
+        """A preset ("thesis") or a case file (TOML), with changes such as {"motion.gamma": 5}.
+
+        Raises InputError, one line that names file or option, key, value and what would do.
+        """
+        name = str(name_or_path)
+        path = Path(name)
+        if name in PRESETS:
+            document = changed({"name": name, **PRESETS[name]}, changes, Settings)
+            return cls.resolve(document, name, Path())
+        if not is_file(path):
+            known = [*PRESETS, *case_names("enclosure")]
+            shipped = data_file("cases", name)
+            if shipped is None and is_file(Path(f"{name}.toml")):
+                raise InputError(f"case {name!r}: no such preset; did you mean '{name}.toml'?")
+            if shipped is None:
+                raise InputError(f"case {name!r}: no such preset or file; {nearest(name, known)}")
+            path = shipped
+        document = changed(read_settings(path), changes, Settings)
+        return cls.resolve(document, str(path), path.parent)
+
+    @classmethod
+    def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "DamperCase":
+        """A case from the tables of a case file; files it names are looked for in `folder`."""
+        settings = with_usual_cycles(check_settings(document, where), document)
+        check_protocol(settings, where)
+        file = find(settings.particles.materials, "materials", folder)
+        table = load_table(file)
+        try:
+            case = _resolved(cls, settings, table, where, Path(file), folder)
+            calculable = _calculable(case)
+        except (OverflowError, ZeroDivisionError):
+            calculable = False
+        if not calculable:
+            raise InputError(
+                f"{where}: some values are too large or too small to calculate with; look at "
+                "sizes, frequency, gamma, density, modulus and yield strength"
+            )
+        return case
+
+    @property
+    def name(self) -> str:
+        """What the run folder is called after."""
+        return self.settings.name
+
+    @property
+    def particle_mass(self) -> float:
+        """Of one particle [kg]."""
+        return self.density * self.particle.volume
+
+    @property
+    def mass(self) -> float:
+        """Of all particles [kg]."""
+        return self.count * self.particle_mass
+
+    @property
+    def fill_ratio(self) -> float:
+        """Volume of the particles over that of the void (thesis, eq. 6.1) [-]."""
+        return self.count * self.particle.volume / self.enclosure.volume
+
+    @property
+    def orientation(self) -> str:
+        """How gravity lies to the motion, whatever says so: "vertical", "horizontal" or "none"."""
+        return orientation_of(self.gravity, self.direction)
+
+    @property
+    def period(self) -> float:
+        """Of a cycle [s]."""
+        return 1.0 / self.settings.motion.frequency
+
+    @property
+    def time_step(self) -> float:
+        """[s]"""
+        return self.steps.time_step
+
+    @property
+    def steps_per_sample(self) -> int:
+        """Steps from one sample to the next."""
+        return self.steps.per_sample
+
+    @property
+    def amplitude(self) -> float:
+        """Gamma g / omega^2 [m] (eq. 6.2)."""
+        motion = self.settings.motion
+        return motion.gamma * GRAVITY / (2.0 * math.pi * motion.frequency) ** 2
+
+    @property
+    def peak_speed(self) -> float:
+        """Gamma g / omega, the largest velocity of the enclosure [m/s]."""
+        motion = self.settings.motion
+        return motion.gamma * GRAVITY / (2.0 * math.pi * motion.frequency)
+
+    @cached_property
+    def shaker(self) -> Sines:
+        """The motion of the enclosure along its direction."""
+        motion = self.settings.motion
+        return sine(motion.gamma, motion.frequency, GRAVITY, motion.ramp)
+
+    @property
+    def wall_names(self) -> list[str]:
+        """In the order of the walls' numbers."""
+        return self.enclosure.wall_names
+
+    def to_toml(self) -> str:
+        """The case as a file for the run folder, beside the copies of the files it names."""
+        settings = self.settings
+        particles: dict[str, Any] = {"materials": "materials.toml", "count": self.count}
+        for copy in self.files:
+            if copy.endswith(".obj"):
+                particles["shape"] = f"mesh:{copy}"
+        enclosure = {"diameter": 2 * self.enclosure.radius} if self.enclosure.radius else {}
+        return to_toml(
+            settings.model_copy(
+                update={
+                    "particles": settings.particles.model_copy(update=particles),
+                    "enclosure": settings.enclosure.model_copy(update=enclosure),
+                }
+            )
+        )
+
+    def identity(self) -> dict[str, Any]:
+        """What a run's folder is named by: all that its answers depend on."""
+        run, motion = self.settings.run, self.settings.motion
+        length = {"steady": run.max_cycles} if run.steady else {}
+        return {
+            **self.packing_identity(),
+            "motion": [motion.orientation, motion.frequency, motion.gamma, motion.ramp],
+            "direction": self.direction,
+            "gravity": self.gravity,
+            "cycles": [run.cycles, run.discard],
+            **length,
+            "time_step": self.time_step,
+            "yield_velocity": self.yield_velocity,
+            "output": self.settings.output.model_dump(),
+        }
+
+    def packing_identity(self) -> dict[str, Any]:
+        """What a settled packing is named by: not what acts only once the enclosure moves."""
+        enclosure, particle, law = self.enclosure, self.particle, self.settings.law
+        # A ball has one contact with another.
+        treatment = {} if particle.is_ball else {"contact_treatment": law.contact_treatment}
+        return {
+            "enclosure": [enclosure.shape, enclosure.width, enclosure.depth, enclosure.height],
+            "particle": [particle.offsets, particle.radii, particle.volume, particle.inertia],
+            "count": self.count,
+            "density": self.density,
+            "laws": [list(self.pair_law), list(self.wall_law)],
+            "wall_curvature": law.wall_curvature,
+            **treatment,
+            "settling_gravity": self.settling_gravity,
+            "fill": self.settings.fill.model_dump(),
+            "fill_time_step": self.steps.free,
+            "seed": self.settings.run.seed,
+        }
+
+
+def _resolved(
+    cls: type[DamperCase], settings: Settings, table: ContactTable, where: str, file: Path,
+    folder: Path,
+) -> DamperCase:  # fmt: skip
+    with located(f"{where}: [particles]"):
+        wanted = particle_wanted(settings.particles, folder)
+        particle = particle_of(wanted)
+    enclosure = enclosure_of(settings, where)
+    count = count_of(enclosure, particle, settings.particles.count, where)
+    materials = materials_of(table, settings)
+    laws = contact_laws(table, materials, settings)
+    yields = yield_velocities(materials, particle)
+    tangential = max(law.tangential for law in laws)
+    gravity, settling = gravity_of(settings.motion, where)
+    direction = settings.motion.direction or [0.0, 0.0, 1.0]
+    return cls(
+        settings, enclosure, particle, count, materials[0].density.value, *laws,
+        restitutions(table, settings), yields,
+        time_steps(particle, materials[0], tangential, settings, where), gravity, settling,
+        unit_vector(direction, f"{where}: [motion] direction"),
+        {"materials.toml": file.read_text(encoding="utf-8"), **mesh_copy(wanted)},
+    )  # fmt: skip
+
+
+def _calculable(case: DamperCase) -> bool:
+    """Whether squares, cubes and ratios of all numbers are floats too."""
+    yields = [v for v in case.yield_velocity.values() if v is not None]
+    laws = [x for law in (case.pair_law, case.wall_law) for x in (law.hertz, law.tangential)]
+    inertia = case.density * float(case.particle.inertia.min())
+    motion = [case.amplitude, case.peak_speed, case.steps.limit, case.time_step]
+    sizes = [case.enclosure.volume, case.mass, case.density, inertia]
+    friction = max(case.pair_law.mu, case.wall_law.mu)
+    ordinary = all(1e-60 < x < 1e60 for x in [*yields, *laws, *motion, *sizes])
+    return ordinary and friction < 1e60 and case.shaker.ramp_time < 1e60

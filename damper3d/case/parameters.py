@@ -1,0 +1,223 @@
+"""Contact laws, yield velocities and time step of a case: the materials file, then the changes."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+from damper3d.case.settings import Law, Settings
+from damper3d.case.swing import ball_as_swift
+from damper3d.engine.records import CLASSES
+from damper3d.shapes.cluster import Cluster
+from granulab.contact.files.table import ContactTable, load_table
+from granulab.contact.files.units import located
+from granulab.contact.hertz import HertzLaw
+from granulab.contact.material import Material, Measured, Pair
+from granulab.contact.sphere_law import sphere_law, yield_velocity
+from granulab.contact.timestep import rayleigh_time_step
+from granulab.errors import InputError
+
+USUAL_TIME_STEP = 1e-6  # [s] the thesis's (Table 6.1); 2 us gives the same within the scatter
+_USUAL_SHARE = 0.2  # of the Rayleigh step, by two digits, where the usual step is longer
+# The same of clusters, whose limit counts contacts that act together: at 0.43 the books of 90
+# spheroids left 0.6 % open, which goes as the square of the step (docs/damper-clusters.md).
+_CLUSTER_SHARE = 0.3
+SAFE_SHARE = 0.4  # of the Rayleigh step; the thesis takes 0.1 to 0.4 of it (eq. 3.32)
+MOST_STEPS = 10**12  # a year of one core, and more
+
+
+def materials_of(table: ContactTable, settings: Settings) -> tuple[Material, Material]:
+    """What particles and enclosure are made of, with the case's own modulus and density."""
+    particle = table.material(settings.particles.material)
+    wall = table.material(settings.enclosure.material)
+    law = settings.law
+    if law.density is not None:
+        particle = dataclasses.replace(particle, density=Measured(law.density))
+    if law.youngs_modulus is not None:
+        modulus = Measured(law.youngs_modulus)
+        particle = dataclasses.replace(particle, youngs_modulus=modulus)
+        wall = dataclasses.replace(wall, youngs_modulus=modulus)
+    return particle, wall
+
+
+def restitutions(table: ContactTable, settings: Settings) -> dict[str, float]:
+    """Restitution of each kind of contact [-]: the case's, else the file's."""
+    law = settings.law
+    given = law.restitution, _first(law.restitution_wall, law.restitution)
+    found = {}
+    for name, names, own in zip(CLASSES, _pairs(settings), given, strict=True):
+        if own is None:
+            known = _pair(table, names, "restitution").restitution
+            if known is None:
+                raise InputError(
+                    f"{table.path}: [pair.{'-'.join(names)}] restitution is missing; give it "
+                    "there, or [law] restitution (--restitution)"
+                )
+            own = known.value
+        found[name] = own
+    return found
+
+
+def frictions(table: ContactTable, settings: Settings) -> dict[str, float]:
+    """Friction of each kind of contact [-], as the restitution."""
+    law = settings.law
+    given = law.friction, _first(law.friction_wall, law.friction)
+    return {
+        name: _pair(table, names, "friction").friction.value if own is None else own
+        for name, names, own in zip(CLASSES, _pairs(settings), given, strict=True)
+    }
+
+
+def _pairs(settings: Settings) -> tuple[tuple[str, str], tuple[str, str]]:
+    """The materials of particle-particle and particle-wall contacts."""
+    particle, wall = settings.particles.material, settings.enclosure.material
+    return (particle, particle), (particle, wall)
+
+
+def _pair(table: ContactTable, names: tuple[str, str], key: str) -> Pair:
+    """A pair of the table; InputError that says what of the case stands in for it."""
+    try:
+        return table.pair(*names)
+    except InputError as error:
+        raise InputError(f"{error}; or give [law] {key} (--{key})") from None
+
+
+def _first(*values: float | None) -> float | None:
+    return next((value for value in values if value is not None), None)
+
+
+def contact_laws(
+    table: ContactTable, materials: tuple[Material, Material], settings: Settings
+) -> tuple[HertzLaw, HertzLaw]:
+    """Particle-particle and particle-wall laws (thesis, eqs 5.5-5.16, 5.32, 5.33)."""
+    particle, wall = materials
+    friction, restitution = frictions(table, settings), restitutions(table, settings)
+    laws = [
+        _law(particle, other, friction[name], restitution[name], settings.law, table.path)
+        for name, other in zip(CLASSES, (particle, wall), strict=True)
+    ]
+    return laws[0], laws[1]
+
+
+def _law(
+    first: Material, second: Material, friction: float, restitution: float, law: Law,
+    file: Path | None,
+) -> HertzLaw:  # fmt: skip
+    with located(f"{file}:"):
+        return sphere_law(
+            first,
+            second,
+            friction=friction,
+            restitution=restitution,
+            end=law.contact_end,
+            tangential=law.tangential,
+            yielding=law.yielding,
+        )
+
+
+def yield_velocities(
+    materials: tuple[Material, Material], particle: Cluster
+) -> dict[str, float | None]:
+    """Eq. 5.26 for each kind of contact [m/s], between spheres of the particle's own radius.
+
+    Each has its own reduced radius and mass; the wall is flat and does not move. None where no
+    yield strength is known.
+    """
+    radius, density = particle.smallest_radius, materials[0].density.value
+    mass = density * particle.volume
+    found: dict[str, float | None] = {}
+    for name, other, share in zip(CLASSES, materials, (0.5, 1.0), strict=True):
+        if materials[0].yield_strength is None and other.yield_strength is None:
+            found[name] = None
+            continue
+        found[name] = yield_velocity(materials[0], other, radius=share * radius, mass=share * mass)
+    return found
+
+
+@dataclasses.dataclass(frozen=True)
+class Steps:
+    """How time is cut: a cycle into samples, a sample into steps."""
+
+    time_step: float  # [s] a whole number of them makes a sample
+    per_sample: int
+    free: float  # [s] the step before it was fitted to the samples: that of the filling
+    rayleigh: float  # [s] eq. 3.31, of the smallest sphere
+    limit: float  # [s] the same; for clusters of the ball that oscillates as fast on its contacts
+    reason: str
+
+
+def time_steps(
+    particle: Cluster, material: Material, tangential: float, settings: Settings, where: str
+) -> Steps:
+    """The time step of a case and why; InputError where there is none.
+
+    A cycle has a whole number of samples and a sample a whole number of steps, so the step that
+    is given, or the usual one, is shortened to fit. tangential is kt/kn of the contacts [-].
+    """
+    rayleigh = _rayleigh(particle.smallest_radius, material)
+    limit = _rayleigh(ball_as_swift(particle, tangential), material)
+    wanted, reason = _wanted_step(settings.run.time_step, limit, particle.is_ball, where)
+    samples, frequency = settings.output.samples, settings.motion.frequency
+    sample = 1.0 / (frequency * samples)
+    ratio = sample / wanted
+    if ratio < 1 - 1e-9:
+        raise InputError(
+            f"{where}: [motion] frequency = {frequency:g} Hz: a sample, 1/{samples} of a cycle, "
+            f"takes {sample:.3g} s, less than a time step of {wanted:.3g} s; give fewer samples "
+            "a cycle or a shorter time step"
+        )
+    run = settings.run
+    cycles = run.max_cycles if run.steady else run.cycles
+    if not ratio * samples * cycles <= MOST_STEPS:
+        raise InputError(
+            f"{where}: {cycles} cycles of {1 / frequency:.3g} s in steps of {wanted:.3g} s: more "
+            f"than {MOST_STEPS:.0e} steps, which nobody can wait for; give a higher frequency, "
+            "fewer cycles or a longer time step"
+        )
+    if not settings.fill.settle_time / wanted <= MOST_STEPS:
+        raise InputError(
+            f"{where}: [fill] settle_time = {settings.fill.settle_time:g} s in steps of "
+            f"{wanted:.3g} s: more than {MOST_STEPS:.0e} steps; give a shorter one"
+        )
+    per_sample = max(math.ceil(ratio * (1 - 1e-9)), 1)
+    fitted = 1.0 / (frequency * samples * per_sample)
+    return Steps(fitted, per_sample, wanted, rayleigh, limit, reason)
+
+
+def _rayleigh(radius: float, material: Material) -> float:
+    assert material.youngs_modulus is not None  # the laws have refused that
+    assert material.poisson is not None
+    modulus, poisson = material.youngs_modulus.value, material.poisson.value
+    return rayleigh_time_step(radius, material.density.value, modulus, poisson)
+
+
+def _wanted_step(given: float | None, limit: float, ball: bool, where: str) -> tuple[float, str]:
+    """The step [s] before it is fitted to the samples, and why."""
+    whose = "" if ball else " of the ball that oscillates as fast"
+    bound = f"Rayleigh step {limit:.3g} s{whose} (thesis, eq. 3.31)"
+    usual = _USUAL_SHARE if ball else _CLUSTER_SHARE
+    if given is not None:
+        if given > limit:
+            raise InputError(
+                f"{where}: [run] time_step = {given:.6g} s: above the Rayleigh limit of "
+                f"{limit:.3g} s; give at most {SAFE_SHARE * limit:.2g} s, {SAFE_SHARE:g} of it, "
+                "or leave it out and one is chosen"
+            )
+        return given, f"as given, {given / limit:.2f} of the {bound}"
+    if round(USUAL_TIME_STEP / limit, 2) <= usual:
+        return USUAL_TIME_STEP, f"the usual one, {USUAL_TIME_STEP / limit:.2f} of the {bound}"
+    exponent = math.floor(math.log10(usual * limit)) - 1
+    chosen = math.floor(usual * limit / 10**exponent) * 10.0**exponent
+    return chosen, f"{chosen / limit:.2f} of the {bound}"
+
+
+def named_material(file: str) -> dict[str, str]:
+    """The changes of a case whose particles and walls are of the material of a table.
+
+    It is the one that the table is called after, or its only one. Raises InputError otherwise.
+    """
+    name = load_table(file).namesake().name
+    return {
+        "particles.materials": str(Path(file).resolve()) if Path(file).is_file() else file,
+        "particles.material": name,
+        "enclosure.material": name,
+    }

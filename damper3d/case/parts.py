@@ -1,0 +1,166 @@
+"""Parts of a damper's case from its settings: enclosure, count, gravity; and what cannot be."""
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from damper3d.case.settings import MOST_PARTICLES, Motion, Particles, Settings
+from damper3d.engine.enclosure import Enclosure, box, cylinder
+from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.particle import Particle, usual
+from damper3d.shapes.surfaces.mesh_file import as_obj, read_triangles
+from damper3d.studies.pack.known import close_packing
+from granulab.contact.files.datafile import is_file
+from granulab.errors import InputError
+
+GRAVITY = 9.81  # [m/s2]
+# The thesis keeps the volume of 700 spheres of 4 mm in 40 mm x 40 mm: a fill ratio of 7/15, with
+# which 3, 5 and 6 mm are 1659, 358 and 207 spheres (Table 6.1).
+USUAL_FILL_RATIO = 7 / 15
+SHAPED_CYCLES = 18  # of which 3 are left out: chapter 8 of the thesis, of all its particles
+
+
+def enclosure_of(settings: Settings, where: str) -> Enclosure:
+    """The enclosure; InputError where its sizes are not those of its shape."""
+    given = settings.enclosure
+    if given.shape == "cylinder":
+        if given.width is not None or given.depth is not None:
+            raise InputError(
+                f"{where}: [enclosure] width and depth go with shape = 'box', diameter with "
+                "'cylinder'; leave them out or change the shape"
+            )
+        return cylinder(0.04 if given.diameter is None else given.diameter, given.height)
+    if given.diameter is not None:
+        raise InputError(
+            f"{where}: [enclosure] diameter goes with shape = 'cylinder'; a box has width and depth"
+        )
+    if given.width is None:
+        raise InputError(f"{where}: [enclosure] width is missing; give it for a box, like '40 mm'")
+    return box(given.width, given.depth or given.width, given.height)
+
+
+def count_of(enclosure: Enclosure, particle: Cluster, given: int | None, where: str) -> int:
+    """The number of particles; InputError where they cannot be inside."""
+    size = 2.0 * particle.bounding_radius
+    if enclosure.narrowest < size:
+        unit = ", or the unit of the mesh (mesh_unit)" if particle.kind == "mesh" else ""
+        raise InputError(
+            f"{where}: [enclosure] {1e3 * enclosure.narrowest:g} mm at the narrowest: smaller than "
+            f"a particle, {1e3 * size:g} mm; give a larger enclosure or smaller particles{unit}"
+        )
+    room = enclosure.volume / particle.volume
+    count = max(round(_usual_fill_ratio(particle.kind) * room), 1) if given is None else given
+    close = close_packing(particle.name)
+    most = close.value if close else 1.0  # of a shape that is not known, the filling says
+    fit = max(math.floor(most * room), 1)
+    if count > fit:
+        above = f"random close packing, {most:.3g}" if close else "1"
+        raise InputError(
+            f"{where}: [particles] count = {count}: fill ratio {count / room:.3f}, above {above}; "
+            f"at most {fit} fit"
+        )
+    if count > MOST_PARTICLES:
+        raise InputError(
+            f"{where}: [particles] count = {count}, from the usual fill ratio: must be at most "
+            f"{MOST_PARTICLES}; check the units of sizes, or give a count"
+        )
+    return count
+
+
+def _usual_fill_ratio(kind: str) -> float:
+    """That of the thesis's 90 spheroids, 110 toroids or 358 spheres in 40 mm x 40 mm."""
+    if kind == "sphere":
+        return USUAL_FILL_RATIO
+    ball = 4.0 / 3.0 * math.pi * usual(kind).radius ** 3
+    return usual(kind).count * ball / cylinder(0.04, 0.04).volume
+
+
+def particle_wanted(particles: Particles, folder: Path) -> Particle:
+    """What [particles] says of their shape; folder: where a mesh is looked for first."""
+    wanted = Particle(
+        particles.shape, particles.equal_volume_radius, particles.sub_spheres,
+        particles.tolerance, particles.mesh_unit, folder,
+    )  # fmt: skip
+    if wanted.mesh is None or is_file(wanted.mesh):
+        return wanted
+    return dataclasses.replace(wanted, folder=Path())
+
+
+def mesh_copy(wanted: Particle) -> dict[str, str]:
+    """The mesh of a particle as a file for the run folder: its name and text; none has none."""
+    if wanted.mesh is None:
+        return {}
+    return {f"{wanted.mesh.stem}.obj": as_obj(read_triangles(wanted.mesh))}
+
+
+def with_usual_cycles(settings: Settings, document: dict[str, Any]) -> Settings:
+    """The settings with the thesis's number of cycles for the shape, where the case gives none."""
+    shape = settings.particles.shape.partition(":")[0].strip()
+    if shape == "sphere" or "cycles" in document.get("run", {}):
+        return settings
+    run = settings.run.model_copy(update={"cycles": SHAPED_CYCLES})
+    return settings.model_copy(update={"run": run})
+
+
+def gravity_of(motion: Motion, where: str) -> tuple[np.ndarray, np.ndarray]:
+    """Gravity [m/s2] of the motion and of the settling."""
+    if motion.gravity is not None:
+        if motion.orientation == "none":
+            raise InputError(
+                f"{where}: [motion] gravity is given, and orientation = 'none' has none; leave one "
+                "of them out"
+            )
+        vector = GRAVITY * unit_vector(motion.gravity, f"{where}: [motion] gravity")
+        return vector, vector
+    down = np.array([0.0, 0.0, -GRAVITY])
+    across = np.array([-GRAVITY, 0.0, 0.0])
+    if motion.orientation == "none":
+        return np.zeros(3), down
+    return (across, across) if motion.orientation == "horizontal" else (down, down)
+
+
+def orientation_of(gravity: np.ndarray, direction: np.ndarray) -> str:
+    """How gravity (3,) lies to the motion, a unit vector (3,): vertical, horizontal or none.
+
+    Gravity is vertical where it is nearer to the axis of the motion than to the plane across it.
+    """
+    size = float(np.linalg.norm(gravity))
+    if size == 0.0:
+        return "none"
+    return "vertical" if abs(gravity @ direction) > size * math.sqrt(0.5) else "horizontal"
+
+
+def unit_vector(vector: list[float], what: str) -> np.ndarray:
+    """The vector at length one; InputError where it has no direction."""
+    largest = max(abs(x) for x in vector)
+    if not 0.0 < largest < math.inf:
+        raise InputError(f"{what} = {vector}: has no direction; write such as [0, 0, 1]")
+    scaled = np.array(vector) / largest  # squares neither overflow nor vanish
+    return scaled / np.linalg.norm(scaled)
+
+
+def check_protocol(settings: Settings, where: str) -> None:
+    """What must hold between cycles, samples and frames, and between parts of the law."""
+    if settings.law.yielding and settings.law.contact_treatment == "scaled":
+        raise InputError(
+            f"{where}: [law] yielding = true goes by the mass and radius of each contact, which "
+            "contact_treatment = 'scaled' shares out; give 'sum' or 'deepest', or yielding = false"
+        )
+    run, output = settings.run, settings.output
+    cycles = run.max_cycles if run.steady else run.cycles
+    if run.discard >= cycles:
+        key = "max_cycles" if run.steady else "cycles"
+        raise InputError(
+            f"{where}: [run] discard = {run.discard}: must be below {key} = {cycles}, or none is "
+            "left to count"
+        )
+    if output.frames and output.samples % output.frames:
+        near = [n for n in range(1, output.samples + 1) if output.samples % n == 0]
+        best = min(near, key=lambda n: abs(n - output.frames))
+        raise InputError(
+            f"{where}: [output] frames = {output.frames}: must divide samples = {output.samples}; "
+            f"give {best}, or 0 for none"
+        )

@@ -1,0 +1,203 @@
+"""Random start of clusters: small ones at random places, turned at random, that grow and yield.
+
+They begin so small that the balls round them, packed by engine.grow, do not overlap: so no ring
+holds another. Then they grow as balls do, but turn as well. Of several overlaps of one body
+with another (or a wall) the deepest says how hard they push, and each takes part by its depth: so
+the push does not grow with the number of spheres. A body's turns are weighed by its mean radius of
+gyration.
+"""
+
+import numpy as np
+
+from damper3d.engine.clusters.motion import arm_of, note_axes
+from damper3d.engine.clusters.pairs import pairs_of_bodies, search_near
+from damper3d.engine.clusters.rotation import half_turn, product
+from damper3d.engine.clusters.state import ClusterWorld
+from damper3d.engine.clusters.world import columns_of, roomier
+from damper3d.engine.enclosure import Enclosure
+from damper3d.engine.grow import (
+    FIRST_PACE,
+    MARGIN,
+    PATIENCE,
+    TOLERANCE,
+    descend,
+    first_size,
+    grow,
+    stages,
+)
+from damper3d.engine.neighbours import near_reach_left
+from damper3d.engine.state import NEAR, NEAR_SKIN
+from damper3d.engine.wall_kinds import gap_to_wall
+from damper3d.shapes.cluster import Cluster
+from granulab.contact.jit import inner, njit
+from granulab.contact.vectors import cross
+
+_AT_REST, _IMPATIENT, _NEAR_FULL, _CLOSE_FULL = range(4)  # how it ends
+_START = 0.3  # fill ratio of the balls round them to begin with; random insertion ends near 0.38
+_NEAR_SHARE = 0.2  # near skin over the radius of the ball round a body
+_NOWHERE = 0.0, 0.0, 0.0
+
+
+def random_places(
+    enclosure: Enclosure, particle: Cluster, count: int, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Centres (count, 3) [m] and orientations (count, 4) to start with, and at what size [-]."""
+    radius = particle.bounding_radius
+    balls = count * 4.0 / 3.0 * np.pi * radius**3 / enclosure.volume
+    first = first_size(balls, _START)
+    centres, reached = grow(enclosure, count, first * radius, rng)
+    turns = rng.normal(size=(count, 4))  # evenly over all orientations (Muller 1959)
+    return centres, turns / np.linalg.norm(turns, axis=1)[:, None], first * reached
+
+
+def grow_clusters(world: ClusterWorld, particle: Cluster, first: float) -> float:
+    """Let the bodies of a world grow to their size, without overlaps; the part that they reached.
+
+    They stand where random_places put them, at their first size. Less than 1: they found no place,
+    and the world is of no more use.
+    """
+    gyration = float(np.sqrt(np.mean(particle.inertia) / particle.volume))
+    allowed = TOLERANCE * particle.smallest_radius
+    reached = first
+    for size in stages(first)[1:]:
+        grown = size * (1.0 + MARGIN)
+        _resize(world, particle, grown)
+        outcome = _CLOSE_FULL
+        while outcome in (_NEAR_FULL, _CLOSE_FULL):
+            outcome = yield_to_others(world, grown * gyration, allowed, PATIENCE)
+            if outcome in (_NEAR_FULL, _CLOSE_FULL):
+                world = roomier(world, "near" if outcome == _NEAR_FULL else "close")
+        if outcome != _AT_REST:
+            return reached
+        reached = float(size)
+    return reached
+
+
+def _resize(world: ClusterWorld, particle: Cluster, size: float) -> None:
+    world.shape.offset[:, :3] = size * particle.offsets
+    world.shape.offset[:, 3] = size * particle.radii
+    world.shape.columns[:] = columns_of(world.shape.offset)
+    world.bodies.position[:, 3] = size * particle.bounding_radius
+    world.lengths[NEAR_SKIN] = -1.0  # its reach is used up
+
+
+@njit
+def yield_to_others(world, gyration, allowed, patience):
+    """Move and turn the bodies until no overlap is above `allowed` [m]; how it ended."""
+    n = len(world.bodies.inverse_mass)
+    velocity, force = np.zeros((n, 6)), np.zeros((n, 6))
+    pace = FIRST_PACE
+    for _ in range(patience):
+        left = near_reach_left(world.bodies.position, world.near.place, world.lengths[NEAR_SKIN])
+        if left < 0.0:
+            world.lengths[NEAR_SKIN] = _NEAR_SHARE * world.bodies.position[0, 3]
+            if not search_near(world, world.lengths[NEAR_SKIN], _NOWHERE):
+                world.lengths[NEAR_SKIN] = -1.0
+                return _NEAR_FULL
+        force[:] = 0.0
+        deepest = push_pairs(world, gyration, force)
+        if deepest < 0.0:
+            return _CLOSE_FULL
+        deepest = max(deepest, push_walls(world, gyration, force))
+        if deepest <= allowed:
+            return _AT_REST
+        pace = descend(velocity, force, pace)
+        for b in range(n):
+            displace(world.bodies, b, velocity, pace[0], gyration)
+    return _IMPATIENT
+
+
+@inner
+def push_pairs(world, gyration, force):
+    """Add what overlapping bodies push each other with; the deepest overlap [m], -1 for no room."""
+    deepest = 0.0
+    for k in range(world.counts[NEAR]):
+        n = pairs_of_bodies(world, k, 0.0, 0)
+        if n < 0:
+            return -1.0
+        depth, largest, total = world.scratch.depth, 0.0, 0.0
+        for m in range(n):
+            largest, total = max(largest, depth[m]), total + depth[m]
+        deepest = max(deepest, largest)
+        for m in range(n):
+            push_pair(world, k, m, largest / total, gyration, force)
+    return deepest
+
+
+@inner
+def push_pair(world, k, m, share, gyration, force):
+    """Add a share of overlap m of body pair k to what pushes and turns both."""
+    x, axes, offset = world.bodies.position, world.bodies.axes, world.shape.offset
+    a, b, size = np.int64(world.near.i[k]), np.int64(world.near.j[k]), len(offset)
+    r = arm_of(axes, offset, a, np.int64(world.close.i[m]) - a * size)
+    s = arm_of(axes, offset, b, np.int64(world.close.j[m]) - b * size)
+    way = x[b, 0] + s[0] - x[a, 0] - r[0], x[b, 1] + s[1] - x[a, 1] - r[1], (
+        x[b, 2] + s[2] - x[a, 2] - r[2])  # fmt: skip
+    distance = np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2])
+    if distance > 0.0:
+        scale = share * world.scratch.depth[m] / distance
+        push = scale * way[0], scale * way[1], scale * way[2]
+        add_push(force, a, r, (-push[0], -push[1], -push[2]), gyration)
+        add_push(force, b, s, push, gyration)
+
+
+@inner
+def add_push(force, b, arm, push, gyration):
+    """Add a push at the end of an arm to what moves and turns a body."""
+    torque = cross(arm, push)
+    for c in range(3):
+        force[b, c] += push[c]
+        force[b, 3 + c] += torque[c] / gyration
+
+
+@inner
+def push_walls(world, gyration, force):
+    """Add twice what walls push with, as they do not give way; the deepest overlap [m]."""
+    deepest, gap = 0.0, world.scratch.gap
+    for b in range(len(world.bodies.inverse_mass)):
+        for w in range(len(world.walls.force)):
+            if gap_to_wall(world.walls, world.bodies.position, w, b, _NOWHERE) >= 0.0:
+                continue
+            largest = total = 0.0
+            for s in range(len(world.shape.offset)):
+                gap[s] = at_wall(world, w, b, s)[0]
+                largest, total = max(largest, -gap[s]), total + max(-gap[s], 0.0)
+            deepest = max(deepest, largest)
+            for s in range(len(world.shape.offset)):
+                if gap[s] < 0.0:
+                    _, normal, arm = at_wall(world, w, b, s)
+                    size = -2.0 * gap[s] * largest / total
+                    push = size * normal[0], size * normal[1], size * normal[2]
+                    add_push(force, b, arm, push, gyration)
+    return deepest
+
+
+@inner
+def at_wall(world, w, b, s):
+    """Gap of sphere s of body b to wall w [m], the wall's inward normal, the sphere's arm [m]."""
+    walls, x, offset = world.walls, world.bodies.position, world.shape.offset
+    r = arm_of(world.bodies.axes, offset, b, s)
+    px, py, pz = x[b, 0] + r[0], x[b, 1] + r[1], x[b, 2] + r[2]
+    if w < len(walls.planes):
+        plane = walls.planes[w]
+        distance = plane[0] * px + plane[1] * py + plane[2] * pz - plane[3]
+        return distance - offset[s, 3], (plane[0], plane[1], plane[2]), r
+    away = max(np.sqrt(px * px + py * py), 1e-300)
+    return walls.radius - away - offset[s, 3], (-px / away, -py / away, 0.0), r
+
+
+@inner
+def displace(bodies, b, velocity, dt, gyration):
+    """Move a body, and turn it."""
+    for c in range(3):
+        bodies.position[b, c] += dt * velocity[b, c]
+    half = 0.5 * dt / gyration
+    x, y, z = half * velocity[b, 3], half * velocity[b, 4], half * velocity[b, 5]
+    cosine, sine = half_turn(x * x + y * y + z * z)
+    old = bodies.orientation
+    q = old[b, 0], old[b, 1], old[b, 2], old[b, 3]
+    q = product((cosine, sine * x, sine * y, sine * z), q)
+    size = np.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    for c in range(4):
+        old[b, c] = q[c] / size
+    note_axes(bodies, b)

@@ -1,0 +1,351 @@
+"""The search for spheres of two bodies that touch or nearly do.
+
+Bodies whose balls are near stand in a list of body pairs. Across any direction d, body i reaches up
+to the highest h_i of its spheres' centre . d + radius, and body j down to the lowest l_j: the gap
+between the bodies is at least l_j - h_i, and only spheres that reach beyond l_j - skin and
+h_i + skin can be as near as the skin. That holds for any shape; with the direction in which the
+bodies are nearest, few spheres are left, and these are compared one by one. The nearest two give
+the direction for the next search.
+
+Pairs that are apart rest until their bodies may have come as near as the skin, and a body that has
+much room may go far before the list is made anew: it must only know what touches.
+"""
+
+import numpy as np
+
+from damper3d.engine.cells import fill_cells, pairs_of
+from damper3d.engine.clusters.active import list_active
+from damper3d.engine.clusters.motion import arm_of, note_seen, ways_since
+from damper3d.engine.lists import (
+    CLOSE_FULL,
+    DEEPEST,
+    DONE,
+    NEAR_FULL,
+    NOT_FINITE,
+    TOO_DEEP,
+    adapt,
+    copy,
+    copy_rows,
+)
+from damper3d.engine.neighbours import near_reach_left
+from damper3d.engine.state import (
+    CLOSE,
+    CLOSE_MADE,
+    CLOSE_SEARCHES,
+    CLOSE_SKIN,
+    DAMPING,
+    HERTZ,
+    LANES,
+    MASS,
+    N_HISTORY,
+    NEAR,
+    NEAR_SEARCHES,
+    NEAR_SKIN,
+    NO_CONTACT,
+    RADIUS_I,
+    RADIUS_J,
+    STALE_CLOSE,
+    STEP,
+)
+from granulab.contact.jit import inlined_inner, inner
+
+_NEAR_SHARE = 0.1  # near skin over the radius of the ball round a body
+
+
+@inner
+def key_of(n, k, i, j):
+    """A number by which pairs of spheres ascend as they are listed: by body pair, then spheres.
+
+    n bodies have k spheres each.
+    """
+    a, b = np.int64(i) // k, np.int64(j) // k
+    return ((a * n + b) * k + (i - a * k)) * k + (j - b * k)
+
+
+@inner
+def search_pairs(world, shift):
+    """The list of pairs of spheres, after that of body pairs where its reach is used up."""
+    counts, lengths, near, bodies = world.counts, world.lengths, world.near, world.bodies
+    keep_histories(world)
+    adapt(counts, lengths, CLOSE_SKIN, CLOSE_MADE, world.cells.largest)
+    skin = lengths[CLOSE_SKIN]
+    if not note_ways(world):
+        return NOT_FINITE
+    left = near_reach_left(bodies.position, near.place, lengths[NEAR_SKIN])
+    if left < skin:
+        left = lengths[NEAR_SKIN] = _NEAR_SHARE * bodies.position[0, 3]  # all are alike
+        if not search_near(world, left, shift):
+            lengths[NEAR_SKIN] = -1.0
+            return NEAR_FULL
+    n = list_pairs(world, skin, left)
+    if n < 0:
+        return CLOSE_FULL
+    note_constants(world, n)
+    if deepest_share(world, n) > DEEPEST:
+        return TOO_DEEP
+    inherit_histories(world, n)
+    counts[CLOSE] = n
+    counts[CLOSE_SEARCHES] += 1
+    counts[STALE_CLOSE] = 0
+    counts[CLOSE_MADE] = counts[STEP]
+    note_seen(bodies, world.close_seen)
+    note_drift(bodies, world.close_seen)
+    list_active(world)
+    return DONE
+
+
+@inner
+def note_ways(world):
+    """Take off the gaps of body pairs what the bodies have moved; False if that is no number."""
+    near, way = world.near, world.scratch.way
+    since = (world.counts[STEP] - world.counts[CLOSE_MADE]) * world.time_step
+    drift = world.close_seen.drift
+    carried = since * drift[0], since * drift[1], since * drift[2]
+    finite = True
+    for b in range(len(way)):
+        straight, turned = ways_since(world.bodies, world.close_seen, world.shape.arm, b, carried)
+        way[b] = np.sqrt(straight) + np.sqrt(turned)
+        finite &= way[b] < np.inf
+    for k in range(world.counts[NEAR]):
+        near.free[k] -= way[near.i[k]] + way[near.j[k]]
+    return finite
+
+
+@inner
+def list_pairs(world, skin, left):
+    """Fill the list with the pairs of spheres nearer than the skin; how many, -1 if no room.
+
+    What is left of the gap of two bodies, or of the skin where some of their spheres are listed,
+    is the leeway of both. `left`: the gap below which all bodies are in the list of body pairs.
+    """
+    near, leeway = world.near, world.close_seen.leeway
+    leeway[:] = 0.5 * left
+    n = np.int64(0)
+    for k in range(world.counts[NEAR]):
+        begin = n
+        if near.free[k] < skin:
+            n = pairs_of_bodies(world, k, skin, n)
+            if n < 0:
+                return n
+        gap = skin if n > begin else max(near.free[k], skin)
+        i, j = near.i[k], near.j[k]
+        leeway[i], leeway[j] = min(leeway[i], 0.5 * gap), min(leeway[j], 0.5 * gap)
+    return n
+
+
+@inner
+def note_drift(bodies, seen):
+    """How fast the bodies move on the whole."""
+    n = len(bodies.inverse_mass)
+    for c in range(3):
+        total = 0.0
+        for b in range(n):
+            total += bodies.velocity_now[b, c]
+        seen.drift[c] = total / n
+
+
+@inner
+def search_near(world, skin, shift):
+    """All pairs of bodies whose balls have a gap below the skin; False: there is no room."""
+    near, counts, x = world.near, world.counts, world.bodies.position
+    n_bodies, n_old = len(world.bodies.inverse_mass), counts[NEAR]
+    fill_cells(world.cells, x, n_bodies, shift)
+    copy(near.old_j, near.j, n_old)
+    copy(near.old_first, near.first, n_bodies + 1)
+    copy(near.old_free, near.free, n_old)
+    for k in range(n_old):
+        for c in range(4):
+            near.old_direction[k, c] = near.direction[k, c]
+    n = 0
+    for i in range(n_bodies):
+        near.first[i] = begin = n
+        n = pairs_of(near, world.cells, x, skin, i, n)
+        if n < 0:
+            counts[NEAR] = 0  # the directions are found again
+            return False
+        inherit_directions(near, x, i, begin, n)
+    near.first[n_bodies] = counts[NEAR] = n
+    copy_rows(near.place, x)
+    counts[NEAR_SEARCHES] += 1
+    return True
+
+
+@inner
+def inherit_directions(near, x, i, begin, end):
+    """Give the pairs of body i the directions and gaps that they had; both lists ascend.
+
+    New ones start with the direction between the centroids.
+    """
+    old, old_end = near.old_first[i], near.old_first[i + 1]
+    for n in range(begin, end):
+        j = near.j[n]
+        while old < old_end and near.old_j[old] < j:
+            old += 1
+        if old < old_end and near.old_j[old] == j:
+            for c in range(3):
+                near.direction[n, c] = near.old_direction[old, c]
+            near.free[n] = near.old_free[old]
+        else:
+            between = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
+            set_direction(near.direction, n, between)
+            near.free[n] = -np.inf
+
+
+@inner
+def set_direction(direction, n, d):
+    """Let pair n of bodies be looked at along d, of any length, the next time."""
+    size = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+    if size > 0.0:
+        direction[n, 0], direction[n, 1], direction[n, 2] = d[0] / size, d[1] / size, d[2] / size
+
+
+@inlined_inner
+def pairs_of_bodies(world, k, skin, n):
+    """Append the pairs of spheres of body pair k with a gap below the skin; the new length.
+
+    -1 if there is no room. How deep they overlap stands in scratch.depth.
+    """
+    near, scratch, x = world.near, world.scratch, world.bodies.position
+    height, axes, shape = scratch.height, world.bodies.axes, world.shape
+    a, b = np.int64(near.i[k]), np.int64(near.j[k])
+    apart = x[b, 0] - x[a, 0], x[b, 1] - x[a, 1], x[b, 2] - x[a, 2]
+    d = near.direction[k, 0], near.direction[k, 1], near.direction[k, 2]
+    between = apart[0] * d[0] + apart[1] * d[1] + apart[2] * d[2]
+    high = reach(height[0], shape.columns, axes[a], d, 1.0)
+    low = between - reach(height[1], shape.columns, axes[b], d, -1.0)
+    near.free[k] = low - high
+    if low - high >= skin:
+        return n
+    n_a = those_beyond(scratch, 0, shape.offset, axes, a, low - skin, (0.0, 0.0, 0.0))
+    n_b = those_beyond(scratch, 1, shape.offset, axes, b, between - high - skin, apart)
+    return compare(scratch, world.close, near.direction, len(shape.offset), k, a, b, n_a, n_b,
+                   skin, n)  # fmt: skip
+
+
+@inner
+def reach(height, columns, axes, d, sign):
+    """How far a body reaches from its centroid along sign d [m]; height: how far each sphere.
+
+    Four largest ones at once, so that none waits for the one before it.
+    """
+    x = sign * (d[0] * axes[0] + d[1] * axes[1] + d[2] * axes[2])
+    y = sign * (d[0] * axes[4] + d[1] * axes[5] + d[2] * axes[6])
+    z = sign * (d[0] * axes[8] + d[1] * axes[9] + d[2] * axes[10])
+    n = columns.shape[1]
+    for s in range(np.uintp(n)):
+        height[s] = x * columns[0, s] + y * columns[1, s] + z * columns[2, s] + columns[3, s]
+    a, b, c, e = height[0], height[1], height[2], height[3]
+    for s in range(np.int64(4), n, 4):
+        a, b = max(a, height[s]), max(b, height[s + 1])
+        c, e = max(c, height[s + 2]), max(e, height[s + 3])
+    return max(max(a, b), max(c, e))
+
+
+@inner
+def those_beyond(scratch, which, offset, axes, b, limit, shift):
+    """Note the spheres of body b whose height is above a limit, and their centres; how many."""
+    height, sphere, centre = scratch.height, scratch.sphere, scratch.centre
+    found = 0
+    for s in range(len(offset)):
+        if height[which, s] > limit:
+            r = arm_of(axes, offset, b, s)
+            sphere[which, found] = s
+            for c in range(3):
+                centre[which, c, found] = r[c] + shift[c]
+            centre[which, 3, found] = offset[s, 3]
+            found += 1
+    return found
+
+
+@inner
+def compare(scratch, close, direction, size, k, a, b, n_a, n_b, skin, n):
+    """Append those of the noted spheres of two bodies whose gap is below the skin.
+
+    The next time the bodies are looked at along the line between the nearest two.
+    """
+    centre, gap, i, j, near = scratch.centre, scratch.gap, close.i, close.j, close.near
+    least, best_p, best_q = np.inf, 0, 0
+    for p in range(n_a):
+        x, y, z = centre[0, 0, p], centre[0, 1, p], centre[0, 2, p]
+        radius, first = centre[0, 3, p], a * size + scratch.sphere[0, p]
+        if n + n_b + LANES > len(i):
+            return np.int64(-1)
+        for q in range(np.uintp(n_b)):
+            dx, dy, dz = centre[1, 0, q] - x, centre[1, 1, q] - y, centre[1, 2, q] - z
+            gap[q] = np.sqrt(dx * dx + dy * dy + dz * dz) - (radius + centre[1, 3, q])
+        for q in range(n_b):
+            if gap[q] < least:
+                least, best_p, best_q = gap[q], p, q
+            # Each is written, and only counted where it is one of them.
+            i[n], j[n], near[n] = first, b * size + scratch.sphere[1, q], k
+            scratch.depth[n] = -gap[q]
+            n += np.int64(gap[q] < skin)
+    if least < np.inf:
+        way = (centre[1, 0, best_q] - centre[0, 0, best_p],
+               centre[1, 1, best_q] - centre[0, 1, best_p],
+               centre[1, 2, best_q] - centre[0, 2, best_p])  # fmt: skip
+        set_direction(direction, k, way)
+    return n
+
+
+@inner
+def deepest_share(world, n_pairs):
+    """The largest overlap of two spheres of the list over the sum of their radii."""
+    largest = 0.0
+    for n in range(n_pairs):
+        largest = max(largest, world.scratch.depth[n] / world.close.reach[n])
+    return largest
+
+
+@inlined_inner
+def note_constants(world, n_pairs):
+    """What the law needs to know of the pairs; the reduced mass is that of the bodies."""
+    close, whole, radius = world.close, world.scratch.whole, world.spheres.position
+    mass = 0.5 / world.bodies.inverse_mass[0]
+    for n in range(np.uintp(n_pairs)):
+        first, second = radius[close.i[n], 3], radius[close.j[n], 3]
+        hertz = world.pair_law.hertz * np.sqrt(first * second / (first + second))
+        close.reach[n] = first + second
+        close.constants[n, RADIUS_I], close.constants[n, RADIUS_J] = first, second
+        close.constants[n, HERTZ] = whole[n, 0] = hertz
+        close.constants[n, MASS] = whole[n, 1] = mass
+
+
+@inner
+def keep_histories(world):
+    """Remember the histories of the pairs in contact, as the list is given up."""
+    close, kept, counts = world.close, world.kept, world.counts
+    n_bodies, size = len(world.bodies.inverse_mass), len(world.shape.offset)
+    if counts[CLOSE] == 0:
+        return  # there was no room, or a state was put back: they are remembered already
+    n = 0
+    for m in range(counts[CLOSE]):
+        if close.history[m, DAMPING] >= 0.0:
+            kept.key[n] = key_of(n_bodies, size, close.i[m], close.j[m])
+            for h in range(N_HISTORY):
+                kept.history[n, h] = close.history[m, h]
+            n += 1
+    kept.number[0] = n
+    counts[CLOSE] = 0
+
+
+@inner
+def inherit_histories(world, n_pairs):
+    """Give the pairs of the list the histories that are remembered; both ascend by their keys."""
+    close, kept = world.close, world.kept
+    n_bodies, size = len(world.bodies.inverse_mass), len(world.shape.offset)
+    old = 0
+    for n in range(n_pairs):
+        for h in range(N_HISTORY):
+            close.history[n, h] = 0.0
+        close.history[n, DAMPING] = NO_CONTACT
+    for n in range(n_pairs):
+        if old == kept.number[0]:
+            break
+        key = key_of(n_bodies, size, close.i[n], close.j[n])
+        while old < kept.number[0] and kept.key[old] < key:
+            old += 1
+        if old < kept.number[0] and kept.key[old] == key:
+            for h in range(N_HISTORY):
+                close.history[n, h] = kept.history[old, h]
+    kept.number[0] = 0

@@ -1,0 +1,143 @@
+"""What becomes of the several contacts that a body has with another, or with a wall.
+
+    sum        each acts as if it were alone, as in the thesis: n of them are n times as stiff
+    deepest    only the deepest acts; the spring goes with it from sphere to sphere
+    scaled     together they hold the energy U = (sum of U_k^p)^(1/p), each with the share
+               w_k = (U_k/U)^(p-1) of its force
+
+U_k = (2/5) K_k d_k^2.5 is what a contact would hold alone: w_k K_k d_k^1.5 is the derivative of U
+by d_k, so that scaled contacts have a potential, and the sum of w_k U_k is U. p = 1 is the sum,
+p = infinity the deepest; p = 8 lets n equal contacts count for n^(1/8), 1.5 for 25. The reduced
+mass is shared like the stiffness: then dashpots, and with them the restitution, scale like springs.
+"""
+
+import numpy as np
+
+from damper3d.engine.clusters.state import DEEPEST, SUM
+from damper3d.engine.geometry import off_axis
+from damper3d.engine.shells import depths_at_shell, touching_shell
+from damper3d.engine.state import CLOSE, DAMPING, HERTZ, MASS, N_HISTORY, NO_CONTACT
+from damper3d.engine.touching import touching_pairs, touching_wall
+from granulab.contact.jit import inlined_inner, inner
+
+_POWER = 8.0  # p
+
+
+@inlined_inner
+def acting_pairs(world):
+    """Let `touching` of the list of pairs name those that act; how many they are."""
+    n = touching_pairs(world.spheres, world.close, world.counts[CLOSE], world.block)
+    return n if world.treatment == SUM else treat_pairs(world, n)
+
+
+@inlined_inner
+def acting_at_wall(world, w):
+    """The same of the contacts with wall w."""
+    n = touching_wall(world.spheres, world.walls, world.wall, w, world.block)
+    return n if world.treatment == SUM else treat_wall(world, w, n)
+
+
+@inlined_inner
+def acting_at_shell(world, w):
+    """The same where walls move each by itself."""
+    n = touching_shell(world.spheres, world.walls, world.wall, w, world.block)
+    return n if world.treatment == SUM else treat_shell(world, w, n)
+
+
+@inner
+def treat_pairs(world, n_touching):
+    """Treat the touching pairs of each pair of bodies."""
+    contacts, x, depth = world.close, world.spheres.position, world.scratch.depth
+    for t in range(n_touching):
+        n = contacts.touching[t]
+        i, j = contacts.i[n], contacts.j[n]
+        dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
+        depth[t] = max(contacts.reach[n] - np.sqrt(dx * dx + dy * dy + dz * dz), 0.0)
+    return treat(world, contacts, world.scratch.whole, n_touching)
+
+
+@inner
+def treat_wall(world, w, n_touching):
+    """Treat the touching contacts of each body with wall w."""
+    contacts, x, depth, walls = world.wall, world.spheres.position, world.scratch.depth, world.walls
+    last = len(x) - 1
+    for t in range(n_touching):
+        n = contacts.touching[t]
+        i = contacts.i[n]
+        px, py, pz = x[i, 0] - x[last, 0], x[i, 1] - x[last, 1], x[i, 2] - x[last, 2]
+        if w < len(walls.planes):
+            plane = walls.planes[w]
+            distance = plane[0] * px + plane[1] * py + plane[2] * pz - plane[3]
+        else:
+            distance = walls.radius - off_axis((px, py, pz))
+        depth[t] = max(contacts.reach[n] - distance, 0.0)
+    return treat(world, contacts, world.scratch.wall_whole, n_touching)
+
+
+@inner
+def treat_shell(world, w, n_touching):
+    """The same where walls move each by itself."""
+    depths_at_shell(world, w, n_touching)
+    return treat(world, world.wall, world.scratch.wall_whole, n_touching)
+
+
+@inner
+def treat(world, contacts, whole, n_touching):
+    """Treat the contacts that touch, group by group; how many are left."""
+    begin = left = 0
+    while begin < n_touching:
+        end, group = begin + 1, contacts.near[contacts.touching[begin]]
+        while end < n_touching and contacts.near[contacts.touching[end]] == group:
+            end += 1
+        if world.treatment == DEEPEST:
+            contacts.touching[left] = keep_deepest(contacts, world.scratch.depth, begin, end)
+            left += 1
+        else:
+            share(contacts, whole, world.scratch.depth, begin, end)
+            left = end
+        begin = end
+    return left
+
+
+@inner
+def keep_deepest(contacts, depth, begin, end):
+    """The deepest of a group, with the history of the one that was; or the one that has ended."""
+    deepest, known = begin, -1
+    for t in range(begin, end):
+        if depth[t] > depth[deepest]:
+            deepest = t
+        if contacts.history[contacts.touching[t], DAMPING] >= 0.0:
+            known = t
+    if depth[deepest] == 0.0:
+        return contacts.touching[max(known, begin)]  # none touches: a history lets it be named
+    n = contacts.touching[deepest]
+    if known >= 0 and known != deepest:
+        old = contacts.touching[known]
+        for h in range(N_HISTORY):
+            contacts.history[n, h] = contacts.history[old, h]
+            contacts.history[old, h] = 0.0
+        contacts.history[old, DAMPING] = NO_CONTACT
+    return n
+
+
+@inner
+def share(contacts, whole, depth, begin, end):
+    """Scale stiffness and mass of the contacts of a group to their shares."""
+    largest = total = 0.0
+    for t in range(begin, end):
+        largest = max(largest, energy(whole, contacts.touching[t], depth[t]))
+    for t in range(begin, end):
+        if largest > 0.0:
+            total += (energy(whole, contacts.touching[t], depth[t]) / largest) ** _POWER
+    for t in range(begin, end):
+        n = contacts.touching[t]
+        part = energy(whole, n, depth[t]) / largest if largest > 0.0 else 0.0
+        of_all = part ** (_POWER - 1.0) / max(total, 1.0) ** (1.0 - 1.0 / _POWER)
+        contacts.constants[n, HERTZ] = of_all * whole[n, 0]
+        contacts.constants[n, MASS] = of_all * whole[n, 1]
+
+
+@inner
+def energy(whole, n, depth):
+    """What contact n would hold alone, but for the factor 2/5 [J]."""
+    return whole[n, 0] * depth * depth * np.sqrt(depth)

@@ -1,0 +1,106 @@
+"""Geometry: where spheres, and spheres and walls, touch, and how fast they pass there.
+
+Each pass takes what engine.lanes.gather has put into a block, and adds normal, overlap, arms and
+the relative velocity of the two surfaces. The arms add up to the distance, so that angular momentum
+is kept. The passes have no branch, so that the compiler vectorises them.
+"""
+
+import numpy as np
+
+from damper3d.engine.state import BLOCK, RADIUS_I, RADIUS_J
+from granulab.contact.jit import inlined, uncounted
+from granulab.contact.vectors import cross, dot, scale
+
+
+@uncounted
+def place(row, k):
+    """Where lane k of a row of a block stands.
+
+    Rows lie one behind the other at a distance that the compiler knows, unlike that of the rows of
+    an array of two dimensions: it then knows that they do not overlap, and vectorises.
+    """
+    return np.uintp(row * BLOCK) + k
+
+
+@uncounted
+def gap_of(position, i, j):
+    """Distance of the surfaces of two spheres [m]; negative where they overlap."""
+    dx = position[j, 0] - position[i, 0]
+    dy = position[j, 1] - position[i, 1]
+    dz = position[j, 2] - position[i, 2]
+    return np.sqrt(dx * dx + dy * dy + dz * dz) - (position[i, 3] + position[j, 3])
+
+
+@uncounted
+def vector(rows, k):
+    """The vector in lane k of three rows of a block."""
+    return rows[place(0, k)], rows[place(1, k)], rows[place(2, k)]
+
+
+@uncounted
+def put(rows, k, v):
+    """Let a vector stand in lane k of three rows of a block."""
+    rows[place(0, k)], rows[place(1, k)], rows[place(2, k)] = v
+
+
+@uncounted
+def to_plane(plane, separation):
+    """Distance of a sphere's centre from a flat wall [m]; the separation is the origin's."""
+    x, y, z = separation
+    return -plane[0] * x - plane[1] * y - plane[2] * z - plane[3]
+
+
+@uncounted
+def off_axis(separation):
+    """Distance of a sphere's centre from the axis of the round wall, z [m]."""
+    return np.sqrt(separation[0] * separation[0] + separation[1] * separation[1])
+
+
+@inlined
+def between_spheres(n_contacts, block):
+    """The contacts of spheres with spheres in the first lanes of a block."""
+    for k in range(np.uintp(n_contacts)):  # unsigned: numba then need not look for negative ones
+        radius_i = block.constants[place(RADIUS_I, k)]
+        radius_j = block.constants[place(RADIUS_J, k)]
+        separation = vector(block.separation, k)
+        distance = np.sqrt(dot(separation, separation))
+        overlap = max(radius_i + radius_j - distance, 0.0)
+        normal = scale(1.0 / distance, separation)
+        half = 0.5 * overlap
+        (ax, ay, az), (bx, by, bz) = vector(block.turning, k), vector(block.spin, k)
+        turning = ax - half * bx, ay - half * by, az - half * bz
+        px, py, pz = vector(block.passing, k)
+        tx, ty, tz = cross(turning, normal)
+        put(block.velocity, k, (px - tx, py - ty, pz - tz))
+        put(block.normal, k, normal)
+        block.overlap[k] = overlap
+        block.arm_i[k], block.arm_j[k] = radius_i - half, radius_j - half
+
+
+@inlined
+def with_plane(plane, n_contacts, block):
+    """The same for contacts of spheres with a flat wall."""
+    for k in range(np.uintp(n_contacts)):
+        distance = to_plane(plane, vector(block.separation, k))
+        wall_contact((-plane[0], -plane[1], -plane[2]), distance, block, k)
+
+
+@inlined
+def with_cylinder(radius, n_contacts, block):
+    """The same for contacts of spheres with the round wall."""
+    for k in range(np.uintp(n_contacts)):
+        x, y, z = vector(block.separation, k)
+        away = off_axis((x, y, z))
+        shrink = -1.0 / max(away, 1e-300)
+        wall_contact((shrink * x, shrink * y, 0.0), radius - away, block, k)
+
+
+@uncounted
+def wall_contact(normal, distance, block, k):
+    """Fill lane k of a block with a contact; the normal points to the wall, at a distance [m]."""
+    px, py, pz = vector(block.passing, k)
+    tx, ty, tz = cross(vector(block.spin, k), normal)
+    put(block.velocity, k, (px - distance * tx, py - distance * ty, pz - distance * tz))
+    put(block.normal, k, normal)
+    block.overlap[k] = max(block.constants[place(RADIUS_I, k)] - distance, 0.0)
+    block.arm_i[k], block.arm_j[k] = distance, 0.0

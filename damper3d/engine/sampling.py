@@ -1,0 +1,169 @@
+"""What is known of the bed at a moment: energies, mean motion, contacts; a row of it a sample."""
+
+import numpy as np
+
+from damper3d.engine.columns import (
+    CONTACTS_PP,
+    CONTACTS_PW,
+    DISPLACEMENT,
+    ELASTIC_NORMAL,
+    ELASTIC_TANGENTIAL,
+    IMPACT_PP,
+    N_COLUMNS,
+    TIME,
+    VELOCITY,
+)
+from damper3d.engine.forces import contact_law, meet_wall, surface_motion, without_slip
+from damper3d.engine.geometry import between_spheres, place
+from damper3d.engine.integrate import advance, enclosure_at
+from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
+from damper3d.engine.lanes import gather
+from damper3d.engine.lists import DONE
+from damper3d.engine.state import (
+    BLOCK,
+    DAMPING,
+    HERTZ,
+    MASS,
+    N_BOOKS,
+    STEP,
+    STIFFNESS,
+)
+from damper3d.engine.wall_kinds import put_wall
+from granulab.contact.hertz import hertz_force, mindlin_force, spring_energy
+from granulab.contact.jit import inner, uncounted
+from granulab.contact.vectors import scale
+
+# Columns of a row of list_contacts.
+FORCE, NORMAL, POINT, OVERLAP = 0, 3, 6, 9
+N_CONTACT_COLUMNS = 10
+
+
+@uncounted
+def advance_sampling(world, steps_per_sample, rows):
+    """Fill rows, each after steps_per_sample steps; how many were filled, steps over, outcome.
+
+    rows (n, N_COLUMNS + N_BOOKS + 3 n_walls). A step that cannot be taken ends it.
+    """
+    for k in range(len(rows)):
+        taken, outcome = advance(world, steps_per_sample)
+        if outcome != DONE:
+            return k, taken, outcome
+        sample(world, steps_per_sample, rows[k])
+    return len(rows), np.int64(0), DONE
+
+
+@uncounted
+def sample(world, steps, row):
+    """One row; forces on the walls are means over the steps since the last."""
+    now = world.counts[STEP] * world.time_step
+    d = world.direction
+    shift, speed = enclosure_at(world.shaker, d, now)
+    row[TIME] = now
+    row[DISPLACEMENT] = shift[0] * d[0] + shift[1] * d[1] + shift[2] * d[2]
+    row[VELOCITY] = speed[0] * d[0] + speed[1] * d[1] + speed[2] * d[2]
+    mean_motion(world, shift, row)
+    elastic_energies(world, shift, speed, row)
+    for c in range(2):
+        row[IMPACT_PP + c] = world.fastest[c]
+        world.fastest[c] = 0.0
+    for b in range(N_BOOKS):
+        row[N_COLUMNS + b] = world.books[b]
+    force = world.walls.force
+    for w in range(len(force)):
+        for c in range(3):
+            row[N_COLUMNS + N_BOOKS + 3 * w + c] = force[w, c] / steps
+            force[w, c] = 0.0
+
+
+@inner
+def elastic_energies(world, shift, speed, row):
+    """What the springs of all contacts hold, and how many contacts there are."""
+    spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
+    row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
+    row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0
+    n_touching = find_pairs(world)
+    for begin in range(np.int64(0), n_touching, BLOCK):
+        n = min(n_touching - begin, BLOCK)
+        gather(spheres, world.close, begin, n, block)
+        between_spheres(n, block)
+        add_elastic(world.pair_law, n, block, dt, row, CONTACTS_PP)
+    for w in range(len(walls.force)):
+        put_wall(spheres, walls, w, shift, speed)
+        n_touching = find_at_wall(world, w)
+        for begin in range(np.int64(0), n_touching, BLOCK):
+            n = min(n_touching - begin, BLOCK)
+            meet_wall(spheres, walls, world.wall, w, begin, n, block)
+            add_elastic(world.wall_law, n, block, dt, row, CONTACTS_PW)
+
+
+@inner
+def add_elastic(law, n_contacts, block, dt, row, count):
+    """Add the elastic energies of a block to a row: (2/5) K d^2.5 and that of the spring."""
+    history = block.history
+    for k in range(np.uintp(n_contacts)):
+        overlap = block.overlap[k]
+        if overlap <= 0.0:
+            continue
+        normal, rate, slip_rate = surface_motion(block, k)
+        damping = max(history[place(DAMPING, k)], law.damping)
+        hertz, mass = block.constants[place(HERTZ, k)], block.constants[place(MASS, k)]
+        stiffness, dashpot, f_n, _ = hertz_force(law, hertz, mass, damping, overlap, rate)
+        trial = without_slip(
+            law, history, k, normal, history[place(STIFFNESS, k)], law.tangential * stiffness,
+            scale(0.5 * dt, slip_rate),
+        )[1]  # fmt: skip
+        held = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)[1]
+        row[ELASTIC_NORMAL] += 0.4 * stiffness * overlap * overlap
+        row[ELASTIC_TANGENTIAL] += spring_energy(law, stiffness, held)
+        row[count] += 1.0
+
+
+@uncounted
+def list_contacts(world, bodies, numbers):
+    """The contacts of now and the forces that the next step will apply; how many there are.
+
+    bodies (capacity, 2): spheres, and walls numbered after them; numbers (capacity,
+    N_CONTACT_COLUMNS): force on the second, normal towards it, point in the laboratory, overlap.
+    """
+    spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
+    now = world.counts[STEP] * dt
+    shift, speed = enclosure_at(world.shaker, world.direction, now)
+    found = np.int64(0)
+    n_touching = find_pairs(world)
+    for begin in range(np.int64(0), n_touching, BLOCK):
+        n = min(n_touching - begin, BLOCK)
+        gather(spheres, world.close, begin, n, block)
+        between_spheres(n, block)
+        contact_law(world.pair_law, n, block, dt)
+        found = copy_contacts(spheres, block, world.close, begin, n, 0, bodies, numbers, found)
+    for w in range(len(walls.force)):
+        put_wall(spheres, walls, w, shift, speed)
+        n_touching = find_at_wall(world, w)
+        for begin in range(np.int64(0), n_touching, BLOCK):
+            n = min(n_touching - begin, BLOCK)
+            meet_wall(spheres, walls, world.wall, w, begin, n, block)
+            contact_law(world.wall_law, n, block, dt)
+            found = copy_contacts(spheres, block, world.wall, begin, n, w, bodies, numbers, found)
+    return found
+
+
+@inner
+def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, bodies, numbers, found):
+    """Append the touching contacts of a block; how many there are then.
+
+    The enclosure's row stands behind those of the spheres, so that adding a wall's number to it
+    numbers the walls after the spheres.
+    """
+    for k in range(np.uintp(n_contacts)):
+        if block.overlap[k] > 0.0:
+            n = contacts.touching[np.uintp(begin) + k]
+            i, j = contacts.i[n], contacts.j[n]
+            bodies[found, 0], bodies[found, 1] = i, j + wall
+            for c in range(3):
+                numbers[found, FORCE + c] = block.push[place(c, k)]
+                numbers[found, NORMAL + c] = block.normal[place(c, k)]
+                point = spheres.position[i, c] + block.arm_i[k] * block.normal[place(c, k)]
+                numbers[found, POINT + c] = point
+            numbers[found, OVERLAP] = block.overlap[k]
+            found += 1
+    return found

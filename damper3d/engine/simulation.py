@@ -1,0 +1,304 @@
+"""A bed of particles in motion: the only caller of the kernels."""
+
+import hashlib
+from typing import Any
+
+import numpy as np
+
+from damper3d.engine import columns, sampling, state
+from damper3d.engine.integrate import advance, enclosure_at, search
+from damper3d.engine.lists import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL
+from damper3d.engine.records import CLASSES, MECHANISMS
+from damper3d.engine.world import roomier
+from granulab.errors import SimulationError
+
+# Of each class in the kernels' books, in their order (state.py).
+_BOOKS = (*MECHANISMS, "law_term", "slip_count")
+_FULL = {NEAR_FULL: "near", CLOSE_FULL: "close", WALL_FULL: "wall"}
+_COLUMNS = {
+    "time": columns.TIME,
+    "displacement": columns.DISPLACEMENT,
+    "velocity": columns.VELOCITY,
+    "kinetic": columns.KINETIC,
+    "potential": columns.POTENTIAL,
+    "elastic_normal": columns.ELASTIC_NORMAL,
+    "elastic_tangential": columns.ELASTIC_TANGENTIAL,
+    "contacts_particle_particle": columns.CONTACTS_PP,
+    "contacts_particle_wall": columns.CONTACTS_PW,
+    "impact_speed_particle_particle": columns.IMPACT_PP,
+    "impact_speed_particle_wall": columns.IMPACT_PW,
+    "wall_work": columns.N_COLUMNS + state.WALL_WORK,
+} | {
+    f"{mechanism}_{name}": columns.N_COLUMNS + c * state.N_MECHANISMS + m
+    for c, name in enumerate(CLASSES)
+    for m, mechanism in enumerate(_BOOKS)
+}
+
+
+class Simulation:
+    """A world of balls, and what one may ask of it.
+
+    Positions that it gives are relative to the enclosure.
+    """
+
+    _MOTION: tuple[str, ...] = ("position", "velocity", "spin")  # of the bodies, as saved
+
+    def __init__(self, world: Any, steps_per_sample: int = 1) -> None:
+        self.world = world
+        self.steps_per_sample = steps_per_sample
+
+    @property
+    def n_bodies(self) -> int:
+        """How many particles there are."""
+        return len(self.world.bodies.inverse_mass)
+
+    @property
+    def steps(self) -> int:
+        """Steps taken in this phase."""
+        return int(self.world.counts[state.STEP])
+
+    @property
+    def time(self) -> float:
+        """Time since the phase began [s]."""
+        return self.steps * self.world.time_step
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Of each body (n,) [kg]."""
+        return 1.0 / self.world.bodies.inverse_mass
+
+    def run(self, n_samples: int) -> dict[str, np.ndarray]:
+        """Go on for a number of samples; their columns, a row a sample.
+
+        Times, displacement and velocity of the enclosure, energies [J], dissipation by mechanism
+        and class [J], impact speeds [m/s], contacts; wall_force (n, n_walls, 3) [N], mean over
+        the sample; mean_position and mean_velocity (n, 3). Energies that were dissipated, and
+        wall_work, are since the phase began. Raises SimulationError where the state is no longer
+        finite or an overlap is beyond belief.
+        """
+        n_walls = len(self.world.walls.force)
+        rows = np.zeros((n_samples, columns.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        done = 0
+        while done < n_samples:
+            filled, over, outcome = sampling.advance_sampling(
+                self.world, self.steps_per_sample, rows[done:]
+            )
+            done += filled
+            if outcome != DONE:  # in the middle of a sample: make room, and go on to its end
+                self._answer(outcome)
+                self.step(self.steps_per_sample - over)
+                sampling.sample(self.world, self.steps_per_sample, rows[done])
+                done += 1
+        if not np.isfinite(rows).all():
+            raise self.failure("the state is no longer finite")
+        return _named(rows, n_walls)
+
+    def step(self, n_steps: int) -> None:
+        """Go on for a number of steps; raises as run does."""
+        while n_steps:
+            taken, outcome = advance(self.world, n_steps)
+            n_steps -= taken
+            if outcome != DONE:
+                self._answer(outcome)
+
+    def sample(self) -> dict[str, np.ndarray]:
+        """One row of samples for the state as it is; forces on the walls are not known."""
+        self.refresh()
+        n_walls = len(self.world.walls.force)
+        rows = np.zeros((1, columns.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        sampling.sample(self.world, 1, rows[0])
+        return _named(rows, n_walls)
+
+    def compile(self) -> None:
+        """Compile or load the kernels now, so that their time is not taken for a step's."""
+        n_walls = len(self.world.walls.force)
+        rows = np.zeros((0, columns.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        sampling.advance_sampling(self.world, self.steps_per_sample, rows)
+
+    def refresh(self) -> None:
+        """Make stale lists anew now."""
+        while self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]].any():
+            outcome = search(self.world, self._shift())
+            if outcome != DONE:
+                self._answer(outcome)
+
+    def _shift(self) -> tuple[float, float, float]:
+        """Displacement of the enclosure now [m]."""
+        return enclosure_at(self.world.shaker, self.world.direction, self.time)[0]
+
+    def _answer(self, outcome: int) -> None:
+        """Give a search the room that it lacked, or raise what is wrong."""
+        if outcome in _FULL:
+            self.world = self._roomier(_FULL[outcome])
+        elif outcome == NOT_FINITE:
+            raise self.failure("a position is no longer a finite number")
+        elif outcome == TOO_DEEP:
+            cure = "a shorter --time-step, or a higher --youngs-modulus against soft contacts"
+            raise self.failure("an overlap reached half a radius", cure)
+        else:
+            raise AssertionError(outcome)
+
+    def failure(self, what: str, cure: str = "a shorter --time-step") -> SimulationError:
+        """An error that says what happened, when, and what to try."""
+        return SimulationError(
+            f"the simulation failed at t = {self.time:.6f} s, in steps of "
+            f"{self.world.time_step * 1e6:g} us: {what}; try {cure}"
+        )
+
+    def frame(self) -> dict[str, np.ndarray]:
+        """The particles now: x (n, 3) in the enclosure [m], v (n, 3) in the laboratory [m/s].
+
+        Also spin (n, 3) [rad/s] and heat (n,) [J], half of what their contacts dissipated so far.
+        """
+        spheres = self.world.spheres
+        shift = np.array(self._shift())
+        n = self.n_bodies
+        return {
+            "x": spheres.position[:n, :3] - shift,
+            "v": spheres.velocity[:n, :3].copy(),
+            "spin": spheres.spin[:n, :3].copy(),
+            "heat": self.world.bodies.heat[:n].copy(),
+        }
+
+    def contacts(self) -> dict[str, np.ndarray]:
+        """The n contacts of now, with the forces that the next step will apply.
+
+        bodies     (n, 2) particles, then walls (numbered after them)
+        force      (n, 3) on the second [N]; the first takes its opposite
+        normal     (n, 3) unit vector towards the second
+        point      (n, 3) where the force acts, in the laboratory [m]
+        overlap    (n,) [m]
+        """
+        self.refresh()
+        most = int(self.world.counts[state.CLOSE] + self.world.counts[state.WALL])
+        bodies = np.zeros((most, 2), np.uint32)
+        numbers = np.zeros((most, sampling.N_CONTACT_COLUMNS))
+        n = sampling.list_contacts(self.world, bodies, numbers)
+        return {
+            "bodies": bodies[:n],
+            "force": numbers[:n, sampling.FORCE : sampling.NORMAL],
+            "normal": numbers[:n, sampling.NORMAL : sampling.POINT],
+            "point": numbers[:n, sampling.POINT : sampling.OVERLAP],
+            "overlap": numbers[:n, sampling.OVERLAP],
+        }
+
+    def top(self, up: np.ndarray) -> float:
+        """The largest up . x of any particle's surface, in the enclosure [m]; up (3,) is a unit."""
+        return float((self.frame()["x"] @ up).max()) + float(self.world.spheres.position[0, 3])
+
+    def set_velocity(self, velocity: np.ndarray, spin: np.ndarray | None = None) -> None:
+        """Give the particles velocities (n, 3) [m/s], and spins (n, 3) [rad/s]."""
+        for arrays in (self.world.bodies, self.world.spheres):
+            arrays.velocity[: self.n_bodies, :3] = velocity
+            if spin is not None:
+                arrays.spin[: self.n_bodies, :3] = spin
+
+    def save(self) -> dict[str, np.ndarray]:
+        """All that is needed to go on with the same bits, as arrays.
+
+        Of the lists only the contacts' histories are kept: the rest is made anew in the same
+        order, and no force depends on when.
+        """
+        self.refresh()  # of a state just restored, the lists are not yet made
+        world = self.world
+        pairs = _touching(world.close, int(world.counts[state.CLOSE]))
+        at_walls = _touching(world.wall, int(world.counts[state.WALL]))
+        of_wall = np.searchsorted(world.walls.first, at_walls, "right") - 1
+        return {
+            **self._save_bodies(),
+            "heat": world.bodies.heat.copy(),
+            "pairs": np.stack([world.close.i[pairs], world.close.j[pairs]], axis=1),
+            "springs": world.close.history[pairs].T,
+            "wall_pairs": np.stack([world.wall.i[at_walls], of_wall], axis=1),
+            "wall_springs": world.wall.history[at_walls].T,
+            "wall_force": world.walls.force.copy(),
+            "step": world.counts[[state.STEP]],
+            "books": world.books.copy(),
+            "fastest": world.fastest.copy(),
+        }
+
+    def _save_bodies(self) -> dict[str, np.ndarray]:
+        world, n = self.world, self.n_bodies
+        return {
+            "position": world.spheres.position[:n].copy(),
+            "velocity_now": world.spheres.velocity[:n].copy(),
+            "spin_now": world.spheres.spin[:n].copy(),
+            "velocity": world.bodies.velocity.copy(),
+            "spin": world.bodies.spin.copy(),
+        }
+
+    def restore(self, saved: dict[str, np.ndarray]) -> None:
+        """Put back what `save` gave."""
+        self._restore_bodies(saved)
+        self.world.counts[:] = 0
+        self._restore_pairs(saved["pairs"], saved["springs"].T)
+        world = self.world
+        world.bodies.heat[:] = saved["heat"]
+        world.lengths[state.NEAR_SKIN] = -1.0  # its reach is used up: it is made anew
+        world.walls.history[:] = 0.0
+        world.walls.history[..., state.DAMPING] = state.NO_CONTACT
+        touching, of_wall = saved["wall_pairs"].T
+        world.walls.history[of_wall, touching] = saved["wall_springs"].T
+        world.walls.force[:] = saved["wall_force"]
+        world.counts[state.STEP] = saved["step"][0]
+        world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+        world.books[:] = saved["books"]
+        world.fastest[:] = saved["fastest"]
+
+    def _restore_bodies(self, saved: dict[str, np.ndarray]) -> None:
+        spheres, n = self.world.spheres, self.n_bodies
+        spheres.position[:n] = saved["position"]
+        spheres.velocity[:n] = saved["velocity_now"]
+        spheres.spin[:n] = saved["spin_now"]
+        for name in ("velocity", "spin"):
+            getattr(self.world.bodies, name)[:] = saved[name]
+
+    def _restore_pairs(self, pairs: np.ndarray, histories: np.ndarray) -> None:
+        """Give the next list the pairs in contact (n, 2) and their histories."""
+        while len(self.world.near.j) < len(pairs):
+            self.world = self._roomier("near")
+        near, n = self.world.near, len(pairs)
+        near.i[:n], near.j[:n] = pairs.T
+        near.history[:n] = histories
+        near.first[:] = np.searchsorted(pairs[:, 0], np.arange(self.n_bodies + 1))
+        self.world.counts[state.NEAR] = n
+
+    def _roomier(self, lists: str) -> Any:
+        return roomier(self.world, lists)
+
+    def begin_phase(self, **changes) -> None:
+        """Change fields of the world (shaker, gravity, time_step, laws); clock and books start.
+
+        Positions stay where they are in the enclosure, which is where it was: at zero.
+        """
+        self.refresh()
+        self.world = self.world._replace(**changes)
+        self.world.counts[[state.STEP, state.CLOSE_MADE, state.WALL_MADE]] = 0
+        self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+        self.world.books[:] = 0.0
+        self.world.fastest[:] = 0.0
+        self.world.walls.force[:] = 0.0
+        self.world.bodies.heat[:] = 0.0
+
+    def state_digest(self) -> str:
+        """Hash of positions, velocities and the histories of the contacts."""
+        saved = self.save()
+        text = hashlib.sha256()
+        for name in (*self._MOTION, "pairs", "springs", "wall_pairs", "wall_springs"):
+            text.update(np.ascontiguousarray(saved[name]).tobytes())
+        return text.hexdigest()[:16]
+
+
+def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:
+    """The columns of samples by name."""
+    named = {name: rows[:, column].copy() for name, column in _COLUMNS.items()}
+    named["mean_position"] = rows[:, columns.POSITION_X : columns.VELOCITY_X].copy()
+    named["mean_velocity"] = rows[:, columns.VELOCITY_X : columns.N_COLUMNS].copy()
+    forces = rows[:, columns.N_COLUMNS + state.N_BOOKS :]
+    named["wall_force"] = forces.reshape(len(rows), n_walls, 3).copy()
+    return named
+
+
+def _touching(contacts: state.Contacts, n: int) -> np.ndarray:
+    """Which of the first n contacts of a list touch."""
+    return np.flatnonzero(contacts.history[:n, state.DAMPING] >= 0.0)

@@ -1,0 +1,173 @@
+"""The arrays that the kernels work on: bodies, spheres, walls, lists of contacts, books.
+
+What moves is a body, what touches is a sphere: a particle is a rigid cluster of spheres, and a
+sphere is a cluster of one, whose centre is its body's. Vectors stand in rows of four numbers; the
+fourth of a position is the radius, so that one load brings all, that of others stays zero.
+
+Positions and velocities are those of the laboratory: the enclosure's own frame (its bottom's
+centre is the origin, z its axis) plus the displacement of the enclosure.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+# Entries of World.counts. STEP: of this phase; NEAR, CLOSE, WALL: lengths of the lists; STALE_...:
+# lists to be made anew; ..._MADE: the step when a list was made.
+STEP, NEAR, CLOSE, WALL, STALE_CLOSE, STALE_WALL = range(6)
+NEAR_SEARCHES, CLOSE_SEARCHES, WALL_SEARCHES, CLOSE_MADE, WALL_MADE = range(6, 11)
+N_COUNTS = 11
+# Entries of World.books [J], for particle-particle and then particle-wall contacts; then the work
+# of the enclosure on the bed.
+NORMAL_DAMPING, TANGENTIAL_DAMPING, FRICTION, LAW_TERM, SLIP_COUNT = range(5)
+N_MECHANISMS = 5
+WALL_WORK = 2 * N_MECHANISMS
+N_BOOKS = WALL_WORK + 1
+# Entries of World.lengths [m]: how far apart spheres may be to be listed, and what was left of
+# the near list's reach when the close list was made.
+NEAR_SKIN, CLOSE_SKIN, WALL_SKIN = range(3)
+N_LENGTHS = 3
+# Entries of the constants of a contact: radii [m] (none of a wall), (4/3) E sqrt(R) [N/m^1.5], and
+# the reduced mass [kg].
+RADIUS_I, RADIUS_J, HERTZ, MASS = range(4)
+N_CONSTANTS = 4
+# Entries of a history: what the tangential spring holds [m or N], half of the displacement in the
+# last step [m], tangential stiffness [N/m], and the b of the contact, which is NO_CONTACT where
+# there is none.
+SPRING_X, SPRING_Y, SPRING_Z, MOVED_X, MOVED_Y, MOVED_Z, STIFFNESS, DAMPING = range(8)
+N_HISTORY = 8
+NO_CONTACT = -1.0
+
+BLOCK = 32  # contacts that the force pass works on at once: what it finds stays in the first cache
+
+LANES = 8  # the vectorised passes go on to a whole number of these: the lists have as much room
+
+
+class Bodies(NamedTuple):
+    """Rigid bodies, (n, 4) or (n,); velocities are half a step behind the positions."""
+
+    velocity: np.ndarray  # [m/s]
+    spin: np.ndarray  # [rad/s]
+    inverse_mass: np.ndarray  # (n,) [1/kg]
+    inverse_inertia: np.ndarray  # (n,) of a sphere, about any axis [1/(kg m2)]
+    heat: np.ndarray  # (n + 1,) half of what each contact dissipated; the enclosure's last [J]
+
+
+class Spheres(NamedTuple):
+    """The spheres of the bodies, all that a contact needs to know and gives back.
+
+    Arrays of (m + 1, 4): the last row is the enclosure, a sphere of no radius and no spin.
+    """
+
+    position: np.ndarray  # centre [m], radius [m]
+    velocity: np.ndarray  # of the centre, extrapolated to the time of the position [m/s]
+    spin: np.ndarray  # of the body, likewise [rad/s]
+    force: np.ndarray  # [N]
+    torque: np.ndarray  # about the sphere's centre [N m]
+    inverse_mass: np.ndarray  # (m,) of the body [1/kg]
+
+
+class Near(NamedTuple):
+    """Pairs of spheres i < j that may come close, ascending, and where the spheres were then."""
+
+    i: np.ndarray  # (capacity,) uint32
+    j: np.ndarray  # (capacity,) uint32
+    reach: np.ndarray  # (capacity,) sum of the radii [m]
+    hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
+    mass: np.ndarray  # (capacity,) reduced mass [kg]
+    gap: np.ndarray  # (capacity,) between the surfaces, when the close list was made [m]
+    history: np.ndarray  # (capacity, N_HISTORY), up to date while there is no close list
+    first: np.ndarray  # (m + 1,) where the pairs of each sphere i begin
+    old_j: np.ndarray  # the previous list, while a new one is made
+    old_history: np.ndarray
+    old_first: np.ndarray
+    place: np.ndarray  # (m, 4) positions when the list was made [m]
+
+
+class Contacts(NamedTuple):
+    """Pairs that touch or nearly do, of spheres, or of spheres and walls."""
+
+    i: np.ndarray  # (capacity,) uint32, sphere
+    j: np.ndarray  # (capacity,) uint32, sphere; of a wall contact the enclosure's row
+    near: np.ndarray  # (capacity,) uint32, index in the near list; unused for walls
+    reach: np.ndarray  # (capacity,) sum of the radii [m]
+    constants: np.ndarray  # (capacity, N_CONSTANTS)
+    history: np.ndarray  # (capacity, N_HISTORY)
+    touching: np.ndarray  # (capacity,) uint32, those of them that touch or did a step ago
+    place: np.ndarray  # (m, 4) positions when the list was made [m]
+    drift: np.ndarray  # (4,) mean velocity of the spheres then [m/s]; of walls: where they were
+
+
+class Walls(NamedTuple):
+    """Flat walls, and then at most one round one; all move as one."""
+
+    planes: np.ndarray  # (n_planes, 4) inward normal, offset [m]: inside n.x > offset
+    radius: float  # of the cylinder round the z axis [m]; 0: there is none
+    curved: bool  # whether the cylinder's curvature enters the Hertz law
+    first: np.ndarray  # (n_walls + 1,) where the contacts of each wall begin
+    force: np.ndarray  # (n_walls, 3) by the particles, summed over the steps since asked [N]
+    history: np.ndarray  # (n_walls, m, N_HISTORY), up to date while there is no wall list
+
+
+class Block(NamedTuple):
+    """What the passes over one block of contacts hand on; vectors (3 BLOCK,), numbers (BLOCK,).
+
+    The second row of a vector begins at BLOCK; see damper3d.engine.geometry.place.
+    """
+
+    constants: np.ndarray  # (N_CONSTANTS BLOCK,)
+    history: np.ndarray  # (N_HISTORY BLOCK,), after the last step
+    later: np.ndarray  # (N_HISTORY BLOCK,), after this one
+    separation: np.ndarray  # x_j - x_i [m]
+    passing: np.ndarray  # u_j - u_i [m/s]
+    turning: np.ndarray  # R_i w_i + R_j w_j [m/s]
+    spin: np.ndarray  # w_i + w_j [rad/s]
+    normal: np.ndarray  # from i to j
+    velocity: np.ndarray  # of j relative to i at the contact [m/s]
+    push: np.ndarray  # force on j [N]
+    couple: np.ndarray  # normal x push [N]
+    clearance: np.ndarray  # negative where they may touch
+    overlap: np.ndarray  # [m], 0 where they do not touch
+    arm_i: np.ndarray  # from the centre of i to the contact [m]
+    arm_j: np.ndarray  # from the contact to the centre of j [m]
+    normal_power: np.ndarray  # dissipated by the normal dashpot [W]
+    tangential_power: np.ndarray  # dissipated by the tangential dashpot [W]
+    rubbed: np.ndarray  # dissipated by friction in this step [J]
+    gained: np.ndarray  # gained by the tangential spring, whose stiffness changes [J]
+    slip_power: np.ndarray  # friction force times the whole sliding velocity [W]
+    begins: np.ndarray  # speed of an impact that begins in this step [m/s], else 0
+
+
+class Cells(NamedTuple):
+    """Cubic cells over the enclosure, for the search of near pairs."""
+
+    start: np.ndarray  # (n_cells + 2,) where the spheres of a cell begin is entry cell + 1
+    spheres: np.ndarray  # (m,) sphere numbers, cell by cell
+    of_sphere: np.ndarray  # (m,)
+    size: float  # [m]
+    shape: tuple[int, int, int]
+    origin: tuple[float, float, float]  # in the enclosure's frame [m]
+    largest: float  # radius of a sphere [m]
+
+
+class World(NamedTuple):
+    """Everything that the step loop works on."""
+
+    bodies: Bodies
+    spheres: Spheres
+    cells: Cells
+    near: Near
+    close: Contacts
+    wall: Contacts
+    walls: Walls
+    block: Block
+    counts: np.ndarray  # (N_COUNTS,) int64
+    books: np.ndarray  # (N_BOOKS,) [J]
+    fastest: np.ndarray  # (2,) largest impact speed of each class since last asked [m/s]
+    lengths: np.ndarray  # (N_LENGTHS,) [m]
+    pair_law: Any  # HertzLaw
+    wall_law: Any
+    shaker: Any  # see shaker.py
+    direction: np.ndarray  # (4,) unit vector of the enclosure's motion
+    gravity: np.ndarray  # (4,) [m/s2]
+    time_step: float  # [s]

@@ -1,0 +1,163 @@
+"""Where the energy goes: damping efficiency, shares of the mechanisms, whether the books close.
+
+Functions of samples as records.cut gives them, from the end of one cycle to the end of another.
+The thesis (eqs 6.4-6.9) adds the power of all dissipative force components. Its law has no
+potential, so that this count is some per cent more than the energy that is lost; here the lost
+energy is read from the budget,
+
+    lost = wall work - change of (kinetic + potential + elastic)
+         = sum of (normal damping + tangential damping + friction) - gain of the law itself,
+
+and the thesis's count stands beside it. Eq. 6.9 is printed with the wrong sign (errata).
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from damper3d.engine.records import CLASSES, HELD, MECHANISMS, Samples, per_cycle_change
+
+
+def reference_energy(peak_speed: float, mass: float) -> float:
+    """The most that a cycle can dissipate, 4 V^2 M [J] (eq. 6.10).
+
+    peak_speed    V = Gamma g/omega of the enclosure [m/s]
+    mass          M of all particles [kg]
+
+    All particles, as one mass, meet both ends with twice the enclosure's speed and stay there.
+    """
+    return 4.0 * peak_speed**2 * mass
+
+
+def held(samples: Samples) -> np.ndarray:
+    """Energy that the bed holds (n,) [J]."""
+    return np.sum([samples[name] for name in HELD], axis=0)
+
+
+def lost(samples: Samples) -> np.ndarray:
+    """Energy lost since the first row (n,) [J], from the budget."""
+    gone = samples["wall_work"] - held(samples)
+    return gone - gone[0]
+
+
+def dissipated(samples: Samples) -> np.ndarray:
+    """Energy that the mechanisms dissipated since the first row (n,) [J]."""
+    return _since(samples, MECHANISMS)
+
+
+def contact_count(samples: Samples) -> np.ndarray:
+    """Energy since the first row as the thesis counts it (n,) [J], eq. 6.7.
+
+    Friction is the whole force mu Fn times the sliding velocity, whatever the spring gives back.
+    """
+    return _since(samples, ("normal_damping", "tangential_damping", "slip_count"))
+
+
+def law_gain(samples: Samples) -> np.ndarray:
+    """Energy since the first row (n,) [J] that the tangential springs gained without work."""
+    return _since(samples, ("law_term",))
+
+
+def _since(samples: Samples, names: tuple[str, ...]) -> np.ndarray:
+    total = summed(samples, names)
+    return total - total[0]
+
+
+def summed(samples: Samples, names: tuple[str, ...]) -> np.ndarray:
+    """Columns added up over names and classes (n,)."""
+    return np.sum([samples[f"{name}_{pair}"] for pair in CLASSES for name in names], axis=0)
+
+
+def efficiencies(samples: Samples, per_cycle: int, reference: float) -> dict[str, np.ndarray]:
+    """The damping efficiency of each cycle (n_cycles,) [-], eq. 6.8; reference from eq. 6.10 [J].
+
+    efficiency       from the budget
+    contact_count    as the thesis counts
+    wall_work        of the enclosure on the bed: the same in the long run
+    """
+    series = {
+        "efficiency": lost(samples),
+        "contact_count": contact_count(samples),
+        "wall_work": samples["wall_work"],
+    }
+    return {name: per_cycle_change(s, per_cycle) / reference for name, s in series.items()}
+
+
+def shares(samples: Samples) -> dict[str, dict[str, float | None]]:
+    """Part of each class and mechanism in what they all dissipated (eqs 2.2, 6.14).
+
+    None where nothing is dissipated.
+    """
+    return _shares(samples, {name: name for name in MECHANISMS})
+
+
+def shares_contact_count(samples: Samples) -> dict[str, dict[str, float | None]]:
+    """The same of what the thesis counts (see contact_count), which is more friction.
+
+    None where nothing is counted.
+    """
+    return _shares(samples, {name: name for name in MECHANISMS} | {"friction": "slip_count"})
+
+
+def _shares(samples: Samples, columns: Mapping[str, str]) -> dict[str, dict[str, float | None]]:
+    """Part of each class and mechanism in the sum of all, from the column of each mechanism."""
+    whole = float(_since(samples, tuple(columns.values()))[-1])
+
+    def share(column: np.ndarray) -> float | None:
+        return float(column[-1] - column[0]) / whole if whole > 0 else None
+
+    return {
+        pair: {name: share(samples[f"{column}_{pair}"]) for name, column in columns.items()}
+        for pair in CLASSES
+    }
+
+
+def closure(samples: Samples) -> tuple[float | None, float | None]:
+    """Unaccounted energy, and the gain of the law, over the energy dissipated.
+
+    Unaccounted is what is lost and neither dissipated nor gained by the law. None where nothing
+    is dissipated.
+    """
+    whole, gain = float(dissipated(samples)[-1]), float(law_gain(samples)[-1])
+    if whole <= 0:
+        return None, None
+    return (float(lost(samples)[-1]) + gain - whole) / whole, gain / whole
+
+
+def within_cycle(samples: Samples, per_cycle: int) -> dict[str, np.ndarray]:
+    """How a mean cycle goes (Figs 6.7, 6.10, 6.16, 6.18): rows 0 ... per_cycle.
+
+    phase             of the cycle, 0 to 1
+    lost, dissipated, and each mechanism and class: energy since the cycle began, mean over the
+    cycles [J]; velocity, mean_velocity, mean_position, wall_force: means over the cycles
+    """
+    names = [f"{name}_{pair}" for pair in CLASSES for name in MECHANISMS]
+    summed = {"lost": lost(samples), "dissipated": dissipated(samples)}
+    summed |= {name: samples[name] for name in ("wall_work", *names)}
+    now = ("velocity", "mean_velocity", "mean_position", "wall_force")
+    cycle = {name: _mean_cycle(column, per_cycle) for name, column in summed.items()}
+    return {
+        "phase": np.linspace(0.0, 1.0, per_cycle + 1),
+        **{name: column - column[0] for name, column in cycle.items()},
+        **{name: _mean_cycle(samples[name], per_cycle) for name in now},
+    }
+
+
+def _mean_cycle(column: np.ndarray, per_cycle: int) -> np.ndarray:
+    """Mean over the cycles of each row of a cycle, first and last included."""
+    body = column[1:].reshape(-1, per_cycle, *column.shape[1:]).mean(axis=0)
+    return np.concatenate([column[:-1:per_cycle].mean(axis=0)[None], body])
+
+
+def impact_ratios(
+    samples: Samples, yield_velocity: Mapping[str, float | None]
+) -> dict[str, float | None]:
+    """Largest impact speed of each class over its yield velocity [-] (eq. 5.26).
+
+    The law holds while this is near or below 1. None where the yield velocity is not known.
+    """
+    fastest = {pair: float(samples[f"impact_speed_{pair}"][1:].max()) for pair in CLASSES}
+    limits = {pair: yield_velocity[pair] for pair in CLASSES}
+    return {
+        pair: None if limit is None else fastest[pair] / limit for pair, limit in limits.items()
+    }

@@ -1,0 +1,95 @@
+"""Measures of where in the bed it is hot, how high it stands and whether it rolls (motion.py)."""
+
+import numpy as np
+
+from damper3d.measures.phases.motion import Motion
+
+LOWEST = 0.05  # of the particles, about half of what a bed at rest has on its floor
+LAYERS = 5  # equal numbers of particles, by their height in each frame
+
+
+def flow_measures(motion: Motion) -> dict[str, float]:
+    """Heat of the layers at the ends over the middle's, heights, and the rolls' share."""
+    heat = layer_heat(motion)
+    low, middle, high = heat[0], heat[len(heat) // 2], heat[-1]
+    gap = floor_gap(motion)
+    ring, roll = ring_share(motion), roll_share(motion)
+    return {
+        "hot_low": float(low / middle) if middle > 0.0 else 1.0,
+        "hot_high": float(high / middle) if middle > 0.0 else 1.0,
+        "across_share": across_share(motion),
+        "bed_height": float(motion.bed_height.mean() / motion.length),
+        "floor_gap_least": float(gap.min() / motion.clearance),
+        "floor_gap_largest": float(gap.max() / motion.clearance),
+        "ring_share": ring,
+        "roll_share": roll,
+        "circulation": max(ring, roll),
+    }
+
+
+def layer_heat(motion: Motion) -> np.ndarray:
+    """Mean square velocity about the bed's mean, of layers from the bottom up (LAYERS,) [m2/s2]."""
+    about = motion.v - motion.v.mean(axis=1, keepdims=True)
+    heat = (about**2).sum(axis=2)
+    sorted_heat = np.take_along_axis(heat, np.argsort(motion.x[:, :, 2], axis=1), axis=1)
+    mean = sorted_heat.mean(axis=0)
+    return np.array([layer.mean() for layer in np.array_split(mean, min(LAYERS, len(mean)))])
+
+
+def across_share(motion: Motion) -> float:
+    """Share of the energy about the mean motion that is across the direction of shaking.
+
+    2/3 where all directions are alike.
+    """
+    about = motion.v - motion.v.mean(axis=1, keepdims=True)
+    total = (about**2).sum()
+    return float((about[:, :, :2] ** 2).sum() / total) if total > 0.0 else 0.0
+
+
+def floor_gap(motion: Motion) -> np.ndarray:
+    """Height over the lower end below which LOWEST of the particles are (F,) [m].
+
+    Of their lowest points; not of the lowest particle, since a few never follow the bed.
+    """
+    return np.quantile(motion.x[:, :, 2] - motion.radius, LOWEST, axis=1)
+
+
+def transport(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Mean positions about their centre; displacements over all whole cycles, less their mean."""
+    cycles = (len(motion.x) - 1) // motion.n
+    whole = motion.x[: cycles * motion.n + 1]
+    moved, place = whole[-1] - whole[0], whole.mean(axis=0)
+    return place - place.mean(axis=0), moved - moved.mean(axis=0)
+
+
+def roll_share(motion: Motion) -> float:
+    """Share of the transport's energy that one roll about a line across the motion explains.
+
+    The transport regressed on the rotation e x r about the centre, e the line of its moment.
+    """
+    place, moved = transport(motion)
+    moment = np.cross(place, moved).sum(axis=0)[:2]
+    size = np.linalg.norm(moment)
+    if size == 0.0:
+        return 0.0
+    line = np.array([*(moment / size), 0.0])
+    return _explained(np.cross(line, place), moved)
+
+
+def ring_share(motion: Motion) -> float:
+    """Share of the transport's energy that a ring-shaped roll about the axis explains.
+
+    Up in the middle and down at the side, or the reverse: regressed on (-(z - z0), r - r0) in
+    every half-plane through the axis, about the mean radius and height.
+    """
+    place, moved = transport(motion)
+    r = np.hypot(place[:, 0], place[:, 1])
+    outwards = np.divide(place[:, :2], r[:, None], out=np.zeros((len(r), 2)), where=r[:, None] > 0)
+    field = np.column_stack([-place[:, 2:3] * outwards, r - r.mean()])
+    return _explained(field, moved)
+
+
+def _explained(field: np.ndarray, moved: np.ndarray) -> float:
+    """Share of sum |moved|^2 along a field (N, 3), by regression."""
+    total, size = (moved**2).sum(), (field**2).sum()
+    return float((moved * field).sum() ** 2 / (size * total)) if size > 0.0 and total > 0.0 else 0.0

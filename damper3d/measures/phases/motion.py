@@ -1,0 +1,208 @@
+"""What a damper's run tells of the particles' motion: its counted cycles as a few plain arrays.
+
+The coordinate along the enclosure's motion is called z here, whatever its direction: the first two
+columns of positions and velocities lie across it. An end is what stops the bed along z.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from damper3d.case.parts import orientation_of
+from damper3d.studies.pack.known import CLOSE_PACKING, LOOSE_PACKING
+
+if TYPE_CHECKING:
+    from damper3d.case.case import DamperCase
+    from granulab.campaign.runs.ragged import Tables
+
+FEWEST_FRAMES = 8  # a cycle: an eighth of it is as far as a particle may go unseen
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Whole cycles of a run: C of them, of S samples and n frames each; SI.
+
+    The frames are at equal times over the cycles, with the one that the first cycle starts from
+    where the run kept it: F = C n + 1, or C n.
+    """
+
+    period: float
+    gravity: np.ndarray  # (3,) in the axes of x
+    length: float  # between the two ends [m]
+    clearance: float  # what a loose packing would leave free of it [m] (eq. 6.13)
+    radius: np.ndarray  # (N,) of the spheres around the particles
+    mass: np.ndarray  # (N,)
+    push: np.ndarray  # (C, S, 2) on the bed by the lower and the upper end, inwards [N]
+    speed: np.ndarray  # (C, S) of the enclosure [m/s]
+    bed_height: np.ndarray  # (C, S) mean z of the bed's mass, relative to the enclosure
+    n: int  # frames a cycle
+    x: np.ndarray  # (F, N, 3) positions relative to the enclosure's lower end
+    v: np.ndarray  # (F, N, 3) velocities in the laboratory
+    touching: np.ndarray  # (F,) share of the particles in contact with anything
+    displacement: np.ndarray  # (F,) of the enclosure, at the frames
+    frame_speed: np.ndarray  # (F,) likewise its velocity
+
+    @property
+    def peak_speed(self) -> float:
+        """The enclosure's largest speed [m/s]; Gamma g / omega for one sine."""
+        return float(np.abs(self.speed).max())
+
+    @property
+    def orientation(self) -> str:
+        """vertical, horizontal or none: how gravity points to the motion."""
+        return orientation_of(self.gravity, np.array([0.0, 0.0, 1.0]))
+
+
+def clearance(fill_ratio: float, length: float) -> float:
+    """Free length above a loose packing (eq. 6.13) [m].
+
+    Never less than half of what a close packing would leave: a bed poured tighter than 0.55 can
+    still move.
+    """
+    loose, close = (1.0 - fill_ratio / packing for packing in (LOOSE_PACKING, CLOSE_PACKING))
+    return length * max(loose, 0.5 * close)
+
+
+def take(
+    case: "DamperCase",
+    samples: Mapping[str, np.ndarray],
+    frames: Mapping[str, np.ndarray],
+    *,
+    discard: int | None = None,
+) -> Motion | None:
+    """The counted cycles of a run in memory.
+
+    samples     columns of the run (records.py), one row a sample and one before the first
+    frames      "row" (F,) of the sample that each frame came with; "x", "v" (F, N, 3) in the
+                enclosure's axes; "touching" (F,) share of the particles in contact;
+                "radius", "mass" (N,)
+    discard     cycles that do not count; the case's where None
+
+    None where no whole cycle counts or fewer than eight frames a cycle were kept.
+    """
+    per_cycle = case.settings.output.samples
+    first = (case.settings.run.discard if discard is None else discard) * per_cycle
+    rows = np.asarray(frames["row"])
+    n_cycles = (len(samples["time"]) - 1 - first) // per_cycle
+    last = first + n_cycles * per_cycle
+    chosen = (rows >= first) & (rows <= last)
+    n = round((chosen & (rows > first)).sum() / max(n_cycles, 1))
+    if n_cycles < 1 or n < FEWEST_FRAMES or chosen.sum() <= n:  # none a cycle apart
+        return None
+    axes = _axes(case.direction)
+    low, length = _ends(case, axes)
+    counted = slice(first + 1, last + 1)
+    shape = (n_cycles, per_cycle)
+    push = _pushes(samples["wall_force"][counted], case, axes)
+    at = rows[chosen]
+    return Motion(
+        period=case.period,
+        gravity=axes @ case.gravity,
+        length=length,
+        clearance=clearance(case.fill_ratio, length),
+        radius=np.asarray(frames["radius"], float),
+        mass=np.asarray(frames["mass"], float),
+        push=push.reshape(*shape, 2),
+        speed=samples["velocity"][counted].reshape(shape),
+        bed_height=(samples["mean_position"][counted] @ axes[2] - low).reshape(shape),
+        n=n,
+        x=np.asarray(frames["x"][chosen], float) @ axes.T - [0.0, 0.0, low],
+        v=np.asarray(frames["v"][chosen], float) @ axes.T,
+        touching=np.asarray(frames["touching"], float)[chosen],
+        displacement=np.asarray(samples["displacement"][at], float),
+        frame_speed=np.asarray(samples["velocity"][at], float),
+    )
+
+
+def of_run(folder: str | Path, discard: int | None = None) -> Motion | None:
+    """The counted cycles of a run folder, finished or not; None as `take`.
+
+    `discard` None: as its summary says, or else its case. Raises FolderError where the folder
+    holds no run or a damaged one.
+    """
+    from damper3d.case.case import DamperCase
+    from granulab.campaign.runs.folder import RunFolder
+    from granulab.campaign.runs.trajectory import read_trajectory, stored_tables
+
+    run = RunFolder(Path(folder))
+    if discard is None and run.state == "finished":
+        discard = int(run.read_summary()["discarded"])
+    case, samples = DamperCase.load(run.path / "case.toml"), read_trajectory(run.path)
+    tables = stored_tables(run.path)
+    if "particles" not in tables:
+        return None
+    table = tables["particles"]
+
+    def vectors(*names: str) -> np.ndarray:
+        columns = [table.columns[name].reshape(len(table), -1) for name in names]
+        return np.stack(columns, axis=-1)
+
+    frames = {
+        "row": table.frame,
+        "x": vectors("x", "y", "z"),
+        "v": vectors("vx", "vy", "vz"),
+        "touching": touching(tables["contacts"], case.count),
+        **spheres_around(case),
+    }
+    return take(case, samples, frames, discard=discard)
+
+
+def spheres_around(case: "DamperCase") -> dict[str, Any]:
+    """Radius and mass of the case's particles, as `take` asks for them."""
+    return {
+        "radius": np.full(case.count, case.particle.bounding_radius),
+        "mass": np.full(case.count, case.particle_mass),
+    }
+
+
+def touching(contacts: "Tables", count: int) -> np.ndarray:
+    """Share of the particles that are in a contact, of each table of contacts (S,)."""
+    shares = []
+    for k in range(len(contacts)):
+        bodies = contacts.at(k)
+        both = np.concatenate([bodies["body_1"], bodies["body_2"]])
+        shares.append(len(np.unique(both[both < count])) / count)  # walls come after the particles
+    return np.array(shares)
+
+
+def _axes(direction: np.ndarray) -> np.ndarray:
+    """Rows: two directions across the motion, and its own (3, 3)."""
+    z = np.asarray(direction, float) / np.linalg.norm(direction)
+    # Across: the enclosure's x, or its y where the motion runs along x.
+    other = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    x = other - (other @ z) * z
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z])
+
+
+def _ends(case: "DamperCase", axes: np.ndarray) -> tuple[float, float]:
+    """z of the lower end and the length from there to the upper one, through the middle."""
+    planes, middle = case.enclosure.planes, np.array([0.0, 0.0, 0.5 * case.enclosure.height])
+    along = planes[:, :3] @ axes[2]
+    reach = (planes[:, 3] - planes[:, :3] @ middle) / np.where(along == 0.0, np.nan, along)
+    if case.enclosure.cylinder_radius:
+        across = np.hypot(axes[2, 0], axes[2, 1])
+        side = case.enclosure.cylinder_radius / across if across > 0.0 else np.inf
+        reach = np.append(reach, [side, -side])
+    up, down = np.nanmin(reach[reach > 0.0]), np.nanmax(reach[reach < 0.0])
+    return float(middle @ axes[2] + down), float(up - down)
+
+
+def _pushes(wall_force: np.ndarray, case: "DamperCase", axes: np.ndarray) -> np.ndarray:
+    """Force of the walls below and above on the bed, along the motion, inwards (rows, 2) [N].
+
+    A wall is below where its normal points up by more than 45 degrees; a round side pushes up
+    from below and down from above, so that its force counts by its sign.
+    """
+    on_bed = -np.asarray(wall_force, float) @ axes[2]  # (rows, walls)
+    along = case.enclosure.planes[:, :3] @ axes[2]
+    flat = on_bed[:, : len(along)]
+    below, above = along > np.sqrt(0.5), along < -np.sqrt(0.5)
+    push = np.stack([flat[:, below].sum(axis=1), -flat[:, above].sum(axis=1)], axis=1)
+    if not below.any() and on_bed.shape[1] > len(along):
+        side = on_bed[:, len(along)]
+        push = np.stack([np.maximum(side, 0.0), np.maximum(-side, 0.0)], axis=1)
+    return push

@@ -1,0 +1,1 @@
+"""Runs of dampers: filling and shaking, with checkpoints; one, or many."""

@@ -1,0 +1,127 @@
+"""Filling: a random start, and settling under gravity with the case's own law."""
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from damper3d.case.case import GRAVITY, DamperCase
+from damper3d.engine.clusters.grow import grow_clusters, random_places
+from damper3d.engine.clusters.simulation import ClusterSimulation
+from damper3d.engine.clusters.state import ClusterWorld
+from damper3d.engine.clusters.world import build_cluster_world
+from damper3d.engine.grow import grow
+from damper3d.engine.shaker import Sines
+from damper3d.engine.simulation import Simulation
+from damper3d.engine.world import build_world
+from damper3d.run.packing import Packing, lowest, packing_fraction
+from granulab.errors import InputError
+
+_LOOK = 1e-3  # [s] of simulated time between reports
+
+Report = Callable[[float, str], None]  # fraction done (0 to 1), words
+
+
+def fill(case: DamperCase, report: Report) -> Packing:
+    """Fill the enclosure of a case, from its seed, and let the particles settle.
+
+    They settle for [fill] settle_time, under the gravity that they are shaken under, or 1 g along
+    -z where they are shaken without. Raises InputError where they do not fit, SimulationError, and
+    what `report` raises.
+    """
+    report(0.0, "filling")
+    random_start(case, 1)  # compiles
+    begun = time.process_time()
+    sim = resting(case, *random_start(case, case.count))
+    growing = time.process_time() - begun
+    sim.compile()
+    begun = time.process_time()
+    n_steps = math.ceil(case.settings.fill.settle_time / case.steps.free)
+    n_looks = math.ceil(case.settings.fill.settle_time / _LOOK)
+    sim.steps_per_sample = math.ceil(n_steps / n_looks)
+    for k in range(n_looks):
+        sim.run(1)
+        report((k + 1) / n_looks, f"settling, t = {sim.time:.3f} s")
+    return packed(case, sim, growing + time.process_time() - begun)
+
+
+def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray | None]:
+    """Centres (count, 3) [m] and orientations (count, 4) of particles, from the case's seed.
+
+    They do not overlap. Orientations are unit quaternions, None of balls. Raises InputError where
+    there are too many.
+    """
+    rng = np.random.default_rng(case.settings.run.seed)
+    orientations = None
+    if case.particle.is_ball:
+        radius = case.particle.bounding_radius
+        centres, reached = grow(case.enclosure, count, radius, rng)
+    else:
+        *places, first = random_places(case.enclosure, case.particle, count, rng)
+        world = clusters(case, *places)
+        reached = grow_clusters(world, case.particle, first)
+        centres, orientations = world.bodies.position[:, :3], world.bodies.orientation
+    if reached < 1.0:
+        fit = max(math.floor(count * reached**3), 1)
+        raise InputError(
+            f"{case.name}: [particles] count = {count}: fill ratio {case.fill_ratio:.3f}; "
+            f"random filling found room for particles of {reached:.3f} of their size, so for about "
+            f"{fit}; give fewer, or a larger enclosure"
+        )
+    return centres, orientations
+
+
+def resting(
+    case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None = None
+) -> Simulation:
+    """Particles at rest in an enclosure that does not move.
+
+    centres (count, 3) [m]; orientations (count, 4) of other particles than balls, not turned if
+    left out.
+    """
+    if not case.particle.is_ball:
+        return ClusterSimulation(clusters(case, centres, orientations))
+    radii = np.full(len(centres), case.particle.radii[0])
+    return Simulation(build_world(centres, radii, **_surroundings(case)))
+
+
+def clusters(
+    case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None
+) -> ClusterWorld:
+    """The particles of a case at rest, also balls, as clusters; see `resting`."""
+    return build_cluster_world(
+        centres, case.particle, orientations,
+        treatment=case.settings.law.contact_treatment, **_surroundings(case),
+    )  # fmt: skip
+
+
+def _surroundings(case: DamperCase) -> dict[str, Any]:
+    """What particles at rest are in."""
+    return {
+        "density": case.density,
+        "enclosure": case.enclosure,
+        "pair_law": case.pair_law,
+        "wall_law": case.wall_law,
+        "shaker": Sines(np.zeros(1), np.zeros(1), np.zeros(1), 0.0),
+        "direction": case.direction,
+        "gravity": case.settling_gravity,
+        "time_step": case.steps.free,
+        "curved_wall": case.settings.law.wall_curvature,
+    }
+
+
+def packed(case: DamperCase, sim: Simulation, cpu_s: float) -> Packing:
+    """The packing that a simulation has come to."""
+    frame, touching = sim.frame(), np.unique(sim.contacts()["bodies"], axis=0)
+    up = -case.settling_gravity / GRAVITY
+    ends = int(np.count_nonzero(touching < sim.n_bodies))
+    return Packing(
+        state=sim.save(),
+        fraction=packing_fraction(frame["x"], case.particle.volume, case.enclosure, up),
+        height=sim.top(up) - lowest(case.enclosure, up),
+        coordination=ends / sim.n_bodies,
+        rms_speed=float(np.sqrt((frame["v"] ** 2).sum(axis=1).mean())),
+        cpu_s=cpu_s,
+    )

@@ -1,0 +1,25 @@
+"""Run folders by what was done in them: a damper that was shaken, or a slow test."""
+
+import tomllib
+from pathlib import Path
+
+from granulab.campaign.runs.folder import FolderError, RunFolder, resume_run
+
+
+def is_slow_test(folder: RunFolder) -> bool:
+    """Whether a run is of `shear` or `compress`; their case has a table that says so."""
+    try:
+        return "slow_test" in tomllib.loads(folder.read_case())
+    except (FolderError, ValueError):
+        return False  # what reads the case says what is wrong with it
+
+
+def shaken(path: str | Path) -> RunFolder:
+    """The folder of a damper's run; FolderError where it is none, or of a slow test."""
+    folder = resume_run(path)
+    if is_slow_test(folder):
+        raise FolderError(
+            f"{path}: of damper3d shear or compress, which keep a force and a displacement but no "
+            "particles; damper3d show tells them, and the command that made it goes on with it"
+        )
+    return folder

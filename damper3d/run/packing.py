@@ -1,0 +1,101 @@
+"""A settled bed: the state of its particles at rest in the enclosure; kept, to be shared.
+
+It does not depend on how the enclosure will move, so that all points of a map start from one.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from damper3d.case.case import DamperCase
+from damper3d.engine.enclosure import Enclosure
+from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
+from granulab.campaign.runs.folder import FolderError, digest
+
+_INNER = 0.8  # part of the particles, from below, that the packing fraction is taken over
+_GRID = 64  # points each way by which a volume is counted
+
+
+@dataclass(frozen=True, eq=False)
+class Packing:
+    """A bed at rest under gravity, in the enclosure's frame."""
+
+    state: dict[str, np.ndarray]  # what Simulation.save gave
+    fraction: float  # volume of the particles over that of the space, inside the bed [-]
+    height: float  # of the highest particle's top over the enclosure's lowest point [m]
+    coordination: float  # bodies and walls that a particle touches, mean [-]
+    rms_speed: float  # that is left [m/s]
+    cpu_s: float  # CPU time that the filling took [s]
+    sources: str = ""  # digest of the sources that made it
+
+
+def packing_folder(case: DamperCase, root: Path) -> Path:
+    """Where the packing of a case is kept below a folder of runs; it may not exist yet."""
+    return root / "packings" / digest(case.packing_identity())
+
+
+def save_packing(packing: Packing, folder: Path) -> None:
+    """Keep a packing in its folder, which is there; FolderError where it cannot be written."""
+    meta = {name: value for name, value in vars(packing).items() if name != "state"}
+    save_checkpoint(folder / "packing.h5", packing.state, meta)
+
+
+def load_packing(folder: Path) -> Packing | None:
+    """The packing kept in a folder, None where there is none; FolderError where it is damaged."""
+    file = folder / "packing.h5"
+    if not file.exists():
+        return None
+    try:
+        arrays, meta = load_checkpoint(file)
+        return Packing(arrays, **meta)
+    except (FolderError, TypeError):
+        raise damaged(folder) from None
+
+
+def damaged(folder: Path) -> FolderError:
+    """What to raise for a packing that cannot be used."""
+    return FolderError(
+        f"{folder / 'packing.h5'}: damaged, or of another version; delete it and the enclosure is "
+        "filled anew"
+    )
+
+
+def lowest(enclosure: Enclosure, up: np.ndarray) -> float:
+    """The least of up . x in the enclosure [m]; up (3,) is a unit vector."""
+    low_z = min(0.0, float(up[2]) * enclosure.height)
+    if enclosure.radius is not None:
+        return low_z - enclosure.radius * float(np.hypot(up[0], up[1]))
+    return low_z - 0.5 * (abs(up[0]) * enclosure.width + abs(up[1]) * enclosure.depth)
+
+
+def volume_below(enclosure: Enclosure, up: np.ndarray, level: float) -> float:
+    """Volume of the enclosure where up . x < level [m3], summed over 64 cells a side.
+
+    Of cells that the level or the round wall cuts, a part counts: exact for the axes of a box.
+    """
+    middles = (np.arange(_GRID) + 0.5) / _GRID
+    sizes = np.array([enclosure.width, enclosure.depth, enclosure.height])
+    x = (middles - 0.5)[:, None, None] * sizes[0]
+    y = (middles - 0.5)[None, :, None] * sizes[1]
+    z = middles[None, None, :] * sizes[2]
+    extent = float(np.abs(up) @ sizes) / _GRID
+    below = np.clip((level - (up[0] * x + up[1] * y + up[2] * z)) / extent + 0.5, 0.0, 1.0)
+    if enclosure.radius is not None:
+        inside = (enclosure.radius - np.hypot(x, y)) / (enclosure.width / _GRID) + 0.5
+        below = below * np.clip(inside, 0.0, 1.0)
+    return float(below.mean() * sizes.prod())
+
+
+def packing_fraction(
+    centres: np.ndarray, particle_volume: float, enclosure: Enclosure, up: np.ndarray
+) -> float:
+    """Volume of the particles over that of the space, up to where 80 % of the centres are [-].
+
+    centres (n, 3) [m]. A particle counts where its centre is: those cut by that level cancel on
+    average, and the loose surface is left out.
+    """
+    heights = np.sort(centres @ up)
+    count = max(round(_INNER * len(heights)), 1)
+    level = float(heights[count - 1 : count + 1].mean())
+    return count * particle_volume / volume_below(enclosure, up, level)

@@ -1,0 +1,10 @@
+"""The sources that decide what a run computes; pictures, commands and tables do not."""
+
+from pathlib import Path
+
+from granulab import contact
+from granulab.campaign.runs.provenance import Sources
+
+_PACKAGE = Path(__file__).parents[1]
+_ROOMS = [_PACKAGE / room for room in ("engine", "case", "run", "shapes")]
+SOURCES = Sources(Path(contact.__file__).parent, *_ROOMS)

@@ -1,0 +1,70 @@
+"""Many dampers on many cores: each packing filled once, each run in its own folder, one row each.
+
+The packing does not depend on frequency and acceleration, so all points of a map share one.
+"""
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from damper3d.case.plan import expected_cpu_s
+from damper3d.engine import ENGINE
+from damper3d.run.packing import load_packing, packing_folder
+from damper3d.run.protocol import PACKAGES, get_packing, run, run_digest
+from damper3d.run.result import Result
+from damper3d.run.sources import SOURCES
+from damper3d.run.warm import compile_kernels
+from granulab.campaign.runs.folder import FolderError
+from granulab.campaign.runs.protocol import packing_sources
+from granulab.campaign.sweeps.sweep import (
+    Labelled,
+    Simulator,
+    Task,
+    as_outcome,
+    run_labelled,
+    silent,
+)
+from granulab.campaign.sweeps.task import Stop
+from granulab.contact.jit import already_compiled
+from granulab.errors import InputError, SimulationError
+
+
+def run_cases(
+    cases: Sequence[Labelled],
+    *,
+    out: Path,
+    engine: str = "processes",
+    workers: int | None = None,
+    scheduler: str | None = None,
+    quiet: bool = False,
+) -> list[dict[str, Any]]:
+    """Run labelled DamperCases and return a row for each; see sweeps.sweep.run_labelled."""
+    return run_labelled(
+        DAMPER, cases, out=out, engine=engine, workers=workers, scheduler=scheduler, quiet=quiet
+    )
+
+
+def run_task(task: Task, stop: Stop) -> Result | None:
+    """Run a case, or fill its packing; in a worker."""
+    compile_kernels()
+    with as_outcome(InputError, FolderError, SimulationError):
+        if task.packing_only:
+            get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
+            return None
+        return run(task.case, out=task.out, stop=stop, warn=silent)
+
+
+DAMPER = Simulator(
+    name="damper3d",
+    digest=run_digest,
+    packing_folder=packing_folder,
+    packing_from=partial(packing_sources, load_packing),
+    work=run_task,
+    read=partial(Result.read, reused=True),
+    expected_cpu_s=expected_cpu_s,
+    sources=SOURCES,
+    packages=PACKAGES,
+    means=("efficiency", "dissipated_power_w", "peak_wall_force_n"),
+    compiled=partial(already_compiled, ENGINE),
+)

@@ -1,0 +1,173 @@
+"""From the first moment of the motion to the last cycle: samples, frames, checkpoints, the end."""
+
+import shlex
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+
+from damper3d.case.case import DamperCase
+from damper3d.engine.records import MECHANISMS
+from damper3d.engine.simulation import Simulation
+from damper3d.measures.efficiency import held, reference_energy, summed
+from damper3d.run.steady import BLOCK, is_steady
+from granulab.campaign.runs.checkpoint import save_checkpoint
+from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.trajectory import TrajectoryWriter
+from granulab.campaign.sweeps.task import Progress
+from granulab.errors import Stopped
+
+# Particles times steps between checkpoints, some seconds of work: a checkpoint must not depend on
+# how fast a machine is, and in the short runs of a map it would cost more than it saves.
+CHECKPOINT_WORK = 2e8
+# Energy that may be unaccounted for, over the dissipated: 1 us leaves 0.5 % and 0.4 of Rayleigh's
+# step 5 %; more means that the state is wrong, not coarse.
+BOOKS_OFF = 0.2
+_NOTHING = 1e-4  # efficiency below which this is not asked: next to nothing is dissipated
+_LONGEST_LOOK = 2e7  # particles times steps between looks whether to stop
+
+
+@dataclass
+class Clock:
+    """What a run remembers besides the world: kept in the checkpoint."""
+
+    parts: int = 0  # files of the trajectory that belong to the checkpoint
+    cpu_s: float = 0.0  # CPU time of the step loop
+    filling_cpu_s: float = 0.0  # CPU time of filling and settling
+    lost: list[float] = field(default_factory=list)  # energy lost by the end of each cycle [J]
+
+
+def vibrate(
+    sim: Simulation,
+    case: DamperCase,
+    folder: RunFolder,
+    writer: TrajectoryWriter,
+    clock: Clock,
+    progress: Progress,
+    stop: Callable[[], bool],
+) -> None:
+    """Shake from the first moment, or from a checkpoint, to the last cycle.
+
+    Samples, frames and checkpoints come at fixed numbers of steps since the motion began. Raises
+    Stopped when `stop` says so, and SimulationError; the state is kept before either.
+    """
+    sim.steps_per_sample = case.steps_per_sample
+    per_cycle, checkpoint = case.settings.output.samples, _checkpoint_interval(case)
+    intervals = (per_cycle, frame_interval(case), checkpoint, _look_interval(case))
+    now = sim.steps // case.steps_per_sample
+    if now == 0:
+        _take(sim, case, writer, clock, sim.sample(), now)
+    while not (now % per_cycle == 0 and _ended(case, clock)):
+        target = min(now - now % every + every for every in intervals)
+        began = time.process_time()
+        rows = sim.run(target - now)
+        clock.cpu_s += time.process_time() - began
+        now = target
+        _take(sim, case, writer, clock, rows, now)
+        if now % checkpoint == 0:
+            _keep(sim, folder, writer, clock)
+        _tell(case, now, progress)
+        if stop():
+            _keep(sim, folder, writer, clock)
+            raise Stopped(f"go on with: damper3d run --resume {shlex.quote(str(folder.path))}")
+
+
+def frame_interval(case: DamperCase) -> int:
+    """Samples from one table of particles to the next; a cycle where no tables are kept."""
+    output = case.settings.output
+    return output.samples // (output.frames or 1)
+
+
+def _checkpoint_interval(case: DamperCase) -> int:
+    """Samples between checkpoints: whole cycles, or less in cycles that take long."""
+    per_cycle = case.settings.output.samples
+    samples = max(int(CHECKPOINT_WORK / (case.count * case.steps_per_sample)), 1)
+    return samples if samples < per_cycle else samples // per_cycle * per_cycle
+
+
+def _look_interval(case: DamperCase) -> int:
+    return max(int(_LONGEST_LOOK / (case.count * case.steps_per_sample)), 1)
+
+
+def efficiencies_so_far(case: DamperCase, clock: Clock) -> np.ndarray:
+    """Of the cycles since the start-up that is discarded (n_cycles,) [-]."""
+    reference = reference_energy(case.peak_speed, case.mass)
+    return np.diff(clock.lost[case.settings.run.discard :]) / reference
+
+
+def _ended(case: DamperCase, clock: Clock) -> bool:
+    """Whether the last cycle is over: so many, or in a steady run as soon as they are steady."""
+    run, n_cycles = case.settings.run, len(clock.lost) - 1
+    if not run.steady:
+        return n_cycles >= run.cycles
+    counted = n_cycles - run.discard
+    if n_cycles < run.cycles or counted % BLOCK:
+        return n_cycles >= run.max_cycles
+    return n_cycles >= run.max_cycles or is_steady(efficiencies_so_far(case, clock))
+
+
+def _take(
+    sim: Simulation,
+    case: DamperCase,
+    writer: TrajectoryWriter,
+    clock: Clock,
+    rows: dict[str, np.ndarray],
+    now: int,
+) -> None:
+    """Keep samples, of which the last is number `now`; frames and cycles end with one."""
+    framed = case.settings.output.frames and now % frame_interval(case) == 0
+    last = len(rows["time"]) - 1
+    for k in range(last + 1):
+        row = {name: column[k] for name, column in rows.items()}
+        writer.append(row, tables_of(sim) if framed and k == last else None)
+    if now % case.settings.output.samples == 0:
+        clock.lost.append(float(rows["wall_work"][last] - held(rows)[last]))
+        _check_books(sim, case, clock, rows)
+
+
+def _check_books(
+    sim: Simulation, case: DamperCase, clock: Clock, rows: dict[str, np.ndarray]
+) -> None:
+    """Stop where what was lost is not what was dissipated, but for the law's own gain."""
+    dissipated = float(summed(rows, MECHANISMS)[-1])
+    gained = dissipated - float(summed(rows, ("law_term",))[-1]) - clock.lost[-1] + clock.lost[0]
+    least = _NOTHING * reference_energy(case.peak_speed, case.mass)
+    if not abs(gained) < BOOKS_OFF * max(dissipated, least):
+        whither = "came from nowhere" if gained > 0 else "went nowhere"
+        raise sim.failure(f"{abs(gained):.3g} J of energy {whither}")
+
+
+def tables_of(sim: Simulation) -> dict[str, dict[str, np.ndarray]]:
+    """Particles and contacts of a moment as they are kept, in single precision."""
+    frame, contacts = sim.frame(), sim.contacts()
+    vectors = {"": frame["x"], "v": frame["v"], "spin_": frame["spin"]}
+    particles = {
+        f"{name}{axis}": vector[:, k].astype(np.float32)
+        for name, vector in vectors.items()
+        for k, axis in enumerate("xyz")
+    }
+    force = contacts["force"].astype(np.float32)
+    for k, name in enumerate(("turn_w", "turn_x", "turn_y", "turn_z")):  # of clusters
+        if "orientation" in frame:
+            particles[name] = frame["orientation"][:, k].astype(np.float32)
+    return {
+        "particles": {**particles, "heat": frame["heat"].astype(np.float32)},
+        "contacts": {
+            **{f"body_{k + 1}": contacts["bodies"][:, k] for k in range(2)},
+            **{f"force_{axis}": force[:, k] for k, axis in enumerate("xyz")},
+        },
+    }
+
+
+def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: Clock) -> None:
+    clock.parts = writer.flush()
+    save_checkpoint(folder.checkpoint, sim.save(), asdict(clock))
+
+
+def _tell(case: DamperCase, now: int, progress: Progress) -> None:
+    """Say how far the motion is."""
+    run = case.settings.run
+    cycle, most = now / case.settings.output.samples, run.max_cycles if run.steady else run.cycles
+    until = f"of at most {most}" if run.steady else f"of {most}"
+    progress(cycle / most, f"cycle {cycle:.1f} {until}")

@@ -1,0 +1,1 @@
+"""Closed surfaces: triangles, distances, volumes, and the filling with sub-spheres."""

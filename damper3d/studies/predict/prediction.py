@@ -1,0 +1,228 @@
+"""What the closed forms of studies.predict.theory say of a case, in numbers and in words."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from damper3d.case.case import DamperCase
+from damper3d.studies.pack.known import Fraction, close_packing, loose_packing
+from damper3d.studies.predict import theory
+from granulab.errors import InputError
+
+FREQUENCIES = (20.0, 40.0, 80.0)  # [Hz] of Table 6.3
+_HEIGHTS = ("40 mm", "45 mm", "50 mm", "55 mm")  # of the thesis's four fills (Table 6.1)
+_ALONG = 1e-6  # how far a unit vector may be off an axis
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """The room that a bed has when packed to a fill ratio; `length` None: it has none."""
+
+    name: str  # "loose", "close", "own" or "counted"
+    packing: float | None  # None for "counted", which knows numbers of particles only
+    length: float | None  # [m]
+    uncertainty: float | None = None  # of the length, one standard deviation [m]
+    source: str = ""  # of the packing, in words; "" of what was given by hand
+
+    def onset(self, frequency: float) -> float | None:
+        """Gamma at which the bouncing bed sets in (eq. 6.11)."""
+        if self.length is None:
+            return None
+        return float(theory.bouncing_bed_onset(frequency, self.length))
+
+    def onset_uncertainty(self, frequency: float) -> float | None:
+        """One standard deviation of that Gamma, which goes with the clearance; None: not known."""
+        if self.length is None or self.uncertainty is None:
+            return None
+        return float(theory.bouncing_bed_onset(frequency, self.uncertainty))
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Onsets and optima of a case."""
+
+    name: str
+    fill_ratio: float
+    length: float  # between the walls that the motion meets [m]
+    orientation: str  # of the motion against gravity: vertical, horizontal, none or oblique
+    clearances: tuple[Clearance, ...]
+    threshold: float | None  # Gamma above which a rigid bed moves; None where oblique
+
+    @property
+    def best(self) -> Clearance:
+        """The one to go by: what the user gave, else the close packing (thesis sec. 6.4.1)."""
+        known = {clearance.name: clearance for clearance in self.clearances}
+        return next(known[name] for name in ("own", "counted", "close") if name in known)
+
+    @property
+    def fluidisation(self) -> tuple[float, float] | None:
+        """Gamma and efficiency of the best inelastic block; of vertical motion only."""
+        return theory.fluidisation_optimum() if self.orientation == "vertical" else None
+
+
+def predict(
+    case: DamperCase,
+    packing: float | None = None,
+    full_count: int | None = None,
+    close: Fraction | None = None,
+) -> Prediction:
+    """Predict a case, beside its shape's packings for one's own fill ratio or number that fills it.
+
+    close: the shape's close packing, where it was computed; else that of the shipped table, and
+    None of a shape that is not in it. Raises InputError where the motion does not meet two parallel
+    walls, or where the bed of one's own packing has no room.
+    """
+    length = _between_walls(case)
+    fill, shape = case.fill_ratio, case.particle.name
+    known = {"loose": loose_packing(shape), "close": close or close_packing(shape)}
+    clearances = [_packed(name, most, fill, length) for name, most in known.items()]
+    if packing is not None:
+        own = theory.effective_clearance(fill, length, packing)
+        clearances.append(Clearance("own", packing, own))
+    if full_count is not None:
+        counted = theory.relative_clearance(case.count, full_count, length)
+        clearances.append(Clearance("counted", None, counted))
+    orientation = _orientation(case)
+    threshold = None
+    if orientation != "oblique":
+        threshold = theory.fluidisation_threshold(orientation, case.wall_law.mu)
+    return Prediction(case.name, fill, length, orientation, tuple(clearances), threshold)
+
+
+def check_known(prediction: Prediction) -> None:
+    """Raise InputError where no packing of the shape is known, so that no onset is."""
+    if prediction.best.packing is None and prediction.best.name == "close":
+        raise InputError(
+            f"{prediction.name}: no packing of its particles' shape is shipped; give --packing, "
+            "such as 0.65, or --pack to compute it"
+        )
+
+
+def _packed(name: str, most: Fraction | None, fill: float, length: float) -> Clearance:
+    """The clearance of eq. 6.13 with its uncertainty; none where no packing is known."""
+    if most is None:
+        return Clearance(name, None, None)
+    room = (1 - fill / most.value) * length if fill < most.value else None
+    source = f"{most.value:.3g}, {most.source}"
+    if most.uncertainty is None:
+        return Clearance(name, most.value, room, None, source)
+    off = fill / most.value**2 * most.uncertainty * length
+    source = f"{most.value:.3g} +- {most.uncertainty:.1g}, {most.source}"
+    if room:
+        source += f"; onset +- {100 * off / room:.2g} %"
+    return Clearance(name, most.value, room, off, source)
+
+
+def fills(name: str | None, changes: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """What to load: the case, or without one the thesis's four heights with equally many particles.
+
+    A height or a count among the changes is one fill of one's own.
+    """
+    if name is not None or {"enclosure.height", "particles.count"} & set(changes):
+        return [(name or "thesis", changes)]
+    count = DamperCase.load("thesis", changes).count
+    own = {"particles.count": count}
+    return [("thesis", {**changes, **own, "enclosure.height": height}) for height in _HEIGHTS]
+
+
+def onsets(prediction: Prediction, frequencies: Sequence[float]) -> list[dict[str, Any]]:
+    """A row for each clearance: packing, clearance, A0 = h/pi, and Gamma at each frequency."""
+    return [
+        {
+            "packing": clearance.name,
+            "max_fill_ratio": clearance.packing,
+            "clearance_m": clearance.length,
+            "amplitude_m": clearance.length and clearance.length / np.pi,
+            "gamma": [clearance.onset(frequency) for frequency in frequencies],
+            "gamma_uncertainty": [clearance.onset_uncertainty(f) for f in frequencies],
+            "packing_source": clearance.source or None,
+        }
+        for clearance in prediction.clearances
+    ]
+
+
+def as_dict(prediction: Prediction, frequencies: Sequence[float]) -> dict[str, Any]:
+    """A prediction for --json; what does not exist is None."""
+    gamma, efficiency = prediction.fluidisation or (None, None)
+    vertical = prediction.orientation == "vertical"
+    return {
+        "case": prediction.name,
+        "fill_ratio": prediction.fill_ratio,
+        "length_m": prediction.length,
+        "orientation": prediction.orientation,
+        "bouncing_bed": onsets(prediction, frequencies),
+        "fluidisation": {
+            "threshold_gamma": prediction.threshold,
+            "optimum_gamma": gamma,
+            "optimum_efficiency": efficiency,
+            "whole_flight_gamma": theory.WHOLE_FLIGHT if vertical else None,
+            "period_doubling_gamma": theory.PERIOD_DOUBLING if vertical else None,
+        },
+    }
+
+
+def as_text(prediction: Prediction, frequencies: Sequence[float]) -> str:
+    """A prediction in words: a line for each packing."""
+    head = ["packing", "clearance", "A0", *(f"{f:g} Hz" for f in frequencies)]
+    lines = [
+        f"{prediction.name}: fill ratio {prediction.fill_ratio:.3f}, "
+        f"{1e3 * prediction.length:g} mm between the ends, {prediction.orientation}",
+        f"  {head[0]:14}" + "".join(f"{word:>10}" for word in head[1:]),
+    ]
+    for row in onsets(prediction, frequencies):
+        packed = "" if row["max_fill_ratio"] is None else f" {row['max_fill_ratio']:.3g}"
+        lengths = [_millimetres(row["clearance_m"]), _millimetres(row["amplitude_m"])]
+        gammas = ["-" if gamma is None else f"{gamma:.3g}" for gamma in row["gamma"]]
+        cells = "".join(f"{cell:>10}" for cell in [*lengths, *gammas])
+        lines.append(f"  {row['packing'] + packed:14}{cells}")
+    sources = [f"  {c.name} packing {c.source}" for c in prediction.clearances if c.source]
+    return "\n".join([*lines, *sources, *_on_fluidisation(prediction)])
+
+
+def _on_fluidisation(prediction: Prediction) -> list[str]:
+    if prediction.threshold is None:
+        return ["  fluidisation: no closed form for motion oblique to gravity"]
+    why = {"vertical": "lift-off", "horizontal": "friction at the wall", "none": "nothing holds it"}
+    lines = [
+        f"  the bed moves in its enclosure above Gamma {prediction.threshold:g} "
+        f"({why[prediction.orientation]})"
+    ]
+    if prediction.fluidisation:
+        gamma, efficiency = prediction.fluidisation
+        lines.append(
+            f"  a block that does not rebound damps best at Gamma {gamma:.2f} (eta "
+            f"{efficiency:.2f}), and cycles are unlike from {theory.PERIOD_DOUBLING:.2f} on"
+        )
+    return lines
+
+
+def _millimetres(length: float | None) -> str:
+    return "-" if length is None else f"{1e3 * length:.2f} mm"
+
+
+def _between_walls(case: DamperCase) -> float:
+    """Distance [m] of the walls that the motion meets head on."""
+    enclosure = case.enclosure
+    sizes = [None, None, enclosure.height]
+    if enclosure.shape == "box":
+        sizes = [enclosure.width, enclosure.depth, enclosure.height]
+    for size, component in zip(sizes, case.direction, strict=True):
+        if size is not None and abs(abs(component) - 1) < _ALONG:
+            return size
+    raise InputError(
+        f"motion.direction = {[round(float(c), 4) for c in case.direction]}: predictions are for "
+        "motion between two parallel walls; give [0, 0, 1], or one along a side of a box"
+    )
+
+
+def _orientation(case: DamperCase) -> str:
+    """How the motion lies to gravity."""
+    size = float(np.linalg.norm(case.gravity))
+    if size == 0:
+        return "none"
+    along = abs(float(case.gravity @ case.direction)) / size
+    if along < _ALONG:
+        return "horizontal"
+    return "vertical" if abs(along - 1) < _ALONG else "oblique"

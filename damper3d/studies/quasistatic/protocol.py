@@ -1,0 +1,139 @@
+"""A slow test in its run folder: the packing, the course, the answers; and many of them."""
+
+import tempfile
+import time
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from damper3d.engine import ENGINE
+from damper3d.run.packing import load_packing
+from damper3d.run.protocol import PACKAGES
+from damper3d.run.sources import SOURCES
+from damper3d.run.vibration import BOOKS_OFF
+from damper3d.studies.quasistatic.case import SlowTest
+from damper3d.studies.quasistatic.course import (
+    LONGEST_PRELOAD,
+    SAMPLES,
+    follow,
+    go_on,
+    steps_per_sample,
+)
+from damper3d.studies.quasistatic.measure import summary
+from damper3d.studies.quasistatic.result import Result
+from damper3d.studies.quasistatic.settle import get_packing, packing_folder, settled
+from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run
+from granulab.campaign.runs.lock import once
+from granulab.campaign.runs.protocol import begin_or_check, end, packing_sources
+from granulab.campaign.runs.provenance import Warn, to_stderr
+from granulab.campaign.sweeps.sweep import Simulator, Task, as_outcome, silent
+from granulab.campaign.sweeps.task import Progress, Stop
+from granulab.contact.jit import already_compiled, cache_folder
+from granulab.errors import InputError, SimulationError
+
+_SECONDS_PER_PARTICLE_STEP = 5e-7  # of a bed at rest under load, on a server of 2023
+
+
+def run_digest(test: SlowTest) -> str:
+    """Names a run: its case and seed."""
+    return digest(test.identity())
+
+
+def run(
+    test: SlowTest,
+    *,
+    out: str | Path,
+    progress: Progress = lambda fraction, text: None,
+    stop: Stop = lambda: False,
+    warn: Warn = to_stderr,
+) -> Result:
+    """Run a test in a folder below `out`, or give the answer that stands there.
+
+    An unfinished one goes on from its checkpoint. Raises InputError where the particles do not fit,
+    Stopped, FolderError and SimulationError; the state is kept.
+    """
+    folder = open_run(Path(out), f"{test.name}-seed{test.settings.run.seed}", run_digest(test))
+    with folder.lock():
+        begun = time.perf_counter()
+        begin_or_check(
+            folder, case=test.to_toml(), files=test.damper.files, run_digest=run_digest(test),
+            seed=test.settings.run.seed, packages=PACKAGES, sources=SOURCES, warn=warn,
+        )  # fmt: skip
+        if folder.state != "finished":
+            end(folder, _computed(test, folder, Path(out), progress, stop, warn), begun)
+            folder.checkpoint.unlink(missing_ok=True)
+            return Result.read(folder, reused=False)
+        return Result.read(folder, reused=True)
+
+
+def _computed(
+    test: SlowTest, folder: RunFolder, out: Path, progress: Progress, stop: Stop, warn: Warn
+) -> dict[str, Any]:
+    packing = get_packing(test, out, progress, stop, warn)
+    sim = settled(test, packing, packing_folder(test, out))
+    sim.compile()
+    course = go_on(sim, folder)
+    follow(sim, test, course, folder, progress, stop)
+    found = summary(test, course, sim)
+    if abs(found["energy_closure"] or 0.0) > BOOKS_OFF:
+        raise sim.failure(
+            f"{abs(found['energy_closure']):.2g} of the dissipated energy is unaccounted for"
+        )
+    return {
+        **found,
+        "time_step_s": test.time_step,
+        "steps": course.steps,
+        "cpu_us_per_step": 1e6 * course.cpu_s / course.steps,
+        "cpu_s": course.cpu_s + packing.cpu_s,
+        "state_digest": sim.state_digest(),
+    }
+
+
+def run_task(task: Task, stop: Stop) -> Result | None:
+    """Run a test, or fill its halves; in a worker."""
+    compile_kernels()
+    with as_outcome(InputError, FolderError, SimulationError):
+        if task.packing_only:
+            get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
+            return None
+        return run(task.case, out=task.out, stop=stop, warn=silent)
+
+
+def compile_kernels() -> None:
+    """Compile what is not compiled yet, while other processes that need it wait."""
+
+    def test_a_few() -> None:
+        few = {"particles.count": 8, "fill.settle_time": "1 ms"}
+        with tempfile.TemporaryDirectory() as place:
+            for shape in ("prolate:1", "prolate:1.5"):
+                test = SlowTest.load("compress", {"particles.shape": shape, **few}, {})
+                settled(test, get_packing(test, Path(place), *_QUIETLY), Path(place)).sample()
+
+    once(Path(cache_folder(ENGINE)), "quasistatic-compiled", test_a_few)
+
+
+_QUIETLY: tuple[Progress, Stop, Warn] = (lambda fraction, text: None, lambda: False, silent)
+
+
+def expected_cpu_s(test: SlowTest) -> tuple[float, float]:
+    """About what filling and test cost [s of CPU]; the pre-load takes a tenth of its most."""
+    each = _SECONDS_PER_PARTICLE_STEP * test.damper.count
+    preload = 0.1 * LONGEST_PRELOAD / test.time_step
+    return (
+        each * test.settings.fill.settle_time / test.time_step,
+        each * (preload + SAMPLES * steps_per_sample(test, True)),
+    )
+
+
+SLOW_TESTS = Simulator(
+    name="damper3d",
+    digest=run_digest,
+    packing_folder=packing_folder,
+    packing_from=partial(packing_sources, load_packing),
+    work=run_task,
+    read=partial(Result.read, reused=True),
+    expected_cpu_s=expected_cpu_s,
+    sources=SOURCES,
+    packages=PACKAGES,
+    compiled=partial(already_compiled, ENGINE),
+)

@@ -1,0 +1,173 @@
+"""A run for other programs: VTKHDF files for ParaView, or CSV tables (see tables.py).
+
+VTKHDF: two or three files (PolyData with time steps), of which each stored frame is a step.
+
+    particles    a point each, in the lab [m], with arrays radius [m], velocity (3) [m/s], spin (3)
+                 [rad/s], heat [J] dissipated at it so far, power [W] since the step before, id;
+                 of clusters orientation (4), a unit quaternion (w, x, y, z), and radius that of
+                 the ball of the same volume
+    spheres      of clusters: their sub-spheres likewise, with radius [m], velocity (3) [m/s] of
+                 the sphere's centre, power [W] of its particle, particle: its id
+    enclosure    its walls as polygons where they stand, with array wall: row of wall_names
+
+In ParaView: Glyph, sphere, scale by radius with factor 2; the enclosure at an opacity of 0.2.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from damper3d.view.pictures.colouring import power
+from damper3d.view.pictures.scene import Scene, read_scene
+from granulab.campaign.cli.library import write_output
+from granulab.campaign.runs.folder import FolderError
+from granulab.contact.files.units import nearest
+from granulab.errors import InputError
+
+_SUFFIX = ".vtkhdf"  # by which ParaView and vtkHDFReader know the format
+_SIDES = 48  # of the polygon that stands for a circle
+
+Points = NDArray[np.float64]
+
+
+def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> list[Path]:
+    """Write a run, finished or not, in a format ("vtkhdf" or "csv"); the paths of the files.
+
+    `path` is the file of the particles (vtkhdf; the others go beside it, with -enclosure and
+    -spheres in their names) or the folder for the tables (csv); export/ in the run folder where
+    it is not given. What stands there is replaced, each file at once. Raises InputError for another
+    format or suffix, FolderError where the run has no frames, cannot be read or cannot be written.
+    """
+    if to not in FORMATS:
+        raise InputError(f"--to {to!r}: {nearest(to, list(FORMATS))}")
+    scene = read_scene(run_folder)
+    place = Path(run_folder) / "export"
+    return FORMATS[to](scene, place, None if path is None else Path(path))
+
+
+def _to_vtkhdf(scene: Scene, place: Path, path: Path | None) -> list[Path]:
+    path = path or place / f"particles{_SUFFIX}"
+    if path.suffix != _SUFFIX:
+        raise InputError(f"--output {path}: ParaView knows the format by {_SUFFIX}; add that")
+    if not len(scene.tables):
+        raise FolderError(
+            f"{place.parent}: it kept no particles (output.frames = 0), nothing to show; run it "
+            "with output.frames above 0"
+        )
+    makers = {"enclosure": enclosure_file}
+    if scene.of_clusters:
+        makers["spheres"] = spheres_file
+    written = [write_output(path, particles_file(scene))]
+    for name, maker in makers.items():
+        beside = path.with_name((name if path.parent == place else f"{path.stem}-{name}") + _SUFFIX)
+        written.append(write_output(beside, maker(scene)))
+    return written
+
+
+def _to_csv(scene: Scene, place: Path, path: Path | None) -> list[Path]:
+    from damper3d.view.tables import bodies_csv, particles_csv, samples_csv, spheres_csv
+
+    tables = {"samples": samples_csv, "bodies": bodies_csv}
+    if scene.of_clusters:
+        tables["spheres"] = spheres_csv
+    if len(scene.tables):
+        tables["particles"] = particles_csv
+    folder = path or place
+    return [write_output(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
+
+
+FORMATS: dict[str, Callable[[Scene, Path, Path | None], list[Path]]] = {
+    "vtkhdf": _to_vtkhdf,
+    "csv": _to_csv,
+}
+
+
+def particles_file(scene: Scene) -> bytes:
+    """The particles as points with arrays, a step for each frame."""
+
+    def of(frame: int) -> tuple[Points, dict[str, np.ndarray]]:
+        now = scene.particles(frame)
+        arrays = {
+            "radius": scene.radius, "velocity": now.velocity, "spin": now.spin, "heat": now.heat,
+            "power": power(scene, frame), "id": np.arange(len(scene.radius)),
+        }  # fmt: skip
+        if scene.of_clusters:
+            arrays["orientation"] = scene.orientation(frame)
+        return now.position, arrays
+
+    return _points_file(scene, of)
+
+
+def spheres_file(scene: Scene) -> bytes:
+    """The sub-spheres of clusters as points with arrays, a step for each frame."""
+
+    def of(frame: int) -> tuple[Points, dict[str, np.ndarray]]:
+        now, (arm, radius, whose) = scene.particles(frame), scene.spheres(frame)
+        return now.position[whose] + arm, {
+            "radius": radius,
+            "velocity": now.velocity[whose] + np.cross(now.spin[whose], arm),
+            "power": power(scene, frame)[whose],
+            "particle": whose,
+        }
+
+    return _points_file(scene, of)
+
+
+def _points_file(scene: Scene, of: Callable[[int], tuple[Points, dict[str, np.ndarray]]]) -> bytes:
+    """Points with arrays, of which `of` gives those of a frame, in the enclosure's frame [m]."""
+    from granulab.campaign.output.vtkhdf import PolyDataFile
+
+    file = PolyDataFile()
+    for frame, sample in enumerate(scene.frame_sample):
+        points, arrays = of(frame)
+        file.append(
+            float(scene.time[sample]),
+            (points + scene.shift(frame)).astype(np.float32),
+            {"Vertices": np.ones(len(points), dtype=np.int64)},
+            {},
+            {name: _single(values) for name, values in arrays.items()},
+        )
+    return file.content()
+
+
+def _single(values: np.ndarray) -> np.ndarray:
+    return values.astype(np.float32 if values.dtype.kind == "f" else np.int32)
+
+
+def enclosure_file(scene: Scene) -> bytes:
+    """The walls as polygons where they stand, a step for each frame."""
+    from granulab.campaign.output.vtkhdf import PolyDataFile
+
+    file, polygons = PolyDataFile(), walls(scene)
+    sizes = {"Polygons": [len(points) for _, points in polygons]}
+    rows = np.array([scene.wall_names.index(name) for name, _ in polygons], dtype=np.int32)
+    points = np.concatenate([points for _, points in polygons])
+    for frame, sample in enumerate(scene.frame_sample):
+        placed = (points + scene.shift(frame)).astype(np.float32)
+        file.append(float(scene.time[sample]), placed, sizes, {"wall": rows})
+    return file.content()
+
+
+def walls(scene: Scene) -> list[tuple[str, Points]]:
+    """Wall and corners (p, 3) [m] of each polygon of the enclosure, in its own frame.
+
+    A cylinder is a prism whose edges lie on it.
+    """
+    width, depth, height = scene.size
+    up = np.array([0.0, 0.0, height])
+    if scene.enclosure.radius is None:
+        x, y = width / 2, depth / 2
+        base = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
+        names = ["front", "right", "back", "left"]
+    else:
+        turn = 2 * np.pi * np.arange(_SIDES) / _SIDES
+        base = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1) * width / 2
+        names = ["side"] * _SIDES
+    after = np.roll(base, -1, axis=0)
+    around = [
+        (name, np.stack([a, b, b + up, a + up]))
+        for name, a, b in zip(names, base, after, strict=True)
+    ]
+    return [("bottom", base), ("top", base + up), *around]

@@ -1,0 +1,165 @@
+"""Figures of a run, drawn from its folder: particles through a cycle here, graphs elsewhere."""
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from damper3d.view.pictures import picture_3d
+from damper3d.view.pictures.charts import energy_chart, motion_chart
+from damper3d.view.pictures.colouring import Colouring, colouring
+from damper3d.view.pictures.enclosure_view import corners, spheres_drawn, window
+from damper3d.view.pictures.film import make_film
+from damper3d.view.pictures.graph import ruled
+from damper3d.view.pictures.scene import Scene, read_scene
+from damper3d.view.pictures.spheres import draw_spheres
+from granulab.campaign.output.figure import GREY, INK, VERMILION, WALL, headline, write_figure
+from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.contact.files.units import nearest
+from granulab.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+ENGINES = {"matplotlib": "cycle", "pyvista": "cycle-3d"}  # and the names of their sheets
+_MOST_PANELS = 8
+_TALLEST, _WIDEST, _GAP = 3.2, 1.75, 0.1  # of a panel [inch]
+_HEADLINE, _STRIP, _LEFT, _RIGHT, _BOTTOM = 0.72, 1.1, 0.75, 1.15, 0.5
+_PIXELS = 240  # an inch of a panel
+
+
+def make_figures(
+    run_folder: str | Path, film: bool = True, by: str = "velocity", engine: str = "matplotlib"
+) -> list[Path]:
+    """Draw a run, finished or not, into its folder figures/; the paths of the pictures.
+
+    cycle.png     particles and enclosure at even times of the last whole cycle; cycle-3d.png in
+                  its place with the engine "pyvista": the whole bed, in perspective
+    energy.png    what a cycle dissipates, by mechanism, as it goes on; efficiency of each cycle
+    motion.png    velocity of bed and enclosure, force on the enclosure, height of the bed's mass
+    film.mp4      all frames (see make_film); left out without `film`
+
+    `by` says what the particles' colours tell: "velocity" or "dissipation". A run that kept no
+    frames (output.frames = 0) has neither cycle.png nor film. Raises FolderError when the folder
+    holds no cycle yet or cannot be read or written, InputError for another `by`.
+    """
+    if engine not in ENGINES:
+        raise InputError(f"--engine {engine!r}: {nearest(engine, ENGINES)}")
+    scene = read_scene(run_folder)
+    folder = RunFolder(Path(run_folder)).figures
+    sheets = {"energy": energy_chart, "motion": motion_chart}
+    if len(scene.tables):
+        sheets = {ENGINES[engine]: partial(cycle_sheet, by=by, engine=engine), **sheets}
+    paths = [
+        write_figure(folder / f"{name}.png", partial(draw, scene)) for name, draw in sheets.items()
+    ]
+    return [*paths, make_film(scene, folder, by)] if film and len(scene.tables) else paths
+
+
+def panel_frames(scene: Scene) -> list[int]:
+    """Frames at even parts of the last whole cycle, at most eight."""
+    frames = scene.frames_of(scene.n_cycles - 1)
+    return frames[:: -(-len(frames) // _MOST_PANELS) or 1]
+
+
+def cycle_sheet(scene: Scene, by: str = "velocity", engine: str = "matplotlib") -> "Figure":
+    """Particles and enclosure at even times of a cycle; below, the velocities.
+
+    Drawn by matplotlib they are those behind the middle plane, by pyvista all, in perspective.
+    Raises FolderError where the last cycle has no frame, InputError for another `by` or where
+    pyvista is not installed.
+    """
+    from matplotlib.figure import Figure
+
+    frames = panel_frames(scene)
+    if not frames:
+        raise FolderError("no frame in the last cycle; run it with output.frames above 0")
+    shown, in_space = window(scene, 1.0), engine == "pyvista"
+    shape = (shown.top - shown.bottom) / (shown.right - shown.left)
+    shape = picture_3d.SHAPE if in_space else shape
+    wide = min(_WIDEST, _TALLEST / shape)
+    high = wide * shape
+    across = len(frames) * (wide + _GAP)
+    width, total = _LEFT + across + _RIGHT, _HEADLINE + high + 0.3 + _STRIP + _BOTTOM
+    figure = Figure(figsize=(width, total))
+    _words(figure, scene, total, in_space)
+    colours = colouring(scene, by, frames)
+    strip = figure.add_axes((_LEFT / width, _BOTTOM / total, across / width, _STRIP / total))
+    _velocities(strip, scene, frames)
+    bottom = _BOTTOM + _STRIP + 0.12
+    for k, frame in enumerate(frames):
+        x = _LEFT + _GAP / 2 + k * (wide + _GAP)
+        box = (x / width, bottom / total, wide / width, high / total)
+        panel = figure.add_axes(box)
+        panel.set_axis_off()
+        if in_space:
+            panel.imshow(picture_3d.draw_space(scene, frame, colours))
+        else:
+            draw_enclosure(panel, scene, frame, colours, _PIXELS * wide)
+    bar = figure.add_axes(((width - _RIGHT + 0.15) / width, bottom / total, 0.1 / width,
+                           min(high, 2.2) / total))  # fmt: skip
+    figure.colorbar(colours.scale, cax=bar).set_label(colours.label)
+    return figure
+
+
+def _words(figure: "Figure", scene: Scene, total: float, in_space: bool) -> None:
+    """The headline, and how to read the panels."""
+    headline(figure, f"{scene.title}: {scene.outcome}")
+    downwards = "gravity points down" if scene.gravity.any() else "no gravity"
+    text = f"{downwards}; the half in front of the middle plane is taken away; dashed: the "
+    text += "enclosure's place at rest; its amplitude: "
+    text = f"{downwards}; the enclosure's amplitude: " if in_space else text
+    text += _length(scene)
+    figure.text(0.01, 1 - 0.5 / total, text, color=GREY, va="center")
+
+
+def _length(scene: Scene) -> str:
+    """The largest displacement in words."""
+    largest = float(np.abs(scene.trajectory["displacement"]).max())
+    return f"{1e3 * largest:.3g} mm" if largest > 1e-4 else f"{1e6 * largest:.3g} \N{MICRO SIGN}m"
+
+
+def draw_enclosure(
+    panel: "Axes", scene: Scene, frame: int, colours: Colouring, pixels: float
+) -> None:
+    """Particles and enclosure in a frame, to scale, `pixels` wide."""
+    from matplotlib.colors import to_rgb
+    from matplotlib.patches import Rectangle
+
+    shown = window(scene, 1.0)
+    shown = window(scene, pixels / (shown.right - shown.left))
+    centre, radius, whose = spheres_drawn(scene, frame)
+    picture = draw_spheres(centre, radius, colours.of(frame)[whose], shown, to_rgb("white"))
+    panel.imshow(
+        picture,
+        extent=(shown.left, shown.right, shown.bottom, shown.top),
+        interpolation="antialiased",
+    )
+    low, moved = corners(scene)[0], scene.view.project(scene.shift(frame))[:2]
+    wide, high = corners(scene)[1] - low
+    rest: dict[str, Any] = {"ec": GREY, "lw": 0.6, "ls": (0, (3, 3))}
+    panel.add_patch(Rectangle(low, wide, high, fill=False, clip_on=False, **rest))
+    panel.add_patch(Rectangle(low + moved, wide, high, fill=False, clip_on=False, ec=WALL, lw=1.8))
+    panel.set(xlim=(shown.left, shown.right), ylim=(shown.bottom, shown.top))
+
+
+def _velocities(strip: "Axes", scene: Scene, frames: list[int]) -> None:
+    """Of bed and enclosure in that cycle, as wide as the panels: each stands over its time."""
+    phase = scene.phase
+    bed = scene.by_cycle(scene.along(scene.trajectory["mean_velocity"]))[-1]
+    enclosure = scene.by_cycle(scene.trajectory["velocity"])[-1]
+    samples = scene.frame_sample[frames]
+    at = (samples - samples[0]) / (len(phase) - 1)
+    ruled(strip)
+    strip.plot(phase, enclosure, color=INK, label="enclosure")
+    strip.plot(phase, bed, color=VERMILION, label="bed")
+    strip.plot(at, scene.trajectory["velocity"][samples], "o", color=INK, ms=3.5)
+    mean = scene.along(scene.trajectory["mean_velocity"][samples])
+    strip.plot(at, mean, "o", color=VERMILION, ms=3.5)
+    step = at[1] - at[0] if len(at) > 1 else 1.0
+    strip.set(xlim=(at[0] - step / 2, at[-1] + step / 2), ylabel="velocity [m/s]")
+    strip.set_xticks(at, [f"{part:.3g}" for part in at])
+    strip.set_xlabel(f"part of cycle {scene.n_cycles}")
+    strip.legend(loc="upper left", bbox_to_anchor=(1.0, 1), borderaxespad=0, handlelength=1.2)

@@ -1,0 +1,307 @@
+"""A run folder as pictures need it: samples by cycles, particles of a frame, enclosure, words."""
+
+import json
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from damper3d.case.parts import orientation_of
+from damper3d.case.settings import Settings, check_settings, read_settings
+from damper3d.engine.enclosure import Enclosure, box, cylinder
+from damper3d.engine.records import UNITS
+from damper3d.measures.efficiency import reference_energy
+from damper3d.run.folders import shaken
+from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.ragged import Tables
+from granulab.campaign.runs.trajectory import Trajectory, read_trajectory, stored_tables
+
+Array = NDArray[np.float64]
+
+_ANEW = "use --again to compute the run anew"
+_G = 9.81  # m/s2, in which gamma is counted
+_OF_PARTICLES = [f"{name}{axis}" for name in ("", "v", "spin_") for axis in "xyz"] + ["heat"]
+_TURNS = [f"turn_{c}" for c in "wxyz"]  # and of clusters
+
+
+class NothingKept(FolderError):
+    """The run kept no more than its summary."""
+
+
+class Particles(NamedTuple):
+    """Of one frame.
+
+    position    (n, 3) [m] of the centres, relative to the enclosure
+    velocity    (n, 3) [m/s] in the lab
+    spin        (n, 3) [rad/s]
+    heat        (n,) [J] dissipated at each so far
+    """
+
+    position: Array
+    velocity: Array
+    spin: Array
+    heat: Array
+
+
+class View(NamedTuple):
+    """How the enclosure is looked at: unit vectors (3,), along axes of its own frame."""
+
+    right: Array
+    up: Array
+    nearer: Array  # towards the eye
+
+    def project(self, points: Array) -> Array:
+        """Points or vectors (..., 3) as right, up and towards the eye (..., 3)."""
+        return points @ np.stack(self, axis=1)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One run as it stands on disk, finished or not.
+
+    The frames of the trajectory are the samples; some of them come with a table of the particles,
+    and those are called frames here.
+
+    summary         as in summary.json; empty while the run goes on
+    """
+
+    trajectory: Trajectory
+    tables: Tables
+    settings: Settings
+    summary: dict[str, Any]
+
+    @property
+    def time(self) -> Array:
+        """Of the samples (S,) [s], 0 where the vibration begins."""
+        return self.trajectory["time"]
+
+    @property
+    def period(self) -> float:
+        """Of a cycle [s]."""
+        return 1 / self.settings.motion.frequency
+
+    @property
+    def peak_speed(self) -> float:
+        """Gamma g / omega [m/s], the largest velocity of the enclosure (eq. 6.2)."""
+        return self.settings.motion.gamma * _G * self.period / (2 * np.pi)
+
+    @property
+    def masses(self) -> Array:
+        """Of the particles (n,) [kg]."""
+        return self.trajectory.static["mass"]
+
+    @property
+    def mass(self) -> float:
+        """Of all particles [kg]."""
+        return float(self.masses.sum())
+
+    @property
+    def radius(self) -> Array:
+        """Of the particles (n,) [m]."""
+        return self.trajectory.static["radius"]
+
+    @property
+    def full_energy(self) -> float:
+        """4 (Gamma g/omega)^2 M [J], the most that a cycle can dissipate (eq. 6.10)."""
+        return reference_energy(self.peak_speed, self.mass)
+
+    @property
+    def direction(self) -> Array:
+        """Of the enclosure's motion (3,), a unit vector."""
+        return np.asarray(self.trajectory.attributes["direction"], dtype=float)
+
+    @property
+    def gravity(self) -> Array:
+        """In the enclosure's frame (3,) [m/s2]; zeros where there is none."""
+        return np.asarray(self.trajectory.attributes["gravity"], dtype=float)
+
+    @property
+    def wall_names(self) -> list[str]:
+        """As the rows of wall_force."""
+        return json.loads(self.trajectory.attributes["wall_names"])
+
+    @cached_property
+    def enclosure(self) -> Enclosure:
+        """As it stands in the case of the run folder, where no size is left out."""
+        given = self.settings.enclosure
+        if given.shape == "cylinder":
+            return cylinder(given.diameter or 0.04, given.height)
+        width = given.width or 0.04
+        return box(width, given.depth or width, given.height)
+
+    @property
+    def size(self) -> Array:
+        """Width, depth and height (3,) [m] of the enclosure, along x, y and z."""
+        return np.array([self.enclosure.width, self.enclosure.depth, self.enclosure.height])
+
+    @property
+    def view(self) -> View:
+        """Gravity downwards, the motion to be seen; along the enclosure's own axes."""
+        g = self.gravity
+        down = 2 if abs(g[2]) >= np.abs(g).max() else int(np.abs(g).argmax())
+        up = np.zeros(3)
+        up[down] = -1.0 if g[down] > 0 else 1.0
+        seen = np.abs(self.direction)
+        seen[down] = -1.0
+        across = [axis for axis in (2, 0, 1) if axis != down]  # z first where it lies
+        right = np.zeros(3)
+        right[max(across, key=lambda axis: seen[axis])] = 1.0
+        return View(right, up, np.cross(right, up))
+
+    @property
+    def samples_per_cycle(self) -> int:
+        """Row k samples_per_cycle is the end of cycle k; row 0 stands before the first."""
+        return self.settings.output.samples
+
+    @property
+    def n_cycles(self) -> int:
+        """Whole cycles that are there."""
+        return (len(self.time) - 1) // self.samples_per_cycle
+
+    @property
+    def counted(self) -> range:
+        """Cycles that count: those after the discarded ones, or all while there are no others."""
+        discarded = self.summary.get("discarded", self.settings.run.discard)
+        return range(discarded if discarded < self.n_cycles else 0, self.n_cycles)
+
+    @property
+    def phase(self) -> Array:
+        """Parts of a cycle (k + 1,), 0 to 1, at which `by_cycle` gives a series."""
+        return np.linspace(0.0, 1.0, self.samples_per_cycle + 1)
+
+    def by_cycle(self, series: Array) -> Array:
+        """A series (S, ...) of the samples, cut into whole cycles (c, k + 1, ...).
+
+        The last value of a cycle is the first of the next.
+        """
+        per = self.samples_per_cycle
+        return series[per * np.arange(self.n_cycles)[:, None] + np.arange(per + 1)]
+
+    def along(self, vectors: Array) -> Array:
+        """Components of vectors (..., 3) along the motion (...)."""
+        return vectors @ self.direction
+
+    @property
+    def frame_sample(self) -> NDArray[np.int64]:
+        """Sample (row) of each frame (F,)."""
+        return self.tables.frame
+
+    def frames_of(self, cycle: int) -> list[int]:
+        """Frames of a whole cycle, its end left out."""
+        per = self.samples_per_cycle
+        low, high = np.searchsorted(self.frame_sample, [cycle * per, (cycle + 1) * per])
+        return list(range(low, high))
+
+    def spheres(self, frame: int) -> tuple[Array, Array, NDArray[np.int64]]:
+        """What is seen of the particles in a frame: all their spheres.
+
+        From the particle's centre to the sphere's (m, 3) [m], radius (m,) [m], number of the
+        particle (m,).
+        """
+        static, n = self.trajectory.static, len(self.radius)
+        if not self.of_clusters:
+            return np.zeros((n, 3)), self.radius, np.arange(n)
+        turn, offset = self.orientation(frame), static["sphere_offset"]
+        w, about = turn[:, None, :1], turn[:, None, 1:]
+        # r + 2 w (q x r) + 2 q x (q x r) of a unit quaternion (w, q)
+        first = np.cross(about, offset[None])
+        turned = offset[None] + 2.0 * w * first + 2.0 * np.cross(about, first)
+        k = len(offset)
+        return (
+            turned.reshape(-1, 3),
+            np.tile(static["sphere_radius"], n),
+            np.repeat(np.arange(n), k),
+        )
+
+    @property
+    def of_clusters(self) -> bool:
+        """Whether the particles are clusters of sub-spheres, and so have orientations."""
+        return "sphere_offset" in self.trajectory.static
+
+    def orientation(self, frame: int) -> Array:
+        """Of clusters (n, 4): unit quaternions (w, x, y, z), from principal axes to the lab."""
+        table = self.tables.at(frame)
+        return np.stack([table[name] for name in _TURNS], axis=1).astype(float)
+
+    def particles(self, frame: int) -> Particles:
+        """What moves in a frame."""
+        table = self.tables.at(frame)
+        position, velocity, spin = (
+            np.stack([table[f"{name}{axis}"] for axis in "xyz"], axis=1).astype(float)
+            for name in ("", "v", "spin_")
+        )
+        return Particles(position, velocity, spin, table["heat"].astype(float))
+
+    def shift(self, frame: int) -> Array:
+        """Displacement (3,) [m] of the enclosure in a frame."""
+        return self.trajectory["displacement"][self.frame_sample[frame]] * self.direction
+
+    @property
+    def title(self) -> str:
+        """Particles, enclosure and motion, in one line."""
+        n, motion = len(self.radius), self.settings.motion
+        shape = self.settings.particles.shape
+        kind, _, size = shape.partition(":")
+        what = f"{n} spheres of {re.sub('(?<=[0-9])(?=[a-z])', ' ', size)}"
+        if kind != "sphere":
+            what = f"{n} particles {shape.removesuffix('.obj')}"
+        how = orientation_of(self.gravity, self.direction).replace("none", "no gravity")
+        fill = self.trajectory.attributes["fill_ratio"]
+        return (
+            f"{what}, fill ratio {fill:.3f}; {motion.frequency:g} Hz, \u0393 = {motion.gamma:g}, "
+            f"{how}"
+        )
+
+    @property
+    def outcome(self) -> str:
+        """What came out, in a few words."""
+        if not self.summary:
+            return f"unfinished, {self.time[-1] / self.period:.1f} cycles"
+        words = f"efficiency {self.summary['efficiency']:.3f}"
+        phase = self.summary.get("phase")
+        return f"{words}, {str(phase).replace('_', ' ')}" if phase else words
+
+
+def read_scene(run_folder: str | Path) -> Scene:
+    """The run in a folder.
+
+    Raises FolderError where it has no whole cycle yet, is damaged or cannot be read, NothingKept
+    where it has no samples any more.
+    """
+    run = RunFolder(Path(run_folder))
+    path = shaken(run_folder).path / "case.toml"
+    settings = check_settings(read_settings(path), str(path))
+    summary = run.read_summary() if run.state == "finished" else {}
+    if summary and not (run.path / "trajectory.h5").exists():
+        raise NothingKept(
+            f'{run.path}: only its summary was kept (output.keep = "summary"), nothing to draw '
+            'or export; run it with output.keep = "all"'
+        )
+    trajectory = read_trajectory(run.path)
+    if "time" not in trajectory or len(trajectory["time"]) < 2 or not trajectory.static:
+        raise FolderError(f"{run.path}: no sample yet; wait until the enclosure moves")
+    if wrong := _wrong(trajectory):
+        raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {_ANEW}")
+    none = Tables(np.empty(0, np.int64), np.empty(0, np.int64), {})
+    tables = stored_tables(run.path).get("particles", none)
+    needed = [*_OF_PARTICLES, *(_TURNS if "sphere_offset" in trajectory.static else [])]
+    if len(tables) and (missing := [key for key in needed if key not in tables.columns]):
+        wrong = f"particles without {', '.join(missing)}"
+        raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {_ANEW}")
+    # A run that goes on may have flushed more frames between the two readings.
+    scene = Scene(trajectory, tables.of_frames(0, len(trajectory["time"])), settings, summary)
+    if not scene.n_cycles:
+        raise FolderError(f"{run.path}: no whole cycle yet; wait until one is computed")
+    return scene
+
+
+def _wrong(trajectory: Trajectory) -> str:
+    """What a scene needs and a trajectory lacks, in words; "" where all is there."""
+    kept = [*trajectory, *trajectory.static, *trajectory.attributes]
+    needed = [*UNITS, "radius", "mass", "wall_names", "fill_ratio", "direction", "gravity"]
+    missing = [name for name in needed if name not in kept]
+    return f"no {', '.join(missing)}" if missing else ""

@@ -1,0 +1,104 @@
+"""Spheres as lit balls in a picture, seen from far away: what is nearer hides what is behind."""
+
+from granulab.contact.jit import njit  # isort: skip
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_SMOOTH = 2  # a pixel is the mean of so many squared
+_AMBIENT, _GLOSS = 0.42, 0.28
+_DIMMED = 0.45  # of the light, at what is farthest; a haze would change the colours' meaning
+_LIGHT = (-0.450, 0.600, 0.661)  # where it comes from, of length one: right, up, towards the eye
+_HALF = (-0.247, 0.329, 0.911)  # likewise between it and the eye, where a highlight lies
+
+
+@dataclass(frozen=True)
+class Window:
+    """What a picture shows: left, right, bottom, top [m], at a scale [px/m]."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+    scale: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width [px]."""
+        high, wide = self.top - self.bottom, self.right - self.left
+        return max(round(high * self.scale), 1), max(round(wide * self.scale), 1)
+
+    def pixels(self, points: Array) -> Array:
+        """Columns and rows (..., 2) [px] of points (..., 2) [m]; rows count downwards."""
+        return (points - (self.left, self.top)) * (self.scale, -self.scale)
+
+
+def draw_spheres(
+    centre: Array, radius: Array, colour: Array, window: Window, paper: tuple[float, float, float]
+) -> NDArray[np.uint8]:
+    """A picture (rows, columns, 3) of spheres on paper, red green blue.
+
+    centre      (n, 3) [m]: right, up, towards the eye
+    radius      (n,) [m]
+    colour      (n, 3) between 0 and 1
+
+    Each pixel shows the sphere whose surface is nearest there; what is farther is darker.
+    """
+    rows, columns = window.shape
+    scale = window.scale * _SMOOTH
+    place = np.empty((len(centre), 3))  # column, row, towards the eye, in small pixels
+    place[:, :2] = window.pixels(centre[:, :2]) * _SMOOTH
+    place[:, 2] = centre[:, 2] * scale
+    behind = centre[:, 2].max(initial=-np.inf) - centre[:, 2]
+    light = 1 - _DIMMED * behind / max(behind.max(initial=0.0), 1e-30)
+    owner, depth = _nearest(place, radius * scale, rows * _SMOOTH, columns * _SMOOTH)
+    picture = np.zeros((rows, columns, 3))
+    _shade(owner, depth, place, radius * scale, light, colour, np.array(paper), picture)
+    return np.rint(255 / _SMOOTH**2 * picture).astype(np.uint8)
+
+
+@njit
+def _nearest(place, reach, rows, columns):
+    """Which sphere each pixel shows (-1: none), and where its surface stands towards the eye."""
+    owner = np.full((rows, columns), -1, dtype=np.int32)
+    depth = np.full((rows, columns), -np.inf)
+    for k in range(len(place)):
+        x, y, z = place[k]
+        r = reach[k]
+        for row in range(max(int(y - r), 0), min(int(y + r) + 2, rows)):
+            for column in range(max(int(x - r), 0), min(int(x + r) + 2, columns)):
+                across, upwards = column + 0.5 - x, y - row - 0.5
+                over = r * r - across * across - upwards * upwards
+                if over > 0.0:
+                    surface = z + np.sqrt(over)
+                    if surface > depth[row, column]:
+                        depth[row, column] = surface
+                        owner[row, column] = k
+    return owner, depth
+
+
+@njit
+def _shade(owner, depth, place, reach, light, colour, paper, picture):
+    """Add up the small pixels of each of the picture's: Lambert's law and a highlight, or paper."""
+    for row in range(owner.shape[0]):
+        for column in range(owner.shape[1]):
+            k = owner[row, column]
+            pixel = picture[row // _SMOOTH, column // _SMOOTH]
+            if k < 0:
+                for part in range(3):
+                    pixel[part] += paper[part]
+                continue
+            a = (column + 0.5 - place[k, 0]) / reach[k]
+            b = (place[k, 1] - row - 0.5) / reach[k]
+            c = (depth[row, column] - place[k, 2]) / reach[k]
+            facing = max(a * _LIGHT[0] + b * _LIGHT[1] + c * _LIGHT[2], 0.0)
+            shine = max(a * _HALF[0] + b * _HALF[1] + c * _HALF[2], 0.0)
+            for _ in range(5):
+                shine *= shine  # its 32nd power
+            diffuse = light[k] * (_AMBIENT + (1.0 - _AMBIENT) * facing)
+            for part in range(3):
+                pixel[part] += min(diffuse * colour[k, part] + light[k] * _GLOSS * shine, 1.0)

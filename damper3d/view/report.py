@@ -1,0 +1,205 @@
+"""What a person reads before and after a run."""
+
+import numpy as np
+
+from damper3d.case.case import DamperCase
+from damper3d.case.plan import expected_cpu_s, steps_at_most, warnings
+from damper3d.engine.records import CLASSES
+from damper3d.run.result import Result
+from granulab.campaign.sweeps.overview import in_minutes
+from granulab.contact.hertz import HertzLaw
+
+_UNSTEADY = 0.1  # of the efficiency, by which the walls' work may differ without a word
+_COARSE = 0.005  # closed at 1 us, relative to what is dissipated
+_MOST_CYCLES = 12  # that are told one by one
+
+
+def echo(case: DamperCase, dry_run: bool) -> str:
+    """The case in SI, the time step with its reason, restitutions, and what looks wrong."""
+    settings, particle, steps = case.settings, case.particle, case.steps
+    lines = [
+        f"{case.name}, seed {settings.run.seed}",
+        f"  enclosure   {_enclosure(case)}",
+        f"  particles   {case.count} of {particle.name}: radius {particle.equal_volume_radius:g} "
+        f"m, {case.particle_mass:.4g} kg each, {case.mass:.4g} kg together, fill ratio "
+        f"{case.fill_ratio:.3f}",
+        *_motion(case),
+        _law("particles", case.pair_law, case.restitution[CLASSES[0]]),
+        _law("walls", case.wall_law, case.restitution[CLASSES[1]]),
+        f"  contact     {_contact(case)}",
+        f"  yield       {_yield(case)}",
+        f"  filling     settled for {settings.fill.settle_time:g} s under gravity "
+        f"{_vector(case.settling_gravity)} m/s2, in steps of {steps.free:.4g} s",
+        f"  time step   {case.time_step:.6g} s: {steps.reason};",
+        f"              {steps.per_sample} a sample, {settings.output.samples} samples a cycle",
+        f"  ends        {_end(case)}",
+    ]
+    if dry_run:
+        filling, motion = expected_cpu_s(case)
+        lines.append(
+            f"  expected    about {in_minutes(filling + motion)} min of CPU, "
+            f"{in_minutes(filling)} of them for a packing that is not there yet"
+        )
+    return "\n".join([*lines, *(f"  warning     {line}" for line in warnings(case))])
+
+
+def _enclosure(case: DamperCase) -> str:
+    own = case.enclosure
+    if own.radius is not None:
+        return f"cylinder, {own.width:g} m in diameter, {own.height:g} m high"
+    return f"box, {own.width:g} m (x) by {own.depth:g} m (y), {own.height:g} m high"
+
+
+def _motion(case: DamperCase) -> list[str]:
+    motion = case.settings.motion
+    ramp = f", growing over {motion.ramp:g} cycles" if motion.ramp else ""
+    return [
+        f"  motion      {case.orientation}, {motion.frequency:g} Hz, gamma {motion.gamma:g}: "
+        f"amplitude {case.amplitude:.4g} m, peak speed {case.peak_speed:.4g} m/s{ramp};",
+        f"              along {_vector(case.direction)}, gravity {_vector(case.gravity)} m/s2",
+    ]
+
+
+def _vector(vector: np.ndarray) -> str:
+    return f"({', '.join(f'{x + 0.0:.4g}' for x in vector)})"
+
+
+def _law(name: str, law: HertzLaw, restitution: float) -> str:
+    return (
+        f"  law {name:9} 4/3 E {law.hertz:.4g} Pa, kt/kn {law.tangential:.4g}, mu {law.mu:g}, "
+        f"restitution {restitution:g}"
+    )
+
+
+def _contact(case: DamperCase) -> str:
+    law = case.settings.law
+    end = "ends at zero overlap, with just this restitution"
+    if law.contact_end == "force":
+        end = "ends at zero force, with a slightly higher restitution"
+    side = "the side's curvature counts" if law.wall_curvature else "walls are flat to it"
+    return f"{end}; the spring carries its {law.tangential}; {side}"
+
+
+def _yield(case: DamperCase) -> str:
+    parts = [
+        f"{pair.replace('_', '-')} " + ("not known" if v is None else f"{v:.3g} m/s")
+        for pair, v in case.yield_velocity.items()
+    ]
+    above = "falls above it" if case.settings.law.yielding else "does not depend on it"
+    return f"{', '.join(parts)} (thesis, eq. 5.26); restitution {above}"
+
+
+def _end(case: DamperCase) -> str:
+    run = case.settings.run
+    if run.steady:
+        return (
+            f"when steady, {min(run.cycles, run.max_cycles)} cycles at least, the first "
+            f"{run.discard} left out, and {run.max_cycles} cycles at most"
+        )
+    return (
+        f"after {run.cycles} cycles of {case.period:.4g} s, the last {run.cycles - run.discard} "
+        f"count; {steps_at_most(case):,} steps"
+    )
+
+
+def report(result: Result) -> str:
+    """The answers of a run."""
+    lines = [
+        f"{result.n_particles} of {result.particles}, {result.orientation}, "
+        f"{result.frequency_hz:g} Hz, gamma {result.gamma:g}, seed {result.seed}: efficiency "
+        f"{result.efficiency:.3f}{_interval(result.efficiency_interval)}",
+        f"  cycles           {_cycles(result)}",
+        f"  by other counts  {result.efficiency_contact_count:.3f} as the thesis counts, "
+        f"{result.efficiency_wall_work:.3f} from the work of the walls",
+        *_own_energy(result),
+        *_shares(result),
+        f"  design           {result.dissipated_power_w:.4g} W dissipated, loss factor "
+        f"{_number(result.loss_factor)}, like a damper of "
+        f"{_number(result.equivalent_damping_n_s_per_m)} N s/m;",
+        f"                   effective mass {_effective_mass(result)}, of {result.mass_kg:.4g} kg",
+        f"  motion           {result.phase or 'phase not told'}; bed's centre of mass "
+        f"{_number(result.bed_height_m)} m up; largest force on the enclosure "
+        f"{result.peak_wall_force_n:.4g} N",
+        f"  impacts          largest over the yield velocity: {_impacts(result)}",
+        f"  energy           {_books(result)}",
+        f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
+        f"steps of {result.time_step_s:.4g} s; {result.cpu_s:.1f} s in all",
+        f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
+    ]
+    return "\n".join(lines)
+
+
+def _own_energy(result: Result) -> list[str]:
+    """A line where much of what is dissipated is not the shaker's work."""
+    own = result.efficiency - result.efficiency_wall_work
+    if not abs(own) > _UNSTEADY * abs(result.efficiency):
+        return []
+    whence = "the bed gives itself (it sinks or slows down)" if own > 0 else "the bed takes up"
+    return [f"                   they differ by what {whence}: go on until it is steady (--steady)"]
+
+
+def _interval(interval: tuple[float, float] | None) -> str:
+    return "" if interval is None else f" (95 %: {interval[0]:.3f} to {interval[1]:.3f})"
+
+
+def _cycles(result: Result) -> str:
+    """The efficiency of each cycle, a bar before the first that counts."""
+    each = [f"{eta:.3f}" for eta in result.efficiency_per_cycle]
+    left_out, counted = each[: result.discarded], each[result.discarded :]
+    if len(each) > _MOST_CYCLES:
+        return (
+            f"the last {len(counted)} of {len(each)} count, {min(counted)} to {max(counted)}"
+            f"{_steady(result)}"
+        )
+    return f"{' '.join([*left_out, '|', *counted])} (counted from the bar on){_steady(result)}"
+
+
+def _packing(packing: dict[str, float]) -> str:
+    return (
+        f"packing fraction {packing['fraction']:.3f}, {packing['coordination']:.1f} contacts a "
+        f"particle, {packing['height_m']:.4g} m high, {packing['rms_speed_m_s']:.2g} m/s left"
+    )
+
+
+def _steady(result: Result) -> str:
+    if result.steady is None:
+        return ""
+    return "; steady" if result.steady else "; not steady"
+
+
+def _number(value: float | None) -> str:
+    return "none" if value is None else f"{value:.4g}"
+
+
+def _shares(result: Result) -> list[str]:
+    """What part of the dissipated energy each mechanism takes, a line for each pair."""
+    return [
+        f"  {pair.replace('_', '-'):16} "
+        + ", ".join(
+            f"{mechanism.replace('_', ' ')} {'none' if share is None else f'{share:.1%}'}"
+            for mechanism, share in mechanisms.items()
+        )
+        for pair, mechanisms in result.shares.items()
+    ]
+
+
+def _effective_mass(result: Result) -> str:
+    mass = result.effective_mass
+    return (
+        f"{_number(mass.get('in_phase_kg'))} kg in phase, "
+        f"{_number(mass.get('out_of_phase_kg'))} kg out of phase"
+    )
+
+
+def _impacts(result: Result) -> str:
+    ratios = result.max_impact_over_yield_velocity
+    return ", ".join(f"{pair.replace('_', '-')} {_number(r)}" for pair, r in ratios.items())
+
+
+def _books(result: Result) -> str:
+    if result.energy_closure is None:
+        return "nothing dissipated"
+    closure = abs(result.energy_closure)
+    law = "" if result.law_term is None else f"; gain of the law {100 * result.law_term:.2g} %"
+    advice = f", more than {100 * _COARSE:g} %: take a shorter step" * (closure > _COARSE)
+    return f"books closed to {100 * closure:.2g} % of what is dissipated{advice}{law}"

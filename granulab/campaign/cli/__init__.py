@@ -1,0 +1,1 @@
+"""Command lines: options, progress and words that all simulators share."""

@@ -1,0 +1,73 @@
+"""What stands below a folder of runs, in words for a person; and new files for a person to edit."""
+
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from granulab.campaign.runs.folder import FolderError, RunFolder, resume_run, write_atomic, writing
+
+
+def write_new(path: Path, text: str) -> None:
+    """Write a file that is not there yet; FolderError where it is, or cannot be written."""
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise FolderError(f"{path}: exists; give another name, nothing was written") from None
+    except OSError as error:
+        raise FolderError(f"{path}: cannot be written ({error.strerror}); give another") from None
+
+
+def write_output(path: Path, content: bytes) -> Path:
+    """Write a file where a person asked for it; its path. FolderError where it cannot be."""
+    try:
+        with writing(path.parent):
+            path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomic(path, content)
+    except FolderError as error:
+        reason = getattr(error.__cause__, "strerror", None) or "no reason given"
+        raise FolderError(
+            f"{path}: cannot be written ({reason}); make room there, or choose another place "
+            "with --output"
+        ) from error
+    return path
+
+
+def packings_and_runs(root: Path, answer: Callable[[dict[str, Any]], str]) -> list[str]:
+    """A line for each packing and run below a folder: where it is, its state and size.
+
+    answer: what to say of a finished run, from its summary; where it raises, that is damaged.
+    """
+    packings = sorted((root / "packings").glob("*/packing.h5"))
+    runs = sorted(root.glob("*/case.toml"))
+    return [
+        *(f"packing    {path.parent}  {_size(path.parent)}" for path in packings),
+        *(f"run        {p.parent}  {_state(p.parent, answer)}  {_size(p.parent)}" for p in runs),
+    ]
+
+
+def run_in_words(path: Path, command: str, report: Callable[[RunFolder], str]) -> str:
+    """A run folder in words: `report` of a finished one; `command` goes on with an unfinished one.
+
+    FolderError where it is no run folder.
+    """
+    run = resume_run(path)
+    if run.state == "unfinished":
+        return f"{path}: unfinished; go on with: {command} run --resume {shlex.quote(str(path))}"
+    return report(run)
+
+
+def _state(folder: Path, answer: Callable[[dict[str, Any]], str]) -> str:
+    run = RunFolder(folder)
+    if run.state != "finished":
+        return "unfinished"
+    try:
+        return answer(run.read_summary())
+    except (FolderError, KeyError, TypeError, ValueError):
+        return "damaged"
+
+
+def _size(folder: Path) -> str:
+    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    return f"{size / 1e6:.1f} MB"

@@ -1,0 +1,136 @@
+"""The command `reproduce` of any simulator: published tables beside ours, printed and kept."""
+
+import inspect
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import click
+
+from granulab.campaign.cli.commandline import Ended, json_option, out_option, quiet_option
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from granulab.campaign.sweeps.sweep import Simulator
+
+Row = dict[str, Any]
+
+
+class PublishedTable(Protocol):
+    """What the module of a table offers."""
+
+    SEEDS: int  # how many seeds it takes unless told otherwise
+
+    def run(
+        self, *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
+    ) -> list[Row]:
+        """All runs of the table, a row each; those that are there are not done again.
+
+        Tables that can also compute on a cluster take `engine` and `scheduler`, see run_labelled.
+        """
+
+    def report(self, rows: list[Row]) -> str:
+        """What a person reads: our numbers beside the published ones, and a word on each."""
+
+    def draw(self, rows: list[Row]) -> "Figure":
+        """The table as a picture."""
+
+
+def reproduce_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The argument and the options of the command; see reproduce_table."""
+    for option in (
+        json_option,
+        quiet_option,
+        click.option("--scheduler", metavar="tcp://HOST:PORT", help="Of a Dask cluster."),
+        click.option("--engine", type=click.Choice(["processes", "dask"]), help="What runs them."),
+        click.option(
+            "--workers", type=int, metavar="N", help="Runs at a time [default: all cores]."
+        ),
+        click.option(
+            "--write", metavar="DIR", help="Where csv, txt and png go [default: that of --out]."
+        ),
+        out_option,
+        click.option(
+            "--seeds", type=int, metavar="N", help="Seeds 1 to N [default: the table's own]."
+        ),
+        click.argument("table", required=False),
+    ):
+        command = option(command)
+    return command
+
+
+def reproduce_table(
+    simulator: "Simulator",
+    name: str,
+    table: PublishedTable,
+    *,
+    seeds: int | None,
+    out: str,
+    write: str | None,
+    workers: int | None,
+    engine: str | None,
+    scheduler: str | None,
+    as_json: bool,
+    quiet: bool,
+    left_out: tuple[str, ...] = (),
+) -> None:
+    """Compute a table, print it, and keep it as reproduce-NAME.csv, .txt and .png.
+
+    left_out: beginnings of names of columns that the CSV does not keep. Raises Ended where runs
+    lack or failed, click.UsageError for options that do not go with the table, and FolderError
+    where a folder cannot be written: before anything is run, or at the end, when it is printed.
+    """
+    from granulab.campaign.output.results import origin, write_results
+    from granulab.campaign.runs.folder import refuse_unless_writable
+
+    numbers = _numbers(seeds, workers, table)
+    where = _engine(name, table, engine, scheduler)
+    refuse_unless_writable(Path(out), "--out")  # before the hours of work, not after them
+    refuse_unless_writable(Path(write or out), "--write")
+    rows = table.run(out=Path(out), seeds=numbers, workers=workers, quiet=quiet, **where)
+    text = table.report(rows)
+    click.echo(json.dumps({"table": name, "rows": rows}, indent=2) if as_json else text)
+    _stop_unless_whole(rows)
+    lines = origin(f"{simulator.name} reproduce {name} --seeds {len(numbers)}", simulator)
+    files = write_results(
+        Path(write or out), f"reproduce-{name}", rows, lines, text, lambda: table.draw(rows),
+        left_out,
+    )  # fmt: skip
+    if not quiet:
+        click.echo("\n".join(map(str, files)), err=True)
+    failed = sum(row["state"] == "failed" for row in rows)
+    if failed:
+        line = f"{failed} of {len(rows)} rows are failed runs; their reasons stand in {files[0]}"
+        raise Ended(line, 3)
+
+
+def _numbers(seeds: int | None, workers: int | None, table: PublishedTable) -> Sequence[int]:
+    for name, number in (("--seeds", seeds), ("--workers", workers)):
+        if number is not None and number < 1:
+            raise click.UsageError(f"{name} = {number}: must be at least 1")
+    return range(1, (seeds or table.SEEDS) + 1)
+
+
+def _stop_unless_whole(rows: list[Row]) -> None:
+    """Where Ctrl-C or a lost scheduler cut the runs off: write nothing over earlier results."""
+    missing = [row["reason"] for row in rows if row["state"] == "interrupted"]
+    if missing:
+        lost = next((f" ({reason})" for reason in missing if reason.endswith("went away")), "")
+        line = f"runs that are missing: {len(missing)}{lost}; the same command goes on"
+        raise Ended(f"stopped; {line}", 130)
+
+
+def _engine(
+    name: str, table: PublishedTable, engine: str | None, scheduler: str | None
+) -> dict[str, Any]:
+    """The engine as the table's `run` takes it; nothing where the usual one is meant."""
+    if scheduler is not None and engine != "dask":
+        raise click.UsageError("--scheduler goes with --engine dask")
+    asked: dict[str, Any] = {"engine": engine, "scheduler": scheduler}
+    asked = {key: value for key, value in asked.items() if value is not None}
+    takes = inspect.signature(table.run).parameters.values()
+    if asked and not any(p.kind is p.VAR_KEYWORD or p.name == "engine" for p in takes):
+        raise click.UsageError(f"--engine: {name} is computed on this machine only; leave it out")
+    return asked

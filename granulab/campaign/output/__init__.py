@@ -1,0 +1,1 @@
+"""Output: tables, figures, films, statistics and files for ParaView."""

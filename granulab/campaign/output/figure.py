@@ -1,0 +1,52 @@
+"""One look for all figures: colours, the style they are drawn in, and how they are written."""
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from granulab.campaign.runs.folder import write_atomic, writing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PAPER, INK, WALL = "#fbfaf7", "#2b2b2b", "#55504a"
+# Okabe and Ito's colours, which the colour-blind tell apart.
+BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
+SKY, PURPLE, GREY = "#56b4e9", "#cc79a7", "#8a8a8a"
+
+_DPI = 160
+_BOLD_ADVANCE = 0.7  # mean width of a bold letter over the size of the type
+_STYLE: Any = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so pictures look alike everywhere
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": WALL,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": WALL,
+    "ytick.color": WALL,
+    "legend.frameon": False,
+    "lines.linewidth": 1.4,
+}
+
+
+def headline(figure: "Figure", words: str) -> None:
+    """Put what a figure shows over it, on the left; long words smaller, so that they fit."""
+    room = 0.98 * 72.0 * figure.get_figwidth()  # points
+    size = min(13.0, room / (_BOLD_ADVANCE * max(map(len, words.split("\n")))))
+    figure.suptitle(words, x=0.01, ha="left", fontsize=size, fontweight="bold")
+
+
+def write_figure(path: Path, draw: "Callable[[], Figure]") -> Path:
+    """Write what `draw` makes as a PNG; its path. FolderError where it cannot be written."""
+    from matplotlib import rc_context
+
+    image = io.BytesIO()
+    with rc_context(_STYLE):
+        draw().savefig(image, format="png", dpi=_DPI)
+    with writing(path.parent):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomic(path, image.getvalue())
+    return path

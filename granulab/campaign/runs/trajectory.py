@@ -1,0 +1,257 @@
+"""The frames of a run on disk: parts while it goes on, one compressed file at its end.
+
+    parts/static.h5, parts/00000.h5, parts/00001.h5, ...   ->   trajectory.h5
+
+Every file appears whole or not at all, and parts go only after trajectory.h5 stands, so a run
+killed at any moment can be read. A frame may bring tables of any length (contacts); they stand in
+the same files and share their fate.
+"""
+
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from granulab.campaign.runs import ragged
+from granulab.campaign.runs.folder import FolderError, writing
+from granulab.campaign.runs.h5file import opened, save
+from granulab.campaign.runs.ragged import Columns, Tables, in_words, joined, laid_end_to_end
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Trajectory(Mapping[str, np.ndarray]):
+    """The frames of a run, all in memory: traj["x"] has shape (n_frames, ...)."""
+
+    frames: dict[str, np.ndarray]
+    static: dict[str, np.ndarray]  # what does not change from frame to frame
+    attributes: dict[str, Any]
+    part_frames: list[int]  # frames of each flush, to take a finished file apart again
+
+    def __getitem__(self, key: str) -> np.ndarray:
+        return self.frames[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.frames)
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+
+class TrajectoryWriter:
+    """Writes the frames of one run; the holder of the run's lock makes it.
+
+    `parts` is the number of parts that the checkpoint knows; later ones are dropped. 0 starts
+    the trajectory anew. Raises FolderError when a known part is missing or nothing can be
+    written.
+    """
+
+    def __init__(self, folder: str | Path, parts: int = 0) -> None:
+        self._merged = Path(folder) / "trajectory.h5"
+        self._folder = Path(folder) / "parts"
+        self._n_parts = parts
+        self._n_frames = 0  # that were flushed
+        self._pending: list[dict[str, np.ndarray]] = []
+        self._pending_tables: dict[str, dict[int, dict[str, np.ndarray]]] = {}
+        self._layout: dict[str, str] | None = None
+        self._tables_layout: dict[str, str] = {}
+        with writing(self._folder):
+            if parts == 0:
+                self._merged.unlink(missing_ok=True)
+                if self._folder.exists():
+                    shutil.rmtree(self._folder)
+            self._folder.mkdir(parents=True, exist_ok=True)
+            if self._merged.exists():
+                self._take_apart()
+            for path in _part_files(self._folder)[parts:]:
+                path.unlink()
+        if parts:
+            known = _read_parts(self._folder)
+            if len(known.part_frames) < parts:
+                raise FolderError(
+                    f"{self._folder}: {len(known.part_frames)} parts where the checkpoint knows "
+                    f"{parts}; use --again to compute the run anew"
+                )
+            self._n_frames = sum(known.part_frames)
+            self._layout = _layout({key: known[key][-1] for key in known})
+            stored = _read_tables(_part_paths(self._folder))
+            self._tables_layout = ragged.layout({k: t.columns for k, t in stored.items()})
+
+    def append(self, frame: Mapping[str, Any], tables: Mapping[str, Columns] | None = None) -> None:
+        """Take a copy of one frame: numbers or arrays, of the same keys and shapes every time.
+
+        `tables` are those that come with this frame: columns of one length each, whose names and
+        types are the same every time.
+        """
+        copied = {key: np.array(value) for key, value in frame.items()}
+        layout = _layout(copied)
+        if self._layout is None:
+            self._layout = layout
+        if layout != self._layout:
+            raise FolderError(
+                f"{self._folder}: a frame of {layout} after frames of {self._layout}; "
+                "use --again to compute the run anew"
+            )
+        self._take_tables(tables or {})
+        self._pending.append(copied)
+
+    def _take_tables(self, tables: Mapping[str, Columns]) -> None:
+        layout = ragged.layout(tables)
+        known = {k: v for k, v in self._tables_layout.items() if k.partition(".")[0] in tables}
+        if known and layout != known:
+            raise FolderError(
+                f"{self._folder}: tables of {layout} after tables of {known}; "
+                "use --again to compute the run anew"
+            )
+        self._tables_layout |= layout
+        for name, columns in tables.items():
+            copied = {key: np.array(column) for key, column in columns.items()}
+            self._pending_tables.setdefault(name, {})[self._n_frames + len(self._pending)] = copied
+
+    def flush(self) -> int:
+        """Write the frames taken since the last flush as the next part; the number of parts."""
+        if self._pending:
+            frames = {key: np.stack([f[key] for f in self._pending]) for key in self._pending[0]}
+            tables = {
+                name: laid_end_to_end(list(taken), list(taken.values()))
+                for name, taken in self._pending_tables.items()
+            }
+            save(_part(self._folder, self._n_parts), frames=frames, tables=tables)
+            self._n_frames += len(self._pending)
+            self._pending.clear()
+            self._pending_tables.clear()
+            self._n_parts += 1
+        return self._n_parts
+
+    def write_static(self, static: Mapping[str, Any], attributes: Mapping[str, Any]) -> None:
+        """Keep what does not change, so that an unfinished run can be drawn too."""
+        save(self._folder / "static.h5", static=static, attributes=attributes)
+
+    def finish(self, static: Mapping[str, Any], attributes: Mapping[str, Any]) -> Path:
+        """Merge all parts into trajectory.h5 and remove them; the path of the file."""
+        self.flush()
+        self.write_static(static, attributes)
+        whole = _read_parts(self._folder)
+        save(
+            self._merged,
+            frames=whole.frames,
+            static=whole.static,
+            attributes=whole.attributes,
+            part_frames=whole.part_frames,
+            tables=_read_tables(_part_paths(self._folder)),
+        )
+        # What cannot be removed does no harm: trajectory.h5 is read first.
+        shutil.rmtree(self._folder, ignore_errors=True)
+        return self._merged
+
+    def _take_apart(self) -> None:
+        """Undo finish(): the run was cut off after it and before its summary."""
+        whole, tables = _read([self._merged]), _read_tables([self._merged])
+        self.write_static(whole.static, whole.attributes)
+        start = 0
+        for k, n_frames in enumerate(whole.part_frames):
+            end = start + n_frames
+            frames = {key: whole[key][start:end] for key in whole}
+            pieces = {name: table.of_frames(start, end) for name, table in tables.items()}
+            save(_part(self._folder, k), frames=frames, tables=pieces)
+            start = end
+        self._merged.unlink()
+
+
+def read_trajectory(folder: str | Path) -> Trajectory:
+    """The frames of a run, finished or not, also while it goes on.
+
+    Raises FolderError when there are none, or when a file is damaged.
+    """
+    return _from_run(Path(folder), _read)
+
+
+def read_tables(folder: str | Path, name: str) -> Tables:
+    """The tables of a name that came with some of the frames of a run, finished or not.
+
+    Raises FolderError as read_trajectory does, and where the run holds no such tables.
+    """
+    tables = stored_tables(folder)
+    if name not in tables:
+        raise FolderError(
+            f"{folder}: holds no {name}, as an earlier version or an engine without them made it; "
+            "--again computes a run anew"
+        )
+    return tables[name]
+
+
+def stored_tables(folder: str | Path) -> dict[str, Tables]:
+    """All tables of a run, finished or not, by name; FolderError as read_trajectory."""
+    return _from_run(Path(folder), _read_tables)
+
+
+def _from_run(folder: Path, read: Callable[[list[Path]], T]) -> T:
+    """What `read` finds in the files of a run: the parts while it goes on, else the whole."""
+    merged, parts = folder / "trajectory.h5", folder / "parts"
+    if not merged.exists() and parts.is_dir():
+        try:
+            unfinished = read(_part_paths(parts))
+        except FileNotFoundError as error:
+            if not merged.exists():
+                raise FolderError(f"{parts}: changed while it was read; try again") from error
+        else:
+            if not merged.exists():  # else the run has finished meanwhile
+                return unfinished
+    if not merged.exists():
+        raise FolderError(f"{folder}: no trajectory here; give the folder of a run")
+    return read([merged])
+
+
+def _part(folder: Path, k: int) -> Path:
+    return folder / f"{k:05d}.h5"
+
+
+def _part_files(folder: Path) -> list[Path]:
+    return sorted(folder.glob("[0-9]*.h5"), key=lambda path: int(path.stem))
+
+
+def _read_parts(folder: Path) -> Trajectory:
+    return _read(_part_paths(folder))
+
+
+def _part_paths(folder: Path) -> list[Path]:
+    """The parts in turn, and what does not change; FolderError where one is missing."""
+    parts = _part_files(folder)
+    for k, path in enumerate(parts):
+        if path != _part(folder, k):
+            raise FolderError(f"{_part(folder, k)}: missing; use --again to compute the run anew")
+    static = folder / "static.h5"
+    return [*parts, static] if static.exists() else parts
+
+
+def _read(paths: Iterable[Path]) -> Trajectory:
+    pieces: dict[str, list[np.ndarray]] = {}
+    whole = Trajectory({}, {}, {}, [])
+    for path in paths:
+        with opened(path) as file:
+            attributes = dict(file.attrs)
+            del attributes["schema"]
+            whole.part_frames.extend(map(int, attributes.pop("part_frames")))
+            whole.attributes.update(attributes)
+            for key, dataset in file["frames"].items():
+                pieces.setdefault(key, []).append(dataset[()])
+            whole.static.update({k: data[()] for k, data in file["static"].items()})
+    whole.frames.update({key: np.concatenate(pieces[key]) for key in pieces})
+    return whole
+
+
+def _read_tables(paths: Iterable[Path]) -> dict[str, Tables]:
+    pieces: dict[str, list[Tables]] = {}
+    for path in paths:
+        with opened(path) as file:
+            for name, group in file.get("tables", {}).items():
+                pieces.setdefault(name, []).append(ragged.read(group))
+    return {name: joined(found) for name, found in pieces.items()}
+
+
+def _layout(frame: Mapping[str, np.ndarray]) -> dict[str, str]:
+    return {key: in_words(v.dtype, v.shape) for key, v in sorted(frame.items())}

@@ -1,0 +1,96 @@
+"""From a study file to labelled cases, and from their runs to the study's table."""
+
+import itertools
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from granulab.campaign.output.table import write_table
+from granulab.campaign.runs.folder import RunFolder, digest, write_atomic, writing
+from granulab.campaign.runs.provenance import provenance
+from granulab.campaign.sweeps.study import Study, read_study
+from granulab.campaign.sweeps.sweep import Labelled, Simulator, over_seeds, run_labelled
+
+
+class Keys(Protocol):
+    """What is known of the keys of a simulator's case files; granulab.contact.files.keys has it."""
+
+    def read(self, where: str, key: str, value: Any) -> Any:
+        """A value as written for a key: a number in SI, or a word."""
+
+    def written(self, key: str, value: Any) -> Any:
+        """The value as it would stand in a case file."""
+
+    def column(self, key: str) -> str:
+        """The name of the key's column in a table, with the unit."""
+
+
+@dataclass(frozen=True)
+class LabelledStudy:
+    """A study and the labelled cases that it stands for, all checked."""
+
+    study: Study
+    cases: list[Labelled]
+    columns: tuple[str, ...]  # of the labels, the seed left out
+
+
+def label_study(
+    path: str | Path, keys: Keys, load: Callable[[str, dict[str, Any]], Any]
+) -> LabelledStudy:
+    """The cases of a study file, in the order: case, combination, seed.
+
+    `load` gives the case of a name, with changes by key. Raises StudyError or what `keys` and
+    `load` raise, one line that names the file, the key and what would do.
+    """
+    path = Path(path)
+    study = read_study(path, lambda key, value: keys.read(f"{path}: [vary]", key, value))
+    stems = [Path(name).stem for name in study.cases]
+    cases = []
+    for (name, stem), combination in itertools.product(
+        zip(study.cases, stems, strict=True), study.combinations
+    ):
+        changes = {key: keys.written(key, value) for key, value in combination.items()}
+        labels = {"case": stem if stems.count(stem) == 1 else name}
+        labels |= {keys.column(key): value for key, value in combination.items()}
+        case = load(_base(name, path.parent), changes)
+        cases += over_seeds(labels, case, study.seeds)
+    columns = ("case", *(keys.column(key) for key in study.combinations[0]))
+    return LabelledStudy(study, cases, columns)
+
+
+def run_study(
+    simulator: Simulator, loaded: LabelledStudy, *, out: Path, **options: Any
+) -> tuple[Path, list[dict[str, Any]]]:
+    """Run a study and keep its table; the study's folder and the rows (see run_labelled).
+
+    The folder, out/studies/<name>-<digest>, holds study.toml, provenance.json, table.csv and
+    table.h5. Raises what run_labelled raises, and FolderError where the table cannot be written.
+    """
+    folder = study_folder(simulator, loaded, out)
+    with writing(folder.path):
+        folder.path.mkdir(parents=True, exist_ok=True)
+    write_atomic(folder.path / "study.toml", loaded.study.text)
+    folder.write_provenance(
+        provenance(
+            command=sys.argv,
+            seed=loaded.study.draw_seed,
+            packages=simulator.packages,
+            sources=simulator.sources.folders,
+        )
+    )
+    rows = run_labelled(simulator, loaded.cases, out=out, **options)
+    write_table(folder.path, rows)
+    return folder.path, rows
+
+
+def study_folder(simulator: Simulator, loaded: LabelledStudy, out: Path) -> RunFolder:
+    """Named by the runs of the study and what they are called."""
+    runs = [[labels, simulator.digest(case)] for labels, case in loaded.cases]
+    return RunFolder(Path(out) / "studies" / f"{loaded.study.name}-{digest({'runs': runs})}")
+
+
+def _base(name: str, folder: Path) -> str:
+    """A case file beside the study, else a preset or what else `load` knows."""
+    return str(folder / name) if (folder / name).is_file() else name

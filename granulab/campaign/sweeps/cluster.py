@@ -1,0 +1,132 @@
+"""A Dask cluster as the place where tasks run; the extra `cluster` installs what it needs."""
+
+import logging
+import socket
+import time
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import ExitStack, contextmanager, suppress
+from typing import Any, Self
+from urllib.parse import urlsplit
+from uuid import uuid4
+
+from granulab.campaign.sweeps.task import EngineError, Function, Outcome, call
+from granulab.errors import Failed
+
+_PATIENCE = 10.0  # [s] for a scheduler that does not answer
+_ASK_AGAIN = 2.0  # [s] workers that come late are asked to stop too
+
+_stopping: set[str] = set()  # in a worker: the sweeps that are asked to stop
+
+
+class DaskCluster:
+    """The workers of a scheduler at an address; see sweeps.engine for the calls."""
+
+    slots = 1000  # tasks that the scheduler holds at a time; it deals them out
+
+    def __init__(self, scheduler: str) -> None:
+        self._scheduler = scheduler
+        self._name = uuid4().hex
+        self._asked = 0.0
+        self._is_lost = False
+
+    def __enter__(self) -> Self:
+        with ExitStack() as stack:
+            self._client = _connect(self._scheduler, stack)
+            if not self._client.ncores():
+                raise EngineError(
+                    f"scheduler {self._scheduler}: has no workers; start one with: "
+                    f"dask worker {self._scheduler} --nthreads 1"
+                )
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def submit(self, function: Function, task: Any) -> Future:
+        """The future outcome of a task; one whose worker is killed goes to another by itself."""
+        outcome: Future = Future()
+        remote = self._client.submit(_work, self._name, function, task, pure=False)
+
+        def pass_on(remote: Any) -> None:
+            if remote.status == "finished":
+                try:
+                    outcome.set_result(remote.result())
+                except Exception as lost:  # what was found did not get here
+                    outcome.set_exception(lost)
+                return
+            error = remote.exception() if remote.status == "error" else None
+            if error is None:
+                self._is_lost = True
+                error = Failed("cancelled")
+            elif type(error).__name__ == "KilledWorker":
+                error = Failed("every worker that took it ended under it")
+            outcome.set_exception(error)
+
+        remote.add_done_callback(pass_on)
+        return outcome
+
+    def ask_to_stop(self) -> None:
+        """Tell the running tasks to keep their state and end."""
+        if time.monotonic() - self._asked > _ASK_AGAIN and not self._is_lost:
+            self._asked = time.monotonic()
+            self._client.run(_ask, self._name, wait=False)
+
+    def lost(self) -> str:
+        """Why no more outcomes can come, in one line, or nothing."""
+        if not self._is_lost and self._client.status == "running":
+            return ""
+        return f"scheduler {self._scheduler} went away"
+
+
+def _connect(scheduler: str, stack: ExitStack) -> Any:
+    """A client of a scheduler, closed with the stack; EngineError where none answers."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise EngineError(
+            "engine dask needs the package distributed: pip install 'granulab[cluster]'"
+        ) from None
+    stack.enter_context(_silence())
+    try:
+        # A look first: a client that cannot connect leaves a traceback on stderr when it goes.
+        place = urlsplit(scheduler if "://" in scheduler else f"tcp://{scheduler}")
+        if place.scheme not in ("tcp", "tls") or place.hostname is None or place.port is None:
+            raise ValueError(scheduler)
+        socket.create_connection((place.hostname, place.port), _PATIENCE).close()
+        client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError):
+        raise EngineError(
+            f"scheduler {scheduler}: does not answer; start one with: dask scheduler, and give "
+            "the address that it prints, such as tcp://127.0.0.1:8786"
+        ) from None
+    stack.callback(_close, client)
+    return client
+
+
+def _close(client: Any) -> None:
+    with suppress(OSError):  # of a scheduler that is gone
+        client.close(timeout=_PATIENCE)
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """One line from us, not tens from the library, when a scheduler goes away."""
+    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    levels = {logger: logger.level for logger in map(logging.getLogger, names)}
+    try:
+        for logger in levels:
+            logger.setLevel(logging.CRITICAL + 1)
+        yield
+    finally:
+        for logger, level in levels.items():
+            logger.setLevel(level)
+
+
+async def _ask(name: str) -> None:
+    _stopping.add(name)
+
+
+def _work(name: str, function: Function, task: Any) -> Outcome:
+    return call(function, task, lambda: name in _stopping)

@@ -1,0 +1,152 @@
+"""Runs many tasks on the cores of a machine or on a Dask cluster; knows nothing of what they do.
+
+A task that fails is an outcome with its reason. A worker that is killed loses the task it had,
+which is tried again; the others go on. Ctrl-C asks the running tasks to keep their state.
+"""
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass, field
+from typing import Any
+
+from granulab.campaign.cli.terminal import StopRequest
+from granulab.campaign.sweeps.task import (
+    EngineError,
+    Function,
+    Outcome,
+    WorkerLost,
+    in_one_line,
+)
+
+TRIES = 3  # of a task whose worker is killed
+_LOOK = 0.2  # [s] between looks for Ctrl-C
+
+
+@dataclass
+class Tally:
+    """How many tasks there are and how far they are."""
+
+    total: int
+    done: int = 0
+    running: int = 0
+    failed: int = 0
+
+
+@dataclass
+class _Work:
+    """The tasks of one call of run_tasks and what became of them."""
+
+    function: Function
+    tasks: Sequence[Any]
+    needs: Mapping[int, int]
+    outcomes: dict[int, Outcome] = field(default_factory=dict)
+    running: dict[Future, int] = field(default_factory=dict)
+    tries: dict[int, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.waiting = list(range(len(self.tasks)))
+
+    def ready(self) -> int | None:
+        """The first task that may start; those that wait for a failed one fail with it."""
+        for k in list(self.waiting):
+            before = self.needs.get(k)
+            if before is None or before in self.outcomes:
+                self.waiting.remove(k)
+                ended = None if before is None else self.outcomes[before]
+                if ended is None or ended.state == "done":
+                    return k
+                self.outcomes[k] = Outcome(ended.state, reason=ended.reason)
+        return None
+
+    def take(self, future: Future) -> None:
+        """Keep what a future brought, or put its task back where the worker was lost."""
+        k = self.running.pop(future)
+        error = future.exception()
+        if error is None:
+            self.outcomes[k] = future.result()
+            return
+        self.tries[k] = self.tries.get(k, 0) + 1
+        if not isinstance(error, WorkerLost):
+            self.outcomes[k] = Outcome("failed", reason=in_one_line(error))
+        elif self.tries[k] < TRIES:
+            self.waiting.insert(0, k)
+        else:
+            self.outcomes[k] = Outcome("failed", reason=f"{error}, {TRIES} times")
+
+    def tally(self) -> Tally:
+        states = [outcome.state for outcome in self.outcomes.values()]
+        return Tally(
+            len(self.tasks), states.count("done"), len(self.running), states.count("failed")
+        )
+
+
+def run_tasks(
+    function: Function,
+    tasks: Sequence[Any],
+    *,
+    needs: Mapping[int, int] | None = None,
+    engine: str = "processes",
+    workers: int | None = None,
+    scheduler: str | None = None,
+    report: Callable[[Tally], None] = lambda tally: None,
+) -> list[Outcome]:
+    """Call function(task, stop) for every task and return the outcomes in their order.
+
+    `needs` gives, by index, the task that must be done before another starts. `engine` is
+    "processes" (`workers` of them, one per core by default) or "dask" (the cluster whose
+    `scheduler` has this address). After Ctrl-C, SIGTERM or the loss of the scheduler, what did
+    not end is "interrupted". Raises EngineError where the engine cannot start.
+    """
+    work = _Work(function, tasks, needs or {})
+    reason = "not started"
+    with _pool(engine, workers, scheduler, len(tasks)) as pool, StopRequest() as request:
+        while True:
+            if request.requested:
+                pool.ask_to_stop()
+            lost = pool.lost()
+            if lost:
+                reason = lost
+                break
+            while not request.requested and len(work.running) < pool.slots:
+                k = work.ready()
+                if k is None:
+                    break
+                work.running[pool.submit(function, tasks[k])] = k
+            report(work.tally())
+            if not work.running:
+                break
+            ended = wait(work.running, _LOOK, FIRST_COMPLETED).done
+            for future in ended:
+                if not (pool.lost() and future.exception()):
+                    work.take(future)
+    return [work.outcomes.get(k, Outcome("interrupted", reason=reason)) for k in range(len(tasks))]
+
+
+def _pool(engine: str, workers: int | None, scheduler: str | None, n_tasks: int) -> Any:
+    if engine == "dask":
+        from granulab.campaign.sweeps.cluster import DaskCluster
+
+        if workers is not None:
+            raise EngineError("workers go with processes; a Dask cluster has its own")
+        if scheduler is None:
+            raise EngineError(
+                "engine dask needs the address of its scheduler, such as tcp://127.0.0.1:8786"
+            )
+        return DaskCluster(scheduler)
+    if engine != "processes":
+        raise EngineError(f"engine {engine!r}: known: processes, dask")
+    if scheduler is not None:
+        raise EngineError(f"scheduler {scheduler}: goes with engine dask")
+    if workers is not None and workers < 1:
+        raise EngineError(f"workers = {workers}: must be at least 1")
+    from granulab.campaign.sweeps.processes import Processes
+
+    return Processes(max(min(workers or _cores(), n_tasks), 1))
+
+
+def _cores() -> int:
+    """How many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

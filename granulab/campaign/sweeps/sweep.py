@@ -1,0 +1,245 @@
+"""Many cases on many cores: what several share is made once, each run has its folder, a row each.
+
+A simulator says in a Simulator what its runs are and what they need; here nobody knows what they
+compute. A case is a frozen dataclass with a `name`, a `time_step` [s] and `settings` whose [run]
+has a seed.
+"""
+
+import dataclasses
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from granulab.campaign.cli.terminal import Progress, announce_compilation
+from granulab.campaign.runs.folder import FolderError, RunFolder, find_run
+from granulab.campaign.runs.provenance import Sources, to_stderr
+from granulab.campaign.sweeps.engine import Tally, run_tasks
+from granulab.campaign.sweeps.task import Function, Outcome
+from granulab.errors import Failed
+
+_MEMORY = 3600.0  # [s] over which the speed is taken that gives the time left
+
+Labels = dict[str, Any]
+Labelled = tuple[Labels, Any]  # the labels and the case that they name
+
+
+class Task(NamedTuple):
+    """What a worker is given."""
+
+    case: Any
+    out: Path
+    packing_only: bool  # which several runs wait for
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """What a sweep asks of a simulator.
+
+    name           of its command
+    digest         names a run of a case, with its seed
+    packing_folder where the packing that a case starts from is kept below a folder of runs; it
+                   may not be there yet
+    packing_from   digest of the sources that made the packing in a file; None where there is none
+    work           runs the case of a Task in a worker, or makes its packing; found by its name
+    read           what a finished run found, a dataclass; FolderError where it is damaged
+    expected_cpu_s CPU time [s] that the packing of a case and its run will take, about
+    packages       distributions whose versions matter to the last bit
+    means          columns of numbers of which a study tells mean and deviation over the seeds
+    counted        words for kinds of runs that a study counts, and which rows are of the kind
+    compiled       whether its kernels are; what is not compiled yet delays the first runs
+    """
+
+    name: str
+    digest: Callable[[Any], str]
+    packing_folder: Callable[[Any, Path], Path]
+    packing_from: Callable[[Path], str | None]
+    work: Function
+    read: Callable[[RunFolder], Any]
+    expected_cpu_s: Callable[[Any], tuple[float, float]]
+    sources: Sources
+    packages: list[str]
+    means: tuple[str, ...] = ()
+    counted: Mapping[str, Callable[[dict[str, Any]], bool]] = field(default_factory=dict)
+    compiled: Callable[[], bool] = lambda: True
+
+    def run_folder(self, case: Any, out: Path) -> RunFolder:
+        """Where a case is run, which a single run finds too; it may not exist yet."""
+        return find_run(out, f"{case.name}-seed{case.settings.run.seed}", self.digest(case))
+
+    def packing_file(self, case: Any, out: Path) -> Path:
+        """The packing in its folder."""
+        return self.packing_folder(case, out) / "packing.h5"
+
+
+def over_seeds(labels: Labels, case: Any, seeds: Sequence[int]) -> list[Labelled]:
+    """A case once for each seed (0 or more), with the seed among its labels."""
+    settings = case.settings
+    return [
+        (
+            {**labels, "seed": seed},
+            dataclasses.replace(
+                case,
+                settings=settings.model_copy(
+                    update={"run": settings.run.model_copy(update={"seed": seed})}
+                ),
+            ),
+        )
+        for seed in seeds
+    ]
+
+
+def run_labelled(
+    simulator: Simulator,
+    cases: Sequence[Labelled],
+    *,
+    out: Path,
+    engine: str = "processes",
+    workers: int | None = None,
+    scheduler: str | None = None,
+    quiet: bool = False,
+) -> list[dict[str, Any]]:
+    """Run labelled cases and return a row for each, in their order.
+
+    A row holds the labels, the fields of what `read` gives (nested ones as "dissipated_j.name"; a
+    label of the same name goes before a field), "run_folder", "state" ("done", "failed" or
+    "interrupted") and "reason" (one line, or ""). A run that is finished below `out` is read, not
+    done again; one that is not goes on. After Ctrl-C the runs keep their state and rows that lack
+    are "interrupted". Raises EngineError where the engine cannot start and FolderError where
+    `out` cannot be used.
+    """
+    out = Path(out).resolve()
+    folders = [simulator.run_folder(case, out) for _, case in cases]
+    ended: dict[Path, Outcome] = {}
+    missing: dict[Path, Any] = {}
+    for folder, (_, case) in zip(folders, cases, strict=True):
+        if folder.state == "finished":
+            ended[folder.path] = _read(simulator, folder)
+        else:
+            missing[folder.path] = case
+    if missing:
+        announce_compilation(quiet, simulator.compiled())
+        tasks, needs = _tasks(simulator, list(missing.values()), out)
+        before = len(ended)
+        title = f"{len(missing)} runs"
+        if len(tasks) > len(missing):
+            title += f", {len(tasks) - len(missing)} packings"
+        with Progress(title, quiet=quiet, memory=_MEMORY) as bar:
+            outcomes = run_tasks(
+                simulator.work, tasks, needs=needs, engine=engine, workers=workers,
+                scheduler=scheduler, report=lambda tally: bar.update(*_words(tally, before)),
+            )  # fmt: skip
+        runs = (o for o, task in zip(outcomes, tasks, strict=True) if not task.packing_only)
+        ended |= dict(zip(missing, runs, strict=True))
+    _warn_of_other_sources(simulator, [case for _, case in cases], folders, out)
+    return [
+        _row(labels, folder.path, ended[folder.path])
+        for folder, (labels, _) in zip(folders, cases, strict=True)
+    ]
+
+
+@contextmanager
+def as_outcome(*failed: type[Exception]) -> Iterator[None]:
+    """Turn what a simulator raises in a worker into what the engine knows; see sweeps.task."""
+    try:
+        yield
+    except failed as error:
+        raise Failed(without_again(str(error))) from None
+
+
+def silent(warning: str) -> None:
+    """For a simulator's `warn`: a sweep says it for all runs in one line, at the end."""
+
+
+def without_again(line: str, folder: Path | None = None) -> str:
+    """An error line for a sweep, which has no --again."""
+    line = re.sub(r",? or use --again.*", "", line)  # another cure stands before it
+    what, again, _ = line.partition("; use --again")
+    if not again:
+        return line
+    place = f"the folder {folder}" if folder else "the folder of the run"
+    return f"{what}; delete {place} and the same command does it again"
+
+
+def _warn_of_other_sources(
+    simulator: Simulator, cases: list[Any], folders: list[RunFolder], out: Path
+) -> None:
+    """One line on stderr where runs or packings were made by other sources than these."""
+    runs = {folder.path: folder for folder in folders}.values()
+    packings = {simulator.packing_file(case, out) for case in cases}
+    own = simulator.sources.digest
+    of_others = [
+        f"{sum(made not in (None, own) for made in known)} of {len(known)} {what}"
+        for what, known in (
+            ("runs", [_sources_of_run(folder) for folder in runs]),
+            ("packings", [simulator.packing_from(file) for file in packings]),
+        )
+    ]
+    if any(not words.startswith("0 ") for words in of_others):
+        to_stderr(
+            f"{' and '.join(of_others)} were made by another version of the sources; delete their "
+            "folders and the same command makes them anew"
+        )
+
+
+def _sources_of_run(folder: RunFolder) -> str | None:
+    try:
+        return folder.read_provenance().get("source_digest")
+    except FolderError:  # not begun; what is damaged is told in its row
+        return None
+
+
+def _read(simulator: Simulator, folder: RunFolder) -> Outcome:
+    """What a finished run found; damaged, it is refused and left as it is."""
+    try:
+        return Outcome("done", simulator.read(folder))
+    except FolderError as error:
+        return Outcome("failed", reason=without_again(str(error), folder.path))
+
+
+def _tasks(simulator: Simulator, cases: list[Any], out: Path) -> tuple[list[Task], dict[int, int]]:
+    """Runs in their order; in front of those that share a missing packing, its making.
+
+    The dictionary gives the index of the packing's task by the index of the run that needs it.
+    """
+    files = [simulator.packing_file(case, out) for case in cases]
+    times = Counter(files)
+    tasks: list[Task] = []
+    needs: dict[int, int] = {}
+    makings: dict[Path, int] = {}
+    for file, case in zip(files, cases, strict=True):
+        if times[file] > 1 and not file.exists():
+            if file not in makings:
+                makings[file] = len(tasks)
+                tasks.append(Task(case, out, packing_only=True))
+            needs[len(tasks)] = makings[file]
+        tasks.append(Task(case, out, packing_only=False))
+    return tasks, needs
+
+
+def _words(tally: Tally, before: int) -> tuple[float, str]:
+    """How far a sweep is, and the same in words."""
+    ended = tally.done + tally.failed
+    there = f" and {before} before" if before else ""
+    return (
+        ended / tally.total,
+        f"{tally.done} done{there}, {tally.running} running, {tally.failed} failed, "
+        f"{tally.total - ended - tally.running} waiting",
+    )
+
+
+def _row(labels: Labels, folder: Path, outcome: Outcome) -> dict[str, Any]:
+    fields = dict(_flat(dataclasses.asdict(outcome.value))) if outcome.value else {}
+    state = {"state": outcome.state, "reason": outcome.reason}
+    return {**labels, **fields, "run_folder": str(folder), **labels, **state}  # labels in front
+
+
+def _flat(table: dict[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{before}{key}.")
+        else:
+            yield f"{before}{key}", value

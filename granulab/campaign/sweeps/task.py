@@ -1,0 +1,59 @@
+"""A task of an engine: what it is given, what comes of it, and the call that finds out."""
+
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from granulab.errors import Failed, Stopped
+
+Stop = Callable[[], bool]  # to be asked now and then by a task: is it to keep its state and end?
+Progress = Callable[[float, str], None]  # is told the fraction done (0 to 1), and words
+Function = Callable[[Any, Stop], Any]  # of a task; importable by name, and safe to call twice
+
+
+class EngineError(RuntimeError):
+    """The engine cannot work; one line that says what would do."""
+
+
+class WorkerLost(Exception):
+    """The worker of a task ended under it."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a task."""
+
+    state: Literal["done", "failed", "interrupted"]
+    value: Any = None  # what the function returned
+    reason: str = ""  # why it is not done, in one line
+    wall_s: float = 0.0  # that the function took
+
+
+def call(function: Function, task: Any, stop: Stop) -> Outcome:
+    """What comes of a task, in the process that runs it."""
+    if stop():
+        return Outcome("interrupted", reason="not started")
+    begun = time.perf_counter()
+
+    def ended(state: Literal["done", "failed", "interrupted"], **what: Any) -> Outcome:
+        return Outcome(state, wall_s=time.perf_counter() - begun, **what)
+
+    try:
+        return ended("done", value=function(task, stop))
+    except Stopped as error:
+        return ended("interrupted", reason=in_one_line(error))
+    except Exception as error:
+        return ended("failed", reason=in_one_line(error))
+
+
+def in_one_line(error: BaseException) -> str:
+    """An exception in one line; one that nobody foresaw with its kind and place."""
+    text = " ".join(str(error).split())
+    if isinstance(error, (Failed, Stopped)):
+        return text
+    places = traceback.extract_tb(error.__traceback__)
+    where = f" ({Path(places[-1].filename).name}:{places[-1].lineno})" if places else ""
+    return f"{type(error).__name__}: {text}{where}"

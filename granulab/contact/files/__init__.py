@@ -1,0 +1,1 @@
+"""Files with units: quantities, parameter tables, cases and shipped data."""

@@ -1,0 +1,160 @@
+"""Case files: fields with units, one line for what is wrong, and back to TOML; any simulator's."""
+
+import copy
+import json
+import reprlib
+import typing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo
+
+from granulab.contact.files.datafile import read_toml
+from granulab.contact.files.schema import Table
+from granulab.contact.files.units import is_plain_number, nearest, to_si
+from granulab.errors import InputError
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Marks a field that is written with a unit; its number is in this SI unit."""
+
+    name: str
+
+
+def _read(unit: str) -> BeforeValidator:
+    def read(value: object, info: ValidationInfo) -> float:
+        return to_si(value, unit, info.field_name or "value")
+
+    return BeforeValidator(read)
+
+
+def _read_frequency(value: object, info: ValidationInfo) -> float:
+    """A plain number is in Hz; a text may also carry a unit."""
+    name = info.field_name or "value"
+    return to_si(value, "1" if is_plain_number(value) else "Hz", name)
+
+
+Length = Annotated[float, _read("m"), Unit("m")]
+Size = Annotated[float, _read("m"), Unit("m"), Field(gt=0)]
+Time = Annotated[float, _read("s"), Unit("s"), Field(gt=0)]
+Angle = Annotated[float, _read("rad"), Unit("rad")]
+Stiffness = Annotated[float, _read("N/m"), Unit("N/m"), Field(gt=0)]
+Rate = Annotated[float, _read("1/s"), Unit("1/s"), Field(ge=0)]
+Number = Annotated[float, _read("1"), Field(ge=0)]
+Positive = Annotated[float, _read("1"), Field(gt=0)]
+Frequency = Annotated[float, BeforeValidator(_read_frequency), Field(gt=0)]
+Speed = Annotated[float, _read("m/s"), Unit("m/s"), Field(gt=0)]
+Density = Annotated[float, _read("kg/m3"), Unit("kg/m3"), Field(gt=0)]
+Pressure = Annotated[float, _read("Pa"), Unit("Pa"), Field(gt=0)]
+
+
+class Section(Table):
+    """A table of the case file; takes the keys of its class and no others."""
+
+    model_config = ConfigDict(frozen=True, strict=False)
+
+
+Model = TypeVar("Model", bound=Section)
+
+
+def folder_name(name: str) -> str:
+    """The name of a case, after which its run folder is called; ValueError if it cannot be."""
+    if not name or not name.isprintable() or "/" in name or "\\" in name:
+        raise ValueError(
+            f"name = {name!r}: the run folder is called after it; give letters, digits, '-', '_'"
+        )
+    return name
+
+
+def known_keys(model: type[Section]) -> dict[str, list[str]]:
+    """The keys of each section of a case file."""
+    sections = {key: field.annotation for key, field in model.model_fields.items()}
+    return {
+        key: list(section.model_fields)
+        for key, section in sections.items()
+        if isinstance(section, type) and issubclass(section, Section)
+    }
+
+
+def read_document(path: Path, schema: int) -> dict[str, Any]:
+    """The tables of a case file as they are written; InputError if it is none."""
+    document = read_toml(path, "cases", schema)
+    document.setdefault("name", path.stem)
+    return document
+
+
+def changed(
+    document: dict[str, Any], changes: dict[str, Any] | None, model: type[Section]
+) -> dict[str, Any]:
+    """The document with some keys ("section.key") set."""
+    document = copy.deepcopy(document)
+    for place, value in (changes or {}).items():
+        section, dot, key = place.partition(".")
+        if not dot:
+            known = [f"{s}.{k}" for s, keys in known_keys(model).items() for k in keys]
+            close = [name for name in known if name.endswith(f".{place}")] or known
+            raise InputError(f"change {place!r}: write section.key; {nearest(place, close)}")
+        table = document.setdefault(section, {})
+        if isinstance(table, dict):
+            table[key] = value
+    return document
+
+
+def check_document(
+    model: type[Model], document: dict[str, Any], where: str, least: str = ""
+) -> Model:
+    """The settings of a document; InputError with one line for the first thing that is wrong.
+
+    least: what a case must have at least, for the line about a table that is missing.
+    """
+    try:
+        return model.model_validate(document)
+    except ValidationError as error:
+        raise InputError(f"{where}: {_one_line(error, known_keys(model), least)}") from None
+
+
+def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) -> str:
+    problem = error.errors()[0]
+    place = [str(part) for part in problem["loc"]]
+    section = f"[{place[0]}] " if place and place[0] in tables else ""
+    if problem["type"] == "value_error":
+        return f"{section}{problem['ctx']['error']}"
+    if problem["type"] == "missing":
+        return f"[{place[0]}] is missing; write at least {least}"
+    key = f"{section}{'.'.join(place[1:] if section else place)}"
+    what = problem["msg"].lower().removeprefix("input should be ")
+    return f"{key} = {reprlib.repr(problem['input'])}: must be {what}"
+
+
+def to_toml(settings: Section, schema: int) -> str:
+    """The settings as a case file, all in SI."""
+    lines = [f"schema = {schema}", f"name = {_toml(settings.model_dump(include={'name'})['name'])}"]
+    for section in type(settings).model_fields:
+        table = getattr(settings, section)
+        if isinstance(table, Section):
+            lines += ["", f"[{section}]"]
+            for key, field in type(table).model_fields.items():
+                value = getattr(table, key)
+                if value is not None:
+                    lines.append(f"{key} = {_toml(value, unit_of(field))}")
+    return "\n".join(lines) + "\n"
+
+
+def unit_of(field: Any) -> str:
+    """The SI unit of a field, or "1"."""
+    choices = typing.get_args(field.annotation)  # of "X | None"
+    metadata = [*field.metadata, *(m for c in choices for m in getattr(c, "__metadata__", ()))]
+    return next((m.name for m in metadata if isinstance(m, Unit)), "1")
+
+
+def _toml(value: Any, unit: str = "1") -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float) and unit != "1":
+        return f'"{value!r} {unit}"'
+    if isinstance(value, str):
+        # JSON's escapes are TOML's, except that TOML wants DEL escaped too.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value)  # numbers, and lists of numbers, are written as in Python

@@ -1,0 +1,64 @@
+"""The keys of a case file as a study takes them: read to SI, written back, named with units."""
+
+import typing
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BeforeValidator
+
+from granulab.contact.files.casefile import Section, known_keys, unit_of
+from granulab.contact.files.units import nearest, to_si
+from granulab.errors import InputError
+
+
+@dataclass(frozen=True)
+class Keys:
+    """The keys "section.key" of a simulator's case files."""
+
+    settings: type[Section]  # whose fields are the sections of a case file
+
+    def read(self, where: str, key: str, value: Any) -> Any:
+        """A value as written for a key: a number in SI where the key takes quantities.
+
+        Raises InputError, one line that begins with `where`, for an unknown key or a bad unit.
+        """
+        try:
+            field = self._field(key)
+        except InputError as error:
+            raise InputError(f"{where} {error}") from None
+        return to_si(value, unit_of(field), f"{where} {key}") if _is_quantity(field) else value
+
+    def written(self, key: str, value: Any) -> Any:
+        """A value of a key in SI as it would stand in a case file."""
+        field = self._field(key)
+        unit = unit_of(field)
+        return f"{value!r} {unit}" if _is_quantity(field) and unit != "1" else value
+
+    def unit(self, key: str) -> str:
+        """The SI unit of a key, "1" for a pure number or a word."""
+        return unit_of(self._field(key))
+
+    def column(self, key: str) -> str:
+        """The name of a key's column in a table: "law.kn_n_per_m"."""
+        unit = unit_of(self._field(key)).lower()
+        if unit == "1":
+            return key
+        above, _, below = unit.partition("/")
+        parts = [key, *([above] if above != "1" else []), *(["per", below] if below else [])]
+        return "_".join(parts)
+
+    def _field(self, key: str) -> Any:
+        section, _, name = key.partition(".")
+        known = known_keys(self.settings)
+        if name not in known.get(section, []):
+            every = [f"{section}.{name}" for section, names in known.items() for name in names]
+            close = [each for each in every if each.startswith(f"{section}.")] or every
+            raise InputError(f"unknown key {key!r}; {nearest(key, close)}")
+        section_class: Any = self.settings.model_fields[section].annotation
+        return section_class.model_fields[name]
+
+
+def _is_quantity(field: Any) -> bool:
+    choices = typing.get_args(field.annotation)  # of "X | None"
+    marks = [*field.metadata, *(m for c in choices for m in getattr(c, "__metadata__", ()))]
+    return any(isinstance(mark, BeforeValidator) for mark in marks)

@@ -1,0 +1,150 @@
+"""The one decorator that compiles kernels: disk cache keyed by the sources, no fastmath.
+
+numba notices that a kernel's own file changed, but not that a helper in another file did: it
+would run the stale machine code. So the cache of a kernel lives in a folder named by a hash of all
+that it can call: the contact laws, and the room that its module stands in. A room is the package
+named `engine` that holds the module, with all below it; a kernel elsewhere stands alone and calls
+only itself and the laws. An edit in a room compiles that room again; one in a case, a picture or a
+command compiles nothing.
+
+`error_model="numpy"` turns a division by zero into inf or NaN instead of an exception (a branch
+in the inner loop); the step loop checks for non-finite states itself.
+"""
+
+import atexit
+import hashlib
+import os
+import platform
+import shutil
+import tempfile
+import time
+import warnings
+from functools import cache
+from pathlib import Path
+
+import llvmlite.binding
+import numba
+from numba.core.cpu import CPUTargetOptions
+from numba.core.options import TargetOptions
+from numba.core.registry import cpu_target
+
+# numba knows this flag of its compiler but offers no option for it: arguments do not alias.
+# LLVM then keeps values in registers across stores and vectorises; arrays that a kernel takes
+# must not overlap.
+CPUTargetOptions.noalias = TargetOptions.Mapping("noalias")
+
+# Loading scattered rows one by one beats the gather instructions of current x86 processors
+# (by 2.8 in the force pass of silo2d on a Skylake server, whose microcode slows gathers down).
+if numba.config.CPU_FEATURES is None and platform.machine() in ("x86_64", "AMD64"):
+    _host = llvmlite.binding.get_host_cpu_features().flatten()
+    numba.config.CPU_FEATURES = f"{_host},+prefer-no-gather,-prefer-256-bit"
+    if "_toplevel_target_context" in vars(cpu_target):  # made at the first use of numba.njit
+        warnings.warn(
+            "numba was used before GranuLab was imported, and GranuLab's kernels will be up to 3 "
+            "times slower: import contact or silo2d.engine.simulation first",
+            stacklevel=2,
+        )
+
+_LAWS = Path(__file__).resolve().parent  # what every kernel may call
+_KEPT_FOLDERS = 8  # older ones are pruned, but for those that somebody may be working with
+_IN_USE = 7 * 24 * 3600.0  # [s] since a folder was last asked for
+
+
+def room_of(module: str, file: str | Path) -> Path:
+    """The folder or file of all kernels that those of a module may call, the laws apart."""
+    packages, path = module.split("."), Path(file).resolve()
+    if "engine" not in packages:
+        return path
+    above = len(packages) - packages.index("engine") - 1
+    if path.name == "__init__.py":
+        above += 1
+    return path.parents[above - 1] if above else path.parent
+
+
+@cache
+def cache_folder(room: Path = _LAWS) -> str:
+    """Where the compiled kernels of a room are kept: a folder or file, see room_of."""
+    text = hashlib.sha256(numba.__version__.encode())
+    for place in (_LAWS, room):
+        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
+            if place != _LAWS or path.parent == _LAWS:  # below are files and units, no kernels
+                text.update(path.read_bytes())
+    kernels = _all_kernels()
+    folder = kernels / text.hexdigest()[:16]
+    folder.mkdir(exist_ok=True)
+    folder.touch()  # in use: the youngest are kept
+    _prune(kernels, folder)
+    return str(folder)
+
+
+@cache
+def _all_kernels() -> Path:
+    """The folder of all caches; where none can be written, one for this process alone."""
+    base = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
+    kernels = (Path(base) if base else Path.home() / ".cache") / "granulab-kernels"
+    try:
+        kernels.mkdir(parents=True, exist_ok=True)
+        writable = os.access(kernels, os.W_OK)
+    except OSError:
+        writable = False
+    if not writable:  # no home, or not ours
+        kernels = Path(tempfile.mkdtemp(prefix="granulab-kernels-"))
+        atexit.register(shutil.rmtree, kernels, ignore_errors=True)
+    return kernels
+
+
+def already_compiled(room: Path) -> bool:
+    """Whether kernels of a room were compiled from these sources: then a start takes no time."""
+    return any(Path(cache_folder(room)).glob("*/*.nbc"))
+
+
+def _prune(kernels: Path, current: Path) -> None:
+    others = [path for path in kernels.iterdir() if path != current]
+    newest_first = sorted(others, key=lambda path: path.stat().st_mtime, reverse=True)
+    for old in newest_first[_KEPT_FOLDERS:]:
+        if time.time() - old.stat().st_mtime > _IN_USE:
+            shutil.rmtree(old, ignore_errors=True)
+
+
+def njit(function, **options):
+    """numba.njit with the project's cache folder and options."""
+    usual = numba.config.CACHE_DIR
+    room = room_of(function.__module__, function.__code__.co_filename)
+    numba.config.CACHE_DIR = cache_folder(room)  # read by numba when it decorates
+    try:
+        return numba.njit(
+            cache=True, error_model="numpy", nogil=True, noalias=True, no_cfunc_wrapper=True,
+            **options,
+        )(function)  # fmt: skip
+    finally:
+        numba.config.CACHE_DIR = usual
+
+
+def uncounted(function):
+    """njit for a function that makes no array and keeps none: without counting references.
+
+    numba counts who uses an array, at every call and every field of a tuple; in a loop over steps
+    that takes thousands of arrays through a dozen functions this costs a third of the time.
+    """
+    return njit(function, _nrt=False)
+
+
+def inlined(function):
+    """uncounted, for a function whose code shall stand where it is called.
+
+    An array is seven numbers: handing over a hundred of them costs as much as some contacts.
+    """
+    return njit(function, _nrt=False, forceinline=True)
+
+
+def inner(function):
+    """uncounted, for a function that only kernels call: without a way into it from Python.
+
+    To unpack a hundred arrays, that takes numba longer to compile than the function itself.
+    """
+    return njit(function, _nrt=False, no_cpython_wrapper=True)
+
+
+def inlined_inner(function):
+    """inlined, for a function that only kernels call; see inner."""
+    return njit(function, _nrt=False, forceinline=True, no_cpython_wrapper=True)

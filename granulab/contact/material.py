@@ -1,0 +1,137 @@
+"""Materials and pairs of materials: what is known of a contact, with uncertainty and source."""
+
+import dataclasses
+import datetime
+import math
+import re
+from collections.abc import Callable
+from typing import NamedTuple
+
+from granulab.errors import InputError
+
+
+class Property(NamedTuple):
+    """Unit and range of a measured property."""
+
+    unit: str  # SI; "1" for a pure number
+    unit_in_files: str  # the one people use for it
+    allowed: str  # the range, in words that follow "must be"
+    holds: Callable[[float], bool]  # whether an SI number is in the range
+
+
+_POSITIVE: tuple[str, Callable[[float], bool]] = "above 0", lambda value: value > 0
+_NOT_NEGATIVE: tuple[str, Callable[[float], bool]] = "at least 0", lambda value: value >= 0
+
+PROPERTIES = {
+    "density": Property("kg/m3", "g/cm3", *_POSITIVE),
+    "length": Property("m", "mm", *_POSITIVE),
+    "youngs_modulus": Property("Pa", "GPa", *_POSITIVE),
+    "poisson": Property("1", "1", "between -1 and 0.5", lambda value: -1 < value < 0.5),
+    "yield_strength": Property("Pa", "MPa", *_POSITIVE),
+    "friction": Property("1", "1", *_NOT_NEGATIVE),
+    "restitution": Property("1", "1", "above 0 and at most 1", lambda value: 0 < value <= 1),
+    "kn": Property("N/m", "N/mm", *_POSITIVE),
+    "kt": Property("N/m", "N/mm", *_NOT_NEGATIVE),
+    "gamma_n": Property("1/s", "1/s", *_NOT_NEGATIVE),
+    "gamma_t": Property("1/s", "1/s", *_NOT_NEGATIVE),
+}
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Measured:
+    """A value and what is known of its origin; with a sigma it stands for a distribution.
+
+    Where a scatter is given, sigma is how well the value itself, a mean, is known.
+    """
+
+    value: float  # SI
+    sigma: float | None = None  # standard deviation of the normal distribution, SI, absolute
+    source: str | None = None  # where it is published, or who measured it
+    method: str | None = None  # how it was measured
+    trials: int | None = None  # how many measurements are behind it
+    date: datetime.date | None = None  # when it was measured
+    scatter: float | None = None  # standard deviation of a single trial, SI, absolute
+    digest: str | None = None  # SHA-256 of what was measured from, in hexadecimal
+    history: "tuple[Measured, ...]" = ()  # what stood here before, the oldest first
+
+    @property
+    def spread(self) -> float | None:
+        """Standard deviation from one contact to the next: scatter, or sigma where it is alone."""
+        return self.sigma if self.scatter is None else self.scatter
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Material:
+    """What a body is made of.
+
+    Raises InputError, one line without the file, for a value out of its range in PROPERTIES.
+    """
+
+    name: str  # letters, digits and _
+    density: Measured  # [kg/m3]
+    length: Measured | None = None  # of the prism a plane particle is the section of [m]
+    youngs_modulus: Measured | None = None  # [Pa]
+    poisson: Measured | None = None  # [-]
+    yield_strength: Measured | None = None  # [Pa]
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"\w+", self.name, re.ASCII):
+            raise InputError(
+                f"material name {self.name!r}: takes letters, digits and _ only"
+                " (a hyphen joins the two names of a pair)"
+            )
+        _check_ranges(self)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class LinearParameters:
+    """Stiffness and damping of the linear spring and dashpot, one vertex-edge contact.
+
+    The dashpots are -m gamma v with the reduced mass m (wood-silo paper, eqs 2.2 and 2.3).
+    """
+
+    kn: Measured  # normal stiffness [N/m]
+    kt: Measured  # tangential stiffness [N/m]
+    gamma_n: Measured  # normal damping [1/s]
+    gamma_t: Measured  # tangential damping [1/s]
+
+    def __post_init__(self) -> None:
+        _check_ranges(self)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Pair:
+    """How two materials, named in either order, touch.
+
+    Raises InputError, one line without the file, for a value out of its range in PROPERTIES.
+    """
+
+    first: str
+    second: str
+    friction: Measured  # Coulomb coefficient [-]
+    restitution: Measured | None = None  # leaving over arriving normal speed [-]
+    linear: LinearParameters | None = None
+
+    def __post_init__(self) -> None:
+        _check_ranges(self)
+
+
+def _check_ranges(record: Material | LinearParameters | Pair) -> None:
+    for field in dataclasses.fields(record):
+        measured = getattr(record, field.name)
+        if isinstance(measured, Measured):
+            check_range(field.name, measured)
+
+
+def check_range(name: str, measured: Measured) -> None:
+    """Raise InputError where a value of that name is out of its range in PROPERTIES."""
+    unit, value, trials = PROPERTIES[name].unit, measured.value, measured.trials
+    shown = "" if unit == "1" else f" {unit}"
+    if not (math.isfinite(value) and PROPERTIES[name].holds(value)):
+        raise InputError(f"{name} = {value:g}{shown}: must be {PROPERTIES[name].allowed}")
+    for key in ("sigma", "scatter"):
+        width = getattr(measured, key)
+        if width is not None and not 0 <= width < math.inf:
+            raise InputError(f"{name}.{key} = {width:g}{shown}: must be at least 0")
+    if trials is not None and trials < 1:
+        raise InputError(f"{name}.trials = {trials}: must be at least 1")

@@ -1,0 +1,1 @@
+"""The second engine: impulses by pymunk, for pouring, discharge and comparison."""

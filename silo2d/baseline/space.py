@@ -1,0 +1,83 @@
+"""Walls and grains of a case in a pymunk space: for filling, and for the baseline."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from silo2d.case.case import GRAVITY
+from silo2d.case.outline import Outline
+from silo2d.case.shape import Shape
+
+if TYPE_CHECKING:
+    import pymunk
+
+
+class Surface(NamedTuple):
+    """What a shape has; a contact has the product of two shapes'."""
+
+    friction: float
+    elasticity: float
+
+
+class Placed(NamedTuple):
+    """A wall or grain in a space."""
+
+    body: "pymunk.Body"
+    shape: "pymunk.Shape"
+
+
+SMOOTH = Surface(0.0, 0.0)
+
+
+def empty_space(iterations: int, slop: float) -> "pymunk.Space":
+    """A space with gravity; slop is the overlap [m] that is left alone."""
+    import pymunk
+
+    space = pymunk.Space()
+    space.gravity = 0.0, -GRAVITY
+    space.iterations = iterations
+    space.collision_slop = slop
+    return space
+
+
+def add_walls(space: "pymunk.Space", segments: np.ndarray, surface: Surface) -> list[Placed]:
+    """Walls with end points (w, 2, 2) [m], without thickness, each on a body of its own."""
+    import pymunk
+
+    walls = []
+    for start, end in segments.tolist():
+        body = pymunk.Body(body_type=pymunk.Body.STATIC)
+        wall = pymunk.Segment(body, start, end, radius=0.0)
+        wall.friction, wall.elasticity = surface
+        space.add(body, wall)
+        walls.append(Placed(body, wall))
+    return walls
+
+
+def add_grain(
+    space: "pymunk.Space",
+    shape: Shape,
+    surface_density: float,
+    pose: list[float],
+    surface: Surface,
+    skin: float = 0.0,
+) -> Placed:
+    """A grain at x, y [m], angle [rad]: the core with the spheroradius round it.
+
+    Mass and moment are those of the rounded outline; the skin [m] adds to the size, not to them.
+    """
+    import pymunk
+
+    body = pymunk.Body(surface_density * shape.area, surface_density * shape.polar_moment)
+    body.position, body.angle = (pose[0], pose[1]), pose[2]
+    poly = pymunk.Poly(body, shape.core.tolist(), radius=shape.spheroradius + skin)
+    poly.friction, poly.elasticity = surface
+    space.add(body, poly)
+    return Placed(body, poly)
+
+
+def strays(outline: Outline, positions: np.ndarray) -> int:
+    """How many of some positions (n, 2) [m] are outside the silo."""
+    from shapely import Polygon, contains_xy
+
+    return int(np.sum(~contains_xy(Polygon(outline.polygon), positions)))

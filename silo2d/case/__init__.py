@@ -1,0 +1,1 @@
+"""Cases of silos: files and options resolved to shapes, outline, laws and time step."""

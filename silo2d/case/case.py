@@ -1,0 +1,308 @@
+"""A silo case: settings resolved to shapes, outline, laws and time step; text to arrays."""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granulab.contact.files.casefile import changed
+from granulab.contact.files.datafile import case_names, data_file, find, is_file
+from granulab.contact.files.units import located, nearest, to_si
+from granulab.contact.laws import LinearLaw
+from granulab.contact.restitution import linear_restitution
+from granulab.errors import InputError
+from silo2d.case.disorder import Spread, drawn_laws, spreads, stiffest
+from silo2d.case.files import shapes_of, table_of
+from silo2d.case.impulses import Impulses, impulses_of
+from silo2d.case.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
+from silo2d.case.parameters import (
+    contact_laws,
+    filling_friction,
+    filling_laws,
+    filling_time_step,
+    time_step_of,
+)
+from silo2d.case.settings import Fill, Settings, Silo, check_settings, read_settings, to_toml
+from silo2d.case.shape import ShapeSet, vertex_list
+from silo2d.engine.pair_law import Law
+from silo2d.engine.state import MAX_VERTICES
+
+GRAVITY = 9.81  # [m/s2]
+
+
+@dataclass(frozen=True, eq=False)
+class SiloCase:
+    """Everything that a run needs to know, validated; SI."""
+
+    settings: Settings
+    outline: Outline
+    shapes: ShapeSet
+    surface_density: float  # density times prism length [kg/m2]
+    grain_law: LinearLaw
+    wall_law: LinearLaw
+    disorder: tuple[Spread, Spread] | None  # grain-grain, grain-wall, about these laws
+    time_step: float  # [s]
+    time_step_reason: str
+    pour_laws: tuple[LinearLaw, LinearLaw]  # soft, and without friction unless asked
+    pour_time_step: float  # [s]
+    files: dict[str, str]  # name in the run folder -> text, of the shapes and materials used
+    impulses: Impulses | None = None  # what pymunk is told, for a case that it runs
+
+    @classmethod
+    def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "SiloCase":
+        """A preset ("A4") or a case file (TOML), with changes such as {"law.kn": "1e4 N/mm"}.
+
+        Raises InputError, one line that names file or option, key, value and what would do.
+        """
+        name = str(name_or_path)
+        path = Path(name)
+        if name in PRESETS:
+            document: dict[str, Any] = {"name": name, "silo": {"preset": name}}
+            return cls.resolve(_changed(document, changes), name, Path())
+        if not is_file(path):
+            known = [*PRESETS, *case_names("silo")]
+            shipped = data_file("cases", name)
+            if shipped is None and is_file(Path(f"{name}.toml")):
+                raise InputError(f"case {name!r}: no such preset; did you mean '{name}.toml'?")
+            if shipped is None:
+                raise InputError(f"case {name!r}: no such preset or file; {nearest(name, known)}")
+            path = shipped
+        return cls.resolve(_changed(read_settings(path), changes), str(path), path.parent)
+
+    @classmethod
+    def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "SiloCase":
+        """A case from the tables of a case file; files it names are looked for in `folder`."""
+        settings = check_settings(document, where)
+        shapes_file = find(settings.particles.shapes, "shapes", folder)
+        table_file = find(settings.particles.materials, "materials", folder)
+        outline = _outline(settings.silo, settings.name, where)
+        shapes = shapes_of(shapes_file)
+        _check_sizes(outline, shapes, settings, where)
+        table = table_of(table_file)
+        particles = settings.particles
+        material = table.material(particles.material)
+        if material.length is None:
+            raise InputError(
+                f"{table_file}: [material.{material.name}] length is missing; give the length of "
+                "the prisms, such as '120 mm'"
+            )
+        surface_density = material.density.value * material.length.value
+        pairs = (
+            table.pair(particles.material, particles.material),
+            table.pair(particles.material, particles.wall),
+        )
+        mean_mass = surface_density * shapes.mean_area
+        laws = contact_laws(settings, pairs, mean_mass, where)
+        disorder = spreads(settings, pairs, laws, where)
+        bounds = stiffest(laws, disorder, settings.law.contact_end)
+        time_step, reason = time_step_of(
+            settings.run.time_step, shapes, surface_density, bounds, disorder is not None, where
+        )
+        pour_laws = filling_laws(pairs, filling_friction(settings, laws, where))
+        files = {"shapes.toml": shapes_file, "materials.toml": table_file}
+        return cls(
+            settings, outline, shapes, surface_density, *laws, disorder, time_step, reason,
+            pour_laws, filling_time_step(shapes, surface_density, pour_laws),
+            {name: Path(file).read_text(encoding="utf-8") for name, file in files.items()},
+            impulses_of(
+                settings, pairs, laws, shapes, math.sqrt(2 * GRAVITY * outline.height), where
+            ),
+        )  # fmt: skip
+
+    @property
+    def name(self) -> str:
+        """What the run folder is called after."""
+        return self.settings.name
+
+    @cached_property
+    def silo_name(self) -> str | None:
+        """The paper's silo that this outline is, or None."""
+        own = self.outline
+        turns = [np.roll(own.polygon, k, axis=0) for k in range(len(own.polygon))]
+        for name in PRESETS:
+            known = preset(name)
+            same = [t for t in turns if t.shape == known.polygon.shape]
+            if math.isclose(known.outlet, own.outlet) and any(
+                np.allclose(turn, known.polygon, rtol=0, atol=1e-9) for turn in same
+            ):
+                return name
+        return None
+
+    @property
+    def label(self) -> str:
+        """What people call the silo: the paper's name, marked where anything is not the paper's."""
+        if self.published_name and self._acts_as(SiloCase.load(self.published_name)):
+            return self.published_name
+        name = self.silo_name or self.name
+        return f"{name} (changed)" if name in PRESETS else name
+
+    @property
+    def published_name(self) -> str | None:
+        """The paper's silo whose printed times this case may be set beside, or None.
+
+        Outline and fill level are the paper's; particles and law may differ, as in its own study
+        of sensitivity.
+        """
+        usual = math.isclose(self.settings.fill.level, Fill().level)
+        return self.silo_name if usual else None
+
+    def _acts_as(self, other: "SiloCase") -> bool:
+        """Whether particles, laws, filling and door are those of another case."""
+        mine, theirs = (
+            (
+                case.grain_law,
+                case.wall_law,
+                case.disorder,
+                [case.settings.disorder.per, case.settings.run.door_speed],
+                [case.settings.fill.friction, case.settings.fill.layer],
+                case.surface_density,
+                [s.area for s in case.shapes.shapes],
+            )
+            for case in (self, other)
+        )
+        return mine == theirs
+
+    @property
+    def mean_mass(self) -> float:
+        """Of a grain of mean area [kg]."""
+        return self.surface_density * self.shapes.mean_area
+
+    def laws(self, n_grains: int) -> tuple[Law, Law]:
+        """What the grain-grain and grain-wall pairs of a world of n_grains obey."""
+        shared = self.grain_law, self.wall_law
+        if self.disorder is None:
+            return shared
+        return drawn_laws(shared, self.disorder, self.settings, n_grains)
+
+    def restitution(self) -> dict[str, dict[str, float]]:
+        """What follows from the laws for two grains of mean mass, and one against a wall.
+
+        Through one contact, and face to face: eight contacts in parallel, two at a wall. Impulses
+        give both what they are told.
+        """
+        if self.impulses:
+            names = ("particle_particle", "particle_wall")
+            return {
+                name: {"one_contact": value, "face_to_face": value}
+                for name, value in zip(names, self.impulses.restitution, strict=True)
+            }
+        result = {}
+        for pair, law, mass, faces in (
+            ("particle_particle", self.grain_law, self.mean_mass / 2, 8),
+            ("particle_wall", self.wall_law, self.mean_mass, 2),
+        ):
+            end = self.settings.law.contact_end
+            result[pair] = {
+                "one_contact": linear_restitution(law.gamma_n, law.kn, mass, end=end),
+                "face_to_face": linear_restitution(
+                    law.gamma_n, law.kn, mass, end=end, contacts=faces
+                ),
+            }
+        return result
+
+    def to_toml(self) -> str:
+        """The case as a file for the run folder, beside the copies of the files it names."""
+        particles = self.settings.particles.model_copy(
+            update={"shapes": "shapes.toml", "materials": "materials.toml"}
+        )
+        return to_toml(self.settings.model_copy(update={"particles": particles}))
+
+    def identity(self) -> dict[str, Any]:
+        """What a run's folder is named by: all that its answers depend on."""
+        return {
+            "settings": _acting(self.settings),
+            **({"disorder": self.disorder} if self.disorder else {}),
+            "polygon": self.outline.polygon,
+            "outlet": [self.outline.outlet, self.outline.outlet_centre],
+            "shapes": shapes_identity(self.shapes),
+            "surface_density": self.surface_density,
+            "laws": [list(self.grain_law), list(self.wall_law)],
+            "time_step": self.time_step,
+            "pour_laws": [list(law) for law in self.pour_laws],
+            "pour_time_step": self.pour_time_step,
+        }
+
+
+# Keys that a packing or a run is not named by while they are off: folders made before there were
+# such keys keep their names.
+_OFF = {("fill", "friction"): False, ("fill", "layer"): None, ("run", "door_speed"): None}
+
+
+def _acting(settings: Settings) -> dict[str, Any]:
+    """The settings that answers depend on, but for the engine, which names a run by itself."""
+    tables = settings.model_dump(
+        exclude={"name": True, "particles": True, "pymunk": True, "run": {"engine"}}
+    )
+    if settings.disorder.per == "none":
+        del tables["disorder"]
+    for (section, key), off in _OFF.items():
+        if tables[section][key] == off:
+            del tables[section][key]
+    return tables
+
+
+def shapes_identity(shapes: ShapeSet) -> list[Any]:
+    """The numbers of a shape set."""
+    rows = zip(shapes.shapes, shapes.shares, strict=True)
+    return [[shape.core, shape.spheroradius, share] for shape, share in rows]
+
+
+def _changed(document: dict[str, Any], changes: dict[str, Any] | None) -> dict[str, Any]:
+    """The document with some keys ("section.key") set."""
+    return changed(document, changes, Settings)
+
+
+def _outline(silo: Silo, name: str, where: str) -> Outline:
+    if silo.outline is not None:
+        given = [
+            key for key in ("preset", "angle", "width", "height") if getattr(silo, key) is not None
+        ]
+        if given:
+            raise InputError(
+                f"{where}: [silo] {given[0]} goes with a hopper, outline with any polygon; leave "
+                "one of them out"
+            )
+        field = f"{where}: [silo] outline"
+        unit = to_si(f"1 {silo.outline_unit}", "m", f"{where}: [silo] outline_unit")
+        points = vertex_list(silo.outline, field) * unit
+        return outline_from_polygon(points, silo.outlet, silo.outlet_centre, name, field)
+    with located(f"{where}: [silo]"):
+        angle, outlet = preset_sizes(silo.preset) if silo.preset else (None, None)
+        angle = angle if silo.angle is None else silo.angle
+        outlet = silo.outlet or outlet
+        if angle is None or outlet is None:
+            raise InputError("needs a preset ('A4'), or angle and outlet, or an outline")
+        size = silo.width or 0.3, silo.height or 0.5
+        return dataclasses.replace(hopper(angle, outlet, *size, "hopper"), name=name)
+
+
+def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: str) -> None:
+    """What must hold between the silo, the particles and the fill level."""
+    narrowest = min(shape.width for shape in shapes.shapes)
+    if outline.outlet < narrowest:
+        raise InputError(
+            f"{where}: [silo] outlet = {outline.outlet * 1e3:g} mm: smaller than the narrowest "
+            f"particle, {narrowest * 1e3:.3g} mm; nothing would come out"
+        )
+    level, largest = settings.fill.level, 2 * shapes.bounding_radius
+    if not largest < level <= outline.height:
+        raise InputError(
+            f"{where}: [fill] level = {level * 1e3:g} mm: must be above the largest particle, "
+            f"{largest * 1e3:.3g} mm, and at most the silo's height, {outline.height * 1e3:g} mm"
+        )
+    layer = settings.fill.layer
+    if layer is not None and layer < narrowest:
+        raise InputError(
+            f"{where}: [fill] layer = {layer * 1e3:g} mm: thinner than the narrowest particle, "
+            f"{narrowest * 1e3:.3g} mm; give a thicker one"
+        )
+    too_many = next((s for s in shapes.shapes if len(s.core) > MAX_VERTICES), None)
+    if too_many:
+        raise InputError(
+            f"{shapes.name}: [shape {too_many.name}] has {len(too_many.core)} vertices; at most "
+            f"{MAX_VERTICES} are offered"
+        )

@@ -1,0 +1,319 @@
+"""Grain cross sections: an outline with rounded corners, its mass integrals, and shape files."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granulab.contact.files.datafile import data_file, read_toml
+from granulab.contact.files.units import nearest, to_si
+from granulab.errors import InputError
+
+Points = NDArray[np.float64]
+
+# Corners closer than this part of the polygon's extent are one corner; corners nearer than
+# it to the line through their neighbours are none. Well above rounding, well below a saw cut.
+COINCIDENT = 1e-6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shape:
+    """A spheropolygon: a convex core swept by a disc.
+
+    name            as in the shape file
+    core            corners of the core (n, 2) [m], counter-clockwise, relative to the centroid
+                    of the rounded shape
+    spheroradius    radius of the disc [m]
+    area            of the rounded shape [m2]
+    polar_moment    second moment of that area about its centroid [m4]
+    """
+
+    name: str
+    core: Points
+    spheroradius: float
+    area: float
+    polar_moment: float
+
+    @property
+    def bounding_radius(self) -> float:
+        """Radius [m] of the circle about the centroid that holds the rounded shape."""
+        return float(np.hypot(*self.core.T).max()) + self.spheroradius
+
+    @property
+    def width(self) -> float:
+        """The smallest distance of two parallel lines that hold the shape between them [m]."""
+        _, _, normals = _edges(self.core)
+        heights = np.ptp(self.core @ normals.T, axis=0)
+        return float(heights.min()) + 2 * self.spheroradius
+
+    def rounded_outline(self, points_per_corner: int = 5) -> Points:
+        """Points (n * points_per_corner, 2) [m] on the rounded outline, for drawing.
+
+        Each corner is an arc between the normals of its edges, both ends included (so give
+        at least 2 points); the straight edges lie between one arc and the next.
+        """
+        _, _, normal = _edges(self.core)
+        before = np.roll(normal, 1, axis=0)
+        start = np.arctan2(before[:, 1], before[:, 0])
+        angle = start[:, None] + np.outer(
+            turn_angles(self.core), np.linspace(0.0, 1.0, points_per_corner)
+        )
+        arc = self.spheroradius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        return (self.core[:, None, :] + arc).reshape(-1, 2)
+
+
+@dataclass(frozen=True, slots=True)
+class ShapeSet:
+    """Shapes and how often each occurs.
+
+    shares    relative frequencies [-], normalised to sum 1; empty means equal
+    """
+
+    name: str
+    shapes: tuple[Shape, ...]
+    shares: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        given = self.shares or (1.0,) * len(self.shapes)
+        total = math.fsum(given)
+        object.__setattr__(self, "shares", tuple(share / total for share in given))
+
+    @property
+    def mean_area(self) -> float:
+        """Mean area of the rounded shapes [m2], weighted by their shares."""
+        return math.fsum(
+            share * shape.area for share, shape in zip(self.shares, self.shapes, strict=True)
+        )
+
+    @property
+    def bounding_radius(self) -> float:
+        """The largest bounding radius [m]."""
+        return max(shape.bounding_radius for shape in self.shapes)
+
+
+def mass_integrals(core: Points, spheroradius: float) -> tuple[float, Points, float]:
+    """Area [m2], centroid (2,) [m] and polar moment about it [m4] of a rounded polygon.
+
+    A convex core (n, 2) [m], counter-clockwise, swept by a disc of radius r is cut into pieces
+    that do not overlap:
+
+        triangle of the core's fan, sides a, b, c     area A    moment A (a^2 + b^2 + c^2)/36
+        rectangle on an edge of length l              area l r  moment l r (l^2 + r^2)/12
+        sector at a corner where the outline turns    area theta r^2/2
+        by theta, centroid at d = 4 r sin(theta/2)/(3 theta) from the corner, on the bisector,
+                                                      moment theta r^4/4 - theta r^2 d^2/2
+
+    each moment about the piece's own centroid; the parallel-axis theorem adds them up. The
+    sectors make one disc, so that the area is A_core + perimeter r + pi r^2 (Steiner).
+    """
+    r = spheroradius
+    apex = core.mean(axis=0)
+    edge, length, normal = _edges(core)
+    turn = turn_angles(core)
+    to_start = core - apex
+    to_end = to_start + edge
+
+    triangle = _cross(to_start, to_end) / 2
+    sides = (to_start**2 + to_end**2 + edge**2).sum(axis=1)
+    bisector = (normal + np.roll(normal, 1, axis=0)) / (2 * np.cos(turn / 2))[:, None]
+    reach = 4 * r * np.sin(turn / 2) / (3 * turn)
+    sector = turn * r**2 / 2
+
+    area = np.concatenate([triangle, length * r, sector])
+    centre = np.concatenate(
+        [
+            (to_start + to_end) / 3,
+            to_start + edge / 2 + normal * r / 2,
+            to_start + bisector * reach[:, None],
+        ]
+    )
+    moment = np.concatenate(
+        [
+            triangle * sides / 36,
+            length * r * (length**2 + r**2) / 12,
+            turn * r**4 / 4 - sector * reach**2,
+        ]
+    )
+    centroid = area @ centre / area.sum()
+    polar = moment.sum() + area @ ((centre - centroid) ** 2).sum(axis=1)
+    return float(area.sum()), apex + centroid, float(polar)
+
+
+def shape_from_outline(name: str, outline: ArrayLike, spheroradius: float, field: str) -> Shape:
+    """The spheropolygon whose straight faces lie on an outer outline (n, 2) [m].
+
+    The core is the outline shrunk by the spheroradius [m], so the rounded shape fills the
+    outline but for its corners. Only convex outlines are taken: vertex-edge forces would hold
+    for concave ones, but the mass integrals and the contact search do not, and cutting an
+    outline into convex parts is not offered.
+
+    Raises InputError, "FIELD: [shape NAME] ...", for an outline that is not a simple, convex,
+    counter-clockwise polygon, or a spheroradius that is not positive or would swallow an edge.
+    """
+    where = f"{field}: [shape {name}]"
+    corners = simple_polygon(outline, f"{where} outline")
+    concave = np.flatnonzero(turn_angles(corners) <= 0)
+    if concave.size:
+        raise InputError(
+            f"{where} outline: concave at {_mm(corners[concave[0]])}; "
+            "only convex outlines are simulated"
+        )
+    core = _shrunk(corners, spheroradius, f"{where} spheroradius")
+    area, centroid, polar = mass_integrals(core, spheroradius)
+    core -= centroid
+    core.setflags(write=False)
+    return Shape(name, core, spheroradius, area, polar)
+
+
+def _shrunk(corners: Points, r: float, field: str) -> Points:
+    """A convex polygon with every edge moved inwards by r; refused where an edge would vanish."""
+    if not 0 < r < math.inf:
+        raise InputError(f"{field} = {1e3 * r:g} mm: must be positive, such as '1 mm'")
+    _, length, normal = _edges(corners)
+    lost = np.tan(turn_angles(corners) / 2)  # what each corner takes of both its edges, per r
+    largest = (length / (lost + np.roll(lost, -1))).min()
+    if r > largest * (1 - COINCIDENT):
+        raise InputError(
+            f"{field} = {1e3 * r:g} mm: too large, the core would lose an edge; "
+            f"less than {1e3 * largest:.4g} mm would do"
+        )
+    before = np.roll(normal, 1, axis=0)
+    return corners - r * (before + normal) / (1 + (before * normal).sum(axis=1))[:, None]
+
+
+def vertex_list(value: object, field: str) -> Points:
+    """A list of [x, y] pairs as an array (n, 2); InputError for anything else."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        array = np.empty(0)
+    if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iuf":
+        raise InputError(f"{field}: expected a list of points, such as [[0, 0], [15, 0], [15, 15]]")
+    if not np.isfinite(array).all():
+        bad = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+        raise InputError(f"{field}: point {bad + 1} is not finite; give two numbers")
+    return array.astype(np.float64)
+
+
+def simple_polygon(points: ArrayLike, field: str) -> Points:
+    """Corners (n, 2) [m] of a simple polygon, counter-clockwise, collinear points merged.
+
+    Raises InputError, "FIELD: ...", for fewer than three points, repeated points, points on one
+    line, an outline that crosses or touches itself, and a clockwise one.
+    """
+    from shapely import MultiPoint, Polygon
+
+    corners = vertex_list(points, field)
+    if len(corners) < 3:
+        raise InputError(f"{field}: {len(corners)} points; a polygon needs at least 3")
+    extent = np.ptp(corners, axis=0).max()
+    gap = np.hypot(*(np.roll(corners, -1, axis=0) - corners).T)
+    if gap.min() <= COINCIDENT * extent:
+        k = int(gap.argmin())
+        raise InputError(
+            f"{field}: points {k + 1} and {(k + 1) % len(corners) + 1} are the same, "
+            f"{_mm(corners[k])}; list each corner once, the outline closes by itself"
+        )
+    if MultiPoint(corners).convex_hull.area <= COINCIDENT * extent**2:
+        raise InputError(f"{field}: zero area, all points lie on one line; give a polygon")
+    polygon = Polygon(corners)
+    if not polygon.is_valid:
+        raise InputError(f"{field}: crosses or touches itself; give the corners in order")
+    if not polygon.exterior.is_ccw:
+        raise InputError(f"{field}: clockwise; give the vertices counter-clockwise")
+    return merge_collinear(corners)
+
+
+def merge_collinear(corners: Points) -> Points:
+    """A simple polygon (n, 2) without the corners that lie between their neighbours on a line."""
+    edge = np.roll(corners, -1, axis=0) - corners
+    before = np.roll(edge, 1, axis=0)
+    # Twice the area of corner and neighbours over their chord: the distance from the chord.
+    distance = np.abs(_cross(before, edge)) / np.hypot(*(before + edge).T)
+    return corners[distance > COINCIDENT * np.ptp(corners, axis=0).max()]
+
+
+def turn_angles(corners: Points) -> NDArray[np.float64]:
+    """How far a counter-clockwise polygon (n, 2) turns left at each corner (n,) [rad]."""
+    edge = np.roll(corners, -1, axis=0) - corners
+    before = np.roll(edge, 1, axis=0)
+    return np.arctan2(_cross(before, edge), (before * edge).sum(axis=1))
+
+
+def _edges(corners: Points) -> tuple[Points, NDArray[np.float64], Points]:
+    """Vector, length and outward unit normal of the edge that leaves each corner."""
+    edge = np.roll(corners, -1, axis=0) - corners
+    length = np.hypot(*edge.T)
+    return edge, length, np.column_stack([edge[:, 1], -edge[:, 0]]) / length[:, None]
+
+
+def _cross(a: Points, b: Points) -> NDArray[np.float64]:
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+
+
+def _mm(point: Points) -> str:
+    return f"({1e3 * point[0]:g}, {1e3 * point[1]:g}) mm"
+
+
+def load_shapes(name_or_path: str | Path) -> ShapeSet:
+    """The shape set of a shipped name ("wood19") or of a TOML file.
+
+    The file holds `schema = 1`, `spheroradius` (a length with its unit), `unit` (of the vertex
+    lists) and one `[[shape]]` for each cross section: `name`, `outline` (the outer outline,
+    counter-clockwise, see shape_from_outline) and, if not all occur equally often, `share`.
+
+    Raises InputError, "FILE: [shape NAME] ...", for whatever is missing, unknown or impossible.
+    """
+    path = data_file("shapes", str(name_or_path)) or Path(name_or_path)
+    table = read_toml(path, "shapes", 1)
+    _check_keys(table, str(path), required=("spheroradius", "unit", "shape"))
+    unit = table["unit"]
+    if not (isinstance(unit, str) and unit.isalpha()):
+        raise InputError(f"{path}: unit = {unit!r}: expected a unit of length, such as 'mm'")
+    length = to_si(f"1 {unit}", "m", f"{path}: unit")
+    spheroradius = to_si(table["spheroradius"], "m", f"{path}: spheroradius")
+    if not (isinstance(table["shape"], list) and table["shape"]):
+        raise InputError(f"{path}: shape: write one [[shape]] for each cross section")
+
+    entries = [_entry(entry, k, str(path)) for k, entry in enumerate(table["shape"], start=1)]
+    names = [name for name, _, _ in entries]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{path}: [shape {name}] occurs twice; give each shape its own name")
+    shapes = tuple(
+        shape_from_outline(name, length * outline, spheroradius, str(path))
+        for name, outline, _ in entries
+    )
+    return ShapeSet(path.stem, shapes, tuple(share for _, _, share in entries))
+
+
+def _entry(entry: object, number: int, file: str) -> tuple[str, Points, float]:
+    """Name, outline in the file's unit, and share of one [[shape]]."""
+    where = f"{file}: [shape number {number}]"
+    if not isinstance(entry, dict):
+        raise InputError(f"{where}: expected a table; write it under [[shape]]")
+    name = entry.get("name")
+    if isinstance(name, str) and name:
+        where = f"{file}: [shape {name}]"
+    _check_keys(entry, where, required=("name", "outline"), optional=("share",))
+    if not (isinstance(name, str) and name):
+        raise InputError(f"{where} name = {name!r}: expected a text, such as '12'")
+    share = to_si(entry.get("share", 1), "1", f"{where} share")
+    if share <= 0:
+        raise InputError(f"{where} share = {share:g}: must be positive; or leave the shape out")
+    return name, vertex_list(entry["outline"], f"{where} outline"), share
+
+
+def _check_keys(
+    table: dict, where: str, required: Iterable[str], optional: Iterable[str] = ()
+) -> None:
+    known = [*required, *optional]
+    for key in table:
+        if key not in known:
+            raise InputError(f"{where}: unknown key {key!r}; {nearest(key, known)}")
+    for key in required:
+        if key not in table:
+            raise InputError(f"{where}: {key} is missing; needed: {', '.join(required)}")

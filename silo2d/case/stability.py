@@ -1,0 +1,99 @@
+"""The largest stable time step of a set of shapes, from the stiffest configurations.
+
+The stiffest thing that can happen between two grains is that their longest faces meet fully
+aligned: each of the four corners touches the facing edge and the flank behind it, eight
+vertex-edge pairs at once. Against a wall it is two pairs on a body that moves alone. Both are
+built for each shape, with all their modes: pushing, sliding and rocking. A step beyond their limit
+is unstable for any two grains that come to lie so.
+
+In a heap a grain may be held on several faces at once. The bound for a like partner on every face,
+all of them moving against it, is lower; but alignment so complete is rare, and contacts that ring
+open and lose their energy: between the two bounds such a spot chatters at the level of
+1e-5 of what lifts a grain by its size, and discharge times do not change. It is reported beside the
+limit, so that those who need a heap free of it can take a smaller step.
+"""
+
+import numpy as np
+
+from granulab.contact.laws import LinearLaw
+from granulab.contact.timestep import highest_rate, stable_time_step
+from silo2d.case.shape import Shape, ShapeSet
+
+
+def largest_stable_step(
+    shapes: ShapeSet, surface_density: float, grain_law: LinearLaw, wall_law: LinearLaw
+) -> tuple[float, str]:
+    """The largest stable time step [s] and the shape and configuration that set it."""
+    found = []
+    for shape in shapes.shapes:
+        for law, pairs, against in ((grain_law, 4, "a like one"), (wall_law, 1, "a wall")):
+            step = _face_step(shape, surface_density, law, pairs, with_partner=pairs == 4)
+            found.append((step, f"shape {shape.name} face to face with {against}"))
+    return min(found)
+
+
+def step_for_held_grains(shapes: ShapeSet, surface_density: float, grain_law: LinearLaw) -> float:
+    """The step [s] that is stable even where grains are held by like ones on all their faces."""
+    return min(_held_step(shape, surface_density, grain_law) for shape in shapes.shapes)
+
+
+def _held_step(shape: Shape, surface_density: float, law: LinearLaw) -> float:
+    """Stable step with an aligned partner on every face, each moving against the grain.
+
+    A partner that mirrors the grain's motion doubles the force of each spring on it.
+    """
+    edges = np.roll(shape.core, -1, axis=0) - shape.core
+    rows = []
+    for start, edge in zip(shape.core, edges, strict=True):
+        tangent = edge / np.linalg.norm(edge)
+        normal = np.array([tangent[1], -tangent[0]])
+        for point in (start, start + edge):
+            touched = point + shape.spheroradius * normal
+            for direction in (normal, tangent):
+                turning = touched[0] * direction[1] - touched[1] * direction[0]
+                rows.append([*direction, turning])
+    mass, inertia = surface_density * shape.area, surface_density * shape.polar_moment
+    n_ends = len(rows) // 2
+    return _stable(
+        np.array(rows),
+        2 * 4 * np.tile([law.kn, law.kt], n_ends),
+        2 * 4 * mass / 2 * np.tile([law.gamma_n, law.gamma_t], n_ends),
+        np.array([1 / mass, 1 / mass, 1 / inertia]),
+    )
+
+
+def _stable(
+    jacobian: np.ndarray, stiffness: np.ndarray, damping: np.ndarray, inverse_mass: np.ndarray
+) -> float:
+    return stable_time_step(
+        highest_rate(jacobian, stiffness, inverse_mass),
+        highest_rate(jacobian, damping, inverse_mass),
+    )
+
+
+def _face_step(
+    shape: Shape, surface_density: float, law: LinearLaw, pairs: int, with_partner: bool
+) -> float:
+    """Stable step with the longest face of a shape on a partner, `pairs` pairs at each end."""
+    edges = np.roll(shape.core, -1, axis=0) - shape.core
+    longest = int(np.argmax(np.linalg.norm(edges, axis=1)))
+    tangent = edges[longest] / np.linalg.norm(edges[longest])
+    normal = np.array([tangent[1], -tangent[0]])  # outwards: the outline is counter-clockwise
+    ends = np.array([shape.core[longest], np.roll(shape.core, -1, axis=0)[longest]])
+    points = ends + shape.spheroradius * normal
+    # The partner is the same shape turned by half a turn about the middle of the face.
+    partner = points - 2 * points.mean(axis=0)
+    rows = []
+    for point, other in zip(points, partner, strict=True):
+        for direction in (normal, tangent):
+            own = [*direction, point[0] * direction[1] - point[1] * direction[0]]
+            theirs = [*-direction, -(other[0] * direction[1] - other[1] * direction[0])]
+            rows.append([*own, *theirs] if with_partner else own)
+    mass, inertia = surface_density * shape.area, surface_density * shape.polar_moment
+    inverse = np.array([1 / mass, 1 / mass, 1 / inertia])
+    if with_partner:
+        inverse = np.tile(inverse, 2)
+    reduced = mass / 2 if with_partner else mass
+    stiffness = pairs * np.tile([law.kn, law.kt], 2)
+    damping = pairs * reduced * np.tile([law.gamma_n, law.gamma_t], 2)
+    return _stable(np.array(rows), stiffness, damping, inverse)

@@ -1,0 +1,313 @@
+"""The only caller of the kernels: advances a world, reads, saves and restores its state."""
+
+import hashlib
+
+import numpy as np
+
+from granulab.contact.jit import njit
+from granulab.errors import SimulationError
+from silo2d.engine import state
+from silo2d.engine.contacts import (
+    FORCE_X,
+    FORCE_Y,
+    NORMAL_X,
+    NORMAL_Y,
+    OVERLAP,
+    POINT_X,
+    POINT_Y,
+    SLIDES,
+    list_contacts,
+)
+from silo2d.engine.door import draw_on
+from silo2d.engine.forces import apply_forces, overlap_now
+from silo2d.engine.integrate import kinetic_energy, move
+from silo2d.engine.neighbours import DONE, NEAR_FULL, NOT_FINITE, PAIRS_FULL, search
+from silo2d.engine.pair_law import Law, law_of
+from silo2d.engine.state import World
+from silo2d.engine.world import longer_lists, more_pairs, with_laws
+
+
+@njit
+def advance(world, n_steps):
+    """Take n_steps steps; returns how many were taken and the outcome of the last search."""
+    bodies, counts, books, dt = world.bodies, world.counts, world.books, world.time_step
+    close, forces, laws = world.close, world.forces, (world.grain_law, world.wall_law)
+    for k in range(n_steps):
+        if counts[state.STALE] > 0:
+            outcome = search(world)
+            if outcome != DONE:
+                return k, outcome
+        door = counts[state.DOOR]
+        load = bodies.row[door, state.FX]
+        if door > 0:
+            bodies.row[door, state.FX] = 0.0  # the force of this step alone does work
+        apply_forces(bodies.row, close, forces, counts, books, laws[0], laws[1], dt)
+        move(world)
+        if door > 0:
+            draw_on(world, load)
+    return n_steps, DONE
+
+
+@njit
+def energies(bodies, close, counts, grain_law, wall_law, gravity):
+    """Kinetic, potential, elastic normal, elastic tangential energy [J] of the live grains.
+
+    The overlaps are those of now, the tangential springs those of the last step.
+    """
+    kinetic, potential, normal, tangential = 0.0, 0.0, 0.0, 0.0
+    for k in range(counts[state.LIVE]):
+        row = bodies.row[bodies.live[k]]
+        kinetic += kinetic_energy(row)
+        potential += gravity * row[state.Y] / row[state.INV_MASS]
+    for n in range(counts[state.CLOSE]):
+        law = law_of(grain_law if n < counts[state.GRAIN_CLOSE] else wall_law, n)
+        normal += 0.5 * law.kn * max(overlap_now(bodies.row, close, n), 0.0) ** 2
+        tangential += 0.5 * law.kt * close.slip[n] ** 2
+    return kinetic, potential, normal, tangential
+
+
+class Simulation:
+    """A world with a clock: run it, ask it, save and restore it."""
+
+    def __init__(self, world: World, advice: str = "try a smaller time step or stiffer contacts"):
+        self.world = world
+        self._advice = advice  # for the one whose simulation fails
+        self._wall_steps = 0
+
+    @property
+    def n_grains(self) -> int:
+        """Number of grains, those that have left included."""
+        return len(self.world.bodies.live)
+
+    @property
+    def n_out(self) -> int:
+        """Number of grains whose centroid has passed y = 0."""
+        return int(self.world.counts[state.OUT])
+
+    @property
+    def door_moves(self) -> bool:
+        """Whether a door is being drawn."""
+        return bool(self.world.counts[state.DOOR])
+
+    @property
+    def steps(self) -> int:
+        """Steps since the phase began."""
+        return int(self.world.counts[state.STEP])
+
+    @property
+    def time(self) -> float:
+        """Seconds since the phase began."""
+        return self.steps * self.world.time_step
+
+    @property
+    def live(self) -> np.ndarray:
+        """Indices of the grains that are still simulated."""
+        return self.world.bodies.live[: self.world.counts[state.LIVE]]
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Rows of the grains (n_grains, 16), columns as in state.py."""
+        return self.world.bodies.row[: self.n_grains]
+
+    def poses(self) -> np.ndarray:
+        """Position and angle of the grains (n_grains, 3) [m, rad], copied."""
+        return self.rows[:, [state.X, state.Y, state.ANGLE]]
+
+    def run(self, n_steps: int) -> None:
+        """Advance by n_steps; lists that turn out too short are made longer.
+
+        Raises SimulationError where the state is no longer finite or a vertex is about to pass
+        through an edge.
+        """
+        left = n_steps
+        while left:
+            taken, outcome = advance(self.world, left)
+            left -= taken
+            self._wall_steps += taken
+            if outcome != DONE:
+                self._answer(outcome)
+        if not np.isfinite(self.rows[self.live]).all():
+            raise self.failure("the state is no longer finite")
+
+    def compile(self) -> None:
+        """Compile or load the kernels now, so that their time is not taken for a step's."""
+        advance(self.world, 0)
+        self.energies()
+        self.touching()
+        self.contacts()
+
+    def refresh(self) -> None:
+        """Make stale lists anew now."""
+        while self.world.counts[state.STALE] > 0:
+            outcome = search(self.world)
+            if outcome != DONE:
+                self._answer(outcome)
+
+    def _answer(self, outcome: int) -> None:
+        """Give a search the room that it lacked, or raise what is wrong."""
+        if outcome == PAIRS_FULL:
+            self.world = more_pairs(self.world)
+        elif outcome == NEAR_FULL:
+            self.world = longer_lists(self.world)
+        elif outcome == NOT_FINITE:
+            raise self.failure("a position is no longer a finite number")
+        else:
+            raise self.failure("an overlap reached half the sum of the spheroradii")
+
+    def failure(self, what: str) -> SimulationError:
+        """An error that says what happened, when, and what to try."""
+        return SimulationError(
+            f"the simulation failed at t = {self.time:.6f} s, in steps of "
+            f"{self.world.time_step * 1e6:g} us: {what}; {self._advice}"
+        )
+
+    def energies(self) -> dict[str, float]:
+        """Kinetic, potential and elastic energies, dissipation so far, carried out [J].
+
+        With what a moving door took of them; they add up to a constant.
+        """
+        self.refresh()
+        world = self.world
+        kinetic, potential, normal, tangential = energies(
+            world.bodies, world.close, world.counts, world.grain_law, world.wall_law, world.gravity
+        )
+        table = {
+            "kinetic": kinetic,
+            "potential": potential,
+            "elastic_normal": normal,
+            "elastic_tangential": tangential,
+            "carried_out": float(world.books[state.CARRIED_OUT]),
+            "given_to_door": float(world.books[state.GIVEN_TO_DOOR]),
+        }
+        for first, pair in ((state.GRAIN_GRAIN, "grain_grain"), (state.GRAIN_WALL, "grain_wall")):
+            for entry, how in enumerate(("normal_damping", "tangential_damping", "friction")):
+                table[f"{how}_{pair}"] = float(world.books[first + entry])
+        return table
+
+    def wall_forces(self) -> np.ndarray:
+        """Mean force on each wall since last asked (n_walls, 2) [N]."""
+        load = self.world.bodies.row[self.n_grains :, state.FX : state.TORQUE + 1]
+        mean = load[:, :2] / max(self._wall_steps, 1)
+        load[:] = 0.0
+        self._wall_steps = 0
+        return mean
+
+    def remove_wall(self, index: int) -> None:
+        """Take a wall away (open a door)."""
+        self.world.bodies.layout[self.n_grains + index, [state.N_CORNERS, state.N_EDGES]] = 0
+        self.world.counts[state.STALE] = 3
+
+    def draw_door(self, index: int, speed: float) -> None:
+        """Begin to draw a level wall to the right [m/s]; it ends at its right end and is gone."""
+        world, door = self.world, self.n_grains + index
+        start = world.vertices[world.bodies.layout[door, state.FIRST]]
+        world.bodies.row[door, [state.X, state.Y]] = start[[state.VERTEX_X, state.VERTEX_Y]]
+        world.bodies.row[door, [state.VX, state.UX]] = speed
+        world.bodies.layout[door, state.N_CORNERS] = 1
+        world.counts[[state.DOOR, state.STALE]] = door, 3
+
+    def begin_phase(
+        self, grain_law: Law, wall_law: Law, time_step: float, keep_slips: bool = False
+    ) -> None:
+        """New laws and time step; clock and books start from zero, and slips unless they are kept.
+
+        Slips are kept where friction holds the grains already.
+        """
+        self.world = with_laws(self.world, grain_law, wall_law)._replace(time_step=time_step)
+        self.world.counts[[state.STEP, state.BODY_SEARCHES, state.NEAR_SEARCHES]] = 0
+        self.world.counts[state.CLOSE_SEARCHES] = 0
+        if not keep_slips:
+            self.world.close.slip[:] = 0.0
+            self.world.near.slip[:] = 0.0
+        self.world.books[:] = 0.0
+        self.wall_forces()
+
+    def touching(self) -> np.ndarray:
+        """Indices in the close list of the pairs that touch now."""
+        row, close = self.world.bodies.row, self.world.close
+        return np.array(
+            [n for n in range(self.world.counts[state.CLOSE]) if overlap_now(row, close, n) > 0],
+            dtype=np.int64,
+        )
+
+    def contacts(self) -> dict[str, np.ndarray]:
+        """The n vertex-edge contacts of now, with the forces that the next step will apply.
+
+        bodies     (n, 2) grains, then walls; ascending in each contact
+        point      (n, 2) where the force acts [m]
+        force      (n, 2) on the second body, damping included [N]; the first takes its opposite
+        normal     (n, 2) unit vector towards the second body
+        overlap    (n,) [m]
+        slides     (n,) whether the tangential spring is at its Coulomb limit
+        """
+        self.refresh()
+        world = self.world
+        most = int(world.counts[state.CLOSE])
+        bodies, numbers = np.zeros((most, 2), np.uint32), np.zeros((most, 8))
+        n = list_contacts(
+            world.bodies.row, world.close, world.forces, world.counts,
+            (world.grain_law, world.wall_law), world.time_step, bodies, numbers,
+        )  # fmt: skip
+        return {
+            "bodies": bodies[:n],
+            "point": numbers[:n, [POINT_X, POINT_Y]],
+            "force": numbers[:n, [FORCE_X, FORCE_Y]],
+            "normal": numbers[:n, [NORMAL_X, NORMAL_Y]],
+            "overlap": numbers[:n, OVERLAP],
+            "slides": numbers[:n, SLIDES] > 0,
+        }
+
+    def coordination(self) -> float:
+        """Mean number of bodies (grains and walls) that a live grain touches."""
+        close, touching = self.world.close, self.touching()
+        pairs = np.stack([close.vertex_body[touching], close.edge_body[touching]], axis=1)
+        pairs = np.unique(np.sort(pairs, axis=1), axis=0)
+        return float((pairs < self.n_grains).sum() / max(len(self.live), 1))
+
+    def save(self) -> dict[str, np.ndarray]:
+        """All that is needed to go on with the same bits, as arrays.
+
+        Of the lists only the slips are kept: they are made anew in the same order.
+        """
+        world = self.world
+        close = slice(0, int(world.counts[state.CLOSE]))
+        return {
+            "row": world.bodies.row.copy(),
+            "layout": world.bodies.layout.copy(),
+            "out_time": world.bodies.out_time.copy(),
+            "live": self.live.copy(),
+            "key": world.near.key[world.close.near[close]],
+            "slip": world.close.slip[close].copy(),
+            "counts": world.counts.copy(),
+            "books": world.books.copy(),
+            "wall_steps": np.array([self._wall_steps]),
+        }
+
+    def restore(self, saved: dict[str, np.ndarray]) -> None:
+        """Put back what `save` gave."""
+        while len(self.world.near.key) <= len(saved["key"]):
+            self.world = longer_lists(self.world)
+        world = self.world
+        world.bodies.row[:] = saved["row"]
+        world.bodies.layout[:] = saved["layout"]
+        world.bodies.out_time[:] = saved["out_time"]
+        world.bodies.live[: len(saved["live"])] = saved["live"]
+        world.counts[:] = saved["counts"]
+        world.books[:] = saved["books"]
+        n = len(saved["key"])
+        world.near.key[:n] = saved["key"]
+        world.near.slip[:n] = saved["slip"]
+        world.counts[[state.NEAR, state.CLOSE, state.STALE]] = n, 0, 3
+        self.world = with_laws(world, world.grain_law, world.wall_law)
+        self._wall_steps = int(saved["wall_steps"][0])
+
+    def state_digest(self) -> str:
+        """Hash of positions, orientations, velocities and the history of the contacts."""
+        close = slice(0, int(self.world.counts[state.CLOSE]))
+        slip = self.world.close.slip[close]
+        keys = self.world.near.key[self.world.close.near[close]]
+        moving = np.ascontiguousarray(self.rows[:, [*range(state.FX), state.ANGLE]])
+        text = hashlib.sha256(moving.tobytes())
+        text.update(self.world.bodies.out_time[: self.n_grains].tobytes())
+        text.update(keys[slip != 0].tobytes() + slip[slip != 0].tobytes())
+        return text.hexdigest()[:16]

@@ -1,0 +1,167 @@
+"""Builds the arrays of a world from shapes, poses, walls and laws, and makes them longer."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from silo2d.case.outline import Walls
+from silo2d.case.shape import Shape
+from silo2d.engine import state
+from silo2d.engine.pair_law import DrawnLaw, Law, PairConstants, draw_lists
+from silo2d.engine.state import Bodies, Cells, Close, Forces, Near, World
+
+BODY_ROOM = 3e-3  # [m] at the level of bodies, see neighbours.py; walls need none
+
+
+def build_world(
+    shapes: Sequence[Shape],
+    kinds: np.ndarray,
+    poses: np.ndarray,
+    walls: Walls,
+    *,
+    surface_density: float,
+    grain_law: Law,
+    wall_law: Law,
+    gravity: float,
+    time_step: float,
+) -> World:
+    """A world of grains at rest; its two laws are of one kind, shared or drawn.
+
+    kinds (n,) indices in `shapes`; poses (n, 3) x, y [m], angle [rad]; surface_density [kg/m2]
+    is density times prism length.
+    """
+    grains = [shapes[kind] for kind in kinds]
+    middles = walls.segments.mean(axis=1)
+    cores = [grain.core for grain in grains] + list(walls.segments - middles[:, None])
+    bodies = _bodies(grains, poses, walls, middles, cores, surface_density)
+    local = _local(cores)
+    vertices = local[:, : state.EDGE_Y + 1].copy()
+    of_walls = slice(bodies.layout[len(grains), state.FIRST] if len(middles) else None, None)
+    vertices[of_walls, :2] += np.repeat(middles, 2, axis=0) if len(middles) else 0.0
+    world = World(
+        bodies=bodies,
+        local=local,
+        vertices=vertices,
+        cells=_cells(bodies, np.concatenate([poses[:, :2], walls.segments.reshape(-1, 2)])),
+        near=_near(1024 + 16 * len(grains)),
+        close=_close(1024 + 16 * len(grains)),
+        forces=Forces(*(np.zeros(state.BLOCK) for _ in Forces._fields)),
+        counts=_counts(len(grains)),
+        books=np.zeros(state.N_BOOKS),
+        grain_law=grain_law,
+        wall_law=wall_law,
+        gravity=gravity,
+        time_step=time_step,
+    )
+    return with_laws(world, grain_law, wall_law)
+
+
+def with_laws(world: World, grain_law: Law, wall_law: Law) -> World:
+    """The same world with other laws; pairs that draw their constants have drawn them."""
+    if isinstance(grain_law, DrawnLaw) and isinstance(wall_law, DrawnLaw):
+        n, capacity = len(PairConstants._fields), len(world.near.key)
+        near = PairConstants(*np.zeros((n, capacity)))
+        close = PairConstants(*_apart(n, capacity, behind=len(Close._fields)))
+        grain_law = grain_law._replace(near=near, close=close)
+        wall_law = wall_law._replace(near=near, close=close)
+        n_bodies = len(world.bodies.row)
+        draw_lists(grain_law, wall_law, world.near, world.close, world.counts, n_bodies)
+    return world._replace(grain_law=grain_law, wall_law=wall_law)
+
+
+def _bodies(grains, poses, walls, middles, cores, surface_density) -> Bodies:
+    n_grains, n = len(grains), len(cores)
+    row = np.zeros((n, 16))
+    row[:n_grains, [state.X, state.Y, state.ANGLE]] = poses
+    row[n_grains:, [state.X, state.Y]] = middles
+    row[:, state.COS], row[:, state.SIN] = np.cos(row[:, state.ANGLE]), np.sin(row[:, state.ANGLE])
+    row[:n_grains, state.INV_MASS] = [1.0 / (surface_density * g.area) for g in grains]
+    row[:n_grains, state.INV_INERTIA] = [1.0 / (surface_density * g.polar_moment) for g in grains]
+    layout, size = np.zeros((n, 3), np.int64), np.zeros((n, 2))
+    counts = np.array([len(core) for core in cores], dtype=np.int64)
+    layout[:, state.FIRST] = np.cumsum(counts) - counts
+    layout[:, state.N_CORNERS] = np.concatenate([counts[:n_grains], walls.corners])
+    layout[:, state.N_EDGES] = np.where(np.arange(n) < n_grains, counts, 1)
+    for i, grain in enumerate(grains):
+        size[i] = grain.bounding_radius, grain.spheroradius
+    lengths = np.linalg.norm(walls.segments[:, 1] - walls.segments[:, 0], axis=1)
+    size[n_grains:, state.BOUNDING_RADIUS] = lengths / 2
+    room = np.zeros((n, 3))
+    room[:n_grains, state.BODY_LIST] = BODY_ROOM
+    out_time = np.full(n, np.nan)
+    return Bodies(row, layout, size, np.zeros((n, 9)), room, out_time, np.arange(n_grains))
+
+
+def _local(cores) -> np.ndarray:
+    edges = np.concatenate([np.roll(core, -1, axis=0) - core for core in cores])
+    inv_length2 = 1.0 / (edges**2).sum(axis=1)
+    return np.column_stack([np.concatenate(cores), edges, inv_length2])
+
+
+def _cells(bodies: Bodies, points: np.ndarray) -> Cells:
+    n_grains = len(bodies.live)
+    size = 2 * bodies.size[:n_grains, state.BOUNDING_RADIUS].max(initial=0.0) + 2 * BODY_ROOM
+    low, high = points.min(axis=0) - size, points.max(axis=0) + size
+    columns, rows = (math.ceil(extent / size) for extent in high - low)
+    return Cells(
+        pairs=np.zeros((64 + 8 * n_grains, 2), np.uint32),
+        start=np.zeros(columns * rows + 1, np.int64),
+        grains=np.zeros(n_grains, np.int64),
+        of_grain=np.zeros(n_grains, np.int64),
+        size=float(size),
+        columns=columns,
+        rows=rows,
+        left=float(low[0]),
+        bottom=float(low[1]),
+    )
+
+
+def _near(capacity: int) -> Near:
+    kinds: dict[str, type] = {"key": np.int64, "old_key": np.int64}
+    kinds |= dict.fromkeys(("vertex", "edge", "vertex_body", "edge_body"), np.uint32)
+    # One more than can be listed: the end of the previous list is marked behind it.
+    return Near(*(np.zeros(capacity + 1, kinds.get(field, float)) for field in Near._fields))
+
+
+def _close(capacity: int) -> Close:
+    lines = _apart(len(Close._fields), capacity)
+    integers = ("near", "vertex_body", "edge_body")
+    return Close(
+        *(
+            line.view(np.uint32)[:capacity] if field in integers else line[:capacity]
+            for field, line in zip(Close._fields, lines, strict=True)
+        )
+    )
+
+
+def _apart(n: int, capacity: int, behind: int = 0) -> list[np.ndarray]:
+    """Arrays of at least `capacity` for the force pass, n of them, read beside `behind` others."""
+    # Arrays of one size would all start at the same place of a memory page, and the force pass,
+    # which reads all of them at once, would wait for cache lines that displace each other: shift
+    # each by three cache lines against the one before.
+    page, shift = 512, 24
+    length = -(-capacity // page) * page + shift
+    lines = np.zeros((n, length + behind * shift))
+    return [line[behind * shift :] for line in lines]
+
+
+def _counts(n_grains: int) -> np.ndarray:
+    counts = np.zeros(state.N_COUNTS, np.int64)
+    counts[state.LIVE], counts[state.STALE] = n_grains, 3
+    return counts
+
+
+def more_pairs(world: World) -> World:
+    """The same world with room for twice as many pairs of bodies; they are found anew."""
+    pairs = np.zeros((2 * len(world.cells.pairs), 2), np.uint32)
+    return world._replace(cells=world.cells._replace(pairs=pairs))
+
+
+def longer_lists(world: World) -> World:
+    """The same world with room for twice as many vertex-edge pairs, the slips kept."""
+    capacity, n = 2 * len(world.near.key), int(world.counts[state.NEAR])
+    near = _near(capacity)
+    near.key[:n], near.slip[:n] = world.near.key[:n], world.near.slip[:n]
+    longer = world._replace(near=near, close=_close(capacity))
+    return with_laws(longer, world.grain_law, world.wall_law)

@@ -1,0 +1,1 @@
+"""Quantities that several measures take from the contacts and particles of a run."""

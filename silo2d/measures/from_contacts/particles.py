@@ -1,0 +1,77 @@
+"""What several measures ask of a run: the size of its grains, columns across it, who is in it."""
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granulab.errors import InputError
+from silo2d.view.scene import Scene
+
+Series = NDArray[np.float64]
+
+FEWEST_OUT = 20  # grains that leave, for a rate or a mean over the flow
+
+
+def areas(scene: Scene) -> Series:
+    """Area of each grain (n,) [m2], from the outlines kept for drawing (0.04 % small: chords)."""
+    static = scene.trajectory.static
+    points, start = static["shape_points"], static["shape_start"]
+    area = []
+    for first, end in pairwise(start):
+        x, y = points[first:end].T
+        area.append(0.5 * (x * np.roll(y, -1) - np.roll(x, -1) * y).sum())  # Gauss
+    return np.array(area)[static["kind"]]
+
+
+def grain_size(scene: Scene) -> float:
+    """Side [m] of the square that has the mean area of the grains' outlines."""
+    return float(np.sqrt(areas(scene).mean()))
+
+
+def column_edges(scene: Scene) -> Series:
+    """Edges (c + 1,) [m] of equal columns across the silo, an odd number, about two grains wide.
+
+    An odd number puts one column in the middle of a silo whose outlet is there.
+    """
+    left, right, _, _ = scene.window
+    count = 2 * round(((right - left) / (2 * grain_size(scene)) - 1) / 2) + 1
+    return np.linspace(left, right, max(count, 3) + 1)
+
+
+def outlet_centre(scene: Scene) -> float:
+    """x of the outlet's middle [m]."""
+    (left, _), (right, _) = scene.trajectory.attributes["lips"]
+    return float(left + right) / 2
+
+
+def in_silo(scene: Scene) -> NDArray[np.bool_]:
+    """Which grains have not passed y = 0 at each frame (F, n)."""
+    out_time = scene.trajectory["out_time"][-1]
+    return ~(out_time <= scene.time[:, None])  # NaN: never
+
+
+def leavers(scene: Scene, fewest: int = 0, what: str = "this") -> tuple[Series, Series]:
+    """Times [s] at which grains left, ascending, and their masses [kg].
+
+    Raises InputError where fewer than `fewest` left, with `what` needs them.
+    """
+    times, mass = scene.trajectory["out_time"][-1], scene.trajectory.static["mass"]
+    n = int((~np.isnan(times)).sum())
+    if n < fewest:
+        least = f"{fewest} grains" if fewest > 1 else "one"
+        raise InputError(f"{n} grains left: {what} needs {least} at least; take a run that flows")
+    order = np.argsort(times)[:n]
+    return times[order], mass[order]
+
+
+def start_height(scene: Scene) -> Series:
+    """Height of each grain at the opening (n,) [m]."""
+    return scene.trajectory["y"][0].astype(float)
+
+
+def numbers(series: NDArray) -> list:
+    """A series as nested lists for JSON, NaN as None."""
+    if series.ndim > 1:
+        return [numbers(row) for row in series]
+    return [None if np.isnan(value) else float(value) for value in series]

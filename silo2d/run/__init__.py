@@ -1,0 +1,1 @@
+"""Runs of silos: filling, opening and discharge, with checkpoints; one, or many."""

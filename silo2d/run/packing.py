@@ -1,0 +1,97 @@
+"""A filled silo: where its grains are; kept, because filling costs more than discharging."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
+from granulab.campaign.runs.folder import FolderError, digest
+from silo2d.case.case import SiloCase, shapes_identity
+from silo2d.case.outline import Outline
+from silo2d.case.shape import ShapeSet
+
+
+@dataclass(frozen=True, eq=False)
+class Packing:
+    """Grains at rest behind the closed door, numbered in rows from the bottom up."""
+
+    kinds: np.ndarray  # (n,) index in the shape set
+    poses: np.ndarray  # (n, 3) x, y [m], angle [rad]
+    fraction: float  # area of grains over area of silo, well below the surface [-]
+    coordination: float  # bodies that a grain touches, mean [-]
+    poured_with: str
+    cpu_s: float  # CPU time that the filling took [s]
+    sources: str = ""  # digest of the sources that made it
+
+
+def packing_digest(case: SiloCase, seed: int) -> str:
+    """Names a packing by all that it depends on, and by nothing that acts after the opening."""
+    fill = case.settings.fill
+    return digest(
+        {
+            "polygon": case.outline.polygon,
+            "outlet": [case.outline.outlet, case.outline.outlet_centre],
+            "shapes": shapes_identity(case.shapes),
+            "surface_density": case.surface_density,
+            "level": fill.level,
+            "pour_with": fill.pour_with,
+            "settled": fill.settled,
+            "laws": [list(law) for law in case.pour_laws],
+            "time_step": case.pour_time_step,
+            "seed": seed,
+            **({} if fill.layer is None else {"layer": fill.layer}),
+        }
+    )
+
+
+def packing_folder(case: SiloCase, root: Path) -> Path:
+    """Where the packing of a case is kept below a folder of runs; it may not exist yet."""
+    return root / "packings" / packing_digest(case, case.settings.run.seed)
+
+
+def save_packing(packing: Packing, folder: Path) -> None:
+    """Keep a packing in its folder, which is there; FolderError where it cannot be written."""
+    meta = {
+        "fraction": packing.fraction,
+        "coordination": packing.coordination,
+        "poured_with": packing.poured_with,
+        "cpu_s": packing.cpu_s,
+        "sources": packing.sources,
+    }
+    save_checkpoint(folder / "packing.h5", {"kinds": packing.kinds, "poses": packing.poses}, meta)
+
+
+def load_packing(folder: Path) -> Packing | None:
+    """The packing kept in a folder, None where there is none; FolderError where it is damaged."""
+    file = folder / "packing.h5"
+    if not file.exists():
+        return None
+    try:
+        arrays, meta = load_checkpoint(file)
+        return Packing(arrays["kinds"], arrays["poses"], **meta)
+    except (FolderError, KeyError, TypeError):
+        raise FolderError(
+            f"{file}: damaged, or of another version; delete it and the silo is filled anew"
+        ) from None
+
+
+def packing_fraction(
+    outline: Outline, shapes: ShapeSet, kinds: np.ndarray, y: np.ndarray, level: float
+) -> float:
+    """Area of grains over area of silo, both up to one largest grain below `level` [-].
+
+    A grain counts where its centroid is; those cut by the line cancel on average.
+    """
+    line = level - 2 * shapes.bounding_radius
+    areas = np.array([shape.area for shape in shapes.shapes])[kinds]
+    return float(areas[y < line].sum() / outline.area_below(line))
+
+
+def in_rows(kinds: np.ndarray, poses: np.ndarray, height: float) -> tuple[np.ndarray, np.ndarray]:
+    """The same grains, numbered by rows of a height [m] and from left to right in each.
+
+    Grains that touch then stand near each other in memory.
+    """
+    order = np.lexsort((poses[:, 0], np.floor(poses[:, 1] / height)))
+    return kinds[order], poses[order]

@@ -1,0 +1,247 @@
+"""A silo run: fill, settle, open, discharge; checkpoints, and going on from them."""
+
+import dataclasses
+import time
+from pathlib import Path
+from typing import Any
+
+from granulab.campaign.runs.checkpoint import load_checkpoint
+from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run, resume_run
+from granulab.campaign.runs.protocol import begin_or_check, check_unchanged, end, kept
+from granulab.campaign.runs.provenance import Warn, to_stderr
+from granulab.campaign.runs.trajectory import TrajectoryWriter
+from granulab.campaign.sweeps.task import Progress, Stop
+from granulab.errors import Stopped
+from silo2d.baseline.discharge import Baseline, discharge_by_impulses
+from silo2d.case.case import GRAVITY, SiloCase
+from silo2d.case.disorder import with_friction
+from silo2d.engine import state
+from silo2d.engine.simulation import Simulation
+from silo2d.engine.world import build_world
+from silo2d.run.discharge import Clock, discharge
+from silo2d.run.packing import Packing, load_packing, packing_folder, save_packing
+from silo2d.run.pour import agitation, pour
+from silo2d.run.result import Result, describe, summarise, write_records
+from silo2d.run.sources import SOURCES
+
+PACKAGES = ["numpy", "numba", "llvmlite", "h5py", "shapely", "pymunk"]
+_SETTLE_FRAME = 1e-3  # [s] between looks at the kinetic energy before the opening
+_SETTLE_PATIENCE = 2.0  # [s]
+_QUIET_LOOKS = 5  # one may fall on a moment when the energy is elastic
+
+
+def run(
+    case: SiloCase,
+    *,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+    again: bool = False,
+    stop: Stop = lambda: False,
+    warn: Warn = to_stderr,
+) -> Result:
+    """Run a case in a folder below `out` ("runs"), or give the answer that stands there.
+
+    An unfinished run goes on from its checkpoint. `stop` is asked at every look and every
+    frame; when it says yes, the state is kept and Stopped is raised. `warn` is told of what was
+    made by other sources. Raises FolderError for folders that cannot be used and
+    SimulationError where the simulation fails.
+    """
+    root = Path(out or "runs")
+    folder = open_run(root, f"{case.name}-seed{case.settings.run.seed}", run_digest(case), again)
+    return run_in(folder, case, progress or (lambda fraction, text: None), stop, warn)
+
+
+def resume(
+    path: str | Path,
+    *,
+    progress: Progress | None = None,
+    stop: Stop = lambda: False,
+) -> Result:
+    """Go on with the run in a folder; see `run`."""
+    folder = resume_run(path)
+    case = SiloCase.load(folder.path / "case.toml")
+    check_unchanged(folder, run_digest(case), "case.toml, shapes.toml or materials.toml")
+    return run_in(folder, case, progress or (lambda fraction, text: None), stop)
+
+
+def run_digest(case: SiloCase) -> str:
+    """Names a run: its case, seed and engine."""
+    engine: dict[str, Any] = {"engine": case.settings.run.engine}
+    if case.impulses:
+        engine["impulses"] = dataclasses.asdict(case.impulses)
+    return digest({**case.identity(), **engine})
+
+
+def run_in(
+    folder: RunFolder,
+    case: SiloCase,
+    progress: Progress,
+    stop: Stop,
+    warn: Warn = to_stderr,
+) -> Result:
+    """Run a case in its folder; see `run`."""
+    with folder.lock():
+        begun = time.perf_counter()
+        begin_or_check(
+            folder,
+            case=case.to_toml(),
+            files=case.files,
+            run_digest=run_digest(case),
+            seed=case.settings.run.seed,
+            packages=PACKAGES,
+            sources=SOURCES,
+            warn=warn,
+        )
+        if folder.state == "finished":
+            return Result.read(folder, reused=True)
+        if case.impulses:
+            summary = _by_pymunk(folder, case, progress, stop, warn)
+            return _finish(folder, summary, begun)
+        sim, clock, packing = _start_or_resume(folder, case, progress, stop, warn)
+        static = describe(case, packing)
+        writer = TrajectoryWriter(folder.path, parts=clock.parts)
+        writer.write_static(*static)
+        outcome = discharge(sim, case, packing, folder, writer, clock, progress, stop)
+        writer.finish(*static)
+        write_records(folder)
+        summary = summarise(folder, case, sim, packing, clock, outcome)
+        return _finish(folder, summary, begun)
+
+
+def _finish(folder: RunFolder, summary: dict[str, Any], begun: float) -> Result:
+    """Keep the answers and the wall time since `begun`."""
+    end(folder, summary, begun)
+    folder.checkpoint.unlink(missing_ok=True)
+    return Result.read(folder, reused=False)
+
+
+def _by_pymunk(
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Stop, warn: Warn
+) -> dict[str, Any]:
+    """The answers of a discharge by pymunk; its frames are in the folder."""
+    packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
+    static, attributes = describe(case, packing)
+    attributes["engine"] = "pymunk"
+    clock = Clock(filling_cpu_s=packing.cpu_s)
+    writer = TrajectoryWriter(folder.path)
+    writer.write_static(static, attributes)
+    sim = Baseline(case, packing)
+    outcome = discharge_by_impulses(sim, case, packing, writer, clock, progress, stop)
+    writer.finish(static, attributes)
+    write_records(folder)
+    return summarise(folder, case, sim, packing, clock, outcome)
+
+
+def _start_or_resume(
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Stop, warn: Warn
+) -> tuple[Simulation, Clock, Packing]:
+    resuming = folder.checkpoint.exists()
+    packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
+    sim = Simulation(world_behind_door(case, packing))
+    if resuming:
+        saved, meta = load_checkpoint(folder.checkpoint)
+        sim.begin_phase(*case.laws(sim.n_grains), case.time_step)
+        try:
+            sim.restore(saved)
+            return sim, Clock(**meta), packing
+        except (IndexError, KeyError, TypeError, ValueError) as error:
+            raise FolderError(
+                f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run "
+                "starts from its opening"
+            ) from None
+    sim.compile()
+    begun = time.process_time()
+    settle_under_own_law(sim, case, progress, stop)
+    clock = Clock(filling_cpu_s=packing.cpu_s + time.process_time() - begun)
+    return sim, clock, packing
+
+
+def get_packing(
+    case: SiloCase,
+    root: Path,
+    progress: Progress,
+    stop: Stop = lambda: False,
+    warn: Warn = to_stderr,
+) -> Packing:
+    """The packing of a case: kept under root/packings, or poured and kept now.
+
+    A filling that is stopped is poured again from its seed the next time (raises Stopped).
+    Raises FolderError where a packing is damaged, or could not be written.
+    """
+    folder = packing_folder(case, root)
+    return kept(
+        folder,
+        load=load_packing,
+        make=lambda: _fill(case, folder, progress, stop),
+        cure="delete it and it is filled anew",
+        sources=SOURCES,
+        stop=stop,
+        warn=warn,
+    )
+
+
+def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Stop) -> Packing:
+    def report(phase: str, fraction: float, text: str) -> None:
+        progress(fraction, f"{phase}, {text}")
+        if stop():
+            raise Stopped("the same command fills the silo anew, from its seed")
+
+    seed = case.settings.run.seed
+    if case.settings.fill.pour_with == "pymunk":
+        from silo2d.baseline.pouring import pour_with_pymunk
+
+        packing = pour_with_pymunk(case, seed, report)
+    else:
+        packing = pour(case, seed, report)
+    packing = dataclasses.replace(packing, sources=SOURCES.digest)
+    save_packing(packing, folder)
+    return packing
+
+
+def world_behind_door(case: SiloCase, packing: Packing) -> state.World:
+    """The packing behind the closed door, with the friction that it was poured with."""
+    grain_law, wall_law = case.laws(len(packing.kinds))
+    if case.settings.fill.friction is not True:
+        poured = case.pour_laws
+        grain_law = with_friction(grain_law, poured[0].mu)
+        wall_law = with_friction(wall_law, poured[1].mu)
+    return build_world(
+        case.shapes.shapes,
+        packing.kinds,
+        packing.poses,
+        case.outline.walls(),
+        surface_density=case.surface_density,
+        grain_law=grain_law,
+        wall_law=wall_law,
+        gravity=GRAVITY,
+        time_step=case.time_step,
+    )
+
+
+def settle_under_own_law(
+    sim: Simulation,
+    case: SiloCase,
+    progress: Progress,
+    stop: Stop = lambda: False,
+) -> None:
+    """Let a packing that was poured softer come to rest, which several looks in a row must find.
+
+    Raises Stopped, and SimulationError where it takes more than 2 s of simulated time.
+    """
+    steps = max(round(_SETTLE_FRAME / case.time_step), 1)
+    quiet_looks = 0
+    while True:
+        sim.wall_forces()
+        sim.run(steps)
+        moving = agitation(sim, case.shapes)
+        quiet_looks = quiet_looks + 1 if moving < case.settings.fill.settled else 0
+        if quiet_looks == _QUIET_LOOKS:
+            return
+        if stop():
+            raise Stopped("the same command goes on from the packing")
+        progress(0.0, f"settling, t = {sim.time:.3f} s")
+        if sim.time > _SETTLE_PATIENCE:
+            raise sim.failure(
+                f"the packing did not come to rest under its own law (agitation {moving:.1e}, "
+                f"[fill] settled asks for {case.settings.fill.settled:g})"
+            )

@@ -1,7 +1,0 @@
-"""Which sources make a silo run."""
-
-from pathlib import Path
-
-from campaign.provenance import Sources
-
-SOURCES = Sources(Path(__file__).parent, Path(__file__).parent.parent / "contact")

@@ -1,0 +1,1 @@
+"""Pictures, films, tables and words of runs, read from their folders."""

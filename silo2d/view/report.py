@@ -1,0 +1,216 @@
+"""What a person reads before and after a run."""
+
+import math
+from typing import Any
+
+from silo2d.case.case import SiloCase
+from silo2d.case.disorder import QUANTITIES
+from silo2d.run.discharge import BOOKS_OFF
+from silo2d.run.result import Result
+
+_OUTCOMES = {
+    "empty": "empty",
+    "dead_zones": "at rest, dead zones left beside the outlet",
+    "clogged": "clogged",
+    "clogged_at_opening": "clogged at the opening",
+    "time_limit": "stopped at the time limit",
+}
+
+# What --dry-run reckons with.
+_SECONDS_PER_GRAIN_STEP = 6e-8  # on one core of a current server
+_SECONDS_PER_GRAIN_IMPULSES = 6e-7, 4e-8  # of pymunk: a step, and an iteration in it
+_USUAL_FRACTION = 0.88  # packing fraction
+_FILLING, _DISCHARGE = 1.1, 1.5  # [s] of simulated time
+
+
+def echo(case: SiloCase, dry_run: bool) -> str:
+    """The case in SI, the time step with its reason, the restitution that follows."""
+    outline, fill, run = case.outline, case.settings.fill, case.settings.run
+    expected = plan(case)
+    lines = [
+        f"{case.name}, seed {run.seed}",
+        f"  silo        {outline.width:g} m wide, {outline.height:g} m high, outlet "
+        f"{outline.outlet:g} m, filled to {fill.level:g} m (about {expected['n_particles']} "
+        "particles)",
+        f"  particles   {case.shapes.name}: {len(case.shapes.shapes)} shapes, mean area "
+        f"{case.shapes.mean_area:.4g} m2, {case.surface_density:g} kg/m2, mean mass "
+        f"{case.mean_mass:.4g} kg",
+    ]
+    for name, law in (("particles", case.grain_law), ("walls", case.wall_law)):
+        lines.append(
+            f"  law {name:9} kn {law.kn:g} N/m, kt {law.kt:g} N/m, mu {law.mu:g}, gamma_n "
+            f"{law.gamma_n:g} 1/s, gamma_t {law.gamma_t:g} 1/s"
+        )
+    lines += [
+        f"  contact     ends at zero {case.settings.law.contact_end}; damping: "
+        f"{case.settings.law.damping}",
+        f"  restitution {_restitution(case)}",
+        *_disorder(case),
+        f"  filling     with {fill.pour_with}, {_pouring(case)}, kn {case.pour_laws[0].kn:g} N/m, "
+        f"in steps of {case.pour_time_step:g} s, until agitation is below {fill.settled:g}",
+        *_door(case),
+        *_engine(case),
+        f"  ends        empty; or at rest: agitation below {run.at_rest:g} and none out for "
+        f"{run.rest_time:g} s; or after {run.max_time:g} s",
+        "              agitation: kinetic energy over what lifts each particle by its size; at "
+        "rest, clogged if",
+        "              an outline crosses the outlet's centre line (at the opening: fewer than "
+        f"{run.opening_count} out), else dead zones",
+    ]
+    if dry_run:
+        lines.append(
+            f"  expected    about {max(expected['expected_min'], 0.1):.1g} min, if filling takes "
+            f"{_FILLING:g} s and the discharge {_DISCHARGE:g} s of simulated time; at most "
+            f"{expected['steps_at_most']:,} steps of discharge"
+        )
+    return "\n".join(lines)
+
+
+def _engine(case: SiloCase) -> list[str]:
+    """What moves the grains, after the filling, in which steps."""
+    told = case.impulses
+    if told is None:
+        return [f"  time step   {case.time_step:g} s: {case.time_step_reason}"]
+    return [
+        f"  engine      pymunk: {told.iterations} iterations in steps of {told.time_step:g} s; "
+        f"overlaps of {told.slop:g} m are left alone;",
+        "              of the law it takes the friction alone, and the restitution instead of kn, "
+        "kt, gamma",
+    ]
+
+
+def _restitution(case: SiloCase) -> str:
+    parts = [
+        f"{pair.replace('_', '-')} {values['one_contact']:.2f} for one contact, "
+        f"{values['face_to_face']:.2f} face to face"
+        for pair, values in case.restitution().items()
+    ]
+    return "; ".join(parts)
+
+
+def _disorder(case: SiloCase) -> list[str]:
+    """What is drawn how widely, where anything is."""
+    if case.disorder is None:
+        return []
+    grains, walls = (
+        ", ".join(
+            f"{name} {100 * getattr(found, name):.3g} %"
+            for name in QUANTITIES
+            if getattr(found, name)
+        )
+        for found in case.disorder
+    )
+    return [
+        f"  disorder    per {case.settings.disorder.per}, standard deviations: between particles "
+        f"{grains or 'none'}; at walls {walls or 'none'}"
+    ]
+
+
+def _pouring(case: SiloCase) -> str:
+    fill, (grains, walls) = case.settings.fill, case.pour_laws
+    friction = f"mu {grains.mu:g} and {walls.mu:g}" if fill.friction else "without friction"
+    return friction + (f", layers of {fill.layer:g} m" if fill.layer is not None else "")
+
+
+def _door(case: SiloCase) -> list[str]:
+    """How the door opens, where it does not at once."""
+    speed = case.settings.run.door_speed
+    if speed is None:
+        return []
+    return [
+        f"  door        drawn to the right at {speed:g} m/s, away after "
+        f"{case.outline.outlet / speed:g} s; times count from the start of its motion"
+    ]
+
+
+def plan(case: SiloCase) -> dict[str, Any]:
+    """What a run of a case would be, before it is filled: particles, steps, CPU time [min]."""
+    step = case.impulses.time_step if case.impulses else case.time_step
+    return {
+        "silo": case.silo_name or case.name,
+        "seed": case.settings.run.seed,
+        "engine": case.settings.run.engine,
+        "n_particles": expected_particles(case),
+        "time_step_s": step,
+        "time_step_reason": "as given" if case.impulses else case.time_step_reason,
+        "restitution": case.restitution(),
+        "steps_at_most": math.ceil(case.settings.run.max_time / step),
+        "expected_min": sum(expected_cpu_s(case)) / 60,
+    }
+
+
+def expected_particles(case: SiloCase) -> int:
+    """About how many particles fill the silo to its level."""
+    area = case.outline.area_below(case.settings.fill.level)
+    return round(area * _USUAL_FRACTION / case.shapes.mean_area)
+
+
+def expected_cpu_s(case: SiloCase) -> tuple[float, float]:
+    """About what the filling and the discharge of a case cost [s of CPU]."""
+    n, cost, step = expected_particles(case), _SECONDS_PER_GRAIN_STEP, case.time_step
+    filling = 1.5 * cost * _FILLING / case.pour_time_step
+    if case.impulses:
+        a_step, an_iteration = _SECONDS_PER_GRAIN_IMPULSES
+        cost, step = a_step + an_iteration * case.impulses.iterations, case.impulses.time_step
+    discharge = 0.5 * cost * _DISCHARGE / step  # half of the grains, on average, are inside
+    return n * filling, n * discharge
+
+
+def report(result: Result) -> str:
+    """The answers of a run beside the published values."""
+    out = f"{result.n_out} of {result.n_particles} particles out"
+    lines = [f"{result.silo}, seed {result.seed}: {_OUTCOMES[result.outcome]}, {out}"]
+    lines.append(f"  discharge time   {_time(result.discharge_time_s)}   {_published(result)}")
+    lines.append(f"  T90              {_time(result.t90_s)}")
+    if result.mean_rate_per_s is not None and result.mean_mass_flow_kg_per_s is not None:
+        lines.append(
+            f"  mean rate        {result.mean_rate_per_s:.0f} particles/s, "
+            f"{result.mean_mass_flow_kg_per_s:.2f} kg/s"
+        )
+    lines += [
+        f"  packing          fraction {result.packing_fraction:.3f}, coordination "
+        f"{result.coordination:.2f}",
+        f"  energy           {_books(result)}",
+        f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
+        f"steps; {result.cpu_s:.1f} s in all",
+        f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
+    ]
+    return "\n".join(lines)
+
+
+def _time(seconds: float | None) -> str:
+    return "none" if seconds is None else f"{seconds:.3f} s"
+
+
+def _books(result: Result) -> str:
+    parts = [part for part in result.dissipated_j.values() if part is not None]
+    if not parts:
+        return "not known by mechanism: impulses have no books"
+    return (
+        f"{sum(parts):.3f} J dissipated, books closed to {_percent(result.energy_closure)} of it "
+        f"(tolerance: {100 * BOOKS_OFF:g} %)"
+    )
+
+
+def _percent(part: float | None) -> str:
+    return "nothing" if part is None else f"{100 * abs(part):.2g} %"
+
+
+def _published(result: Result) -> str:
+    known = result.published
+    parts = ["the paper's own"] if result.silo.endswith("(changed)") else []
+    if known.get("experiment_mean_s") is not None:
+        spread = known.get("experiment_sd_s")
+        parts.append(
+            f"experiment {known['experiment_mean_s']:.2f}"
+            + (f" +- {spread:.2f}" if spread is not None else "")
+            + " s"
+        )
+    if known.get("experiment_clogged"):
+        parts.append(f"experiment clogged {known['experiment_clogged']} of {known['experiment_n']}")
+    if known.get("simulation_s") is not None:
+        parts.append(f"SPOLY {known['simulation_s']:.2f} s")
+    elif known.get("simulation_clogged"):
+        parts.append("SPOLY clogged")
+    nothing = all(known.get(k) is None for k in ("experiment_n", "simulation_s"))
+    return "(nothing published)" if nothing else f"({', '.join(parts)})"

@@ -1,0 +1,152 @@
+"""A run folder as pictures need it: grain outlines of a frame, walls, window, words, colours."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
+
+WOOD = "#ecd3a4", "#b5793f"  # of the painted layers, in turn; they differ in lightness too
+GRAIN_EDGE = "#4a3018"
+
+# What the pictures of a run need of its trajectory.
+_STATIC = ["kind", "mass", "layer", "shape_points", "shape_start", "wall_segments"]
+_OF_GRAINS = ["x", "y", "angle", "vx", "vy", "spin", "inside", "out_time"]
+_ATTRIBUTES = ["silo", "wall_names"]
+
+_BELOW = 0.08, 0.2  # what is shown below the outlet, at least and at most, in silo heights
+_OUTCOMES = {
+    "empty": "empty",
+    "dead_zones": "dead zones remain",
+    "clogged": "clogged",
+    "clogged_at_opening": "clogged at opening",
+    "time_limit": "stopped at the time limit",
+}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One run as it stands on disk, finished or not.
+
+    summary         as in summary.json; empty while the run goes on
+    wall_names      (w,), the door last
+    """
+
+    trajectory: Trajectory
+    summary: dict[str, Any]
+    wall_names: list[str]
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Of the frames (F,) [s], 0 at the opening."""
+        return self.trajectory["time"]
+
+    @property
+    def n_grains(self) -> int:
+        """Number of grains at the opening."""
+        return len(self.trajectory.static["kind"])
+
+    @property
+    def walls(self) -> NDArray[np.float64]:
+        """End points of the walls (w - 1, 2, 2) [m], without the door."""
+        return self.trajectory.static["wall_segments"][:-1]
+
+    def door(self, frame: int) -> NDArray[np.float64]:
+        """What is left of a door that is being drawn (1, 2, 2) [m], or nothing (0, 2, 2)."""
+        speed = self.trajectory.attributes.get("door_speed")  # none: it is gone at once
+        ends = []
+        if speed is not None:
+            (left, y), (right, _) = self.trajectory.attributes["lips"]
+            left += speed * self.time[frame]
+            ends = [[(left, y), (right, y)]] if left < right else []
+        return np.array(ends).reshape(-1, 2, 2)
+
+    @cached_property
+    def window(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top of what is worth showing [m]."""
+        left, bottom = self.walls.min(axis=(0, 1))
+        right, top = self.walls.max(axis=(0, 1))
+        inside, y = self.trajectory["inside"], self.trajectory["y"]
+        heap = y[0][inside[0]].max(initial=bottom) + self._reach  # may stand above the rim
+        fall = bottom - y[inside].min(initial=bottom) + self._reach
+        least, most = (share * (top - bottom) for share in _BELOW)
+        below = bottom - min(max(fall, least), most)
+        return float(left), float(right), float(below), float(max(top, heap))
+
+    @property
+    def _reach(self) -> float:
+        """How far an outline lies from its centroid at most [m]."""
+        return float(np.hypot(*self.trajectory.static["shape_points"].T).max())
+
+    @property
+    def headline(self) -> str:
+        """The silo and how its discharge ended, in one line."""
+        silo = f"Silo {self.trajectory.attributes['silo']}"
+        if engine := self.trajectory.attributes.get("engine"):  # another than the contact law
+            silo += f", {engine}"
+        n_out = self.trajectory["n_out"][-1]
+        if not self.summary:
+            return f"{silo}: unfinished, {n_out} of {self.n_grains} out by {self.time[-1]:.2f} s"
+        outcome = self.summary["outcome"]
+        how = _OUTCOMES.get(outcome, outcome)
+        end = self.summary.get("discharge_time_s")
+        if end is None:
+            return f"{silo}: {how}, {n_out} of {self.n_grains} out"
+        last = " after" if outcome == "empty" else "; the last grain left at"
+        return f"{silo}: {how}{last} {end:.2f} s"
+
+    def outlines(self, frame: int) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
+        """Grains of one shape that are inside (k,), and their outlines (k, p, 2) [m]; all shapes.
+
+        Outlines that lie below the window are left out.
+        """
+        y = self.trajectory["y"][frame]
+        shown = self.trajectory["inside"][frame] & (y > self.window[2] - self._reach)
+        return self.placed(frame, np.flatnonzero(shown))
+
+    def placed(
+        self, frame: int, grains: NDArray[np.int64]
+    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
+        """The given grains, shape by shape (k,), and their outlines (k, p, 2) [m]."""
+        static = self.trajectory.static
+        points, start, kind = static["shape_points"], static["shape_start"], static["kind"]
+        x, y, angle = (self.trajectory[key][frame] for key in ("x", "y", "angle"))
+        for shape in range(len(start) - 1):
+            which = grains[kind[grains] == shape]
+            px, py = points[start[shape] : start[shape + 1]].T
+            cos, sin = np.cos(angle[which, None]), np.sin(angle[which, None])
+            around = np.stack([px * cos - py * sin, px * sin + py * cos], axis=-1)
+            yield which, around + np.stack([x[which], y[which]], axis=-1)[:, None, :]
+
+
+def read_scene(run_folder: str | Path) -> Scene:
+    """The run in a folder; FolderError where it has no frame yet, is damaged or cannot be read."""
+    run = RunFolder(Path(run_folder))
+    trajectory = read_trajectory(run.path)
+    if "time" not in trajectory or not trajectory.static:
+        raise FolderError(f"{run.path}: no frame yet; wait until the silo has opened")
+    if wrong := _wrong(trajectory):
+        cure = "use --again to compute the run anew"
+        raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {cure}")
+    summary = run.read_summary() if run.state == "finished" else {}
+    if summary and not isinstance(summary.get("outcome"), str):
+        cure = "use --again to compute the run anew"
+        raise FolderError(f"{run.path / 'summary.json'}: damaged (no outcome); {cure}")
+    return Scene(trajectory, summary, json.loads(trajectory.attributes["wall_names"]))
+
+
+def _wrong(trajectory: Trajectory) -> str:
+    """What a scene needs and a trajectory lacks, in words; "" where all is there."""
+    kept = [*trajectory.static, *trajectory, *trajectory.attributes]
+    if missing := [key for key in (*_STATIC, *_OF_GRAINS, *_ATTRIBUTES) if key not in kept]:
+        return f"no {', '.join(missing)}"
+    shape = len(trajectory["time"]), len(trajectory.static["kind"])
+    odd = [key for key in _OF_GRAINS if trajectory[key].shape != shape]
+    return f"{odd[0]} is not of {shape[0]} frames and {shape[1]} grains" if odd else ""

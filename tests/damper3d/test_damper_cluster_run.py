@@ -1,0 +1,154 @@
+"""A damper of clusters from its filling to its answers: the start, runs, resumption, bad input."""
+
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cluster_beds import rotation
+from damper_runs import assert_same_run, forked
+from small_damper import damper3d
+from small_silo import the_run
+
+from damper3d.case.case import DamperCase
+from damper3d.run import protocol, vibration
+from damper3d.run.fill import fill, random_start
+from damper3d.view.pictures.scene import read_scene
+from granulab.campaign.runs.trajectory import read_tables
+from granulab.errors import InputError
+
+CASE = {
+    "enclosure.diameter": "20 mm",
+    "enclosure.height": "20 mm",
+    "particles.shape": "prolate:1.5",
+    "particles.equal_volume_radius": "2.2 mm",
+    "particles.count": 30,
+    "motion.frequency": 80,
+    "motion.gamma": 10,
+    "law.restitution": 0.5,  # at rest the sooner
+    "fill.settle_time": "60 ms",
+    "run.cycles": 3,
+    "run.discard": 1,
+    "run.time_step": "2 us",
+    "output.samples": 20,
+    "output.frames": 4,
+}
+
+
+def small(**changes) -> DamperCase:
+    """The case, with changes such as motion__gamma=5."""
+    named = {key.replace("__", "."): value for key, value in changes.items()}
+    return DamperCase.load("thesis", CASE | named)
+
+
+@pytest.mark.parametrize("shape", ["prolate:2", "toroid:0.2"])
+def test_the_random_start_has_no_overlap_and_lies_inside(shape):
+    """All spheres of all pairs, and all against the walls, by brute force; the seed gives it."""
+    case = small(particles__shape=shape)
+    centres, turns = random_start(case, 30)
+    particle = case.particle
+    spheres = np.array([x + particle.offsets @ rotation(q).T
+                        for x, q in zip(centres, turns, strict=True)])  # fmt: skip
+    for i in range(30):
+        for j in range(i):
+            gap = np.linalg.norm(spheres[i][:, None] - spheres[j][None], axis=2)
+            assert (gap > particle.radii[:, None] + particle.radii[None]).all()
+    assert (np.hypot(spheres[..., 0], spheres[..., 1]) + particle.radii < 0.01).all()
+    assert (np.abs(spheres[..., 2] - 0.01) + particle.radii < 0.01).all()
+    again, other = random_start(case, 30), random_start(small(particles__shape=shape,
+                                                              run__seed=2), 30)  # fmt: skip
+    assert again[0].tobytes() == centres.tobytes()
+    assert again[1].tobytes() == turns.tobytes()
+    assert abs(other[0] - centres).max() > 1e-3
+
+
+def test_orientations_of_the_random_start_have_no_direction():
+    """Mean square cosine between the axis and each direction is 1/3, with a standard error of
+    2/sqrt(45 n) in an isotropic set; within four of them before walls align any."""
+    from damper3d.engine.clusters.grow import random_places
+
+    case, n = small(), 60
+    _, turns, _ = random_places(case.enclosure, case.particle, n, np.random.default_rng(1))
+    axes = np.array([rotation(q)[:, 0] for q in turns])
+    assert (axes**2).mean(axis=0) == pytest.approx(1 / 3, abs=4 * 2 / math.sqrt(45 * n))
+
+
+def test_too_many_clusters_are_refused_with_the_number_that_fits():
+    with pytest.raises(InputError, match=r"count = 88: fill ratio 0\.\d+; .* about \d\d; give"):
+        fill(small(particles__count=88, particles__shape="prolate:2"), lambda *_: None)
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """The small damper, never interrupted; to be read only."""
+    root = tmp_path_factory.mktemp("undisturbed")
+    protocol.run(small(), out=root)
+    return the_run(root)
+
+
+def test_a_run_answers_and_keeps_how_the_particles_lie(undisturbed):
+    """Books closed, the mass of the smooth shape, unit quaternions in single precision."""
+    answers = undisturbed.read_summary()
+    assert answers["particles"] == "prolate:1.5"
+    mass = 1190 * 4 / 3 * math.pi * 2.2e-3**3
+    assert answers["particle_mass_kg"] == pytest.approx(mass, rel=1e-12)
+    assert abs(answers["energy_closure"]) < 0.02  # 0.005 at 1 us, four times that at 2 us
+    assert 0.0 < answers["efficiency"] < 1.0
+    assert 1.0 < answers["packing"]["coordination"] < 10.0  # particles and walls, not spheres
+    last = read_tables(undisturbed.path, "particles").at(-1)
+    size = sum(last[f"turn_{c}"].astype(float) ** 2 for c in "wxyz")
+    assert size == pytest.approx(1.0, abs=1e-6)
+
+
+def test_pictures_show_the_spheres_where_they_are(undisturbed):
+    """Those of each particle, turned by its quaternion, in single precision: 10 mm to 1e-9 m."""
+    scene, particle = read_scene(undisturbed.path), small().particle
+    table = read_tables(undisturbed.path, "particles").at(-1)
+    arm, radius, whose = scene.spheres(len(scene.frame_sample) - 1)
+    k = len(particle.radii)
+    for n in (0, 17):
+        turn = rotation([float(table[f"turn_{c}"][n]) for c in "wxyz"])
+        assert arm[n * k : (n + 1) * k] == pytest.approx(particle.offsets @ turn.T, abs=1e-8)
+        assert (whose[n * k : (n + 1) * k] == n).all()
+    assert np.array_equal(radius[:k], particle.radii)
+
+
+@pytest.mark.parametrize("write", [3, 6])
+def test_a_run_that_is_killed_goes_on_to_the_same_bits(undisturbed, tmp_path, monkeypatch, write):
+    """Killed at its so many-th write, with a checkpoint every three samples."""
+    monkeypatch.setattr(vibration, "CHECKPOINT_WORK", 3 * 30 * 315 + 1)
+    shutil.copytree(undisturbed.path.parent / "packings", tmp_path / "packings")
+    assert forked(lambda: protocol.run(small(), out=tmp_path), kill_at_write=write + 5) == -9
+    protocol.run(small(), out=tmp_path)
+    assert_same_run(the_run(tmp_path), undisturbed)
+
+
+def test_the_treatment_of_contacts_names_the_run_of_clusters_alone():
+    """A ball has one contact with another: its runs keep their names."""
+    names = {t: protocol.run_digest(small(law__contact_treatment=t)) for t in
+             ("sum", "deepest", "scaled")}  # fmt: skip
+    assert len(set(names.values())) == 3
+    balls = [DamperCase.load("thesis", {"law.contact_treatment": t}) for t in ("sum", "deepest")]
+    assert protocol.run_digest(balls[0]) == protocol.run_digest(balls[1])
+
+
+def test_bad_treatments_are_refused_in_one_line(tmp_path):
+    for options, word in (
+        (["--contact-treatment", "mean"], "contact_treatment"),
+        (["--contact-treatment", "scaled", "--yielding"], "yielding"),
+    ):
+        answer = damper3d("run", "--particles", "prolate:1.5", *options, "-o", tmp_path, "--quiet")
+        assert (answer.code, answer.out, answer.err.count("\n")) == (2, "", 1)
+        assert word in answer.err
+
+
+def test_a_run_from_the_command_line(tmp_path):
+    """Of a toroid, with its pictures; the packing lies beside it."""
+    answer = damper3d("run", "--particles", "toroid:0.2", "--equal-volume-radius", "2.2 mm",
+                      "--diameter", "20 mm", "--height", "20 mm", "--count", 12, "--frequency",
+                      200, "--cycles", 2, "--discard", 1, "--time-step", "2 us",
+                      "--contact-treatment", "scaled", "-o", tmp_path, "--quiet")  # fmt: skip
+    assert (answer.code, answer.err) == (0, "")
+    assert "12 of toroid:0.2" in answer.out
+    assert list((the_run(Path(tmp_path)).path / "figures").glob("*.png"))

@@ -1,0 +1,102 @@
+"""Two damper runs beside each other: numbers, table, picture, bad input."""
+
+import json
+
+import numpy as np
+import pytest
+from fake_damper_run import EFFICIENCY, LAW_GAIN, SHARES, write_fake_damper_run
+from small_damper import damper3d
+
+from damper3d.view.compare import compare, draw, labels
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """Of 5 and of 7 cycles, at Gamma 20 and 5."""
+    root = tmp_path_factory.mktemp("pair")
+    write_fake_damper_run(root / "one")
+    write_fake_damper_run(root / "other", gamma=5.0, cycles=7)
+    return [root / "one", root / "other"]
+
+
+def test_efficiencies_and_shares_are_set_side_by_side(runs):
+    """Their difference, also over the root of both half widths squared (0.02 each)."""
+    found = compare(*runs)
+    one, other = (row["efficiency"] for row in found["runs"])
+    assert one == pytest.approx((1 - LAW_GAIN) * np.mean(EFFICIENCY[3:]))
+    assert other == pytest.approx((1 - LAW_GAIN) * np.mean([*EFFICIENCY[3:], *EFFICIENCY[-1:] * 2]))
+    difference = found["difference"]
+    assert difference["efficiency"] == pytest.approx(other - one)
+    over = difference["efficiency_over_interval"]
+    assert over == pytest.approx((other - one) / (0.02 * np.sqrt(2)))
+    assert difference["shares"]["particle_wall"]["friction"] == 0.0
+
+
+def test_a_run_beside_itself_does_not_differ(runs):
+    difference = compare(runs[0], runs[0])["difference"]
+    assert difference["efficiency"] == difference["efficiency_over_interval"] == 0.0
+    rows = compare(runs[0], runs[0])["runs"]
+    assert labels(rows) == ["one", "one"]
+
+
+def test_runs_without_an_interval_are_compared_all_the_same(runs, tmp_path):
+    """One counted cycle has none."""
+    write_fake_damper_run(tmp_path / "run")
+    path = tmp_path / "run" / "summary.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"efficiency_interval": None}))
+    found = compare(runs[0], tmp_path / "run")
+    assert found["difference"]["efficiency_over_interval"] is None
+    assert damper3d("compare", runs[0], tmp_path / "run", "--no-figures").code == 0
+
+
+def test_the_picture_has_both_runs_in_every_panel(runs):
+    """Histories over 4 V^2 M and over V, so that runs of any motion can be laid together."""
+    figure = draw(compare(*runs))
+    loss, bed, cycles, shares = figure.axes
+    ends = [line.get_ydata()[-1] for line in loss.lines]
+    means = [np.mean(EFFICIENCY[3:]), np.mean([*EFFICIENCY[3:], *EFFICIENCY[-1:] * 2])]
+    np.testing.assert_allclose(ends, means, rtol=1e-9)
+    named = [line.get_label() for line in bed.lines]
+    assert named == ["Γ = 20", "Γ = 5", "enclosure"]
+    np.testing.assert_allclose(bed.lines[2].get_ydata()[[0, 20]], [1.0, -1.0])
+    assert [len(line.get_ydata()) for line in cycles.lines] == [5, 7]
+    widths = [bar.get_width() for bar in shares.patches]
+    assert sorted(widths[:6]) == pytest.approx(sorted(100 * np.array(list(SHARES.values()))))
+
+
+def test_command_prints_a_table_and_makes_a_picture(runs):
+    answer = damper3d("compare", *runs)
+    assert answer.code == 0
+    assert answer.err.strip() == str(runs[0] / "figures" / "beside-other.png")
+    for words in ("Γ = 20", "efficiency", "0.4896", "50.0%", "bouncing bed", "half widths"):
+        assert words in answer.out
+    alone = damper3d("compare", *runs, "--json", "--no-figures")
+    assert alone.json == json.loads(json.dumps(compare(*runs)))
+    assert alone.err == ""
+
+
+def test_numbers_are_compared_where_only_the_summary_was_kept(runs, tmp_path):
+    """The table stands; one line says why there is no picture."""
+    write_fake_damper_run(tmp_path / "bare", keep="summary")
+    answer = damper3d("compare", runs[0], tmp_path / "bare")
+    assert answer.code == 0
+    assert "efficiency" in answer.out
+    assert answer.err.startswith("no picture: ")
+    assert len(answer.err.splitlines()) == 1
+
+
+def test_runs_that_are_not_finished_or_damaged_are_refused(runs, tmp_path):
+    write_fake_damper_run(tmp_path / "half", finished=False)
+    answer = damper3d("compare", runs[0], tmp_path / "half")
+    assert answer.code == 2
+    assert "not finished; go on with: damper3d run --resume" in answer.err
+    write_fake_damper_run(tmp_path / "damaged")
+    path = tmp_path / "damaged" / "summary.json"
+    kept = json.loads(path.read_text())
+    del kept["shares"]
+    path.write_text(json.dumps(kept))
+    answer = damper3d("compare", tmp_path / "damaged", runs[0])
+    assert answer.code == 2
+    assert "damaged (no shares); use --again" in answer.err
+    answer = damper3d("compare", runs[0])
+    assert (answer.code, len(answer.err.splitlines())) == (2, 1)

@@ -1,0 +1,102 @@
+"""The commands map and predict: what they print, what they leave, how they end; runs are made."""
+
+import json
+
+import pytest
+from made_map import made_runs
+
+from damper3d.commands import main as cli
+from damper3d.studies.map import grid as mapping
+from damper3d.studies.predict import beside
+
+SMALL = ["--frequencies", "20,40", "--gammas", "1,2,3,5,8,12,20,30", "--no-figures"]
+
+
+@pytest.fixture
+def damper3d(monkeypatch, tmp_path, capsys):
+    """Run a command line in this process; its exit code, stdout and stderr."""
+    monkeypatch.setattr(mapping, "run_cases", made_runs)
+    monkeypatch.setattr(beside, "run_cases", made_runs)
+
+    def run(*words):
+        monkeypatch.setattr("sys.argv", ["damper3d", *words, "--out", str(tmp_path)])
+        code = 0
+        try:
+            cli.main()
+        except SystemExit as end:
+            code = end.code or 0
+        said = capsys.readouterr()
+        return code, said.out, said.err
+
+    return run
+
+
+def test_map_prints_its_ridges_and_leaves_its_table(damper3d, tmp_path):
+    code, out, _ = damper3d("map", *SMALL, "--json")
+    answers = json.loads(out)
+    assert code == 0
+    assert {peak["ridge"] for peak in answers["ridges"]} == {"bouncing_bed", "fluidisation"}
+    (folder,) = (tmp_path / "maps").iterdir()
+    names = {"provenance.json", "summary.json", "table.csv", "table.h5", "runs"}
+    assert {path.name for path in folder.iterdir()} == names
+    assert str(folder) == answers["folder"]
+
+
+def test_dry_run_says_how_many_runs_and_writes_nothing(damper3d, tmp_path):
+    code, out, _ = damper3d("map", *SMALL, "--packings", "3", "--dry-run", "--json")
+    planned = json.loads(out)
+    assert (code, planned["runs"], planned["finished"]) == (0, 48, 0)
+    assert planned["packings_to_fill"] == 3  # one a seed, for all frequencies and Gammas
+    assert planned["expected_cpu_min"] > 0
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["map", "--gammas", "1,0"], "gammas: 0: must be above 0"),
+        (["map", "--frequencies", ""], "frequencies: empty"),
+        (["map", "--packings", "0"], "packings = 0"),
+        (["map", "--frequency", "40"], "--frequencies and --gammas"),
+        (["predict", "--frequencies", "a"], "write numbers with commas"),
+        (["predict", "--frequencies", "0"], "frequencies: 0"),
+        (["predict", "--packing", "0.4"], "fill ratio = 0.466"),
+        (["predict", "--full-count", "3"], "full count = 3"),
+    ],
+)
+def test_bad_input_ends_with_code_2_and_one_line(damper3d, words, said):
+    code, out, err = damper3d(*words)
+    assert (code, out) == (2, "")
+    assert said in err
+    assert len(err.strip().splitlines()) == 1
+
+
+def test_interrupted_map_keeps_its_table_and_ends_with_code_130(damper3d, monkeypatch, tmp_path):
+    def half(cases, **_):
+        rows = made_runs(cases, out=None)
+        return rows[:8] + [{**row, "state": "interrupted"} for row in rows[8:]]
+
+    monkeypatch.setattr(mapping, "run_cases", half)
+    code, out, err = damper3d("map", *SMALL)
+    assert code == 130
+    assert "the same command goes on" in err
+    assert "8 done, 0 failed, 8 interrupted" in out
+    assert len(list((tmp_path / "maps").glob("*/table.csv"))) == 1
+
+
+def test_predict_prints_the_table_of_the_four_fills(damper3d, tmp_path):
+    code, out, _ = damper3d("predict", "--json")
+    answers = json.loads(out)
+    assert code == 0
+    assert [round(fill["fill_ratio"], 3) for fill in answers["fills"]] == [
+        0.466, 0.414, 0.373, 0.339]  # fmt: skip
+    assert answers["fills"][0]["bouncing_bed"][1]["gamma"] == pytest.approx(
+        [5.57, 22.3, 89.1], rel=2e-3)  # fmt: skip
+    assert (tmp_path / "predict-thesis.png").exists()
+
+
+def test_predict_sets_simulations_beside(damper3d):
+    words = ["predict", "--height", "40 mm", "--frequencies", "40", "--simulate", "--no-figures"]
+    code, out, _ = damper3d(*words)
+    assert code == 0
+    assert out.splitlines()[-1].split()[1:3] == ["40", "66.8"]  # three times 22.27

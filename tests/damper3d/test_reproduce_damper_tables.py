@@ -1,0 +1,60 @@
+"""The tables of shares, sensitivity and cycles from the command line, with runs of few spheres."""
+
+from functools import partial
+from typing import Any
+
+import pytest
+from small_damper import CASE, damper3d
+
+from damper3d.commands.reproduce import reproduce
+from damper3d.reproduce import TABLES, cycles, find, sensitivity, sensitivity_values, shares
+from granulab.campaign.cli.reproduce import PublishedTable
+from granulab.campaign.output.results import read_results
+
+# The motion is the table's own.
+_SMALL = {key: value for key, value in CASE.items() if not key.startswith(("motion.", "run.c"))}
+_SMALL |= {"run.cycles": 5, "run.discard": 1, "output.samples": 40}
+
+
+def _few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two or three points of each table, fast ones."""
+    monkeypatch.setattr(shares, "COUNT_OF", {5: 20})
+    monkeypatch.setattr(shares, "FREQUENCIES", (160.0,))
+    monkeypatch.setattr(shares, "GAMMAS", (5.0, 20.0))
+    monkeypatch.setattr(sensitivity_values, "GAMMAS", (20.0,))
+    for name in sensitivity_values.VALUES:
+        one = (0.3,) if name == "friction" else ()
+        monkeypatch.setitem(sensitivity_values.VALUES, name, one)
+    motion: dict[str, Any] = {"motion.frequency": 80.0}
+    for table, changes in ((shares, {}), (sensitivity, motion), (cycles, motion)):
+        monkeypatch.setattr(table, "cases", partial(table.cases, changes=_SMALL | changes))
+    some = [{"orientation": o, "gamma": 20.0} for o in ("vertical", "horizontal")]
+    monkeypatch.setattr(cycles, "points", lambda: some)
+
+
+@pytest.mark.parametrize(("name", "runs"), [("shares", 2), ("sensitivity", 2), ("cycles", 2)])
+def test_a_table_runs_once_and_its_rows_are_reported_again(tmp_path, monkeypatch, name, runs):
+    """What is committed is enough for the text: the same from the CSV as from the runs."""
+    _few_points(monkeypatch)
+    command = ["reproduce", name, "--seeds", 1, "--workers", 1, "--out", tmp_path]
+    first = damper3d(*command)
+    assert first.code == 0, first.err
+    standing = f"INCOMPLETE: {runs} of {runs} points are there, with 1 of 3 packings each"
+    assert first.out.startswith(standing)
+    again = damper3d(*command, "--write", tmp_path / "again")
+    assert again.out == first.out
+    assert f"{runs} runs," not in again.err.splitlines()[-1]
+    origin, rows = read_results(tmp_path / "again" / f"reproduce-{name}.csv")
+    assert origin["command"] == f"damper3d reproduce {name} --seeds 1"
+    assert find(name).report(rows).strip() == first.out.strip()
+    assert (tmp_path / f"reproduce-{name}.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("name", ["shares", "sensitivity", "cycles"])
+def test_the_tables_are_in_the_registry(name):
+    table: PublishedTable = find(name)
+    assert table.SEEDS == 3
+    assert callable(table.run)
+    assert callable(table.draw)
+    assert name in TABLES
+    assert reproduce.name == "reproduce"

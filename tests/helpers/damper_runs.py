@@ -1,0 +1,109 @@
+"""A damper of twenty spheres that fills and is shaken in a second: its runs, begun and killed."""
+
+import os
+import signal
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+
+from damper3d.case.case import DamperCase
+from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.trajectory import read_tables, read_trajectory
+
+# Its bed is two spheres deep; 80 Hz and 6300 steps a cycle.
+CASE: dict[str, Any] = {
+    "enclosure.diameter": "20 mm",
+    "enclosure.height": "20 mm",
+    "particles.count": 20,
+    "motion.frequency": 80,
+    "motion.gamma": 10,
+    "law.restitution": 0.5,  # at rest the sooner
+    "fill.settle_time": "0.15 s",
+    "run.cycles": 4,
+    "run.discard": 1,
+    "run.time_step": "2 us",
+    "output.samples": 20,
+    "output.frames": 4,
+}
+# Options of the command for a like one.
+OPTIONS = ["--diameter", "20 mm", "--height", "20 mm", "--count", 20, "--frequency", 80,
+           "--gamma", 10, "--cycles", 4, "--discard", 1, "--time-step", "2 us"]  # fmt: skip
+# Of the machine, not of the particles.
+COSTS = {"cpu_s", "cpu_us_per_step"}
+
+
+def small(**changes: Any) -> DamperCase:
+    """The case, with changes such as motion__gamma=5."""
+    return DamperCase.load(
+        "thesis", CASE | {key.replace("__", "."): value for key, value in changes.items()}
+    )
+
+
+def answers(folder: RunFolder) -> dict[str, Any]:
+    """The summary of a run, but for what it cost."""
+    return {k: v for k, v in folder.read_summary().items() if k not in COSTS}
+
+
+def assert_same_run(run: RunFolder, other: RunFolder) -> None:
+    """Same answers, and the same bits in every sample and table."""
+    assert answers(run) == answers(other)
+    samples = [read_trajectory(folder.path) for folder in (run, other)]
+    assert samples[0].keys() == samples[1].keys()
+    for name in samples[0]:
+        assert samples[0][name].tobytes() == samples[1][name].tobytes(), name
+    for table in ("particles", "contacts"):
+        first, second = (read_tables(folder.path, table) for folder in (run, other))
+        np.testing.assert_array_equal(first.frame, second.frame)
+        np.testing.assert_array_equal(first.length, second.length)
+        for name, column in first.columns.items():
+            assert column.tobytes() == second.columns[name].tobytes(), name
+
+
+def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:
+    """Start the command as a process of its own; `before` is Python that it runs first."""
+    program = f"{before}\nfrom damper3d.commands.main import main\nmain()"
+    return subprocess.Popen(
+        [sys.executable, "-c", program, *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def fork() -> int:
+    """os.fork; Python 3.12 warns of the threads by which a worker of pytest is told what to do."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return os.fork()
+
+
+def forked(work: Callable[[], object], kill_at_write: int = 0) -> int:
+    """Do a work in a copy of this process, which has the kernels; what ended it.
+
+    0 where it came to its end, -9 where it was killed: with kill_at_write it kills itself at its
+    so many-th write, the new file written but not in place.
+    """
+    child = fork()
+    if child:
+        _, status = os.waitpid(child, 0)
+        return os.waitstatus_to_exitcode(status)
+    replace, left = Path.replace, [kill_at_write]
+
+    def killed(part: Path, target: Path) -> Path:
+        left[0] -= 1
+        if left[0] == 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return replace(part, target)
+
+    try:
+        with mock.patch.object(Path, "replace", killed):
+            work()
+        os._exit(0)
+    except BaseException:
+        os._exit(1)

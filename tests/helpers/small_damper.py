@@ -1,0 +1,52 @@
+"""A damper of twenty spheres, and the command to run it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from small_silo import Answer, answer
+
+from damper3d.commands.main import main
+
+# Soft and large: a few hundred steps a cycle.
+CASE: dict[str, Any] = {
+    "enclosure.diameter": "20 mm",
+    "enclosure.height": "25 mm",
+    "particles.shape": "sphere:5mm",
+    "particles.count": 20,
+    "motion.frequency": 80.0,
+    "motion.gamma": 10.0,
+    "law.youngs_modulus": "0.1 GPa",
+    "fill.settle_time": "20 ms",
+    "run.cycles": 4,
+    "run.discard": 2,
+    "run.time_step": "5 us",
+    "output.samples": 50,
+    "output.frames": 10,
+}
+
+
+def write_damper(folder: Path, changes: dict[str, Any] | None = None, name: str = "small") -> Path:
+    """Write NAME.toml into a folder; a change to None takes a key out."""
+    tables: dict[str, dict[str, Any]] = {}
+    for place, value in (CASE | (changes or {})).items():
+        table, _, key = place.rpartition(".")
+        if value is not None:
+            tables.setdefault(table, {})[key] = value
+    lines = ["schema = 1"]
+    for table, entries in sorted(tables.items()):  # "" first: keys of no table
+        lines += [f"[{table}]"] if table else []
+        # Texts, numbers, truth values and lists of numbers are written alike in TOML and JSON,
+        # but for numbers that are none.
+        lines += [
+            f"{key} = {json.dumps(value).replace('NaN', 'nan').replace('Infinity', 'inf')}"
+            for key, value in entries.items()
+        ]
+    path = folder / f"{name}.toml"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def damper3d(*arguments: object) -> Answer:
+    """What the command gives back; see small_silo.answer."""
+    return answer("damper3d", main, *arguments)

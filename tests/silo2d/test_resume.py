@@ -1,0 +1,263 @@
+"""No run is lost: killed, stopped or asked twice, it ends with the bits of an uninterrupted one."""
+
+import json
+import random
+import shlex
+import shutil
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
+
+from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.trajectory import read_tables, read_trajectory
+from granulab.errors import Stopped
+from silo2d.case.case import SiloCase
+from silo2d.run import protocol
+
+# Of the machine, not of the grains.
+COSTS = {"cpu_s", "cpu_us_per_step"}
+# More steps, and some thirty checkpoints: more time to be killed in.
+SLOW = {
+    "run.time_step": "4 us",
+    "output.checkpoint_interval": "10 ms",
+    "output.contact_interval": "20 ms",  # in one part of two, and after every checkpoint
+}
+# Python for a process that kills itself at its N-th write, the new file written but not in place.
+KILLED_AT_WRITE = """
+import os, signal
+from pathlib import Path
+replace, left = Path.replace, [{}]
+def killed(part, target):
+    left[0] -= 1
+    if left[0] == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return replace(part, target)
+Path.replace = killed
+"""
+
+
+def assert_same_run(run: RunFolder, other: RunFolder) -> None:
+    """Same answers, and the same bits in every frame."""
+    answers = [folder.read_summary() for folder in (run, other)]
+    kept = [{k: v for k, v in table.items() if k not in COSTS} for table in answers]
+    assert kept[0] == kept[1]
+    frames = [read_trajectory(folder.path) for folder in (run, other)]
+    assert frames[0].keys() == frames[1].keys()
+    for name in frames[0]:
+        # Equal as bytes: NaN, of those that stay, equals NaN.
+        assert frames[0][name].tobytes() == frames[1][name].tobytes(), name
+    for name, array in frames[0].static.items():
+        np.testing.assert_array_equal(array, frames[1].static[name], err_msg=name)
+    contacts = [read_tables(folder.path, "contacts") for folder in (run, other)]
+    assert contacts[0].frame.tobytes() == contacts[1].frame.tobytes()
+    assert contacts[0].length.tobytes() == contacts[1].length.tobytes()
+    for name, column in contacts[0].columns.items():
+        assert column.tobytes() == contacts[1].columns[name].tobytes(), name
+    tables = [(folder.path / "records.csv").read_bytes() for folder in (run, other)]
+    assert tables[0] == tables[1]
+
+
+def run_quietly(case: Path, root: Path) -> RunFolder:
+    answer = silo2d("run", case, "-o", root, "--no-figures", "--quiet")
+    assert (answer.code, answer.err) == (0, "")
+    return the_run(root)
+
+
+def wait_for(process, condition: Callable[[], object]) -> None:
+    """Until the condition holds, or the process has ended."""
+    while not condition() and process.poll() is None:
+        time.sleep(1e-3)
+
+
+def part_is_there(root: Path, number: int) -> Callable[[], object]:
+    """Whether the frames up to a checkpoint are written."""
+    return lambda: list(root.glob(f"*/parts/{number:05d}.h5"))
+
+
+@pytest.fixture(scope="module")
+def slow_reference(_finished_root, tmp_path_factory) -> RunFolder:
+    """The slow run, never interrupted."""
+    folder = tmp_path_factory.mktemp("slow")
+    shutil.copytree(_finished_root / "runs" / "packings", folder / "runs" / "packings")
+    return run_quietly(write_case(folder, SLOW), folder / "runs")
+
+
+# Twice the same
+
+
+def test_the_same_case_and_seed_give_the_same_bits(reference, tmp_path):
+    """In another folder, filled anew; another seed gives other grains."""
+    case = write_case(tmp_path)
+    assert_same_run(run_quietly(case, tmp_path / "runs"), reference)
+    arguments = ["-o", tmp_path / "other", "--no-figures", "--json", "--quiet", "--seed", 2]
+    other = silo2d("run", case, *arguments, "--max-time", "10 ms").json
+    assert other["state_digest"] != reference.read_summary()["state_digest"]
+
+
+@pytest.mark.parametrize(
+    "output",
+    [
+        {"output.frame_interval": "3.3 ms"},
+        {"output.checkpoint_interval": "0.3 s"},
+        {"output.contact_interval": "10 ms"},
+    ],
+)
+def test_how_often_a_run_is_looked_at_does_not_change_it(reference, runs, tmp_path, output):
+    """Frames and checkpoints come between the same steps: only how many there are changes."""
+    other = run_quietly(write_case(tmp_path, output), runs)
+    answers = [folder.read_summary() for folder in (reference, other)]
+    for name in answers[0].keys() - COSTS:
+        if name != "energy_closure":  # a difference between the first and last frame: the same
+            assert answers[0][name] == answers[1][name], name
+    last = [read_trajectory(folder.path)["out_time"][-1] for folder in (reference, other)]
+    assert last[0].tobytes() == last[1].tobytes()
+
+
+def test_a_run_stopped_many_times_ends_with_the_same_bits(reference, runs, tmp_path):
+    """Gone on from every third checkpoint or so: the lists are made anew in the same order."""
+    case = SiloCase.load(write_case(tmp_path))
+    chance, stops, result = random.Random(3), 0, None
+    stop = DischargeStop(lambda: chance.random() < 0.3)
+    while result is None:
+        try:
+            result = protocol.run(case, out=runs, progress=stop.progress, stop=stop)
+        except Stopped:
+            stops += 1
+    assert stops >= 5
+    assert not result.reused
+    assert_same_run(the_run(runs), reference)
+
+
+# Killed
+
+
+def test_a_run_killed_at_any_moment_ends_with_the_same_bits(slow_reference, tmp_path):
+    """kill -9 while it fills, once it has filled, and after random checkpoints."""
+    case, root = write_case(tmp_path, SLOW), tmp_path / "runs"
+    arguments = ["run", case, "-o", root, "--no-figures", "--quiet"]
+    chance = random.Random(7)
+    moments: list[Callable[[], object]] = [
+        lambda: list(root.glob("*/case.toml")),
+        lambda: list(root.glob("packings/*/packing.h5")),
+        *(part_is_there(root, k) for k in sorted(chance.sample(range(1, 20), 3))),
+    ]
+    killed = 0
+    for moment in moments:
+        process = start(*arguments)
+        wait_for(process, moment)
+        time.sleep(chance.uniform(0.0, 0.02))
+        process.kill()
+        killed += finish(process).code == -signal.SIGKILL
+    assert killed >= 4  # a process that was over before its moment tests nothing
+    assert_same_run(run_quietly(case, root), slow_reference)
+
+
+@pytest.mark.validation
+def test_a_run_killed_while_it_writes_ends_with_the_same_bits(runs, tmp_path):
+    """kill -9 at the first write, at a later one of the next process, and so on to the end.
+
+    What is written: case, frames, checkpoints, the merged trajectory, the table, the summary.
+    The last process is not killed.
+    """
+    brief = {
+        "run.max_time": "20 ms",
+        "output.checkpoint_interval": "10 ms",
+        "output.contact_interval": "10 ms",
+    }
+    case = write_case(tmp_path, brief)
+    codes = []
+    for write in (1, 3, *range(5, 20)):
+        arguments = ["run", case, "-o", runs, "--no-figures", "--quiet"]
+        answer = finish(start(*arguments, before=KILLED_AT_WRITE.format(write)))
+        codes.append(answer.code)
+        if answer.code == 0:
+            break
+    assert codes == [-signal.SIGKILL] * (len(codes) - 1) + [0]
+    assert len(codes) > 5
+    shutil.copytree(runs / "packings", tmp_path / "other" / "packings")
+    assert_same_run(the_run(runs), run_quietly(case, tmp_path / "other"))
+    assert not list(runs.rglob(".*.tmp"))  # what the killed ones had begun is gone
+
+
+# Stopped
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(slow_reference, runs, tmp_path, number):
+    """Exit code 130; the command in the one line on stderr ends with the same bits."""
+    case = write_case(tmp_path, SLOW)
+    process = start("run", case, "-o", runs, "--no-figures", "--quiet")
+    wait_for(process, part_is_there(runs, 3))
+    process.send_signal(number)
+    answer = finish(process)
+    assert (answer.code, answer.out) == (130, "")
+    assert answer.err.count("\n") == 1
+    folder = the_run(runs)
+    assert folder.state == "unfinished"
+    assert silo2d("show", folder.path).out.startswith(f"{folder.path}: unfinished; go on with: ")
+    command = shlex.split(answer.err.partition("stopped; go on with: ")[2])
+    assert command == ["silo2d", "run", "--resume", str(folder.path)]
+    resumed = silo2d(*command[1:], "--no-figures", "--json", "--quiet").json
+    assert not resumed["reused"]
+    assert_same_run(folder, slow_reference)
+
+
+def test_ctrl_c_while_filling_says_that_the_silo_is_filled_anew(reference, tmp_path):
+    """Nothing of the filling is kept: the same command begins with it."""
+    case, root = write_case(tmp_path), tmp_path / "runs"
+    arguments = ["run", case, "-o", root, "--no-figures", "--quiet"]
+    process = start(*arguments)
+    wait_for(process, lambda: list(root.glob("*/case.toml")))
+    process.send_signal(signal.SIGINT)
+    answer = finish(process)
+    assert (answer.code, answer.out) == (130, "")
+    assert answer.err == "silo2d: stopped; the same command fills the silo anew, from its seed\n"
+    assert not list(root.glob("packings/*/*"))
+    assert_same_run(run_quietly(case, root), reference)
+
+
+def test_resume_works_inside_the_folder_and_finds_the_packing(runs, tmp_path, monkeypatch):
+    """`--resume .`: the packings are beside the folder, whatever it is called from within."""
+    case = SiloCase.load(write_case(tmp_path))
+    stop = DischargeStop(lambda: True)
+    with pytest.raises(Stopped, match="go on with: silo2d run --resume"):
+        protocol.run(case, out=runs, progress=stop.progress, stop=stop)
+    monkeypatch.setattr("silo2d.run.protocol.pour", None)
+    monkeypatch.chdir(the_run(runs).path)
+    assert silo2d("run", "--resume", ".", "--no-figures", "--json", "--quiet").json["n_out"] > 60
+
+
+# Two at once
+
+
+def test_a_second_process_is_kept_off_a_run(runs, tmp_path):
+    """It ends with one line; the first one goes on and finishes."""
+    case = write_case(tmp_path, SLOW)
+    arguments = ["run", case, "-o", runs, "--no-figures", "--json", "--quiet"]
+    process = start(*arguments)
+    wait_for(process, part_is_there(runs, 1))
+    process.send_signal(signal.SIGSTOP)
+    second = silo2d(*arguments)
+    process.send_signal(signal.SIGCONT)
+    assert (second.code, second.out, second.err.count("\n")) == (2, "", 1)
+    assert "another process computes this run now" in second.err
+    first = finish(process)
+    assert first.code == 0
+    assert json.loads(first.out)["outcome"] == "empty"
+
+
+def test_a_case_changed_under_an_unfinished_run_is_refused(finished):
+    """The bits promised for a run are those of the case that it began with."""
+    folder = the_run(finished)
+    (folder.path / "summary.json").unlink()  # unfinished again
+    case = folder.path / "case.toml"
+    case.write_text(case.read_text().replace("mu_wall = 0.2", "mu_wall = 0.3"))
+    answer = silo2d("run", "--resume", folder.path, "--quiet")
+    assert answer.code == 2
+    assert "changed since the run began" in answer.err
+    assert answer.err.count("\n") == 1

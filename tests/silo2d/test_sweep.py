@@ -1,0 +1,401 @@
+"""A sweep of small silos: the same bits on any engine, nothing done twice, nothing lost."""
+
+import csv
+import errno
+import json
+import os
+import shutil
+import signal
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from small_silo import Answer, contents, finish, silo2d, start, write_case
+from test_engine import is_alive, wait_until
+
+from granulab.campaign.runs import folder as campaign_folder
+from granulab.campaign.runs.checkpoint import save_checkpoint
+from granulab.campaign.sweeps.sweep import without_again
+from silo2d.case.case import SiloCase
+from silo2d.measures.run_numbers import MECHANISMS
+from silo2d.run.sweep import run_cases
+
+# A second of simulated time is more than these runs get: they end by their time limit.
+BRIEF = {"run.max_time": "20 ms", "output.checkpoint_interval": "10 ms"}
+STUDY = """
+schema = 1
+name = "walls"
+case = "small.toml"
+seeds = [1, 2]
+[vary]
+law.mu_wall = [0.1, 0.3]
+"""
+
+
+@pytest.fixture(scope="module")
+def packings(_finished_root, tmp_path_factory) -> Path:
+    """A folder of runs with the packings of seeds 1 and 2."""
+    root = tmp_path_factory.mktemp("packings")
+    shutil.copytree(_finished_root / "runs" / "packings", root / "packings")
+    assert silo2d("packing", write_case(root), "--seed", 2, "-o", root, "--quiet").code == 0
+    return root / "packings"
+
+
+@pytest.fixture
+def study(tmp_path, packings) -> Path:
+    """A study of four brief runs, in a folder whose runs/ has their packings."""
+    return make_study(tmp_path, packings)
+
+
+def make_study(folder: Path, packings: Path, text: str = STUDY, **changes: Any) -> Path:
+    shutil.copytree(packings, folder / "runs" / "packings")
+    write_case(folder, BRIEF | changes)
+    path = folder / "walls.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def sweep(study: Path, *options: object) -> Answer:
+    """Run a study beside itself."""
+    return silo2d("sweep", study, "-o", study.parent / "runs", "--quiet", *options)
+
+
+def rows_of(study: Path) -> list[dict[str, str]]:
+    (table,) = study.parent.glob("runs/studies/walls-*/table.csv")
+    return list(csv.DictReader(table.read_text().splitlines()))
+
+
+def run_folders(study: Path) -> list[Path]:
+    return sorted(path.parent for path in study.parent.glob("runs/*/case.toml"))
+
+
+@pytest.fixture(scope="module")
+def _swept_root(tmp_path_factory, packings) -> Path:
+    """The study, swept by two workers."""
+    root = tmp_path_factory.mktemp("swept")
+    answer = sweep(make_study(root, packings), "--workers", 2)
+    assert answer.code == 0, answer.err
+    return root
+
+
+@pytest.fixture
+def swept(_swept_root, tmp_path) -> Path:
+    """A copy of the study with its finished runs."""
+    shutil.copytree(_swept_root, tmp_path, dirs_exist_ok=True)
+    return tmp_path / "walls.toml"
+
+
+@pytest.fixture(scope="module")
+def digests(_swept_root) -> list[str]:
+    """State digests of the four runs."""
+    found = [row["state_digest"] for row in rows_of(_swept_root / "walls.toml")]
+    assert len(set(found)) == 4
+    return found
+
+
+# The same bits, and none twice
+
+
+def test_the_same_bits_as_alone_however_many_workers(study, digests):
+    """One worker, as two, as `silo2d run`.
+
+    One tidy table: a row a run, what was varied in its unit, answers, state and reason.
+    """
+    case, root = study.parent / "small.toml", study.parent / "alone"
+    shutil.copytree(study.parent / "runs", root)
+    options = ["--mu-wall", 0.3, "--seed", 2, "-o", root, "--quiet", "--json", "--no-figures"]
+    assert silo2d("run", case, *options).json["state_digest"] == digests[3]
+    table = sweep(study, "--workers", 1, "--json").json
+    assert (table["runs"], table["done"], table["failed"], table["reused"]) == (4, 4, 0, 0)
+    rows = rows_of(study)
+    assert [row["state_digest"] for row in rows] == digests
+    assert [(row["law.mu_wall"], row["seed"]) for row in rows] == [
+        ("0.1", "1"), ("0.1", "2"), ("0.3", "1"), ("0.3", "2"),
+    ]  # fmt: skip
+    assert {(row["case"], row["state"], row["reason"]) for row in rows} == {("small", "done", "")}
+    means = table["combinations"]
+    assert [row["law.mu_wall"] for row in means] == [0.1, 0.3]
+    assert [row["runs"] for row in means] == [2, 2]
+
+
+def test_the_same_bits_on_a_dask_cluster(study, digests, cluster):
+    table = sweep(study, "--engine", "dask", "--scheduler", cluster, "--json").json
+    assert (table["done"], table["reused"]) == (4, 0)
+    assert [row["state_digest"] for row in rows_of(study)] == digests
+
+
+def test_a_finished_run_is_not_done_again_by_anyone(swept):
+    """Neither by the same sweep, nor by another study of it, nor by a single run."""
+    study = swept
+    before = {path: contents(path) for path in run_folders(study)}
+    assert sweep(study, "--json").json["reused"] == 4
+    study.write_text(STUDY.replace("[1, 2]", "[2, 1]"))
+    assert sweep(study, "--json").json["reused"] == 4
+    options = ["--mu-wall", "0.3", "-o", study.parent / "runs", "--json", "--quiet", "--no-figures"]
+    assert silo2d("run", study.parent / "small.toml", *options).json["reused"]
+    assert {path: contents(path) for path in run_folders(study)} == before
+    tables = list(study.parent.glob("runs/studies/walls-*/table.csv"))
+    assert len(tables) == 2  # each list of runs has its own
+
+
+def test_hdf5_holds_what_csv_holds(swept):
+    study = swept
+    (path,) = study.parent.glob("runs/studies/walls-*/table.h5")
+    rows = rows_of(study)
+    with h5py.File(path) as file:
+        assert list(file) == list(rows[0])
+        for name, column in file.items():
+            texts = [row[name] for row in rows]
+            if column.dtype.kind == "f":
+                np.testing.assert_array_equal(column, [float(text or "nan") for text in texts])
+            elif column.dtype.kind == "i":
+                np.testing.assert_array_equal(column, [int(text) for text in texts])
+            elif column.dtype.kind == "b":
+                assert [str(x).lower() for x in column[()].tolist()] == texts
+            else:
+                assert column.asstr()[()].tolist() == texts
+
+
+def test_the_same_case_twice_is_run_once(tmp_path, packings):
+    make_study(tmp_path, packings)
+    case = SiloCase.load(tmp_path / "small.toml")
+    rows = run_cases(
+        [({"name": "a"}, case), ({"name": "b"}, case)], out=tmp_path / "runs", workers=1, quiet=True
+    )
+    assert [row["name"] for row in rows] == ["a", "b"]
+    assert [row["state"] for row in rows] == ["done", "done"]
+    assert rows[0]["state_digest"] == rows[1]["state_digest"]
+    assert set(MECHANISMS) == {key[13:] for key in rows[0] if key.startswith("dissipated_j.")}
+
+
+def test_a_packing_that_runs_share_is_poured_once(tmp_path):
+    """Three runs and two workers, no packing there: one filling, and all runs from it."""
+    write_case(tmp_path, BRIEF)
+    text = STUDY.replace("[1, 2]", "1").replace("[0.1, 0.3]", "[0.1, 0.2, 0.3]")
+    study = tmp_path / "walls.toml"
+    study.write_text(text)
+    assert sweep(study, "--dry-run", "--json").json["packings_to_fill"] == 1
+    assert [study] == [path for path in tmp_path.iterdir() if path.name == "walls.toml"]
+    assert not (tmp_path / "runs").exists()
+    assert sweep(study, "--workers", 2, "--json").json["done"] == 3
+    (packing,) = tmp_path.glob("runs/packings/*/packing.h5")
+    filled = packing.stat().st_mtime_ns
+    begun = [(folder / "case.toml").stat().st_mtime_ns for folder in run_folders(study)]
+    assert all(filled < moment for moment in begun)
+
+
+def test_a_dry_run_says_what_would_be_done_and_writes_nothing(study):
+    before = contents(study.parent)
+    answer = sweep(study, "--dry-run")
+    assert "4 runs, 0 of them finished; 0 packings to fill" in answer.out
+    assert contents(study.parent) == before
+
+
+# What fails
+
+
+def test_a_failed_run_is_a_row_with_its_reason(tmp_path, packings):
+    """A damaged packing: exit code 3; the runs of the other one are done."""
+    study = make_study(tmp_path, packings)
+    broken = sorted((tmp_path / "runs" / "packings").glob("*/packing.h5"))[0]
+    broken.write_bytes(broken.read_bytes()[:-100])
+    answer = sweep(study, "--workers", 1)
+    assert answer.code == 3
+    assert answer.err.count("\n") == 1
+    assert "2 of 4 runs failed" in answer.err
+    rows = rows_of(study)
+    failed = [row for row in rows if row["state"] == "failed"]
+    assert len(failed) == 2
+    for row in failed:
+        assert f"{broken}: damaged" in row["reason"]
+        assert "delete it" in row["reason"]
+        assert row["state_digest"] == ""
+    assert answer.out.count("failed: case small") == 2
+    assert sum(row["state"] == "done" for row in rows) == 2
+
+
+def test_a_checkpoint_that_does_not_fit_is_a_row_that_says_what_to_delete(swept):
+    """As one of another version is: its arrays are of other lengths."""
+    folder = run_folders(swept)[0]
+    (folder / "summary.json").unlink()
+    checkpoint = folder / "checkpoint.h5"
+    save_checkpoint(checkpoint, {"key": np.zeros(3), "row": np.zeros((2, 2))}, {"parts": []})
+    answer = sweep(swept, "--workers", 1)
+    assert answer.code == 3
+    (row,) = [row for row in rows_of(swept) if row["state"] == "failed"]
+    assert row["reason"].startswith(f"{checkpoint}: does not fit this case")
+    assert "delete it and the run starts from its opening" in row["reason"]
+
+
+def test_what_other_sources_made_is_told_once(swept):
+    """Not once a packing and run; a sweep has no --again to offer."""
+    for folder in run_folders(swept)[:3]:
+        file = folder / "provenance.json"
+        file.write_text(json.dumps({**json.loads(file.read_text()), "source_digest": "0" * 12}))
+    (folder / "summary.json").unlink()
+    answer = sweep(swept, "--workers", 1)
+    assert answer.code == 0
+    assert answer.err == (
+        "warning: 3 of 4 runs and 0 of 2 packings were made by another version of the sources; "
+        "delete their folders and the same command makes them anew\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("x: damaged; use --again to compute", "x: damaged; delete the folder of the run and the "
+         "same command does it again"),
+        ("x: busy; wait for it, or use --again to compute", "x: busy; wait for it"),
+        ("x: lost; delete it", "x: lost; delete it"),
+    ],
+)  # fmt: skip
+def test_a_sweep_offers_no_again(line, told):
+    assert without_again(line) == told
+
+
+def test_a_damaged_summary_of_a_finished_run(swept, digests):
+    """Refused with the folder to delete, and left as it is; deleted, it is done again."""
+    study = swept
+    harmed = run_folders(study)[0] / "summary.json"
+    harmed.write_text("{")
+    before = contents(harmed.parent)
+    answer = sweep(study)
+    assert answer.code == 3
+    (row,) = [row for row in rows_of(study) if row["state"] == "failed"]
+    assert row["reason"].startswith(f"{harmed}: damaged")
+    assert row["reason"].endswith(f"delete the folder {harmed.parent} and the same command does "
+                                  "it again")  # fmt: skip
+    assert contents(harmed.parent) == before
+    shutil.rmtree(harmed.parent)
+    assert sweep(study, "--workers", 1, "--json").json["done"] == 4
+    assert [row["state_digest"] for row in rows_of(study)] == digests
+
+
+def test_a_damaged_table_is_written_anew(swept, digests):
+    study = swept
+    for table in study.parent.glob("runs/studies/walls-*/table.*"):
+        table.write_bytes(b"\x00")
+    assert sweep(study).code == 0
+    assert [row["state_digest"] for row in rows_of(study)] == digests
+
+
+def test_a_full_disk_while_the_table_is_written(swept, digests, monkeypatch):
+    """Simulated: one line; the runs stay, and the same command writes the table."""
+    study = swept
+    replace = Path.replace
+
+    def full(part: Path, target: Path) -> Path:
+        if "studies" in target.parts and target.name.startswith("table"):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return replace(part, target)
+
+    monkeypatch.setattr(campaign_folder.Path, "replace", full)
+    answer = sweep(study)
+    assert (answer.code, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert "table.csv: cannot be written (No space left on device)" in answer.err
+    monkeypatch.undo()
+    assert sweep(study, "--json").json["reused"] == 4
+    assert [row["state_digest"] for row in rows_of(study)] == digests
+    assert not list(study.parent.rglob(".*.tmp"))
+
+
+FULL_DISK = """
+import errno, os
+from pathlib import Path
+replace = Path.replace
+def full(part, target):
+    if "seed2" in str(target) and target.name == "summary.json":
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    return replace(part, target)
+Path.replace = full
+"""
+
+
+def test_a_full_disk_in_a_run(swept, digests, tmp_path, monkeypatch):
+    """Simulated in the workers: rows that fail with the reason; afterwards they go on."""
+    study = swept
+    for folder in run_folders(study):
+        if "seed2" in folder.name:
+            shutil.rmtree(folder)
+    (tmp_path / "sitecustomize.py").write_text(FULL_DISK)
+    paths = [str(tmp_path), os.environ.get("PYTHONPATH", "")]
+    with monkeypatch.context() as patch:
+        patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
+        answer = sweep(study, "--workers", 1)
+    assert answer.code == 3
+    failed = [row for row in rows_of(study) if row["state"] == "failed"]
+    assert [row["seed"] for row in failed] == ["2", "2"]
+    assert all("No space left on device" in row["reason"] for row in failed)
+    assert sweep(study, "--workers", 1, "--json").json["reused"] == 2
+    assert [row["state_digest"] for row in rows_of(study)] == digests
+
+
+# Killed and stopped
+
+SLOW = {"run.max_time": "0.2 s", "run.time_step": "4 us", "output.checkpoint_interval": "5 ms"}
+
+
+@pytest.fixture
+def slow(tmp_path, packings) -> Path:
+    """A study of four runs of some seconds each."""
+    return make_study(tmp_path, packings, **SLOW)
+
+
+def n_parts(study: Path) -> int:
+    """How many checkpoints the runs have kept."""
+    return len(list(study.parent.glob("runs/*/parts/*.h5")))
+
+
+def started(study: Path) -> Any:
+    """The sweep as a process, once its runs have kept some checkpoints more."""
+    before = n_parts(study)
+    options = ["-o", study.parent / "runs", "--workers", 2, "--json", "--quiet"]
+    process = start("sweep", study, *options)
+    wait_until(lambda: n_parts(study) >= before + 4 or process.poll() is not None, 60.0)
+    assert process.poll() is None
+    return process
+
+
+def test_ctrl_c_and_kill_9_lose_nothing(slow):
+    """Ctrl-C: 130, one line, a table. kill -9 of all: no orphans. Of a worker: done all the same.
+
+    At each stop at most what came since the last checkpoints is lost.
+    """
+    process = started(slow)
+    process.send_signal(signal.SIGINT)
+    answer = finish(process)
+    assert answer.code == 130
+    assert answer.err == "silo2d: stopped; the same command goes on from there\n"
+    assert json.loads(answer.out)["interrupted"] >= 3
+    states = [row["state"] for row in rows_of(slow)]
+    assert states.count("interrupted") >= 3
+    process = started(slow)
+    workers = children(process.pid)
+    assert len(workers) == 2
+    process.kill()
+    assert finish(process).code == -signal.SIGKILL
+    wait_until(lambda: not any(map(is_alive, workers)), 5.0)
+    assert n_parts(slow) >= 8
+    process = started(slow)
+    os.kill(children(process.pid)[-1], signal.SIGKILL)
+    answer = finish(process)
+    assert answer.code == 0, answer.err
+    assert json.loads(answer.out)["done"] == 4
+    assert {row["reason"] for row in rows_of(slow)} == {""}
+
+
+def children(pid: int) -> list[int]:
+    """Process numbers of the workers that a process has started."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            words = stat.read_text().rpartition(")")[2].split()
+            command = stat.with_name("cmdline").read_bytes()
+        except OSError:
+            continue
+        if int(words[1]) == pid and b"spawn_main" in command:
+            found.append(int(stat.parent.name))
+    return found
