@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from calibration.commands.options import Into, into_options
+from calibration.commands.options import into_options
+from calibration.result import Into
 from granulab.campaign.cli.commandline import json_option, quiet_option
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from calibration.commands.options import Into
+from calibration.result import Into
 from granulab.campaign.cli.commandline import json_option
 
 if TYPE_CHECKING:
@@ -50,9 +50,9 @@ def command(into: str | None, materials: str | None, pair: str | None, as_json: 
     """
     from calibration.bench.damping_input import impact_of
 
-    target = Into(Path(into), pair, None) if into else None
+    target = Into(Path(into), pair, None, ("gamma_n",)) if into else None
     if target:
-        target.check(["gamma_n"])
+        target.check()
         materials = materials or (into if target.path.exists() else None)
     impact = impact_of(materials=materials, pair=pair, **given)
     try:

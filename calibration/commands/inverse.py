@@ -79,13 +79,13 @@ def _fitted(
     found.folder.write_summary(answer)
     answer["into"] = []
     if into is not None:
-        from calibration.commands.options import said
         from calibration.inverse.into import write_into
+        from calibration.result import report_of
 
         written = write_into(found, Path(into))
         answer["into"] = [one.as_json() for one in written]
         for one in written:
-            click.echo(said(one), err=True)
+            click.echo(report_of(one), err=True)
     return answer, f"{text}\n\n{_places(answer)}"
 
 
