@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from damper3d.case.random_packing import close_packing
 from damper3d.case.settings import MOST_PARTICLES, Motion, Particles, Settings
 from damper3d.engine.enclosure import Enclosure, box, cylinder
 from damper3d.shapes.cluster import Cluster
 from damper3d.shapes.particle import Particle, usual
 from damper3d.shapes.surfaces.mesh_file import as_obj, read_triangles
-from damper3d.studies.pack.known import close_packing
 from granulab.contact.files.datafile import is_file
 from granulab.errors import InputError
 

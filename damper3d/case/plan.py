@@ -4,10 +4,10 @@ import math
 from typing import Any
 
 from damper3d.case.case import DamperCase
+from damper3d.case.closed_forms import fluidisation_threshold
 from damper3d.case.parameters import SAFE_SHARE
 from damper3d.case.swing import DEEPEST
 from damper3d.engine.records import CLASSES
-from damper3d.studies.predict.theory import fluidisation_threshold
 
 # On one core of a current server, of a particle and step [s] (benchmarks/damper.py and clusters.py;
 # the runs that clusters were fitted to stand in docs/damper-shapes.md).

@@ -29,11 +29,11 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
     from damper3d.studies.single_contact import STUDIES, find
 
     if study is None:
-        click.echo("\n".join(f"{name:15} {text}" for name, (_, text) in STUDIES.items()))
+        click.echo("\n".join(f"{name:15} {entry.text}" for name, entry in STUDIES.items()))
         return
-    module = find(study)
+    chosen = find(study)
     say_if_compiling(quiet=False)
-    found = module.compute()
+    found = chosen.compute()
     text = report(found)
     files: list[str] = []
     if not no_figures:
@@ -41,7 +41,7 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
 
         folder = Path(out) if out else Path("runs") / "contact" / study
         head = [f"command: damper3d contact {study}"]
-        written = write_results(folder, study, found.rows, head, text, lambda: module.draw(found))
+        written = write_results(folder, study, found.rows, head, text, lambda: chosen.draw(found))
         files = [str(path) for path in written]
     if as_json:
         answer = {**found.numbers, "remarks": list(found.remarks), "files": files}

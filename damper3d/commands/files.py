@@ -34,6 +34,7 @@ def list_(out: str) -> None:
 @click.argument("name")
 def show(name: str) -> None:
     """A preset, case file, materials file or run folder in words and numbers."""
+    from damper3d.studies.quasistatic.report import finished_test
     from damper3d.view.library import description
 
-    click.echo(description(name))
+    click.echo(description(name, finished_test))

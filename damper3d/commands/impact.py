@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from damper3d.studies.single_contact.impact import Impact, Outcome
+    from damper3d.studies.single_contact.spheres.impact import Impact, Outcome
 
 
 @click.command()
@@ -48,8 +48,8 @@ def impact(
 
     For example: damper3d impact --material alumina --speed 3.9 --angle 40
     """
-    from damper3d.studies.single_contact.impact import run
-    from damper3d.studies.single_contact.impact_input import impact_of
+    from damper3d.studies.single_contact.spheres.impact import run
+    from damper3d.studies.single_contact.spheres.impact_input import impact_of
 
     flags = {"tangential_damping": not no_tangential_damping, "yielding": yielding}
     described, remarks = impact_of(given, against=against, flags=flags)

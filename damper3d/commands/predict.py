@@ -11,7 +11,7 @@ from damper3d.commands.options import case_options, changes_of, say_if_compiling
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 
 if TYPE_CHECKING:
-    from damper3d.studies.pack.known import Fraction
+    from damper3d.case.random_packing import Fraction
     from damper3d.studies.predict.prediction import Prediction
 
 
@@ -56,10 +56,10 @@ def predict(
         predicting.check_known(prediction)
     rows: list[dict[str, Any]] = []
     if simulate:
-        from damper3d.studies.predict import beside
+        from damper3d.studies.predict import compare
 
         engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
-        rows = beside.simulate(fills, predictions, wanted, out=Path(out), **engines)
+        rows = compare.simulate(fills, predictions, wanted, out=Path(out), **engines)
     answers = {
         "frequencies_hz": list(wanted),
         "fills": [predicting.as_dict(p, wanted) for p in predictions],
@@ -92,7 +92,7 @@ def _in_words(
 
     parts = [as_text(prediction, frequencies) for prediction in predictions]
     if rows:
-        from damper3d.studies.predict import beside
+        from damper3d.studies.predict import compare
 
-        parts.append(beside.as_text(rows, predictions))
+        parts.append(compare.as_text(rows, predictions))
     return "\n\n".join(parts)

@@ -22,7 +22,7 @@ from granulab.campaign.cli.commandline import json_option
 )
 def render(folder: str, no_film: bool, by: str, engine: str) -> None:
     """Make the pictures and the film of a run again from its folder."""
-    from damper3d.view.pictures.picture import make_figures
+    from damper3d.view.picture import make_figures
 
     for path in make_figures(folder, film=not no_film, by=by, engine=engine):
         click.echo(path)
@@ -36,7 +36,7 @@ def render(folder: str, no_film: bool, by: str, engine: str) -> None:
 def compare(first: str, second: str, no_figures: bool, as_json: bool) -> None:
     """Set two runs side by side: efficiency, shares of the mechanisms, histories, cost."""
     from damper3d.view import compare as comparison
-    from damper3d.view.pictures.scene import NothingKept
+    from damper3d.view.scene import NothingKept
     from granulab.campaign.output.figure import write_figure
 
     found = comparison.compare(first, second)

@@ -73,7 +73,7 @@ def _computed(
 
 def _draw(result: "Result", quiet: bool) -> None:
     """The figures of a run, made where they are missing."""
-    from damper3d.view.pictures.picture import make_figures
+    from damper3d.view.picture import make_figures
 
     if result.reused and any((Path(result.run_folder) / "figures").glob("*.png")):
         return

@@ -55,8 +55,8 @@ def shape(
         )
     from damper3d.case.case import DamperCase
     from damper3d.case.parts import particle_wanted
-    from damper3d.shapes.described import answers, as_text
     from damper3d.shapes.errors import curve, errors_of
+    from damper3d.view.shape import answers, as_text
 
     ((kind, value),) = named.items()
     given = {
@@ -70,7 +70,7 @@ def shape(
     click.echo(json.dumps(found, indent=2) if as_json else as_text(found))
     if no_figures:
         return
-    from damper3d.view.pictures.shape_view import draw_shape
+    from damper3d.view.shape import draw_shape
     from granulab.campaign.output.figure import write_figure
 
     path = Path(out) / f"{_file_name(case.particle.name)}-{len(case.particle.radii)}.png"

@@ -28,7 +28,7 @@ def with_history(row: Row) -> Row:
     A run whose samples are not there any more becomes a failed one.
     """
     from damper3d.measures.efficiency import dissipated
-    from damper3d.view.pictures.scene import read_scene
+    from damper3d.view.scene import read_scene
 
     if row["state"] != "done":
         return row

@@ -10,7 +10,7 @@ from damper3d.case.case import GRAVITY
 from damper3d.measures.efficiency import reference_energy
 from damper3d.reproduce.cycle_histories import BOUNCING, FLUIDISED
 from damper3d.reproduce.cycle_statements import ideal_since, readings
-from damper3d.view.pictures.graph import ruled
+from damper3d.view.charts import ruled
 from granulab.campaign.output.figure import (
     BLUE,
     GREEN,

@@ -40,8 +40,8 @@ def ideal_since(gamma: float) -> float | None:
     With the onset of eqs 6.11 and 6.13 for the close packing.
     """
     from damper3d.case.case import DamperCase
+    from damper3d.case.closed_forms import meeting_phase
     from damper3d.studies.predict.prediction import predict
-    from damper3d.studies.predict.theory import meeting_phase
 
     onset = predict(DamperCase.load("thesis")).clearances[1].onset(FREQUENCY)
     since = float(meeting_phase(gamma / onset)) / (2 * math.pi) if onset else math.nan

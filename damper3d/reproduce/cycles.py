@@ -29,7 +29,7 @@ _READING = """\
 step: a stretch of the cycle in which more than the mean power is dissipated, with at least a tenth
   of a cycle's energy; it starts when a tenth of its energy is dissipated and ends when nine tenths
   are. since: part of the cycle from the enclosure's greatest speed the other way to the start; in
-  brackets the ideal bouncing bed's (theory.meeting_phase), with A0 of the close packing (eq. 6.13).
+  brackets the ideal bouncing bed's (meeting_phase), with A0 of the close packing (eq. 6.13).
 Velocities over V = Gamma g/omega. enclosure, half way: its speed when a step starts, and when half
   of its energy is dissipated; against: the bed's greatest velocity in the quarter cycle before the
   start, against the enclosure's half way. bed, relative: largest speed of the bed, and of the bed

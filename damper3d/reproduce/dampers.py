@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Sequence
 
+from damper3d.case.closed_forms import PACKINGS, bouncing_bed_onset, fluidisation_threshold
 from damper3d.reproduce.runs import Panel, Point, Row
 from damper3d.studies.map.grid import GAMMAS
 from damper3d.studies.predict.prediction import Clearance, Prediction
-from damper3d.studies.predict.theory import PACKINGS, bouncing_bed_onset, fluidisation_threshold
 
 ORIENTATIONS = "vertical", "horizontal"
 HEIGHTS = 40, 45, 50, 55  # mm

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from damper3d.case.random_packing import CLOSE_PACKING
 from damper3d.reproduce.packing_values import (
     Shape,
     Values,
@@ -23,7 +24,6 @@ from damper3d.reproduce.statements import Check, Statement, report_statements
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.pack import tasks
 from damper3d.studies.pack.compact import ALLOWED
-from damper3d.studies.pack.known import CLOSE_PACKING
 from granulab.campaign.output.layout import columns, done, percent, with_sd
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from damper3d.studies.predict.theory import bouncing_bed_onset, effective_clearance
+from damper3d.case.closed_forms import bouncing_bed_onset, effective_clearance
 from granulab.campaign.output.statistics import Sample, mean_sd, noise_of_difference, pooled_sd
 from granulab.contact.files.datafile import data_file
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.sensitivity_statements import Peaks, of_value
 from damper3d.reproduce.sensitivity_values import STANDARD, VALUES, in_words
-from damper3d.view.pictures.graph import ruled
+from damper3d.view.charts import ruled
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from damper3d.reproduce.shape_plan import (
 )
 from damper3d.reproduce.shape_statements import Onsets, by_sphericity, onsets
 from damper3d.studies.map.grid import MapResult
-from damper3d.view.pictures.graph import ruled
+from damper3d.view.charts import ruled
 from granulab.campaign.output.figure import (
     BLUE,
     GREEN,

@@ -8,12 +8,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from damper3d.case.random_packing import CLOSE_PACKING, close_packing
 from damper3d.reproduce.optima import Optimum
 from damper3d.reproduce.runs import Row
 from damper3d.reproduce.shape_plan import HEIGHT, Shape, particle_text
 from damper3d.studies.map.grid import MapResult
 from damper3d.studies.map.peaks import Peak
-from damper3d.studies.pack.known import CLOSE_PACKING, close_packing
 from damper3d.studies.predict.prediction import Clearance, Prediction
 
 

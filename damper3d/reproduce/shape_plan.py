@@ -11,12 +11,12 @@ from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
+from damper3d.case.closed_forms import bouncing_bed_onset
+from damper3d.case.random_packing import CLOSE_PACKING
 from damper3d.reproduce.dampers import ORIENTATIONS
 from damper3d.reproduce.runs import Panel, Point, Row
 from damper3d.reproduce.sensitivity_values import STANDARD, VALUES, change
 from damper3d.studies.map.grid import GAMMAS
-from damper3d.studies.pack.known import CLOSE_PACKING
-from damper3d.studies.predict.theory import bouncing_bed_onset
 from granulab.contact.files.datafile import data_file
 
 BOUNCING = 20.0, 40.0  # Hz at which the thesis finds the bouncing bed (sec. 8.5.1)

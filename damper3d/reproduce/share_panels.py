@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from damper3d.reproduce.curves import curve
 from damper3d.reproduce.share_statements import COUNTS, Landmarks, of_size, quantities
-from damper3d.view.pictures.graph import ruled
+from damper3d.view.charts import ruled
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline
 
 if TYPE_CHECKING:

@@ -15,9 +15,8 @@ from damper3d.measures.phases.criteria import phase_of_run
 from damper3d.run.fill import fill, resting
 from damper3d.run.folders import shaken
 from damper3d.run.packing import Packing, damaged, load_packing, packing_folder, save_packing
-from damper3d.run.result import Result
+from damper3d.run.result import Result, first_counted, summarise
 from damper3d.run.sources import SOURCES
-from damper3d.run.summary import first_counted, summarise
 from damper3d.run.vibration import Clock, vibrate
 from granulab.campaign.runs.checkpoint import load_checkpoint
 from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run

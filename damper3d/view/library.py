@@ -1,6 +1,7 @@
 """What there is to run: presets, shipped files, packings and runs, in words for a person."""
 
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -39,11 +40,14 @@ def _answer(summary: dict[str, Any]) -> str:
     )
 
 
-def description(name: str) -> str:
-    """A preset, case file, materials file or run folder in words and numbers."""
+def description(name: str, slow_test: Callable[[RunFolder], str]) -> str:
+    """A preset, case file, materials file or run folder in words and numbers.
+
+    slow_test: words for a finished run of `shear` or `compress`.
+    """
     path = Path(name)
     if path.is_dir():
-        return _run(path)
+        return _run(path, slow_test)
     if name in PRESETS or name in case_names("enclosure"):
         return _case(name)
     file = path if path.is_file() else data_file("materials", name)
@@ -63,23 +67,16 @@ def _case(name: str) -> str:
     return echo(DamperCase.load(name), dry_run=True)
 
 
-def _run(folder: Path) -> str:
+def _run(folder: Path, slow_test: Callable[[RunFolder], str]) -> str:
     from damper3d.run.result import Result
     from damper3d.view.report import report
 
     run = resume_run(folder)
-    if is_slow_test(run):
-        return _slow_test(run)
-    return run_in_words(folder, "damper3d", lambda run: report(Result.read(run, reused=False)))
-
-
-def _slow_test(run: RunFolder) -> str:
-    from damper3d.studies.quasistatic.report import one_test
-    from damper3d.studies.quasistatic.result import Result
-
+    if not is_slow_test(run):
+        return run_in_words(folder, "damper3d", lambda run: report(Result.read(run, reused=False)))
     if run.state == "unfinished":
         return f"{run.path}: unfinished; the same damper3d shear or compress goes on with it"
-    return one_test(Result.read(run, reused=False))
+    return slow_test(run)
 
 
 def _materials(name: str) -> str:

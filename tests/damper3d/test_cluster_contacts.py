@@ -11,10 +11,10 @@ from damper3d.engine import state
 from damper3d.engine.clusters import world as building
 from damper3d.engine.records import CLASSES, HELD, MECHANISMS
 from damper3d.shapes.particle import parse_particle
-from damper3d.studies.single_contact import shape_force, shape_shear
-from damper3d.studies.single_contact.alone import AS_IT_IS, matrix, pressed, sheared
-from damper3d.studies.single_contact.smooth_body import Elastic, ellipse
-from damper3d.studies.single_contact.steel_shapes import settings, steel
+from damper3d.studies.single_contact.particles import shape_force, shape_shear
+from damper3d.studies.single_contact.particles.held import AS_IT_IS, matrix, pressed, sheared
+from damper3d.studies.single_contact.particles.smooth_body import Elastic, ellipse
+from damper3d.studies.single_contact.particles.steel_shapes import settings, steel
 
 SHAPES = ["prolate:1.5", "toroid:0.2"]
 STEPS = 4000

@@ -14,7 +14,7 @@ from small_silo import the_run
 from damper3d.case.case import DamperCase
 from damper3d.run import protocol, vibration
 from damper3d.run.fill import fill, random_start
-from damper3d.view.pictures.scene import read_scene
+from damper3d.view.scene import read_scene
 from granulab.campaign.runs.trajectory import read_tables
 from granulab.errors import InputError
 

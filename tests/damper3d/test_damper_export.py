@@ -11,7 +11,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
 from damper3d.view.export import export
-from damper3d.view.pictures.scene import read_scene
+from damper3d.view.scene import read_scene
 
 SINGLE = np.finfo(np.float32).eps
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from fake_damper_run import write_fake_damper_run
 
-from damper3d.view.pictures.enclosure_view import cut
-from damper3d.view.pictures.film import film_frames, make_film
-from damper3d.view.pictures.scene import read_scene
+from damper3d.view.film import film_frames, make_film
+from damper3d.view.scene import read_scene
+from damper3d.view.spheres import cut
 from granulab.campaign.output.figure import PAPER, WALL
 from granulab.campaign.output.film import FPS, rgb
 

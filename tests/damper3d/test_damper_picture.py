@@ -9,11 +9,11 @@ import pytest
 from fake_damper_run import EFFICIENCY, LAW_GAIN, SHARES, G, write_fake_damper_run
 from small_damper import damper3d
 
-from damper3d.view.pictures.charts import efficiency_of_cycles, energy_chart, motion_chart
-from damper3d.view.pictures.colouring import power
-from damper3d.view.pictures.enclosure_view import corners, cut, window
-from damper3d.view.pictures.picture import cycle_sheet, make_figures, panel_frames
-from damper3d.view.pictures.scene import read_scene
+from damper3d.view.charts import efficiency_of_cycles, energy_chart, motion_chart
+from damper3d.view.colouring import power
+from damper3d.view.picture import cycle_sheet, make_figures, panel_frames
+from damper3d.view.scene import read_scene
+from damper3d.view.spheres import corners, cut, window
 from granulab.campaign.runs.folder import FolderError
 
 SHEETS = ["cycle.png", "energy.png", "motion.png"]
@@ -309,8 +309,8 @@ def test_missing_pyvista_is_told_in_one_line(run, monkeypatch):
 def test_the_bed_in_space_moves_with_the_enclosure(scene):
     """The eye stands still: what is drawn rises with u from the start to a quarter of a cycle."""
     pytest.importorskip("pyvista", reason="an extra")
-    from damper3d.view.pictures.colouring import colouring
-    from damper3d.view.pictures.picture_3d import draw_space
+    from damper3d.view.colouring import colouring
+    from damper3d.view.picture import draw_space
 
     colours = colouring(scene, "velocity", [0, 2])
     middle = []

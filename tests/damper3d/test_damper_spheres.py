@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from damper3d.view.pictures.spheres import Window, draw_spheres
+from damper3d.view.spheres import Window, draw_spheres
 
 WHITE = (1.0, 1.0, 1.0)
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])

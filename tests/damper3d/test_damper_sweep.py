@@ -9,8 +9,7 @@ from small_silo import contents
 
 from damper3d.case.case import DamperCase
 from damper3d.run.protocol import run_digest
-from damper3d.run.study import load_study
-from damper3d.run.sweep import DAMPER
+from damper3d.run.sweep import DAMPER, load_study
 from granulab.contact.files.datafile import data_file
 
 STUDY = """

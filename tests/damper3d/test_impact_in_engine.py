@@ -9,7 +9,7 @@ from damper3d.engine.enclosure import box
 from damper3d.engine.shaker import sine
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
-from damper3d.studies.single_contact.impact import Impact, run
+from damper3d.studies.single_contact.spheres.impact import Impact, run
 from granulab.contact import load_table
 
 ALUMINA = load_table("alumina").material("alumina")

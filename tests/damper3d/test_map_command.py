@@ -7,7 +7,7 @@ from made_map import made_runs
 
 from damper3d.commands import main as cli
 from damper3d.studies.map import grid as mapping
-from damper3d.studies.predict import beside
+from damper3d.studies.predict import compare
 
 SMALL = ["--frequencies", "20,40", "--gammas", "1,2,3,5,8,12,20,30", "--no-figures"]
 
@@ -16,7 +16,7 @@ SMALL = ["--frequencies", "20,40", "--gammas", "1,2,3,5,8,12,20,30", "--no-figur
 def damper3d(monkeypatch, tmp_path, capsys):
     """Run a command line in this process; its exit code, stdout and stderr."""
     monkeypatch.setattr(mapping, "run_cases", made_runs)
-    monkeypatch.setattr(beside, "run_cases", made_runs)
+    monkeypatch.setattr(compare, "run_cases", made_runs)
 
     def run(*words):
         monkeypatch.setattr("sys.argv", ["damper3d", *words, "--out", str(tmp_path)])

@@ -3,8 +3,9 @@
 import pytest
 from made_map import made_runs
 
+from damper3d.case import closed_forms
 from damper3d.case.case import DamperCase
-from damper3d.studies.predict import beside, theory
+from damper3d.studies.predict import compare
 from damper3d.studies.predict.chart import draw_predictions
 from damper3d.studies.predict.prediction import as_dict, as_text, fills, predict
 from granulab.campaign.output.figure import write_figure
@@ -31,7 +32,7 @@ def test_onsets_are_those_of_the_formulas():
     assert [c.name for c in own.clearances] == ["loose", "close", "own", "counted"]
     assert own.best.name == "own"
     clearance = (1 - own.fill_ratio / 0.6) * 0.04
-    assert own.best.onset(40.0) == pytest.approx(theory.bouncing_bed_onset(40.0, clearance))
+    assert own.best.onset(40.0) == pytest.approx(closed_forms.bouncing_bed_onset(40.0, clearance))
     assert own.clearances[3].length == pytest.approx((1 - 358 / 480) * 0.04)
     assert predicted().best.name == "close"
 
@@ -77,10 +78,10 @@ def test_bad_input_is_one_line(changes, own, words):
 
 
 def test_simulations_stand_about_the_onset_beside_both_ideal_curves(monkeypatch, tmp_path):
-    monkeypatch.setattr(beside, "run_cases", made_runs)
+    monkeypatch.setattr(compare, "run_cases", made_runs)
     chosen = fills(None, {})[:2]
     predictions = [predict(DamperCase.load(*fill)) for fill in chosen]
-    rows = beside.simulate(chosen, predictions, [20.0, 80.0], out=tmp_path)
+    rows = compare.simulate(chosen, predictions, [20.0, 80.0], out=tmp_path)
     at_onset = [r for r in rows if r["over_onset"] and 1 <= r["over_onset"] < 1.001]
     assert {(r["fill"], r["frequency_hz"]) for r in at_onset} == {(0, 20.0), (0, 80.0), (1, 20.0)}
     # A rounding of 1e-3 above the onset costs ((2 pi 1e-3)^(2/3)...) less than 1 %.
@@ -89,9 +90,9 @@ def test_simulations_stand_about_the_onset_beside_both_ideal_curves(monkeypatch,
     assert all(r["ideal_bouncing_bed"] is None for r in below)
     fluid = [r for r in rows if r["gamma"] == 2.5]
     assert all(r["ideal_block"] == pytest.approx(0.563, abs=1e-3) for r in fluid)
-    assert max(r["gamma"] for r in rows) <= beside.MOST
+    assert max(r["gamma"] for r in rows) <= compare.MOST
     figure = write_figure(
         tmp_path / "p.png", lambda: draw_predictions(predictions, [20.0, 80.0], rows)
     )
     assert figure.read_bytes().startswith(b"\x89PNG")
-    assert len(beside.as_text(rows, predictions).splitlines()) == len(rows) + 1
+    assert len(compare.as_text(rows, predictions).splitlines()) == len(rows) + 1

@@ -21,8 +21,8 @@ from damper3d.shapes.cluster import sphere
 from damper3d.studies.quasistatic import course, protocol
 from damper3d.studies.quasistatic.case import SlowTest
 from damper3d.studies.quasistatic.chart import draw
+from damper3d.studies.quasistatic.measure import Result
 from damper3d.studies.quasistatic.report import report
-from damper3d.studies.quasistatic.result import Result
 from damper3d.studies.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, Halves
 from damper3d.studies.quasistatic.shapes import by_shape, scatter_of
 from damper3d.studies.quasistatic.statements import statements

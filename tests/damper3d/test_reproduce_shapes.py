@@ -4,10 +4,10 @@ import math
 
 import pytest
 
+from damper3d.case.closed_forms import bouncing_bed_onset
 from damper3d.reproduce import shape_effects, shape_plan, shape_statements, shapes
 from damper3d.reproduce.runs import labels_of
 from damper3d.reproduce.shape_optima import Line, optima
-from damper3d.studies.predict.theory import bouncing_bed_onset
 
 SPHERE_ONSET = float(bouncing_bed_onset(40.0, 0.0143))
 

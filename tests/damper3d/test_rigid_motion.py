@@ -17,8 +17,8 @@ from damper3d.engine.world import build_world
 from damper3d.shapes.cluster import sphere
 from damper3d.shapes.cylinder import cylinder
 from damper3d.shapes.oblate import oblate
-from damper3d.studies.single_contact import free_rotation, orientation
-from damper3d.studies.single_contact.free_rotation import SPIN, jacobi, triaxial
+from damper3d.studies.single_contact.particles import free_rotation, orientation
+from damper3d.studies.single_contact.particles.free_rotation import SPIN, jacobi, triaxial
 
 MIDDLE = [0.0, 0.0, 0.5]
 

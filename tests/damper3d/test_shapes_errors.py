@@ -11,9 +11,8 @@ from small_damper import damper3d
 from test_damper_bad_input import assert_refused
 
 from damper3d.shapes import prolate, toroid
-from damper3d.shapes.errors import curve, errors_of
+from damper3d.shapes.errors import curve, errors_of, prolate_exact, prolate_spheres, toroid_spheres
 from damper3d.shapes.particle import Particle, parse_particle
-from damper3d.shapes.surfaces import sections
 
 ROUND = 2000  # corners in a quarter of a circle, which lack 1e-7 of area and perimeter
 
@@ -23,7 +22,7 @@ ROUND = 2000  # corners in a quarter of a circle, which lack 1e-7 of area and pe
 def test_section_of_a_prolate_row_is_that_of_its_circles(ratio, number):
     """Eqs 4.16-4.23 against the union of polygons with 8000 corners: 3e-7, a quarter each."""
     x, radii = prolate.centres(ratio, number)
-    found = sections.prolate_spheres(x, radii)
+    found = prolate_spheres(x, radii)
     circles = [
         Point(s * at, 0.0).buffer(r, quad_segs=ROUND)
         for at, r in zip(x, radii, strict=True) for s in (-1.0, 1.0)
@@ -37,7 +36,7 @@ def test_section_of_a_prolate_row_is_that_of_its_circles(ratio, number):
 def test_section_of_a_toroid_ring_is_that_of_its_circles(hole):
     """Eqs 4.30-4.32, likewise; inside and outside of the ring."""
     a, b = toroid.radii_of(hole)
-    found = sections.toroid_spheres(a, b, 20)
+    found = toroid_spheres(a, b, 20)
     turns = [2.0 * math.pi * k / 20 for k in range(20)]
     circles = [Point(a * math.cos(t), a * math.sin(t)).buffer(b, quad_segs=ROUND) for t in turns]
     union = unary_union(circles)
@@ -51,7 +50,7 @@ def test_perimeter_of_an_ellipse(ratio):
     a, b = prolate.axes(ratio)
     t = np.linspace(0.0, 0.5 * math.pi, 100_001)
     chords = np.hypot(np.diff(a * np.cos(t)), np.diff(b * np.sin(t))).sum()
-    found = sections.prolate_exact(a, b).perimeter
+    found = prolate_exact(a, b).perimeter
     assert found == pytest.approx(chords, rel=1e-8)
     printed = math.pi / 4 * (3 * (a + b) - math.sqrt((3 * a + b) * (a + 3 * b)))
     assert printed == pytest.approx(found, rel=1e-6 if ratio < 2 else 1e-3)

@@ -8,7 +8,7 @@ from ring_fe import press
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
-from damper3d.studies.single_contact.smooth_body import (
+from damper3d.studies.single_contact.particles.smooth_body import (
     Elastic,
     ellipse,
     ring,

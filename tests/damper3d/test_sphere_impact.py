@@ -13,7 +13,7 @@ from analytic import (
     sphere_after_gross_sliding,
 )
 
-from damper3d.studies.single_contact.impact import STEPS_PER_CONTACT, Impact, run
+from damper3d.studies.single_contact.spheres.impact import STEPS_PER_CONTACT, Impact, run
 from granulab.contact import load_table
 from granulab.contact.material import Measured
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from damper3d.case.case import GRAVITY
-from damper3d.studies.predict.theory import (
+from damper3d.case.closed_forms import (
     PACKINGS,
     PERIOD_DOUBLING,
     WHOLE_FLIGHT,

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from damper3d.studies.predict.theory import meeting_phase
+from damper3d.case.closed_forms import meeting_phase
 
 Row = dict[str, Any]
 G = 9.81  # m/s2

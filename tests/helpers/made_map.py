@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damper3d.studies.predict.theory import bouncing_bed_onset, effective_clearance
+from damper3d.case.closed_forms import bouncing_bed_onset, effective_clearance
 
 CLEARANCE = effective_clearance(7 / 15, 0.04, 0.64)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damper3d.studies.predict.theory import bouncing_bed_onset, effective_clearance
+from damper3d.case.closed_forms import bouncing_bed_onset, effective_clearance
 
 FILL = 358 * (5 / 40) ** 2 * 5 * 2 / 3  # times 1/height [mm]: eq. 6.1
 FLUIDISED = 3.0  # Gamma at which the made bed fluidises best

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.case.parts import orientation_of
-from damper3d.studies.pack.known import CLOSE_PACKING, LOOSE_PACKING
+from damper3d.case.random_packing import CLOSE_PACKING, LOOSE_PACKING
 
 if TYPE_CHECKING:
     from damper3d.case.case import DamperCase

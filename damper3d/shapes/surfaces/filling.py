@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper3d.shapes.surfaces.covering import cover, reaches
-from damper3d.shapes.surfaces.distance import to_surface
+from damper3d.shapes.surfaces.covering import cover, reaches, to_surface
 from damper3d.shapes.surfaces.surface import area_of, normals_and_areas
 from damper3d.shapes.surfaces.union import of_any
 from granulab.errors import InputError

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from damper3d.case.closed_forms import bouncing_bed_onset
 from damper3d.measures.phases.phase_map import draw_phase_map
 from damper3d.studies.map.grid import MapResult
 from damper3d.studies.map.ridges import OnRidge
 from damper3d.studies.predict.prediction import Clearance, Prediction
-from damper3d.studies.predict.theory import bouncing_bed_onset
 from granulab.campaign.output.figure import INK, PAPER, SKY, VERMILION, headline
 
 if TYPE_CHECKING:

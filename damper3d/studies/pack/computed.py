@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from damper3d.case.case import DamperCase
+from damper3d.case.random_packing import Fraction
 from damper3d.studies.pack import tasks
 from damper3d.studies.pack.compact import least_bodies
-from damper3d.studies.pack.known import Fraction
 from granulab.campaign.output.layout import done, not_done, with_sd
 from granulab.campaign.output.statistics import mean_sd
 

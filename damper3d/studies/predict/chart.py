@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.studies.predict import theory
+from damper3d.case import closed_forms
 from damper3d.studies.predict.prediction import Prediction
 from granulab.campaign.output.figure import (
     BLUE,
@@ -78,14 +78,14 @@ def _panel(axes: "Axes", prediction: Prediction, frequencies: Sequence[float]) -
         onset = best.onset(frequency)
         if onset is not None:
             ratio = np.geomspace(1, max(200 / onset, 2), 300)
-            eta = theory.collect_and_collide(ratio)
+            eta = closed_forms.collect_and_collide(ratio)
             axes.plot(
                 onset * np.array([1, *ratio]), [0, *eta], color=colour,
                 label=f"bouncing bed, {frequency:g} Hz\n({best.name} packing)",
             )  # fmt: skip
     if prediction.fluidisation:
-        gamma = np.linspace(1, theory.PERIOD_DOUBLING, 200)
-        axes.plot(gamma, theory.inelastic_block(gamma), color=INK, lw=1,
+        gamma = np.linspace(1, closed_forms.PERIOD_DOUBLING, 200)
+        axes.plot(gamma, closed_forms.inelastic_block(gamma), color=INK, lw=1,
                   label="block without rebound,\nno lid")  # fmt: skip
     elif prediction.threshold:
         axes.axvline(prediction.threshold, color=INK, lw=1, label="onset of motion")

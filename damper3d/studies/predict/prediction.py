@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from damper3d.case import closed_forms
 from damper3d.case.case import DamperCase
-from damper3d.studies.pack.known import Fraction, close_packing, loose_packing
-from damper3d.studies.predict import theory
+from damper3d.case.random_packing import Fraction, close_packing, loose_packing
 from granulab.errors import InputError
 
 FREQUENCIES = (20.0, 40.0, 80.0)  # [Hz] of Table 6.3
@@ -30,13 +30,13 @@ class Clearance:
         """Gamma at which the bouncing bed sets in (eq. 6.11)."""
         if self.length is None:
             return None
-        return float(theory.bouncing_bed_onset(frequency, self.length))
+        return float(closed_forms.bouncing_bed_onset(frequency, self.length))
 
     def onset_uncertainty(self, frequency: float) -> float | None:
         """One standard deviation of that Gamma, which goes with the clearance; None: not known."""
         if self.length is None or self.uncertainty is None:
             return None
-        return float(theory.bouncing_bed_onset(frequency, self.uncertainty))
+        return float(closed_forms.bouncing_bed_onset(frequency, self.uncertainty))
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Prediction:
     @property
     def fluidisation(self) -> tuple[float, float] | None:
         """Gamma and efficiency of the best inelastic block; of vertical motion only."""
-        return theory.fluidisation_optimum() if self.orientation == "vertical" else None
+        return closed_forms.fluidisation_optimum() if self.orientation == "vertical" else None
 
 
 def predict(
@@ -79,15 +79,15 @@ def predict(
     known = {"loose": loose_packing(shape), "close": close or close_packing(shape)}
     clearances = [_packed(name, most, fill, length) for name, most in known.items()]
     if packing is not None:
-        own = theory.effective_clearance(fill, length, packing)
+        own = closed_forms.effective_clearance(fill, length, packing)
         clearances.append(Clearance("own", packing, own))
     if full_count is not None:
-        counted = theory.relative_clearance(case.count, full_count, length)
+        counted = closed_forms.relative_clearance(case.count, full_count, length)
         clearances.append(Clearance("counted", None, counted))
     orientation = _orientation(case)
     threshold = None
     if orientation != "oblique":
-        threshold = theory.fluidisation_threshold(orientation, case.wall_law.mu)
+        threshold = closed_forms.fluidisation_threshold(orientation, case.wall_law.mu)
     return Prediction(case.name, fill, length, orientation, tuple(clearances), threshold)
 
 
@@ -157,8 +157,8 @@ def as_dict(prediction: Prediction, frequencies: Sequence[float]) -> dict[str, A
             "threshold_gamma": prediction.threshold,
             "optimum_gamma": gamma,
             "optimum_efficiency": efficiency,
-            "whole_flight_gamma": theory.WHOLE_FLIGHT if vertical else None,
-            "period_doubling_gamma": theory.PERIOD_DOUBLING if vertical else None,
+            "whole_flight_gamma": closed_forms.WHOLE_FLIGHT if vertical else None,
+            "period_doubling_gamma": closed_forms.PERIOD_DOUBLING if vertical else None,
         },
     }
 
@@ -193,7 +193,7 @@ def _on_fluidisation(prediction: Prediction) -> list[str]:
         gamma, efficiency = prediction.fluidisation
         lines.append(
             f"  a block that does not rebound damps best at Gamma {gamma:.2f} (eta "
-            f"{efficiency:.2f}), and cycles are unlike from {theory.PERIOD_DOUBLING:.2f} on"
+            f"{efficiency:.2f}), and cycles are unlike from {closed_forms.PERIOD_DOUBLING:.2f} on"
         )
     return lines
 

@@ -10,6 +10,7 @@ The force at no displacement is the mean over the last rows of the pre-load.
 """
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from damper3d.run.packing import packing_fraction
 from damper3d.studies.quasistatic.case import SlowTest
 from damper3d.studies.quasistatic.course import WINDOW, Course, Samples
 from damper3d.studies.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, RigSimulation
+from granulab.campaign.runs.result import Answers
 
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -126,3 +128,40 @@ def imbalance(test: SlowTest, rows: Samples, mass: float) -> float:
 
 def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
+
+
+@dataclass(frozen=True)
+class Result(Answers):
+    """What a test found; SI, None for what does not exist. See measure.py."""
+
+    test: str
+    particles: str
+    n_particles: int
+    seed: int
+    preload_n: float
+    preload_mean_n: float | None  # on the table during the test; None where it is not held
+    preload_rms_deviation_n: float | None
+    preload_displacement_m: float  # of the table, from the top of the bed to where it rests
+    bed_height_m: float  # under the pre-load
+    packing_fraction: float
+    speed_m_per_s: float
+    distance_m: float
+    inertial_number: float
+    at_m: float
+    stiffness_n_per_m: float  # secant to at_m
+    force_start_n: float
+    force_end_n: float
+    force_mean_n: float  # above that at the start, mean over the distance
+    displacement_m: list[float]
+    force_n: list[float]
+    force_imbalance: float
+    energy_closure: float | None
+    law_term: float | None
+    max_impact_over_yield_velocity: dict[str, float | None]
+    time_step_s: float
+    steps: int
+    cpu_us_per_step: float
+    cpu_s: float
+    state_digest: str
+    reused: bool
+    run_folder: str

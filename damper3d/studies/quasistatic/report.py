@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from damper3d.reproduce.statements import report_statements
-from damper3d.studies.quasistatic.result import Result
+from damper3d.studies.quasistatic.measure import Result
 from damper3d.studies.quasistatic.shapes import Scatter, Shape, by_shape, scatter_of
 from damper3d.studies.quasistatic.statements import statements
 from granulab.campaign.output.layout import columns, done, not_done
+from granulab.campaign.runs.folder import RunFolder
 
 Row = dict[str, Any]
 
@@ -38,6 +39,11 @@ def report(rows: Sequence[Row]) -> str:
             ],
         )
     )
+
+
+def finished_test(run: RunFolder) -> str:
+    """A finished run of one test for a person to read."""
+    return one_test(Result.read(run, reused=False))
 
 
 def one_test(found: Result) -> str:

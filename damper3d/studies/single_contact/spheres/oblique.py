@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.studies.single_contact import Found
-from damper3d.studies.single_contact.impact import Impact, Tangential, run
+from damper3d.studies.single_contact.spheres.impact import Impact, Tangential, run
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headline
 from granulab.contact.files.table import load_table
 

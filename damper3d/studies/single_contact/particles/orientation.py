@@ -22,8 +22,8 @@ from damper3d.shapes.cluster import Cluster
 from damper3d.shapes.family import FAMILIES
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact import Found
-from damper3d.studies.single_contact.alone import combined, matrix, over_floor, turn
-from damper3d.studies.single_contact.shape_force import COLOURS
+from damper3d.studies.single_contact.particles.held import combined, matrix, over_floor, turn
+from damper3d.studies.single_contact.particles.shape_force import COLOURS
 from granulab.campaign.output.figure import GREY, INK, headline
 from granulab.contact.files.table import load_table
 from granulab.contact.hertz import HertzLaw

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from damper3d.case.parts import GRAVITY
-from damper3d.studies.pack.known import CLOSE_PACKING, LOOSE_PACKING
+from damper3d.case.random_packing import CLOSE_PACKING, LOOSE_PACKING
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 

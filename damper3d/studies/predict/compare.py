@@ -5,11 +5,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from damper3d.case import closed_forms
 from damper3d.case.case import DamperCase
 from damper3d.run.sweep import run_cases
 from damper3d.studies.map.grid import Grid, map_cases
 from damper3d.studies.map.peaks import DIGITS
-from damper3d.studies.predict import theory
 from damper3d.studies.predict.prediction import Prediction
 
 Rows = list[dict[str, Any]]
@@ -71,9 +71,9 @@ def as_text(rows: Rows, predictions: Sequence[Prediction]) -> str:
 def _beside(row: dict[str, Any], prediction: Prediction) -> dict[str, Any]:
     gamma, onset = row["gamma"], prediction.best.onset(row["frequency_hz"])
     ratio = None if onset is None else gamma / onset
-    bed = math.nan if ratio is None else float(theory.collect_and_collide(ratio))
+    bed = math.nan if ratio is None else float(closed_forms.collect_and_collide(ratio))
     vertical = prediction.orientation == "vertical"
-    block = float(theory.inelastic_block(gamma)) if vertical else math.nan
+    block = float(closed_forms.inelastic_block(gamma)) if vertical else math.nan
     labels = {name: row[name] for name in ("fill", "frequency_hz", "gamma", "seed")}
     return {
         **labels,

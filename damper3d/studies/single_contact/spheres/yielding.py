@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.studies.single_contact import Found
-from damper3d.studies.single_contact.aluminium_ball import RESTITUTIONS
-from damper3d.studies.single_contact.impact import Impact, run
+from damper3d.studies.single_contact.spheres.impact import Impact, run
+from damper3d.studies.single_contact.spheres.large_spheres import RESTITUTIONS
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headline
 from granulab.contact.files.table import load_table
 from granulab.contact.material import Material

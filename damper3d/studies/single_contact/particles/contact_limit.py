@@ -14,8 +14,8 @@ from damper3d.shapes.prolate import prolate
 from damper3d.shapes.surfaces.grooves import groove_depth, limit_of_ring, most_sub_spheres
 from damper3d.shapes.toroid import fewest_sub_spheres, toroid
 from damper3d.studies.single_contact import Found
-from damper3d.studies.single_contact.smooth_body import Elastic, ellipse, ring_force
-from damper3d.studies.single_contact.steel_shapes import RING, TUBE, steel
+from damper3d.studies.single_contact.particles.smooth_body import Elastic, ellipse, ring_force
+from damper3d.studies.single_contact.particles.steel_shapes import RING, TUBE, steel
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, VERMILION, headline
 
 if TYPE_CHECKING:

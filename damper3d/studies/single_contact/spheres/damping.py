@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.studies.single_contact import Found
-from damper3d.studies.single_contact.impact import DampingFrom, Impact, run
+from damper3d.studies.single_contact.spheres.impact import DampingFrom, Impact, run
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headline
 from granulab.contact.files.table import load_table
 from granulab.contact.restitution import ContactEnd, ratio_of_restitution, restitution_of_ratio

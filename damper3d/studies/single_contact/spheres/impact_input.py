@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from damper3d.studies.single_contact.impact import Impact
+from damper3d.studies.single_contact.spheres.impact import Impact
 from granulab.contact.files.datafile import data_file, data_names
 from granulab.contact.files.table import ContactTable, load_table
 from granulab.contact.files.units import nearest, to_si

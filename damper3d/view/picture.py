@@ -5,15 +5,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from damper3d.view.pictures import picture_3d
-from damper3d.view.pictures.charts import energy_chart, motion_chart
-from damper3d.view.pictures.colouring import Colouring, colouring
-from damper3d.view.pictures.enclosure_view import corners, spheres_drawn, window
-from damper3d.view.pictures.film import make_film
-from damper3d.view.pictures.graph import ruled
-from damper3d.view.pictures.scene import Scene, read_scene
-from damper3d.view.pictures.spheres import draw_spheres
+from damper3d.view.charts import energy_chart, motion_chart, ruled
+from damper3d.view.colouring import Colouring, colouring
+from damper3d.view.export import walls
+from damper3d.view.film import make_film
+from damper3d.view.scene import Scene, read_scene
+from damper3d.view.spheres import corners, draw_spheres, spheres_drawn, window
 from granulab.campaign.output.figure import GREY, INK, VERMILION, WALL, headline, write_figure
 from granulab.campaign.runs.folder import FolderError, RunFolder
 from granulab.contact.files.units import nearest
@@ -28,6 +27,10 @@ _MOST_PANELS = 8
 _TALLEST, _WIDEST, _GAP = 3.2, 1.75, 0.1  # of a panel [inch]
 _HEADLINE, _STRIP, _LEFT, _RIGHT, _BOTTOM = 0.72, 1.1, 0.75, 1.15, 0.5
 _PIXELS = 240  # an inch of a panel
+_WIDTH, _HEIGHT = 480, 540  # of a picture [px]
+SHAPE = _HEIGHT / _WIDTH
+_ROUND = 24  # edges of a sphere's outline
+_ASIDE, _ABOVE = 0.5, 0.35  # how far the eye goes to the right and up, of its way back
 
 
 def make_figures(
@@ -78,7 +81,7 @@ def cycle_sheet(scene: Scene, by: str = "velocity", engine: str = "matplotlib") 
         raise FolderError("no frame in the last cycle; run it with output.frames above 0")
     shown, in_space = window(scene, 1.0), engine == "pyvista"
     shape = (shown.top - shown.bottom) / (shown.right - shown.left)
-    shape = picture_3d.SHAPE if in_space else shape
+    shape = SHAPE if in_space else shape
     wide = min(_WIDEST, _TALLEST / shape)
     high = wide * shape
     across = len(frames) * (wide + _GAP)
@@ -95,7 +98,7 @@ def cycle_sheet(scene: Scene, by: str = "velocity", engine: str = "matplotlib") 
         panel = figure.add_axes(box)
         panel.set_axis_off()
         if in_space:
-            panel.imshow(picture_3d.draw_space(scene, frame, colours))
+            panel.imshow(draw_space(scene, frame, colours))
         else:
             draw_enclosure(panel, scene, frame, colours, _PIXELS * wide)
     bar = figure.add_axes(((width - _RIGHT + 0.15) / width, bottom / total, 0.1 / width,
@@ -163,3 +166,63 @@ def _velocities(strip: "Axes", scene: Scene, frames: list[int]) -> None:
     strip.set_xticks(at, [f"{part:.3g}" for part in at])
     strip.set_xlabel(f"part of cycle {scene.n_cycles}")
     strip.legend(loc="upper left", bbox_to_anchor=(1.0, 1), borderaxespad=0, handlelength=1.2)
+
+
+def draw_space(scene: Scene, frame: int, colours: Colouring) -> NDArray[np.uint8]:
+    """Spheres in the enclosure, of which the walls let light through (rows, columns, 3).
+
+    Raises InputError where pyvista is not installed.
+    """
+    pyvista = _pyvista()
+    plotter = pyvista.Plotter(off_screen=True, window_size=(_WIDTH, _HEIGHT))
+    plotter.set_background("white")
+    arm, radius, whose = scene.spheres(frame)
+    points = pyvista.PolyData(scene.particles(frame).position[whose] + arm + scene.shift(frame))
+    points["size"] = radius
+    points["colour"] = np.rint(255 * colours.of(frame)[whose]).astype(np.uint8)
+    ball = pyvista.Sphere(radius=1.0, theta_resolution=_ROUND, phi_resolution=_ROUND)
+    spheres = points.glyph(geom=ball, scale="size", orient=False, factor=1.0)
+    plotter.add_mesh(spheres, scalars="colour", rgb=True, smooth_shading=True, specular=0.3)
+    around = _mesh(pyvista, scene, frame)
+    plotter.add_mesh(around, color=WALL, opacity=0.12)
+    edges = around.clean().extract_feature_edges(feature_angle=30, manifold_edges=False)
+    plotter.add_mesh(edges, color=WALL, line_width=3)
+    _aim(plotter, scene)
+    image = plotter.screenshot(return_img=True)
+    plotter.close()
+    return image
+
+
+def _pyvista() -> Any:
+    try:
+        import pyvista
+    except ImportError:
+        raise InputError(
+            "--engine pyvista: pyvista is not installed; get it with: pip install granulab[pyvista]"
+        ) from None
+    return pyvista
+
+
+def _mesh(pyvista: Any, scene: Scene, frame: int) -> Any:
+    """The walls where they stand."""
+    polygons = [points for _, points in walls(scene)]
+    starts = np.cumsum([0, *map(len, polygons)])
+    faces = [
+        [len(points), *range(start, start + len(points))]
+        for points, start in zip(polygons, starts, strict=False)
+    ]
+    return pyvista.PolyData(np.concatenate(polygons) + scene.shift(frame), np.concatenate(faces))
+
+
+def _aim(plotter: Any, scene: Scene) -> None:
+    """The eye stands still: it sees the enclosure wherever it goes."""
+    view, size = scene.view, float(np.linalg.norm(scene.size))
+    travel = 2 * float(np.abs(scene.trajectory["displacement"]).max())
+    middle = np.array([0.0, 0.0, scene.enclosure.height / 2])
+    towards = view.nearer + _ASIDE * view.right + _ABOVE * view.up
+    distance = 2.0 * (size + travel)
+    plotter.camera.focal_point = middle
+    plotter.camera.position = middle + distance * towards / np.linalg.norm(towards)
+    plotter.camera.up = view.up
+    plotter.camera.view_angle = 28.0
+    plotter.camera.clipping_range = (0.1 * distance, 3 * distance)

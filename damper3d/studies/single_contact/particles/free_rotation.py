@@ -14,7 +14,7 @@ from damper3d.engine.clusters.simulation import ClusterSimulation
 from damper3d.shapes.cluster import Cluster, sphere
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact import Found
-from damper3d.studies.single_contact.alone import AS_IT_IS, matrix, over_floor
+from damper3d.studies.single_contact.particles.held import AS_IT_IS, matrix, over_floor
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headline
 from granulab.contact.files.table import load_table
 from granulab.contact.sphere_law import sphere_law

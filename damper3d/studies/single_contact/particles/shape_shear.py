@@ -15,10 +15,15 @@ import numpy as np
 from damper3d.engine.clusters.state import TREATMENTS
 from damper3d.shapes.cluster import Cluster
 from damper3d.studies.single_contact import Found
-from damper3d.studies.single_contact.alone import combined, pressed, sheared, turn
-from damper3d.studies.single_contact.shape_force import COLOURS, WIDTHS
-from damper3d.studies.single_contact.smooth_body import tangential_stiffness
-from damper3d.studies.single_contact.steel_shapes import Setting, contact_of, settings, steel
+from damper3d.studies.single_contact.particles.held import combined, pressed, sheared, turn
+from damper3d.studies.single_contact.particles.shape_force import COLOURS, WIDTHS
+from damper3d.studies.single_contact.particles.smooth_body import tangential_stiffness
+from damper3d.studies.single_contact.particles.steel_shapes import (
+    Setting,
+    contact_of,
+    settings,
+    steel,
+)
 from granulab.campaign.output.figure import BLUE, GREY, INK, headline
 from granulab.contact.hertz import HertzLaw
 from granulab.contact.mindlin_deresiewicz import loading_force

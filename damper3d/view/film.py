@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from damper3d.view.pictures.colouring import colouring
-from damper3d.view.pictures.enclosure_view import corners, spheres_drawn, window
-from damper3d.view.pictures.scene import Scene
-from damper3d.view.pictures.spheres import draw_spheres
+from damper3d.view.colouring import colouring
+from damper3d.view.scene import Scene
+from damper3d.view.spheres import corners, draw_spheres, spheres_drawn, window
 from granulab.campaign.output.figure import GREY, INK, PAPER, VERMILION, WALL
 from granulab.campaign.output.film import Image, font, pace, rgb, write_film, write_words
 

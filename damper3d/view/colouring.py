@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from damper3d.view.pictures.scene import Scene
+from damper3d.view.scene import Scene
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 

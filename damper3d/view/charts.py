@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from damper3d.engine.records import cut
 from damper3d.measures.efficiency import efficiencies
-from damper3d.view.pictures.graph import legend_beside, ruled
-from damper3d.view.pictures.scene import Scene
+from damper3d.view.scene import Scene
 from granulab.campaign.output.figure import (
     BLUE,
     GREEN,
@@ -211,3 +210,14 @@ def _height(scene: Scene) -> Array:
 
 def _height_words(scene: Scene) -> str:
     return "height above\nthe bottom" if scene.view.up[2] else "height above\nthe lowest point"
+
+
+def ruled(axes: "Axes") -> None:
+    """Thin horizontal lines behind what is drawn."""
+    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.set_axisbelow(True)
+
+
+def legend_beside(axes: "Axes", *handles_and_labels: list, right: float = 1.01) -> None:
+    """A legend to the right of the axes, where it hides nothing: at `right` of their width."""
+    axes.legend(*handles_and_labels, loc="upper left", bbox_to_anchor=(right, 1), labelspacing=0.6)

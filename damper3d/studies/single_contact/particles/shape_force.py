@@ -15,9 +15,9 @@ from damper3d.engine.clusters.state import TREATMENTS
 from damper3d.shapes.cluster import Cluster
 from damper3d.shapes.surfaces.grooves import groove_depth
 from damper3d.studies.single_contact import Found
-from damper3d.studies.single_contact.alone import pressed
-from damper3d.studies.single_contact.smooth_body import Elastic
-from damper3d.studies.single_contact.steel_shapes import Setting, settings, steel
+from damper3d.studies.single_contact.particles.held import pressed
+from damper3d.studies.single_contact.particles.smooth_body import Elastic
+from damper3d.studies.single_contact.particles.steel_shapes import Setting, settings, steel
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, VERMILION, headline
 
 if TYPE_CHECKING:

@@ -8,8 +8,13 @@ import numpy as np
 
 from damper3d.shapes.cluster import Cluster
 from damper3d.shapes.particle import parse_particle
-from damper3d.studies.single_contact.alone import AS_IT_IS, turn
-from damper3d.studies.single_contact.smooth_body import Elastic, Ellipse, ellipse, ring_force
+from damper3d.studies.single_contact.particles.held import AS_IT_IS, turn
+from damper3d.studies.single_contact.particles.smooth_body import (
+    Elastic,
+    Ellipse,
+    ellipse,
+    ring_force,
+)
 from granulab.contact.files.table import load_table
 from granulab.contact.hertz import HertzLaw
 from granulab.contact.sphere_law import sphere_law

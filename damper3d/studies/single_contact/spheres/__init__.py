@@ -1,0 +1,1 @@
+"""One sphere that hits a wall or another sphere."""

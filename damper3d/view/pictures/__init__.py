@@ -1,1 +1,0 @@
-"""Figures and films of a run, drawn from its folder."""
