@@ -23,7 +23,7 @@ PARTS = 3  # of the windows, by distance from walls and by strain, equally many 
 
 def measure(run: Path, folder: Path, name: str) -> Path:
     """Render, measure and compare one film; the numbers' file."""
-    from silo2d.measures.from_contacts.particles import column_edges
+    from silo2d.measures.basics.particles import column_edges
 
     stage, camera, times, film = rendered(run, folder, name)
     edges = column_edges(stage.scene)

@@ -21,8 +21,7 @@ from small_silo import write_case
 from granulab.campaign.sweeps.engine import run_tasks
 from granulab.campaign.sweeps.task import Stop
 from silo2d.case.case import SiloCase
-from silo2d.run.sweep import run_cases
-from silo2d.run.warm import compile_kernels
+from silo2d.run.sweep import compile_kernels, run_cases
 
 LENGTHS = (5.0, 20.0, 60.0)  # [s] of a run; A4 takes about 20 on a current server
 SWEEP, SEEDS = 80, 5  # runs in all, and of each combination: 16 silos times five seeds

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from calibration.flow.result import Flow
 from calibration.statistics.uncertainty import Estimate, as_pair
 from granulab.errors import InputError
-from silo2d.measures.from_contacts.particles import column_edges, leavers
+from silo2d.measures.basics.particles import column_edges, leavers
 from silo2d.measures.profile import measure
 from silo2d.view.scene import Scene, read_scene
 

@@ -10,7 +10,7 @@ from granulab.contact.files.keys import Keys
 from granulab.errors import InputError
 from silo2d.case.case import SiloCase
 from silo2d.case.settings import Settings
-from silo2d.measures.from_contacts.particles import column_edges
+from silo2d.measures.basics.particles import column_edges
 from silo2d.measures.profile import layer_lines
 from silo2d.run.sweep import SILO
 from silo2d.view.scene import read_scene

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from calibration.rendered.camera import Camera, Light
 from calibration.tracking.film.reader import Picture
-from silo2d.measures.from_contacts.silo_geometry import outwards
+from silo2d.measures.basics.walls import outwards
 from silo2d.view.scene import Scene, read_scene
 
 Floats = NDArray[np.float64]

@@ -19,7 +19,7 @@ from granulab.errors import SimulationError, Stopped
 from silo2d.baseline.space import Placed, Surface, add_grain, add_walls, empty_space, strays
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.impulses import factors
-from silo2d.run.discharge import LOOK, Clock, ending, tell
+from silo2d.run.ending import LOOK, Clock, ending, tell
 from silo2d.run.packing import Packing
 
 if TYPE_CHECKING:

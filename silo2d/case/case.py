@@ -16,7 +16,6 @@ from granulab.contact.laws import LinearLaw
 from granulab.contact.restitution import linear_restitution
 from granulab.errors import InputError
 from silo2d.case.disorder import Spread, drawn_laws, spreads, stiffest
-from silo2d.case.files import shapes_of, table_of
 from silo2d.case.impulses import Impulses, impulses_of
 from silo2d.case.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
 from silo2d.case.parameters import (
@@ -24,6 +23,8 @@ from silo2d.case.parameters import (
     filling_friction,
     filling_laws,
     filling_time_step,
+    shapes_of,
+    table_of,
     time_step_of,
 )
 from silo2d.case.settings import Fill, Settings, Silo, check_settings, read_settings, to_toml

@@ -1,19 +1,49 @@
-"""Contact laws and time steps of a case: the materials file, then what the case changes."""
+"""Shapes, contact laws and time steps of a case: the files it names, then what it changes."""
 
 import math
+from functools import lru_cache
+from pathlib import Path
 
+from granulab.contact.files.table import ContactTable, load_table
 from granulab.contact.laws import LinearLaw
 from granulab.contact.material import Pair
 from granulab.contact.restitution import damping_for_restitution
 from granulab.errors import InputError
 from silo2d.case.settings import Settings
-from silo2d.case.shape import ShapeSet
+from silo2d.case.shape import ShapeSet, load_shapes
 from silo2d.case.stability import largest_stable_step, step_for_held_grains
 
 USUAL_TIME_STEP = 5e-6  # [s] discharge times do not change between 2 and 10 us
 # Filling takes a quarter of the stiffness, and so twice the step, of the materials file.
 POUR_SOFTER = 4.0
 _MARGIN = 0.8  # of the largest stable step, where the usual one is too long
+
+
+def shapes_of(file: str | Path) -> ShapeSet:
+    """See load_shapes; the same object for the same text."""
+    return _shapes(file, _content(file))
+
+
+def table_of(file: str | Path) -> ContactTable:
+    """See load_table; the same object for the same text."""
+    return _table(file, _content(file))
+
+
+@lru_cache(maxsize=8)
+def _shapes(file: str | Path, _content: bytes) -> ShapeSet:
+    return load_shapes(file)
+
+
+@lru_cache(maxsize=8)
+def _table(file: str | Path, _content: bytes) -> ContactTable:
+    return load_table(file)
+
+
+def _content(file: str | Path) -> bytes:
+    try:
+        return Path(file).read_bytes()
+    except OSError:
+        return b""  # the reader says what is wrong
 
 
 def contact_laws(

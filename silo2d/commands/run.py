@@ -40,7 +40,8 @@ def run(
         raise click.UsageError("--resume goes on with a case as it is; leave other options out")
     from granulab.campaign.runs.folder import resume_run
     from silo2d.case.case import SiloCase
-    from silo2d.view.report import echo, plan, report
+    from silo2d.case.plan import plan
+    from silo2d.view.report import echo, report
 
     loaded = SiloCase.load(resume_run(resume).path / "case.toml" if resume else str(case), changes)
     if dry_run:

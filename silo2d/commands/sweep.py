@@ -15,7 +15,6 @@ def sweep(study: str, dry_run: bool, quiet: bool, **options: Any) -> None:
     `silo2d init --study my_study.toml` writes a study file with a comment on every key. Runs that
     are finished are not done again: the same command goes on after whatever stopped it.
     """
-    from silo2d.run.study import load_study
-    from silo2d.run.sweep import SILO
+    from silo2d.run.sweep import SILO, load_study
 
     sweep_study(SILO, load_study(study), dry_run=dry_run, quiet=quiet, **options)

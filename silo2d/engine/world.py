@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
-from silo2d.case.outline import Walls
-from silo2d.case.shape import Shape
 from silo2d.engine import state
 from silo2d.engine.pair_law import DrawnLaw, Law, PairConstants, draw_lists
 from silo2d.engine.state import Bodies, Cells, Close, Forces, Near, World
@@ -14,11 +13,35 @@ from silo2d.engine.state import Bodies, Cells, Close, Forces, Near, World
 BODY_ROOM = 3e-3  # [m] at the level of bodies, see neighbours.py; walls need none
 
 
+class CrossSection(Protocol):
+    """A rounded convex polygon, its centroid at the origin: what the engine needs of a shape."""
+
+    @property
+    def core(self) -> np.ndarray: ...  # corners (n, 2) [m], counter-clockwise
+    @property
+    def spheroradius(self) -> float: ...  # [m]
+    @property
+    def bounding_radius(self) -> float: ...  # [m]
+    @property
+    def area(self) -> float: ...  # [m2]
+    @property
+    def polar_moment(self) -> float: ...  # of area [m4]
+
+
+class WallSegments(Protocol):
+    """Straight pieces of wall, the inside on their left: what the engine needs of an outline."""
+
+    @property
+    def segments(self) -> np.ndarray: ...  # end points (w, 2, 2) [m]
+    @property
+    def corners(self) -> np.ndarray: ...  # (w,) end points, first first, that edges can rest on
+
+
 def build_world(
-    shapes: Sequence[Shape],
+    shapes: Sequence[CrossSection],
     kinds: np.ndarray,
     poses: np.ndarray,
-    walls: Walls,
+    walls: WallSegments,
     *,
     surface_density: float,
     grain_law: Law,

@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 from granulab.campaign.output.figure import GREY, INK, ORANGE, PAPER, VERMILION, headline
 from granulab.campaign.runs.folder import FolderError
 from granulab.errors import InputError
-from silo2d.measures.from_contacts.contacts import GRAVITY, Moment, read_moments
-from silo2d.measures.from_contacts.silo_geometry import sides
+from silo2d.measures.basics.contacts import GRAVITY, Moment, read_moments
+from silo2d.measures.basics.walls import sides
 from silo2d.measures.network import draw_grains, draw_network
 from silo2d.view.scene import GRAIN_EDGE
 

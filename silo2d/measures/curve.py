@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, headline
-from silo2d.measures.from_contacts.particles import FEWEST_OUT, Series, leavers
-from silo2d.measures.run_numbers import discharge_measures
+from silo2d.measures.basics.particles import FEWEST_OUT, Series, leavers
+from silo2d.run.summary import discharge_measures
 from silo2d.view.scene import read_scene
 
 if TYPE_CHECKING:

@@ -22,11 +22,16 @@ from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, headline
 from granulab.campaign.runs.folder import FolderError
-from silo2d.measures.from_contacts.coarse_graining import Grid, grid_round, part_inside
-from silo2d.measures.from_contacts.contacts import flowing
-from silo2d.measures.from_contacts.particles import areas, grain_size
-from silo2d.measures.from_contacts.silo_geometry import inside_mask, inside_polygon
-from silo2d.view.field_map import draw_map
+from silo2d.measures.basics.coarse_graining import (
+    Grid,
+    draw_map,
+    grid_round,
+    inside_mask,
+    inside_polygon,
+    part_inside,
+)
+from silo2d.measures.basics.contacts import flowing
+from silo2d.measures.basics.particles import areas, grain_size
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:

@@ -26,8 +26,8 @@ import numpy as np
 
 from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline
 from granulab.errors import InputError
-from silo2d.measures.from_contacts.coarse_graining import Floats
-from silo2d.measures.from_contacts.contacts import (
+from silo2d.measures.basics.coarse_graining import Floats
+from silo2d.measures.basics.contacts import (
     GRAVITY,
     STATES,
     Moment,
@@ -36,9 +36,8 @@ from silo2d.measures.from_contacts.contacts import (
     read_moments,
     states,
 )
-from silo2d.measures.from_contacts.particles import grain_size
-from silo2d.measures.from_contacts.silo_geometry import outwards, sides
-from silo2d.measures.from_contacts.wall_traction import STRETCH, Tractions, tractions
+from silo2d.measures.basics.particles import grain_size
+from silo2d.measures.basics.walls import STRETCH, Tractions, outwards, sides, tractions
 from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:

@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headline
-from silo2d.measures.curve import steady_part
-from silo2d.measures.from_contacts.particles import (
+from silo2d.measures.basics.particles import (
     FEWEST_OUT,
     Series,
     grain_size,
@@ -29,6 +28,7 @@ from silo2d.measures.from_contacts.particles import (
     numbers,
     outlet_centre,
 )
+from silo2d.measures.curve import steady_part
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:

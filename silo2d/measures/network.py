@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, VERMILION, WALL, headline
-from silo2d.measures.from_contacts.coarse_graining import Floats
-from silo2d.measures.from_contacts.contacts import Moment, read_moments
+from silo2d.measures.basics.coarse_graining import Floats
+from silo2d.measures.basics.contacts import Moment, read_moments
 from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granulab.campaign.output.figure import BLUE, GREY, INK, WALL, headline
-from silo2d.measures.from_contacts.particles import Series, column_edges, leavers, start_height
+from silo2d.measures.basics.particles import Series, column_edges, leavers, start_height
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import VERMILION, headline
-from silo2d.measures.from_contacts.particles import Series, grain_size, outlet_centre
+from silo2d.measures.basics.particles import Series, grain_size, outlet_centre
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:

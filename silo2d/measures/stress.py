@@ -26,18 +26,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import INK, WALL, headline
-from silo2d.measures.from_contacts.coarse_graining import Grid, along_branches, grid_round
-from silo2d.measures.from_contacts.contacts import (
-    STATES,
-    Moment,
-    branches,
-    in_words,
-    read_moments,
-    states,
+from silo2d.measures.basics.coarse_graining import (
+    Grid,
+    along_branches,
+    draw_map,
+    grid_round,
+    inside_mask,
+    inside_polygon,
 )
-from silo2d.measures.from_contacts.particles import grain_size
-from silo2d.measures.from_contacts.silo_geometry import inside_mask, inside_polygon
-from silo2d.view.field_map import draw_map
+from silo2d.measures.basics.contacts import STATES, Moment, branches, in_words, read_moments, states
+from silo2d.measures.basics.particles import grain_size
 from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from silo2d.measures.basics.particles import leavers
 from silo2d.measures.curve import Steady, part_between, steady_part
-from silo2d.measures.from_contacts.particles import leavers
 from silo2d.view.scene import read_scene
 
 if TYPE_CHECKING:

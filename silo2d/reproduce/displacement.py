@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from silo2d.measures.from_contacts.particles import Series, grain_size, numbers
+from silo2d.measures.basics.particles import Series, grain_size, numbers
 from silo2d.measures.profile import layer_lines, profile_frames, v_shapes
 from silo2d.view.scene import read_scene
 

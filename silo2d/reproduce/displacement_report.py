@@ -7,7 +7,7 @@ import numpy as np
 
 from granulab.campaign.output.figure import BLUE, VERMILION, WALL
 from silo2d.case.outline import preset
-from silo2d.measures.from_contacts.particles import Series
+from silo2d.measures.basics.particles import Series
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,8 +5,6 @@ import math
 import shlex
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -18,40 +16,9 @@ from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
-from silo2d.measures.run_numbers import crosses_centre_line
+from silo2d.run.ending import BOOKS_OFF, LOOK, Clock, ending, tell
 from silo2d.run.packing import Packing
 from silo2d.run.pour import agitation
-
-LOOK = 0.01  # [s] between looks for the end of the run, whatever the output
-# Energy that may be unaccounted for, over the dissipated: at 5 us the published runs leave 0.2 to
-# 0.4 %, and more means that the step is too long for what happens.
-BOOKS_OFF = 0.05
-
-
-@dataclass
-class Clock:
-    """What a run remembers besides the world: kept in the checkpoint."""
-
-    parts: int = 0  # files of the trajectory that belong to the checkpoint
-    cpu_s: float = 0.0  # CPU time of the discharge's step loop
-    filling_cpu_s: float = 0.0  # CPU time of filling and settling
-    starting_energy: float = 0.0  # kinetic, potential and elastic, at the opening [J]
-    quiet_since: float | None = None  # since when the grains lie still [s]
-    quiet_out: int = 0  # grains that were out by then
-
-
-class Flow(Protocol):
-    """What the end of a run is judged by, whichever engine moves the grains."""
-
-    @property
-    def n_grains(self) -> int: ...
-    @property
-    def n_out(self) -> int: ...
-    @property
-    def time(self) -> float: ...
-    @property
-    def live(self) -> np.ndarray: ...
-    def poses(self) -> np.ndarray: ...
 
 
 def discharge(
@@ -116,43 +83,12 @@ def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: C
     save_checkpoint(folder.checkpoint, sim.save(), dataclasses.asdict(clock))
 
 
-def tell(sim: Flow, case: SiloCase, clock: Clock, progress: Progress) -> None:
-    """Say how far a discharge is."""
-    settings = case.settings.run
-    fraction = max(sim.n_out / sim.n_grains, sim.time / settings.max_time)
-    if clock.quiet_since is not None:
-        fraction = max(fraction, (sim.time - clock.quiet_since) / settings.rest_time)
-    progress(fraction, f"t = {sim.time:.2f} s, {sim.n_out} of {sim.n_grains} out")
-
-
 def _look(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
     """The outcome, once there is one. Raises SimulationError where the books are off."""
     _check_books(sim, clock)
     # Nothing is at rest while the door moves, however slow the grains are.
     moving = math.inf if sim.door_moves else agitation(sim, case.shapes)
     return ending(sim, moving, case, packing, clock)
-
-
-def ending(sim: Flow, moving: float, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
-    """The outcome, once there is one, for grains of an agitation (see pour.py)."""
-    settings = case.settings.run
-    if sim.n_out == sim.n_grains:
-        return "empty"
-    still = moving < settings.at_rest
-    if not still or clock.quiet_since is None or sim.n_out != clock.quiet_out:
-        clock.quiet_since, clock.quiet_out = (sim.time if still else None), sim.n_out
-    elif sim.time - clock.quiet_since >= settings.rest_time - 0.5 * case.time_step:
-        return _at_rest(sim, case, packing)
-    return "time_limit" if sim.time >= settings.max_time - 0.5 * case.time_step else None
-
-
-def _at_rest(sim: Flow, case: SiloCase, packing: Packing) -> str:
-    """Clogged if the outline of a grain that stays crosses the centre line of the outlet."""
-    poses, kinds = sim.poses()[sim.live], packing.kinds[sim.live]
-    centre = case.outline.outlet_centre
-    if not crosses_centre_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, centre).any():
-        return "dead_zones"
-    return "clogged" if sim.n_out >= case.settings.run.opening_count else "clogged_at_opening"
 
 
 def _energy(table: dict[str, float]) -> float:

@@ -5,10 +5,11 @@ import time
 from pathlib import Path
 from typing import Any
 
+from granulab import contact
 from granulab.campaign.runs.checkpoint import load_checkpoint
 from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run, resume_run
 from granulab.campaign.runs.protocol import begin_or_check, check_unchanged, end, kept
-from granulab.campaign.runs.provenance import Warn, to_stderr
+from granulab.campaign.runs.provenance import Sources, Warn, to_stderr
 from granulab.campaign.runs.trajectory import TrajectoryWriter
 from granulab.campaign.sweeps.task import Progress, Stop
 from granulab.errors import Stopped
@@ -18,12 +19,16 @@ from silo2d.case.disorder import with_friction
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.world import build_world
-from silo2d.run.discharge import Clock, discharge
+from silo2d.run.discharge import discharge
+from silo2d.run.ending import Clock
 from silo2d.run.packing import Packing, load_packing, packing_folder, save_packing
 from silo2d.run.pour import agitation, pour
-from silo2d.run.result import Result, describe, summarise, write_records
-from silo2d.run.sources import SOURCES
+from silo2d.run.result import Result
+from silo2d.run.summary import describe, summarise, write_records
 
+_ROOMS = [Path(__file__).parents[1] / room for room in ("engine", "case", "run")]
+# What decides what a run computes; pictures, commands and tables do not.
+SOURCES = Sources(Path(contact.__file__).parent, *_ROOMS)
 PACKAGES = ["numpy", "numba", "llvmlite", "h5py", "shapely", "pymunk"]
 _SETTLE_FRAME = 1e-3  # [s] between looks at the kinetic energy before the opening
 _SETTLE_PATIENCE = 2.0  # [s]

@@ -1,11 +1,9 @@
 """What a person reads before and after a run."""
 
-import math
-from typing import Any
-
 from silo2d.case.case import SiloCase
 from silo2d.case.disorder import QUANTITIES
-from silo2d.run.discharge import BOOKS_OFF
+from silo2d.case.plan import DISCHARGE, FILLING, plan
+from silo2d.run.ending import BOOKS_OFF
 from silo2d.run.result import Result
 
 _OUTCOMES = {
@@ -15,12 +13,6 @@ _OUTCOMES = {
     "clogged_at_opening": "clogged at the opening",
     "time_limit": "stopped at the time limit",
 }
-
-# What --dry-run reckons with.
-_SECONDS_PER_GRAIN_STEP = 6e-8  # on one core of a current server
-_SECONDS_PER_GRAIN_IMPULSES = 6e-7, 4e-8  # of pymunk: a step, and an iteration in it
-_USUAL_FRACTION = 0.88  # packing fraction
-_FILLING, _DISCHARGE = 1.1, 1.5  # [s] of simulated time
 
 
 def echo(case: SiloCase, dry_run: bool) -> str:
@@ -60,7 +52,7 @@ def echo(case: SiloCase, dry_run: bool) -> str:
     if dry_run:
         lines.append(
             f"  expected    about {max(expected['expected_min'], 0.1):.1g} min, if filling takes "
-            f"{_FILLING:g} s and the discharge {_DISCHARGE:g} s of simulated time; at most "
+            f"{FILLING:g} s and the discharge {DISCHARGE:g} s of simulated time; at most "
             f"{expected['steps_at_most']:,} steps of discharge"
         )
     return "\n".join(lines)
@@ -121,39 +113,6 @@ def _door(case: SiloCase) -> list[str]:
         f"  door        drawn to the right at {speed:g} m/s, away after "
         f"{case.outline.outlet / speed:g} s; times count from the start of its motion"
     ]
-
-
-def plan(case: SiloCase) -> dict[str, Any]:
-    """What a run of a case would be, before it is filled: particles, steps, CPU time [min]."""
-    step = case.impulses.time_step if case.impulses else case.time_step
-    return {
-        "silo": case.silo_name or case.name,
-        "seed": case.settings.run.seed,
-        "engine": case.settings.run.engine,
-        "n_particles": expected_particles(case),
-        "time_step_s": step,
-        "time_step_reason": "as given" if case.impulses else case.time_step_reason,
-        "restitution": case.restitution(),
-        "steps_at_most": math.ceil(case.settings.run.max_time / step),
-        "expected_min": sum(expected_cpu_s(case)) / 60,
-    }
-
-
-def expected_particles(case: SiloCase) -> int:
-    """About how many particles fill the silo to its level."""
-    area = case.outline.area_below(case.settings.fill.level)
-    return round(area * _USUAL_FRACTION / case.shapes.mean_area)
-
-
-def expected_cpu_s(case: SiloCase) -> tuple[float, float]:
-    """About what the filling and the discharge of a case cost [s of CPU]."""
-    n, cost, step = expected_particles(case), _SECONDS_PER_GRAIN_STEP, case.time_step
-    filling = 1.5 * cost * _FILLING / case.pour_time_step
-    if case.impulses:
-        a_step, an_iteration = _SECONDS_PER_GRAIN_IMPULSES
-        cost, step = a_step + an_iteration * case.impulses.iterations, case.impulses.time_step
-    discharge = 0.5 * cost * _DISCHARGE / step  # half of the grains, on average, are inside
-    return n * filling, n * discharge
 
 
 def report(result: Result) -> str:

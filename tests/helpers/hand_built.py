@@ -15,7 +15,7 @@ from silo2d.case.outline import Outline
 from silo2d.case.shape import Shape
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.world import build_world
-from silo2d.measures.from_contacts.contacts import Moment
+from silo2d.measures.basics.contacts import Moment
 from silo2d.run.discharge import contacts_of, frame_of
 from silo2d.view.scene import Scene
 

@@ -10,7 +10,7 @@ from granulab.campaign.runs.folder import FolderError
 from granulab.errors import InputError
 from silo2d.case.outline import hopper
 from silo2d.measures import arch
-from silo2d.measures.from_contacts.contacts import read_moments
+from silo2d.measures.basics.contacts import read_moments
 
 BLOCK = scenes.block(20e-3, 10e-3)
 SQUEEZED = 10e-6  # [m] that a row of three blocks is too long for the gap

@@ -15,10 +15,9 @@ from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import read_tables, read_trajectory
 from silo2d.case.case import SiloCase
 from silo2d.case.shape import load_shapes, turn_angles
-from silo2d.measures.from_contacts.particle_stress import grain_stress
-from silo2d.view.export import export
+from silo2d.measures.basics.contacts import grain_stress
+from silo2d.view.export import export, vtkhdf
 from silo2d.view.scene import read_scene
-from silo2d.view.vtkhdf import vtkhdf
 
 AXES = ["xx", "yy", "xy"]
 SINGLE = np.finfo(np.float32).eps / 2  # relative rounding of what is kept in single precision

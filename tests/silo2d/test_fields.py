@@ -13,14 +13,14 @@ from small_silo import silo2d
 
 from silo2d.case.outline import hopper, outline_from_polygon
 from silo2d.measures import fields
-from silo2d.measures.from_contacts.coarse_graining import (
+from silo2d.measures.basics.coarse_graining import (
     Grid,
     grid_round,
+    inside_polygon,
     intervals_at,
     part_inside,
 )
-from silo2d.measures.from_contacts.particles import areas
-from silo2d.measures.from_contacts.silo_geometry import inside_polygon
+from silo2d.measures.basics.particles import areas
 from silo2d.view.scene import read_scene
 
 WIDTH = 14e-3  # of the Gaussian [m]

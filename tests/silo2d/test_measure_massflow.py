@@ -12,7 +12,7 @@ from granulab.campaign.output.figure import write_figure
 from granulab.errors import InputError
 from silo2d.case.outline import hopper
 from silo2d.measures import find, massflow
-from silo2d.measures.from_contacts.particles import grain_size
+from silo2d.measures.basics.particles import grain_size
 from silo2d.view.scene import read_scene
 
 FLAT = hopper(0.0, 0.15, name="flat")

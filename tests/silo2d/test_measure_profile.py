@@ -9,7 +9,7 @@ from moved_run import falling, write_moved_run
 from granulab.campaign.output.figure import write_figure
 from silo2d.case.outline import hopper
 from silo2d.measures import find, profile
-from silo2d.measures.from_contacts.particles import column_edges
+from silo2d.measures.basics.particles import column_edges
 from silo2d.view.scene import read_scene
 
 WIDE = hopper(0.0, 0.15, name="flat")  # 300 mm, x = 0 in the middle

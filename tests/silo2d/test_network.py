@@ -6,7 +6,7 @@ import scenes
 from hand_built import moment_of, scene_of
 
 from silo2d.case.outline import hopper
-from silo2d.measures.from_contacts.contacts import flowing, read_moments, states
+from silo2d.measures.basics.contacts import flowing, read_moments, states
 from silo2d.measures.network import coordination, exponential_tail, measure
 from silo2d.view.scene import read_scene
 

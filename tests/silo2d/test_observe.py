@@ -12,9 +12,9 @@ from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.contact.files.datafile import data_file
 from silo2d.case.outline import PRESETS
 from silo2d.case.shape import load_shapes
-from silo2d.measures.run_numbers import (
+from silo2d.run.ending import crosses_centre_line
+from silo2d.run.summary import (
     MECHANISMS,
-    crosses_centre_line,
     discharge_curve,
     discharge_measures,
     energy_closure,

@@ -13,9 +13,9 @@ from small_silo import silo2d
 
 from silo2d.case.outline import hopper
 from silo2d.measures import janssen
-from silo2d.measures.from_contacts.coarse_graining import Grid, along_branches, grid_round
-from silo2d.measures.from_contacts.contacts import read_moments
-from silo2d.measures.from_contacts.wall_traction import tractions
+from silo2d.measures.basics.coarse_graining import Grid, along_branches, grid_round
+from silo2d.measures.basics.contacts import read_moments
+from silo2d.measures.basics.walls import tractions
 from silo2d.measures.stress import contact_stress, kinetic_stress, moving, stress_of, virial
 
 BLOCK = scenes.block(20e-3, 10e-3)

@@ -16,7 +16,7 @@ from granulab.contact.files.datafile import data_file
 from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 from silo2d.run.protocol import run_digest
-from silo2d.run.study import load_study
+from silo2d.run.sweep import load_study
 
 HEAD = 'schema = 1\ncase = "A4"\n'
 

@@ -8,10 +8,17 @@ it is below rounding.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
+
+from granulab.campaign.output.figure import WALL
+from silo2d.view.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Floats = NDArray[np.float64]
 
@@ -104,3 +111,43 @@ def _gauss(distance: Floats, width: float) -> Floats:
     scaled = distance / width
     density = np.exp(-0.5 * scaled**2) / (np.sqrt(2 * np.pi) * width)
     return np.where(np.abs(scaled) < _REACH, density, 0.0)
+
+
+def inside_polygon(scene: Scene) -> Floats:
+    """Corners of the silo's inside (n, 2) [m]: the walls in turn, the outlet and the top closed."""
+    points = scene.walls.reshape(-1, 2)
+    return points[np.r_[True, np.any(points[1:] != points[:-1], axis=1)]]
+
+
+def inside_mask(polygon: Floats, grid: Grid) -> NDArray[np.bool_]:
+    """Which points of a grid are in a polygon (n, 2) (j, i)."""
+    mask = np.zeros((len(grid.y), len(grid.x)), dtype=bool)
+    for j, y in enumerate(grid.y):
+        for left, right in intervals_at(polygon, float(y)):
+            mask[j] |= (grid.x >= left) & (grid.x <= right)
+    return mask
+
+
+def draw_map(
+    axes: "Axes", scene: Scene, grid: Grid, field: Floats, label: str, **colours: Any
+) -> None:
+    """A field (j, i), clipped at the silo's inside, with its colour bar and the walls.
+
+    Where the field is NaN nothing is drawn.
+    """
+    from matplotlib.patches import Polygon
+
+    half = (grid.x[1] - grid.x[0]) / 2  # a point is the middle of its cell
+    extent = grid.x[0] - half, grid.x[-1] + half, grid.y[0] - half, grid.y[-1] + half
+    image = axes.imshow(
+        np.ma.masked_invalid(field),
+        origin="lower", extent=extent, interpolation="bilinear", **colours,
+    )  # fmt: skip
+    image.set_clip_path(Polygon(inside_polygon(scene), transform=axes.transData))
+    assert axes.figure is not None
+    axes.figure.colorbar(image, ax=axes, label=label, shrink=0.75)
+    for wall in scene.walls:
+        axes.plot(*wall.T, color=WALL, lw=2)
+    left, right, _, top = scene.window
+    axes.set(xlim=(left - 5e-3, right + 5e-3), ylim=(-5e-3, top), aspect="equal")
+    axes.set(xlabel="x [m]", ylabel="height over the outlet [m]")

@@ -1,4 +1,4 @@
-"""What grains do to the walls: pressure and shear along each, from its contacts.
+"""The walls: their sides and directions, and the pressure and shear of the grains on each.
 
 Tractions are of the plane [N/m]: divide by the prisms' length for pascals.
 """
@@ -6,14 +6,28 @@ Tractions are of the plane [N/m]: divide by the prisms' length for pascals.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from silo2d.measures.from_contacts.coarse_graining import Floats
-from silo2d.measures.from_contacts.contacts import Moment
-from silo2d.measures.from_contacts.particles import grain_size
-from silo2d.measures.from_contacts.silo_geometry import outwards
+from silo2d.measures.basics.coarse_graining import Floats
+from silo2d.measures.basics.contacts import Moment
+from silo2d.measures.basics.particles import grain_size, outlet_centre
 from silo2d.view.scene import Scene
 
 STRETCH = 2.5  # typical grain sizes that a stretch of wall is long, at least
+
+
+def sides(scene: Scene) -> NDArray[np.int64]:
+    """-1 for walls left of the outlet's middle, 1 for those right of it, 0 for the door (w,)."""
+    middles = scene.trajectory.static["wall_segments"].mean(axis=1)[:, 0]
+    side = np.where(middles < outlet_centre(scene), -1, 1)
+    side[-1] = 0
+    return side
+
+
+def outwards(segments: Floats) -> Floats:
+    """Unit vectors (w, 2) out of the silo: the inside is on the left of each wall (w, 2, 2)."""
+    along = segments[:, 1] - segments[:, 0]
+    return np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
