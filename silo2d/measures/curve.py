@@ -20,7 +20,7 @@ import numpy as np
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, headline
 from silo2d.measures.basics.particles import FEWEST_OUT, Series, leavers
-from silo2d.run.summary import discharge_measures
+from silo2d.run.numbers import discharge_measures
 from silo2d.view.scene import read_scene
 
 if TYPE_CHECKING:

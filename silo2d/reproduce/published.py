@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from granulab.campaign.output.statistics import Sample
 from granulab.contact.files.datafile import data_file
-from silo2d.run.summary import published_times
+from silo2d.run.numbers import published_times
 
 ROUNDING = 0.01  # [s] of all printed times
 

@@ -15,7 +15,7 @@ from granulab.campaign.output.figure import (
     VERMILION,
     headline,
 )
-from silo2d.run.summary import discharge_curve, dissipated, energy_closure
+from silo2d.run.numbers import discharge_curve, dissipated, energy_closure
 from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from granulab.campaign.output.figure import BLUE, GREY, INK, headline
 from granulab.campaign.runs.folder import FolderError, RunFolder, resume_run
 from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
-from silo2d.run.summary import discharge_curve
+from silo2d.run.numbers import discharge_curve
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

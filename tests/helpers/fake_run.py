@@ -9,7 +9,7 @@ from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import TrajectoryWriter
 from silo2d.case.outline import Outline, preset
 from silo2d.case.shape import load_shapes
-from silo2d.run.summary import MECHANISMS, discharge_measures, published_times
+from silo2d.run.numbers import MECHANISMS, discharge_measures, published_times
 
 GRAVITY = 9.81
 LEAVING = 0.96  # of the time, from the first grain to the last

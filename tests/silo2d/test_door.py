@@ -15,7 +15,7 @@ from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.engine import state
 from silo2d.run import protocol
-from silo2d.run.summary import energy_closure
+from silo2d.run.numbers import energy_closure
 from silo2d.view.charts import energy_chart
 from silo2d.view.scene import read_scene
 

@@ -13,7 +13,7 @@ from granulab.contact.files.datafile import data_file
 from silo2d.case.outline import PRESETS
 from silo2d.case.shape import load_shapes
 from silo2d.run.ending import crosses_centre_line
-from silo2d.run.summary import (
+from silo2d.run.numbers import (
     MECHANISMS,
     discharge_curve,
     discharge_measures,

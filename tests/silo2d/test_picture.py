@@ -9,7 +9,7 @@ from fake_run import write_fake_run
 
 from granulab.campaign.runs.folder import FolderError
 from silo2d.case.outline import outline_from_polygon, preset
-from silo2d.run.summary import dissipated
+from silo2d.run.numbers import dissipated
 from silo2d.view.charts import discharge_chart, energy_chart, force_chart
 from silo2d.view.picture import make_figures, panel_frames, round_length, silo_sheet
 from silo2d.view.scene import read_scene

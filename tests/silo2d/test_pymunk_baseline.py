@@ -24,9 +24,9 @@ from silo2d.baseline.space import Surface, add_grain, add_walls, empty_space
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.impulses import factors
 from silo2d.run import protocol
+from silo2d.run.numbers import discharge_curve
 from silo2d.run.packing import Packing
 from silo2d.run.protocol import run_digest
-from silo2d.run.summary import discharge_curve
 from silo2d.view.compare import compare
 
 STEP = 2.5e-4  # [s]

@@ -19,7 +19,7 @@ from granulab.campaign.runs import folder as campaign_folder
 from granulab.campaign.runs.checkpoint import save_checkpoint
 from granulab.campaign.sweeps.sweep import without_again
 from silo2d.case.case import SiloCase
-from silo2d.run.summary import MECHANISMS
+from silo2d.run.numbers import MECHANISMS
 from silo2d.run.sweep import run_cases
 
 # A second of simulated time is more than these runs get: they end by their time limit.
