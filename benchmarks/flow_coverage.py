@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from calibration.flow.measure import measure_flow
-from calibration.flow.settings import Settings
+from calibration.flow.silo import Settings
 from calibration.rendered.camera import Camera, write_film
 from calibration.rendered.flow import Look, Stage, film_of_run, truth
 

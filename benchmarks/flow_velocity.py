@@ -13,7 +13,7 @@ import numpy as np
 from flow_coverage import rendered
 
 from calibration.flow.measure import measure_flow
-from calibration.flow.settings import Settings
+from calibration.flow.silo import Settings
 from calibration.rendered.flow_velocity import TrueField, true_field
 from granulab.campaign.output.figure import write_figure
 

@@ -120,7 +120,7 @@ def _time_off(scene: Scene, flow: Flow) -> Estimate | None:
 
 def as_json(found: Comparison) -> dict[str, Any]:
     """The answer of calibrate compare, in SI; times in s from the opening."""
-    from calibration.flow.report import numbers
+    from calibration.flow.result import numbers
 
     return {
         "distance_m": as_pair(found.distance),

@@ -110,7 +110,7 @@ def _inputs(inputs: "Sequence[Input]") -> str:
 
 
 def _show(results: "list[Result]", as_json: bool, quiet: bool) -> None:
-    from calibration.bench.report import as_text, values
+    from calibration.bench.measure import as_text, values
 
     if as_json:
         click.echo(json.dumps({k: v for r in results for k, v in r.as_json().items()}, indent=2))

@@ -37,7 +37,7 @@ def command(
     from calibration.compare import as_json as comparison_json
     from calibration.compare import columns_of, compare
     from calibration.flow.measure import measure_flow
-    from calibration.flow.settings import Settings
+    from calibration.flow.silo import Settings
     from granulab.campaign.cli.terminal import Progress
 
     columns, inner = columns_of(run)

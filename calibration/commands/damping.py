@@ -10,7 +10,7 @@ from calibration.result import Into
 from granulab.campaign.cli.commandline import json_option
 
 if TYPE_CHECKING:
-    from calibration.bench.damping_input import Impact
+    from calibration.bench.damping import Impact
     from granulab.contact.restitution import ContactEnd
 
 _PARALLEL = (1, 2, 4, 8)  # a corner; a face on a wall; shifted faces; aligned faces
@@ -48,7 +48,7 @@ def command(into: str | None, materials: str | None, pair: str | None, as_json: 
     For example: calibrate damping --restitution "0.53 +- 0.02" --kn "1e4 N/mm" --mass "10.8 g"
     --wall
     """
-    from calibration.bench.damping_input import impact_of
+    from calibration.bench.damping import impact_of
 
     target = Into(Path(into), pair, None, ("gamma_n",)) if into else None
     if target:

@@ -67,8 +67,8 @@ def command(
         click.echo(json.dumps(answer, indent=2) if as_json else _collapse_report(answer))
         return
     from calibration.flow.measure import measure_flow
-    from calibration.flow.report import as_json as flow_json
-    from calibration.flow.settings import Settings
+    from calibration.flow.result import as_json as flow_json
+    from calibration.flow.silo import Settings
 
     settings = Settings(fps, scale, width, roi, interval, columns, layer_height, not no_velocity)
     with Progress("flow", quiet) as progress:
@@ -84,8 +84,8 @@ def _files(flow: "Flow", folder: Path | None, video: str) -> dict[str, Any]:
     """The sheet and the tables, where they are wanted."""
     if folder is None:
         return {"sheet": None, "tables": []}
-    from calibration.flow.report import write_tables
-    from calibration.flow.sheet import draw_sheet
+    from calibration.flow.figure import draw_sheet
+    from calibration.flow.result import write_tables
 
     name = Path(video).stem.strip("*?[]") or "pictures"
     tables = write_tables(flow, folder, name)
@@ -96,7 +96,7 @@ def _files(flow: "Flow", folder: Path | None, video: str) -> dict[str, Any]:
 def _files_of_collapse(seen: "Collapse", folder: Path | None, video: str) -> list[str]:
     if folder is None:
         return []
-    from calibration.flow.collapse_sheet import write_collapse
+    from calibration.flow.collapse import write_collapse
 
     return [str(path) for path in write_collapse(seen, folder, Path(video).stem)]
 
@@ -104,7 +104,7 @@ def _files_of_collapse(seen: "Collapse", folder: Path | None, video: str) -> lis
 def _report(flow: "Flow", files: dict[str, Any]) -> str:
     import numpy as np
 
-    from calibration.flow.sheet import words
+    from calibration.flow.figure import words
     from calibration.statistics.quantity import plus_minus
 
     silo, unit = flow.silo, flow.silo.unit

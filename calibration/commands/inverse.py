@@ -72,7 +72,7 @@ def _fitted(
     answer, text = as_json(found), as_text(found)
     answer["figures"] = []
     if figures:
-        from calibration.inverse.pictures import write_figures
+        from calibration.inverse.figures import write_figures
 
         answer["figures"] = [str(path) for path in write_figures(found)]
     write_atomic(found.folder.path / "report.txt", text + "\n")

@@ -66,7 +66,7 @@ def command(
 
 
 def _written(answer: "Answer", out: Path) -> tuple[Path, Path]:
-    from calibration.piv.sheet import draw_sheet
+    from calibration.piv.figure import draw_sheet
     from granulab.campaign.output.table import as_csv
     from granulab.campaign.runs.folder import write_atomic
 

@@ -17,11 +17,11 @@ def command(tables: tuple[str, ...], as_json: bool) -> None:
     where none is named. Only means are printed but for the interface's markers: single trials,
     curves and profiles cannot be evaluated again.
     """
-    from calibration.bench import statement
-    from calibration.bench.published import statements
+    from calibration.bench.published import as_json as for_json
+    from calibration.bench.published import as_text, statements
 
     found = statements(tables)
     if as_json:
-        click.echo(json.dumps(statement.as_json(found), indent=2))
+        click.echo(json.dumps(for_json(found), indent=2))
     else:
-        click.echo(statement.as_text(found))
+        click.echo(as_text(found))

@@ -152,6 +152,6 @@ def _kt(found: "Found", kn: "Estimate") -> "Estimate":
 
 
 def _sheet(found: "Found", out: Path) -> Path:
-    from calibration.stiffness_fe.sheet import draw_sheet
+    from calibration.stiffness_fe.figure import draw_sheet
 
     return draw_sheet(found, out / "stiffness-fe.png")

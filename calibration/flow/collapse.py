@@ -9,11 +9,12 @@ its width is the radius of a heap that spreads evenly, whichever way a camera lo
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.flow.result import write_rows
 from calibration.flow.silo import Roi, check_said
 from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, survey, to_grey
 from calibration.statistics.quantity import metres_per_pixel
@@ -22,7 +23,12 @@ from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.film.rate import frame_rate
 from calibration.tracking.film.reader import open_film
 from calibration.tracking.film.region import inside
+from granulab.campaign.output.figure import BLUE, GREEN, INK, VERMILION, headline, write_figure
 from granulab.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -59,7 +65,7 @@ class Collapse:
 
     def as_json(self) -> dict[str, Any]:
         """Series in `length_unit` and s from the first frame."""
-        from calibration.flow.report import numbers
+        from calibration.flow.result import numbers
 
         return {
             "fps_header": self.header,
@@ -152,3 +158,36 @@ def _noise(left: Floats, right: Floats) -> float:
     # Third differences of independent values have 20 times their variance; frames in which the
     # front is hidden are few, and left to the median.
     return float(MEDIAN_TO_SIGMA * np.median(known) / np.sqrt(20)) if len(known) else np.nan
+
+
+def write_collapse(seen: Collapse, folder: Path, name: str) -> list[Path]:
+    """collapse-NAME.csv and .png in a folder; their paths."""
+    unit = seen.unit
+    columns = {"time_s": seen.time} | {
+        f"{what}_{unit}": series
+        for what, series in (
+            ("left", seen.left), ("right", seen.right), ("half_width", seen.half_width),
+            ("surface", seen.surface),
+        )
+    }  # fmt: skip
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    table = write_rows(folder / f"collapse-{name}.csv", rows)
+    return [table, write_figure(folder / f"collapse-{name}.png", lambda: _sheet(seen, name))]
+
+
+def _sheet(seen: Collapse, name: str) -> "Figure":
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.2, 4.6), layout="constrained")
+    headline(figure, f"{name}: front against time")
+    ends, half = figure.subplots(1, 2)
+    ends.plot(seen.time, seen.left, color=BLUE, label="left end")
+    ends.plot(seen.time, seen.right, color=VERMILION, label="right end")
+    ends.plot(seen.time, seen.surface, color=GREEN, lw=1, label="highest place, from the top")
+    half.plot(seen.time, seen.half_width, ".-", color=INK, ms=3, lw=0.8)
+    ends.set_ylabel(f"place in the picture [{seen.unit}]")
+    half.set_ylabel(f"half of the width [{seen.unit}], +- {seen.sigma:.2g}")
+    ends.legend(fontsize=8)
+    for axes in (ends, half):
+        axes.set_xlabel(f"time from the first frame [s], at {seen.rate:g} frames/s")
+    return figure

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.flow.silo import Silo
-from calibration.flow.tones import Labels
+from calibration.flow.survey import Labels
 from granulab.errors import InputError
 
 Floats = NDArray[np.float64]

@@ -4,8 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from calibration.flow.result import Flow
-from calibration.flow.settings import Settings
-from calibration.flow.silo import check_said, find_silo
+from calibration.flow.silo import Settings, check_said, find_silo
 from calibration.flow.survey import survey
 from calibration.flow.watch import Watch
 from calibration.tracking.film.rate import frame_rate

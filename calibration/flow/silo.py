@@ -8,13 +8,29 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.flow.survey import CLEAR, Survey, to_grey
-from calibration.flow.tones import find_tones
+from calibration.flow.survey import CLEAR, Survey, find_tones, to_grey
 from calibration.statistics.quantity import measured_quantity, metres_per_pixel
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.film.reader import Film
 from calibration.tracking.film.region import inside
 from granulab.errors import InputError
+
+COLUMNS = 11  # two grains wide each in the paper's silo
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a person says of a film; lengths as text with units, roi as x, y, width, height [px]."""
+
+    fps: float | None = None
+    scale: str | None = None
+    width: str | None = None
+    roi: tuple[int, int, int, int] | None = None
+    interval: str | None = None
+    columns: int = COLUMNS
+    layer_height: str | None = None
+    velocity: bool = True
+
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

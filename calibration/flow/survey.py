@@ -1,4 +1,7 @@
-"""A first look at a film, frame by frame: how it begins and ends, its noise, repeated frames."""
+"""First look at a film: how it begins and ends, its noise, repeated frames; and its three tones.
+
+The tones are two of the material, painted and bare, and that of the backing that it uncovers.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -101,3 +104,85 @@ def _uneven(stamps: list[tuple[int, float]]) -> bool:
     number, stamp = np.array(stamps, dtype=float).T
     step, start = np.polyfit(number, stamp, 1)
     return bool(step > 0 and np.abs(stamp - start - step * number).max() > _EVEN * step)
+
+
+Labels = NDArray[np.int64]
+
+_SAMPLE = 20_000  # pixels of each picture that are looked at
+_GROWTH = 0.02  # of the inside that must be uncovered for the backing to be known
+_MEDIAN = 5  # px over which a picture is smoothed before its tones are told
+
+
+@dataclass(frozen=True)
+class Tones:
+    """colours (3, 3), blue, green, red: dark and light material, backing; backing None if unseen.
+
+    spread    of the colours of a tone about it [grey levels], root mean square
+    """
+
+    colours: NDArray[np.float32]
+    backing: int | None
+    spread: float
+
+    @property
+    def contrast(self) -> float:
+        """Between the backing and the nearer tone of the material [grey levels]."""
+        apart = np.linalg.norm(self.colours[:2] - self.colours[2], axis=1)
+        return float(apart.min())
+
+    def limit(self, noise: float) -> float:
+        """By how much a colour must differ [grey levels] to be another thing: half of the contrast.
+
+        Five standard deviations of the difference of two pictures with `noise` at least. The noise
+        alone will not do: a codec leaves still pixels alone, and about a strong edge it is off by
+        many times what changes there from frame to frame.
+        """
+        clear = CLEAR * noise * np.sqrt(2)
+        return clear if self.backing is None else max(self.contrast / 2, clear)
+
+    def stands(self, rows: Picture, behind: Picture, noise: float) -> NDArray[np.bool_]:
+        """Where (width,) material stands in most of some rows, before what else is seen there.
+
+        Pixel by pixel, by half of the contrast there: at the outlet the backing ends, and what is
+        seen below may be of any tone; by the spread of a tone at least, by which grains differ.
+        """
+        back = behind.astype(np.float32)
+        half = np.linalg.norm(back[..., None, :] - self.colours[:2], axis=-1).min(axis=-1) / 2
+        limit = np.maximum(half, max(self.spread, CLEAR * noise * np.sqrt(2)))
+        differs = np.linalg.norm(rows.astype(np.float32) - back, axis=-1) > limit
+        return np.asarray(np.median(differs, axis=0) > 0.5)
+
+    def labels(self, picture: Picture) -> Labels:
+        """Tone of each pixel (height, width): the nearest; 0 dark, 1 light, 2 backing."""
+        import cv2
+
+        smooth = cv2.medianBlur(picture, _MEDIAN).astype(np.float32)
+        apart = [np.square(smooth - colour).sum(axis=2) for colour in self.colours]
+        return np.argmin(apart, axis=0)
+
+
+def find_tones(seen: Survey, box: tuple[slice, slice]) -> Tones:
+    """Three tones in a part of the first and last picture; the one that grows is the backing."""
+    import cv2
+
+    rows, columns = box
+    parts = [
+        cv2.medianBlur(p, _MEDIAN)[rows, columns].reshape(-1, 3) for p in (seen.first, seen.last)
+    ]
+    random = np.random.default_rng(0)
+    pick = [random.choice(len(p), min(len(p), _SAMPLE), replace=False) for p in parts]
+    sample = np.concatenate([p[k] for p, k in zip(parts, pick, strict=True)]).astype(np.float32)
+    cv2.setRNGSeed(0)
+    none = np.zeros((len(sample), 1), np.int32)  # to begin with
+    stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 50, 0.1)
+    inertia, label, centres = cv2.kmeans(sample, 3, none, stop, 5, cv2.KMEANS_PP_CENTERS)
+    half = len(pick[0])
+    share = [np.bincount(part, minlength=3) / len(part) for part in np.split(label.ravel(), [half])]
+    growth = share[1] - share[0]
+    grown = int(growth.argmax())
+    others = sorted((k for k in range(3) if k != grown), key=lambda k: float(centres[k].sum()))
+    backing = 2 if growth[grown] > _GROWTH else None
+    order = [*others, grown]
+    return Tones(
+        np.asarray(centres[order], np.float32), backing, float(np.sqrt(inertia / len(sample)))
+    )

@@ -6,10 +6,13 @@ its neighbours (median test: Westerweel and Scarano, Exp. Fluids 39 (2005) 1096)
 the median of its neighbours. So all points are kept, and with them where they began.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.flow.survey import Grey
+from calibration.flow.silo import Silo, changes
+from calibration.flow.survey import Grey, Labels, Survey, Tones, to_grey
 
 Points = NDArray[np.float32]
 
@@ -80,3 +83,94 @@ def _carried(
     bad = ~good | (off > _MEDIAN_LIMIT * (residual + _FLOOR))
     variance = np.where(bad, np.square(residual + _FLOOR), np.square(miss) / 4)
     return np.where(bad[:, None], median, step).astype(np.float32), variance
+
+
+Floats = NDArray[np.float64]
+
+_FEWEST = 3  # tracers that make a mean with a scatter
+
+
+class Steps(NamedTuple):
+    """Tracers between two pictures [px, px^2]: midway (n, 2), steps (n, 2), variances (n,)."""
+
+    midway: Floats
+    step: Floats
+    variance: Floats
+
+    def means(self, x: Floats, y: Floats, side: float) -> tuple[Floats, Floats, Floats]:
+        """(ny, nx) mean steps along x and y, and the variance of either, in windows about x and y.
+
+        The tracers of a window are those of a few grains: they err together. How the window is
+        covered by them is chance: that part of the variance is their scatter over their number.
+        """
+        count = self._sums(np.ones(len(self.step)), x, y, side)
+        n = np.where(count >= _FEWEST, count, np.nan)
+        u, v = (self._sums(part, x, y, side) / n for part in self.step.T)
+        squares = self._sums(np.square(self.step).sum(axis=1), x, y, side) / n
+        scatter = np.maximum(squares - u**2 - v**2, 0.0) / 2
+        return u, v, self._sums(self.variance, x, y, side) / n + scatter / n
+
+    def _sums(self, values: Floats, x: Floats, y: Floats, side: float) -> Floats:
+        """(ny, nx) sums over windows, which overlap by half: two cells of half a side each way."""
+        edges = [np.append(at - side / 2, at[-1] + np.array([0.0, side / 2])) for at in (y, x)]
+        down, across = self.midway[:, 1], self.midway[:, 0]
+        cells, _, _ = np.histogram2d(down, across, bins=edges, weights=values)
+        return np.asarray(cells[1:, 1:] + cells[:-1, 1:] + cells[1:, :-1] + cells[:-1, :-1])
+
+
+Mask = NDArray[np.bool_]
+
+_ROUGH = 0.5  # of the usual roughness of moving material: walls and doors are plain
+_PER_GRAIN = 3  # tracers across a grain
+_CLOSEST = 2.0  # px between tracers
+
+
+def material_mask(seen: Survey, silo: Silo, tones: Tones, labels: Labels, grain: float) -> Mask:
+    """Pixels (height, width) of the silo's inside where there is material or it passes.
+
+    What changes from the first picture to the last; and what is as rough as that in the tones of
+    the material and lies still in patches larger than a grain.
+    """
+    import cv2
+
+    _, moved = changes(seen, tones.limit(seen.noise))
+    inside = np.zeros(moved.shape, dtype=bool)
+    inside[silo.box] = True
+    moved &= inside
+    side = max(round(grain / 2), 3)
+    grey = to_grey(seen.first).astype(np.float32)
+    mean = cv2.blur(grey, (side, side))
+    rough = np.sqrt(np.maximum(cv2.blur(grey * grey, (side, side)) - mean * mean, 0))
+    material = moved & (labels != 2)
+    if not material.any():
+        return moved
+    still = inside & ~moved & (labels != 2) & (rough > _ROUGH * np.median(rough[material]))
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (round(grain) | 1,) * 2)
+    patches = cv2.morphologyEx(still.astype(np.uint8), cv2.MORPH_OPEN, kernel).astype(bool)
+    closing = np.ones((side, side), np.uint8)
+    whole = cv2.morphologyEx((moved | patches).astype(np.uint8), cv2.MORPH_CLOSE, closing)
+    return np.asarray(whole.astype(bool) & inside)
+
+
+def seeds(mask: Mask, labels: Labels, silo: Silo, grain: float) -> tuple[Points, NDArray[np.int64]]:
+    """Tracers (n, 2) [px] on a grid over the first picture's material, and the tone of each."""
+    step = max(grain / _PER_GRAIN, _CLOSEST)
+    x, y = np.meshgrid(
+        np.arange(silo.left + step / 2, silo.left + silo.width, step),
+        np.arange(silo.top + step / 2, silo.outlet, step),
+    )
+    points = np.column_stack([x.ravel(), y.ravel()])
+    column, row = np.floor(points).astype(np.int64).T
+    tone = labels[row, column]
+    use = mask[row, column] & (tone != 2)
+    return points[use].astype(np.float32), tone[use]
+
+
+def outlet_columns(mask: Mask, silo: Silo, grain: float) -> tuple[int, int]:
+    """First column and end of what moves or stands in the lowest half grain above the outlet."""
+    rows, columns = silo.box
+    lowest = mask[rows.stop - max(round(grain / 2), 2) : rows.stop, columns]
+    there = np.flatnonzero(lowest.mean(axis=0) > 0.5)
+    if len(there) == 0:
+        return columns.start, columns.stop
+    return columns.start + int(there[0]), columns.start + int(there[-1]) + 1

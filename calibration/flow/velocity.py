@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.flow.silo import Silo
-from calibration.flow.steps import Steps
 from calibration.flow.survey import Grey
+from calibration.flow.tracers import Steps
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

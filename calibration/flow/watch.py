@@ -8,17 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.flow.discharge import Crossing, Opening, Plausible
 from calibration.flow.layers import Band, Lines, Profile, drawn_bands, of_bands, painted_bands
-from calibration.flow.material import material_mask, outlet_columns, seeds
-from calibration.flow.outlet import Crossing, Opening
-from calibration.flow.plausible import Plausible
 from calibration.flow.result import Curve, Flow
-from calibration.flow.settings import Settings
-from calibration.flow.silo import Silo
-from calibration.flow.steps import Steps
-from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, to_grey
-from calibration.flow.tones import Tones, find_tones
-from calibration.flow.tracers import Points, Tracers
+from calibration.flow.silo import Settings, Silo
+from calibration.flow.survey import CLEAR, Grey, Survey, Tones, clock_warnings, find_tones, to_grey
+from calibration.flow.tracers import Points, Steps, Tracers, material_mask, outlet_columns, seeds
 from calibration.flow.velocity import Velocities
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.film.reader import Film, Picture

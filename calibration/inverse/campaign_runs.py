@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from calibration.inverse.data import Run
 from calibration.inverse.fit_file import Fit
-from calibration.inverse.kind import Row
-from calibration.inverse.prior import Array
+from calibration.inverse.observation import Row
+from calibration.inverse.statistics.data import Run
+from calibration.inverse.statistics.prior import Array
 from granulab.campaign.sweeps.sweep import Labelled, over_seeds, run_labelled
 from granulab.errors import InputError
 

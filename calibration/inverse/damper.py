@@ -2,9 +2,16 @@
 
 import numpy as np
 
-from calibration.inverse.kind import Kind, Row, Simulated, Values
-from calibration.inverse.observation import Observation, Written, finite
-from calibration.inverse.prior import Array
+from calibration.inverse.observation import (
+    Kind,
+    Observation,
+    Row,
+    Simulated,
+    Values,
+    Written,
+    finite,
+)
+from calibration.inverse.statistics.prior import Array
 from damper3d.case.case import DamperCase
 from damper3d.case.settings import Settings
 from damper3d.run.sweep import DAMPER

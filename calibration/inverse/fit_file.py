@@ -8,15 +8,25 @@ from typing import Any
 import numpy as np
 
 from calibration.files.parameter_file import digest_of
-from calibration.inverse.data import Observed
-from calibration.inverse.kind import Simulated
-from calibration.inverse.observation import Observation, Written
-from calibration.inverse.prior import Array, Prior, prior_of
-from calibration.inverse.simulator import NAMES, simulator
+from calibration.inverse.observation import Observation, Simulated, Written
+from calibration.inverse.statistics.data import Observed
+from calibration.inverse.statistics.prior import Array, Prior, prior_of
 from granulab.campaign.runs.folder import digest
 from granulab.contact.files.datafile import is_file, read_toml
 from granulab.contact.files.units import located, nearest
 from granulab.errors import InputError
+
+NAMES = ("silo2d", "damper3d")
+
+
+def simulator(name: str) -> Simulated:
+    """The simulator of a name, "silo2d" or "damper3d"."""
+    if name == "silo2d":
+        from calibration.inverse.silo import SIMULATED
+    else:
+        from calibration.inverse.damper import SIMULATED
+    return SIMULATED
+
 
 SCHEMA = 1
 MAX_RUNS = 100_000  # more is taken for a slip

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from calibration.inverse.campaign_runs import CampaignRuns, Cut
-from calibration.inverse.data import Runs
-from calibration.inverse.design import explore
 from calibration.inverse.fit_file import Fit
-from calibration.inverse.identify import (
+from calibration.inverse.statistics.data import Runs
+from calibration.inverse.statistics.design import explore
+from calibration.inverse.statistics.identify import (
     Direction,
     Goodness,
     at_the_edge,
@@ -20,8 +20,8 @@ from calibration.inverse.identify import (
     goodness,
     widths,
 )
-from calibration.inverse.posterior import NothingPassed, Posterior, infer
-from calibration.inverse.prior import Array
+from calibration.inverse.statistics.posterior import NothingPassed, Posterior, infer
+from calibration.inverse.statistics.prior import Array
 from granulab.campaign.cli.commandline import Ended
 from granulab.campaign.output.table import write_table
 from granulab.campaign.runs.folder import RunFolder, write_atomic, writing

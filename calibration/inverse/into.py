@@ -7,8 +7,8 @@ import numpy as np
 from calibration.files.parameter_file import Written, check_file, digest_of, into
 from calibration.inverse.fit_file import Fit
 from calibration.inverse.fitted import Fitted
-from calibration.inverse.identify import NARROWER
-from calibration.inverse.kind import Values
+from calibration.inverse.observation import Values
+from calibration.inverse.statistics.identify import NARROWER
 from calibration.statistics.uncertainty import Estimate
 from granulab.errors import InputError
 

@@ -1,5 +1,6 @@
 """What a fit file may give as measured: numbers, and tables of them."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -7,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from calibration.files.tables import Table, read_table
-from calibration.inverse.prior import Array
+from calibration.inverse.statistics.prior import Array
+from granulab.campaign.sweeps.sweep import Simulator
+from granulab.contact.files.keys import Keys
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
 
@@ -129,3 +132,36 @@ def single(kind: str, value: float, sigma: float, trials: int, unit: str) -> Obs
         kind, (), np.array([value]), np.array([sigma]), trials, np.zeros((1, 0)), ("",),
         np.zeros(1), ("", words),
     )  # fmt: skip
+
+
+Row = dict[str, Any]
+Values = dict[tuple[str, str], float]  # section and key of a parameter file -> value in SI
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of observation.
+
+    read    what a fit file has for it
+    of      the same of a finished run: (n,) for an observation and the row of the run
+    """
+
+    read: Callable[[Written], list[Observation]]
+    of: Callable[[Observation, Row], Array]
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A simulator as the fit takes it.
+
+    load          the case of a name, with changes by key
+    passed        whether a finished run gave what was observed; a clogged silo did not
+    parameters    what a case holds of a parameter file
+    """
+
+    campaign: Simulator
+    keys: Keys
+    load: Callable[[str, dict[str, Any]], Any]
+    kinds: Mapping[str, Kind]
+    passed: Callable[[Row], bool]
+    parameters: Callable[[Any], Values]

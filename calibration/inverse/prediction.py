@@ -6,7 +6,7 @@ import numpy as np
 
 from calibration.inverse.fitted import Fitted
 from calibration.inverse.observation import Observation
-from calibration.inverse.prior import Array
+from calibration.inverse.statistics.prior import Array
 
 _DRAWS = 2000
 _BAND = 0.025, 0.5, 0.975

@@ -3,7 +3,7 @@
 from typing import Any
 
 from calibration.inverse.fitted import Fitted
-from calibration.inverse.identify import NARROWER, Direction
+from calibration.inverse.statistics.identify import NARROWER, Direction
 from granulab.contact.files.units import from_si
 
 

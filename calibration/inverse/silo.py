@@ -2,9 +2,17 @@
 
 import numpy as np
 
-from calibration.inverse.kind import Kind, Row, Simulated, Values
-from calibration.inverse.observation import Observation, Written, finite, single
-from calibration.inverse.prior import Array
+from calibration.inverse.observation import (
+    Kind,
+    Observation,
+    Row,
+    Simulated,
+    Values,
+    Written,
+    finite,
+    single,
+)
+from calibration.inverse.statistics.prior import Array
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.contact.files.keys import Keys
 from granulab.errors import InputError

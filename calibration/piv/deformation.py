@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.piv.texture import Pixels, Texture
+from calibration.piv.pictures import Pixels, Texture
 from calibration.piv.windows import Grid
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.piv.field import Field, Flags
-from calibration.piv.texture import Pixels, grey_levels
+from calibration.piv.pictures import Pixels, grey_levels
 from granulab.errors import InputError
 
 LEAST_WINDOW, MOST_OVERLAP = 8, 0.75  # windows that overlap more tell no more, and amplify noise

@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.piv.deformation import deformable, deformed
-from calibration.piv.field import Field, Flags, Reason
-from calibration.piv.judgement import Vectors, field
+from calibration.piv.field import Field, Flags, Reason, Vectors, field
 from calibration.piv.passes import coarse, outside
+from calibration.piv.pictures import Pixels, texture
 from calibration.piv.statistics import sigmas
-from calibration.piv.texture import Pixels, texture
 from calibration.piv.windows import Grid, grid
 
 Dense = NDArray[np.float32]  # (height, width, 2), u and v

@@ -10,10 +10,9 @@ import numpy as np
 
 from calibration.piv.correlation import correlate, find_peaks
 from calibration.piv.deformation import deformable, deformed, everywhere
-from calibration.piv.field import Field, Flags, Reason
-from calibration.piv.judgement import Vectors, field, judged, replaced
+from calibration.piv.field import Field, Flags, Reason, Vectors, field, judged, replaced
+from calibration.piv.pictures import Pixels, Texture, texture
 from calibration.piv.statistics import noise_gain, sigmas
-from calibration.piv.texture import Pixels, Texture, texture
 from calibration.piv.validation import smoothed
 from calibration.piv.windows import Grid, grid
 

@@ -20,7 +20,7 @@ deformation of the window does not follow; an error that all pixels share is not
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.piv.texture import Pixels, Texture
+from calibration.piv.pictures import Pixels, Texture
 from calibration.piv.validation import smoothed
 from calibration.piv.windows import Grid
 

@@ -12,8 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.stiffness_fe.blocks import Block
-from calibration.stiffness_fe.contact import OPEN, NoContactStateError, solve_contact
-from calibration.stiffness_fe.pairing import Array, Pairing, pair
+from calibration.stiffness_fe.contact import (
+    OPEN,
+    Array,
+    NoContactStateError,
+    Pairing,
+    pair,
+    solve_contact,
+)
 from granulab.errors import InputError
 
 _HALVINGS = 6  # of a load step for which no state of the contacts is found

@@ -9,11 +9,11 @@ import pytest
 from calibrating import calibrate
 from small_silo import silo2d, the_run, write_case
 
+from calibration.flow.discharge import Crossing, Opening
 from calibration.flow.layers import Lines
 from calibration.flow.measure import measure_flow
-from calibration.flow.outlet import Crossing, Opening
-from calibration.flow.settings import Settings
-from calibration.flow.tones import Tones
+from calibration.flow.silo import Settings
+from calibration.flow.survey import Tones
 from calibration.flow.velocity import VelocityField
 from calibration.rendered.camera import Camera, write_film
 from calibration.rendered.flow import Look, Stage, film_of_run, truth

@@ -7,8 +7,8 @@ import pytest
 from calibrating import calibrate
 
 from calibration.flow.silo import find_silo
-from calibration.flow.steps import Steps
 from calibration.flow.survey import Survey
+from calibration.flow.tracers import Steps
 from calibration.rendered.camera import write_film
 from granulab.errors import InputError
 

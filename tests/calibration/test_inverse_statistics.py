@@ -9,12 +9,18 @@ from made_models import DAMPING, FRICTION, Model, discharge, level, prior
 from scipy.special import ndtri
 from scipy.stats import chi2
 
-from calibration.inverse.data import Observed, Run, Runs
-from calibration.inverse.design import added_points, first_points
-from calibration.inverse.identify import at_the_edge, correlations, directions, goodness, widths
-from calibration.inverse.pictures import draw_identifiability
-from calibration.inverse.posterior import model_of, sample
-from calibration.inverse.reduction import reduce, scatter
+from calibration.inverse.figures import draw_identifiability
+from calibration.inverse.statistics.data import Observed, Run, Runs
+from calibration.inverse.statistics.design import added_points, first_points
+from calibration.inverse.statistics.identify import (
+    at_the_edge,
+    correlations,
+    directions,
+    goodness,
+    widths,
+)
+from calibration.inverse.statistics.posterior import model_of, sample
+from calibration.inverse.statistics.reduction import reduce, scatter
 
 
 def random(seed: int = 1) -> np.random.Generator:

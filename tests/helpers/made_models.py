@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.inverse.data import Observed, Run
-from calibration.inverse.design import explore
-from calibration.inverse.posterior import Posterior, infer
-from calibration.inverse.prior import Prior, prior_of
+from calibration.inverse.statistics.data import Observed, Run
+from calibration.inverse.statistics.design import explore
+from calibration.inverse.statistics.posterior import Posterior, infer
+from calibration.inverse.statistics.prior import Prior, prior_of
 
 TIMES = np.linspace(0.3, 1.5, 5)
 

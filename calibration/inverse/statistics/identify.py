@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.inverse.posterior import Model, Posterior
-from calibration.inverse.prior import Array
+from calibration.inverse.statistics.posterior import Model, Posterior
+from calibration.inverse.statistics.prior import Array
 
 NARROWER = 0.5  # width of the posterior over that of the prior, at most, of what is identifiable
 _STEP = 1e-3  # of the derivatives, in widths of the prior

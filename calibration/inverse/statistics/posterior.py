@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.inverse.data import Observed, Runs
-from calibration.inverse.emulator import Chance, Processes, chance_of, processes_of
-from calibration.inverse.prior import Array, Prior, within
-from calibration.inverse.reduction import Reduction, inflation, reduce, scatter
+from calibration.inverse.statistics.data import Observed, Runs
+from calibration.inverse.statistics.emulator import Chance, Processes, chance_of, processes_of
+from calibration.inverse.statistics.prior import Array, Prior, within
+from calibration.inverse.statistics.reduction import Reduction, inflation, reduce, scatter
 
 if TYPE_CHECKING:
     import emcee

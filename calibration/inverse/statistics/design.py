@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from calibration.inverse.data import Observed, Run, Runs
-from calibration.inverse.posterior import NothingPassed, Posterior, model_of, sample
-from calibration.inverse.prior import Array, Prior, within
+from calibration.inverse.statistics.data import Observed, Run, Runs
+from calibration.inverse.statistics.posterior import NothingPassed, Posterior, model_of, sample
+from calibration.inverse.statistics.prior import Array, Prior, within
 
 ROUNDS = 3  # the first takes half of the points, the others share what is left
 _DIGITS = 3  # decimals of a coordinate: fewer than differ from one machine to another

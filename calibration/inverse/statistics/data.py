@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from calibration.inverse.prior import Array
+from calibration.inverse.statistics.prior import Array
 
 Ended = Literal["passed", "blocked", "failed"]
 
@@ -49,7 +49,7 @@ class Run:
 class Runs:
     """The points where the simulator was run, and all runs.
 
-    points    (n, p) coordinates, see calibration.inverse.prior
+    points    (n, p) coordinates, see calibration.inverse.statistics.prior
     """
 
     points: Array

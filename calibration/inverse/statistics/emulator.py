@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from calibration.inverse.data import Runs
-from calibration.inverse.prior import Array
-from calibration.inverse.reduction import point_means
+from calibration.inverse.statistics.data import Runs
+from calibration.inverse.statistics.prior import Array
+from calibration.inverse.statistics.reduction import point_means
 
 # Coordinates are in standard deviations of the prior, of which its whole width is 3.5 to 6: a
 # length below a half would make a wave out of noise, one above 50 is a straight line.

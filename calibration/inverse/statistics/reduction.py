@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.inverse.data import Observed
-from calibration.inverse.prior import Array
+from calibration.inverse.statistics.data import Observed
+from calibration.inverse.statistics.prior import Array
 
 _CHANCE = 0.01
 _TELLS = 1 / 3  # of the noise

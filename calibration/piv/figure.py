@@ -7,8 +7,7 @@ import numpy as np
 
 from calibration.piv.answer import Answer
 from calibration.piv.field import Reason
-from calibration.piv.pictures import read_picture
-from calibration.piv.texture import grey_levels
+from calibration.piv.pictures import grey_levels, read_picture
 from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline, write_figure
 
 if TYPE_CHECKING:

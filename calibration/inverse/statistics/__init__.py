@@ -1,0 +1,1 @@
+"""Statistics of the inverse fit, from prior to posterior and identifiability, of any simulator."""
