@@ -25,21 +25,25 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
 
     Without STUDY it says which there are.
     """
-    from damper3d.commands.options import say_if_compiling
+    from damper3d.run.sweep import DAMPER
     from damper3d.studies.single_contact import STUDIES, find
+    from granulab.campaign.cli.terminal import announce_compilation
+    from granulab.campaign.runs.folder import refuse_unless_writable
 
     if study is None:
         click.echo("\n".join(f"{name:15} {entry.text}" for name, entry in STUDIES.items()))
         return
     chosen = find(study)
-    say_if_compiling(quiet=False)
+    folder = Path(out) if out else Path("runs") / "contact" / study
+    if not no_figures:
+        refuse_unless_writable(folder, "--out")
+    announce_compilation(quiet=False, already_compiled=DAMPER.compiled())
     found = chosen.compute()
     text = report(found)
     files: list[str] = []
     if not no_figures:
         from granulab.campaign.output.results import write_results
 
-        folder = Path(out) if out else Path("runs") / "contact" / study
         head = [f"command: damper3d contact {study}"]
         written = write_results(folder, study, found.rows, head, text, lambda: chosen.draw(found))
         files = [str(path) for path in written]

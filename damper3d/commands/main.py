@@ -1,10 +1,10 @@
-"""The command damper3d: its subcommands, and what it says when something goes wrong."""
+"""The command damper3d: its subcommands."""
 
-import click
+from pathlib import Path
+from typing import Any
 
 from damper3d.commands import (
     contact,
-    files,
     impact,
     map,
     pack,
@@ -14,33 +14,63 @@ from damper3d.commands import (
     run,
     shape,
     slow,
-    sweep,
-)  # fmt: skip
-from granulab.campaign.cli.commandline import run_app
-
-
-@click.group(
-    invoke_without_command=True,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
-@click.version_option(package_name="granulab")
-@click.pass_context
-def app(context: click.Context) -> None:
+from granulab.campaign.cli.commandline import command_group, run_app
+from granulab.campaign.cli.library import file_commands
+from granulab.campaign.cli.many import sweep_command
+
+
+def _study(path: str) -> Any:
+    from damper3d.run.sweep import DAMPER, load_study
+
+    return DAMPER, load_study(path)
+
+
+def _template(study: bool) -> str:
+    from granulab.contact.files.datafile import data_file
+
+    file = data_file("studies" if study else "cases", "damper")
+    assert file is not None  # shipped
+    return file.read_text(encoding="utf-8")
+
+
+def _listing(root: Path) -> str:
+    from damper3d.view.library import listing
+
+    return listing(root)
+
+
+def _description(name: str) -> str:
+    from damper3d.studies.quasistatic.report import finished_test
+    from damper3d.view.library import description
+
+    return description(name, finished_test)
+
+
+app = command_group(
+    [
+        run.run,
+        sweep_command("damper3d", _study),
+        map.map_,
+        reproduce.reproduce,
+        predict.predict,
+        pack.pack,
+        impact.impact,
+        contact.contact,
+        shape.shape,
+        slow.shear,
+        slow.compress,
+        results.render,
+        results.compare,
+        results.export,
+        *file_commands("damper3d", _template, _listing, _description, "case file, materials file"),
+    ],
     """Granular dampers: the energy that shaken particles dissipate.
 
     A case is a preset ("thesis") or a TOML file; `damper3d init my_damper.toml` writes one with a
     comment on every key.
-    """
-    if context.invoked_subcommand is None:
-        click.echo(context.get_help())
-
-
-for command in (
-    run.run, sweep.sweep, map.map_, reproduce.reproduce, predict.predict, pack.pack, impact.impact,
-    contact.contact, shape.shape, slow.shear, slow.compress, results.render, results.compare,
-    results.export, files.init, files.list_, files.show,
-):  # fmt: skip
-    app.add_command(command)
+    """,
+)
 
 
 def main() -> None:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from damper3d.commands.many import numbers, stop_unless_whole
 from damper3d.commands.options import case_options, changes_of
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+from granulab.campaign.cli.many import numbers, stop_unless_whole
 
 if TYPE_CHECKING:
     from damper3d.studies.map.grid import Grid
@@ -48,6 +48,7 @@ def map_(
     from damper3d.studies.map.ridges import ridges
     from damper3d.studies.predict.prediction import predict
     from granulab.campaign.output.figure import write_figure
+    from granulab.campaign.runs.folder import refuse_unless_writable
 
     name, changes = case or "thesis", changes_of(seed, material, options)
     loaded = DamperCase.load(name, changes)
@@ -60,6 +61,7 @@ def map_(
         planned = _plan(name, changes, grid, Path(out))
         click.echo(json.dumps(planned, indent=2) if as_json else _in_words(planned))
         return
+    refuse_unless_writable(Path(out), "--out")
     engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
     result = efficiency_map(name, changes, grid, out=Path(out), **engines)
     folder = map_folder(name, changes, grid, Path(out))

@@ -84,12 +84,3 @@ def changes_of(
 
         changes |= named_material(material)
     return changes
-
-
-def say_if_compiling(quiet: bool) -> None:
-    """Say why nothing happens for a while, where kernels are compiled first."""
-    from damper3d.engine import ENGINE
-    from granulab.campaign.cli.terminal import announce_compilation
-    from granulab.contact.jit import already_compiled
-
-    announce_compilation(quiet, already_compiled(ENGINE))

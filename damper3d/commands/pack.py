@@ -5,9 +5,9 @@ from pathlib import Path
 
 import click
 
-from damper3d.commands.many import stop_unless_whole
-from damper3d.commands.options import case_options, changes_of, say_if_compiling
+from damper3d.commands.options import case_options, changes_of
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+from granulab.campaign.cli.many import stop_unless_whole
 
 
 @click.command()
@@ -37,11 +37,15 @@ def pack(
     if seed is not None:
         raise click.UsageError("packings take the seeds 1 to --packings; leave --seed out")
     from damper3d.case.case import DamperCase
+    from damper3d.run.sweep import DAMPER
     from damper3d.studies.pack import computed
+    from granulab.campaign.cli.terminal import announce_compilation
+    from granulab.campaign.runs.folder import refuse_unless_writable
 
     name, changes = case or "thesis", changes_of(None, material, options)
     particles = DamperCase.load(name, changes).particle.name
-    say_if_compiling(quiet)
+    refuse_unless_writable(Path(out), "--out")
+    announce_compilation(quiet, DAMPER.compiled())
     rows = computed.pack(
         name, changes, out=Path(out), bodies=bodies, packings=packings, beds=not no_enclosure,
         workers=workers, quiet=quiet,

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from damper3d.commands.many import numbers, stop_unless_whole
-from damper3d.commands.options import case_options, changes_of, say_if_compiling
+from damper3d.commands.options import case_options, changes_of
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+from granulab.campaign.cli.many import numbers, stop_unless_whole
 
 if TYPE_CHECKING:
     from damper3d.case.random_packing import Fraction
@@ -46,10 +46,13 @@ def predict(
     from damper3d.studies.predict import prediction as predicting
     from damper3d.studies.predict.chart import draw_predictions
     from granulab.campaign.output.figure import write_figure
+    from granulab.campaign.runs.folder import refuse_unless_writable
 
     wanted = rising("frequencies", numbers("--frequencies", frequencies, predicting.FREQUENCIES))
     fills = predicting.fills(case, changes_of(seed, material, options))
     cases = [DamperCase.load(*fill) for fill in fills]
+    if pack or simulate or not no_figures:
+        refuse_unless_writable(Path(out), "--out")
     close = _computed(fills[0], out, workers, quiet) if pack else None
     predictions = [predicting.predict(loaded, packing, full_count, close) for loaded in cases]
     for prediction in predictions:
@@ -77,9 +80,11 @@ def _computed(
     fill: tuple[str, dict[str, Any]], out: str, workers: int | None, quiet: bool
 ) -> "Fraction | None":
     """The close packing of a case's particles, which all fills have in common."""
+    from damper3d.run.sweep import DAMPER
     from damper3d.studies.pack import computed
+    from granulab.campaign.cli.terminal import announce_compilation
 
-    say_if_compiling(quiet)
+    announce_compilation(quiet, DAMPER.compiled())
     rows = computed.pack(*fill, out=Path(out), beds=False, workers=workers, quiet=quiet)
     stop_unless_whole(rows)
     return computed.close_fraction(rows, computed.BODIES)

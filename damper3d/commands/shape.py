@@ -57,6 +57,10 @@ def shape(
     from damper3d.case.parts import particle_wanted
     from damper3d.shapes.errors import curve, errors_of
     from damper3d.view.shape import answers, as_text
+    from granulab.campaign.runs.folder import refuse_unless_writable
+
+    if not no_figures:
+        refuse_unless_writable(Path(out), "--out")
 
     ((kind, value),) = named.items()
     given = {

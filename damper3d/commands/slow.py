@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from damper3d.commands.many import stop_unless_whole
 from damper3d.commands.options import changes_of
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+from granulab.campaign.cli.many import stop_unless_whole
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.sweep import Labelled
@@ -104,12 +104,13 @@ def _slow(
         cases = [c for c in cases if SLOW_TESTS.run_folder(c[1], Path(out)).state == "finished"]
         if not cases:
             raise click.UsageError(f"--so-far: none of these tests is finished in {out}")
-    if dry_run or not (quiet or so_far):
-        click.echo(cost(SLOW_TESTS, cases), err=not dry_run)
     if dry_run:
+        click.echo(cost(SLOW_TESTS, cases))
         return
     for folder, option in ((out, "--out"), (write or out, "--write")):
         refuse_unless_writable(Path(folder), option)
+    if not (quiet or so_far):
+        click.echo(cost(SLOW_TESTS, cases), err=True)
     rows = run_labelled(
         SLOW_TESTS, cases, out=Path(out), engine=engine, workers=workers, scheduler=scheduler,
         quiet=quiet,

@@ -58,12 +58,3 @@ def changes_of(
         with contextlib.suppress(ValueError):  # no number: the case refuses it as any other key
             changes["run.seed"] = int(seed)
     return changes
-
-
-def say_if_compiling(quiet: bool) -> None:
-    """Say why nothing happens for a while, where kernels are compiled first."""
-    from granulab.campaign.cli.terminal import announce_compilation
-    from granulab.contact.jit import already_compiled
-    from silo2d.engine import ENGINE
-
-    announce_compilation(quiet, already_compiled(ENGINE))

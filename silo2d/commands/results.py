@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
-from silo2d.commands.options import case_options, changes_of, say_if_compiling
+from silo2d.commands.options import case_options, changes_of
 
 
 @click.command()
@@ -96,14 +96,17 @@ def _by_engines(
     case: str, engines: str, seeds: int | None, changes: dict[str, Any], out: Path, quiet: bool
 ) -> list[list[str]]:
     """The folders of a case's runs by two engines, a pair a seed."""
-    from granulab.campaign.cli.terminal import Progress, StopRequest
+    from granulab.campaign.cli.terminal import Progress, StopRequest, announce_compilation
+    from granulab.campaign.runs.folder import refuse_unless_writable
     from silo2d.baseline.comparison import engine_pair, run_engines
+    from silo2d.run.sweep import SILO
 
     if "run.engine" in changes or (seeds and "run.seed" in changes):
         raise click.UsageError("--engines and --seeds say this; leave --engine and --seed out")
     chosen = range(1, seeds + 1) if seeds else [changes.get("run.seed", 1)]
     pair = engine_pair(engines)
-    say_if_compiling(quiet)
+    refuse_unless_writable(out, "--out")
+    announce_compilation(quiet, SILO.compiled())
     with StopRequest() as stop, Progress(case, quiet=quiet) as bar:
         return run_engines(case, changes, pair, chosen, out, bar.update, lambda: stop.requested)
 

@@ -1,16 +1,13 @@
-"""What the command lines of all simulators share: options, studies, and how a command ends."""
+"""The group of commands, the options that all packages share, and the end of a command."""
 
-import json
+import shlex
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+import tempfile
+import traceback
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import click
-
-if TYPE_CHECKING:
-    from granulab.campaign.sweeps.cases import LabelledStudy
-    from granulab.campaign.sweeps.sweep import Simulator
 
 out_option = click.option(
     "-o", "--out", default="runs", metavar="DIR", help="Holds runs and packings [default: runs]."
@@ -25,6 +22,22 @@ class Ended(Exception):
     def __init__(self, line: str, code: int) -> None:
         super().__init__(line)
         self.code = code
+
+
+def command_group(commands: Sequence[click.Command], purpose: str) -> click.Group:
+    """The group of a package's commands; purpose: the text of its --help."""
+    context = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+    @click.group(help=purpose, invoke_without_command=True, context_settings=context)
+    @click.version_option(package_name="granulab")
+    @click.pass_context
+    def app(context: click.Context) -> None:
+        if context.invoked_subcommand is None:
+            click.echo(context.get_help())
+
+    for command in commands:
+        app.add_command(command)
+    return app
 
 
 def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -43,51 +56,12 @@ def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-def study_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The argument and the options of a command that runs a study; see sweep_study."""
-    for option in (
-        json_option,
-        quiet_option,
-        click.option("--dry-run", is_flag=True, help="Say what would be run, and end."),
-        engine_options,
-        out_option,
-        click.argument("study"),
-    ):
-        command = option(command)
-    return command
-
-
-def sweep_study(
-    simulator: "Simulator",
-    loaded: "LabelledStudy",
-    *,
-    out: str,
-    dry_run: bool,
-    as_json: bool,
-    quiet: bool,
-    **engine: Any,
-) -> None:
-    """Run a study, or say what would be run; print what came of it, and raise Ended for gaps."""
-    from granulab.campaign.sweeps.cases import run_study
-    from granulab.campaign.sweeps.overview import as_text, plan, plan_as_text, summary
-
-    if dry_run:
-        planned = plan(simulator, loaded, Path(out))
-        click.echo(json.dumps(planned, indent=2) if as_json else plan_as_text(loaded, planned))
-        return
-    folder, rows = run_study(simulator, loaded, out=Path(out), quiet=quiet, **engine)
-    table = summary(simulator, loaded, folder, rows)
-    click.echo(json.dumps(table, indent=2) if as_json else as_text(table))
-    if table["interrupted"]:
-        raise Ended(f"{table['why_interrupted']}; the same command goes on from there", 130)
-    if table["failed"]:
-        raise Ended(f"{table['failed']} of {table['runs']} runs failed; see {table['table']}", 3)
-
-
 def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
     """Run a command; one line on stderr and an exit code for whatever goes wrong.
 
-    `bad_input` is what the simulator raises where it is given something that it cannot use.
+    bad_input: raised by the simulator where it is given something that it cannot use. An exception
+    that nobody foresaw (also a numerical library's) ends with the code 3, and its traceback is
+    kept in a file.
     """
     from granulab.campaign.runs.folder import FolderError
     from granulab.campaign.sweeps.study import StudyError
@@ -113,5 +87,42 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
     except (KeyboardInterrupt, click.Abort):
         fail("interrupted; the same command goes on from the last checkpoint", 130)
     except BrokenPipeError:
-        sys.stderr.close()  # the reader of a pipe (head) has gone: nothing to say, nobody to tell
+        sys.stderr.close()  # the reader of a pipe (head) has gone: nobody is left to read a line
         sys.exit(0)
+    except Exception as error:
+        fail(_unforeseen(app, name, error), 3)
+
+
+def _unforeseen(app: click.Group, name: str, error: Exception) -> str:
+    """One line for an exception that nobody foresaw: kind, reason, position, kept traceback."""
+    own = {_package(command.callback) for command in (app, *app.commands.values())} | {"granulab"}
+    frames = [
+        (frame.f_globals.get("__name__", frame.f_code.co_filename), line, frame.f_code.co_name)
+        for frame, line in traceback.walk_tb(error.__traceback__)
+    ]
+    module, line, function = [f for f in frames if f[0].partition(".")[0] in own][-1]
+    raised = f", raised in {frames[-1][0]}" if frames[-1][0] != module else ""
+    reason = " ".join(str(error).split())
+    kind = f"{type(error).__name__}: {reason}" if reason else type(error).__name__
+    return (
+        f"{kind} (at {module}:{line} in {function}{raised}); a fault of the program that nobody "
+        f"foresaw, please report it; {_kept_traceback(name, error)}"
+    )
+
+
+def _package(function: Any) -> str:
+    """The top-level package that a function is of."""
+    return getattr(function, "__module__", "").partition(".")[0]
+
+
+def _kept_traceback(name: str, error: Exception) -> str:
+    """Write the command and its traceback to a file of the temporary folder; where that is."""
+    text = f"{shlex.join([name, *sys.argv[1:]])}\n{''.join(traceback.format_exception(error))}"
+    try:
+        with tempfile.NamedTemporaryFile(
+            "w", prefix=f"{name}-", suffix="-traceback.txt", delete=False, encoding="utf-8"
+        ) as file:
+            file.write(text)
+    except OSError:
+        return "its traceback could not be kept: the temporary folder cannot be written"
+    return f"its traceback is in {file.name}"

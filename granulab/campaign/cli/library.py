@@ -1,11 +1,48 @@
-"""What stands below a folder of runs, in words for a person; and new files for a person to edit."""
+"""The commands `init`, `list`, `show`: new files to edit; packings and runs in words."""
 
 import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import click
+
+from granulab.campaign.cli.commandline import out_option
 from granulab.campaign.runs.folder import FolderError, RunFolder, resume_run, write_atomic, writing
+
+
+def file_commands(
+    name: str,
+    template: Callable[[bool], str],
+    listing: Callable[[Path], str],
+    description: Callable[[str], str],
+    kinds: str,
+) -> list[click.Command]:
+    """The commands `init`, `list` and `show` of a simulator.
+
+    name: of its command line; template: text of a case file with a comment on every key, or of a
+    study file where it is given True; listing: the cases and files that there are, and what stands
+    below a folder of runs; description: one of these in words; kinds: of files, for the help.
+    """
+
+    @click.command(help="Write a case file with a comment on every key.")
+    @click.argument("file")
+    @click.option("--study", is_flag=True, help="Write a study file instead.")
+    def init(file: str, study: bool) -> None:
+        write_new(Path(file), template(study))
+        click.echo(f"wrote {file}; run it with: {name} {'sweep' if study else 'run'} {file}")
+
+    @click.command("list", help="List presets, files, packings; runs with their state and size.")
+    @out_option
+    def list_(out: str) -> None:
+        click.echo(listing(Path(out)))
+
+    @click.command(help=f"Describe a preset, {kinds} or run folder in words and numbers.")
+    @click.argument("name")
+    def show(name: str) -> None:
+        click.echo(description(name))
+
+    return [init, list_, show]
 
 
 def write_new(path: Path, text: str) -> None:

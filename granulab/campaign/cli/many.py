@@ -1,0 +1,101 @@
+"""The commands that compute many runs: `sweep`, and what such commands share."""
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from granulab.campaign.cli.commandline import (
+    Ended,
+    engine_options,
+    json_option,
+    out_option,
+    quiet_option,
+)
+
+if TYPE_CHECKING:
+    from granulab.campaign.sweeps.cases import LabelledStudy
+    from granulab.campaign.sweeps.sweep import Simulator
+
+
+def sweep_command(
+    name: str, load: Callable[[str], "tuple[Simulator, LabelledStudy]"]
+) -> click.Command:
+    """The command `sweep` of a simulator.
+
+    name: of its command line; load: gives the simulator and the cases of a study file.
+    """
+
+    @click.command(
+        help=f"""Run a study: cases over lists, ranges and distributions, times seeds.
+
+        `{name} init --study my_study.toml` writes a study file with a comment on every key. Runs
+        that are finished are not done again: the same command goes on after whatever stopped it.
+        """
+    )
+    @click.argument("study")
+    @out_option
+    @engine_options
+    @click.option("--dry-run", is_flag=True, help="Say what would be run, and end.")
+    @quiet_option
+    @json_option
+    def sweep(study: str, **options: Any) -> None:
+        simulator, loaded = load(study)
+        _sweep(simulator, loaded, **options)
+
+    return sweep
+
+
+def _sweep(
+    simulator: "Simulator",
+    loaded: "LabelledStudy",
+    *,
+    out: str,
+    dry_run: bool,
+    as_json: bool,
+    quiet: bool,
+    **engine: Any,
+) -> None:
+    """Run a study, or say what would be run; print its table, and raise Ended for gaps in it."""
+    from granulab.campaign.runs.folder import refuse_unless_writable
+    from granulab.campaign.sweeps.cases import run_study
+    from granulab.campaign.sweeps.overview import as_text, plan, plan_as_text, summary
+
+    if dry_run:
+        planned = plan(simulator, loaded, Path(out))
+        click.echo(json.dumps(planned, indent=2) if as_json else plan_as_text(loaded, planned))
+        return
+    refuse_unless_writable(Path(out), "--out")
+    folder, rows = run_study(simulator, loaded, out=Path(out), quiet=quiet, **engine)
+    table = summary(simulator, loaded, folder, rows)
+    click.echo(json.dumps(table, indent=2) if as_json else as_text(table))
+    if table["interrupted"]:
+        raise Ended(f"{table['why_interrupted']}; the same command goes on from there", 130)
+    if table["failed"]:
+        raise Ended(f"{table['failed']} of {table['runs']} runs failed; see {table['table']}", 3)
+
+
+def numbers(option: str, text: str | None, default: Sequence[float]) -> tuple[float, ...]:
+    """The numbers of a list such as "20,40,80"; InputError where one is none."""
+    if text is None:
+        return tuple(default)
+    from granulab.errors import InputError
+
+    try:
+        return tuple(float(word) for word in text.split(",") if word.strip())
+    except ValueError:
+        cure = "write numbers with commas, such as 20,40,80"
+        raise InputError(f"{option} {text!r}: {cure}") from None
+
+
+def stop_unless_whole(rows: Sequence[dict[str, Any]]) -> None:
+    """End the command where runs were interrupted (code 130) or failed (3)."""
+    lost = [row["reason"] for row in rows if row["state"] == "interrupted"]
+    if lost:
+        why = next((reason for reason in lost if reason.endswith("went away")), "stopped")
+        raise Ended(f"{why}; the same command goes on from there", 130)
+    failed = [row["reason"] for row in rows if row["state"] == "failed"]
+    if failed:
+        raise Ended(f"{len(failed)} of {len(rows)} runs failed, the first: {failed[0]}", 3)

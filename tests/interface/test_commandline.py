@@ -1,0 +1,80 @@
+"""What every command has in common: folders that cannot be written, faults that nobody foresaw."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_damper import damper3d
+from small_silo import silo2d, write_case
+
+from granulab.contact.files.datafile import data_root
+
+STUDIES = data_root() / "studies"
+WRITING = {
+    silo2d: ["run A4", "run A4 --again", "packing A4", f"sweep {STUDIES / 'friction.toml'}",
+             "compare --engines dem,pymunk A4"],
+    damper3d: ["run", "map --frequencies 20 --gammas 1", "shear", "compress", "pack", "predict",
+               "contact force", "shape --prolate 2", f"sweep {STUDIES / 'damper.toml'}"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("command", "line"), [(command, line) for command, lines in WRITING.items() for line in lines]
+)
+def test_a_folder_that_cannot_be_written_is_refused_before_all_else(
+    command, line, tmp_path, monkeypatch
+):
+    """One line, before the case is echoed, kernels are compiled or anything is computed."""
+    monkeypatch.setattr(
+        "granulab.campaign.runs.folder.os.access", lambda path, mode: path != tmp_path
+    )  # permissions do not bind root
+    answer = command(*line.split(), "-o", tmp_path / "runs")
+    assert (answer.code, answer.out) == (2, "")
+    assert re.fullmatch(rf"\w+: {tmp_path}\S* cannot be written .*--out\n", answer.err), answer.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_finished_run_is_given_from_a_folder_that_takes_no_new_ones(
+    finished, tmp_path, monkeypatch
+):
+    """The run's own folder can be written, and its lock is taken there."""
+    monkeypatch.setattr(
+        "granulab.campaign.runs.folder.os.access", lambda path, mode: path != finished
+    )
+    case = ["run", write_case(tmp_path), "-o", finished, "--no-figures"]
+    assert silo2d(*case, "--json").json["reused"]
+    assert silo2d(*case, "--again").code == 2
+
+
+@pytest.mark.parametrize(
+    ("command", "case"),
+    [(silo2d, "silo2d.case.case.SiloCase"), (damper3d, "damper3d.case.case.DamperCase")],
+)
+def test_a_fault_that_nobody_foresaw_is_one_line(command, case, tmp_path, monkeypatch):
+    """A numerical library's exception: kind, position and where the traceback is kept."""
+
+    def no_load(*_arguments):
+        return np.linalg.inv(np.zeros((2, 2)))
+
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr(f"{case}.load", no_load)
+    answer = command("run") if command is damper3d else command("run", "A4")
+    assert (answer.code, answer.out, answer.err.count("\n")) == (3, "", 1)
+    assert "LinAlgError: Singular matrix (at " in answer.err
+    assert re.search(r"\.commands\.run:\d+ in run, raised in numpy", answer.err)
+    kept = Path(answer.err.rpartition(" in ")[2].strip())
+    text = kept.read_text(encoding="utf-8")
+    assert text.startswith(f"{answer.err.partition(':')[0]} run")
+    assert "Traceback (most recent call last)" in text
+    assert "no_load" in text
+
+
+def test_a_traceback_that_cannot_be_kept_is_no_second_fault(tmp_path, monkeypatch):
+    """The temporary folder is gone: the line says so."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
+    monkeypatch.setattr("damper3d.case.case.DamperCase.load", lambda *_: {}["key"])
+    answer = damper3d("run")
+    assert answer.code == 3
+    assert "KeyError: 'key' (at damper3d.commands.run:" in answer.err
+    assert "could not be kept" in answer.err
