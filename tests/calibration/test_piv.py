@@ -4,31 +4,22 @@ import functools
 
 import numpy as np
 import pytest
-from made_pairs import grains, particles, rotation, shear, uniform, vortex
+from made_pairs import (
+    MOTIONS,
+    SHAPE,
+    errors,
+    grains,
+    particles,
+    shear,
+    uniform,
+    vortex,
+)
 
 from calibration.piv import Reason, displacement
 from calibration.piv.statistics import _spread
 from calibration.piv.validation import filled, outliers
 from calibration.piv.windows import Grid
 from granulab.errors import InputError
-
-SHAPE = (192, 192)
-MIDDLE = (SHAPE[0] - 1) / 2
-MOTIONS = {
-    "uniform": uniform(3.3, -2.7),
-    "whole pixels": uniform(-5.0, 2.0),
-    "far": uniform(4.4, 25.6),  # with windows of 32 pixels
-    "shear": shear(0.03, MIDDLE),
-    "rotation": rotation(0.03, MIDDLE, MIDDLE),
-    "vortex": vortex(2.0, 60.0, MIDDLE, MIDDLE),
-}
-
-
-def errors(field, motion):
-    """Errors and sigmas of the valid vectors, both components."""
-    u, v = motion(field.x, field.y)
-    wrong = np.stack([field.u - u, field.v - v])[:, field.valid]
-    return wrong, np.stack([field.sigma_u, field.sigma_v])[:, field.valid]
 
 
 @functools.cache

@@ -6,8 +6,7 @@ pytest -m validation -s -q tests/calibration/test_piv_coverage.py
 
 import numpy as np
 import pytest
-from made_pairs import grains, particles
-from test_piv import MOTIONS, SHAPE, errors
+from made_pairs import MOTIONS, SHAPE, errors, grains, particles
 
 from calibration.piv import displacement
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from fake_tasks import either, fussy, patient, square
 from small_silo import silo2d
-from test_engine import wait_until, when
+from waiting import wait_until, when
 
 from granulab.campaign.sweeps.engine import run_tasks
 from granulab.campaign.sweeps.task import EngineError

@@ -6,41 +6,14 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
 
 import pytest
 from fake_tasks import fussy, killed, logged, patient, square, surroundings
+from waiting import is_alive, wait_until, when
 
 from granulab.campaign.sweeps.engine import TRIES, Tally, run_tasks
 from granulab.campaign.sweeps.processes import Processes
 from granulab.campaign.sweeps.task import EngineError
-
-
-def wait_until(condition, seconds: float = 30.0) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen in time"
-        time.sleep(0.01)
-
-
-def is_alive(pid: int) -> bool:
-    """Whether a process runs; one that ended and waits to be noticed does not."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def when(condition, act) -> threading.Thread:
-    """Do something from aside once a condition holds."""
-
-    def wait_and_act() -> None:
-        wait_until(condition)
-        act()
-
-    thread = threading.Thread(target=wait_and_act)
-    thread.start()
-    return thread
 
 
 def test_outcomes_come_in_the_order_of_the_tasks():

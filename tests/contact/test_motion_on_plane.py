@@ -16,10 +16,13 @@ from analytic import (
 )
 from scenes import (
     DISC_CONTACTS,
+    HARD_LAW,
+    HARD_STEP,
     LEVEL,
     SPHERORADIUS,
     SURFACE_DENSITY,
     WOOD,
+    G,
     block,
     block_on_wall,
     disc,
@@ -30,13 +33,8 @@ from scenes import (
     velocity,
 )
 
-G = 9.81
-STEP = 4e-6  # [s]
 RADIUS = 5e-3  # of the disc [m]
 FLAT = block(20e-3, 10e-3)
-# Hard enough that a body sinks in by 1e-5 of its size, damped enough that its
-# springs come to rest in a few milliseconds.
-LAW = WOOD._replace(kn=1e6, kt=1e6, gamma_n=3000.0, gamma_t=0.0)
 
 
 def resting(shape, contacts, law, angle=0.0):
@@ -48,9 +46,9 @@ def on_incline(shape, law, angle):
     """A body at rest on an incline, its contacts carrying the weight."""
     if shape.spheroradius > SPHERORADIUS:
         overlap = resting(shape, DISC_CONTACTS, law, angle)
-        return disc_on_wall(RADIUS, law, STEP, angle=angle, overlap=overlap, gravity=G)
+        return disc_on_wall(RADIUS, law, HARD_STEP, angle=angle, overlap=overlap, gravity=G)
     overlap = resting(shape, 2, law, angle)
-    return block_on_wall(shape, law, STEP, angle=angle, overlap=overlap, gravity=G)
+    return block_on_wall(shape, law, HARD_STEP, angle=angle, overlap=overlap, gravity=G)
 
 
 def downhill(simulation, angle):
@@ -63,18 +61,18 @@ def test_sliding_disc_begins_to_roll():
     """u0 - mu g t and spin 2 mu g t/r until u0/(3 mu g), then 2 u0/3 without slip. Tolerance:
     friction takes one swing of the tangential springs to build up and one to die, each worth
     mu g/omega_t; the dashpots are off."""
-    u0, mu = 0.3, LAW.mu
-    simulation = on_incline(disc(RADIUS), LAW, 0.0)
+    u0, mu = 0.3, HARD_LAW.mu
+    simulation = on_incline(disc(RADIUS), HARD_LAW, 0.0)
     launch(simulation, vx=u0)
     time, rolling = disc_sliding_to_rolling(u0, mu, G)
-    swing = mu * G / angular_frequency(LAW.kt, mass(simulation) / 3, DISC_CONTACTS)
+    swing = mu * G / angular_frequency(HARD_LAW.kt, mass(simulation) / 3, DISC_CONTACTS)
     for part in (0.25, 0.5, 0.95):
-        simulation.run(round(part * time / STEP) - simulation.steps)
+        simulation.run(round(part * time / HARD_STEP) - simulation.steps)
         u, _, spin = velocity(simulation)
         assert u == pytest.approx(u0 - mu * G * simulation.time, abs=2 * swing)
         assert -spin * RADIUS == pytest.approx(2 * mu * G * simulation.time, abs=4 * swing)
     for part in (1.05, 2.0):
-        simulation.run(round(part * time / STEP) - simulation.steps)
+        simulation.run(round(part * time / HARD_STEP) - simulation.steps)
         u, _, spin = velocity(simulation)
         assert u == pytest.approx(rolling, abs=2 * swing)
         assert -spin * RADIUS == pytest.approx(rolling, abs=4 * swing)
@@ -85,9 +83,9 @@ def test_disc_rolls_down(angle_deg):
     """(2/3) g sin where mu > tan/3. Tolerance: the springs that take up a load swing once, with
     g sin/omega_t; the rolling disc presses on the wall only by its weight."""
     angle = math.radians(angle_deg)
-    law = LAW._replace(mu=1.1 * math.tan(angle) / 3 + 0.1)
+    law = HARD_LAW._replace(mu=1.1 * math.tan(angle) / 3 + 0.1)
     simulation = on_incline(disc(RADIUS), law, angle)
-    simulation.run(round(0.1 / STEP))
+    simulation.run(round(0.1 / HARD_STEP))
     expected = disc_rolling_down(angle, G) * simulation.time
     swing = G * math.sin(angle) / angular_frequency(law.kt, mass(simulation) / 3, DISC_CONTACTS)
     assert downhill(simulation, angle) == pytest.approx(expected, abs=2 * swing)
@@ -98,9 +96,9 @@ def test_disc_rolls_down(angle_deg):
 def test_disc_slides_down_where_friction_is_too_small_to_roll(angle_deg):
     """For mu < tan/3: g (sin - mu cos) and spin 2 mu g cos t/r. Tolerance: as above."""
     angle = math.radians(angle_deg)
-    law = LAW._replace(mu=0.5 * math.tan(angle) / 3)
+    law = HARD_LAW._replace(mu=0.5 * math.tan(angle) / 3)
     simulation = on_incline(disc(RADIUS), law, angle)
-    simulation.run(round(0.1 / STEP))
+    simulation.run(round(0.1 / HARD_STEP))
     expected = block_sliding_down(angle, law.mu, G) * simulation.time
     turning = 2 * law.mu * G * math.cos(angle) * simulation.time
     swing = G / angular_frequency(law.kt, mass(simulation) / 3, DISC_CONTACTS)
@@ -114,10 +112,10 @@ def test_block_rests_on_an_incline(angle_deg):
     up the load in a swing that friction and the dashpots damp, and the block rocks as well.
     Tolerance: ten stretches, 1e-5 of the way of a block that slides freely."""
     angle = math.radians(angle_deg)
-    law = LAW._replace(mu=1.02 * math.tan(angle), gamma_t=3000.0)
+    law = HARD_LAW._replace(mu=1.02 * math.tan(angle), gamma_t=3000.0)
     simulation = on_incline(FLAT, law, angle)
     start = position(simulation).copy()
-    simulation.run(round(0.05 / STEP))
+    simulation.run(round(0.05 / HARD_STEP))
     stretch = mass(simulation) * G * math.sin(angle) / (2 * law.kt)
     moved = position(simulation) - start
     assert math.hypot(*moved[:2]) < 10 * stretch
@@ -130,9 +128,9 @@ def test_block_slides_down(angle_deg, mu_over_tan):
     """tan > mu: g (sin - mu cos). Tolerance: friction takes a swing of the springs to build up,
     worth g sin/omega_t."""
     angle = math.radians(angle_deg)
-    law = LAW._replace(mu=mu_over_tan * math.tan(angle))
+    law = HARD_LAW._replace(mu=mu_over_tan * math.tan(angle))
     simulation = on_incline(FLAT, law, angle)
-    simulation.run(round(0.1 / STEP))
+    simulation.run(round(0.1 / HARD_STEP))
     expected = block_sliding_down(angle, law.mu, G) * simulation.time
     swing = G * math.sin(angle) / angular_frequency(law.kt, mass(simulation), 2)
     assert downhill(simulation, angle) == pytest.approx(expected, abs=2 * swing)
@@ -143,11 +141,11 @@ def test_block_reaches_a_terminal_velocity(gamma_t):
     """v0 (1 - exp(-n gamma_t t)), v0 = g (sin - mu cos)/(n gamma_t), n = 2: each of the two
     pairs has the dashpot. (The wood-silo paper's eq. 3.11 has n = 1.) Tolerance: as above."""
     angle = math.radians(25)
-    law = LAW._replace(gamma_t=gamma_t)
+    law = HARD_LAW._replace(gamma_t=gamma_t)
     simulation = on_incline(FLAT, law, angle)
     swing = G * math.sin(angle) / angular_frequency(law.kt, mass(simulation), 2)
     for time in (0.25 / gamma_t, 1.0 / gamma_t):
-        simulation.run(round(time / STEP) - simulation.steps)
+        simulation.run(round(time / HARD_STEP) - simulation.steps)
         v = block_creeping_down(angle, law.mu, G, gamma_t, 2, simulation.time)
         assert downhill(simulation, angle) == pytest.approx(v, abs=2 * swing)
 
@@ -159,14 +157,14 @@ def test_tall_block_topples(over_limit, topples):
     shape = block(10e-3, 30e-3)
     b, h = shape.core[:, 0].max(), 15e-3
     angle = math.atan(over_limit * b / h)
-    simulation = on_incline(shape, LAW._replace(mu=1.0, gamma_t=300.0), angle)
+    simulation = on_incline(shape, HARD_LAW._replace(mu=1.0, gamma_t=300.0), angle)
     start = position(simulation)[2]
-    simulation.run(round(0.25 / STEP))
+    simulation.run(round(0.25 / HARD_STEP))
     turned = position(simulation)[2] - start
     if topples:
         assert turned > 0.3  # downhill is to the left, so anticlockwise
     else:  # the springs give way by m g sin h/(2 kn b^2), and swing
-        rocked = mass(simulation) * G * math.sin(angle) * h / (2 * LAW.kn * b**2)
+        rocked = mass(simulation) * G * math.sin(angle) * h / (2 * HARD_LAW.kn * b**2)
         assert abs(turned) < 3 * rocked
 
 
@@ -174,7 +172,7 @@ def test_free_fall():
     """y = h - g t^2/2, exact for the leapfrog started half a step back. Tolerance: rounding of
     the sum over the steps."""
     h, time = 0.08, 0.1
-    simulation = disc_on_wall(RADIUS, LAW, 1e-5, overlap=-h, gravity=G)
+    simulation = disc_on_wall(RADIUS, HARD_LAW, 1e-5, overlap=-h, gravity=G)
     launch(simulation, vy=0.5 * G * 1e-5)
     start = position(simulation)[1]
     simulation.run(round(time / 1e-5))

@@ -3,19 +3,11 @@
 from typing import Any
 
 import pytest
+from refusals import assert_refused
 from small_damper import damper3d, write_damper
-from small_silo import Answer, contents
+from small_silo import contents
 
 from granulab.contact.files.datafile import data_file
-
-
-def assert_refused(answer: Answer, *words: str, code: int = 2) -> None:
-    """One line that holds the words, and nothing on stdout."""
-    assert (answer.code, answer.out) == (code, ""), answer
-    assert answer.err.startswith("damper3d: ")
-    assert answer.err.count("\n") == 1, answer.err
-    for word in words:
-        assert word in answer.err
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cluster_beds import rotation
-from damper_runs import assert_same_run, forked
+from damper_runs import forked
+from same_run import assert_same_run
 from small_damper import damper3d
 from small_silo import the_run
 

@@ -6,7 +6,7 @@ import sys
 import time
 
 import pytest
-from small_damper import damper3d, write_damper
+from small_damper import KEYS, damper3d, write_damper
 
 from damper3d.case.case import DamperCase
 from damper3d.case.plan import expected_cpu_s
@@ -14,16 +14,6 @@ from damper3d.run.result import Result
 from damper3d.view.report import report
 from granulab.campaign.runs.folder import FolderError, RunFolder
 
-# Scripts rely on these names: to change one needs a reason in the changelog.
-KEYS = {
-    "frequency_hz", "gamma", "orientation", "particles", "n_particles", "fill_ratio",
-    "particle_mass_kg", "cycles", "discarded", "efficiency", "efficiency_interval",
-    "efficiency_contact_count", "efficiency_wall_work", "efficiency_per_cycle", "shares",
-    "law_term", "dissipated_power_w", "loss_factor", "effective_mass", "peak_wall_force_n",
-    "bed_height_m", "energy_closure", "max_impact_over_yield_velocity", "phase", "steady",
-    "time_step_s", "steps", "cpu_us_per_step", "cpu_s", "state_digest", "reused", "run_folder",
-    "seed",
-}  # fmt: skip
 HEAVY = {"numba", "cv2", "matplotlib", "pydantic", "pint", "h5py", "scipy", "shapely", "numpy"}
 
 ANSWER = Result(

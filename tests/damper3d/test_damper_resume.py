@@ -12,7 +12,8 @@ import time
 from pathlib import Path
 
 import pytest
-from damper_runs import OPTIONS, answers, assert_same_run, fork, forked, small, start
+from damper_runs import OPTIONS, fork, forked, small, start
+from same_run import assert_same_run, results
 from small_damper import damper3d
 from small_silo import finish, the_run
 
@@ -54,7 +55,7 @@ def test_the_same_case_and_seed_give_the_same_bits(undisturbed, tmp_path):
     protocol.run(small(), out=tmp_path)
     assert_same_run(the_run(tmp_path), undisturbed)
     other = protocol.run(small(run__seed=2, run__cycles=2), out=tmp_path / "other")
-    assert other.state_digest != answers(undisturbed)["state_digest"]
+    assert other.state_digest != results(undisturbed)["state_digest"]
 
 
 def test_checkpoints_and_frames_do_not_change_the_bits(undisturbed, runs, often):
@@ -63,7 +64,7 @@ def test_checkpoints_and_frames_do_not_change_the_bits(undisturbed, runs, often)
     assert_same_run(the_run(runs), undisturbed)
     for frames in (20, 0):
         result = protocol.run(small(output__frames=frames), out=runs)
-        assert result.state_digest == answers(undisturbed)["state_digest"]
+        assert result.state_digest == results(undisturbed)["state_digest"]
 
 
 def test_what_a_run_keeps_has_the_rows_that_it_says(undisturbed):
@@ -268,7 +269,7 @@ def test_a_run_that_keeps_its_summary_has_the_same_answers_and_no_trajectory(und
     (folder.path / "parts").mkdir()  # as if killed after its summary stood
     assert protocol.run(case, out=runs).reused
     assert {path.name for path in folder.path.iterdir()} == kept
-    assert answers(folder) == answers(undisturbed)
+    assert results(folder) == results(undisturbed)
 
 
 def test_a_steady_run_ends_when_it_is_steady_or_at_the_most_cycles(runs):

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from cluster_beds import particle
 from damper_beds import DENSITY, acrylic
-from damper_runs import answers, forked
+from damper_runs import forked
+from same_run import results
 from slow_rigs import HALVES, UP, bed, rig
 from small_damper import damper3d
 
@@ -238,7 +239,7 @@ def test_a_test_that_is_killed_goes_on_to_the_same_bits(undisturbed, tmp_path, m
     assert forked(lambda: protocol.run(small(), out=tmp_path), kill_at_write=write) == -9
     assert run_of(tmp_path).checkpoint.exists()
     protocol.run(small(), out=tmp_path)
-    assert answers(run_of(tmp_path)) == answers(run_of(undisturbed))
+    assert results(run_of(tmp_path)) == results(run_of(undisturbed))
 
 
 @compiled

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from test_shapes_mesh import CUBE, CUBE_FACES, rotation, write_obj
+from made_meshes import CUBE, CUBE_FACES, rotation, write_obj
 
 from damper3d.shapes.cluster import Cluster
 from damper3d.shapes.particle import FAMILIES, parse_particle

@@ -5,10 +5,10 @@ import math
 
 import numpy as np
 import pytest
+from refusals import assert_refused
 from shapely import unary_union
 from shapely.geometry import Point
 from small_damper import damper3d
-from test_damper_bad_input import assert_refused
 
 from damper3d.shapes import prolate, toroid
 from damper3d.shapes.errors import curve, errors_of, prolate_exact, prolate_spheres, toroid_spheres

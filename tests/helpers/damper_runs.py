@@ -10,11 +10,7 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-import numpy as np
-
 from damper3d.case.case import DamperCase
-from granulab.campaign.runs.folder import RunFolder
-from granulab.campaign.runs.trajectory import read_tables, read_trajectory
 
 # Its bed is two spheres deep; 80 Hz and 6300 steps a cycle.
 CASE: dict[str, Any] = {
@@ -34,8 +30,6 @@ CASE: dict[str, Any] = {
 # Options of the command for a like one.
 OPTIONS = ["--diameter", "20 mm", "--height", "20 mm", "--count", 20, "--frequency", 80,
            "--gamma", 10, "--cycles", 4, "--discard", 1, "--time-step", "2 us"]  # fmt: skip
-# Of the machine, not of the particles.
-COSTS = {"cpu_s", "cpu_us_per_step"}
 
 
 def small(**changes: Any) -> DamperCase:
@@ -43,26 +37,6 @@ def small(**changes: Any) -> DamperCase:
     return DamperCase.load(
         "thesis", CASE | {key.replace("__", "."): value for key, value in changes.items()}
     )
-
-
-def answers(folder: RunFolder) -> dict[str, Any]:
-    """The summary of a run, but for what it cost."""
-    return {k: v for k, v in folder.read_summary().items() if k not in COSTS}
-
-
-def assert_same_run(run: RunFolder, other: RunFolder) -> None:
-    """Same answers, and the same bits in every sample and table."""
-    assert answers(run) == answers(other)
-    samples = [read_trajectory(folder.path) for folder in (run, other)]
-    assert samples[0].keys() == samples[1].keys()
-    for name in samples[0]:
-        assert samples[0][name].tobytes() == samples[1][name].tobytes(), name
-    for table in ("particles", "contacts"):
-        first, second = (read_tables(folder.path, table) for folder in (run, other))
-        np.testing.assert_array_equal(first.frame, second.frame)
-        np.testing.assert_array_equal(first.length, second.length)
-        for name, column in first.columns.items():
-            assert column.tobytes() == second.columns[name].tobytes(), name
 
 
 def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:

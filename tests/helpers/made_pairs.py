@@ -142,3 +142,22 @@ def _discs(x, y, size, tone, where, depth, shape, times) -> Array:
 def _camera(light: Array, noise: float, random: np.random.Generator) -> NDArray[np.uint8]:
     grey = light + 10 + noise * random.standard_normal(light.shape)
     return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+
+
+SHAPE = (192, 192)
+MIDDLE = (SHAPE[0] - 1) / 2
+MOTIONS = {
+    "uniform": uniform(3.3, -2.7),
+    "whole pixels": uniform(-5.0, 2.0),
+    "far": uniform(4.4, 25.6),  # with windows of 32 pixels
+    "shear": shear(0.03, MIDDLE),
+    "rotation": rotation(0.03, MIDDLE, MIDDLE),
+    "vortex": vortex(2.0, 60.0, MIDDLE, MIDDLE),
+}
+
+
+def errors(field, motion):
+    """Errors and sigmas of the valid vectors, both components."""
+    u, v = motion(field.x, field.y)
+    wrong = np.stack([field.u - u, field.v - v])[:, field.valid]
+    return wrong, np.stack([field.sigma_u, field.sigma_v])[:, field.valid]

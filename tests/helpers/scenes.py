@@ -11,9 +11,14 @@ from silo2d.engine.world import build_world
 
 SURFACE_DENSITY = 54.0  # the wood prisms of the silo paper [kg/m2]
 SPHERORADIUS = 1e-3  # of blocks [m]
+G = 9.81  # [m/s2]
 KN = 1e7  # [N/m]
 # The wood-silo paper's Table 4, between particles.
 WOOD = LinearLaw(kn=KN, kt=0.065 * KN, mu=0.38, gamma_n=6085.0, gamma_t=3.0, pulls=True)
+# Hard enough that a body sinks in by 1e-5 of its size, damped enough that its springs come to
+# rest in a few milliseconds; and the time step [s] that goes with it.
+HARD_LAW = WOOD._replace(kn=1e6, kt=1e6, gamma_n=3000.0, gamma_t=0.0)
+HARD_STEP = 4e-6
 ELASTIC = LinearLaw(kn=KN, kt=0.065 * KN, mu=0.0, gamma_n=0.0, gamma_t=0.0, pulls=True)
 
 # All scenes lie around this height [m]: a grain below y = 0 would count as discharged.

@@ -24,6 +24,16 @@ CASE: dict[str, Any] = {
     "output.samples": 50,
     "output.frames": 10,
 }
+# Scripts rely on these names: to change one needs a reason in the changelog.
+KEYS = {
+    "frequency_hz", "gamma", "orientation", "particles", "n_particles", "fill_ratio",
+    "particle_mass_kg", "cycles", "discarded", "efficiency", "efficiency_interval",
+    "efficiency_contact_count", "efficiency_wall_work", "efficiency_per_cycle", "shares",
+    "law_term", "dissipated_power_w", "loss_factor", "effective_mass", "peak_wall_force_n",
+    "bed_height_m", "energy_closure", "max_impact_over_yield_velocity", "phase", "steady",
+    "time_step_s", "steps", "cpu_us_per_step", "cpu_s", "state_digest", "reused", "run_folder",
+    "seed",
+}  # fmt: skip
 
 
 def write_damper(folder: Path, changes: dict[str, Any] | None = None, name: str = "small") -> Path:

@@ -3,9 +3,8 @@
 from pathlib import Path
 
 import pytest
-from small_damper import damper3d, write_damper
+from small_damper import KEYS, damper3d, write_damper
 from small_silo import contents
-from test_damper_report import KEYS
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,8 @@ from typing import Any
 
 import h5py
 import pytest
-from small_silo import NARROWEST, Answer, DischargeStop, contents, silo2d, the_run, write_case
+from refusals import assert_refused
+from small_silo import NARROWEST, DischargeStop, contents, silo2d, the_run, write_case
 
 from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
 from granulab.contact.files.datafile import data_file
@@ -17,16 +18,6 @@ from silo2d.case.case import SiloCase
 from silo2d.engine import state
 from silo2d.measures import MEASURES
 from silo2d.run import protocol
-
-
-def assert_refused(answer: Answer, *words: str, code: int = 2) -> None:
-    """One line that holds the words, and nothing on stdout."""
-    assert (answer.code, answer.out) == (code, ""), answer
-    assert answer.err.startswith("silo2d: ")
-    assert answer.err.count("\n") == 1, answer.err
-    for word in words:
-        assert word in answer.err
-
 
 # The command line
 

@@ -16,10 +16,15 @@ from analytic import (
     restitution_at_zero_overlap,
 )
 from numpy.testing import assert_allclose
+from refusals import assert_refused
+from same_run import assert_same_run
 from scenes import (
+    HARD_LAW,
+    HARD_STEP,
     LEVEL,
     SPHERORADIUS,
     WOOD,
+    G,
     block,
     corner_on_face,
     launch,
@@ -32,9 +37,6 @@ from scenes import (
 from scipy.special import ndtr
 from scipy.stats import truncnorm
 from small_silo import DischargeStop, silo2d, the_run, write_case
-from test_bad_input import assert_refused
-from test_motion_on_plane import LAW, STEP, G
-from test_resume import assert_same_run
 
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
@@ -183,7 +185,7 @@ def test_a_block_slides_or_rests_by_its_own_friction(per, seed):
     Tolerance: as for one block in test_motion_on_plane."""
     flat, angle, n = block(20e-3, 10e-3), math.radians(20), 4
     spread = NOTHING._replace(friction=0.17)
-    law = LAW._replace(mu=math.tan(angle), gamma_t=300.0)
+    law = HARD_LAW._replace(mu=math.tan(angle), gamma_t=300.0)
     both = laws(per, (spread, spread), law, n, seed)
     mu = pair_constants(both[1], np.arange(n), np.full(n, n), n)[:, MU]
     assert mu.min() < 0.95 * math.tan(angle) < 1.05 * math.tan(angle) < mu.max()
@@ -197,9 +199,9 @@ def test_a_block_slides_or_rests_by_its_own_friction(per, seed):
     ]  # fmt: skip
     incline = [wall(angle)]
     sim = simulation_of([flat] * n, poses, walls=incline, law=both[0], wall_law=both[1],
-                        gravity=G, time_step=STEP)  # fmt: skip
+                        gravity=G, time_step=HARD_STEP)  # fmt: skip
     starts = [position(sim, k).copy() for k in range(n)]
-    sim.run(round(0.05 / STEP))
+    sim.run(round(0.05 / HARD_STEP))
     swing = G * math.sin(angle) / angular_frequency(law.kt, mass(sim), 2)
     for k in range(n):
         vx, vy, _ = velocity(sim, k)

@@ -6,9 +6,9 @@ import random
 import numpy as np
 import pytest
 from analytic import angular_frequency
+from refusals import assert_refused
 from scenes import LEVEL, SPHERORADIUS, WOOD, block, mass, position, simulation_of, velocity, wall
 from small_silo import DischargeStop, silo2d, the_run, write_case
-from test_bad_input import assert_refused
 
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.errors import Stopped

@@ -11,8 +11,8 @@ from heaps import (
     wall_overlaps,
     weight,
 )
+from refusals import assert_refused
 from small_silo import silo2d, write_case
-from test_bad_input import assert_refused
 
 from silo2d.case.case import SiloCase
 from silo2d.engine.simulation import Simulation

@@ -11,9 +11,9 @@ import pytest
 from heaps import small_case
 from hypothesis import given
 from hypothesis import strategies as st
+from same_run import assert_same_run
 from scenes import SURFACE_DENSITY, block, disc
 from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
-from test_resume import COSTS
 
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
@@ -243,19 +243,6 @@ def run_quietly(case, root) -> RunFolder:
     answer = silo2d("run", case, "-o", root, "--engine", "pymunk", "--no-figures", "--quiet")
     assert (answer.code, answer.err) == (0, "")
     return the_run(root)
-
-
-def assert_same_run(run: RunFolder, other: RunFolder) -> None:
-    """Same answers, and the same bits in every frame."""
-    answers = [folder.read_summary() for folder in (run, other)]
-    assert answers[0].keys() == answers[1].keys()
-    for name in answers[0].keys() - COSTS:
-        assert answers[0][name] == answers[1][name], name
-    frames = [read_trajectory(folder.path) for folder in (run, other)]
-    assert frames[0].keys() == frames[1].keys()
-    for name in frames[0]:
-        # Equal as bytes: NaN, of those that stay, equals NaN.
-        assert frames[0][name].tobytes() == frames[1][name].tobytes(), name
 
 
 @pytest.fixture(scope="module")

@@ -9,18 +9,16 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
+from same_run import COSTS, assert_same_run
 from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
 
 from granulab.campaign.runs.folder import RunFolder
-from granulab.campaign.runs.trajectory import read_tables, read_trajectory
+from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.run import protocol
 
-# Of the machine, not of the grains.
-COSTS = {"cpu_s", "cpu_us_per_step"}
 # More steps, and some thirty checkpoints: more time to be killed in.
 SLOW = {
     "run.time_step": "4 us",
@@ -39,27 +37,6 @@ def killed(part, target):
     return replace(part, target)
 Path.replace = killed
 """
-
-
-def assert_same_run(run: RunFolder, other: RunFolder) -> None:
-    """Same answers, and the same bits in every frame."""
-    answers = [folder.read_summary() for folder in (run, other)]
-    kept = [{k: v for k, v in table.items() if k not in COSTS} for table in answers]
-    assert kept[0] == kept[1]
-    frames = [read_trajectory(folder.path) for folder in (run, other)]
-    assert frames[0].keys() == frames[1].keys()
-    for name in frames[0]:
-        # Equal as bytes: NaN, of those that stay, equals NaN.
-        assert frames[0][name].tobytes() == frames[1][name].tobytes(), name
-    for name, array in frames[0].static.items():
-        np.testing.assert_array_equal(array, frames[1].static[name], err_msg=name)
-    contacts = [read_tables(folder.path, "contacts") for folder in (run, other)]
-    assert contacts[0].frame.tobytes() == contacts[1].frame.tobytes()
-    assert contacts[0].length.tobytes() == contacts[1].length.tobytes()
-    for name, column in contacts[0].columns.items():
-        assert column.tobytes() == contacts[1].columns[name].tobytes(), name
-    tables = [(folder.path / "records.csv").read_bytes() for folder in (run, other)]
-    assert tables[0] == tables[1]
 
 
 def run_quietly(case: Path, root: Path) -> RunFolder:

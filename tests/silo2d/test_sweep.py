@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 import pytest
 from small_silo import Answer, contents, finish, silo2d, start, write_case
-from test_engine import is_alive, wait_until
+from waiting import is_alive, wait_until
 
 from granulab.campaign.runs import folder as campaign_folder
 from granulab.campaign.runs.checkpoint import save_checkpoint
