@@ -175,7 +175,7 @@ def test_full_disk_keeps_the_old_file(tmp_path):
 _HOLDER = """
 import sys
 from pathlib import Path
-from campaign.folder import RunFolder
+from granulab.campaign.runs.folder import RunFolder
 with RunFolder(Path(sys.argv[1])).lock():
     print("held", flush=True)
     sys.stdin.read()

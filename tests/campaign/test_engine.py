@@ -116,7 +116,7 @@ import sys
 from pathlib import Path
 sys.path.insert(0, "tests")
 import fake_tasks
-from campaign.engine import run_tasks
+from granulab.campaign.sweeps.engine import run_tasks
 if __name__ == "__main__":
     tasks = [(Path(sys.argv[1]) / name, 60.0) for name in "ab"]
     run_tasks(getattr(fake_tasks, sys.argv[2]), tasks, workers=2)

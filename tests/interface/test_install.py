@@ -49,7 +49,7 @@ def test_the_wheel_installs_the_commands(wheel):
     (points,) = [name for name in wheel.namelist() if name.endswith("/entry_points.txt")]
     packages = {"silo2d": "silo2d", "damper3d": "damper3d", "calibrate": "calibration"}
     for command, package in packages.items():
-        assert f"{command} = {package}.cli:main" in wheel.read(points).decode()
+        assert f"{command} = {package}.commands.main:main" in wheel.read(points).decode()
 
 
 def test_an_unpacked_wheel_finds_its_data(wheel, tmp_path):
