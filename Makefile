@@ -10,7 +10,7 @@ test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint constraints.txt --editable
 
-.PHONY: demo test lint bench validate reproduce wheel clean
+.PHONY: demo test fuzz lint bench validate planted reproduce wheel clean
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/installed ## discharge silo A4: a number and pictures
@@ -18,6 +18,10 @@ demo: $(VENV)/installed ## discharge silo A4: a number and pictures
 
 test: $(VENV)/with-tests ## all tests but the long comparisons
 	$(BIN)/python -m pytest -m "not validation" $(TESTERS)
+
+fuzz: export FUZZ_TIMES := 20
+fuzz: $(VENV)/with-tests ## the tests that draw their input, with twenty times as many examples
+	$(BIN)/python -m pytest -m "hypothesis and not validation" $(TESTERS)
 
 lint: $(VENV)/with-tests ## style, types, import order
 	$(BIN)/ruff check .
@@ -32,6 +36,9 @@ bench: $(VENV)/installed ## cost a step: the silo beside a reference kernel, the
 
 validate: $(VENV)/with-tests ## comparisons with published results (minutes)
 	$(BIN)/python -m pytest -m validation
+
+planted: $(VENV)/with-tests ## mistakes planted one at a time, and the test that catches each (an hour)
+	$(BIN)/python tests/planted/plant.py
 
 reproduce: $(VENV)/installed ## every published table beside ours, into docs/results (hours)
 	for command in silo2d damper3d; do \

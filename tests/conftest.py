@@ -8,14 +8,18 @@ from pathlib import Path
 
 import pytest
 from filelock import FileLock
-from hypothesis import settings
+from fuzzing import examples
+from hypothesis import HealthCheck, settings
 from small_silo import silo2d, the_run, write_case
 
 from granulab.campaign.runs.folder import RunFolder
 
 # How long an example takes says how busy the machine is, with another worker beside this one.
-settings.register_profile("shared machine", deadline=None)
-settings.load_profile("shared machine")
+# `make fuzz` takes the other profile and the tests that draw their input alone; counts that a test
+# states go by fuzzing.examples.
+_SHARED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("test", _SHARED, max_examples=examples(30))
+settings.load_profile("test")
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_tracks import made_track
@@ -197,7 +198,7 @@ def test_what_does_not_bounce_is_refused_with_the_reason():
     assert abs(e.value - 0.7) < 4 * e.sigma
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(
     pieces=st.lists(
         st.tuples(

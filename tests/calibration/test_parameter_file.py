@@ -10,6 +10,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from fuzzing import examples
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from small_silo import silo2d
@@ -207,7 +208,9 @@ gamma_t = "0.25 1/s"
 @example(text=_DOTTED_APART, target=("pair.b-a", "restitution"))
 @given(text=files(), target=st.sampled_from(_TARGETS))
 @settings(
-    deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=None,
+    max_examples=examples(60),
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 def test_any_valid_file_keeps_its_comments_its_order_and_all_other_entries(text, target, tmp_path):
     """The lines of the old file stand in the new one in their order, but for those of the entry."""

@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import wavfile
@@ -22,7 +23,9 @@ def small_wav():
 
 
 @settings(
-    deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=None,
+    max_examples=examples(40),
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @given(
     damage=st.lists(st.tuples(st.integers(0, 171), st.integers(0, 255)), max_size=4),
@@ -46,7 +49,9 @@ def test_a_damaged_wav_is_read_or_refused_in_one_line(tmp_path, damage, length):
 
 
 @settings(
-    deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    deadline=None,
+    max_examples=examples(40),
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @given(
     values=st.lists(st.floats(-1e6, 1e6), min_size=16, max_size=50),

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from calibrating import calibrate
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -42,7 +43,7 @@ def test_one_rough_surface_faces_a_flat_one():
     assert np.ptp(upper) == 0
 
 
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=examples(20))
 @given(st.integers(0, 1000))
 def test_surfaces_touch_first_where_the_gap_is_lowest(seed):
     _, lower, upper = draw(Waves(30e-6, 2e-3), 40, seed)
@@ -82,7 +83,7 @@ def test_the_printed_table_is_read_as_it_stands():
     np.testing.assert_allclose(np.abs(spots[:, 1]), 2.85e-3, rtol=0.06)  # two rows, 5.7 mm apart
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=examples(50))
 @given(st.integers(0, 10**6), st.floats(0, 0.5))
 def test_contacts_obey_signorini_and_coulomb(seed, friction):
     """Nearly independent contacts: W = 1 + 0.1 A A^T/n; then one solution exists."""

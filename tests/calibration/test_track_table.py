@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from made_tracks import made_track
@@ -38,7 +39,7 @@ def test_any_separator_and_decimal_mark(tmp_path, head, separator, comma):
     np.testing.assert_array_equal(np.stack([track.frame, track.x, track.y], axis=1), ROWS)
 
 
-@settings(READER, max_examples=60)
+@settings(READER, max_examples=examples(60))
 @given(
     values=st.lists(
         st.tuples(*[st.floats(-1e4, 1e4, allow_nan=False).map(lambda v: round(v, 6))] * 2),
@@ -60,7 +61,7 @@ def test_what_was_written_is_read(tmp_path, values, separator, comma, quoted):
     np.testing.assert_array_equal(np.stack([track.x, track.y], axis=1), values)
 
 
-@settings(READER, max_examples=150)
+@settings(READER, max_examples=examples(40))
 @given(st.text(alphabet='0123456789.,;\t -+eE*#xyt\n"fram', max_size=120))
 def test_any_text_is_read_or_refused_in_one_line(tmp_path, text):
     path = written(tmp_path, text)

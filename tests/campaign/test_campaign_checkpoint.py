@@ -3,6 +3,7 @@
 import h5py
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
@@ -28,7 +29,7 @@ def path(tmp_path_factory):
     return tmp_path_factory.mktemp("checkpoint") / "checkpoint.h5"
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 @given(arrays=st.dictionaries(_NAMES, _ANY_BITS | _OTHER, max_size=4), meta=_META)
 def test_every_bit_comes_back(path, arrays, meta):
     """A resumed run has the same bits only if NaN payloads, -0.0 and shapes survive."""
@@ -85,7 +86,7 @@ def test_truncated_checkpoint_is_refused(sealed, kept):
     refused(sealed, "damaged")
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 @given(place=st.integers(0, 10**6), bit=st.integers(0, 7))
 def test_one_flipped_bit_is_noticed(path, place, bit):
     """SHA-256 covers all behind the seal; the padding of the seal (96 to 511) holds nothing."""

@@ -222,7 +222,7 @@ def test_holder_clears_what_a_killed_writer_left(tmp_path):
 def test_folder_module_is_light():
     """silo2d --help must come at once, so neither h5py nor rich nor numpy may load with it."""
     code = (
-        "import sys, granulab.campaign.runs.folder, campaign\n"
+        "import sys, granulab.campaign as campaign, granulab.campaign.runs.folder\n"
         "print(sorted({'h5py', 'rich', 'numpy', 'filelock'} & set(sys.modules)))\n"
         "assert campaign.TrajectoryWriter.__name__ == 'TrajectoryWriter'"
     )

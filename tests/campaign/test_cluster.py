@@ -54,7 +54,7 @@ def test_a_scheduler_that_goes_away_ends_the_sweep_with_what_there_is(tmp_path):
     surroundings: dict[str, Any] = {
         "stdout": subprocess.DEVNULL,
         "stderr": subprocess.DEVNULL,
-        "env": os.environ | {"PYTHONPATH": os.pathsep.join(["tests", "."])},
+        "env": os.environ | {"PYTHONPATH": os.pathsep.join(["tests/helpers", "."])},
     }
     scheduler = subprocess.Popen(
         [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", str(port),

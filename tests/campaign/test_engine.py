@@ -114,7 +114,7 @@ def test_ctrl_c_lets_the_running_tasks_keep_their_state(tmp_path, number):
 PROGRAM = """
 import sys
 from pathlib import Path
-sys.path.insert(0, "tests")
+sys.path.insert(0, "tests/helpers")
 import fake_tasks
 from granulab.campaign.sweeps.engine import run_tasks
 if __name__ == "__main__":

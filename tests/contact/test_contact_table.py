@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -189,7 +190,7 @@ def tables(draw) -> ContactTable:
 
 
 @given(table=tables())
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 def test_a_written_table_reads_back_equal(table, tmp_path_factory):
     """To the bit: numbers are written with the digits that hold them."""
     path = tmp_path_factory.mktemp("table") / "table.toml"

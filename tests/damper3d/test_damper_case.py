@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -505,7 +506,7 @@ def case_or_line(changes: dict[str, Any]) -> DamperCase | str:
 
 @given(any_changes())
 @example({"motion.direction": [0.0, 1.0, math.nan]})
-@settings(deadline=None, max_examples=400)
+@settings(deadline=None, max_examples=examples(80))
 def test_whatever_stands_in_a_case_file_is_resolved_or_refused_in_one_line(changes):
     """A case is all finite numbers and can be told in words; else one line says what is wrong."""
     from damper3d.view.report import echo

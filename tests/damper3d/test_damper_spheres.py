@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -28,7 +29,7 @@ def test_a_sphere_covers_its_circle_at_its_place():
     assert rows.mean() + 0.5 == pytest.approx((0.01 + 0.002) * 1e4, abs=0.5)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(
     apart=st.tuples(*[st.floats(-0.003, 0.003)] * 3),
     radii=st.tuples(*[st.floats(0.001, 0.005)] * 2),

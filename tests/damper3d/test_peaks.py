@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -96,7 +97,7 @@ def refined(function, gammas, rounds):
     return gammas, function(gammas)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 @given(st.floats(3.5, 70.0), st.integers(1, 6))
 def test_refinement_brackets_a_planted_peak_twice_as_closely_each_round(at, rounds):
     """One steep-sided maximum: after n rounds it lies between the neighbours of the best point,

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from made_meshes import CUBE, CUBE_FACES, rotation, write_obj
@@ -164,7 +165,7 @@ def particle_or_line(text: str) -> Cluster | str:
 
 
 @given(st.text(max_size=12), st.sampled_from(["sphere", "prolate", "toroid", "mesh", ""]))
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=examples(40))
 def test_any_text_is_a_particle_or_refused_in_one_line(text, kind):
     """Of families that cost nothing to make; the others share their reading of numbers."""
     found = particle_or_line(f"{kind}:{text}")

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -90,7 +91,7 @@ def test_volume_and_surface_of_spheres_in_any_direction(k):
 
 
 @given(st.floats(0.2, 3.0), st.floats(0.01, 0.99))
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 def test_two_spheres_lose_their_lens(radius, share):
     """lens = pi (R + r - d)^2 (d^2 + 2 d (R + r) - 3 (R - r)^2)/(12 d)."""
     d = abs(1.0 - radius) + share * (1.0 + radius - abs(1.0 - radius))

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from analytic import angular_frequency, damping_of_restitution
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -78,7 +79,7 @@ def total_energy(simulation):
     return math.fsum(simulation.energies().values())
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(
     impact_parameter=st.floats(-12e-3, 12e-3),
     spins=st.tuples(st.floats(-500, 500), st.floats(-500, 500)),
@@ -237,7 +238,7 @@ def test_a_discharged_grain_takes_its_energy_along():
     assert out == pytest.approx(math.sqrt(2 * h / G), abs=step**2 * G)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 @given(
     angle=st.floats(0, 2 * math.pi),
     vx=st.floats(-2, 2),

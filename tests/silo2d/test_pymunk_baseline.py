@@ -254,12 +254,13 @@ def finished_pymunk(_finished_root, tmp_path_factory) -> RunFolder:
 
 
 def test_it_empties_as_the_contact_law_does(reference, finished_pymunk):
-    """The same outcome; the first seven grains within 1 ms; curves within 15 % of the time.
+    """The same outcome; the first seven grains within 2 ms; curves within 15 % of the time.
 
     The first seven leave before chance takes over: 30, 31 and 32 iterations gave them within 0.7 ms
-    of the contact law's; without friction between grains it was 3.5 ms, at walls 5.6 ms, without
-    any 10 ms. After that a silo of 67 grains is chaotic: the same three left the curves 0.037,
-    0.011 and 0.014 s apart in the mean, where 15 % are 0.048 s.
+    of the contact law's, another processor, whose bed is another, within 1.7 ms; without friction
+    between grains it was 3.5 ms, at walls 5.6 ms, without any 10 ms. After that a silo of 67 grains
+    is chaotic: the same three left the curves 0.037, 0.011 and 0.014 s apart in the mean, where
+    15 % are 0.048 s.
     """
     law, own = reference.read_summary(), finished_pymunk.read_summary()
     assert own["outcome"] == law["outcome"] == "empty"
@@ -269,7 +270,7 @@ def test_it_empties_as_the_contact_law_does(reference, finished_pymunk):
     assert apart["counts"] == law["n_out"]
     assert 0 < apart["mean_s"] < 0.15 * law["discharge_time_s"]
     times = [discharge_curve(read_trajectory(folder))[0][:7] for folder in folders]
-    np.testing.assert_allclose(times[1], times[0], rtol=0, atol=1e-3)
+    np.testing.assert_allclose(times[1], times[0], rtol=0, atol=2e-3)
 
 
 def test_the_answers_have_the_same_fields_and_none_that_impulses_do_not_know(

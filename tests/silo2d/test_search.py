@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import shapely
 import shapely.affinity
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import LEVEL, SPHERORADIUS, block, launch, simulation_of, wall
@@ -106,7 +107,7 @@ def step_without_motion(simulation):
     simulation.run(1)
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=examples(15))
 @given(seed=st.integers(0, 2**32 - 1))
 def test_the_list_holds_every_touching_pair(seed):
     """Random dense crowds against all vertices of all bodies and all edges of all others, walls'

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import shapely
+from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -40,7 +41,7 @@ def polar_moment(ring, about):
 
 
 @given(core=convex_cores(), spheroradius=st.floats(0.1e-3, 3e-3))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 def test_mass_integrals_agree_with_a_dense_polygon(core, spheroradius):
     """Tolerance: the dense polygon's chords miss r^2/2 (a - sin a) of each arc step a, together
     at most pi r^2 a^2/6; GEOS steps by at most 1.5 quanta of 90 deg/QUAD_SEGS."""
@@ -58,7 +59,7 @@ def test_mass_integrals_agree_with_a_dense_polygon(core, spheroradius):
 
 
 @given(core=convex_cores(), spheroradius=st.floats(0.1e-3, 3e-3))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 def test_shrinking_undoes_growing(core, spheroradius):
     """The core of a grown core is that core, moved to the centroid of the rounded shape.
     Tolerance: rounding, magnified by sharp corners (a mitre of up to some 100 r)."""
@@ -70,7 +71,7 @@ def test_shrinking_undoes_growing(core, spheroradius):
 
 
 @given(core=convex_cores(), spheroradius=st.floats(0.1e-3, 3e-3))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 def test_rounded_outline_lies_in_the_outline_and_touches_every_face(core, spheroradius):
     """Tolerance: rounding, 1e-12 m, and the same for the faces' distance."""
     outline = grown(core, spheroradius)
@@ -118,7 +119,7 @@ def test_tiny_core_is_a_disc():
 
 
 @given(core=convex_cores(), angle=st.floats(0, 2 * np.pi), shift=st.floats(-1, 1))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_mass_integrals_do_not_depend_on_where_the_outline_lies(core, angle, shift):
     """Tolerance: rounding of coordinates near 1 m against edges of some 1 mm."""
     r = 1e-3
