@@ -4,6 +4,7 @@ import dataclasses
 import json
 import shutil
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,17 @@ from damper3d.run.fill import fill, resting
 from damper3d.run.folders import shaken
 from damper3d.run.packing import Packing, damaged, load_packing, packing_folder, save_packing
 from damper3d.run.result import Result, first_counted, summarise
-from damper3d.run.sources import SOURCES
+from damper3d.run.sources import MEASURES, SOURCES
 from damper3d.run.vibration import Clock, vibrate
 from granulab.campaign.runs.checkpoint import load_checkpoint
 from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run
-from granulab.campaign.runs.protocol import begin_or_check, check_unchanged, end, kept
+from granulab.campaign.runs.protocol import (
+    begin_or_check,
+    check_unchanged,
+    end,
+    kept,
+    measure_again,
+)
 from granulab.campaign.runs.provenance import Warn, to_stderr
 from granulab.campaign.runs.trajectory import TrajectoryWriter, read_trajectory
 from granulab.campaign.sweeps.task import Progress, Stop
@@ -92,14 +99,14 @@ def run_in(
         )
         if folder.state == "finished":
             _clear(folder, case)  # it may have been killed before it could
-            return Result.read(folder, reused=True)
+            return _read(folder, warn)
         packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
         sim, clock = _start_or_resume(folder, case, packing)
         writer = TrajectoryWriter(folder.path, parts=clock.parts)
         writer.write_static(*describe(case, packing))
         vibrate(sim, case, folder, writer, clock, progress, stop)
         summary = _end(folder, case, packing, sim, clock, writer)
-        end(folder, summary, begun)
+        end(folder, summary, begun, MEASURES)
         _clear(folder, case)
         return Result.read(folder, reused=False)
 
@@ -205,13 +212,43 @@ def _end(
     else:
         writer.flush()
     return {
-        **summarise(case, read_trajectory(folder.path), packing),
-        **phase_of_run(folder.path, first_counted(case, len(clock.lost) - 1)),
+        **_measured(folder, case, len(clock.lost) - 1),
+        "packing": {
+            "fraction": packing.fraction,
+            "height_m": packing.height,
+            "coordination": packing.coordination,
+            "rms_speed_m_s": packing.rms_speed,
+        },
         "steps": sim.steps,
         "cpu_us_per_step": 1e6 * clock.cpu_s / sim.steps,
         "cpu_s": clock.cpu_s + clock.filling_cpu_s,
         "state_digest": sim.state_digest(),
     }
+
+
+def _measured(folder: RunFolder, case: DamperCase, n_cycles: int) -> dict[str, Any]:
+    """The part of the results that measures make from what the run stored."""
+    return {
+        **summarise(case, read_trajectory(folder.path)),
+        **phase_of_run(folder.path, first_counted(case, n_cycles)),
+    }
+
+
+def read_finished(folder: RunFolder, warn: Warn = to_stderr) -> Result:
+    """The result of a finished run; measured again where the measures are others by now."""
+    with folder.lock():
+        return _read(folder, warn)
+
+
+def _read(folder: RunFolder, warn: Warn) -> Result:
+    def again(summary: Mapping[str, Any]) -> dict[str, Any] | None:
+        case = DamperCase.load(folder.path / "case.toml")
+        if case.settings.output.keep == "summary" or case.settings.run.steady:
+            return None  # nothing is stored; or the measures decided when the run ended
+        return {**summary, **_measured(folder, case, summary["cycles"])}
+
+    measure_again(folder, MEASURES, again, warn)
+    return Result.read(folder, reused=True)
 
 
 def _clear(folder: RunFolder, case: DamperCase) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from damper3d.case.case import DamperCase
 from damper3d.engine.records import Samples, cut
 from damper3d.measures import efficiency, response
-from damper3d.run.packing import Packing, lowest
+from damper3d.run.packing import lowest
 from damper3d.run.steady import BLOCK, block_interval, interval, is_steady, judged
 from granulab.campaign.runs.result import Answers
 from granulab.campaign.runs.trajectory import Trajectory
@@ -65,8 +65,8 @@ class Result(Answers):
     run_folder: str
 
 
-def summarise(case: DamperCase, samples: Trajectory, packing: Packing) -> dict[str, Any]:
-    """What the samples of a run say, by the names of Result; SI, None for what does not exist."""
+def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
+    """Results from the samples of a run, by the names of Result; SI, None where none exists."""
     run, per_cycle = case.settings.run, case.settings.output.samples
     n_cycles = (len(samples["time"]) - 1) // per_cycle
     first = first_counted(case, n_cycles)
@@ -85,12 +85,6 @@ def summarise(case: DamperCase, samples: Trajectory, packing: Packing) -> dict[s
         "particle_mass_kg": case.particle_mass,
         "mass_kg": case.mass,
         "seed": run.seed,
-        "packing": {
-            "fraction": packing.fraction,
-            "height_m": packing.height,
-            "coordination": packing.coordination,
-            "rms_speed_m_s": packing.rms_speed,
-        },
         "cycles": n_cycles,
         "discarded": first,
         "efficiency": float(eta["efficiency"].mean()),

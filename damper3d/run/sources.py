@@ -1,4 +1,4 @@
-"""The sources that decide what a run computes; pictures, commands and tables do not."""
+"""The sources that decide what a run computes, and those that measure it; no others count."""
 
 from pathlib import Path
 
@@ -8,3 +8,4 @@ from granulab.campaign.runs.provenance import Sources
 _PACKAGE = Path(__file__).parents[1]
 _ROOMS = [_PACKAGE / room for room in ("engine", "case", "run", "shapes")]
 SOURCES = Sources(Path(contact.__file__).parent, *_ROOMS)
+MEASURES = Sources(_PACKAGE / "measures")

@@ -14,9 +14,9 @@ from damper3d.case.plan import expected_cpu_s
 from damper3d.case.settings import Settings
 from damper3d.engine import ENGINE
 from damper3d.run.packing import load_packing, packing_folder
-from damper3d.run.protocol import PACKAGES, get_packing, run, run_digest
+from damper3d.run.protocol import PACKAGES, get_packing, read_finished, run, run_digest
 from damper3d.run.result import Result
-from damper3d.run.sources import SOURCES
+from damper3d.run.sources import MEASURES, SOURCES
 from granulab.campaign.runs.folder import FolderError
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import packing_sources
@@ -88,9 +88,10 @@ DAMPER = Simulator(
     packing_folder=packing_folder,
     packing_from=partial(packing_sources, load_packing),
     work=run_task,
-    read=partial(Result.read, reused=True),
+    read=partial(read_finished, warn=silent),
     expected_cpu_s=expected_cpu_s,
     sources=SOURCES,
+    measures=MEASURES,
     packages=PACKAGES,
     means=("efficiency", "dissipated_power_w", "peak_wall_force_n"),
     compiled=partial(already_compiled, ENGINE),

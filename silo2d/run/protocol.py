@@ -2,13 +2,19 @@
 
 import dataclasses
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from granulab import contact
 from granulab.campaign.runs.checkpoint import load_checkpoint
 from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run, resume_run
-from granulab.campaign.runs.protocol import begin_or_check, check_unchanged, end, kept
+from granulab.campaign.runs.protocol import (
+    begin_or_check,
+    check_unchanged,
+    end,
+    kept,
+    measure_again,
+)
 from granulab.campaign.runs.provenance import Sources, Warn, to_stderr
 from granulab.campaign.runs.trajectory import TrajectoryWriter
 from granulab.campaign.sweeps.task import Progress, Stop
@@ -24,11 +30,9 @@ from silo2d.run.ending import Clock
 from silo2d.run.packing import Packing, load_packing, packing_folder, save_packing
 from silo2d.run.pour import agitation, pour
 from silo2d.run.result import Result
-from silo2d.run.summary import describe, summarise, write_records
+from silo2d.run.sources import BASELINE, MEASURES, SOURCES
+from silo2d.run.summary import describe, measured, summarise, write_records
 
-_ROOMS = [Path(__file__).parents[1] / room for room in ("engine", "case", "run")]
-# What decides what a run computes; pictures, commands and tables do not.
-SOURCES = Sources(Path(contact.__file__).parent, *_ROOMS)
 PACKAGES = ["numpy", "numba", "llvmlite", "h5py", "shapely", "pymunk"]
 _SETTLE_FRAME = 1e-3  # [s] between looks at the kinetic energy before the opening
 _SETTLE_PATIENCE = 2.0  # [s]
@@ -77,6 +81,27 @@ def run_digest(case: SiloCase) -> str:
     return digest({**case.identity(), **engine})
 
 
+def sources_of_both(case: SiloCase) -> tuple[Sources, Sources]:
+    """The sources that decide what a run of a case computes, and what its packing is."""
+    poured = BASELINE if case.settings.fill.pour_with == "pymunk" else SOURCES
+    return BASELINE if case.impulses else poured, poured
+
+
+def read_finished(folder: RunFolder, warn: Warn = to_stderr) -> Result:
+    """The result of a finished run; measured again where the measures are others by now."""
+    with folder.lock():
+        return _read(folder, warn)
+
+
+def _read(folder: RunFolder, warn: Warn) -> Result:
+    def again(summary: Mapping[str, Any]) -> dict[str, Any]:
+        case = SiloCase.load(folder.path / "case.toml")
+        return {**summary, **measured(folder, case, summary["outcome"])}
+
+    measure_again(folder, MEASURES, again, warn)
+    return Result.read(folder, reused=True)
+
+
 def run_in(
     folder: RunFolder,
     case: SiloCase,
@@ -94,11 +119,11 @@ def run_in(
             run_digest=run_digest(case),
             seed=case.settings.run.seed,
             packages=PACKAGES,
-            sources=SOURCES,
+            sources=sources_of_both(case)[0],
             warn=warn,
         )
         if folder.state == "finished":
-            return Result.read(folder, reused=True)
+            return _read(folder, warn)
         if case.impulses:
             summary = _by_pymunk(folder, case, progress, stop, warn)
             return _finish(folder, summary, begun)
@@ -114,8 +139,8 @@ def run_in(
 
 
 def _finish(folder: RunFolder, summary: dict[str, Any], begun: float) -> Result:
-    """Keep the answers and the wall time since `begun`."""
-    end(folder, summary, begun)
+    """Keep the results and the wall time since `begun`."""
+    end(folder, summary, begun, MEASURES)
     folder.checkpoint.unlink(missing_ok=True)
     return Result.read(folder, reused=False)
 
@@ -179,7 +204,7 @@ def get_packing(
         load=load_packing,
         make=lambda: _fill(case, folder, progress, stop),
         cure="delete it and it is filled anew",
-        sources=SOURCES,
+        sources=sources_of_both(case)[1],
         stop=stop,
         warn=warn,
     )
@@ -198,7 +223,7 @@ def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Stop) -> Packi
         packing = pour_with_pymunk(case, seed, report)
     else:
         packing = pour(case, seed, report)
-    packing = dataclasses.replace(packing, sources=SOURCES.digest)
+    packing = dataclasses.replace(packing, sources=sources_of_both(case)[1].digest)
     save_packing(packing, folder)
     return packing
 

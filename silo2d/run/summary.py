@@ -25,12 +25,6 @@ def summarise(
     outcome: str,
 ) -> dict[str, Any]:
     """The answers of a finished discharge, from its trajectory."""
-    frames = read_trajectory(folder.path)
-    mass, out_time = frames.static["mass"], frames["out_time"][-1]
-    measures = discharge_measures(out_time, mass)
-    # Where the flow was cut off, the times of those that left before mean nothing.
-    cut_off = outcome not in ("empty", "dead_zones")
-    by_mechanism = all(name in frames for name in MECHANISMS)
     return {
         "silo": case.label,
         "seed": case.settings.run.seed,
@@ -38,12 +32,6 @@ def summarise(
         "outcome": outcome,
         "n_particles": sim.n_grains,
         "n_out": sim.n_out,
-        "mass_kg": float(mass.sum()),
-        "mass_out_kg": float(mass[~np.isnan(out_time)].sum()),
-        "discharge_time_s": None if cut_off else measures["last_out_s"],
-        "t90_s": None if cut_off else measures["t90_s"],
-        "mean_rate_per_s": None if cut_off else measures["mean_rate_per_s"],
-        "mean_mass_flow_kg_per_s": None if cut_off else measures["mean_mass_flow_kg_per_s"],
         "packing_fraction": packing.fraction,
         "coordination": packing.coordination,
         "time_step_s": case.impulses.time_step if case.impulses else case.time_step,
@@ -51,13 +39,32 @@ def summarise(
         "simulated_s": sim.time,
         "cpu_us_per_step": 1e6 * clock.cpu_s / sim.steps,
         "cpu_s": clock.cpu_s + clock.filling_cpu_s,
+        "restitution": case.restitution(),
+        "state_digest": sim.state_digest(),
+        **measured(folder, case, outcome),
+    }
+
+
+def measured(folder: RunFolder, case: SiloCase, outcome: str) -> dict[str, Any]:
+    """The part of the results that measures make from the stored frames."""
+    frames = read_trajectory(folder.path)
+    mass, out_time = frames.static["mass"], frames["out_time"][-1]
+    measures = discharge_measures(out_time, mass)
+    # Where the flow was cut off, the times of those that left before mean nothing.
+    cut_off = outcome not in ("empty", "dead_zones")
+    by_mechanism = all(name in frames for name in MECHANISMS)
+    return {
+        "mass_kg": float(mass.sum()),
+        "mass_out_kg": float(mass[~np.isnan(out_time)].sum()),
+        "discharge_time_s": None if cut_off else measures["last_out_s"],
+        "t90_s": None if cut_off else measures["t90_s"],
+        "mean_rate_per_s": None if cut_off else measures["mean_rate_per_s"],
+        "mean_mass_flow_kg_per_s": None if cut_off else measures["mean_mass_flow_kg_per_s"],
         "energy_closure": energy_closure(frames)[1] if by_mechanism else None,
         "dissipated_j": {
             name: float(frames[name][-1]) if by_mechanism else None for name in MECHANISMS
         },
-        "restitution": case.restitution(),
         "published": published_times(case.published_name or ""),
-        "state_digest": sim.state_digest(),
     }
 
 

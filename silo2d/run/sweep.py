@@ -30,6 +30,7 @@ from silo2d.engine import ENGINE
 from silo2d.run import protocol
 from silo2d.run.packing import load_packing, packing_folder
 from silo2d.run.result import Result
+from silo2d.run.sources import MEASURES, SOURCES
 
 # Some forty grains that fall a centimetre: all kernels of a filling and a discharge.
 _SMALL = {
@@ -92,9 +93,11 @@ SILO = Simulator(
     packing_folder=packing_folder,
     packing_from=partial(packing_sources, load_packing),
     work=run_task,
-    read=partial(Result.read, reused=True),
+    read=partial(protocol.read_finished, warn=silent),
     expected_cpu_s=expected_cpu_s,
-    sources=protocol.SOURCES,
+    sources=SOURCES,
+    measures=MEASURES,
+    made_by=protocol.sources_of_both,
     packages=protocol.PACKAGES,
     means=("discharge_time_s", "t90_s", "mean_rate_per_s"),
     counted={"clogged": lambda row: row["outcome"].startswith("clogged")},

@@ -239,7 +239,7 @@ def test_what_other_sources_made_is_told_once(swept):
     assert answer.code == 0
     assert answer.err == (
         "warning: 3 of 4 runs and 0 of 2 packings were made by another version of the sources; "
-        "delete their folders and the same command makes them anew\n"
+        "delete their folders and the same command makes them again\n"
     )
 
 

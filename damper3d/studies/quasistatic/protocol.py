@@ -12,7 +12,7 @@ from damper3d.engine import ENGINE
 from damper3d.run.fill import clusters, packed, random_start
 from damper3d.run.packing import Packing, load_packing, save_packing
 from damper3d.run.protocol import PACKAGES
-from damper3d.run.sources import SOURCES
+from damper3d.run.sources import SOURCES as OF_RUNS
 from damper3d.run.vibration import BOOKS_OFF
 from damper3d.studies.quasistatic.case import SlowTest
 from damper3d.studies.quasistatic.course import (
@@ -33,6 +33,7 @@ from granulab.campaign.sweeps.task import Progress, Stop
 from granulab.contact.jit import already_compiled, cache_folder
 from granulab.errors import InputError, SimulationError, Stopped
 
+SOURCES = OF_RUNS.plus(Path(__file__).parent)  # of a slow test and of its packing
 _LOOK = 1e-3  # [s] of simulated time between reports
 _SECONDS_PER_PARTICLE_STEP = 5e-7  # of a bed at rest under load, on a server of 2023
 

@@ -62,9 +62,41 @@ def check_unchanged(folder: RunFolder, run_digest: str, files: str) -> None:
         )
 
 
-def end(folder: RunFolder, summary: Mapping[str, Any], begun: float) -> None:
-    """Keep the answers, and the wall time since `begun` (time.perf_counter) [s]."""
-    folder.write_provenance({**folder.read_provenance(), "wall_s": time.perf_counter() - begun})
+def end(
+    folder: RunFolder, summary: Mapping[str, Any], begun: float, measures: Sources | None = None
+) -> None:
+    """Keep the results, the wall time since `begun` (time.perf_counter) [s], and by which measures.
+
+    measures: the rooms whose functions made the results from what the run stored.
+    """
+    origin = {**folder.read_provenance(), "wall_s": time.perf_counter() - begun}
+    if measures:
+        origin["measures_digest"] = measures.digest
+    folder.write_provenance(origin)
+    folder.write_summary(summary)
+
+
+def measure_again(
+    folder: RunFolder,
+    measures: Sources,
+    results: Callable[[Mapping[str, Any]], Mapping[str, Any] | None],
+    warn: Warn,
+) -> None:
+    """Bring the results of a finished run up to date where other measures made them.
+
+    results: the summary from what the run stored, given the one that stands there; None where too
+    little was stored, of which `warn` is told.
+    """
+    origin = folder.read_provenance()
+    made = origin.get("measures_digest")
+    if made == measures.digest:
+        return
+    summary = results(folder.read_summary())
+    if summary is None:
+        cure = "--again computes the run again beside it"
+        measures.check(f"the results of {folder.path} were measured", made, cure, warn)
+        return
+    folder.write_provenance({**origin, "measures_digest": measures.digest})
     folder.write_summary(summary)
 
 

@@ -34,14 +34,18 @@ def to_stderr(line: str) -> None:
 
 
 class Sources:
-    """The package folders that decide what a run computes; runs and packings keep their digest."""
+    """The rooms that decide what is computed; runs, packings and answers keep their digest."""
 
     def __init__(self, *folders: Path) -> None:
         self.folders = folders
 
+    def plus(self, *folders: Path) -> "Sources":
+        """These rooms and others, such as that of a study or of a second engine."""
+        return Sources(*self.folders, *folders)
+
     @cached_property
     def digest(self) -> str:
-        """Of the sources as they stood when this was first asked."""
+        """Digest of the sources as they stood when this was first asked for."""
         return source_digest(self.folders)
 
     def check(self, what: str, made: str | None, cure: str, warn: Warn) -> None:

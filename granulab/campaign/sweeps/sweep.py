@@ -47,6 +47,9 @@ class Simulator:
     work           runs the case of a Task in a worker, or makes its packing; found by its name
     read           what a finished run found, a dataclass; FolderError where it is damaged
     expected_cpu_s CPU time [s] that the packing of a case and its run will take, about
+    sources        the rooms that decide what a run computes
+    measures       the rooms that make its results from what it stored; None: none do
+    made_by        of a case, the sources of its run and of its packing, where they differ
     packages       distributions whose versions matter to the last bit
     means          columns of numbers of which a study tells mean and deviation over the seeds
     counted        words for kinds of runs that a study counts, and which rows are of the kind
@@ -62,6 +65,8 @@ class Simulator:
     expected_cpu_s: Callable[[Any], tuple[float, float]]
     sources: Sources
     packages: list[str]
+    measures: Sources | None = None
+    made_by: Callable[[Any], tuple[Sources, Sources]] | None = None
     means: tuple[str, ...] = ()
     counted: Mapping[str, Callable[[dict[str, Any]], bool]] = field(default_factory=dict)
     compiled: Callable[[], bool] = lambda: True
@@ -167,29 +172,33 @@ def without_again(line: str, folder: Path | None = None) -> str:
 def _warn_of_other_sources(
     simulator: Simulator, cases: list[Any], folders: list[RunFolder], out: Path
 ) -> None:
-    """One line on stderr where runs or packings were made by other sources than these."""
-    runs = {folder.path: folder for folder in folders}.values()
-    packings = {simulator.packing_file(case, out) for case in cases}
-    own = simulator.sources.digest
+    """One line on stderr where runs, packings or results were made by other sources than these."""
+    by = simulator.made_by or (lambda case: (simulator.sources, simulator.sources))
+    runs, packings, results = {}, {}, {}  # whether others made it, by where it is
+    for case, folder in zip(cases, folders, strict=True):
+        of_run, of_packing = by(case)
+        origin, packing = _origin(folder), simulator.packing_file(case, out)
+        runs[folder.path] = origin.get("source_digest") not in (None, of_run.digest)
+        packings[packing] = simulator.packing_from(packing) not in (None, of_packing.digest)
+        if simulator.measures and "measures_digest" in origin:
+            results[folder.path] = origin["measures_digest"] != simulator.measures.digest
     of_others = [
-        f"{sum(made not in (None, own) for made in known)} of {len(known)} {what}"
-        for what, known in (
-            ("runs", [_sources_of_run(folder) for folder in runs]),
-            ("packings", [simulator.packing_from(file) for file in packings]),
-        )
+        f"{sum(made.values())} of {len(made)} {what}"
+        for what, made in (("runs", runs), ("packings", packings), ("results", results))
+        if what != "results" or any(made.values())
     ]
     if any(not words.startswith("0 ") for words in of_others):
         to_stderr(
             f"{' and '.join(of_others)} were made by another version of the sources; delete their "
-            "folders and the same command makes them anew"
+            "folders and the same command makes them again"
         )
 
 
-def _sources_of_run(folder: RunFolder) -> str | None:
+def _origin(folder: RunFolder) -> dict[str, Any]:
     try:
-        return folder.read_provenance().get("source_digest")
+        return folder.read_provenance()
     except FolderError:  # not begun; what is damaged is told in its row
-        return None
+        return {}
 
 
 def _read(simulator: Simulator, folder: RunFolder) -> Outcome:

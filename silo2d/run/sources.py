@@ -1,0 +1,12 @@
+"""The sources that decide what a run computes, and those that measure it; no others count."""
+
+from pathlib import Path
+
+from granulab import contact
+from granulab.campaign.runs.provenance import Sources
+
+_PACKAGE = Path(__file__).parents[1]
+_ROOMS = [_PACKAGE / room for room in ("engine", "case", "run")]
+SOURCES = Sources(Path(contact.__file__).parent, *_ROOMS)
+BASELINE = SOURCES.plus(_PACKAGE / "baseline")  # where pymunk pours or discharges
+MEASURES = Sources(_PACKAGE / "measures")
