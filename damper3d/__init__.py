@@ -7,13 +7,20 @@ if TYPE_CHECKING:
     from damper3d.case.case import DamperCase
     from damper3d.run.protocol import run
     from damper3d.run.result import Result
+    from damper3d.shapes import register as register_shape
 
-__all__ = ["DamperCase", "Result", "run"]
+__all__ = ["DamperCase", "Result", "register_shape", "run"]
 
 
 def __getattr__(name: str):
     # Imported when first asked for: --help must answer without numba.
-    homes = {"DamperCase": "case.case", "Result": "run.result", "run": "run.protocol"}
+    homes = {
+        "DamperCase": ("case.case", "DamperCase"),
+        "Result": ("run.result", "Result"),
+        "register_shape": ("shapes", "register"),
+        "run": ("run.protocol", "run"),
+    }
     if name not in homes:
         raise AttributeError(f"module 'damper3d' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"damper3d.{homes[name]}"), name)
+    module, inside = homes[name]
+    return getattr(importlib.import_module(f"damper3d.{module}"), inside)

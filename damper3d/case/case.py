@@ -31,7 +31,7 @@ from damper3d.case.parts import (
 from damper3d.case.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.engine.enclosure import Enclosure
 from damper3d.engine.shaker import Sines, sine
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import particle_of
 from granulab.contact.files.casefile import changed
 from granulab.contact.files.datafile import case_names, data_file, find, is_file
@@ -49,7 +49,7 @@ class DamperCase:
 
     settings: Settings
     enclosure: Enclosure
-    particle: Cluster
+    particle: MultiSphere
     count: int
     density: float  # of the particles [kg/m3]
     pair_law: HertzLaw
@@ -203,7 +203,7 @@ class DamperCase:
         """What a settled packing is named by: not what acts only once the enclosure moves."""
         enclosure, particle, law = self.enclosure, self.particle, self.settings.law
         # A ball has one contact with another.
-        treatment = {} if particle.is_ball else {"contact_treatment": law.contact_treatment}
+        treatment = {} if particle.is_sphere else {"contact_treatment": law.contact_treatment}
         return {
             "enclosure": [enclosure.shape, enclosure.width, enclosure.depth, enclosure.height],
             "particle": [particle.offsets, particle.radii, particle.volume, particle.inertia],

@@ -4,10 +4,10 @@ import dataclasses
 import math
 from pathlib import Path
 
+from damper3d.case.oscillation import equivalent_sphere_radius
 from damper3d.case.settings import Law, Settings
-from damper3d.case.swing import ball_as_swift
 from damper3d.engine.records import CLASSES
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.files.table import ContactTable, load_table
 from granulab.contact.files.units import located
 from granulab.contact.hertz import HertzLaw
@@ -115,7 +115,7 @@ def _law(
 
 
 def yield_velocities(
-    materials: tuple[Material, Material], particle: Cluster
+    materials: tuple[Material, Material], particle: MultiSphere
 ) -> dict[str, float | None]:
     """Eq. 5.26 for each kind of contact [m/s], between spheres of the particle's own radius.
 
@@ -146,7 +146,7 @@ class Steps:
 
 
 def time_steps(
-    particle: Cluster, material: Material, tangential: float, settings: Settings, where: str
+    particle: MultiSphere, material: Material, tangential: float, settings: Settings, where: str
 ) -> Steps:
     """The time step of a case and why; InputError where there is none.
 
@@ -154,8 +154,8 @@ def time_steps(
     is given, or the usual one, is shortened to fit. tangential is kt/kn of the contacts [-].
     """
     rayleigh = _rayleigh(particle.smallest_radius, material)
-    limit = _rayleigh(ball_as_swift(particle, tangential), material)
-    wanted, reason = _wanted_step(settings.run.time_step, limit, particle.is_ball, where)
+    limit = _rayleigh(equivalent_sphere_radius(particle, tangential), material)
+    wanted, reason = _wanted_step(settings.run.time_step, limit, particle.is_sphere, where)
     samples, frequency = settings.output.samples, settings.motion.frequency
     sample = 1.0 / (frequency * samples)
     ratio = sample / wanted

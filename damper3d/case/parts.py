@@ -10,9 +10,9 @@ import numpy as np
 from damper3d.case.random_packing import close_packing
 from damper3d.case.settings import MOST_PARTICLES, Motion, Particles, Settings
 from damper3d.engine.enclosure import Enclosure, box, cylinder
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import Particle, usual
-from damper3d.shapes.surfaces.mesh_file import as_obj, read_triangles
+from damper3d.shapes.surfaces.mesh_data import as_obj, read_triangles
 from granulab.contact.files.datafile import is_file
 from granulab.errors import InputError
 
@@ -42,7 +42,7 @@ def enclosure_of(settings: Settings, where: str) -> Enclosure:
     return box(given.width, given.depth or given.width, given.height)
 
 
-def count_of(enclosure: Enclosure, particle: Cluster, given: int | None, where: str) -> int:
+def count_of(enclosure: Enclosure, particle: MultiSphere, given: int | None, where: str) -> int:
     """The number of particles; InputError where they cannot be inside."""
     size = 2.0 * particle.bounding_radius
     if enclosure.narrowest < size:

@@ -5,8 +5,8 @@ from typing import Any
 
 from damper3d.case.case import DamperCase
 from damper3d.case.closed_forms import fluidisation_threshold
+from damper3d.case.oscillation import DEEPEST
 from damper3d.case.parameters import SAFE_SHARE
-from damper3d.case.swing import DEEPEST
 from damper3d.engine.records import CLASSES
 
 # On one core of a current server, of a particle and step [s] (benchmarks/damper.py and clusters.py;
@@ -30,7 +30,7 @@ def expected_cpu_of_step(case: DamperCase) -> float:
     It goes with the contacts, which shape and motion have a hand in.
     """
     spheres = len(case.particle.radii)
-    each = _OF_A_BALL if case.particle.is_ball else _OF_A_CLUSTER + _OF_A_SUB_SPHERE * spheres
+    each = _OF_A_BALL if case.particle.is_sphere else _OF_A_CLUSTER + _OF_A_SUB_SPHERE * spheres
     return each * case.count
 
 

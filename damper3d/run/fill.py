@@ -55,7 +55,7 @@ def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray |
     """
     rng = np.random.default_rng(case.settings.run.seed)
     orientations = None
-    if case.particle.is_ball:
+    if case.particle.is_sphere:
         radius = case.particle.bounding_radius
         centres, reached = grow(case.enclosure, count, radius, rng)
     else:
@@ -81,7 +81,7 @@ def resting(
     centres (count, 3) [m]; orientations (count, 4) of other particles than balls, not turned if
     left out.
     """
-    if not case.particle.is_ball:
+    if not case.particle.is_sphere:
         return ClusterSimulation(clusters(case, centres, orientations))
     radii = np.full(len(centres), case.particle.radii[0])
     return Simulation(build_world(centres, radii, **_surroundings(case)))

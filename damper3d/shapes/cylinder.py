@@ -10,8 +10,11 @@ import math
 
 import numpy as np
 
-from damper3d.shapes.surfaces.solid import Solid
+from damper3d.shapes.family import Family, Numbers, Value
+from damper3d.shapes.multisphere import MultiSphere
+from damper3d.shapes.surfaces.solid import Solid, filled
 from damper3d.shapes.surfaces.surface import turned
+from granulab.errors import InputError
 
 _AROUND = 96  # corners of the triangles round the axis
 _ARC = 12  # pieces of a rounded edge
@@ -68,3 +71,20 @@ def _profile(p: float, h: float, r: float) -> np.ndarray:
     middle = np.stack([np.full(len(side), p + r), side], 1)
     above = below[::-1] * [1.0, -1.0]
     return np.concatenate([below, middle, above if h > 0.0 else above[1:]])
+
+
+def _build(numbers: Numbers, sub_spheres: int | None, tolerance: float | None) -> MultiSphere:
+    slenderness, rounding = numbers
+    if rounding > slenderness:
+        raise InputError(
+            f"shape = 'cylinder:{slenderness:g},{rounding:g}': the rounding must be at most the "
+            f"length over the diameter, {slenderness:g}"
+        )
+    return filled(cylinder(*numbers), "cylinder", sub_spheres, tolerance)
+
+
+FAMILY = Family(
+    "cylinder:1.5,0.2",
+    _build,
+    values=(Value("length over diameter", 0.2, 10.0), Value("rounding", 0.1, 1.0)),
+)

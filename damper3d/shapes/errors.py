@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import Particle, particle_of
 from damper3d.shapes.surfaces import union
 from granulab.errors import InputError
@@ -36,7 +36,7 @@ class Errors:
     section_perimeter: float | None  # eqs 4.20-4.23, 4.32
 
 
-def errors_of(particle: Cluster) -> Errors:
+def errors_of(particle: MultiSphere) -> Errors:
     """Of a particle; volume and area are exact for rows and rings, else good to some 1e-4."""
     volume, area = _together(particle)
     section, exact = _sections(particle)
@@ -50,7 +50,7 @@ def errors_of(particle: Cluster) -> Errors:
     )
 
 
-def _together(particle: Cluster) -> tuple[float, float]:
+def _together(particle: MultiSphere) -> tuple[float, float]:
     """Volume [m3] and surface [m2] of the sub-spheres."""
     offsets, radii = particle.offsets, particle.radii
     if particle.arrangement == "row":
@@ -60,7 +60,7 @@ def _together(particle: Cluster) -> tuple[float, float]:
     return union.of_any(offsets, radii)
 
 
-def _sections(particle: Cluster) -> tuple[Section | None, Section | None]:
+def _sections(particle: MultiSphere) -> tuple[Section | None, Section | None]:
     offsets, radii = particle.offsets, particle.radii
     if particle.arrangement == "row":
         half = slice(len(radii) // 2, None)

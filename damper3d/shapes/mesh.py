@@ -4,8 +4,7 @@ import math
 from pathlib import Path
 
 from damper3d.shapes.surfaces.mesh_check import sound
-from damper3d.shapes.surfaces.mesh_file import read_triangles
-from damper3d.shapes.surfaces.polyhedron import mass_of, principal_axes
+from damper3d.shapes.surfaces.mesh_data import mass_of, principal_axes, read_triangles
 from damper3d.shapes.surfaces.solid import Solid
 from damper3d.shapes.surfaces.surface import Surface
 from granulab.contact.files.units import to_si

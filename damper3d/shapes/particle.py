@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from damper3d.shapes.cluster import Cluster, sphere
-from damper3d.shapes.family import FAMILIES, Family
+from damper3d.shapes import FAMILIES
+from damper3d.shapes.family import Family
 from damper3d.shapes.mesh import read_mesh, unit_of
+from damper3d.shapes.multisphere import MultiSphere, sphere
 from damper3d.shapes.surfaces.solid import filled
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
@@ -45,14 +46,14 @@ class Particle:
 def parse_particle(
     text: str, equal_volume_radius: float | None = None, *, sub_spheres: int | None = None,
     tolerance: float | None = None, mesh_unit: str | None = None, folder: Path = Path(),
-) -> Cluster:  # fmt: skip
+) -> MultiSphere:  # fmt: skip
     """The particle that a text names, see Particle; InputError, one line, where there is none."""
     return particle_of(
         Particle(text, equal_volume_radius, sub_spheres, tolerance, mesh_unit, folder)
     )
 
 
-def particle_of(wanted: Particle) -> Cluster:
+def particle_of(wanted: Particle) -> MultiSphere:
     """The particle of a case; InputError, one line, where there is none."""
     _check(wanted)
     if wanted.kind == "sphere":
@@ -100,7 +101,7 @@ def _check(wanted: Particle) -> None:
         )
 
 
-def _sphere(text: str, size: str, equal_volume_radius: float | None) -> Cluster:
+def _sphere(text: str, size: str, equal_volume_radius: float | None) -> MultiSphere:
     if size and equal_volume_radius is not None:
         raise InputError(
             f"shape = {text!r} has a size, and equal_volume_radius = {equal_volume_radius:g} m is "
@@ -120,7 +121,9 @@ def _sphere(text: str, size: str, equal_volume_radius: float | None) -> Cluster:
 
 
 @cache
-def _shaped(kind: str, values: str, sub_spheres: int | None, tolerance: float | None) -> Cluster:
+def _shaped(
+    kind: str, values: str, sub_spheres: int | None, tolerance: float | None
+) -> MultiSphere:
     """A particle of a family at an equal-volume radius of 1 m."""
     build = FAMILIES[kind].build
     assert build is not None  # as of a mesh
@@ -128,7 +131,9 @@ def _shaped(kind: str, values: str, sub_spheres: int | None, tolerance: float | 
     return dataclasses.replace(made, name=f"{kind}:{values}", kind=kind)
 
 
-def _mesh(path: Path, sub_spheres: int | None, tolerance: float | None) -> tuple[Cluster, float]:
+def _mesh(
+    path: Path, sub_spheres: int | None, tolerance: float | None
+) -> tuple[MultiSphere, float]:
     """The particle at an equal-volume radius of 1 m, and its own one in the file's unit."""
     try:
         state = path.stat()
@@ -142,6 +147,6 @@ def _mesh(path: Path, sub_spheres: int | None, tolerance: float | None) -> tuple
 def _kept_mesh(
     _place: Path, _stamp: tuple[int, int], path: Path, sub_spheres: int | None,
     tolerance: float | None,
-) -> tuple[Cluster, float]:  # fmt: skip
+) -> tuple[MultiSphere, float]:  # fmt: skip
     solid, own = read_mesh(path)
     return filled(solid, "mesh", sub_spheres, tolerance, f"mesh:{path.stem}"), own

@@ -7,12 +7,14 @@ spheroid there, d_(i+2) = d_(i+1) z_(i+1)/z_i, which leaves d_1 to be found from
 """
 
 import math
+from functools import partial
 
 import numpy as np
 
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.family import Family, Numbers, Value, counted
+from damper3d.shapes.multisphere import MultiSphere, sphere
 from damper3d.shapes.surfaces.covering import reaches
-from damper3d.shapes.surfaces.surface import Surface, unit_ball
+from damper3d.shapes.surfaces.surface import Surface, unit_sphere
 
 USUAL_SUB_SPHERES = 51  # the thesis's, sec. 8.2.1
 _PIECES = 20_000  # of the quarter ellipse, for the bound on the surface error
@@ -61,7 +63,7 @@ def _places(first: float, n: int, a: float, b: float) -> np.ndarray:
     return x
 
 
-def prolate(ratio: float, sub_spheres: int, name: str = "") -> Cluster:
+def prolate(ratio: float, sub_spheres: int, name: str = "") -> MultiSphere:
     """A prolate spheroid of an equal-volume radius of 1 m, its long axis along x.
 
     ratio: a/b above 1; sub_spheres: odd, at least 3.
@@ -73,8 +75,8 @@ def prolate(ratio: float, sub_spheres: int, name: str = "") -> Cluster:
     radii = np.concatenate([radii[:0:-1], radii])
     volume = 4.0 / 3.0 * math.pi * a * b**2
     bent = math.sqrt(1.0 - (b / a) ** 2)
-    ball = unit_ball()
-    return Cluster(
+    ball = unit_sphere()
+    return MultiSphere(
         name=name or f"prolate:{ratio:g}",
         kind="prolate",
         offsets=offsets,
@@ -101,3 +103,14 @@ def _gap(a: float, b: float, offsets: np.ndarray, radii: np.ndarray) -> float:
     reach = np.empty((_PIECES, len(radii)))
     reaches(chords, offsets, radii, reach)
     return float(reach.min(axis=1).max()) + longest**2 * a / (8.0 * b**2)
+
+
+def _build(numbers: Numbers, sub_spheres: int | None, tolerance: float | None) -> MultiSphere:
+    (ratio,) = numbers
+    if ratio == 1.0:
+        return sphere(1.0)
+    make, fewest = partial(prolate, ratio), fewest_sub_spheres(ratio)
+    return counted("prolate", make, fewest, 2, USUAL_SUB_SPHERES, sub_spheres, tolerance)
+
+
+FAMILY = Family("prolate:1.5", _build, values=(Value("aspect ratio a/b", 1.0, 10.0),))

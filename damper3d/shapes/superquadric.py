@@ -8,8 +8,10 @@ import math
 
 import numpy as np
 
-from damper3d.shapes.surfaces.solid import Solid
-from damper3d.shapes.surfaces.surface import Surface, area_of, unit_ball
+from damper3d.shapes.family import Family, Numbers, Value
+from damper3d.shapes.multisphere import MultiSphere
+from damper3d.shapes.surfaces.solid import Solid, filled
+from damper3d.shapes.surfaces.surface import Surface, area_of, unit_sphere
 
 
 def superquadric(depth: float, height: float, e1: float, e2: float) -> Solid:
@@ -45,7 +47,7 @@ def _inertia(half: np.ndarray, e1: float, e2: float) -> np.ndarray:
 
 def _surface(half: np.ndarray, e1: float, e2: float, splits: int) -> tuple[Surface, float]:
     """Triangles with their corners on it, and how far it rises above their middles [m]."""
-    ball = unit_ball(splits)
+    ball = unit_sphere(splits)
     surface = Surface(half * _onto(ball.vertices, e1, e2), ball.triangles)
     middles = surface.corners.mean(axis=1)
     outside = half * _onto(middles / half, e1, e2)
@@ -57,3 +59,19 @@ def _onto(points: np.ndarray, e1: float, e2: float) -> np.ndarray:
     size = np.abs(points)
     across = (size[:, 0] ** (2.0 / e2) + size[:, 1] ** (2.0 / e2)) ** (e2 / e1)
     return points * ((across + size[:, 2] ** (2.0 / e1)) ** (-0.5 * e1))[:, None]
+
+
+def _build(numbers: Numbers, sub_spheres: int | None, tolerance: float | None) -> MultiSphere:
+    return filled(superquadric(*numbers), "superquadric", sub_spheres, tolerance)
+
+
+FAMILY = Family(
+    "superquadric:1,1,0.5,0.5",
+    _build,
+    values=(
+        Value("half axis b/a", 0.2, 5.0),
+        Value("half axis c/a", 0.2, 5.0),
+        Value("exponent e1", 0.3, 1.6),
+        Value("exponent e2", 0.3, 1.6),
+    ),
+)

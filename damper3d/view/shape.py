@@ -6,8 +6,8 @@ import numpy as np
 
 from damper3d.case.case import DamperCase
 from damper3d.case.plan import expected_cpu_of_step, expected_cpu_s, steps_at_most
-from damper3d.shapes.cluster import Cluster
 from damper3d.shapes.errors import Errors
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.surfaces.grooves import groove_depth, speed_to_groove
 from damper3d.view.spheres import Window, draw_spheres
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, PURPLE, SKY, VERMILION, headline
@@ -120,7 +120,7 @@ _LIGHT = np.array([-0.45, 0.6, 0.661])  # right, up, towards the eye; as of the 
 _PIXELS = 420  # across a picture
 
 
-def draw_shape(particle: Cluster, curve: list[Errors], here: Errors) -> "Figure":
+def draw_shape(particle: MultiSphere, curve: list[Errors], here: Errors) -> "Figure":
     """Three panels: the sub-spheres, the true surface, the errors."""
     from matplotlib.figure import Figure
 
@@ -149,7 +149,7 @@ def _view() -> np.ndarray:
     return np.array([right, np.cross(towards, right), towards])
 
 
-def _draw_spheres(axes: "Axes", particle: Cluster, half: float) -> None:
+def _draw_spheres(axes: "Axes", particle: MultiSphere, half: float) -> None:
     from matplotlib.colors import to_rgb
 
     window = Window(-half, half, -half, half, _PIXELS / (2.0 * half))
@@ -161,7 +161,7 @@ def _draw_spheres(axes: "Axes", particle: Cluster, half: float) -> None:
     axes.imshow(picture, extent=(-half, half, -half, half), interpolation="none")
 
 
-def _draw_surface(axes: "Axes", particle: Cluster, half: float) -> None:
+def _draw_surface(axes: "Axes", particle: MultiSphere, half: float) -> None:
     """Triangles from the farthest to the nearest, lit as the spheres are."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgb

@@ -18,7 +18,7 @@ from small_damper import damper3d
 from damper3d.engine import state
 from damper3d.engine.shells import gap_to_shell
 from damper3d.measures.efficiency import closure
-from damper3d.shapes.cluster import sphere
+from damper3d.shapes.multisphere import sphere
 from damper3d.studies.quasistatic import course, protocol
 from damper3d.studies.quasistatic.case import SlowTest
 from damper3d.studies.quasistatic.chart import draw

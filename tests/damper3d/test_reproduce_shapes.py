@@ -81,7 +81,7 @@ def test_fill_ratios_of_the_plan_are_those_of_its_cases():
         panel = shape_plan.panel((family, reference), "vertical", [(40.0, 20.0)])
         ((_, case),) = panel.cases([1])
         assert case.fill_ratio == pytest.approx(shape_plan.FILL[family], abs=5e-4)
-        assert case.particle.is_ball
+        assert case.particle.is_sphere
 
 
 def test_time_step_shortens_with_stiffer_and_lighter_particles():

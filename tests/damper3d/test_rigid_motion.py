@@ -14,8 +14,8 @@ from damper3d.engine.clusters.world import build_cluster_world
 from damper3d.engine.enclosure import box
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
-from damper3d.shapes.cluster import sphere
 from damper3d.shapes.cylinder import cylinder
+from damper3d.shapes.multisphere import sphere
 from damper3d.shapes.oblate import oblate
 from damper3d.studies.single_contact.particles import free_rotation, orientation
 from damper3d.studies.single_contact.particles.free_rotation import SPIN, jacobi, triaxial

@@ -10,10 +10,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from made_meshes import CUBE, CUBE_FACES, rotation, write_obj
 
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import FAMILIES, parse_particle
 from damper3d.shapes.surfaces.mesh_check import sound
-from damper3d.shapes.surfaces.surface import unit_ball
+from damper3d.shapes.surfaces.surface import unit_sphere
 from granulab.errors import InputError
 
 
@@ -73,7 +73,7 @@ def two_cubes(apart: float) -> tuple[np.ndarray, list[tuple[int, ...]]]:
 
 def bent_through() -> tuple[np.ndarray, list[tuple[int, ...]]]:
     """A ball with one corner pushed through the opposite side."""
-    ball = unit_ball(1)
+    ball = unit_sphere(1)
     vertices = ball.vertices.copy()
     vertices[0] *= -2.0
     return vertices, [tuple(t) for t in ball.triangles.tolist()]
@@ -157,7 +157,7 @@ def test_a_file_that_is_no_mesh(name, data, tmp_path):
         parse_particle(f"mesh:{name}", folder=tmp_path)
 
 
-def particle_or_line(text: str) -> Cluster | str:
+def particle_or_line(text: str) -> MultiSphere | str:
     try:
         return parse_particle(text, folder=Path("none"))
     except InputError as error:

@@ -15,13 +15,13 @@ from damper3d.shapes.particle import parse_particle
 from damper3d.shapes.superquadric import superquadric
 from damper3d.shapes.surfaces import union
 from damper3d.shapes.surfaces.filling import fine
-from damper3d.shapes.surfaces.polyhedron import mass_of
-from damper3d.shapes.surfaces.surface import area_of, unit_ball
+from damper3d.shapes.surfaces.mesh_data import mass_of
+from damper3d.shapes.surfaces.surface import area_of, unit_sphere
 
 
 def on_spheres(centres: np.ndarray, radii: np.ndarray) -> np.ndarray:
     """Points of the surface of overlapping spheres (n, 3) [m]."""
-    ball = unit_ball(3).vertices
+    ball = unit_sphere(3).vertices
     points = (centres[:, None] + radii[:, None, None] * ball).reshape(-1, 3)
     inside = np.zeros(len(points), bool)
     for centre, radius in zip(centres, radii, strict=True):
@@ -47,7 +47,7 @@ def test_oblates_keep_their_surface_error_volume_and_area(ratio, tolerance):
     centres, radii, bound = particle.offsets, particle.radii, particle.surface_error
     assert bound <= (0.02 if tolerance is None else tolerance)
     a, b = prolate.axes(ratio)
-    assert gap(unit_ball(4).vertices * [a, b, b], centres, radii).max() <= bound
+    assert gap(unit_sphere(4).vertices * [a, b, b], centres, radii).max() <= bound
     outside = on_spheres(centres, radii)
     size = np.linalg.norm(outside / [a, b, b], axis=1)
     # the ray through a point meets the spheroid at 1/size of its length: farther than the foot is
@@ -147,7 +147,7 @@ def test_limits_of_the_families_are_ellipsoids_capsules_and_balls():
 
 
 def test_finer_triangles_are_the_same_surface():
-    corners = unit_ball(1).corners
+    corners = unit_sphere(1).corners
     pieces = fine(corners, 2000)
     assert len(pieces) > 1500
     assert area_of(pieces) == pytest.approx(area_of(corners), rel=1e-12)

@@ -12,9 +12,8 @@ from damper3d.case.case import DamperCase
 from damper3d.shapes.mesh import read_mesh
 from damper3d.shapes.particle import parse_particle
 from damper3d.shapes.surfaces.mesh_check import sound
-from damper3d.shapes.surfaces.mesh_file import as_obj, read_triangles
-from damper3d.shapes.surfaces.polyhedron import mass_of, principal_axes
-from damper3d.shapes.surfaces.surface import unit_ball
+from damper3d.shapes.surfaces.mesh_data import as_obj, mass_of, principal_axes, read_triangles
+from damper3d.shapes.surfaces.surface import unit_sphere
 
 SIDES = st.floats(0.1, 10.0)
 POINT = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array)
@@ -97,13 +96,13 @@ def test_faces_of_many_corners_and_numbers_from_the_end(tmp_path):
 
 def test_touching_neighbours_do_not_count_as_a_cut():
     """A ball of 320 triangles, each of which touches 12 others at corners and edges."""
-    ball = unit_ball(2)
+    ball = unit_sphere(2)
     assert len(sound(ball.corners, "ball").triangles) == 320
 
 
 def test_a_run_keeps_its_mesh_and_is_the_same_from_its_folder(tmp_path):
     """Also with a unit: corners of 1.5 in units of 2 mm."""
-    rounded = unit_ball(1)
+    rounded = unit_sphere(1)
     path = write_obj(tmp_path / "ball.obj", 1.5 * rounded.vertices, rounded.triangles.tolist())
     changes = {
         "particles.shape": f"mesh:{path}",
@@ -125,7 +124,7 @@ def test_a_run_keeps_its_mesh_and_is_the_same_from_its_folder(tmp_path):
 
 def test_a_mesh_of_a_ball_is_one_sub_sphere(tmp_path):
     """1280 triangles lie at most 0.5 % of the radius inside of the ball: one does for 2 %."""
-    ball = unit_ball(3)
+    ball = unit_sphere(3)
     path = write_obj(tmp_path / "ball.obj", ball.vertices, ball.triangles.tolist())
     particle = parse_particle(f"mesh:{path}", 1.0)
     assert (len(particle.radii), particle.arrangement) == (1, "ball")

@@ -9,7 +9,7 @@ from damper_beds import DENSITY, DOWN, NOWHERE, SHAKEN, STILL, acrylic
 from damper3d.engine.clusters.simulation import ClusterSimulation
 from damper3d.engine.clusters.world import build_cluster_world
 from damper3d.engine.enclosure import box, cylinder
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import parse_particle
 from granulab.contact.hertz import HertzLaw
 
@@ -17,18 +17,18 @@ SMALL = 2.2e-3  # equal-volume radius of the particles of beds [m]
 ROOMS = {"cylinder": cylinder(0.0176, 0.0176), "box": box(0.0176, 0.0176, 0.0176)}
 
 
-def particle(text: str = "prolate:1.5", radius: float = SMALL, **options) -> Cluster:
+def particle(text: str = "prolate:1.5", radius: float = SMALL, **options) -> MultiSphere:
     """A shape by its name, of that equal-volume radius [m]."""
     return parse_particle(text, radius, **options)
 
 
-def asymmetric(cluster: Cluster) -> Cluster:
+def asymmetric(cluster: MultiSphere) -> MultiSphere:
     """The same spheres with three different moments of inertia."""
     return dataclasses.replace(cluster, inertia=cluster.inertia * np.array([1.0, 1.4, 0.9]))
 
 
 def world_of(
-    cluster: Cluster, positions, orientations=None, *, room=None, shaker=STILL, gravity=NOWHERE,
+    cluster: MultiSphere, positions, orientations=None, *, room=None, shaker=STILL, gravity=NOWHERE,
     pair_law: HertzLaw | None = None, wall_law: HertzLaw | None = None, time_step=1e-6,
     treatment="sum", direction=(0.0, 0.0, 1.0),
 ) -> ClusterSimulation:  # fmt: skip
@@ -45,7 +45,7 @@ def world_of(
     )  # fmt: skip
 
 
-def bed(shape="cylinder", cluster: Cluster | None = None, *, speed=0.5, shaker=SHAKEN,
+def bed(shape="cylinder", cluster: MultiSphere | None = None, *, speed=0.5, shaker=SHAKEN,
         gravity=DOWN, steps_per_sample=1, **options) -> ClusterSimulation:  # fmt: skip
     """27 clusters on a grid, turned and moving at random [m/s]."""
     rng = np.random.default_rng(5)
@@ -83,7 +83,7 @@ def rotation(q) -> np.ndarray:
     ])  # fmt: skip
 
 
-def spheres_of(sim: ClusterSimulation, cluster: Cluster) -> np.ndarray:
+def spheres_of(sim: ClusterSimulation, cluster: MultiSphere) -> np.ndarray:
     """Centres of all spheres (n, k, 3) in the enclosure [m]."""
     frame = sim.frame()
     turned = [cluster.offsets @ rotation(q).T for q in frame["orientation"]]

@@ -28,7 +28,7 @@ from damper3d.engine.grow import (
 from damper3d.engine.neighbours import near_reach_left
 from damper3d.engine.state import NEAR, NEAR_SKIN
 from damper3d.engine.wall_kinds import gap_to_wall
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.jit import inner, njit
 from granulab.contact.vectors import cross
 
@@ -39,7 +39,7 @@ _NOWHERE = 0.0, 0.0, 0.0
 
 
 def random_places(
-    enclosure: Enclosure, particle: Cluster, count: int, rng: np.random.Generator
+    enclosure: Enclosure, particle: MultiSphere, count: int, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Centres (count, 3) [m] and orientations (count, 4) to start with, and at what size [-]."""
     radius = particle.bounding_radius
@@ -50,7 +50,7 @@ def random_places(
     return centres, turns / np.linalg.norm(turns, axis=1)[:, None], first * reached
 
 
-def grow_clusters(world: ClusterWorld, particle: Cluster, first: float) -> float:
+def grow_clusters(world: ClusterWorld, particle: MultiSphere, first: float) -> float:
     """Let the bodies of a world grow to their size, without overlaps; the part that they reached.
 
     They stand where random_places put them, at their first size. Less than 1: they found no place,
@@ -73,7 +73,7 @@ def grow_clusters(world: ClusterWorld, particle: Cluster, first: float) -> float
     return reached
 
 
-def _resize(world: ClusterWorld, particle: Cluster, size: float) -> None:
+def _resize(world: ClusterWorld, particle: MultiSphere, size: float) -> None:
     world.shape.offset[:, :3] = size * particle.offsets
     world.shape.offset[:, 3] = size * particle.radii
     world.shape.columns[:] = columns_of(world.shape.offset)

@@ -9,11 +9,11 @@ import math
 
 import numpy as np
 
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.hertz import HertzLaw
 
 
-def groove_depth(cluster: Cluster) -> float | None:
+def groove_depth(cluster: MultiSphere) -> float | None:
     """Depth of the groove that a wall meets first on a lying row or ring [m]; None: neither.
 
     Two neighbours meet in a circle; its nearest point to the wall lies so far above the lowest
@@ -47,7 +47,7 @@ def most_sub_spheres(distance: float, tube: float, overlap: float) -> float:
     return math.pi * distance / math.sqrt(tube**2 - (tube - overlap) ** 2)
 
 
-def speed_to_groove(cluster: Cluster, law: HertzLaw, mass: float) -> float | None:
+def speed_to_groove(cluster: MultiSphere, law: HertzLaw, mass: float) -> float | None:
     """The impact speed [m/s] at which one Hertz contact with a wall gets as deep as the groove.
 
     (1/2) m v^2 = (2/5) K d^2.5, K of the wall and the largest sub-sphere, without damping and with

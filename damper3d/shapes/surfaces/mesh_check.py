@@ -1,9 +1,14 @@
 """What a mesh must be to enclose a body: closed, of one piece, orientable, not cutting itself."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from damper3d.shapes.surfaces.surface import Surface, normals_and_areas
 from granulab.errors import InputError
+
+if TYPE_CHECKING:
+    import trimesh
 
 _SAME = 1e-6  # of the diagonal of the box: corners nearer than this are one; STL has single numbers
 _SHARED = 1e-3  # of the area of a triangle on another: less is rounding at its rim
@@ -14,13 +19,20 @@ def sound(corners: np.ndarray, name: str) -> Surface:
 
     Raises InputError, one line, where the triangles are not the surface of one body.
     """
+    import trimesh
+
     vertices, triangles = _welded(corners)
-    edges, turned = _edges(triangles, name)
-    triangles = _oriented(triangles, edges, turned, name)
-    surface = Surface(vertices, triangles)
+    mesh = trimesh.Trimesh(vertices, triangles, process=False)
+    _check_edges(mesh, name)
+    trimesh.repair.fix_winding(mesh)
+    if not mesh.is_winding_consistent:
+        raise InputError(
+            f"mesh {name!r}: has one side only, as a Klein bottle; it encloses nothing"
+        )
+    surface = Surface(vertices, np.array(mesh.faces))
     volume = float(np.linalg.det(surface.corners - vertices.mean(axis=0)).sum())
     if volume < 0.0:
-        surface = Surface(vertices, triangles[:, ::-1])
+        surface = Surface(vertices, surface.triangles[:, ::-1])
     size = float(np.ptp(vertices, axis=0).max())
     if abs(volume) / 6.0 <= 1e-9 * size**3:
         raise InputError(f"mesh {name!r}: encloses no volume; it is flat")
@@ -38,16 +50,13 @@ def sound(corners: np.ndarray, name: str) -> Surface:
 
 def _welded(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Vertices once each, in the order in which they come, and triangles of three different."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
+    from trimesh.graph import connected_component_labels
 
     points = corners.reshape(-1, 3)
     exact, which = np.unique(points, axis=0, return_inverse=True)
     pairs = cKDTree(exact).query_pairs(_reach(corners), output_type="ndarray")
-    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(exact), len(exact)))
-    of_point = connected_components(links, directed=False)[1][which.ravel()]
-    triangles = of_point.reshape(-1, 3)
+    triangles = connected_component_labels(pairs, len(exact))[which.ravel()].reshape(-1, 3)
     different = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     used = triangles[different].ravel()
     _, first, number = np.unique(used, return_index=True, return_inverse=True)
@@ -58,13 +67,11 @@ def _welded(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return vertices, place[number.ravel()].reshape(-1, 3)
 
 
-def _edges(triangles: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of triangles with a common edge (e, 2), and whether both go along it the same way."""
-    directed = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    forwards = directed[:, 0] < directed[:, 1]
-    _, edge, times = np.unique(
-        np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True
-    )
+def _check_edges(mesh: "trimesh.Trimesh", name: str) -> None:
+    """Raise InputError unless each edge has two triangles, and all hang together."""
+    from trimesh.graph import connected_component_labels
+
+    times = np.bincount(mesh.edges_unique_inverse)
     for wrong, what, cure in (
         ((times == 1).sum(), "of one triangle only: it is open", "close its holes"),
         (
@@ -75,35 +82,14 @@ def _edges(triangles: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
     ):
         if wrong:
             raise InputError(f"mesh {name!r}: {wrong} edges are {what}; {cure} first")
-    order = np.argsort(edge.ravel(), kind="stable").reshape(-1, 2)
-    return order // 3, forwards[order[:, 0]] == forwards[order[:, 1]]
-
-
-def _oriented(
-    triangles: np.ndarray, pairs: np.ndarray, turned: np.ndarray, name: str
-) -> np.ndarray:
-    """The triangles, some turned over so that neighbours agree which side is out."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import breadth_first_order
-
-    n = len(triangles)
-    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(n, n)).tocsr()
-    order, before = breadth_first_order(links, 0, directed=False)
-    if len(order) < n:
+    n = len(mesh.faces)
+    piece = connected_component_labels(mesh.face_adjacency, n)
+    first = int((piece == piece[0]).sum())
+    if first < n:
         raise InputError(
-            f"mesh {name!r}: more than one piece, of {len(order)} triangles and others; a particle "
+            f"mesh {name!r}: more than one piece, of {first} triangles and others; a particle "
             "is one closed surface without inner voids"
         )
-    opposed = {(int(a), int(b)): bool(t) for (a, b), t in zip(pairs, turned, strict=True)}
-    flip = np.zeros(n, bool)
-    for k in order[1:]:
-        a, b = int(before[k]), int(k)
-        flip[b] = flip[a] ^ opposed.get((a, b), opposed.get((b, a), False))
-    if (flip[pairs[:, 0]] ^ flip[pairs[:, 1]] != turned).any():
-        raise InputError(
-            f"mesh {name!r}: has one side only, as a Klein bottle; it encloses nothing"
-        )
-    return np.where(flip[:, None], triangles[:, ::-1], triangles)
 
 
 def _check_heights(surface: Surface, name: str) -> None:

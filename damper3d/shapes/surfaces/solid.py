@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.surfaces.filling import MOST_SUB_SPHERES, Filler
 from damper3d.shapes.surfaces.surface import Surface
 from granulab.errors import InputError
@@ -27,7 +27,7 @@ class Solid(NamedTuple):
 
 def filled(
     solid: Solid, kind: str, sub_spheres: int | None, tolerance: float | None, name: str = ""
-) -> Cluster:
+) -> MultiSphere:
     """The particle by a filling: of at most so many sub-spheres, or by its surface error.
 
     tolerance: over the equal-volume radius [-]; left out, as sub_spheres, it is the usual one.
@@ -41,7 +41,7 @@ def filled(
         filling = filler.by_number(sub_spheres)
     else:
         filling = filler.by_tolerance(within)
-    return Cluster(
+    return MultiSphere(
         name=name,
         kind=kind,
         offsets=filling.centres,

@@ -23,7 +23,7 @@ class Surface(NamedTuple):
 
 
 @cache
-def unit_ball(splits: int = 4) -> Surface:
+def unit_sphere(splits: int = 4) -> Surface:
     """The ball of radius one: an icosahedron whose triangles are split into four, `splits` times.
 
     20 x 4^splits triangles of nearly one size, with their corners on the ball.

@@ -22,8 +22,8 @@ from damper3d.engine.periodic import (
     relax,
     touching,
 )
-from damper3d.shapes.cluster import Cluster
-from damper3d.shapes.cluster import sphere as ball_of
+from damper3d.shapes.multisphere import MultiSphere
+from damper3d.shapes.multisphere import sphere as ball_of
 from granulab.campaign.sweeps.task import Stop
 from granulab.errors import InputError, Stopped
 
@@ -48,7 +48,9 @@ class Compaction:
     cpu_s: float
 
 
-def compact(particle: Cluster, bodies: int, seed: int, stop: Stop = lambda: False) -> Compaction:
+def compact(
+    particle: MultiSphere, bodies: int, seed: int, stop: Stop = lambda: False
+) -> Compaction:
     """Jam so many particles, from a seed.
 
     Raises InputError where the cube would be so small that a particle meets its own image, and
@@ -94,7 +96,7 @@ def side_of(fraction: float, bodies: int) -> float:
     return (bodies * 4.0 / 3.0 * math.pi / fraction) ** (1 / 3)
 
 
-def cell_of(particle: Cluster, places: np.ndarray, turns: np.ndarray, side: float) -> Cell:
+def cell_of(particle: MultiSphere, places: np.ndarray, turns: np.ndarray, side: float) -> Cell:
     """Bodies at places (n, 3) in a cube, turned by unit quaternions (n, 4)."""
     radius, n, k = particle.equal_volume_radius, len(places), len(particle.radii)
     gyration = math.sqrt(float(np.mean(particle.inertia)) / particle.volume) / radius
@@ -127,7 +129,7 @@ def coordination(neighbours: np.ndarray) -> tuple[float, float]:
     return (float(numbers[held].mean()) if held.any() else 0.0), float(held.mean())
 
 
-def least_bodies(particle: Cluster, bodies: int) -> None:
+def least_bodies(particle: MultiSphere, bodies: int) -> None:
     """Raise InputError where so few bodies would meet their own images."""
     size = 2.0 * particle.bounding_radius / particle.equal_volume_radius
     least = math.ceil(_DENSEST * size**3 / (4.0 / 3.0 * math.pi))
@@ -138,7 +140,7 @@ def least_bodies(particle: Cluster, bodies: int) -> None:
         )
 
 
-def _scattered(particle: Cluster, bodies: int, rng: np.random.Generator) -> tuple[Cell, float]:
+def _scattered(particle: MultiSphere, bodies: int, rng: np.random.Generator) -> tuple[Cell, float]:
     """Bodies at random places, turned at random, so thin that their balls are apart."""
     side = side_of(_START, bodies)
     turns = rng.normal(size=(bodies, 4))  # evenly over all orientations (Muller 1959)

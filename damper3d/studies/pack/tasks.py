@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.studies.pack import compact, shaken
 from granulab.campaign.cli.terminal import Progress
 from granulab.campaign.runs.folder import digest, refuse_unless_writable, write_atomic
@@ -25,7 +25,7 @@ class Task:
 
     out: Path
     seed: int
-    particle: Cluster | None = None
+    particle: MultiSphere | None = None
     bodies: int | None = None
     name: str = "thesis"
     changes: tuple[tuple[str, Any], ...] = ()  # of the case of that name
@@ -66,7 +66,7 @@ def work(task: Task, stop: Stop) -> dict[str, Any]:
         )
 
 
-def cell_identity(particle: Cluster, bodies: int, seed: int) -> dict[str, Any]:
+def cell_identity(particle: MultiSphere, bodies: int, seed: int) -> dict[str, Any]:
     """What a packing in a periodic cell is named by, in units of the equal-volume radius."""
     unit = particle.scaled(1.0 / particle.equal_volume_radius)
     return {

@@ -8,7 +8,7 @@ import numpy as np
 
 from damper3d.case.case import DamperCase
 from damper3d.case.settings import Settings
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.studies.quasistatic.rig import Halves
 from granulab.contact.files.units import to_si
 from granulab.errors import InputError
@@ -155,7 +155,7 @@ class SlowTest:
         return self.damper.to_toml() + "\n".join(lines) + "\n"
 
 
-def least_width(particle: Cluster) -> float:
+def least_width(particle: MultiSphere) -> float:
     """The least extent of a particle along its principal axes [m]."""
     far = particle.offsets + particle.radii[:, None]
     near = particle.offsets - particle.radii[:, None]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.prolate import prolate
 from damper3d.shapes.surfaces.grooves import groove_depth, limit_of_ring, most_sub_spheres
 from damper3d.shapes.toroid import fewest_sub_spheres, toroid
@@ -59,7 +59,7 @@ def compute() -> Found:
     return Found(numbers, rows, (remark,))
 
 
-def toroid_of(distance: float, tube: float, number: int) -> Cluster:
+def toroid_of(distance: float, tube: float, number: int) -> MultiSphere:
     """A toroid by its two radii [m]."""
     made = toroid((distance - tube) / (distance + tube), number)
     return made.scaled(tube / float(made.radii[0]))
@@ -78,7 +78,7 @@ def sum_is_smooth_at(distance: float, tube: float, number: int, material: Elasti
     return float(brentq(excess, 1e-9 * tube, 0.2 * tube))
 
 
-def _depth(cluster: Cluster) -> float:
+def _depth(cluster: MultiSphere) -> float:
     depth = groove_depth(cluster)
     assert depth is not None
     return depth

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.engine.clusters.simulation import ClusterSimulation
-from damper3d.shapes.cluster import Cluster, sphere
+from damper3d.shapes.multisphere import MultiSphere, sphere
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.particles.held import AS_IT_IS, matrix, over_floor
@@ -87,19 +87,19 @@ def compute() -> Found:
     return Found(numbers, rows, (remark,))
 
 
-def triaxial() -> Cluster:
+def triaxial() -> MultiSphere:
     """An ellipsoid 1 : 0.75 : 0.5, moments rising from x to z; its spheres play no part."""
     ball = sphere(3.8e-3)
     a = 3.8e-3 / np.prod(HALF_AXES) ** (1 / 3) * np.array(HALF_AXES)
     return dataclasses.replace(ball, inertia=ball.volume / 5.0 * (float(a @ a) - a**2))
 
 
-def moments(body: Cluster) -> np.ndarray:
+def moments(body: MultiSphere) -> np.ndarray:
     """Principal moments (3,) [kg m2]."""
     return DENSITY * body.inertia
 
 
-def turning(body: Cluster, spin: tuple[float, ...], time_step: float) -> ClusterSimulation:
+def turning(body: MultiSphere, spin: tuple[float, ...], time_step: float) -> ClusterSimulation:
     """One body far above the floor that begins to turn with a spin in its own axes [rad/s]."""
     acrylic = load_table("acrylic").material("acrylic")
     law = sphere_law(acrylic, acrylic, friction=0.0, restitution=1.0)
@@ -139,7 +139,7 @@ def _order(errors: list[float]) -> float:
     return float(np.polyfit(np.log(STEPS), np.log(errors), 1)[0])
 
 
-def _curve(body: Cluster) -> list[dict[str, Any]]:
+def _curve(body: MultiSphere) -> list[dict[str, Any]]:
     sim, rows = turning(body, SPIN, _CURVE_STEP), []
     every = 10
     for _ in range(round(SECONDS / _CURVE_STEP / every)):

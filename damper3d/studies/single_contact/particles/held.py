@@ -9,7 +9,7 @@ from damper3d.engine.clusters.simulation import ClusterSimulation
 from damper3d.engine.clusters.world import build_cluster_world
 from damper3d.engine.enclosure import box
 from damper3d.engine.shaker import sine
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.hertz import HertzLaw
 
 _HELD = 1e-12  # [s] a step in which no force moves anything
@@ -33,30 +33,30 @@ def matrix(q: np.ndarray) -> np.ndarray:
     return np.array(rotation.axes_of.py_func(tuple(q))).T
 
 
-def depth_of(cluster: Cluster, orientation: np.ndarray) -> float:
+def depth_of(particle: MultiSphere, orientation: np.ndarray) -> float:
     """How far its lowest sub-sphere reaches below its centroid [m]."""
-    heights = cluster.offsets @ matrix(orientation)[2]
-    return float((cluster.radii - heights).max())
+    heights = particle.offsets @ matrix(orientation)[2]
+    return float((particle.radii - heights).max())
 
 
 def over_floor(
-    cluster: Cluster, orientations: np.ndarray, gaps: np.ndarray, *, law: HertzLaw,
+    particle: MultiSphere, orientations: np.ndarray, gaps: np.ndarray, *, law: HertzLaw,
     treatment: str, density: float, time_step: float,
 ) -> ClusterSimulation:  # fmt: skip
     """Clusters at rest, each with its orientation (n, 4) and a gap (n,) above the floor z = 0 [m].
 
     A negative gap is an overlap. They stand too far from each other and from the sides to touch.
     """
-    n, reach = len(gaps), cluster.bounding_radius
+    n, reach = len(gaps), particle.bounding_radius
     side = math.ceil(math.sqrt(n))
     pitch = 4.0 * reach
     row, column = np.divmod(np.arange(n), side)
-    heights = [depth_of(cluster, q) for q in orientations] + np.asarray(gaps)
+    heights = [depth_of(particle, q) for q in orientations] + np.asarray(gaps)
     middle = 0.5 * (side - 1)
     places = np.column_stack([pitch * (column - middle), pitch * (row - middle), heights])
     width = pitch * (side + 1)
     world = build_cluster_world(
-        places, cluster, np.asarray(orientations), density=density,
+        places, particle, np.asarray(orientations), density=density,
         enclosure=box(width, width, 10.0 * reach), pair_law=law, wall_law=law,
         shaker=sine(0.0, 100.0, 9.81), direction=np.array([0.0, 0.0, 1.0]),
         gravity=np.zeros(3), time_step=time_step, treatment=treatment,
@@ -65,26 +65,30 @@ def over_floor(
 
 
 def pressed(
-    cluster: Cluster, orientation: np.ndarray, overlaps: np.ndarray, law: HertzLaw, treatment: str
+    particle: MultiSphere,
+    orientation: np.ndarray,
+    overlaps: np.ndarray,
+    law: HertzLaw,
+    treatment: str,
 ) -> np.ndarray:
-    """Normal forces (n,) [N] on a cluster held at overlaps (n,) [m] of its lowest sub-sphere."""
+    """Normal forces (n,) [N] on a particle held at overlaps (n,) [m] of its lowest sub-sphere."""
     turns = np.tile(orientation, (len(overlaps), 1))
-    sim = over_floor(cluster, turns, -np.asarray(overlaps), law=law, treatment=treatment,
+    sim = over_floor(particle, turns, -np.asarray(overlaps), law=law, treatment=treatment,
                      density=1.0, time_step=_HELD)  # fmt: skip
     sim.step(1)
     return sim.world.bodies.force[:, 2].copy()
 
 
 def sheared(
-    cluster: Cluster, orientation: np.ndarray, overlap: float, furthest: float, steps: int,
+    particle: MultiSphere, orientation: np.ndarray, overlap: float, furthest: float, steps: int,
     law: HertzLaw, treatment: str,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Shifts along x (steps,) [m] up to about `furthest`, and the forces [N] against them.
 
-    The cluster is held at an overlap [m]. The forces of a leapfrog are those of the middle of its
+    The particle is held at an overlap [m]. The forces of a leapfrog are those of the middle of its
     steps.
     """
-    sim = over_floor(cluster, orientation[None], np.array([-overlap]), law=law,
+    sim = over_floor(particle, orientation[None], np.array([-overlap]), law=law,
                      treatment=treatment, density=1.0, time_step=_HELD)  # fmt: skip
     stride = furthest / steps
     forces = np.empty(steps)

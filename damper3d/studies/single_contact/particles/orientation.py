@@ -18,8 +18,8 @@ import numpy as np
 
 from damper3d.engine.clusters.simulation import ClusterSimulation
 from damper3d.engine.clusters.state import TREATMENTS
-from damper3d.shapes.cluster import Cluster
-from damper3d.shapes.family import FAMILIES
+from damper3d.shapes import FAMILIES
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.particles.held import combined, matrix, over_floor, turn
@@ -75,7 +75,7 @@ def orientation(kind: str, tilt: float, about: float) -> np.ndarray:
     return combined(turn(_Y, tilt - 0.5 * math.pi), turn((1.0, 0.0, 0.0), about))
 
 
-def arm(cluster: Cluster, turned: np.ndarray) -> np.ndarray:
+def arm(cluster: MultiSphere, turned: np.ndarray) -> np.ndarray:
     """From the centroid to the smooth body's lowest point (3,) in the laboratory [m].
 
     turned (3, 3) takes the body's axes to the laboratory's. Where a circle, a face or a line are
@@ -94,7 +94,7 @@ def arm(cluster: Cluster, turned: np.ndarray) -> np.ndarray:
     return turned @ (square * down / math.sqrt(float(square @ down**2)))
 
 
-def _core(cluster: Cluster) -> tuple[float, float, float]:
+def _core(cluster: MultiSphere) -> tuple[float, float, float]:
     """Radius, half height and distance of all within which a toroid or cylinder lies [m]."""
     if cluster.kind == "toroid":
         return float(np.linalg.norm(cluster.offsets[0])), 0.0, float(cluster.radii[0])
@@ -104,7 +104,7 @@ def _core(cluster: Cluster) -> tuple[float, float, float]:
 
 
 def rebounds(
-    cluster: Cluster, law: HertzLaw, treatment: str, density: float, restitution: float
+    cluster: MultiSphere, law: HertzLaw, treatment: str, density: float, restitution: float
 ) -> list[dict[str, float]]:
     """A row for each tilt: what the particle does, and the rigid body."""
     angles = tilts()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.engine.clusters.state import TREATMENTS
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.surfaces.grooves import groove_depth
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.particles.held import pressed
@@ -62,7 +62,7 @@ def compute() -> Found:
 
 
 def _numbers(
-    setting: Setting, cluster: Cluster, material: Elastic, forces: dict[str, np.ndarray]
+    setting: Setting, cluster: MultiSphere, material: Elastic, forces: dict[str, np.ndarray]
 ) -> dict[str, Any]:
     overlaps = setting.overlaps
     smooth = setting.smooth(material, overlaps)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from damper3d.engine.clusters.state import TREATMENTS
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.particles.held import combined, pressed, sheared, turn
 from damper3d.studies.single_contact.particles.shape_force import COLOURS, WIDTHS
@@ -103,7 +103,7 @@ def compute() -> Found:
 
 
 def _curve(
-    cluster: Cluster, way: Way, law: HertzLaw, treatment: str, smooth: Smooth
+    cluster: MultiSphere, way: Way, law: HertzLaw, treatment: str, smooth: Smooth
 ) -> list[dict[str, float]]:
     """Forces of sub-spheres and smooth body, under the same normal force."""
     overlap = overlap_under(cluster, way.orientation, law, treatment, smooth.force)
@@ -129,7 +129,7 @@ def _numbers(rows: list[dict[str, float]], treatment: str, smooth: Smooth) -> di
 
 
 def overlap_under(
-    cluster: Cluster, orientation: np.ndarray, law: HertzLaw, treatment: str, force: float
+    cluster: MultiSphere, orientation: np.ndarray, law: HertzLaw, treatment: str, force: float
 ) -> float:
     """The overlap [m] at which sub-spheres bear a normal force [N], to 1e-6 of it.
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact.particles.held import AS_IT_IS, turn
 from damper3d.studies.single_contact.particles.smooth_body import (
@@ -40,7 +40,7 @@ class Setting(NamedTuple):
     smooth: Smooth  # force [N] at overlaps (n,) [m]
     lies: bool = False  # a row or ring on its side, whose grooves the wall meets
 
-    def clusters(self) -> list[Cluster]:
+    def clusters(self) -> list[MultiSphere]:
         """The particle with each of its numbers of sub-spheres."""
         return [parse_particle(self.shape, self.size, **options) for options in self.finenesses]
 

@@ -12,7 +12,7 @@ as the ball, on its own contact, oscillates faster or slower. Moduli and density
 
 import numpy as np
 
-from damper3d.shapes.cluster import Cluster
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.surfaces.surface import normals_and_areas
 
 DEEPEST = 0.05  # overlap over radius: Hertz's law is for small ones
@@ -20,12 +20,12 @@ _CELL = 0.2  # by which the directions differ that are looked at: some four hund
 _NEWTON_STEPS = 12  # from above on a convex function: to the last digits
 
 
-def ball_as_swift(particle: Cluster, tangential: float) -> float:
+def equivalent_sphere_radius(particle: MultiSphere, tangential: float) -> float:
     """Radius of the ball that oscillates as fast on a flat wall [m]; of a ball its own.
 
     tangential is kt/kn of the contact law [-].
     """
-    if particle.is_ball:
+    if particle.is_sphere:
         return particle.smallest_radius
     unit = particle.scaled(1.0 / particle.equal_volume_radius)
     normals = _normals(unit)
@@ -37,7 +37,7 @@ def ball_as_swift(particle: Cluster, tangential: float) -> float:
     return particle.equal_volume_radius * float(np.sqrt(ball / swiftest))
 
 
-def _normals(unit: Cluster) -> np.ndarray:
+def _normals(unit: MultiSphere) -> np.ndarray:
     """Outward normals of the surface (d, 3), of each cell of directions its largest triangle's."""
     normals, areas = normals_and_areas(unit.surface.corners)
     normals = normals[np.argsort(-areas, kind="stable")]
@@ -61,7 +61,7 @@ def _depths(gaps: np.ndarray, radii: np.ndarray) -> np.ndarray:
 
 
 def _highest(
-    normals: np.ndarray, roots: np.ndarray, unit: Cluster, tangential: float
+    normals: np.ndarray, roots: np.ndarray, unit: MultiSphere, tangential: float
 ) -> np.ndarray:
     """Largest eigenvalue (d,) of M^-1/2 J^T k J M^-1/2 of the contacts, for a body of mass one.
 

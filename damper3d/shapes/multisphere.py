@@ -7,11 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from damper3d.shapes.surfaces.surface import Surface, unit_ball
+from damper3d.shapes.surfaces.surface import Surface, unit_sphere
 
 
 @dataclass(frozen=True, eq=False)
-class Cluster:
+class MultiSphere:
     """Spheres that move as one body about its centroid, in its principal axes."""
 
     name: str  # as in the case file, such as "sphere:5mm"
@@ -29,7 +29,7 @@ class Cluster:
     surface_error: float
 
     @property
-    def is_ball(self) -> bool:
+    def is_sphere(self) -> bool:
         """Whether it is one sphere about its centroid, which looks alike however it is turned."""
         return len(self.radii) == 1 and not self.offsets.any()
 
@@ -56,7 +56,7 @@ class Cluster:
         """
         return (36.0 * math.pi * self.volume**2) ** (1 / 3) / self.area
 
-    def scaled(self, factor: float) -> "Cluster":
+    def scaled(self, factor: float) -> "MultiSphere":
         """The particle, larger by a factor."""
         return dataclasses.replace(
             self,
@@ -70,10 +70,10 @@ class Cluster:
         )
 
 
-def sphere(radius: float, name: str = "", kind: str = "sphere") -> Cluster:
+def sphere(radius: float, name: str = "", kind: str = "sphere") -> MultiSphere:
     """A cluster of one; the radius in m."""
     volume = 4.0 / 3.0 * math.pi * radius**3
-    return Cluster(
+    return MultiSphere(
         name=name or f"sphere:{2e3 * radius:g}mm",
         kind=kind,
         offsets=np.zeros((1, 3)),
@@ -81,7 +81,7 @@ def sphere(radius: float, name: str = "", kind: str = "sphere") -> Cluster:
         volume=volume,
         area=4.0 * math.pi * radius**2,
         inertia=np.full(3, 0.4 * volume * radius**2),
-        surface=unit_ball().scaled(radius),
+        surface=unit_sphere().scaled(radius),
         arrangement="ball",
         surface_error=0.0,
     )

@@ -1,16 +1,24 @@
-"""Triangles from STL files (binary and text) and Wavefront OBJ, and as OBJ again."""
+"""Triangles from STL and Wavefront OBJ files, and as OBJ again; mass properties of their solid.
 
-import re
+trimesh reads STL. Its reader of OBJ takes numbers of corners that count back from the last for
+others where vertices follow the faces: OBJ is read here, to the last bit.
+
+Mass properties are exact. Each triangle makes a tetrahedron with the origin, whose volume counts
+negative where the triangle faces it; the sums are the integrals of 1, x and x x^T over the solid
+(B. Mirtich, J. Graphics Tools 1 (1996) 31; D. Eberly, Polyhedral mass properties, 2002).
+"""
+
+import io
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from damper3d.shapes.surfaces.surface import area_of
 from granulab.errors import InputError
 
 MOST_TRIANGLES = 20_000
-_HEAD, _RECORD = 84, 50  # bytes of a binary STL before the triangles, and of each
-_VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)\s*$", re.MULTILINE | re.IGNORECASE)
 
 
 def read_triangles(path: Path) -> np.ndarray:
@@ -40,22 +48,16 @@ def read_triangles(path: Path) -> np.ndarray:
 
 
 def _stl(data: bytes) -> np.ndarray | None:
-    """Binary where the size is that of its number of triangles, else text; None: neither."""
-    if len(data) >= _HEAD:
-        number = int.from_bytes(data[_HEAD - 4 : _HEAD], "little")
-        if len(data) == _HEAD + _RECORD * number:
-            record = np.dtype([("floats", "<f4", 12), ("unused", "<u2")])
-            floats = np.frombuffer(data, record, offset=_HEAD)["floats"]
-            return floats[:, 3:].reshape(-1, 3, 3).astype(float)
-    return _as_triangles(_VERTEX.findall(data))
+    """Binary or text, of one solid or several; None where it is neither."""
+    import trimesh
 
-
-def _as_triangles(words: list[tuple[bytes, bytes, bytes]]) -> np.ndarray | None:
-    try:
-        numbers = np.array([[float(word) for word in words_of] for words_of in words])
-    except ValueError:
-        return None
-    return numbers.reshape(-1, 3, 3) if len(numbers) % 3 == 0 else None
+    for readable in (data, data.decode("utf-8", "replace").encode()):
+        try:
+            mesh = trimesh.load_mesh(io.BytesIO(readable), file_type="stl", process=False)
+        except Exception:  # of many kinds, for files that are no STL
+            continue
+        return np.asarray(mesh.triangles)
+    return None
 
 
 def _obj(data: bytes) -> np.ndarray | None:
@@ -89,3 +91,41 @@ def as_obj(corners: np.ndarray) -> str:
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in corners.reshape(-1, 3).tolist()]
     lines += [f"f {k} {k + 1} {k + 2}" for k in range(1, 3 * len(corners), 3)]
     return "\n".join(lines) + "\n"
+
+
+class Mass(NamedTuple):
+    """Mass properties over the density."""
+
+    volume: float  # [m3], positive where the triangles face outwards
+    area: float  # [m2]
+    centroid: np.ndarray  # (3,) [m]
+    inertia: np.ndarray  # (3, 3) tensor about the centroid [m5]
+
+
+def mass_of(corners: np.ndarray) -> Mass:
+    """Of closed triangles (m, 3, 3) [m] that face outwards."""
+    origin = corners.reshape(-1, 3).mean(axis=0)  # near by, so that nothing cancels
+    near = corners - origin
+    sizes = np.linalg.det(near) / 6.0
+    volume = float(sizes.sum())
+    total = near.sum(axis=1)
+    first = np.einsum("m,mx->x", sizes / 4.0, total)
+    # over a tetrahedron with corners 0, a, b, c: V/20 (a a + b b + c c + s s), s = a + b + c
+    second = np.einsum("m,mcx,mcy->xy", sizes / 20.0, near, near)
+    second += np.einsum("m,mx,my->xy", sizes / 20.0, total, total)
+    centroid = first / volume
+    second -= volume * np.outer(centroid, centroid)
+    inertia = np.trace(second) * np.eye(3) - second
+    return Mass(volume, area_of(corners), origin + centroid, inertia)
+
+
+def principal_axes(inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Principal moments (3,), rising, and axes in columns (3, 3), right-handed.
+
+    Of the two senses of the first two axes the one whose largest component is positive.
+    """
+    moments, axes = np.linalg.eigh(inertia)
+    for k in (0, 1):
+        axes[:, k] *= np.sign(axes[np.argmax(np.abs(axes[:, k])), k])
+    axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+    return moments, axes
