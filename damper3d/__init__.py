@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from damper3d.case.case import DamperCase
+    from damper3d.measures import register as register_measure
     from damper3d.run.protocol import run
     from damper3d.run.result import Result
     from damper3d.shapes import register as register_shape
 
-__all__ = ["DamperCase", "Result", "register_shape", "run"]
+__all__ = ["DamperCase", "Result", "register_measure", "register_shape", "run"]
 
 
 def __getattr__(name: str):
@@ -17,6 +18,7 @@ def __getattr__(name: str):
     homes = {
         "DamperCase": ("case.case", "DamperCase"),
         "Result": ("run.result", "Result"),
+        "register_measure": ("measures", "register"),
         "register_shape": ("shapes", "register"),
         "run": ("run.protocol", "run"),
     }

@@ -61,6 +61,7 @@ app = command_group(
         slow.shear,
         slow.compress,
         results.render,
+        results.observe,
         results.compare,
         results.export,
         *file_commands("damper3d", _template, _listing, _description, "case file, materials file"),

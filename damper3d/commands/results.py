@@ -1,11 +1,13 @@
-"""The commands on runs that are there: render, compare, export."""
+"""The commands on runs that are there: render, observe, compare, export."""
 
 import json
 from pathlib import Path
+from typing import Any
 
 import click
 
 from granulab.campaign.cli.commandline import json_option
+from granulab.campaign.cli.observe import observe_command
 
 
 @click.command()
@@ -26,6 +28,21 @@ def render(folder: str, no_film: bool, by: str, engine: str) -> None:
 
     for path in make_figures(folder, film=not no_film, by=by, engine=engine):
         click.echo(path)
+
+
+def _measures() -> Any:
+    from damper3d.measures import MEASURES
+
+    return MEASURES
+
+
+def _run_folder(path: str) -> Path:
+    from damper3d.run.folders import shaken
+
+    return shaken(path).path
+
+
+observe = observe_command(_measures, _run_folder)
 
 
 @click.command()

@@ -12,10 +12,17 @@ and the thesis's count stands beside it. Eq. 6.9 is printed with the wrong sign 
 """
 
 from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from damper3d.engine.records import CLASSES, HELD, MECHANISMS, Samples, per_cycle_change
+from damper3d.measures.counted import Cycles, read_cycles
+from granulab.campaign.output.figure import BLUE, GREY, headline
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def reference_energy(peak_speed: float, mass: float) -> float:
@@ -161,3 +168,53 @@ def impact_ratios(
     return {
         pair: None if limit is None else fastest[pair] / limit for pair, limit in limits.items()
     }
+
+
+def numbers(cycles: Cycles) -> dict[str, Any]:
+    """Efficiencies, shares and energy balance, by the names of a run's Result."""
+    case, counted = cycles.case, cycles.counted
+    reference = reference_energy(case.peak_speed, case.mass)
+    eta = efficiencies(counted, cycles.per_cycle, reference)
+    whole = efficiencies(cycles.samples, cycles.per_cycle, reference)["efficiency"]
+    unaccounted, law_term = closure(counted)
+    return {
+        "efficiency": float(eta["efficiency"].mean()),
+        "efficiency_contact_count": float(eta["contact_count"].mean()),
+        "efficiency_wall_work": float(eta["wall_work"].mean()),
+        "efficiency_per_cycle": whole.tolist(),
+        "shares": shares(counted),
+        "shares_contact_count": shares_contact_count(counted),
+        "law_term": law_term,
+        "energy_closure": unaccounted,
+    }
+
+
+def measure(folder: Path) -> dict[str, Any]:
+    """Efficiencies, shares and energy balance of a run; FolderError as read_cycles."""
+    return numbers(read_cycles(folder))
+
+
+def draw(folder: Path) -> "Figure":
+    """Efficiency of each cycle, and the shares of the mechanisms."""
+    from matplotlib.figure import Figure
+
+    cycles = read_cycles(folder)
+    found = numbers(cycles)
+    figure = Figure(figsize=(9.6, 4.0), layout="constrained")
+    headline(figure, f"{cycles.case.name}: efficiency {found['efficiency']:.3f}")
+    each, parts = figure.subplots(1, 2)
+    eta = np.array(found["efficiency_per_cycle"])
+    number = 1 + np.arange(len(eta))
+    each.plot(number, eta, "o-", color=GREY, mfc="white", lw=0.8, label="discarded")
+    each.plot(number[cycles.first :], eta[cycles.first :], "o", color=BLUE, label="counted")
+    each.set(xlabel="cycle", ylabel="efficiency [-]", ylim=(min(0.0, float(eta.min())), None))
+    each.legend()
+    named = {
+        f"{name.replace('_', ' ')},\n{pair.replace('_', '-')}": share or 0.0
+        for pair, of_pair in found["shares"].items()
+        for name, share in of_pair.items()
+    }
+    parts.barh(list(named), [100.0 * share for share in named.values()], color=BLUE)
+    parts.invert_yaxis()
+    parts.set_xlabel("share of the dissipated energy [%]")
+    return figure

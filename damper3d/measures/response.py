@@ -12,10 +12,18 @@ eqs 7.8-7.12), the enclosure's own mass taken off.
 """
 
 import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from damper3d.engine.records import Samples
+from damper3d.measures.counted import Cycles, read_cycles
+from damper3d.measures.efficiency import efficiencies, reference_energy
+from granulab.campaign.output.figure import BLUE, GREY, headline
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def dissipated_power(energy: float, period: float) -> float:
@@ -78,3 +86,52 @@ def bed_height(samples: Samples, up: np.ndarray, lowest: float) -> float:
     up (3,) is the unit vector against gravity, lowest the least of up . x in the enclosure [m].
     """
     return float((samples["mean_position"][1:] @ up).mean() - lowest)
+
+
+def numbers(cycles: Cycles) -> dict[str, Any]:
+    """Design numbers of the counted cycles, by the names of a run's Result."""
+    case, counted = cycles.case, cycles.counted
+    omega, speed = 2.0 * math.pi / case.period, case.peak_speed
+    reference = reference_energy(speed, case.mass)
+    eta = efficiencies(counted, cycles.per_cycle, reference)["efficiency"]
+    energy = float(eta.mean()) * reference  # that a cycle dissipates [J]
+    mass = effective_mass(counted, case.direction, omega)
+    return {
+        "dissipated_power_w": dissipated_power(energy, case.period),
+        "loss_factor": loss_factor(energy, speed, case.mass),
+        "equivalent_damping_n_s_per_m": equivalent_damping(energy, speed, omega),
+        "effective_mass": {"in_phase_kg": mass.real, "out_of_phase_kg": -mass.imag},
+        "peak_wall_force_n": peak_wall_force(counted, case.direction),
+    }
+
+
+def measure(folder: Path) -> dict[str, Any]:
+    """Design numbers of a run; FolderError as read_cycles."""
+    return numbers(read_cycles(folder))
+
+
+def draw(folder: Path) -> "Figure":
+    """Force of the bed on the enclosure over its displacement, and that of the effective mass.
+
+    The area of a loop is the energy that the enclosure gives the bed in a cycle.
+    """
+    from matplotlib.figure import Figure
+
+    cycles = read_cycles(folder)
+    case, counted = cycles.case, cycles.counted
+    omega = 2.0 * math.pi / case.period
+    mass = effective_mass(counted, case.direction, omega)
+    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    headline(figure, f"{case.name}: effective mass {mass.real:.4g} kg in phase, "
+             f"{-mass.imag:.4g} kg out of phase")  # fmt: skip
+    axes = figure.subplots()
+    # A force is a mean over the time since the sample before.
+    middle = 0.5 * (counted["displacement"][1:] + counted["displacement"][:-1])
+    axes.plot(1e3 * middle, along(counted, case.direction)[1:], color=GREY, lw=0.6, label="bed")
+    phase = np.linspace(0.0, 2.0 * math.pi, 200)
+    fundamental = mass * omega**2 * case.amplitude * np.exp(1j * phase)
+    axes.plot(1e3 * case.amplitude * np.cos(phase), fundamental.real, color=BLUE,
+              label="effective mass")  # fmt: skip
+    axes.set(xlabel="displacement of the enclosure [mm]", ylabel="force of the bed on it [N]")
+    axes.legend()
+    return figure

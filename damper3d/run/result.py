@@ -1,14 +1,13 @@
 """The answers of a run, as summary.json keeps them and --json prints them."""
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from damper3d.case.case import DamperCase
-from damper3d.engine.records import Samples, cut
 from damper3d.measures import efficiency, response
+from damper3d.measures.counted import Cycles
 from damper3d.run.packing import lowest
 from damper3d.run.steady import BLOCK, block_interval, interval, is_steady, judged
 from granulab.campaign.runs.result import Answers
@@ -70,11 +69,13 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
     run, per_cycle = case.settings.run, case.settings.output.samples
     n_cycles = (len(samples["time"]) - 1) // per_cycle
     first = first_counted(case, n_cycles)
-    counted = cut(samples, per_cycle, first)
+    cycles = Cycles(case, samples, first)
+    measured, counted = efficiency.numbers(cycles), cycles.counted
+    whole = np.array(measured["efficiency_per_cycle"])
     reference = efficiency.reference_energy(case.peak_speed, case.mass)
-    eta = efficiency.efficiencies(counted, per_cycle, reference)
-    whole = efficiency.efficiencies(samples, per_cycle, reference)["efficiency"]
-    closure, law_term = efficiency.closure(counted)
+    eta = efficiency.efficiencies(counted, per_cycle, reference)["efficiency"]
+    strength = float(np.linalg.norm(case.gravity))
+    up = -case.gravity / strength if strength else case.direction
     return {
         "frequency_hz": case.settings.motion.frequency,
         "gamma": case.settings.motion.gamma,
@@ -87,16 +88,10 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
         "seed": run.seed,
         "cycles": n_cycles,
         "discarded": first,
-        "efficiency": float(eta["efficiency"].mean()),
-        "efficiency_interval": _interval(eta["efficiency"], run.steady),
-        "efficiency_contact_count": float(eta["contact_count"].mean()),
-        "efficiency_wall_work": float(eta["wall_work"].mean()),
-        "efficiency_per_cycle": whole.tolist(),
-        "shares": efficiency.shares(counted),
-        "shares_contact_count": efficiency.shares_contact_count(counted),
-        "law_term": law_term,
-        **_response(case, counted, float(eta["efficiency"].mean()) * reference),
-        "energy_closure": closure,
+        **measured,
+        "efficiency_interval": _interval(eta, run.steady),
+        **response.numbers(cycles),
+        "bed_height_m": response.bed_height(counted, up, lowest(case.enclosure, up)),
         "max_impact_over_yield_velocity": efficiency.impact_ratios(counted, case.yield_velocity),
         "steady": is_steady(whole[run.discard :]) if run.steady else None,
         "time_step_s": case.time_step,
@@ -114,19 +109,3 @@ def first_counted(case: DamperCase, n_cycles: int) -> int:
 def _interval(eta: np.ndarray, steady: bool) -> tuple[float, float] | None:
     blocks = steady and len(eta) >= 2 * BLOCK
     return block_interval(eta) if blocks else interval(eta)
-
-
-def _response(case: DamperCase, counted: Samples, energy: float) -> dict[str, Any]:
-    """What an engineer designs with; energy is what a cycle dissipates [J]."""
-    omega, speed = 2.0 * math.pi / case.period, case.peak_speed
-    mass = response.effective_mass(counted, case.direction, omega)
-    strength = float(np.linalg.norm(case.gravity))
-    up = -case.gravity / strength if strength else case.direction
-    return {
-        "dissipated_power_w": response.dissipated_power(energy, case.period),
-        "loss_factor": response.loss_factor(energy, speed, case.mass),
-        "equivalent_damping_n_s_per_m": response.equivalent_damping(energy, speed, omega),
-        "effective_mass": {"in_phase_kg": mass.real, "out_of_phase_kg": -mass.imag},
-        "peak_wall_force_n": response.peak_wall_force(counted, case.direction),
-        "bed_height_m": response.bed_height(counted, up, lowest(case.enclosure, up)),
-    }

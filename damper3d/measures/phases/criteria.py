@@ -139,6 +139,11 @@ PHASES = {
 }
 
 
+def criteria_of(orientation: str) -> list[Criterion]:
+    """The criteria that name phases, once each, in the order of the rules."""
+    return list(dict.fromkeys(c for _, together in RULES[orientation] for c in together))
+
+
 def classify(measures: Mapping[str, Any], orientation: str) -> Phase:
     """The phase of a run from its measures (motion_measures.py) and how gravity points.
 
@@ -146,8 +151,7 @@ def classify(measures: Mapping[str, Any], orientation: str) -> Phase:
     """
     if orientation not in RULES:
         raise InputError(f"orientation {orientation!r}: {nearest(orientation, list(RULES))}")
-    rules = RULES[orientation]
-    criteria = dict.fromkeys(c for _, together in rules for c in together)
+    rules, criteria = RULES[orientation], criteria_of(orientation)
     holds = {criterion: criterion.holds(measures) for criterion in criteria}
     name = _first(rules, holds)
     neighbours: dict[str, Neighbour] = {}

@@ -13,6 +13,7 @@ import numpy as np
 
 from damper3d.case.parts import orientation_of
 from damper3d.case.random_packing import CLOSE_PACKING, LOOSE_PACKING
+from damper3d.measures.counted import discarded
 
 if TYPE_CHECKING:
     from damper3d.case.case import DamperCase
@@ -128,8 +129,7 @@ def of_run(folder: str | Path, discard: int | None = None) -> Motion | None:
     from granulab.campaign.runs.trajectory import read_trajectory, stored_tables
 
     run = RunFolder(Path(folder))
-    if discard is None and run.state == "finished":
-        discard = int(run.read_summary()["discarded"])
+    discard = discarded(run) if discard is None else discard
     case, samples = DamperCase.load(run.path / "case.toml"), read_trajectory(run.path)
     tables = stored_tables(run.path)
     if "particles" not in tables:

@@ -1,0 +1,59 @@
+"""The samples of a run folder, and which of its cycles count."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from damper3d.engine.records import Samples, cut
+from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.trajectory import read_trajectory
+
+if TYPE_CHECKING:
+    from damper3d.case.case import DamperCase
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """Whole cycles of a run."""
+
+    case: "DamperCase"
+    samples: Samples  # of all whole cycles, see records.cut
+    first: int  # cycles that do not count: the start-up
+
+    @property
+    def per_cycle(self) -> int:
+        """Samples a cycle."""
+        return self.case.settings.output.samples
+
+    @property
+    def counted(self) -> Samples:
+        """The samples of the cycles that count."""
+        return cut(self.samples, self.per_cycle, self.first)
+
+
+def discarded(run: RunFolder) -> int | None:
+    """Cycles that do not count, as the summary of a finished run says; None while it goes on."""
+    return int(run.read_summary()["discarded"]) if run.state == "finished" else None
+
+
+def read_cycles(folder: str | Path) -> Cycles:
+    """The whole cycles of a run folder, finished or not.
+
+    Raises FolderError where it holds no run or a damaged one, kept its summary only, or has no
+    cycle that counts yet.
+    """
+    from damper3d.case.case import DamperCase
+
+    run = RunFolder(Path(folder))
+    first = discarded(run)
+    if first is not None and not (run.path / "trajectory.h5").exists():
+        raise FolderError(
+            f'{run.path}: only its summary was kept (output.keep = "summary"), nothing to measure; '
+            'run it with output.keep = "all"'
+        )
+    case, samples = DamperCase.load(run.path / "case.toml"), read_trajectory(run.path)
+    first = case.settings.run.discard if first is None else first
+    per_cycle = case.settings.output.samples
+    if (len(samples["time"]) - 1) // per_cycle <= first:
+        raise FolderError(f"{run.path}: no cycle that counts yet; wait until one is computed")
+    return Cycles(case, cut(samples, per_cycle, 0), first)
