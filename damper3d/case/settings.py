@@ -1,11 +1,11 @@
-"""What a damper's case file may hold: sections, keys, units, ranges, defaults."""
+"""The schema of a damper's case file: sections, keys, units, ranges, defaults, meanings."""
 
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, FiniteFloat
 
-from granulab.contact.files import casefile
+from granulab.contact.files import casefile, reference
 from granulab.contact.files.casefile import (
     Density,
     Frequency,
@@ -16,6 +16,7 @@ from granulab.contact.files.casefile import (
     Size,
     Time,
     folder_name,
+    key,
 )
 
 SCHEMA = 1
@@ -26,79 +27,187 @@ Restitution = Annotated[Positive, Field(le=1)]
 
 
 class Enclosure(Section):
-    """[enclosure]: the closed void that holds the particles; inner sizes."""
+    """The closed void that holds the particles; all sizes are inner ones."""
 
-    shape: Literal["cylinder", "box"] = "cylinder"
-    diameter: Size | None = None  # of a cylinder; 40 mm
-    width: Size | None = None  # of a box, along x
-    depth: Size | None = None  # of a box, along y; its width if left out
-    height: Size = 0.04  # along the axis
-    material: str = "acrylic"
+    shape: Literal["cylinder", "box"] = key(
+        "cylinder", "shape: a cylinder with a diameter, or a box with width and depth"
+    )
+    diameter: Size | None = key(
+        None, "diameter of a cylinder", example="40 mm", left_out="40 mm", spelled_out=True,
+        option="--diameter",
+    )  # fmt: skip
+    width: Size | None = key(None, "width of a box, along x", example="40 mm")
+    depth: Size | None = key(None, "depth of a box, along y", example="40 mm", left_out="its width")
+    height: Size = key(
+        0.04, "height along the axis; the thesis has 40, 45, 50 and 55 mm", example="40 mm",
+        option="--height",
+    )  # fmt: skip
+    material: str = key("acrylic", "material of the walls, in the materials table")
 
 
 class Particles(Section):
-    """[particles]: what moves inside, and what it is made of."""
+    """The particles, and their material."""
 
-    shape: str = "sphere:5mm"
-    equal_volume_radius: Size | None = None  # where the shape names no size
-    sub_spheres: Annotated[int, Field(ge=1, strict=True)] | None = None  # of one particle
-    tolerance: Positive | None = None  # of its surface, over the equal-volume radius [-]
-    mesh_unit: str | None = None  # of a mesh that keeps its size
-    count: Annotated[int, Field(ge=1, le=MOST_PARTICLES, strict=True)] | None = None
-    material: str = "acrylic"
-    materials: str = "acrylic"
+    shape: str = key(
+        "sphere:5mm", 'spheres by diameter (the thesis has 3, 4, 5 and 6 mm), or a shape such as '
+        '"prolate:1.5", "oblate:0.7" (aspect ratio), "toroid:0.2" (hole ratio), '
+        '"superquadric:1,1,0.5,0.5" (b/a, c/a, e1, e2), "cylinder:1.5,0.2" (length, rounding), '
+        '"mesh:rock.stl"; see damper3d shape --help', option="--particles",
+        metavar="sphere:5mm|prolate:1.5|oblate:0.7|toroid:0.2|mesh:FILE",
+    )  # fmt: skip
+    equal_volume_radius: Size | None = key(
+        None, "size of a shape that is named without one", example="2.5 mm",
+        left_out="3.8 mm; of toroids 3.5 mm, of spheres 2.5 mm", option="--equal-volume-radius",
+        metavar='"3.8 mm"',
+    )  # fmt: skip
+    sub_spheres: Annotated[int, Field(ge=1, strict=True)] | None = key(
+        None, "spheres that stand for one particle", example=51,
+        left_out="the thesis's number, or by the tolerance", option="--sub-spheres", metavar="N",
+    )  # fmt: skip
+    tolerance: Positive | None = key(
+        None, "largest error of their surface, over the equal-volume radius, in place of a number",
+        example=0.02, option="--tolerance",
+    )  # fmt: skip
+    mesh_unit: str | None = key(
+        None, "unit of a mesh that keeps its size", example="mm",
+        left_out="it is scaled to the radius above", option="--mesh-unit",
+    )  # fmt: skip
+    count: Annotated[int, Field(ge=1, le=MOST_PARTICLES, strict=True)] | None = key(
+        None, "number of particles", example=358,
+        left_out="by a fill ratio of 7/15, as of 358 of 5 mm in 40 x 40 mm; of toroids that of 110 "
+        "of 3.5 mm, of other shapes that of 90 of 3.8 mm", option="--count", metavar="N",
+    )  # fmt: skip
+    material: str = key("acrylic", "material of the particles, in the materials table")
+    materials: str = key(
+        "acrylic", "materials table: a shipped one, or a TOML file beside this one"
+    )
 
 
 class Motion(Section):
-    """[motion]: how the enclosure moves, and where gravity points."""
+    """Motion of the enclosure, and the direction of gravity."""
 
-    orientation: Literal["vertical", "horizontal", "none"] = "vertical"
-    frequency: Frequency = 40.0  # [Hz]
-    gamma: Positive = 20.0  # largest acceleration over g [-]
-    direction: Vector | None = None  # of the motion; the axis if left out
-    gravity: Vector | None = None  # its direction; the orientation's if left out
-    ramp: Number = 0.0  # cycles over which the amplitude grows
+    orientation: Literal["vertical", "horizontal", "none"] = key(
+        "vertical", 'direction of the axis; with "horizontal" gravity is -x, with "none" there '
+        "is no gravity", option="--orientation",
+    )  # fmt: skip
+    frequency: Frequency = key(
+        40.0, 'frequency in Hz, or with a unit: "2.4 kHz"', unit="Hz", option="--frequency",
+        metavar="40",
+    )  # fmt: skip
+    gamma: Positive = key(
+        20.0, "largest acceleration of the enclosure, over 9.81 m/s2", unit="g", option="--gamma",
+        metavar="20",
+    )  # fmt: skip
+    direction: Vector | None = key(
+        None, "direction of the motion", example=[0, 0, 1], left_out="along the axis"
+    )
+    gravity: Vector | None = key(
+        None, "direction of gravity", example=[0, 0, -1], left_out="by the orientation"
+    )
+    ramp: Number = key(
+        0.0, "cycles over which the amplitude grows; 0: it is there at once, and with it the "
+        "velocity gamma g/omega", option="--ramp", metavar="0",
+    )  # fmt: skip
+
+
+_TABLE = "materials table"
 
 
 class Law(Section):
-    """[law]: the contact law; what is given here goes before the materials file."""
+    """The contact law; what is given here goes before the materials table."""
 
-    friction: Number | None = None
-    friction_wall: Number | None = None
-    restitution: Restitution | None = None
-    restitution_wall: Restitution | None = None
-    contact_treatment: Literal["sum", "deepest", "scaled"] = "sum"  # of several of one pair
-    tangential: Literal["displacement", "force"] = "displacement"
-    contact_end: Literal["overlap", "force"] = "overlap"
-    wall_curvature: bool = False
-    yielding: bool = False
-    youngs_modulus: Pressure | None = None  # of particles and walls
-    density: Density | None = None  # of the particles
+    friction: Number | None = key(
+        None, "friction of all contacts", example=0.52, left_out=_TABLE, option="--friction"
+    )
+    friction_wall: Number | None = key(
+        None, "friction of contacts with the walls", example=0.52, left_out="as of all contacts",
+        option="--friction-wall",
+    )  # fmt: skip
+    restitution: Restitution | None = key(
+        None, "restitution of all contacts", example=0.86, left_out=_TABLE, option="--restitution"
+    )
+    restitution_wall: Restitution | None = key(
+        None, "restitution of contacts with the walls", example=0.86, left_out="as of all contacts",
+        option="--restitution-wall",
+    )  # fmt: skip
+    contact_treatment: Literal["sum", "deepest", "scaled"] = key(
+        "sum", "multi-contact model, of several contacts of one pair of multi-sphere particles: "
+        'each acts; "deepest": it alone; "scaled": together as stiff as one',
+        option="--contact-treatment",
+    )  # fmt: skip
+    tangential: Literal["displacement", "force"] = key(
+        "displacement", "quantity that the tangential spring carries on: its displacement, or "
+        "its force", option="--tangential",
+    )  # fmt: skip
+    contact_end: Literal["overlap", "force"] = key(
+        "overlap", 'end of a contact: it may pull until the overlap is zero, with "force" '
+        "never", option="--contact-end",
+    )  # fmt: skip
+    wall_curvature: bool = key(
+        False, "the contact law knows that the side of a cylinder is round; flat in the "
+        "thesis", option="--wall-curvature",
+    )  # fmt: skip
+    yielding: bool = key(
+        False, "restitution falls above the yield velocity (eq. 5.26)", option="--yielding"
+    )
+    youngs_modulus: Pressure | None = key(
+        None, "Young's modulus of particles and walls", example="3.3 GPa", left_out=_TABLE,
+        option="--youngs-modulus",
+    )  # fmt: skip
+    density: Density | None = key(
+        None, "density of the particles", example="1.19 g/cm3", left_out=_TABLE, option="--density"
+    )
 
 
 class Fill(Section):
-    """[fill]: how the particles come to rest before the motion begins."""
+    """Settling of the particles before the motion begins."""
 
-    settle_time: Time = 0.2
+    settle_time: Time = key(
+        0.2, "time of settling under gravity, before the motion begins", example="0.2 s"
+    )
 
 
 class Run(Section):
-    """[run]: seed, length and time step."""
+    """Seed, length and time step."""
 
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1, strict=True)] = 1
-    cycles: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] = 8
-    discard: Annotated[int, Field(ge=0, strict=True)] = 3
-    steady: bool = False
-    max_cycles: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] = 60  # of a steady run
-    time_step: Time | None = None
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1, strict=True)] = key(
+        1, "seed of the filling", option="--seed", metavar="1"
+    )
+    cycles: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] = key(
+        8, "cycles of the motion: the thesis's for spheres; 18 where they are left out and the "
+        "particles have another shape", option="--cycles",
+    )  # fmt: skip
+    discard: Annotated[int, Field(ge=0, strict=True)] = key(
+        3, "first cycles that do not count", option="--discard"
+    )
+    steady: bool = key(
+        False, "as many cycles as a steady result takes",
+        option="--steady",
+    )  # fmt: skip
+    max_cycles: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] = key(
+        60, "most cycles of a run until it is steady", option="--max-cycles"
+    )
+    time_step: Time | None = key(
+        None, "time step, shortened so that a sample has a whole number of steps", example="1 us",
+        left_out="1 us, or 0.2 of its limit (multi-sphere particles 0.3) if that is less",
+        option="--time-step",
+    )  # fmt: skip
 
 
 class Output(Section):
-    """[output]: what is kept."""
+    """Data that is kept."""
 
-    samples: Annotated[int, Field(ge=8, le=10_000, strict=True)] = 100  # a cycle
-    frames: Annotated[int, Field(ge=0, le=10_000, strict=True)] = 20  # a cycle; 0: none
-    keep: Literal["all", "summary"] = "all"
+    samples: Annotated[int, Field(ge=8, le=10_000, strict=True)] = key(
+        100, "samples a cycle, of energies, forces and means", option="--samples"
+    )
+    frames: Annotated[int, Field(ge=0, le=10_000, strict=True)] = key(
+        20, "frames a cycle, of all particles and contacts; divides samples; 0: none",
+        option="--frames",
+    )  # fmt: skip
+    keep: Literal["all", "summary"] = key(
+        "all", "data kept in the run folder: all, or the results without the trajectory",
+        option="--keep",
+    )  # fmt: skip
 
 
 class Settings(Section):
@@ -112,6 +221,19 @@ class Settings(Section):
     fill: Fill = Fill()
     run: Run = Run()
     output: Output = Output()
+
+
+def commented_case() -> str:
+    """A case file with a comment on every key; as it stands it is the preset `thesis`."""
+    return reference.commented_case(
+        Settings,
+        "A granular damper. Every key but schema may be left out; what stands here are the "
+        "defaults, those of F. Terzioglu's thesis (University of Sheffield, 2023), Tables 6.1 and "
+        "6.2. Quantities are texts with a unit; pure numbers have none. z is the axis of the "
+        "enclosure, and its origin the centre of the bottom.",
+        "damper",
+        SCHEMA,
+    )
 
 
 def known_keys() -> dict[str, list[str]]:

@@ -27,9 +27,12 @@ def _study(path: str) -> Any:
 
 
 def _template(study: bool) -> str:
+    from damper3d.case.settings import commented_case
     from granulab.contact.files.datafile import data_file
 
-    file = data_file("studies" if study else "cases", "damper")
+    if not study:
+        return commented_case()
+    file = data_file("studies", "damper")
     assert file is not None  # shipped
     return file.read_text(encoding="utf-8")
 

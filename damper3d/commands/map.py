@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from damper3d.commands.options import case_options, changes_of
+from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 from granulab.campaign.cli.many import numbers, stop_unless_whole
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from damper3d.studies.map.grid import Grid
 
 
-@click.command("map")
+@case_command("map")
 @click.argument("case", required=False)
-@case_options
+@material_option
 @click.option("--frequencies", metavar="20,40", help="In Hz [default: the thesis's nine].")
 @click.option("--gammas", metavar="1,3,10", help="In g [default: the thesis's nineteen].")
 @click.option("--packings", type=int, default=1, metavar="N", help="Of each point [default: 1].")
@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 @quiet_option
 @json_option
 def map_(
-    case: str | None, seed: str | None, material: str | None, frequencies: str | None,
+    case: str | None, material: str | None, frequencies: str | None,
     gammas: str | None, packings: int, refine: int, workers: int | None, engine: str,
     scheduler: str | None, out: str, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
-    **options: str | bool | None,
+    **options: Any,
 ) -> None:  # fmt: skip
     """Map the efficiency over frequency and Gamma: ridges, table, picture.
 
@@ -50,7 +50,7 @@ def map_(
     from granulab.campaign.output.figure import write_figure
     from granulab.campaign.runs.folder import refuse_unless_writable
 
-    name, changes = case or "thesis", changes_of(seed, material, options)
+    name, changes = case or "thesis", changes_of(material, options)
     loaded = DamperCase.load(name, changes)
     prediction = predict(loaded)
     grid = Grid(

@@ -2,17 +2,18 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import click
 
-from damper3d.commands.options import case_options, changes_of
+from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 from granulab.campaign.cli.many import stop_unless_whole
 
 
-@click.command()
+@case_command()
 @click.argument("case", required=False)
-@case_options
+@material_option
 @click.option("--bodies", type=int, default=100, metavar="100", help="In the periodic cell.")
 @click.option("--packings", type=int, default=3, metavar="3", help="Of each kind: seeds 1 to N.")
 @click.option("--no-enclosure", is_flag=True, help="The periodic cell only.")
@@ -21,9 +22,9 @@ from granulab.campaign.cli.many import stop_unless_whole
 @quiet_option
 @json_option
 def pack(
-    case: str | None, seed: str | None, material: str | None, bodies: int, packings: int,
-    no_enclosure: bool, workers: int | None, engine: str, scheduler: str | None, out: str,
-    quiet: bool, as_json: bool, **options: str | bool | None,
+    case: str | None, material: str | None, bodies: int, packings: int, no_enclosure: bool,
+    workers: int | None, engine: str, scheduler: str | None, out: str, quiet: bool, as_json: bool,
+    **options: Any,
 ) -> None:  # fmt: skip
     """Compute random close and loose packing fractions of a case's particles.
 
@@ -34,7 +35,7 @@ def pack(
         raise click.UsageError(f"--packings = {packings}: must be at least 1")
     if scheduler is not None or engine != "processes":
         raise click.UsageError("packings are computed on this machine only; leave --engine out")
-    if seed is not None:
+    if options["run__seed"] is not None:
         raise click.UsageError("packings take the seeds 1 to --packings; leave --seed out")
     from damper3d.case.case import DamperCase
     from damper3d.run.sweep import DAMPER
@@ -42,7 +43,7 @@ def pack(
     from granulab.campaign.cli.terminal import announce_compilation
     from granulab.campaign.runs.folder import refuse_unless_writable
 
-    name, changes = case or "thesis", changes_of(None, material, options)
+    name, changes = case or "thesis", changes_of(material, options)
     particles = DamperCase.load(name, changes).particle.name
     refuse_unless_writable(Path(out), "--out")
     announce_compilation(quiet, DAMPER.compiled())

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from damper3d.commands.options import case_options, changes_of
+from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 from granulab.campaign.cli.many import numbers, stop_unless_whole
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from damper3d.studies.predict.prediction import Prediction
 
 
-@click.command()
+@case_command()
 @click.argument("case", required=False)
-@case_options
+@material_option
 @click.option("--frequencies", metavar="20,40,80", help="In Hz [default: 20, 40, 80].")
 @click.option("--packing", type=float, metavar="0.6", help="Fill ratio of your packed bed.")
 @click.option("--pack", is_flag=True, help="Compute the close packing of the particles' shape.")
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 @quiet_option
 @json_option
 def predict(
-    case: str | None, seed: str | None, material: str | None, frequencies: str | None,
+    case: str | None, material: str | None, frequencies: str | None,
     packing: float | None, pack: bool, full_count: int | None, simulate: bool, workers: int | None,
     engine: str, scheduler: str | None, out: str, no_figures: bool, quiet: bool, as_json: bool,
-    **options: str | bool | None,
+    **options: Any,
 ) -> None:  # fmt: skip
     """Predict where a damper damps best, from its fill ratio and height.
 
@@ -49,7 +49,7 @@ def predict(
     from granulab.campaign.runs.folder import refuse_unless_writable
 
     wanted = rising("frequencies", numbers("--frequencies", frequencies, predicting.FREQUENCIES))
-    fills = predicting.fills(case, changes_of(seed, material, options))
+    fills = predicting.fills(case, changes_of(material, options))
     cases = [DamperCase.load(*fill) for fill in fills]
     if pack or simulate or not no_figures:
         refuse_unless_writable(Path(out), "--out")

@@ -1,26 +1,28 @@
 """The command that computes one damper: run."""
 
+from typing import Any
+
 import click
 
-from damper3d.commands.options import case_options, changes_of
+from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.run import Runnable, run_case, run_options
 
 
-@click.command()
+@case_command()
 @click.argument("case", required=False)
-@case_options
+@material_option
 @run_options
 def run(
-    case: str | None, seed: str | None, material: str | None, out: str, resume: str | None,
+    case: str | None, material: str | None, out: str, resume: str | None,
     again: bool, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
-    **options: str | bool | None,
+    **options: Any,
 ) -> None:  # fmt: skip
     """Shake a granular damper and measure the energy that it dissipates.
 
     CASE is a preset or a TOML file; left out, it is the thesis's damper. For example:
     damper3d run --frequency 40 --gamma 20 --orientation horizontal
     """
-    changes = changes_of(seed, material, options)
+    changes = changes_of(material, options)
     if resume and (case is not None or changes or again):
         raise click.UsageError("--resume goes on with a case as it is; leave other options out")
     from damper3d.case.case import DamperCase

@@ -9,29 +9,29 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from damper3d.commands.options import changes_of
+from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 from granulab.campaign.cli.many import stop_unless_whole
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.sweep import Labelled
 
-# Options that change a key of the particles' case.
-_OF_PARTICLES = [
-    ("--equal-volume-radius", "particles.equal_volume_radius", '"3.8 mm"', "Of shapes by ratio."),
-    ("--sub-spheres", "particles.sub_spheres", "N", "That stand for one particle."),
-    ("--tolerance", "particles.tolerance", "0.02", "Or their surface error over that radius."),
-    ("--count", "particles.count", "N", "Number of particles [default: 100]."),
-    ("--density", "law.density", '"1.19 g/cm3"', "Of the particles."),
-    ("--youngs-modulus", "law.youngs_modulus", '"3.3 GPa"', "Of particles and walls."),
-    ("--friction", "law.friction", "0.52", "Of all contacts."),
-    ("--friction-wall", "law.friction_wall", "0.52", "Of contacts with the walls."),
-    ("--restitution", "law.restitution", "0.86", "Of all contacts."),
-    ("--restitution-wall", "law.restitution_wall", "0.86", "Of contacts with the walls."),
-    ("--contact-treatment", "law.contact_treatment", "sum|deepest|scaled", "Of several of a pair."),
-    ("--settle-time", "fill.settle_time", '"0.2 s"', "Under gravity, before the pre-load."),
-    ("--time-step", "run.time_step", '"1 us"', "Chosen if not given."),
-]
+# Keys of the particles' case that options change, and what holds for these tests besides.
+_OF_PARTICLES = {
+    "particles.equal_volume_radius": "",
+    "particles.sub_spheres": "",
+    "particles.tolerance": "",
+    "particles.count": " [default: 100]",
+    "law.density": "",
+    "law.youngs_modulus": "",
+    "law.friction": "",
+    "law.friction_wall": "",
+    "law.restitution": "",
+    "law.restitution_wall": "",
+    "law.contact_treatment": "",
+    "fill.settle_time": "",
+    "run.time_step": "",
+}
 _OF_TEST = [
     ("--diameter", '"40 mm"', "Of both halves, inside."),
     ("--half-height", '"20 mm"', "Of each half."),
@@ -46,10 +46,8 @@ _OF_TEST = [
 def _options(command: Callable[..., Any]) -> Callable[..., Any]:
     for flag, example, text in reversed(_OF_TEST):
         command = click.option(flag, metavar=example, help=text)(command)
-    for flag, key, example, text in reversed(_OF_PARTICLES):
-        command = click.option(flag, key.replace(".", "__"), metavar=example, help=text)(command)
     for option in (
-        click.option("--material", metavar="acrylic|FILE", help="Of particles and walls."),
+        material_option,
         click.option("--seeds", type=click.IntRange(1), default=3, metavar="N",
                      help="Packings of each shape [default: 3]."),
         click.option("--particles", metavar="prolate:1.5,toroid:0.2",
@@ -65,7 +63,7 @@ def _options(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-@click.command()
+@case_command(keys=_OF_PARTICLES)
 @_options
 def shear(**options: Any) -> None:
     """Shear beds in two half containers under a held pre-load, the top half sideways.
@@ -76,7 +74,7 @@ def shear(**options: Any) -> None:
     _slow("shear", **options)
 
 
-@click.command()
+@case_command(keys=_OF_PARTICLES)
 @_options
 def compress(**options: Any) -> None:
     """Compress beds in two half containers by a table, from a pre-load on.
@@ -90,7 +88,7 @@ def compress(**options: Any) -> None:
 def _slow(
     kind: Any, *, particles: str | None, seeds: int, material: str | None, out: str,
     write: str | None, so_far: bool, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
-    engine: str, workers: int | None, scheduler: str | None, **options: str | None,
+    engine: str, workers: int | None, scheduler: str | None, **options: Any,
 ) -> None:  # fmt: skip
     """Run the tests of all shapes and packings; print, keep and draw the table of them."""
     from damper3d.studies.quasistatic.protocol import SLOW_TESTS
@@ -134,7 +132,7 @@ def _cases(
 
     names = {flag.removeprefix("--").replace("-", "_") for flag, _, _ in _OF_TEST}
     of_test = {name: options[name] for name in names}
-    changes = changes_of(None, material, {k: v for k, v in options.items() if k not in names})
+    changes = changes_of(material, {k: v for k, v in options.items() if k not in names})
     shapes = list(SHAPES) if particles is None else _listed(particles)
     return [
         ({"shape": shape, "seed": seed},
@@ -165,7 +163,7 @@ def _write(
         return
     keys = {name: name.rpartition("__")[2].replace("_", "-") for name in given}
     words = [
-        f"--{keys[name]} {shlex.quote(value)}" if value else f"--{keys[name]}"
+        f"--{keys[name]} {shlex.quote(str(value))}" if value else f"--{keys[name]}"
         for name, value in given.items()
         if value is not None
     ]

@@ -1,11 +1,11 @@
-"""What a case file may hold: sections, keys, units, ranges, defaults."""
+"""The schema of a silo's case file: sections, keys, units, ranges, defaults, meanings, options."""
 
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
-from granulab.contact.files import casefile
+from granulab.contact.files import casefile, reference
 from granulab.contact.files.casefile import (
     Angle,
     Length,
@@ -17,6 +17,7 @@ from granulab.contact.files.casefile import (
     Stiffness,
     Time,
     folder_name,
+    key,
     unit_of,
 )
 from granulab.contact.files.units import to_si
@@ -35,89 +36,193 @@ YesOrNumber = Annotated[bool | float, BeforeValidator(_yes_or_number), Field(ge=
 
 
 class Silo(Section):
-    """[silo]: a preset A1 ... D4, or a hopper, or a polygon."""
+    """The silo: a preset (A1 ... D4 of the wood-silo paper), or a hopper, or an outline."""
 
-    preset: str | None = None
-    angle: Angle | None = None  # hopper from the horizontal
-    outlet: Size | None = None
-    width: Size | None = None
-    height: Size | None = None
-    outline: list[list[float]] | None = None  # inside of the silo, counter-clockwise
-    outline_unit: str = "mm"
-    outlet_centre: Length | None = None
+    preset: str | None = key(
+        None, "the silo of the wood-silo paper, in place of all other keys here", example="A4",
+        left_out="a hopper or an outline",
+    )  # fmt: skip
+    angle: Angle | None = key(
+        None, "hopper angle from the horizontal; 0 deg is a flat floor", example="60 deg",
+        spelled_out=True, option="--angle",
+    )  # fmt: skip
+    outlet: Size | None = key(
+        None, "width of the outlet, in the middle of the floor", example="150 mm",
+        spelled_out=True, option="--outlet",
+    )  # fmt: skip
+    width: Size | None = key(None, "width of the silo", example="300 mm", spelled_out=True)
+    height: Size | None = key(
+        None, "height of the silo, hopper included", example="500 mm", spelled_out=True
+    )
+    outline: list[list[float]] | None = key(
+        None, "inside of any silo, counter-clockwise, in place of angle, width and height. Its "
+        "lowest edge holds the outlet, its highest is the open top, and both are horizontal; "
+        "without outlet and outlet_centre the whole lowest edge opens",
+        example=[[-75, 0], [75, 0], [150, 130], [150, 500], [-150, 500], [-150, 130]],
+    )  # fmt: skip
+    outline_unit: str = key("mm", "unit of the outline")
+    outlet_centre: Length | None = key(
+        None, "x of the outlet's middle, in an outline", example="0 mm",
+        left_out="the middle of its edge",
+    )  # fmt: skip
 
 
 class Particles(Section):
-    """[particles]: shapes, and what they and the walls are made of."""
+    """Shapes, and the materials of particles and walls."""
 
-    shapes: str = "wood19"
-    materials: str = "wood"
-    material: str = "wood"
-    wall: str = "methacrylate"
+    shapes: str = key(
+        "wood19", "shape set: a shipped one, or a TOML file beside this one",
+        option="--shapes", metavar="FILE",
+    )  # fmt: skip
+    materials: str = key(
+        "wood", "materials table: a shipped one, or a TOML file beside this one",
+        option="--materials", metavar="FILE",
+    )  # fmt: skip
+    material: str = key("wood", "material of the particles, in that table")
+    wall: str = key("methacrylate", "material of the walls, in that table")
+
+
+_TABLE = "materials table"
 
 
 class Law(Section):
-    """[law]: the contact law; what is given here goes before the materials file."""
+    """The contact law; what is given here goes before the materials table."""
 
-    damping: Literal["published", "restitution"] = "published"
-    contact_end: Literal["overlap", "force"] = "overlap"
-    mu_particle: Number | None = None
-    mu_wall: Number | None = None
-    kn: Stiffness | None = None
-    kt: Stiffness | None = None
-    gamma_n: Rate | None = None
-    gamma_n_wall: Rate | None = None
-    gamma_t: Rate | None = None
-    keep_ratios: bool = False
+    damping: Literal["published", "restitution"] = key(
+        "published", 'source of gamma_n: the materials table, or with "restitution" from '
+        "its restitution, by one contact of two mean particles", option="--damping",
+    )  # fmt: skip
+    contact_end: Literal["overlap", "force"] = key(
+        "overlap", 'end of a contact: it may pull until the overlap is zero, with "force" '
+        "never", option="--contact-end",
+    )  # fmt: skip
+    mu_particle: Number | None = key(
+        None, "friction between particles", example=0.38, left_out=_TABLE, option="--mu-particle"
+    )
+    mu_wall: Number | None = key(
+        None, "friction at the walls", example=0.44, left_out=_TABLE, option="--mu-wall"
+    )
+    kn: Stiffness | None = key(
+        None, "normal stiffness of all contacts", example="1e4 N/mm", left_out=_TABLE, option="--kn"
+    )
+    kt: Stiffness | None = key(
+        None, "tangential stiffness of all contacts", example="650 N/mm", left_out=_TABLE,
+        option="--kt",
+    )  # fmt: skip
+    gamma_n: Rate | None = key(
+        None, "normal damping; the wall's scales with it unless gamma_n_wall is given",
+        example="6085 1/s", left_out=_TABLE, option="--gamma-n",
+    )  # fmt: skip
+    gamma_n_wall: Rate | None = key(
+        None, "normal damping at the walls", example="4303 1/s", left_out=_TABLE,
+        option="--gamma-n-wall",
+    )  # fmt: skip
+    gamma_t: Rate | None = key(
+        None, "tangential damping of all contacts", example="3 1/s", left_out=_TABLE,
+        option="--gamma-t",
+    )  # fmt: skip
+    keep_ratios: bool = key(
+        False,
+        "ratios held where kn changes: kt goes with kn, gamma_n with its root",
+        option="--keep-ratios",
+    )
+
+
+_DRAWN = 'true: by the measured standard deviation; a number or "10 %": by this one; false: alike'
 
 
 class Disorder(Section):
-    """[disorder]: contact parameters that differ from pair to pair."""
+    """Contact parameters drawn from pair to pair, by the seed of the run (docs/disorder.md)."""
 
-    per: Literal["none", "particle", "pair"] = "none"
-    friction: YesOrNumber = True
-    stiffness: YesOrNumber = True
-    restitution: YesOrNumber = True
+    per: Literal["none", "particle", "pair"] = key(
+        "none", "parameters drawn for each particle, for each pair, or not at all",
+        option="--disorder",
+    )  # fmt: skip
+    friction: YesOrNumber = key(True, f"friction drawn. {_DRAWN}")
+    stiffness: YesOrNumber = key(True, "stiffness drawn, likewise; kt/kn is held")
+    restitution: YesOrNumber = key(True, "restitution drawn, likewise")
 
 
 class Fill(Section):
-    """[fill]: how the silo is filled."""
+    """Filling of the silo."""
 
-    level: Size = 0.475
-    pour_with: Literal["dem", "pymunk"] = "dem"
-    friction: YesOrNumber = False
-    layer: Size | None = None
-    settled: Annotated[Number, Field(gt=0)] = 1e-4
+    level: Size = key(
+        0.475, "height of the filling above the outlet, by centroids", example="475 mm",
+        option="--fill-level",
+    )  # fmt: skip
+    pour_with: Literal["dem", "pymunk"] = key(
+        "dem", "engine that fills the silo: the contact law, or impulses", option="--pour-with"
+    )
+    friction: YesOrNumber = key(
+        False, "friction while pouring; true: that of the discharge; or a number"
+    )
+    layer: Size | None = key(
+        None, "height of the layers that are poured and settled one by one", example="95 mm",
+        left_out="all at once",
+    )  # fmt: skip
+    settled: Annotated[Number, Field(gt=0)] = key(
+        1e-4, "normalised kinetic energy below which the filling counts as settled: kinetic "
+        "energy over what lifts each particle by its size",
+    )  # fmt: skip
 
 
 class Run(Section):
-    """[run]: seed, engine, time step, and when the run ends."""
+    """Seed, engine, time step, and the end of the run."""
 
-    seed: Annotated[int, Field(ge=0, strict=True)] = 1
-    engine: Literal["dem", "pymunk"] = "dem"
-    time_step: Time | None = None
-    door_speed: Speed | None = None
-    max_time: Time = 6.0
-    at_rest: Annotated[Number, Field(gt=0)] = 1e-4
-    rest_time: Time = 0.15
-    opening_count: Annotated[int, Field(ge=0, strict=True)] = 5
+    seed: Annotated[int, Field(ge=0, strict=True)] = key(
+        1, "seed of the filling: shapes, positions and angles", option="--seed", metavar="1"
+    )
+    engine: Literal["dem", "pymunk"] = key(
+        "dem", "engine of the discharge: the contact law, or impulses", option="--engine"
+    )
+    time_step: Time | None = key(
+        None, "time step of dem", example="5 us",
+        left_out="5 us, or less where contacts are stiffer", option="--time-step",
+    )  # fmt: skip
+    door_speed: Speed | None = key(
+        None, "speed at which the door is drawn to the right", example="0.5 m/s",
+        left_out="it is gone at once", option="--door-speed",
+    )  # fmt: skip
+    max_time: Time = key(
+        6.0, "simulated time at which a run stops at the latest", example="6 s",
+        option="--max-time",
+    )  # fmt: skip
+    at_rest: Annotated[Number, Field(gt=0)] = key(
+        1e-4, "normalised kinetic energy, as of settled, below which the silo counts as at rest"
+    )
+    rest_time: Time = key(
+        0.15, "time without a particle coming out after which the silo at rest is judged",
+        example="0.15 s",
+    )  # fmt: skip
+    opening_count: Annotated[int, Field(ge=0, strict=True)] = key(
+        5, 'clogged with fewer particles out is "clogged at the opening"'
+    )
 
 
 class Pymunk(Section):
-    """[pymunk]: how the impulse engine is run; see impulses.py."""
+    """The impulse engine, where it is the engine (docs/pymunk.md)."""
 
-    iterations: Annotated[int, Field(ge=1, le=10_000)] = 30
-    time_step: Time = 2.5e-4
-    restitution: Literal["measured", "none"] = "measured"
+    iterations: Annotated[int, Field(ge=1, le=10_000)] = key(
+        30, "iterations over all contacts, a step of pymunk", option="--iterations"
+    )
+    time_step: Time = key(
+        2.5e-4, "time step of pymunk", example="0.25 ms", option="--pymunk-time-step"
+    )
+    restitution: Literal["measured", "none"] = key(
+        "measured", "restitution of the pairs: that of the materials table, or none"
+    )
 
 
 class Output(Section):
-    """[output]: what is kept."""
+    """Data that is kept."""
 
-    frame_interval: Time = 0.01
-    contact_interval: Time = 0.05  # rounded to whole frames
-    checkpoint_interval: Time = 0.1
-    layer_height: Size = 0.045
+    frame_interval: Time = key(0.01, "time between frames", example="10 ms")
+    contact_interval: Time = key(
+        0.05, "time between frames with contacts, in whole frames; the first and the last have "
+        "them always", example="50 ms",
+    )  # fmt: skip
+    checkpoint_interval: Time = key(0.1, "simulated time between checkpoints", example="100 ms")
+    layer_height: Size = key(0.045, "height of the painted layers in the pictures", example="45 mm")
 
 
 class Settings(Section):
@@ -132,6 +237,17 @@ class Settings(Section):
     run: Run = Run()
     pymunk: Pymunk = Pymunk()
     output: Output = Output()
+
+
+def commented_case() -> str:
+    """A case file with a comment on every key; as it stands it is the preset A4."""
+    return reference.commented_case(
+        Settings,
+        "A silo case. Every key but schema and those of [silo] may be left out; what stands here "
+        "are the defaults. Quantities are texts with a unit; pure numbers have none.",
+        "example",
+        SCHEMA,
+    )
 
 
 def known_keys() -> dict[str, list[str]]:

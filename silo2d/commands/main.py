@@ -17,8 +17,11 @@ def _study(path: str) -> Any:
 
 def _template(study: bool) -> str:
     from granulab.contact.files.datafile import data_file
+    from silo2d.case.settings import commented_case
 
-    file = data_file(*(("studies", "friction") if study else ("cases", "example")))
+    if not study:
+        return commented_case()
+    file = data_file("studies", "friction")
     assert file is not None  # shipped
     return file.read_text(encoding="utf-8")
 

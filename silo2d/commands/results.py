@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
-from silo2d.commands.options import case_options, changes_of
+from silo2d.commands.options import case_command, changes_of, mu_option
 
 
 @click.command()
@@ -52,19 +52,19 @@ def observe(folder: str, what: str | None, no_figures: bool, as_json: bool) -> N
         click.echo(picture, err=True)
 
 
-@click.command()
+@case_command()
 @click.argument("runs_or_case", metavar="RUN RUN | CASE", nargs=-1, required=True)
 @click.option("--engines", metavar="dem,pymunk", help="Run a case by both, and compare these runs.")
 @click.option("--seeds", type=click.IntRange(1), metavar="3", help="With --engines: seeds 1 to N.")
-@case_options
+@mu_option
 @out_option
 @click.option("--no-figures", is_flag=True, help="Make no picture.")
 @quiet_option
 @json_option
 def compare(
-    runs_or_case: tuple[str, ...], engines: str | None, seeds: int | None, seed: str | None,
-    mu: str | None, keep_ratios: bool, out: str, no_figures: bool, quiet: bool, as_json: bool,
-    **options: str | None,
+    runs_or_case: tuple[str, ...], engines: str | None, seeds: int | None, mu: str | None,
+    out: str, no_figures: bool, quiet: bool, as_json: bool,
+    **options: Any,
 ) -> None:  # fmt: skip
     """Set two runs side by side: times, curves, cost.
 
@@ -73,7 +73,7 @@ def compare(
     from granulab.campaign.output.figure import write_figure
     from silo2d.view import compare as comparison
 
-    changes = changes_of(seed, mu, keep_ratios, options)
+    changes = changes_of(mu, options)
     if engines is None and (len(runs_or_case) != 2 or changes or seeds):
         raise click.UsageError("give two run folders; or --engines dem,pymunk, a case and options")
     if engines is not None and len(runs_or_case) != 1:

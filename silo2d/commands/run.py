@@ -8,23 +8,23 @@ import click
 
 from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
 from granulab.campaign.cli.run import Runnable, run_case, run_options
-from silo2d.commands.options import case_options, changes_of
+from silo2d.commands.options import case_command, changes_of, mu_option
 
 
-@click.command()
+@case_command()
 @click.argument("case", required=False)
-@case_options
+@mu_option
 @run_options
 def run(
-    case: str | None, seed: str | None, mu: str | None, keep_ratios: bool, out: str,
+    case: str | None, mu: str | None, out: str,
     resume: str | None, again: bool, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
-    **options: str | None,
+    **options: Any,
 ) -> None:  # fmt: skip
     """Fill a silo, open it, and measure how it empties.
 
     For example: silo2d run A4 --outlet "120 mm" --mu 0.3
     """
-    changes = changes_of(seed, mu, keep_ratios, options)
+    changes = changes_of(mu, options)
     if (case is None) == (resume is None):
         raise click.UsageError("give a case (A4, or a TOML file), or --resume DIR, one of them")
     if resume and (changes or again):
@@ -44,14 +44,14 @@ def run(
     )  # fmt: skip
 
 
-@click.command()
+@case_command()
 @click.argument("case")
-@case_options
+@mu_option
 @out_option
 @quiet_option
 @json_option
 def packing(
-    case: str, seed: str | None, mu: str | None, keep_ratios: bool, out: str, quiet: bool,
+    case: str, mu: str | None, out: str, quiet: bool,
     as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """Fill a silo and keep the packing; runs of the same case take it from there."""
@@ -62,7 +62,7 @@ def packing(
     from silo2d.run.protocol import get_packing
     from silo2d.run.sweep import SILO
 
-    loaded = SiloCase.load(case, changes_of(seed, mu, keep_ratios, options))
+    loaded = SiloCase.load(case, changes_of(mu, options))
     folder = packing_folder(loaded, Path(out))
     if not SILO.packing_file(loaded, Path(out)).exists():
         refuse_unless_writable(folder, "--out")

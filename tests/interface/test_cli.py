@@ -32,7 +32,10 @@ def no_filling(*arguments):
 
 @pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"], []])
 def test_help_loads_nothing_heavy(arguments):
-    """numba alone takes half a second to load; --help has to answer in less than that."""
+    """numba alone takes half a second to load; --help has to answer in less than that.
+
+    The options of `run` come from the schema, and with it pydantic: a tenth of a second.
+    """
     program = (
         "import sys; from silo2d.commands.main import main\n"
         "try: main()\n"
@@ -44,7 +47,8 @@ def test_help_loads_nothing_heavy(arguments):
     )
     assert done.stdout.startswith("silo2d, version" if "--version" in arguments else "Usage: ")
     assert "silo2d.commands.main" in done.stderr.split()
-    assert not HEAVY & {module.partition(".")[0] for module in done.stderr.split()}
+    allowed = {"pydantic"} if arguments[:1] == ["run"] else set()
+    assert not (HEAVY - allowed) & {module.partition(".")[0] for module in done.stderr.split()}
 
 
 def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):

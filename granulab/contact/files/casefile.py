@@ -1,4 +1,9 @@
-"""Case files: fields with units, one line for what is wrong, and back to TOML; any simulator's."""
+"""Case files of any simulator: keys with units, one line for a mistake, and back to TOML.
+
+The settings of a simulator are one schema: a Section for each table of a case file, a `key` for
+each key. Options of the commands, the commented case of `init` and the key reference in the docs
+are made from it (granulab.contact.files.reference, granulab.campaign.cli.caseoptions).
+"""
 
 import copy
 import json
@@ -59,6 +64,36 @@ class Section(Table):
 Model = TypeVar("Model", bound=Section)
 
 
+def key(
+    default: Any,
+    meaning: str,
+    *,
+    example: Any = None,
+    left_out: str | None = None,
+    spelled_out: bool = False,
+    unit: str | None = None,
+    option: str | None = None,
+    metavar: str | None = None,
+) -> Any:
+    """A key of a Section: its default, its meaning, and how people write it.
+
+    meaning      comment in the case that `init` writes, text of the reference and of --help
+    example      as it is written in a case file; where there is a default, the same value
+    left_out     what holds where the key is left out, if there is no default
+    spelled_out  whether `init` writes the example, though the key has no default
+    unit         of a plain number, such as "Hz"; quantities have it from their type
+    option       flag of the commands that changes the key; metavar: its example in --help
+    """
+    known = {"left_out": left_out, "spelled_out": spelled_out, "plain_unit": unit,
+             "option": option, "metavar": metavar}  # fmt: skip
+    return Field(
+        default,
+        description=meaning,
+        examples=None if example is None else [example],
+        json_schema_extra={name: value for name, value in known.items() if value},
+    )
+
+
 def folder_name(name: str) -> str:
     """The name of a case, after which its run folder is called; ValueError if it cannot be."""
     if not name or not name.isprintable() or "/" in name or "\\" in name:
@@ -68,14 +103,19 @@ def folder_name(name: str) -> str:
     return name
 
 
-def known_keys(model: type[Section]) -> dict[str, list[str]]:
-    """The keys of each section of a case file."""
-    sections = {key: field.annotation for key, field in model.model_fields.items()}
+def sections(settings: type[Section]) -> dict[str, type[Section]]:
+    """The sections of a case file, by their names."""
+    fields = {name: field.annotation for name, field in settings.model_fields.items()}
     return {
-        key: list(section.model_fields)
-        for key, section in sections.items()
+        name: section
+        for name, section in fields.items()
         if isinstance(section, type) and issubclass(section, Section)
     }
+
+
+def known_keys(settings: type[Section]) -> dict[str, list[str]]:
+    """The keys of each section of a case file."""
+    return {name: list(section.model_fields) for name, section in sections(settings).items()}
 
 
 def read_document(path: Path, schema: int) -> dict[str, Any]:
@@ -130,7 +170,10 @@ def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) 
 
 def to_toml(settings: Section, schema: int) -> str:
     """The settings as a case file, all in SI."""
-    lines = [f"schema = {schema}", f"name = {_toml(settings.model_dump(include={'name'})['name'])}"]
+    lines = [
+        f"schema = {schema}",
+        f"name = {toml_value(settings.model_dump(include={'name'})['name'])}",
+    ]
     for section in type(settings).model_fields:
         table = getattr(settings, section)
         if isinstance(table, Section):
@@ -138,18 +181,24 @@ def to_toml(settings: Section, schema: int) -> str:
             for key, field in type(table).model_fields.items():
                 value = getattr(table, key)
                 if value is not None:
-                    lines.append(f"{key} = {_toml(value, unit_of(field))}")
+                    lines.append(f"{key} = {toml_value(value, unit_of(field))}")
     return "\n".join(lines) + "\n"
+
+
+def marks_of(field: Any) -> list[Any]:
+    """The units, validators and bounds that the type of a field is annotated with."""
+    choices = typing.get_args(field.annotation)  # of "X | None"
+    marks = [*field.metadata, *(m for c in choices for m in getattr(c, "__metadata__", ()))]
+    return [one for mark in marks for one in (mark, *getattr(mark, "metadata", ()))]
 
 
 def unit_of(field: Any) -> str:
     """The SI unit of a field, or "1"."""
-    choices = typing.get_args(field.annotation)  # of "X | None"
-    metadata = [*field.metadata, *(m for c in choices for m in getattr(c, "__metadata__", ()))]
-    return next((m.name for m in metadata if isinstance(m, Unit)), "1")
+    return next((mark.name for mark in marks_of(field) if isinstance(mark, Unit)), "1")
 
 
-def _toml(value: Any, unit: str = "1") -> str:
+def toml_value(value: Any, unit: str = "1") -> str:
+    """A value as TOML; a number with the unit it is in."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float) and unit != "1":

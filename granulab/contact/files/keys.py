@@ -1,12 +1,11 @@
 """The keys of a case file as a study takes them: read to SI, written back, named with units."""
 
-import typing
 from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BeforeValidator
 
-from granulab.contact.files.casefile import Section, known_keys, unit_of
+from granulab.contact.files.casefile import Section, known_keys, marks_of, unit_of
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
 
@@ -59,6 +58,4 @@ class Keys:
 
 
 def _is_quantity(field: Any) -> bool:
-    choices = typing.get_args(field.annotation)  # of "X | None"
-    marks = [*field.metadata, *(m for c in choices for m in getattr(c, "__metadata__", ()))]
-    return any(isinstance(mark, BeforeValidator) for mark in marks)
+    return any(isinstance(mark, BeforeValidator) for mark in marks_of(field))

@@ -1,0 +1,84 @@
+"""Write what the docs take from the code: key tables, example cases, the map of the packages.
+
+`python docs/generate.py` writes it; a test compares what stands there with what this would write.
+"""
+
+import ast
+import sys
+from pathlib import Path
+
+from damper3d.case import settings as damper
+from granulab.contact.files.reference import key_tables
+from silo2d.case import settings as silo
+
+ROOT = Path(__file__).parents[1]
+# Packages of the README's map; their folders are the rooms of the code.
+PACKAGES = ("granulab/contact", "granulab/campaign", "silo2d", "damper3d", "calibration")
+
+
+def generated() -> dict[Path, str]:
+    """Every file with generated parts, and its text as it should stand."""
+    return {
+        ROOT / "data/cases/example.toml": silo.commented_case(),
+        ROOT / "data/cases/damper.toml": damper.commented_case(),
+        **_with_part("docs/silo-case.md", "keys", key_tables(silo.Settings)),
+        **_with_part("docs/damper-case.md", "keys", key_tables(damper.Settings)),
+        **_with_part("README.md", "map", _map()),
+        **_with_part("docs/contributing.md", "modules", _modules()),
+    }
+
+
+def _with_part(name: str, part: str, text: str) -> dict[Path, str]:
+    """A file with the text between its comments `part` and `end of part`."""
+    begin, end = f"<!-- {part}: made by docs/generate.py -->\n", f"<!-- end of {part} -->\n"
+    before, found, rest = (ROOT / name).read_text(encoding="utf-8").partition(begin)
+    if not found or end not in rest:
+        sys.exit(f"{name}: has no lines {begin.strip()} and {end.strip()}")
+    return {ROOT / name: f"{before}{begin}\n{text}\n{end}{rest.partition(end)[2]}"}
+
+
+def _map() -> str:
+    """A row for each package: its purpose and its rooms."""
+    rows = ["| package | purpose | rooms |", "|---|---|---|"]
+    for name in PACKAGES:
+        rooms = [f"`{path.name}`" for path in _folders(ROOT / name)]
+        rows.append(f"| `{name}/` | {_summary(ROOT / name / '__init__.py')} | {', '.join(rooms)} |")
+    return "\n".join(rows) + "\n"
+
+
+def _modules() -> str:
+    """A section for each room with a row for each module."""
+    parts = []
+    for folder in [f for name in PACKAGES for f in (ROOT / name, *_below(ROOT / name))]:
+        modules = [path for path in sorted(folder.glob("*.py")) if not path.name.startswith("__")]
+        rows = [f"| `{path.stem}` | {_summary(path)} |" for path in modules]
+        table = "\n".join(["", "| module | purpose |", "|---|---|", *rows, ""]) if rows else ""
+        name = folder.relative_to(ROOT).as_posix()
+        parts.append(f"### `{name}/`\n\n{_summary(folder / '__init__.py')}\n{table}")
+    return "\n".join(parts)
+
+
+def _folders(folder: Path) -> list[Path]:
+    return sorted(path.parent for path in folder.glob("*/__init__.py"))
+
+
+def _below(folder: Path) -> list[Path]:
+    return [path for child in _folders(folder) for path in (child, *_below(child))]
+
+
+def _summary(file: Path) -> str:
+    """The first line of a module's docstring."""
+    lines = (ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or "").split("\n")
+    return lines[0].replace("|", r"\|")
+
+
+def main() -> None:
+    """Write the files that are not up to date, and name them."""
+    for path, text in generated().items():
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8", newline="\n")
+            print(path.relative_to(ROOT))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+"""Options of a command that change keys of a case; they are made from the simulator's schema."""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from granulab.contact.files.casefile import Section
+    from granulab.contact.files.reference import Key
+
+
+class CaseCommand(click.Command):
+    """A command with an option for each key of a case that has one, or for `keys` alone.
+
+    keys: "section.key", and what their help says besides the meaning of the key.
+
+    schema: gives the settings of the simulator, and is asked for them only when the options are
+    needed, so that the other commands do without pydantic. The command's function gets the values
+    as `section__key`, see case_changes.
+    """
+
+    def __init__(
+        self,
+        *arguments: Any,
+        schema: Callable[[], "type[Section]"],
+        keys: Mapping[str, str] = MappingProxyType({}),
+        **options: Any,
+    ) -> None:
+        super().__init__(*arguments, **options)
+        self._schema, self._keys = schema, keys
+        self._case_options: list[click.Parameter] | None = None
+
+    def get_params(self, context: click.Context) -> list[click.Parameter]:
+        """The arguments, the options of the case, and the command's own options."""
+        if self._case_options is None:
+            self._case_options = _options(self._schema(), self._keys)
+        given = super().get_params(context)
+        first = sum(isinstance(one, click.Argument) for one in given)
+        return [*given[:first], *self._case_options, *given[first:]]
+
+
+def _options(schema: "type[Section]", keys: Mapping[str, str]) -> list[click.Parameter]:
+    from granulab.contact.files.reference import keys_of
+
+    every = {f"{key.section}.{key.name}": key for key in keys_of(schema)}
+    chosen = keys or {name: "" for name, key in every.items() if key.option}
+    return [_option(every[name], more) for name, more in chosen.items()]
+
+
+def _option(key: "Key", more: str) -> click.Option:
+    flag = key.option or f"--{key.name.replace('_', '-')}"
+    names = [flag, f"{key.section}__{key.name}"]
+    text = f"{key.meaning[0].upper()}{key.meaning[1:]}{more}."
+    if key.kind == "boolean":
+        return click.Option(names, is_flag=True, help=text)
+    kind = _WholeNumber() if key.kind == "integer" else click.STRING
+    return click.Option(names, type=kind, metavar=_metavar(key), help=text)
+
+
+def _metavar(key: "Key") -> str:
+    """An example of the option's value as it is typed in a shell."""
+    if key.metavar or key.choices:
+        return key.metavar or "|".join(key.choices)
+    return key.written if " " in key.written else key.written.strip('"')
+
+
+class _WholeNumber(click.ParamType):
+    """A whole number; another text is left to the case, which refuses it as any other key."""
+
+    name = "integer"
+
+    def convert(self, value: Any, *_: Any) -> Any:
+        """The number, or the text."""
+        try:
+            return int(value)
+        except ValueError:
+            return value
+
+
+def case_changes(options: dict[str, Any]) -> dict[str, Any]:
+    """The keys of the case that options change, as they would stand in a file."""
+    return {
+        name.replace("__", "."): value
+        for name, value in options.items()
+        if value is not None and value is not False
+    }

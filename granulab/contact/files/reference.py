@@ -1,0 +1,155 @@
+"""What a schema says to people: a case file with a comment on every key, and tables of the keys."""
+
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from granulab.contact.files.casefile import Section, marks_of, sections, toml_value, unit_of
+
+_COLUMN = 35  # where comments begin in a commented case
+_WIDTH = 100
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of a case file as people read of it; texts, but for what stands in the schema."""
+
+    section: str
+    name: str
+    meaning: str
+    written: str  # its default or an example, as TOML
+    has_default: bool
+    spelled_out: bool  # written by `init`, rather than as a comment
+    left_out: str  # what holds without the key, if it has no default
+    unit: str  # SI unit of a quantity, "" of all else
+    takes: str  # range or choices
+    kind: str  # "boolean", "integer", "number", "string", "array" or "" (several)
+    choices: tuple[str, ...]
+    option: str | None  # flag of the commands that changes it
+    metavar: str | None
+
+    @property
+    def default(self) -> str:
+        """The default as it would be written, or what holds without one."""
+        return f"`{self.written}`" if self.has_default else self.left_out
+
+
+def keys_of(settings: type[Section]) -> Iterator[Key]:
+    """The keys of all sections of a case file, in their order."""
+    for section, model in sections(settings).items():
+        schema = model.model_json_schema()["properties"]
+        for name, field in model.model_fields.items():
+            yield _key(section, name, field, schema[name])
+
+
+def _key(section: str, name: str, field: Any, schema: dict[str, Any]) -> Key:
+    kinds = [kind for kind in schema.get("anyOf", [schema]) if kind.get("type") != "null"]
+    unit = unit_of(field)
+    example = (schema.get("examples") or [None])[0]
+    return Key(
+        section,
+        name,
+        meaning=schema.get("description", ""),
+        written=toml_value(*(field.default, unit) if example is None else (example,)),
+        has_default=field.default is not None,
+        spelled_out=field.default is not None or schema.get("spelled_out", False),
+        left_out=schema.get("left_out", ""),
+        unit=schema.get("plain_unit", "") if unit == "1" else unit,
+        takes=", ".join([" or ".join(map(_takes, kinds)), *_bounds(field)]),
+        kind=kinds[0]["type"] if len(kinds) == 1 else "",
+        choices=tuple(kinds[0].get("enum", ())),
+        option=schema.get("option"),
+        metavar=schema.get("metavar"),
+    )
+
+
+def _takes(kind: dict[str, Any]) -> str:
+    """The range of one kind of value, such as "above 0"."""
+    if "enum" in kind:
+        return ", ".join(f'`"{word}"`' for word in kind["enum"])
+    if kind["type"] == "boolean":
+        return "`true`, `false`"
+    if kind["type"] == "array":
+        count = f"{kind['minItems']} " if "minItems" in kind else ""
+        return f"list of {count}{'numbers' if kind['items']['type'] == 'number' else 'points'}"
+    if kind["type"] == "string":
+        return "text"
+    return "whole number" if kind["type"] == "integer" else "number"
+
+
+def _bounds(field: Any) -> list[str]:
+    """The range of a number, such as ["above 0", "at most 1"]."""
+    found = {}
+    for mark in marks_of(field):
+        for bound, words in (("gt", "above"), ("ge", "at least"), ("le", "at most")):
+            if getattr(mark, bound, None) is not None:
+                found[words] = f"{words} {getattr(mark, bound):,}"
+    if "above" in found:
+        found.pop("at least", None)  # which the type alone would take
+    return list(found.values())
+
+
+def commented_case(settings: type[Section], head: str, name: str, schema: int) -> str:
+    """A case file with a comment on every key; what stands in it are the defaults.
+
+    head: of the file; keys without a default are comments themselves, with an example.
+    """
+    lines = [*_comment(head), f"schema = {schema}"]
+    lines += _commented(f"name = {toml_value(name)}", "the run folder is called after it")
+    for section, model in sections(settings).items():
+        lines += ["", f"[{section}]", *_comment(_text(model))]
+        for key in keys_of(settings):
+            if key.section == section:
+                lines += _commented(_entry(key), _remark(key))
+    return "\n".join(lines) + "\n"
+
+
+def _entry(key: Key) -> str:
+    return f"{'' if key.spelled_out else '# '}{key.name} = {key.written}"
+
+
+def _remark(key: Key) -> str:
+    words = key.meaning
+    if key.choices:
+        named = f"{key.written} {key.meaning}"
+        other = [f'"{word}"' for word in key.choices if f'"{word}"' not in named]
+        words += f"; or {', '.join(other)}" if other else ""
+    return f"{words}; left out: {key.left_out}" if key.left_out else words
+
+
+def _commented(entry: str, remark: str) -> list[str]:
+    """A line of TOML with its comment beside it, or above it where the line is long."""
+    if len(entry) >= _COLUMN:
+        return [*_comment(remark), entry]
+    first, *others = textwrap.wrap(remark, _WIDTH - _COLUMN - 2)
+    return [f"{entry:{_COLUMN}}# {first}", *(f"{'':{_COLUMN}}# {line}" for line in others)]
+
+
+def _comment(text: str) -> list[str]:
+    return [f"# {line}" for line in textwrap.wrap(text, _WIDTH - 2)]
+
+
+def _text(model: type[Section]) -> str:
+    """What a section is, from its docstring, in one line."""
+    return " ".join((model.__doc__ or "").split())
+
+
+def key_tables(settings: type[Section]) -> str:
+    """The keys of a case file as Markdown, a table for each section."""
+    parts = []
+    for section, model in sections(settings).items():
+        rows = [_row(key) for key in keys_of(settings) if key.section == section]
+        parts.append(
+            f"### [{section}]\n\n{_text(model)}\n\n"
+            "| key | unit | default | takes | meaning | option |\n|---|---|---|---|---|---|\n"
+            + "\n".join(rows)
+        )
+    return "\n\n".join(parts) + "\n"
+
+
+def _row(key: Key) -> str:
+    example = "" if key.has_default else f" (such as `{key.written}`)"
+    option = f"`{key.option}`" if key.option else ""
+    cells = (f"`{key.name}`", key.unit, key.default, key.takes, key.meaning + example, option)
+    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"

@@ -1,0 +1,114 @@
+"""One schema a simulator: options, commented case, key tables and study keys follow from it."""
+
+import importlib
+import re
+import runpy
+import tomllib
+from pathlib import Path
+
+import click
+import pytest
+from small_damper import damper3d
+from small_silo import silo2d
+
+from damper3d.case import settings as damper
+from granulab.contact.files.casefile import check_document, read_document, sections
+from granulab.contact.files.datafile import data_root
+from granulab.contact.files.keys import Keys
+from granulab.contact.files.reference import keys_of
+from silo2d.case import settings as silo
+
+BOTH = pytest.mark.parametrize("simulator", [silo, damper], ids=["silo", "damper"])
+ROOT = Path(__file__).parents[2]
+# Flags that change a key of the case; scripts rely on them (interfaces).
+OPTIONS = {
+    silo: "angle outlet shapes materials damping contact-end mu-particle mu-wall kn kt gamma-n "
+    "gamma-n-wall gamma-t keep-ratios disorder fill-level pour-with seed engine time-step "
+    "door-speed max-time iterations pymunk-time-step",
+    damper: "diameter height particles equal-volume-radius sub-spheres tolerance mesh-unit count "
+    "orientation frequency gamma ramp friction friction-wall restitution restitution-wall "
+    "contact-treatment tangential contact-end wall-curvature yielding youngs-modulus density seed "
+    "cycles discard steady max-cycles time-step samples frames keep",
+}
+
+
+def test_generated_files_are_up_to_date():
+    """The key tables, the shipped examples, the README's map, the contributor's list of modules."""
+    wanted = runpy.run_path(str(ROOT / "docs" / "generate.py"))["generated"]()
+    stale = [path.name for path, text in wanted.items() if path.read_text("utf-8") != text]
+    assert not stale, "run: python docs/generate.py"
+
+
+@BOTH
+def test_the_commented_case_is_the_defaults(simulator, tmp_path):
+    """Read again: the default settings, but for the name and the sizes that init spells out."""
+    path = tmp_path / "mine.toml"
+    path.write_text(simulator.commented_case(), encoding="utf-8")
+    read = check_document(simulator.Settings, read_document(path, simulator.SCHEMA), "mine")
+    sizes = {"silo": {"angle": "60 deg", "outlet": "150 mm", "width": "300 mm",
+                      "height": "500 mm"}}  # fmt: skip
+    sizes = sizes if simulator is silo else {"enclosure": {"diameter": "40 mm"}}
+    assert read == check_document(simulator.Settings, {"name": read.name, **sizes}, "defaults")
+
+
+@BOTH
+def test_every_key_stands_in_the_commented_case_with_an_example_that_is_taken(simulator):
+    """Each line of the case that is a comment would be taken if it were none."""
+    text = simulator.commented_case()
+    every = tomllib.loads(re.sub(r"(?m)^# (?=\w+ = )", "", text))
+    for key in keys_of(simulator.Settings):
+        assert key.meaning, key.name
+        value = every[key.section][key.name]
+        model = sections(simulator.Settings)[key.section]
+        default = model.model_fields[key.name].default
+        read = getattr(model.model_validate({key.name: value}), key.name)
+        if default is None:
+            assert read is not None
+        else:
+            assert read == default, f"the example of {key.name} is not its default"
+
+
+@BOTH
+def test_options_are_those_that_scripts_rely_on(simulator):
+    flags = [key.option for key in keys_of(simulator.Settings) if key.option]
+    assert sorted(flags) == sorted(f"--{name}" for name in OPTIONS[simulator].split())
+
+
+@pytest.mark.parametrize("name", ["silo2d", "damper3d"])
+def test_no_command_has_an_option_twice(name):
+    """A key's flag is no other option of a command; each has a word of help."""
+    app = importlib.import_module(f"{name}.commands.main").app
+    for command in app.commands.values():
+        with click.Context(command) as context:
+            options = [one for one in command.get_params(context) if isinstance(one, click.Option)]
+        flags = [flag for option in options for flag in option.opts]
+        assert len(flags) == len(set(flags)), command.name
+        assert all(option.help for option in options), command.name
+
+
+@BOTH
+def test_every_option_reaches_its_key(simulator):
+    """What is typed for an option, here its example, is what the case has for the key."""
+    command = silo2d if simulator is silo else damper3d
+    for key in keys_of(simulator.Settings):
+        if key.option and key.kind != "boolean" and key.section != "particles":
+            answer = command(*("run", *["A4"][: simulator is silo]), "--dry-run", key.option, "-x")
+            assert answer.code == 2
+            assert key.name in answer.err or key.option in answer.err
+
+
+@pytest.mark.parametrize(("study", "simulator"), [("friction", silo), ("damper", damper)])
+def test_the_commented_studies_name_keys_of_the_schema(study, simulator):
+    """Also those that are comments, with values that the keys take."""
+    text = (data_root() / "studies" / f"{study}.toml").read_text("utf-8")
+    written = re.findall(r'(?m)^(?:# )?"?((?:\w+\.\w+)(?:, \w+\.\w+)*)"? = (.*)$', text)
+    assert len(written) > 4
+    keys = Keys(simulator.Settings)
+    for names, value in written:
+        value = tomllib.loads(f"value = {value}")["value"]
+        values = value if isinstance(value, list) else [value]
+        if isinstance(value, dict):
+            values = [value[k] for k in ("start", "stop", "mean", "min") if k in value]
+        for name in names.split(", "):
+            for one in values:
+                keys.read(study, name, one)
