@@ -105,7 +105,7 @@ class DamperCase:
 
     @property
     def name(self) -> str:
-        """What the run folder is called after."""
+        """Name that the run folder begins with."""
         return self.settings.name
 
     @property
@@ -125,7 +125,7 @@ class DamperCase:
 
     @property
     def orientation(self) -> str:
-        """How gravity lies to the motion, whatever says so: "vertical", "horizontal" or "none"."""
+        """Direction of gravity to the motion: "vertical", "horizontal" or "none"."""
         return orientation_of(self.gravity, self.direction)
 
     @property
@@ -167,7 +167,7 @@ class DamperCase:
         return self.enclosure.wall_names
 
     def to_toml(self) -> str:
-        """The case as a file for the run folder, beside the copies of the files it names."""
+        """The case as a file for the run folder, which has copies of the files it names."""
         settings = self.settings
         particles: dict[str, Any] = {"materials": "materials.toml", "count": self.count}
         for copy in self.files:
@@ -184,7 +184,7 @@ class DamperCase:
         )
 
     def identity(self) -> dict[str, Any]:
-        """What a run's folder is named by: all that its answers depend on."""
+        """All that the results of a run depend on, by which its folder is named."""
         run, motion = self.settings.run, self.settings.motion
         length = {"steady": run.max_cycles} if run.steady else {}
         return {
@@ -200,9 +200,9 @@ class DamperCase:
         }
 
     def packing_identity(self) -> dict[str, Any]:
-        """What a settled packing is named by: not what acts only once the enclosure moves."""
+        """All that a settled packing depends on: not what acts only once the enclosure moves."""
         enclosure, particle, law = self.enclosure, self.particle, self.settings.law
-        # A ball has one contact with another.
+        # Two spheres have one contact.
         treatment = {} if particle.is_sphere else {"contact_treatment": law.contact_treatment}
         return {
             "enclosure": [enclosure.shape, enclosure.width, enclosure.depth, enclosure.height],
@@ -244,7 +244,7 @@ def _resolved(
 
 
 def _calculable(case: DamperCase) -> bool:
-    """Whether squares, cubes and ratios of all numbers are floats too."""
+    """True where squares, cubes and ratios of all numbers are floats too."""
     yields = [v for v in case.yield_velocity.values() if v is not None]
     laws = [x for law in (case.pair_law, case.wall_law) for x in (law.hertz, law.tangential)]
     inertia = case.density * float(case.particle.inertia.min())

@@ -1,4 +1,4 @@
-"""What is known without a simulation: when the bed bounces, what that damps, when it fluidises.
+"""Closed forms: onset and efficiency of the bouncing bed, and of fluidisation.
 
 Granular-damper thesis, eqs 6.8-6.13. The enclosure moves by A sin(omega t), A = Gamma g/omega^2,
 and the efficiency eta is the energy lost in a cycle over 4 (Gamma g/omega)^2 M.
@@ -14,7 +14,7 @@ meeting since then,
 **Fluidisation.** A bed that does not rebound on a floor that goes up and down, without a lid,
 leaves the floor at sin(phase) = 1/Gamma and meets it again within the cycle up to Gamma =
 sqrt(1 + pi^2), where its flight lasts a whole one; from sqrt(4 + pi^2) on it meets it at other
-phases in turn (the completely inelastic ball: Mehta and Luck 1990, Phys. Rev. Lett. 65, 393). The
+phases in turn (the completely inelastic sphere: Mehta and Luck 1990, Phys. Rev. Lett. 65, 393). The
 frequency does not enter, so its best Gamma is a ridge along the frequencies.
 """
 
@@ -159,7 +159,7 @@ def bouncing_block_loss(mass: float, frequency: float, restitution: float) -> fl
 
 
 def _root(falling: Callable[[Floats], Floats], low: Floats, high: Floats) -> Floats:
-    """Where a function falls through zero between low and high, by halving; NaN stays NaN."""
+    """Root of a function that falls from low to high through zero, by halving; NaN stays NaN."""
     low, high = low + np.zeros(()), high + np.zeros(())
     for _ in range(60):  # 2 pi/2^60 is below the last digit
         middle = (low + high) / 2

@@ -1,13 +1,13 @@
-"""How fast a cluster swings on its contacts, and so which ball has the same Rayleigh step.
+"""Radius of the sphere that oscillates on its contact as fast as a multi-sphere particle does.
 
-Rayleigh's step (thesis, eq. 3.31) is a part of the time that a ball stays in contact: by Hertz
-both go as its radius. A contact of a cluster carries the whole body and not the sub-sphere, and
+Rayleigh's step (thesis, eq. 3.31) is a part of the time that a sphere stays in contact: by Hertz
+both go as its radius. A contact of a multi-sphere particle carries all of its mass, and
 lasts as (m^2/R)^(1/5) (eq. 5.10): a small sub-sphere of a heavy body stays longer than a large one.
 What makes contacts shorter is that several act at once, and that the body also turns. So the limit
 is that of the swiftest oscillation (contact/timestep.py) of the body on all its contacts with a
 flat wall together, over the directions in which it can meet one, at the energy that presses the
-ball of the same volume as deep as Hertz's law may hold. It is as many Rayleigh steps of that ball
-as the ball, on its own contact, oscillates faster or slower. Moduli and density drop out.
+sphere of the same volume as deep as Hertz's law may hold. It is as many Rayleigh steps of that
+sphere as that one, on its own contact, oscillates faster or slower. Moduli and density drop out.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ _NEWTON_STEPS = 12  # from above on a convex function: to the last digits
 
 
 def equivalent_sphere_radius(particle: MultiSphere, tangential: float) -> float:
-    """Radius of the ball that oscillates as fast on a flat wall [m]; of a ball its own.
+    """Radius of the sphere that oscillates as fast on a flat wall [m]; of a sphere its own.
 
     tangential is kt/kn of the contact law [-].
     """
@@ -32,7 +32,7 @@ def equivalent_sphere_radius(particle: MultiSphere, tangential: float) -> float:
     heights = normals @ unit.offsets.T + unit.radii
     gaps = heights.max(axis=1)[:, None] - heights
     roots = np.sqrt(unit.radii * np.maximum(_depths(gaps, unit.radii) - gaps, 0.0))
-    ball = np.sqrt(DEEPEST) * max(1.5, 3.5 * tangential)  # as 1/m and 1/m + r^2/I of a ball
+    ball = np.sqrt(DEEPEST) * max(1.5, 3.5 * tangential)  # as 1/m and 1/m + r^2/I of a sphere
     swiftest = _highest(normals, roots, unit, tangential).max()
     return particle.equal_volume_radius * float(np.sqrt(ball / swiftest))
 
@@ -45,7 +45,7 @@ def _normals(unit: MultiSphere) -> np.ndarray:
 
 
 def _depths(gaps: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """Overlap (d, 1) of the deepest sphere where all together hold what the ball would hold.
+    """Overlap (d, 1) of the deepest sub-sphere where all together hold what one sphere would.
 
     Each holds sqrt(R) overlap^2.5, but for the same factor, and the rigid wall meets sphere s by
     gaps (d, k) later than the first.

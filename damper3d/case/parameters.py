@@ -18,15 +18,15 @@ from granulab.errors import InputError
 
 USUAL_TIME_STEP = 1e-6  # [s] the thesis's (Table 6.1); 2 us gives the same within the scatter
 _USUAL_SHARE = 0.2  # of the Rayleigh step, by two digits, where the usual step is longer
-# The same of clusters, whose limit counts contacts that act together: at 0.43 the books of 90
-# spheroids left 0.6 % open, which goes as the square of the step (docs/damper-clusters.md).
+# The same of multi-sphere particles, whose limit counts contacts that act together: at 0.43 90
+# spheroids left 0.6 % of the energy unaccounted, which goes as the square of the step
 _CLUSTER_SHARE = 0.3
 SAFE_SHARE = 0.4  # of the Rayleigh step; the thesis takes 0.1 to 0.4 of it (eq. 3.32)
 MOST_STEPS = 10**12  # a year of one core, and more
 
 
 def materials_of(table: ContactTable, settings: Settings) -> tuple[Material, Material]:
-    """What particles and enclosure are made of, with the case's own modulus and density."""
+    """Materials of particles and enclosure, with the case's own modulus and density."""
     particle = table.material(settings.particles.material)
     wall = table.material(settings.enclosure.material)
     law = settings.law
@@ -135,13 +135,13 @@ def yield_velocities(
 
 @dataclasses.dataclass(frozen=True)
 class Steps:
-    """How time is cut: a cycle into samples, a sample into steps."""
+    """Time steps: of a sample, and samples of a cycle."""
 
     time_step: float  # [s] a whole number of them makes a sample
     per_sample: int
     free: float  # [s] the step before it was fitted to the samples: that of the filling
     rayleigh: float  # [s] eq. 3.31, of the smallest sphere
-    limit: float  # [s] the same; for clusters of the ball that oscillates as fast on its contacts
+    limit: float  # [s] the same, of the sphere that oscillates as fast on its contacts
     reason: str
 
 
@@ -192,7 +192,7 @@ def _rayleigh(radius: float, material: Material) -> float:
 
 def _wanted_step(given: float | None, limit: float, ball: bool, where: str) -> tuple[float, str]:
     """The step [s] before it is fitted to the samples, and why."""
-    whose = "" if ball else " of the ball that oscillates as fast"
+    whose = "" if ball else " of the sphere that oscillates as fast"
     bound = f"Rayleigh step {limit:.3g} s{whose} (thesis, eq. 3.31)"
     usual = _USUAL_SHARE if ball else _CLUSTER_SHARE
     if given is not None:

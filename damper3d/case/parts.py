@@ -79,7 +79,7 @@ def _usual_fill_ratio(kind: str) -> float:
 
 
 def particle_wanted(particles: Particles, folder: Path) -> Particle:
-    """What [particles] says of their shape; folder: where a mesh is looked for first."""
+    """Shape that [particles] asks for; folder: looked through first for a mesh."""
     wanted = Particle(
         particles.shape, particles.equal_volume_radius, particles.sub_spheres,
         particles.tolerance, particles.mesh_unit, folder,
@@ -123,7 +123,7 @@ def gravity_of(motion: Motion, where: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def orientation_of(gravity: np.ndarray, direction: np.ndarray) -> str:
-    """How gravity (3,) lies to the motion, a unit vector (3,): vertical, horizontal or none.
+    """Direction of gravity (3,) to the motion, a unit vector (3,): vertical, horizontal or none.
 
     Gravity is vertical where it is nearer to the axis of the motion than to the plane across it.
     """
@@ -143,7 +143,7 @@ def unit_vector(vector: list[float], what: str) -> np.ndarray:
 
 
 def check_protocol(settings: Settings, where: str) -> None:
-    """What must hold between cycles, samples and frames, and between parts of the law."""
+    """Raise InputError where cycles, samples and frames, or parts of the law, do not fit."""
     if settings.law.yielding and settings.law.contact_treatment == "scaled":
         raise InputError(
             f"{where}: [law] yielding = true goes by the mass and radius of each contact, which "

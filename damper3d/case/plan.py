@@ -1,4 +1,4 @@
-"""What a run of a case will be: its steps, the CPU time to expect, and what looks wrong."""
+"""Plan of a run: its steps, the CPU time to expect, and warnings."""
 
 import math
 from typing import Any
@@ -10,9 +10,9 @@ from damper3d.case.parameters import SAFE_SHARE
 from damper3d.engine.records import CLASSES
 
 # On one core of a current server, of a particle and step [s] (benchmarks/damper.py and clusters.py;
-# the runs that clusters were fitted to stand in docs/damper-shapes.md).
-_OF_A_BALL = 2.5e-8
-_OF_A_CLUSTER, _OF_A_SUB_SPHERE = 1.2e-7, 3.6e-9
+# the runs that those of several spheres were fitted to stand in docs/damper-shapes.md).
+_OF_A_SPHERE = 2.5e-8
+_OF_A_PARTICLE, _OF_A_SUB_SPHERE = 1.2e-7, 3.6e-9
 _HEAVY = 25e3  # [kg/m3] above osmium and all others
 _FAST = 3.0  # peak speed of the enclosure over the yield velocity
 
@@ -30,7 +30,7 @@ def expected_cpu_of_step(case: DamperCase) -> float:
     It goes with the contacts, which shape and motion have a hand in.
     """
     spheres = len(case.particle.radii)
-    each = _OF_A_BALL if case.particle.is_sphere else _OF_A_CLUSTER + _OF_A_SUB_SPHERE * spheres
+    each = _OF_A_SPHERE if case.particle.is_sphere else _OF_A_PARTICLE + _OF_A_SUB_SPHERE * spheres
     return each * case.count
 
 
@@ -42,7 +42,7 @@ def expected_cpu_s(case: DamperCase) -> tuple[float, float]:
 
 
 def warnings(case: DamperCase) -> list[str]:
-    """What is valid and looks wrong, a line each."""
+    """Warnings of what is valid and looks wrong, a line each."""
     found = []
     share = case.time_step / case.steps.limit
     if share > SAFE_SHARE:
@@ -66,7 +66,7 @@ def warnings(case: DamperCase) -> list[str]:
 
 
 def _still_bed_warning(case: DamperCase) -> list[str]:
-    """Whether gravity or friction keeps a rigid bed where it is in its enclosure."""
+    """Warning where gravity or friction keeps a rigid bed where it is in its enclosure."""
     gamma = case.settings.motion.gamma
     if case.orientation not in ("vertical", "horizontal"):
         return []
@@ -80,7 +80,7 @@ def _still_bed_warning(case: DamperCase) -> list[str]:
 
 
 def _impact_warnings(case: DamperCase, pair: str) -> list[str]:
-    """Whether impacts at the enclosure's peak speed are within the law."""
+    """Warnings where impacts at the enclosure's peak speed are beyond the law."""
     lines, name, limit = [], pair.replace("_", "-"), case.yield_velocity[pair]
     if limit is not None and case.peak_speed > _FAST * limit:
         lines.append(
@@ -107,7 +107,7 @@ def _hertz_overlap(case: DamperCase, pair: str) -> float:
 
 
 def plan(case: DamperCase) -> dict[str, Any]:
-    """What a run of a case would be: particles, steps, expected CPU time [min]."""
+    """Plan of a run for --dry-run: particles, steps, expected CPU time [min]."""
     motion, run = case.settings.motion, case.settings.run
     return {
         "name": case.name,

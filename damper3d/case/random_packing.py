@@ -1,4 +1,4 @@
-"""How densely a shape is known to pack at random: the shipped table, interpolated in the ratio.
+"""Known random packings of shapes: the shipped table, interpolated in the ratio.
 
 The table is that of `damper3d reproduce packing` (docs/damper-packing.md): "spheroid" goes by
 aspect ratio from oblate to prolate, "toroid" by hole ratio.

@@ -52,7 +52,7 @@ def pack(
         workers=workers, quiet=quiet,
     )  # fmt: skip
     if as_json:
-        click.echo(json.dumps(computed.answers(particles, bodies, rows), indent=2))
+        click.echo(json.dumps(computed.summary(particles, bodies, rows), indent=2))
     else:
         click.echo(computed.as_text(particles, bodies, rows))
     stop_unless_whole(rows)

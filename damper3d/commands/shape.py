@@ -56,7 +56,7 @@ def shape(
     from damper3d.case.case import DamperCase
     from damper3d.case.parts import particle_wanted
     from damper3d.shapes.errors import curve, errors_of
-    from damper3d.view.shape import answers, as_text
+    from damper3d.view.shape import as_text, summary
     from granulab.campaign.runs.folder import refuse_unless_writable
 
     if not no_figures:
@@ -70,7 +70,7 @@ def shape(
     changes = {f"particles.{key}": value for key, value in given.items() if value is not None}
     case = DamperCase.load("thesis", changes)
     errors = errors_of(case.particle)
-    found = answers(case, errors)
+    found = summary(case, errors)
     click.echo(json.dumps(found, indent=2) if as_json else as_text(found))
     if no_figures:
         return

@@ -1,4 +1,4 @@
-"""Where the energy goes: damping efficiency, shares of the mechanisms, whether the books close.
+"""Energy balance of a run: damping efficiency, shares of the mechanisms, closure.
 
 Functions of samples as records.cut gives them, from the end of one cycle to the end of another.
 The thesis (eqs 6.4-6.9) adds the power of all dissipative force components. Its law has no
@@ -6,9 +6,9 @@ potential, so that this count is some per cent more than the energy that is lost
 energy is read from the budget,
 
     lost = wall work - change of (kinetic + potential + elastic)
-         = sum of (normal damping + tangential damping + friction) - gain of the law itself,
+         = sum of (normal damping + tangential damping + friction) - work of the changing stiffness,
 
-and the thesis's count stands beside it. Eq. 6.9 is printed with the wrong sign (errata).
+and the thesis's count is kept too. Eq. 6.9 is printed with the wrong sign (errata).
 """
 
 from collections.abc import Mapping
@@ -60,8 +60,8 @@ def contact_count(samples: Samples) -> np.ndarray:
     return _since(samples, ("normal_damping", "tangential_damping", "slip_count"))
 
 
-def law_gain(samples: Samples) -> np.ndarray:
-    """Energy since the first row (n,) [J] that the tangential springs gained without work."""
+def stiffness_work(samples: Samples) -> np.ndarray:
+    """Work of the changing tangential stiffness since the first row (n,) [J]."""
     return _since(samples, ("law_term",))
 
 
@@ -120,19 +120,19 @@ def _shares(samples: Samples, columns: Mapping[str, str]) -> dict[str, dict[str,
 
 
 def closure(samples: Samples) -> tuple[float | None, float | None]:
-    """Unaccounted energy, and the gain of the law, over the energy dissipated.
+    """Unaccounted energy, and the work of the changing stiffness, over the energy dissipated.
 
-    Unaccounted is what is lost and neither dissipated nor gained by the law. None where nothing
+    Unaccounted is what is lost and neither dissipated nor that work. None where nothing
     is dissipated.
     """
-    whole, gain = float(dissipated(samples)[-1]), float(law_gain(samples)[-1])
+    whole, gain = float(dissipated(samples)[-1]), float(stiffness_work(samples)[-1])
     if whole <= 0:
         return None, None
     return (float(lost(samples)[-1]) + gain - whole) / whole, gain / whole
 
 
 def within_cycle(samples: Samples, per_cycle: int) -> dict[str, np.ndarray]:
-    """How a mean cycle goes (Figs 6.7, 6.10, 6.16, 6.18): rows 0 ... per_cycle.
+    """Histories of a mean cycle (Figs 6.7, 6.10, 6.16, 6.18): rows 0 ... per_cycle.
 
     phase             of the cycle, 0 to 1
     lost, dissipated, and each mechanism and class: energy since the cycle began, mean over the

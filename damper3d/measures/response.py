@@ -1,4 +1,4 @@
-"""What an engineer designs with: loss factor, equivalent damper, effective mass, forces.
+"""Design numbers of a damper: loss factor, equivalent damper, effective mass, forces.
 
 Functions of samples as records.cut gives them. Signs: the enclosure moves with x = X e^(j omega t),
 its acceleration is a, and the bed pushes it with F = -M_eff a. A mass M that rides along has

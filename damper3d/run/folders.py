@@ -1,4 +1,4 @@
-"""Run folders by what was done in them: a damper that was shaken, or a slow test."""
+"""Run folders of shaken dampers, and of slow tests."""
 
 import tomllib
 from pathlib import Path
@@ -7,7 +7,7 @@ from granulab.campaign.runs.folder import FolderError, RunFolder, resume_run
 
 
 def is_slow_test(folder: RunFolder) -> bool:
-    """Whether a run is of `shear` or `compress`; their case has a table that says so."""
+    """True for a run of `shear` or `compress`, whose case has a table [slow_test]."""
     try:
         return "slow_test" in tomllib.loads(folder.read_case())
     except (FolderError, ValueError):
@@ -20,6 +20,6 @@ def shaken(path: str | Path) -> RunFolder:
     if is_slow_test(folder):
         raise FolderError(
             f"{path}: of damper3d shear or compress, which keep a force and a displacement but no "
-            "particles; damper3d show tells them, and the command that made it goes on with it"
+            "particles; damper3d show reports them, and the command that made it goes on with it"
         )
     return folder

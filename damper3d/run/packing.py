@@ -31,7 +31,7 @@ class Packing:
 
 
 def packing_folder(case: DamperCase, root: Path) -> Path:
-    """Where the packing of a case is kept below a folder of runs; it may not exist yet."""
+    """Folder of the packing of a case below a folder of runs; it may not exist yet."""
     return root / "packings" / digest(case.packing_identity())
 
 
@@ -54,10 +54,10 @@ def load_packing(folder: Path) -> Packing | None:
 
 
 def damaged(folder: Path) -> FolderError:
-    """What to raise for a packing that cannot be used."""
+    """Error to raise for a packing that cannot be used."""
     return FolderError(
         f"{folder / 'packing.h5'}: damaged, or of another version; delete it and the enclosure is "
-        "filled anew"
+        "filled again"
     )
 
 

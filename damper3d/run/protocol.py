@@ -47,11 +47,11 @@ def run(
     stop: Stop = lambda: False,
     warn: Warn = to_stderr,
 ) -> Result:
-    """Run a case in a folder below `out` ("runs"), or give the answer that stands there.
+    """Run a case in a folder below `out` ("runs"), or read the result that is there.
 
     An unfinished run goes on from its checkpoint. `stop` is asked some times a second; when it
-    says yes, the state is kept and Stopped is raised. `warn` is told of what was made by other
-    sources. Raises InputError where the particles do not fit, FolderError for folders that cannot
+    says yes, the state is kept and Stopped is raised. `warn` takes a line for what other sources
+    made. Raises InputError where the particles do not fit, FolderError for folders that cannot
     be used and SimulationError where the simulation fails.
     """
     root = Path(out or "runs")
@@ -128,7 +128,7 @@ def get_packing(
         folder,
         load=load_packing,
         make=lambda: _fill(case, folder, progress, stop),
-        cure="delete it and the enclosure is filled anew",
+        cure="delete it and the enclosure is filled again",
         sources=SOURCES,
         stop=stop,
         warn=warn,
@@ -139,7 +139,7 @@ def _fill(case: DamperCase, folder: Path, progress: Progress, stop: Stop) -> Pac
     def report(fraction: float, text: str) -> None:
         progress(fraction, text)
         if stop():
-            raise Stopped("the same command fills the enclosure anew, from its seed")
+            raise Stopped("the same command fills the enclosure again, from its seed")
 
     packing = dataclasses.replace(fill(case, report), sources=SOURCES.digest)
     save_packing(packing, folder)
@@ -175,7 +175,7 @@ def _start_or_resume(
 
 
 def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """What does not change from sample to sample, and the attributes, of a trajectory."""
+    """Constant arrays and attributes of a trajectory."""
     motion, output, particle = case.settings.motion, case.settings.output, case.particle
     static = {
         "radius": np.full(case.count, case.particle.equal_volume_radius),
@@ -206,7 +206,7 @@ def _end(
     clock: Clock,
     writer: TrajectoryWriter,
 ) -> dict[str, Any]:
-    """Bring the trajectory into its last form, and the answers of a run that has ended."""
+    """Bring the trajectory into its last form, and the results of a run that has ended."""
     if case.settings.output.keep == "all":
         writer.finish(*describe(case, packing))
     else:

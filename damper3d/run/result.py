@@ -1,4 +1,4 @@
-"""The answers of a run, as summary.json keeps them and --json prints them."""
+"""Results of a run, as summary.json keeps them and --json prints them."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,7 +16,7 @@ from granulab.campaign.runs.trajectory import Trajectory
 
 @dataclass(frozen=True)
 class Result(Answers):
-    """What a run found, over the counted cycles; SI, None for what does not exist."""
+    """Results of a run over the counted cycles; SI, None for what does not exist."""
 
     frequency_hz: float
     gamma: float
@@ -40,7 +40,7 @@ class Result(Answers):
     shares_contact_count: dict[str, dict[str, float | None]] | None = field(
         default=None, kw_only=True
     )
-    law_term: float | None  # the tangential spring's own gain, over what is dissipated
+    law_term: float | None  # work of the changing stiffness over what is dissipated
     dissipated_power_w: float
     loss_factor: float | None
     equivalent_damping_n_s_per_m: float | None
@@ -99,7 +99,7 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
 
 
 def first_counted(case: DamperCase, n_cycles: int) -> int:
-    """How many cycles do not count: the start-up; in a steady run all that was not judged."""
+    """Number of cycles that do not count: the start-up; in a steady run all that was not judged."""
     run = case.settings.run
     if not run.steady:
         return run.discard

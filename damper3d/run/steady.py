@@ -1,4 +1,4 @@
-"""Whether the cycles have become steady, and how well their mean is known.
+"""Steadiness of the cycles, and confidence intervals of their mean.
 
 Near the transition cycles alternate (period two), so nothing here compares one cycle with the
 next: an interval takes the alternation out, and blocks hold an even number of cycles.
@@ -52,7 +52,7 @@ def block_interval(
 
 
 def judged(n_cycles: int, *, block: int = BLOCK, least_blocks: int = LEAST_BLOCKS) -> int:
-    """How many of the last cycles are judged: half of them in whole blocks, or least_blocks."""
+    """Number of the last cycles that are judged: half of them in whole blocks, or least_blocks."""
     return block * max(least_blocks, n_cycles // block // 2)
 
 
@@ -65,7 +65,7 @@ def is_steady(
     relative: float = RELATIVE,
     absolute: float = ABSOLUTE,
 ) -> bool:
-    """Whether the efficiencies of cycles (n,), start-up left out, have become steady.
+    """True where the efficiencies of cycles (n,), start-up left out, have become steady.
 
     The last half of the cycles is judged, in blocks of `block` cycles, at least `least_blocks`:
 
@@ -74,7 +74,7 @@ def is_steady(
     2. there is no trend: the slope of a straight line through the block means is within its
        confidence interval of zero, or the drift over the judged cycles is below the same limit.
 
-    A metastable state that outlives the judged cycles is not told from a steady one.
+    A metastable state that outlives the judged cycles passes for a steady one.
     """
     x = np.asarray(values, float)
     n_judged = judged(len(x), block=block, least_blocks=least_blocks)
@@ -97,7 +97,7 @@ def _has_trend(means: np.ndarray, confidence: float, limit: float) -> bool:
 
 
 def _student(freedom: int, confidence: float) -> float:
-    """How many standard errors the half width of a two-sided interval is."""
+    """Half width of a two-sided interval in standard errors."""
     from scipy.special import stdtrit
 
     return float(stdtrit(freedom, 0.5 + 0.5 * confidence))

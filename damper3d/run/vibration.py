@@ -23,14 +23,14 @@ from granulab.errors import Stopped
 CHECKPOINT_WORK = 2e8
 # Energy that may be unaccounted for, over the dissipated: 1 us leaves 0.5 % and 0.4 of Rayleigh's
 # step 5 %; more means that the state is wrong, not coarse.
-BOOKS_OFF = 0.2
+MOST_UNACCOUNTED = 0.2
 _NOTHING = 1e-4  # efficiency below which this is not asked: next to nothing is dissipated
 _LONGEST_LOOK = 2e7  # particles times steps between looks whether to stop
 
 
 @dataclass
 class Clock:
-    """What a run remembers besides the world: kept in the checkpoint."""
+    """State of a run besides the world, kept in the checkpoint."""
 
     parts: int = 0  # files of the trajectory that belong to the checkpoint
     cpu_s: float = 0.0  # CPU time of the step loop
@@ -67,7 +67,7 @@ def vibrate(
         _take(sim, case, writer, clock, rows, now)
         if now % checkpoint == 0:
             _keep(sim, folder, writer, clock)
-        _tell(case, now, progress)
+        _report(case, now, progress)
         if stop():
             _keep(sim, folder, writer, clock)
             raise Stopped(f"go on with: damper3d run --resume {shlex.quote(str(folder.path))}")
@@ -97,7 +97,7 @@ def efficiencies_so_far(case: DamperCase, clock: Clock) -> np.ndarray:
 
 
 def _ended(case: DamperCase, clock: Clock) -> bool:
-    """Whether the last cycle is over: so many, or in a steady run as soon as they are steady."""
+    """True where the last cycle is over: so many, or in a steady run as soon as they are steady."""
     run, n_cycles = case.settings.run, len(clock.lost) - 1
     if not run.steady:
         return n_cycles >= run.cycles
@@ -123,17 +123,17 @@ def _take(
         writer.append(row, tables_of(sim) if framed and k == last else None)
     if now % case.settings.output.samples == 0:
         clock.lost.append(float(rows["wall_work"][last] - held(rows)[last]))
-        _check_books(sim, case, clock, rows)
+        _check_balance(sim, case, clock, rows)
 
 
-def _check_books(
+def _check_balance(
     sim: Simulation, case: DamperCase, clock: Clock, rows: dict[str, np.ndarray]
 ) -> None:
-    """Stop where what was lost is not what was dissipated, but for the law's own gain."""
+    """Stop where energy lost and dissipated differ, but for the work of the changing stiffness."""
     dissipated = float(summed(rows, MECHANISMS)[-1])
     gained = dissipated - float(summed(rows, ("law_term",))[-1]) - clock.lost[-1] + clock.lost[0]
     least = _NOTHING * reference_energy(case.peak_speed, case.mass)
-    if not abs(gained) < BOOKS_OFF * max(dissipated, least):
+    if not abs(gained) < MOST_UNACCOUNTED * max(dissipated, least):
         whither = "came from nowhere" if gained > 0 else "went nowhere"
         raise sim.failure(f"{abs(gained):.3g} J of energy {whither}")
 
@@ -148,7 +148,7 @@ def tables_of(sim: Simulation) -> dict[str, dict[str, np.ndarray]]:
         for k, axis in enumerate("xyz")
     }
     force = contacts["force"].astype(np.float32)
-    for k, name in enumerate(("turn_w", "turn_x", "turn_y", "turn_z")):  # of clusters
+    for k, name in enumerate(("turn_w", "turn_x", "turn_y", "turn_z")):  # of several spheres
         if "orientation" in frame:
             particles[name] = frame["orientation"][:, k].astype(np.float32)
     return {
@@ -165,8 +165,8 @@ def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: C
     save_checkpoint(folder.checkpoint, sim.save(), asdict(clock))
 
 
-def _tell(case: DamperCase, now: int, progress: Progress) -> None:
-    """Say how far the motion is."""
+def _report(case: DamperCase, now: int, progress: Progress) -> None:
+    """Report how far the motion is."""
     run = case.settings.run
     cycle, most = now / case.settings.output.samples, run.max_cycles if run.steady else run.cycles
     until = f"of at most {most}" if run.steady else f"of {most}"

@@ -25,7 +25,7 @@ def cylinder(slenderness: float, rounding: float) -> Solid:
     """A rounded cylinder of an equal-volume radius of 1 m.
 
     slenderness: length over diameter; rounding: radius of the edges over that of the cylinder,
-    at most 1 and at most the slenderness. Both 1: a ball.
+    at most 1 and at most the slenderness. Both 1: a sphere.
     """
     core = np.array([1.0 - rounding, 2.0 * (slenderness - rounding), rounding])
     radius = (4.0 / 3.0 * math.pi / _volume(*core)) ** (1 / 3)

@@ -1,4 +1,4 @@
-"""What sub-spheres make of a shape: relative errors of volume, surface and section."""
+"""Relative errors of volume, surface and section that sub-spheres make of a shape."""
 
 import math
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ _TOLERANCES = (0.2, 0.14, 0.1, 0.07, 0.05, 0.035, 0.025, 0.0175, 0.0125)
 
 
 class Section(NamedTuple):
-    """Of a cluster, or of the shape that it stands for."""
+    """Section of the sub-spheres, or of the shape that they stand for."""
 
     area: float  # [m2]
     perimeter: float  # [m]

@@ -1,4 +1,4 @@
-"""A particle: a rigid cluster of spheres with the volume and inertia of the smooth shape."""
+"""Multi-sphere particles: rigid spheres together, with volume and inertia of the smooth shape."""
 
 import dataclasses
 import math
@@ -12,7 +12,7 @@ from damper3d.shapes.surfaces.surface import Surface, unit_sphere
 
 @dataclass(frozen=True, eq=False)
 class MultiSphere:
-    """Spheres that move as one body about its centroid, in its principal axes."""
+    """Spheres that move as one rigid body about its centroid, in its principal axes."""
 
     name: str  # as in the case file, such as "sphere:5mm"
     kind: str  # the family of its shape, such as "prolate"
@@ -30,17 +30,17 @@ class MultiSphere:
 
     @property
     def is_sphere(self) -> bool:
-        """Whether it is one sphere about its centroid, which looks alike however it is turned."""
+        """True for one sphere about its centroid, which looks alike in every orientation."""
         return len(self.radii) == 1 and not self.offsets.any()
 
     @property
     def bounding_radius(self) -> float:
-        """Of the ball about the centroid that holds all spheres [m]."""
+        """Radius of the sphere about the centroid that holds all others [m]."""
         return float(np.max(np.linalg.norm(self.offsets, axis=1) + self.radii))
 
     @property
     def equal_volume_radius(self) -> float:
-        """Of the ball of the same volume [m]."""
+        """Radius of the sphere of the same volume [m]."""
         return (0.75 * self.volume / math.pi) ** (1 / 3)
 
     @property
@@ -50,14 +50,14 @@ class MultiSphere:
 
     @property
     def sphericity(self) -> float:
-        """Surface of the ball of the same volume over that of the shape [-] (thesis, eq. 8.3).
+        """Surface of the sphere of the same volume over that of the shape [-] (thesis, eq. 8.3).
 
         The root there is of the numerator alone: cbrt(36 pi V^2) / S.
         """
         return (36.0 * math.pi * self.volume**2) ** (1 / 3) / self.area
 
     def scaled(self, factor: float) -> "MultiSphere":
-        """The particle, larger by a factor."""
+        """The particle, scaled by a factor."""
         return dataclasses.replace(
             self,
             offsets=factor * self.offsets,
@@ -71,7 +71,7 @@ class MultiSphere:
 
 
 def sphere(radius: float, name: str = "", kind: str = "sphere") -> MultiSphere:
-    """A cluster of one; the radius in m."""
+    """A particle of one sphere; the radius in m."""
     volume = 4.0 / 3.0 * math.pi * radius**3
     return MultiSphere(
         name=name or f"sphere:{2e3 * radius:g}mm",

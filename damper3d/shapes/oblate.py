@@ -16,7 +16,7 @@ def oblate(ratio: float) -> Solid:
     a, b = axes(ratio)
     ball = unit_sphere()
     corners = ball.corners
-    # The triangles of the ball lie 1 - |middle| inside; stretched, at most the longer axis as much.
+    # Triangles of the sphere lie 1 - |middle| inside; stretched, at most the longer axis as much.
     flatness = b * (1.0 - float(np.linalg.norm(corners.mean(axis=1), axis=1).min()))
     volume = 4.0 / 3.0 * math.pi * a * b**2
     bent = math.sqrt(1.0 - (a / b) ** 2)

@@ -18,7 +18,7 @@ _MESH = Family("mesh:rock.stl", None)
 
 @dataclass(frozen=True)
 class Particle:
-    """What a case says of its particles' shape."""
+    """Shape that a case asks for."""
 
     text: str  # such as "prolate:1.5"
     equal_volume_radius: float | None = None  # [m]; None: the text's or the family's usual one
@@ -34,7 +34,7 @@ class Particle:
 
     @property
     def values(self) -> str:
-        """What stands behind the colon."""
+        """Text behind the colon."""
         return self.text.partition(":")[2].strip()
 
     @property

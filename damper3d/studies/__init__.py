@@ -1,1 +1,1 @@
-"""Studies beside the shaken run: single contacts, slow tests, packing, maps, closed forms."""
+"""Studies other than the shaken run: single contacts, slow tests, packing, maps, closed forms."""

@@ -40,7 +40,7 @@ _FAINT = 0.02  # of the largest force: walls that bear less along the motion are
 
 
 def dissipated(scene: Scene) -> dict[str, Array]:
-    """What each mechanism dissipated since the start of a cycle, of whole cycles (c, k + 1) [J]."""
+    """Energy that each mechanism dissipated since a cycle began, of whole cycles (c, k + 1) [J]."""
     found = {}
     for name in _COLOURS:
         series = scene.by_cycle(scene.trajectory[name])
@@ -138,7 +138,9 @@ def _per_cycle(axes: "Axes", scene: Scene) -> None:
     axes.set(xlabel="cycle", ylabel="efficiency", xlim=(0.5, len(eta) + 0.5))
     axes.set_ylim(min(0.0, float(eta.min())), 1.12 * max(float(eta.max()), high, 1e-9))
     if (gain := scene.summary.get("law_term")) is not None:
-        words = f"what is dissipated, less the gain of the law itself: {100 * gain:.1f} % of it"
+        words = (
+            f"dissipated energy less the work of the changing stiffness: {100 * gain:.1f} % of it"
+        )
         axes.set_title(words, loc="left", fontsize=9, color=GREY)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     handles, labels = axes.get_legend_handles_labels()

@@ -1,4 +1,4 @@
-"""What the colours of particles tell: velocity along the motion, or power dissipated."""
+"""Colours of particles: by velocity along the motion, or by power dissipated."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_DECADES = 3  # of power that are told apart, down from the largest
+_DECADES = 3  # of power that colours resolve, down from the largest
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Two runs beside each other, from their folders: efficiency, shares, cost; and a figure."""
+"""Two runs compared, from their folders: efficiency, shares, cost; and a figure."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -41,7 +41,7 @@ _COLOURS = INK, BLUE
 def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
     """Two finished runs: what each found and took, and how far they are apart.
 
-    runs          of each, the answers that are kept here (see `damper3d run --json`)
+    runs          of each, the results that are kept here (see `damper3d run --json`)
     difference    of the second from the first: efficiency, shares (as `shares` of a run), and
                   efficiency_over_interval, the difference of the efficiencies over the root of the
                   sum of the squared half widths of their intervals; None where one has none
@@ -76,7 +76,7 @@ def _row(folder: RunFolder) -> dict[str, Any]:
     if missing := [name for name in _KEPT if name not in summary]:
         raise FolderError(
             f"{folder.path / 'summary.json'}: damaged (no {missing[0]}); use --again to compute "
-            "the run anew"
+            "the run again"
         )
     return {**{name: summary[name] for name in _KEPT}, "run_folder": str(folder.path)}
 
@@ -90,7 +90,7 @@ def _minus(second: float | None, first: float | None) -> float | None:
 
 
 def labels(rows: Sequence[dict[str, Any]]) -> list[str]:
-    """What tells two runs apart: their motion, particles or filling, else their folders."""
+    """Names of two runs by where they differ: motion, particles or filling, else their folders."""
     words = {
         "frequency_hz": "{:g} Hz", "gamma": "\u0393 = {:g}", "orientation": "{}",
         "particles": "{}", "fill_ratio": "fill ratio {:.3f}",

@@ -1,13 +1,13 @@
-"""A run for other programs: VTKHDF files for ParaView, or CSV tables (see tables.py).
+"""A run for other programs: VTKHDF files for ParaView, or CSV tables .
 
 VTKHDF: two or three files (PolyData with time steps), of which each stored frame is a step.
 
     particles    a point each, in the lab [m], with arrays radius [m], velocity (3) [m/s], spin (3)
                  [rad/s], heat [J] dissipated at it so far, power [W] since the step before, id;
-                 of clusters orientation (4), a unit quaternion (w, x, y, z), and radius that of
-                 the ball of the same volume
-    spheres      of clusters: their sub-spheres likewise, with radius [m], velocity (3) [m/s] of
-                 the sphere's centre, power [W] of its particle, particle: its id
+                 of several spheres orientation (4), a unit quaternion (w, x, y, z), and radius
+                 that of the sphere of the same volume
+    spheres      sub-spheres, where particles have several, likewise: radius [m], velocity (3)
+                 [m/s] of the sphere's centre, power [W] of its particle, particle: its id
     enclosure    its walls as polygons where they stand, with array wall: row of wall_names
 
 In ParaView: Glyph, sphere, scale by radius with factor 2; the enclosure at an opacity of 0.2.
@@ -39,13 +39,13 @@ _MOVING = {  # columns of particles.csv and what is kept of each
     **{f"spin_{axis}_rad_per_s": f"spin_{axis}" for axis in "xyz"},
     "heat_j": "heat",
 }
-_TURNING = {f"turn_{c}": f"turn_{c}" for c in "wxyz"}  # of clusters: a unit quaternion
+_TURNING = {f"turn_{c}": f"turn_{c}" for c in "wxyz"}  # of several spheres: a unit quaternion
 
 
 def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> list[Path]:
     """Write a run, finished or not, in a format ("vtkhdf" or "csv"); the paths of the files.
 
-    `path` is the file of the particles (vtkhdf; the others go beside it, with -enclosure and
+    `path` is the file of the particles (vtkhdf; the others go into its folder, with -enclosure and
     -spheres in their names) or the folder for the tables (csv); export/ in the run folder where
     it is not given. What stands there is replaced, each file at once. Raises InputError for another
     format or suffix, FolderError where the run has no frames, cannot be read or cannot be written.
@@ -71,8 +71,8 @@ def _to_vtkhdf(scene: Scene, place: Path, path: Path | None) -> list[Path]:
         makers["spheres"] = spheres_file
     written = [write_output(path, particles_file(scene))]
     for name, maker in makers.items():
-        beside = path.with_name((name if path.parent == place else f"{path.stem}-{name}") + _SUFFIX)
-        written.append(write_output(beside, maker(scene)))
+        other = path.with_name((name if path.parent == place else f"{path.stem}-{name}") + _SUFFIX)
+        written.append(write_output(other, maker(scene)))
     return written
 
 
@@ -111,7 +111,7 @@ def particles_file(scene: Scene) -> bytes:
 
 
 def spheres_file(scene: Scene) -> bytes:
-    """The sub-spheres of clusters as points with arrays, a step for each frame."""
+    """The sub-spheres of particles as points with arrays, a step for each frame."""
 
     def of(frame: int) -> tuple[Points, dict[str, np.ndarray]]:
         now, (arm, radius, whose) = scene.particles(frame), scene.spheres(frame)
@@ -197,7 +197,7 @@ def samples_csv(scene: Scene) -> bytes:
 
 
 def _parts(scene: Scene, key: str) -> dict[str, np.ndarray]:
-    """A column of the samples as columns of single numbers, by what tells them apart."""
+    """A column of the samples as columns of single numbers, by the name of each."""
     values = scene.trajectory[key]
     if values.ndim == 1:
         return {"": values}
@@ -214,7 +214,8 @@ def particles_csv(scene: Scene) -> bytes:
     """One row for each frame and particle.
 
     Positions are relative to the enclosure, velocities those in the lab; `sample` is the row of
-    samples.csv, from 0, where the enclosure's displacement stands. Clusters have orientations too.
+    samples.csv, from 0, where the enclosure's displacement stands. Particles of several
+    spheres have orientations too.
     """
     moving = _MOVING | _TURNING if scene.of_clusters else _MOVING
     names = ["sample", "time_s", "id", *moving]
@@ -233,13 +234,13 @@ def _rows(scene: Scene, frame: int, keys: list[str]) -> np.ndarray:
 
 
 def bodies_csv(scene: Scene) -> bytes:
-    """What does not change of each particle."""
+    """Constants of each particle."""
     rows = np.column_stack([np.arange(len(scene.radius)), scene.radius, scene.masses])
     return _table(["id", "radius_m", "mass_kg"], ["%d", "%.9g", "%.9g"], [rows])
 
 
 def spheres_csv(scene: Scene) -> bytes:
-    """The sub-spheres of a cluster, alike in all, about its centroid in its principal axes."""
+    """The sub-spheres of a particle, alike in all, about its centroid in its principal axes."""
     static = scene.trajectory.static
     offset, radius = static["sphere_offset"], static["sphere_radius"]
     rows = np.column_stack([np.arange(len(radius)), offset, radius])

@@ -16,7 +16,7 @@ from granulab.campaign.output.film import Image, font, pace, rgb, write_film, wr
 _LONGEST, _PIXELS = 640, 460 * 520  # of the part that shows the enclosure
 _NARROWEST = 560  # room for the words
 _HEADING, _MARGIN, _STRIP, _SCALE = 72, 14, 92, 96
-_CURVES = 0.7  # of the width, for the velocities; what they are stands beside
+_CURVES = 0.7  # of the width, for the velocities; the rest is for their names
 _SHIFT = 4  # OpenCV takes corners in sixteenths of a pixel
 _SCALE_FRAMES = 60  # of which the scale of colours is made, at most
 
@@ -37,7 +37,7 @@ def film_frames(scene: Scene, by: str = "velocity") -> Iterator[Image]:
 
 
 class _Canvas:
-    """What is the same in all pictures of a film."""
+    """Parts that are the same in all pictures of a film."""
 
     def __init__(self, scene: Scene, by: str) -> None:
         self.scene, shown = scene, window(scene, 1.0)

@@ -1,4 +1,4 @@
-"""What there is to run: presets, shipped files, packings and runs, in words for a person."""
+"""Listing of presets, shipped files, packings and runs, in words for a person."""
 
 import tomllib
 from collections.abc import Callable
@@ -26,7 +26,7 @@ def listing(root: Path) -> str:
 
 
 def _answer(summary: dict[str, Any]) -> str:
-    """What tells a finished run from others, and its efficiency, or stiffness."""
+    """Case of a finished run, and its efficiency, or stiffness."""
     if "test" in summary:
         return (
             f"{summary['n_particles']} of {summary['particles']}, {summary['test']}, pre-load "

@@ -44,7 +44,7 @@ def make_figures(
     motion.png    velocity of bed and enclosure, force on the enclosure, height of the bed's mass
     film.mp4      all frames (see make_film); left out without `film`
 
-    `by` says what the particles' colours tell: "velocity" or "dissipation". A run that kept no
+    `by` says what the particles' colours show: "velocity" or "dissipation". A run that kept no
     frames (output.frames = 0) has neither cycle.png nor film. Raises FolderError when the folder
     holds no cycle yet or cannot be read or written, InputError for another `by`.
     """
@@ -180,8 +180,8 @@ def draw_space(scene: Scene, frame: int, colours: Colouring) -> NDArray[np.uint8
     points = pyvista.PolyData(scene.particles(frame).position[whose] + arm + scene.shift(frame))
     points["size"] = radius
     points["colour"] = np.rint(255 * colours.of(frame)[whose]).astype(np.uint8)
-    ball = pyvista.Sphere(radius=1.0, theta_resolution=_ROUND, phi_resolution=_ROUND)
-    spheres = points.glyph(geom=ball, scale="size", orient=False, factor=1.0)
+    unit = pyvista.Sphere(radius=1.0, theta_resolution=_ROUND, phi_resolution=_ROUND)
+    spheres = points.glyph(geom=unit, scale="size", orient=False, factor=1.0)
     plotter.add_mesh(spheres, scalars="colour", rgb=True, smooth_shading=True, specular=0.3)
     around = _mesh(pyvista, scene, frame)
     plotter.add_mesh(around, color=WALL, opacity=0.12)

@@ -1,4 +1,4 @@
-"""What a person reads before and after a run."""
+"""Reports for a person before and after a run."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from granulab.contact.hertz import HertzLaw
 
 _UNSTEADY = 0.1  # of the efficiency, by which the walls' work may differ without a word
 _COARSE = 0.005  # closed at 1 us, relative to what is dissipated
-_MOST_CYCLES = 12  # that are told one by one
+_MOST_CYCLES = 12  # that are listed one by one
 
 
 def echo(case: DamperCase, dry_run: bool) -> str:
@@ -103,7 +103,7 @@ def _end(case: DamperCase) -> str:
 
 
 def report(result: Result) -> str:
-    """The answers of a run."""
+    """Report of a finished run."""
     lines = [
         f"{result.n_particles} of {result.particles}, {result.orientation}, "
         f"{result.frequency_hz:g} Hz, gamma {result.gamma:g}, seed {result.seed}: efficiency "
@@ -117,11 +117,11 @@ def report(result: Result) -> str:
         f"{_number(result.loss_factor)}, like a damper of "
         f"{_number(result.equivalent_damping_n_s_per_m)} N s/m;",
         f"                   effective mass {_effective_mass(result)}, of {result.mass_kg:.4g} kg",
-        f"  motion           {result.phase or 'phase not told'}; bed's centre of mass "
+        f"  motion           {result.phase or 'no phase named'}; bed's centre of mass "
         f"{_number(result.bed_height_m)} m up; largest force on the enclosure "
         f"{result.peak_wall_force_n:.4g} N",
         f"  impacts          largest over the yield velocity: {_impacts(result)}",
-        f"  energy           {_books(result)}",
+        f"  energy           {_balance(result)}",
         f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
         f"steps of {result.time_step_s:.4g} s; {result.cpu_s:.1f} s in all",
         f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
@@ -172,7 +172,7 @@ def _number(value: float | None) -> str:
 
 
 def _shares(result: Result) -> list[str]:
-    """What part of the dissipated energy each mechanism takes, a line for each pair."""
+    """Share of each mechanism in the dissipated energy, a line for each pair."""
     return [
         f"  {pair.replace('_', '-'):16} "
         + ", ".join(
@@ -196,10 +196,14 @@ def _impacts(result: Result) -> str:
     return ", ".join(f"{pair.replace('_', '-')} {_number(r)}" for pair, r in ratios.items())
 
 
-def _books(result: Result) -> str:
+def _balance(result: Result) -> str:
     if result.energy_closure is None:
         return "nothing dissipated"
     closure = abs(result.energy_closure)
-    law = "" if result.law_term is None else f"; gain of the law {100 * result.law_term:.2g} %"
+    law = (
+        ""
+        if result.law_term is None
+        else f"; work of the changing stiffness {100 * result.law_term:.2g} %"
+    )
     advice = f", more than {100 * _COARSE:g} %: take a shorter step" * (closure > _COARSE)
-    return f"books closed to {100 * closure:.2g} % of what is dissipated{advice}{law}"
+    return f"balance closed to {100 * closure:.2g} % of what is dissipated{advice}{law}"

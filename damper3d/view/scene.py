@@ -22,10 +22,10 @@ from granulab.campaign.runs.trajectory import Trajectory, read_trajectory, store
 
 Array = NDArray[np.float64]
 
-_ANEW = "use --again to compute the run anew"
+_ANEW = "use --again to compute the run again"
 _G = 9.81  # m/s2, in which gamma is counted
 _OF_PARTICLES = [f"{name}{axis}" for name in ("", "v", "spin_") for axis in "xyz"] + ["heat"]
-_TURNS = [f"turn_{c}" for c in "wxyz"]  # and of clusters
+_TURNS = [f"turn_{c}" for c in "wxyz"]  # and of several spheres
 
 
 class NothingKept(FolderError):
@@ -48,7 +48,7 @@ class Particles(NamedTuple):
 
 
 class View(NamedTuple):
-    """How the enclosure is looked at: unit vectors (3,), along axes of its own frame."""
+    """View of the enclosure: unit vectors (3,), along axes of its own frame."""
 
     right: Array
     up: Array
@@ -197,7 +197,7 @@ class Scene:
         return list(range(low, high))
 
     def spheres(self, frame: int) -> tuple[Array, Array, NDArray[np.int64]]:
-        """What is seen of the particles in a frame: all their spheres.
+        """Spheres of all particles in a frame.
 
         From the particle's centre to the sphere's (m, 3) [m], radius (m,) [m], number of the
         particle (m,).
@@ -219,16 +219,16 @@ class Scene:
 
     @property
     def of_clusters(self) -> bool:
-        """Whether the particles are clusters of sub-spheres, and so have orientations."""
+        """True for particles of several spheres, which have orientations."""
         return "sphere_offset" in self.trajectory.static
 
     def orientation(self, frame: int) -> Array:
-        """Of clusters (n, 4): unit quaternions (w, x, y, z), from principal axes to the lab."""
+        """Orientations (n, 4): unit quaternions (w, x, y, z), from principal axes to the lab."""
         table = self.tables.at(frame)
         return np.stack([table[name] for name in _TURNS], axis=1).astype(float)
 
     def particles(self, frame: int) -> Particles:
-        """What moves in a frame."""
+        """Positions, velocities and dissipation of the particles in a frame."""
         table = self.tables.at(frame)
         position, velocity, spin = (
             np.stack([table[f"{name}{axis}"] for axis in "xyz"], axis=1).astype(float)
@@ -258,7 +258,7 @@ class Scene:
 
     @property
     def outcome(self) -> str:
-        """What came out, in a few words."""
+        """Result of the run, in a few words."""
         if not self.summary:
             return f"unfinished, {self.time[-1] / self.period:.1f} cycles"
         words = f"efficiency {self.summary['efficiency']:.3f}"
@@ -300,7 +300,7 @@ def read_scene(run_folder: str | Path) -> Scene:
 
 
 def _wrong(trajectory: Trajectory) -> str:
-    """What a scene needs and a trajectory lacks, in words; "" where all is there."""
+    """Names of what a scene needs and a trajectory lacks, in words; "" where all is there."""
     kept = [*trajectory, *trajectory.static, *trajectory.attributes]
     needed = [*UNITS, "radius", "mass", "wall_names", "fill_ratio", "direction", "gravity"]
     missing = [name for name in needed if name not in kept]

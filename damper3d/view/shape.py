@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
+def summary(case: DamperCase, errors: Errors) -> dict[str, Any]:
     """The keys of `damper3d shape --json`; the case is the thesis's damper with the particle."""
     particle = case.particle
     size = np.ptp(particle.surface.vertices, axis=0)
@@ -55,7 +55,7 @@ def answers(case: DamperCase, errors: Errors) -> dict[str, Any]:
 
 
 def as_text(found: dict[str, Any]) -> str:
-    """What a person reads."""
+    """Report of a particle for a person."""
     rows = [
         ("particle", found["particles"]),
         ("size", f"{_millimetres(found['size_m'])} mm (x, y, z)"),

@@ -1,4 +1,4 @@
-"""Spheres as lit balls in a picture, seen from far away: what is nearer hides what is behind."""
+"""Shaded spheres in a picture, seen from far away: what is nearer hides what is behind."""
 
 from granulab.contact.jit import njit  # isort: skip
 
@@ -21,7 +21,7 @@ _HALF = (-0.247, 0.329, 0.911)  # likewise between it and the eye, where a highl
 
 @dataclass(frozen=True)
 class Window:
-    """What a picture shows: left, right, bottom, top [m], at a scale [px/m]."""
+    """Part of the plane that a picture shows: left, right, bottom, top [m], at a scale [px/m]."""
 
     left: float
     right: float
@@ -66,7 +66,7 @@ def draw_spheres(
 
 @njit
 def _nearest(place, reach, rows, columns):
-    """Which sphere each pixel shows (-1: none), and where its surface stands towards the eye."""
+    """Sphere that each pixel shows (-1: none), and the depth of its surface towards the eye."""
     owner = np.full((rows, columns), -1, dtype=np.int32)
     depth = np.full((rows, columns), -np.inf)
     for k in range(len(place)):
@@ -116,7 +116,7 @@ def corners(scene: Scene) -> Array:
 
 
 def window(scene: Scene, scale: float) -> Window:
-    """What holds the enclosure wherever it goes, at a scale [px/m]."""
+    """Window that holds the enclosure wherever it goes, at a scale [px/m]."""
     low, high = corners(scene)
     reach = scene.trajectory["displacement"]
     moved = np.stack([scene.view.project(u * scene.direction) for u in (reach.min(), reach.max())])

@@ -202,8 +202,8 @@ def test_the_report_tells_each_answer():
     for words in (
         "efficiency 0.812 (95 %: 0.800 to 0.820)", "0.400 | 0.810 0.820 0.806", "0.861 as the",
         "friction 60.0%", "friction none", "2.2 W", "loss factor 1.03", "7.2 N s/m",
-        "0.01 kg in phase", "phase not told", "31 N", "particle-particle 0.9, particle-wall none",
-        "closed to 0.21 %", "gain of the law -6.1 %", "9.5 us", "(computed before)",
+        "0.01 kg in phase", "no phase named", "31 N", "particle-particle 0.9, particle-wall none",
+        "closed to 0.21 %", "work of the changing stiffness -6.1 %", "9.5 us", "(computed before)",
     ):  # fmt: skip
         assert words in told
     many = dataclasses.replace(

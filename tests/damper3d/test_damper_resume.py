@@ -51,7 +51,7 @@ def often(monkeypatch) -> None:
 
 
 def test_the_same_case_and_seed_give_the_same_bits(undisturbed, tmp_path):
-    """In another folder, filled anew; another seed gives another bed."""
+    """In another folder, filled again; another seed gives another bed."""
     protocol.run(small(), out=tmp_path)
     assert_same_run(the_run(tmp_path), undisturbed)
     other = protocol.run(small(run__seed=2, run__cycles=2), out=tmp_path / "other")
@@ -172,8 +172,8 @@ def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(tmp_path):
     assert command == ["damper3d", "run", "--resume", str(folder.path)]
 
 
-def test_ctrl_c_while_filling_says_that_it_is_filled_anew(tmp_path):
-    with pytest.raises(Stopped, match="fills the enclosure anew, from its seed"):
+def test_ctrl_c_while_filling_says_that_it_is_filled_again(tmp_path):
+    with pytest.raises(Stopped, match="fills the enclosure again, from its seed"):
         protocol.run(small(), out=tmp_path, stop=lambda: True)
     assert not list(tmp_path.glob("packings/*/*"))
 

@@ -11,7 +11,7 @@ BURST = 0.15  # of a cycle: the time over which a collision's share of the impul
 
 
 def bed_measures(motion: Motion) -> dict[str, float | None]:
-    """How the bed meets the ends and how far it moves as one."""
+    """Impulses of the ends on the bed, its stroke and its coherence."""
     impulse = end_impulses(motion)  # (C, 2)
     low, high = impulse.mean(axis=0)
     return {
@@ -74,7 +74,7 @@ def contrast(impulse: np.ndarray) -> float:
 
 
 def stroke(motion: Motion) -> float:
-    """How far the bed's mass moves to and fro in a cycle, over the clearance; mean over cycles."""
+    """Travel of the bed's mass to and fro in a cycle, over the clearance; mean over cycles."""
     return float(np.mean(np.ptp(motion.bed_height, axis=1)) / motion.clearance)
 
 

@@ -33,7 +33,7 @@ CAGE = 1.0
 
 
 class Look(NamedTuple):
-    """How a phase is written and drawn."""
+    """Label, colour and marker of a phase."""
 
     label: str
     colour: str
@@ -48,7 +48,7 @@ class Criterion(NamedTuple):
     at_least: bool = True
 
     def holds(self, measures: Mapping[str, Any]) -> bool:
-        """Whether it does."""
+        """True where the measures fulfil it."""
         return (measures[self.measure] >= self.threshold) is self.at_least
 
 
@@ -169,7 +169,7 @@ def classify(measures: Mapping[str, Any], orientation: str) -> Phase:
 def phase_of_run(folder: str | Path, discard: int | None = None) -> dict[str, Any]:
     """Phase, what is next to it, and measures of a run folder, as its summary holds them.
 
-    All None where the run keeps too little to tell: not one counted cycle with a frame on either
+    All None where the run keeps too little: not one counted cycle with a frame on either
     side, or fewer than eight frames a cycle. `discard` cycles do not count; None: as in the folder.
     Raises FolderError where the folder holds no run or a damaged one.
     """

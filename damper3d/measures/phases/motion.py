@@ -1,4 +1,4 @@
-"""What a damper's run tells of the particles' motion: its counted cycles as a few plain arrays.
+"""Motion of the particles in the counted cycles of a run, as a few plain arrays.
 
 The coordinate along the enclosure's motion is called z here, whatever its direction: the first two
 columns of positions and velocities lie across it. An end is what stops the bed along z.

@@ -5,7 +5,7 @@ from damper3d.measures.phases.bed_motion import bed_measures
 from damper3d.measures.phases.motion import Motion
 from damper3d.measures.phases.particle_motion import particle_measures
 
-# What each measure tells, for tables and help; defined in bed_motion, particle_motion, bed_flow.
+# Meaning of each measure, for tables and help; defined in bed_motion, particle_motion, bed_flow.
 MEANING = {
     "low_impulse": "impulse of the lower end on the bed in a cycle, over 2 M V",
     "high_impulse": "likewise of the upper end",
@@ -19,7 +19,7 @@ MEANING = {
     "slip_energy": "kinetic energy relative to the enclosure, over that of moving with it",
     "carried_share": "share of particles that move with the enclosure",
     "agitated_share": "share of particles that move against their neighbours",
-    "agitation": "energy of moving against neighbours over the enclosure's, median",
+    "agitation": "normalised kinetic energy of moving against neighbours, median",
     "travelling_share": "share of particles that do not turn back within a cycle",
     "travel": "displacement of a cycle over the farthest within it, median",
     "packed_share": "share of particles in contact, in the frame of each cycle with most of them",

@@ -45,7 +45,7 @@ def carried_energy(motion: Motion) -> np.ndarray:
 
 
 def neighbour_motion(motion: Motion) -> tuple[np.ndarray, float | None]:
-    """How neighbours move against each other, and how many stay neighbours over a cycle.
+    """Motion of neighbours against each other, and the share that stay neighbours over a cycle.
 
     Looked at LOOKS times a cycle, which is enough for a mean and costs less than every frame.
 

@@ -1,4 +1,4 @@
-"""Covers the pieces of a surface with few balls, the greedy way: kernels."""
+"""Covers the pieces of a surface with few spheres, the greedy way: kernels."""
 
 import numpy as np
 
@@ -10,9 +10,9 @@ _ROUNDING = 1e-9  # of the whole area, below which a gain is none
 
 @njit
 def reaches(corners, centres, radii, found):
-    """By how much each ball must grow to hold each piece, into found (m, n) [m].
+    """By how much each sphere must grow to hold each piece, into found (m, n) [m].
 
-    corners (m, c, 3): of m pieces [m]; centres (n, 3), radii (n,): of the balls [m]. Balls are
+    corners (m, c, 3): of m pieces [m]; centres (n, 3), radii (n,): of the spheres [m]. Spheres are
     convex, so one that holds the corners of a piece holds the piece.
     """
     for m in range(len(corners)):
@@ -28,11 +28,11 @@ def reaches(corners, centres, radii, found):
 
 @njit
 def cover(reach, area, limit, chosen):
-    """Choose balls that hold all pieces when they grow by a limit [m]; how many, or -1.
+    """Choose spheres that hold all pieces when they grow by a limit [m]; their number, or -1.
 
-    reach as of `reaches`; area (m,): of the pieces [m2]. The next ball is always the one that holds
-    most of the area that is left, the first of equals. chosen (most,): numbers of the balls, to be
-    written; -1 where it is too short, or where some piece is in no ball.
+    reach as of `reaches`; area (m,): of the pieces [m2]. The next sphere is always the one that
+    holds most of the area that is left, the first of equals. chosen (most,): numbers of the
+    spheres, to be written; -1 where it is too short, or where some piece is in no sphere.
     """
     left = np.ones(len(reach), np.bool_)
     gain = np.zeros(reach.shape[1])

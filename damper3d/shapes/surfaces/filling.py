@@ -1,11 +1,11 @@
 """Fills any closed surface with sub-spheres, to a bound on how far the two surfaces are apart.
 
-Many balls that touch the surface from inside are found (the largest that touches at a point and
-holds no other point of the surface: a ball about a point of the medial axis). From them few are
+Many spheres that touch the surface from inside are found (the largest that touches at a point and
+holds no other point of the surface: a sphere about a point of the medial axis). From them few are
 chosen which, grown by a length e, hold every triangle of the surface: the surface is then nowhere
 deeper than e above an ungrown one. In the end all are grown by one length t, so that together they
 have the volume of the shape: their surface is at most t outside of it and at most e - t inside.
-Balls are convex, so that this holds for triangles as a whole and not for some points of them.
+Spheres are convex, so that this holds for triangles as a whole and not for some points of them.
 """
 
 from dataclasses import dataclass
@@ -18,8 +18,8 @@ from damper3d.shapes.surfaces.union import of_any
 from granulab.errors import InputError
 
 MOST_SUB_SPHERES = 1000  # of one particle: 90 of them are as many spheres as 250 dampers of 358
-_PIECES = 4000  # of the surface, about: those of a ball have edges of 0.085 of its radius
-_PLACES = 1500  # where balls touch, from which to choose
+_PIECES = 4000  # of the surface, about: those of a sphere have edges of 0.085 of its radius
+_PLACES = 1500  # where spheres touch, from which to choose
 _REFINEMENTS = 3  # halve the triangles where the shape is sharp
 _UNEVENNESS = 0.01  # of the equal-volume radius: half of the usual tolerance
 _GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
@@ -80,8 +80,8 @@ class Filler:
         return self._grown(self._least_depth(number)[1])
 
     def _least_depth(self, number: int) -> tuple[float, np.ndarray]:
-        """The depth e [m] that so many balls leave at least, as it is found, and the balls."""
-        low, high = 0.0, float(self._reach.max(axis=0).min())  # one ball alone does
+        """The depth e [m] that so many spheres leave at least, as it is found, and the spheres."""
+        low, high = 0.0, float(self._reach.max(axis=0).min())  # one sphere alone does
         found = self._chosen(high, number)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
@@ -94,7 +94,7 @@ class Filler:
         return high, found
 
     def _refine(self, depth: float) -> None:
-        """Split the triangles that no ball holds at half a depth [m], and let balls touch there."""
+        """Split the triangles that no sphere holds at half a depth [m], and add spheres there."""
         for _ in range(_REFINEMENTS):
             rough = self._reach.min(axis=1) > 0.5 * depth
             if not rough.any():
@@ -113,19 +113,19 @@ class Filler:
         return found
 
     def _balls(self, pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Centres (n, 3) and radii (n,) [m] of balls that touch some pieces from inside."""
+        """Centres (n, 3) and radii (n,) [m] of spheres that touch some pieces from inside."""
         middles = self._pieces.mean(axis=1)
         widths = np.linalg.norm(self._pieces - middles[:, None], axis=2).max(axis=1)
         at = pieces[_spread(len(pieces), _PLACES)]
         normals, _ = normals_and_areas(self._pieces[at])
-        # Balls that touch the triangles, and larger ones that pass over small unevenness.
+        # Spheres that touch the triangles, and larger ones that pass over small unevenness.
         depths = (self._flatness, self._flatness + _UNEVENNESS * self._size)
         parts = [_touching_balls(middles, at, normals, depth) for depth in depths]
         centres = np.concatenate(parts)
         return centres, to_surface(centres, self._pieces, middles, widths)
 
     def _chosen(self, limit: float, most: int) -> np.ndarray | None:
-        """Numbers of at most so many balls that hold all when grown by the limit; None: none do."""
+        """Numbers of spheres, at most so many, that hold all when grown by the limit, or None."""
         chosen = np.empty(2 * most, np.int64)  # room for those that turn out superfluous
         number = cover(self._reach, normals_and_areas(self._pieces)[1], limit, chosen)
         if number < 0:
@@ -134,7 +134,7 @@ class Filler:
         return chosen[:number][kept] if len(kept) <= most else None
 
     def _grown(self, chosen: np.ndarray) -> Filling:
-        """The balls, grown to the volume of the shape: Newton's method, as dV/dt is the surface."""
+        """Spheres grown to the volume of the shape by Newton's method, as dV/dt is the surface."""
         centres, radii = self._centres[chosen], self._radii[chosen]
         deepest = float(self._reach[:, chosen].min(axis=1).max()) + self._flatness
         growth = deepest / 3.0
@@ -172,13 +172,13 @@ def _split(corners: np.ndarray, n: int) -> np.ndarray:
 def _touching_balls(
     points: np.ndarray, at: np.ndarray, normals: np.ndarray, depth: float
 ) -> np.ndarray:
-    """Centres (n, 3) [m] of the largest balls that touch at some points and hold no other one.
+    """Centres (n, 3) [m] of the largest spheres that touch at some points and hold no other one.
 
-    points (m, 3) [m]; at (n,): the numbers of those where balls touch; normals (n, 3) there.
+    points (m, 3) [m]; at (n,): the numbers of those where spheres touch; normals (n, 3) there.
 
-    The ball shrinks until it does (Ma, Bae and Choi, The Visual Computer 28 (2012) 7): one that
+    The sphere shrinks until it does (Ma, Bae and Choi, The Visual Computer 28 (2012) 7): one that
     touches at p and goes through q has the radius |p - q|^2/(2 (p - q) . n). depth [m]: of points
-    in a ball that count as on it, as those of a curved surface lie that far from its triangles.
+    in a sphere that count as on it, as those of a curved surface lie that far from its triangles.
     """
     from scipy.spatial import cKDTree
 
@@ -204,7 +204,7 @@ def _spread(number: int, wanted: int) -> np.ndarray:
 
 
 def _needed(holds: np.ndarray) -> np.ndarray:
-    """Columns (m, k) of balls that hold a piece which no other one that is kept holds."""
+    """Columns (m, k) of spheres that hold a piece which no other one that is kept holds."""
     times = holds.sum(axis=1)
     kept = []
     for k in range(holds.shape[1]):

@@ -1,4 +1,4 @@
-"""How deep a flat wall may press before it feels the grooves between sub-spheres (eqs 5.18-5.20).
+"""Depth of the grooves between sub-spheres under a flat wall (eqs 5.18-5.20).
 
 A lying row or ring touches the wall with the tops of its sub-spheres. Once the overlap reaches the
 bottom of the groove between two of them, the spheres' caps fill the space in which the smooth body
@@ -13,21 +13,21 @@ from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.hertz import HertzLaw
 
 
-def groove_depth(cluster: MultiSphere) -> float | None:
+def groove_depth(particle: MultiSphere) -> float | None:
     """Depth of the groove that a wall meets first on a lying row or ring [m]; None: neither.
 
     Two neighbours meet in a circle; its nearest point to the wall lies so far above the lowest
     point of the lower one. Of a ring all grooves are alike: b - sqrt(b^2 - (d/2)^2) with eq. 4.30,
     which eq. 5.19 approximates by d = 2 pi a/n. Of a row it is the one beside its middle sphere.
     """
-    radius = float(cluster.radii.max())
-    if cluster.arrangement == "ring":
-        apart = float(np.linalg.norm(cluster.offsets[1] - cluster.offsets[0]))
+    radius = float(particle.radii.max())
+    if particle.arrangement == "ring":
+        apart = float(np.linalg.norm(particle.offsets[1] - particle.offsets[0]))
         return radius - math.sqrt(radius**2 - (0.5 * apart) ** 2)
-    if cluster.arrangement == "row":
-        middle = len(cluster.radii) // 2
-        apart = float(cluster.offsets[middle + 1, 0] - cluster.offsets[middle, 0])
-        other = float(cluster.radii[middle + 1])
+    if particle.arrangement == "row":
+        middle = len(particle.radii) // 2
+        apart = float(particle.offsets[middle + 1, 0] - particle.offsets[middle, 0])
+        other = float(particle.radii[middle + 1])
         meet = 0.5 * (apart + (radius**2 - other**2) / apart)  # from the middle sphere's centre
         return radius - math.sqrt(radius**2 - meet**2)
     return None
@@ -47,15 +47,15 @@ def most_sub_spheres(distance: float, tube: float, overlap: float) -> float:
     return math.pi * distance / math.sqrt(tube**2 - (tube - overlap) ** 2)
 
 
-def speed_to_groove(cluster: MultiSphere, law: HertzLaw, mass: float) -> float | None:
+def speed_to_groove(particle: MultiSphere, law: HertzLaw, mass: float) -> float | None:
     """The impact speed [m/s] at which one Hertz contact with a wall gets as deep as the groove.
 
     (1/2) m v^2 = (2/5) K d^2.5, K of the wall and the largest sub-sphere, without damping and with
     the whole mass behind it: a contact that meets the body off its centroid has less, and needs
     more speed. None where there is no groove.
     """
-    depth = groove_depth(cluster)
+    depth = groove_depth(particle)
     if depth is None:
         return None
-    constant = law.hertz * math.sqrt(float(cluster.radii.max()))
+    constant = law.hertz * math.sqrt(float(particle.radii.max()))
     return math.sqrt(0.8 * constant * depth**2.5 / mass)

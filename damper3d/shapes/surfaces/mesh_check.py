@@ -1,4 +1,4 @@
-"""What a mesh must be to enclose a body: closed, of one piece, orientable, not cutting itself."""
+"""Checks that a mesh encloses a body: closed, of one piece, orientable, not cutting itself."""
 
 from typing import TYPE_CHECKING
 
@@ -109,7 +109,7 @@ def _check_heights(surface: Surface, name: str) -> None:
 
 
 def _reach(corners: np.ndarray) -> float:
-    """How near corners are one, in the unit of the file."""
+    """Distance below which corners are one, in the unit of the file."""
     points = corners.reshape(-1, 3)
     return _SAME * float(np.linalg.norm(np.ptp(points, axis=0)))
 
@@ -172,7 +172,7 @@ def _near_pairs(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _through(start: np.ndarray, end: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Whether each segment (n, 3) meets its triangle (n, 3, 3) (Moeller and Trumbore 1997)."""
+    """True where a segment (n, 3) meets its triangle (n, 3, 3) (Moeller and Trumbore 1997)."""
     along = end - start
     ab, ac = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     from_a = start - corners[:, 0]

@@ -1,4 +1,4 @@
-"""Triangulated surfaces: of balls and what is stretched from them, and of what is turned."""
+"""Triangulated surfaces: spheres, what is stretched from them, and surfaces of revolution."""
 
 from functools import cache
 from typing import NamedTuple
@@ -24,9 +24,9 @@ class Surface(NamedTuple):
 
 @cache
 def unit_sphere(splits: int = 4) -> Surface:
-    """The ball of radius one: an icosahedron whose triangles are split into four, `splits` times.
+    """The sphere of radius one: an icosahedron whose triangles are split into four, `splits` times.
 
-    20 x 4^splits triangles of nearly one size, with their corners on the ball.
+    20 x 4^splits triangles of nearly one size, with their corners on the sphere.
     """
     vertices, triangles = _icosahedron()
     for _ in range(splits):
@@ -67,7 +67,7 @@ def tube(radius: float, distance: float, around: int = 96, across: int = 32) -> 
 
 
 def turned(profile: np.ndarray, around: int) -> Surface:
-    """What a line from pole to pole makes round the z axis.
+    """Surface of revolution round the z axis of a line from pole to pole.
 
     profile (k, 2) [m]: distance from the axis and height, upwards; the two ends are on the axis.
     """

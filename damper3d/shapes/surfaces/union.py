@@ -13,7 +13,7 @@ _TURN = np.eye(3) + math.sin(1.0) * _CROSS + (1.0 - math.cos(1.0)) * _CROSS @ _C
 
 
 def of_row(x: np.ndarray, radii: np.ndarray) -> tuple[float, float]:
-    """Exact volume [m3] and surface [m2] of spheres at rising places x (k,) of one axis [m].
+    """Exact volume [m3] and surface [m2] of spheres at rising positions x (k,) of one axis [m].
 
     Each one must reach the surface, between the planes in which it meets its neighbours.
     """
@@ -25,7 +25,7 @@ def of_row(x: np.ndarray, radii: np.ndarray) -> tuple[float, float]:
 
 
 def _meeting(x: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """Where each sphere of a row meets the next one, (k - 1,) [m]."""
+    """Positions in which each sphere of a row meets the next one, (k - 1,) [m]."""
     return 0.5 * (x[1:] + x[:-1] + (radii[:-1] ** 2 - radii[1:] ** 2) / np.diff(x))
 
 
@@ -33,7 +33,7 @@ def of_ring(distance: float, radius: float, number: int) -> tuple[float, float]:
     """Exact volume [m3] and surface [m2] of equal spheres on a circle that they do not fill.
 
     distance: of the centres from the middle [m], above the radius [m]. Each is cut where it meets
-    its two neighbours, half of their distance d (eq. 4.30) away: a ball less two caps.
+    its two neighbours, half of their distance d (eq. 4.30) away: a sphere less two caps.
     """
     d = 2.0 * distance * math.sin(math.pi / number)
     volume = number * math.pi * d * (radius**2 - d**2 / 12.0)
@@ -83,7 +83,7 @@ def _exposed(
 
 
 def _free(u: np.ndarray, towards: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where the free parts of each circle begin and end, (latitudes, parts) [rad]."""
+    """Begin and end of the free parts of each circle, (latitudes, parts) [rad]."""
     across = np.sqrt(1.0 - u**2)[:, None] * np.hypot(towards[:, 0], towards[:, 1])
     room = limit - u[:, None] * towards[:, 2]
     half = np.where(room < 0.0, math.pi, 0.0)  # of a circle that lies all inside or all outside

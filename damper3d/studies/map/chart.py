@@ -79,7 +79,7 @@ def _draw_curve(axes: "Axes", result: MapResult, prediction: Prediction) -> None
 
 
 def _values(result: MapResult, of: Floats) -> int:
-    """How many values of a coordinate have an efficiency."""
+    """Number of values of a coordinate that have an efficiency."""
     return len(np.unique(of[np.isfinite(result.efficiency)]))
 
 
@@ -138,7 +138,7 @@ def _onset_label(clearance: Clearance) -> str:
 
 
 def draw_points(axes: "Axes", result: MapResult) -> None:
-    """Where runs are: the marker of the phase that they show, or a dot where none was named."""
+    """Markers of the runs: of the phase that they show, or a dot where none was named."""
     unnamed = np.array([phase is None for phase in result.phases])
     if unnamed.any():  # no points would be drawn at the origin, which spoils the layout
         axes.plot(result.frequency[unnamed], result.gamma[unnamed], ".", color=PAPER, ms=3,

@@ -31,7 +31,7 @@ GAMMAS = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 3
 
 @dataclass(frozen=True)
 class Grid:
-    """Where a map is computed: frequencies [Hz] times Gammas, each for N packings.
+    """Points of a map: frequencies [Hz] times Gammas, each for N packings.
 
     `seed` is that of the first packing; the others follow. `refine` is how often the intervals
     about each peak along Gamma are halved (damper3d.studies.map.peaks).

@@ -1,4 +1,4 @@
-"""What a map leaves behind: its folder, the table of its points, its answers in words."""
+"""Results of a map: its folder, the table of its points, a report in words."""
 
 import math
 import sys
@@ -24,7 +24,7 @@ def map_folder(name_or_path: str, changes: dict[str, Any], grid: Grid, out: Path
     return RunFolder(Path(out) / "maps" / named)
 
 
-def write_map(folder: RunFolder, result: MapResult, answers: dict[str, Any]) -> None:
+def write_map(folder: RunFolder, result: MapResult, results: dict[str, Any]) -> None:
     """Write provenance.json, summary.json, table.csv and table.h5 (a row a point), runs/ (a run).
 
     Raises FolderError where they cannot be written.
@@ -38,7 +38,7 @@ def write_map(folder: RunFolder, result: MapResult, answers: dict[str, Any]) -> 
     folder.write_provenance(
         provenance(command=sys.argv, seed=seed, packages=PACKAGES, sources=SOURCES.folders)
     )
-    folder.write_summary(answers)
+    folder.write_summary(results)
 
 
 def points(result: MapResult) -> Rows:
@@ -64,7 +64,7 @@ def points(result: MapResult) -> Rows:
 def summary(
     grid: Grid, result: MapResult, prediction: Prediction, on_ridges: list[OnRidge], folder: Path
 ) -> dict[str, Any]:
-    """The answers of a map, for --json and summary.json; what does not exist is None."""
+    """Results of a map, for --json and summary.json; what does not exist is None."""
     states = Counter(row["state"] for row in result.rows)
     return {
         "case": prediction.name,
@@ -88,27 +88,27 @@ def summary(
     }
 
 
-def as_text(answers: dict[str, Any]) -> str:
-    """The answers in words: a line for each peak."""
+def as_text(results: dict[str, Any]) -> str:
+    """Report of a map: a line for each peak."""
     lines = [
-        f"{answers['case']}: fill ratio {answers['fill_ratio']:.3f}, {answers['orientation']}; "
-        f"{answers['points']} points of {_plural(answers['packings'], 'packing')}",
+        f"{results['case']}: fill ratio {results['fill_ratio']:.3f}, {results['orientation']}; "
+        f"{results['points']} points of {_plural(results['packings'], 'packing')}",
         f"{'frequency':>12}  {'ridge':14}{'Gamma':>8}  {'between':16}{'eta':>6}  {'':10}"
         "predicted onset",
     ]
-    lines += [_line(peak) for peak in answers["ridges"]]
-    if not answers["ridges"]:
+    lines += [_line(peak) for peak in results["ridges"]]
+    if not results["ridges"]:
         lines.append("no peak along Gamma stands out of the noise")
-    best = answers["best"]
+    best = results["best"]
     if best:
         lines.append(
             f"best        {best['efficiency']:.3f} at {best['frequency_hz']:g} Hz, "
             f"Gamma {best['gamma']:g}"
         )
-    counts = ", ".join(f"{answers[name]} {name}" for name in ("done", "failed", "interrupted"))
-    lines.append(f"runs        {counts} ({answers['reused']} were there)")
-    lines += [f"failed: {line}" for line in answers["failures"]]
-    return "\n".join([*lines, f"table       {answers['table']}"])
+    counts = ", ".join(f"{results[name]} {name}" for name in ("done", "failed", "interrupted"))
+    lines.append(f"runs        {counts} ({results['reused']} were there)")
+    lines += [f"failed: {line}" for line in results["failures"]]
+    return "\n".join([*lines, f"table       {results['table']}"])
 
 
 def _line(peak: dict[str, Any]) -> str:

@@ -1,1 +1,1 @@
-"""How densely particles of any shape pack at random, and the numbers that are shipped of it."""
+"""Random packing fractions of particles of any shape, computed and shaken."""

@@ -31,7 +31,7 @@ ALLOWED = 1e-4  # overlap over equal-volume radius that may be left: 2e-4 of the
 RESOLUTION = 2e-4  # of the fraction between the last state that is free and the first that jams
 EXCESS = 3e-4  # of the fraction above jamming at which neighbours are counted
 _STEP = 0.01  # of the fraction between relaxations, at first
-_START = 0.3  # fraction of the balls round the particles to begin with, so that no ring holds one
+_START = 0.3  # fraction of the bounding spheres to begin with, so that no ring holds one
 _DENSEST = 0.75  # no random packing of like particles is known to be denser: room for images
 _STEADY = 1e-4  # force that is left over the mean push where a state counts as balanced
 _PATIENCE = 50_000  # steps of a relaxation; those about jamming take some thousands
@@ -62,7 +62,7 @@ def compact(
     step, jams_before, free = _STEP, False, (fraction, 0.0)
     while step > RESOLUTION:
         if stop():
-            raise Stopped("the same command packs them anew, from their seed")
+            raise Stopped("the same command packs them again, from their seed")
         cell, outcome, overlap = _relaxed(cell, ALLOWED)
         jams = outcome != UNJAMMED
         free = free if jams else (fraction, overlap)
@@ -141,7 +141,7 @@ def least_bodies(particle: MultiSphere, bodies: int) -> None:
 
 
 def _scattered(particle: MultiSphere, bodies: int, rng: np.random.Generator) -> tuple[Cell, float]:
-    """Bodies at random places, turned at random, so thin that their balls are apart."""
+    """Particles at random positions and orientations whose bounding spheres are apart."""
     side = side_of(_START, bodies)
     turns = rng.normal(size=(bodies, 4))  # evenly over all orientations (Muller 1959)
     turns /= np.linalg.norm(turns, axis=1)[:, None]

@@ -50,7 +50,7 @@ def close_fraction(rows: Sequence[Row], bodies: int) -> Fraction | None:
     return Fraction(sample.mean, sample.sd or 0.0, words)
 
 
-def answers(particles: str, bodies: int, rows: Sequence[Row]) -> dict[str, Any]:
+def summary(particles: str, bodies: int, rows: Sequence[Row]) -> dict[str, Any]:
     """For --json; what was not computed is None."""
     found = done(rows)
 

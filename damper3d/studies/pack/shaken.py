@@ -56,7 +56,7 @@ def shake_down(case: DamperCase, stop: Stop = lambda: False) -> Bed:
 
     def asked(_fraction: float = 0.0, _text: str = "") -> None:
         if stop():
-            raise Stopped("the same command pours them anew, from their seed")
+            raise Stopped("the same command pours them again, from their seed")
 
     poured = fill(case, asked)
     begun = time.process_time()
@@ -82,7 +82,7 @@ def shake_down(case: DamperCase, stop: Stop = lambda: False) -> Bed:
 
 
 def protocol() -> dict[str, Any]:
-    """The numbers that say how it is done, beside the case."""
+    """The numbers that say how it is done, other than the case."""
     return {"frequency": FREQUENCY, "stages": STAGES, "cycles": CYCLES, "rest": _REST}
 
 

@@ -67,7 +67,7 @@ def work(task: Task, stop: Stop) -> dict[str, Any]:
 
 
 def cell_identity(particle: MultiSphere, bodies: int, seed: int) -> dict[str, Any]:
-    """What a packing in a periodic cell is named by, in units of the equal-volume radius."""
+    """All that a packing in a periodic cell depends on, in units of the equal-volume radius."""
     unit = particle.scaled(1.0 / particle.equal_volume_radius)
     return {
         "cell": [unit.offsets, unit.radii, unit.volume, unit.inertia],
@@ -78,13 +78,13 @@ def cell_identity(particle: MultiSphere, bodies: int, seed: int) -> dict[str, An
 
 
 def _kept(out: Path, identity: dict[str, Any], make: Callable[[], Any]) -> dict[str, Any]:
-    """What `make` gives, as a dict; read where it was made before."""
+    """Result of `make` as a dict; read where it was made before."""
     file = out / FOLDER / f"{digest(identity)}.json"
     try:
         found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         return found
     except (OSError, ValueError):
-        pass  # not there, or damaged: it is made anew
+        pass  # not there, or damaged: it is made again
     made = dataclasses.asdict(make())
     file.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(file, json.dumps(made))

@@ -1,1 +1,1 @@
-"""What closed forms say of a damper before any simulation, and simulations set beside it."""
+"""Predictions of a damper by closed forms, and simulations compared with them."""

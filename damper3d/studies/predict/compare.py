@@ -1,4 +1,4 @@
-"""Simulations set beside the closed forms: a few runs on either side of each predicted onset."""
+"""Simulations compared with the closed forms: a few runs on either side of each predicted onset."""
 
 import math
 from collections.abc import Sequence
@@ -40,11 +40,11 @@ def simulate(
         cases += [({"fill": k, **labels}, case)
                   for labels, case in map_cases(name, changes, grid, points)]  # fmt: skip
     rows = run_cases(cases, out=out, **engine)
-    return [_beside(row, predictions[row["fill"]]) for row in rows]
+    return [_compared(row, predictions[row["fill"]]) for row in rows]
 
 
 def gammas(prediction: Prediction, frequency: float) -> list[float]:
-    """Where to run, rising: about the onset, and where the bed is fluidised; up to MOST."""
+    """Gammas to run, rising: about the onset, and where the bed is fluidised; up to MOST."""
     onset = prediction.best.onset(frequency)
     near = [] if onset is None else [_rounded_up(onset * ratio) for ratio in RATIOS]
     return sorted(gamma for gamma in {*near, *GAMMAS} if gamma <= MOST)
@@ -68,7 +68,7 @@ def as_text(rows: Rows, predictions: Sequence[Prediction]) -> str:
     return "\n".join(lines)
 
 
-def _beside(row: dict[str, Any], prediction: Prediction) -> dict[str, Any]:
+def _compared(row: dict[str, Any], prediction: Prediction) -> dict[str, Any]:
     gamma, onset = row["gamma"], prediction.best.onset(row["frequency_hz"])
     ratio = None if onset is None else gamma / onset
     bed = math.nan if ratio is None else float(closed_forms.collect_and_collide(ratio))

@@ -1,4 +1,4 @@
-"""What the closed forms of studies.predict.theory say of a case, in numbers and in words."""
+"""Predictions of a case by case.closed_forms, in numbers and in words."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -68,7 +68,7 @@ def predict(
     full_count: int | None = None,
     close: Fraction | None = None,
 ) -> Prediction:
-    """Predict a case, beside its shape's packings for one's own fill ratio or number that fills it.
+    """Predict a case for its shape's packings, and for one's own fill ratio or full number.
 
     close: the shape's close packing, where it was computed; else that of the shipped table, and
     None of a shape that is not in it. Raises InputError where the motion does not meet two parallel
@@ -116,7 +116,7 @@ def _packed(name: str, most: Fraction | None, fill: float, length: float) -> Cle
 
 
 def fills(name: str | None, changes: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
-    """What to load: the case, or without one the thesis's four heights with equally many particles.
+    """Cases to load: the one given, or the thesis's four heights with equally many particles.
 
     A height or a count among the changes is one fill of one's own.
     """
@@ -218,7 +218,7 @@ def _between_walls(case: DamperCase) -> float:
 
 
 def _orientation(case: DamperCase) -> str:
-    """How the motion lies to gravity."""
+    """Direction of the motion to gravity, in words."""
     size = float(np.linalg.norm(case.gravity))
     if size == 0:
         return "none"

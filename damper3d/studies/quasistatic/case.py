@@ -19,7 +19,7 @@ COUNT = 100  # particles (thesis, sec. 8.5.1.2)
 PRELOAD = {"shear": 50.0, "compress": 10.0}  # [N] likewise
 # Not in the thesis's text: ours. The shear force flattens within this, and that of compression
 # rises to some 30 times the pre-load; beyond 80 times it, so many sub-spheres touch that steps of
-# 1 us are too long for the sum of their dashpots, and the energy books open.
+# 1 us are too long for the sum of their dashpots, and the energy balance does not close.
 DISTANCE = {"shear": 1e-3, "compress": 0.2e-3}  # [m]
 AT = {"shear": 0.5e-3, "compress": 0.1e-3}  # [m] where the secant stiffness is taken
 SPEED = 5e-3  # [m/s] an inertial number below 1e-3 in both tests
@@ -90,7 +90,7 @@ class SlowTest:
 
     @property
     def name(self) -> str:
-        """What the run folder is called after."""
+        """Name that the run folder begins with."""
         shape = self.damper.particle.name.replace(":", "-").replace("/", "-")
         return f"{self.kind}-{shape}"
 
@@ -130,14 +130,14 @@ class SlowTest:
         return viscosity, self.inertial_speed(FASTEST_INERTIA)
 
     def identity(self) -> dict[str, Any]:
-        """What a run's folder is named by: all that its answers depend on."""
+        """All that the results of a run depend on, by which its folder is named."""
         return {
             **self.packing_identity(),
             "test": [self.kind, self.preload, self.speed, self.distance, self.at],
         }
 
     def packing_identity(self) -> dict[str, Any]:
-        """What a settled packing is named by; both tests of a bed share it."""
+        """All that a settled packing depends on; both tests of a bed share it."""
         halves = self.halves
         return {
             "halves": [halves.diameter, halves.height, halves.gap],

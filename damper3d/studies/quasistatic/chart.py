@@ -92,7 +92,7 @@ def _curves(axes: "Axes", shapes: list[Shape], family: str, test: str) -> None:
 def _measured(
     axes: "Axes", shapes: list[Shape], family: str, test: str, scatter: Scatter | None
 ) -> None:
-    """What the statements judge, with the 95 % interval of the mean."""
+    """Measure that the statements judge, with the 95 % interval of the mean."""
     ruled(axes)
     scale = 1e-3 if test == "compress" else 1.0
     for number, shape in enumerate(shapes):

@@ -29,7 +29,7 @@ Samples = dict[str, np.ndarray]
 
 @dataclass
 class Course:
-    """What a test remembers besides the world: kept in the checkpoint."""
+    """State of a test besides the world, kept in the checkpoint."""
 
     testing: bool = False  # whether the pre-load is over
     cpu_s: float = 0.0  # CPU time of the step loop
@@ -45,7 +45,7 @@ class Course:
 
     @property
     def n_rows(self) -> int:
-        """How many rows that phase has."""
+        """Number of rows of that phase."""
         return len(self.rows.get("time", ()))
 
 
@@ -72,7 +72,7 @@ def follow(
                 f"the pre-load of {test.preload:g} N did not come to rest in {LONGEST_PRELOAD:g} "
                 "s; give another --preload, or a higher --speed, which asks for less rest"
             )
-        tell(test, course, progress)
+        report(test, course, progress)
         every = max(int(_CHECKPOINT_WORK / (test.damper.count * sim.steps_per_sample)), 1)
         if stop():
             keep(sim, course, folder)
@@ -95,7 +95,7 @@ def begin_preload(sim: RigSimulation, test: SlowTest, course: Course) -> None:
 
 
 def is_steady(test: SlowTest, course: Course) -> bool:
-    """Whether the mean force is the pre-load and the table rests, over the last rows.
+    """True where the mean force is the pre-load and the table rests, over the last rows.
 
     To within TOLERANCE of the pre-load, and of the test's speed.
     """
@@ -139,7 +139,7 @@ def take(course: Course, rows: Samples, sim: RigSimulation) -> None:
         course.rows[name] = value if before is None else np.concatenate([before, value])
 
 
-def tell(test: SlowTest, course: Course, progress: Progress) -> None:
+def report(test: SlowTest, course: Course, progress: Progress) -> None:
     """Say how far the test is: the pre-load counts for a fifth, as it has no known length."""
     if course.testing:
         done = (course.n_rows - 1) / SAMPLES

@@ -1,4 +1,4 @@
-"""What a slow test found: curve of force over displacement, stiffness, balance of forces, books.
+"""Results of a slow test: force over displacement, stiffness, balances of force and energy.
 
 compress   z is how far the table came below where the pre-load held it, F_z the vertical force of
            the particles on the base, and F(z) is what the thesis draws in Figs 8.16 and 8.17
@@ -26,7 +26,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 
 def summary(test: SlowTest, course: Course, sim: RigSimulation) -> dict[str, Any]:
-    """The answers of a test that came to its end, as Result names them."""
+    """Results of a test that came to its end, as Result names them."""
     way, force = curve(test, course)
     table = course.test["wall_force"][1:, TABLE, 2]
     held = test.kind == "shear"
@@ -114,7 +114,7 @@ def fraction(test: SlowTest, sim: RigSimulation) -> float:
 
 
 def imbalance(test: SlowTest, rows: Samples, mass: float) -> float:
-    """What is left of all forces on the walls, the weight and the inertia, over the largest [-].
+    """Sum of all forces on the walls, the weight and the inertia, over the largest [-].
 
     Newton's third law, over the whole test: the particles push the walls with their weight less the
     rate of their momentum.
@@ -132,7 +132,7 @@ def _rms(values: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Result(Answers):
-    """What a test found; SI, None for what does not exist. See measure.py."""
+    """Results of a test; SI, None for what does not exist."""
 
     test: str
     particles: str

@@ -1,4 +1,4 @@
-"""A slow test in its run folder: the packing, the course, the answers; and many of them."""
+"""A slow test in its run folder: the packing, the course, the results; and many of them."""
 
 import dataclasses
 import math
@@ -13,7 +13,7 @@ from damper3d.run.fill import clusters, packed, random_start
 from damper3d.run.packing import Packing, load_packing, save_packing
 from damper3d.run.protocol import PACKAGES
 from damper3d.run.sources import SOURCES as OF_RUNS
-from damper3d.run.vibration import BOOKS_OFF
+from damper3d.run.vibration import MOST_UNACCOUNTED
 from damper3d.studies.quasistatic.case import SlowTest
 from damper3d.studies.quasistatic.course import (
     LONGEST_PRELOAD,
@@ -51,7 +51,7 @@ def run(
     stop: Stop = lambda: False,
     warn: Warn = to_stderr,
 ) -> Result:
-    """Run a test in a folder below `out`, or give the answer that stands there.
+    """Run a test in a folder below `out`, or read the result that is there.
 
     An unfinished one goes on from its checkpoint. Raises InputError where the particles do not fit,
     Stopped, FolderError and SimulationError; the state is kept.
@@ -79,7 +79,7 @@ def _computed(
     course = go_on(sim, folder)
     follow(sim, test, course, folder, progress, stop)
     found = summary(test, course, sim)
-    if abs(found["energy_closure"] or 0.0) > BOOKS_OFF:
+    if abs(found["energy_closure"] or 0.0) > MOST_UNACCOUNTED:
         raise sim.failure(
             f"{abs(found['energy_closure']):.2g} of the dissipated energy is unaccounted for"
         )
@@ -94,7 +94,7 @@ def _computed(
 
 
 def packing_folder(test: SlowTest, root: Path) -> Path:
-    """Where the packing of a test is kept below a folder of runs; it may not exist yet."""
+    """Folder of the packing of a test below a folder of runs; it may not exist yet."""
     return root / "packings" / digest(test.packing_identity())
 
 
@@ -108,7 +108,7 @@ def get_packing(test: SlowTest, root: Path, progress: Progress, stop: Stop, warn
         return packing
 
     return kept(
-        folder, load=load_packing, make=make, cure="delete it and the halves are filled anew",
+        folder, load=load_packing, make=make, cure="delete it and the halves are filled again",
         sources=SOURCES, stop=stop, warn=warn,
     )  # fmt: skip
 
@@ -129,7 +129,7 @@ def settle(test: SlowTest, progress: Progress, stop: Stop) -> Packing:
         sim.run(1)
         progress((k + 1) / n_looks, f"settling, t = {sim.time:.3f} s")
         if stop():
-            raise Stopped("the same command fills the halves anew, from their seed")
+            raise Stopped("the same command fills the halves again, from their seed")
     return packed(damper, sim, time.process_time() - begun)
 
 
@@ -146,7 +146,7 @@ def settled(test: SlowTest, packing: Packing, folder: Path) -> RigSimulation:
     except (IndexError, KeyError, ValueError):
         raise FolderError(
             f"{folder / 'packing.h5'}: damaged, or of another version; delete it and the halves "
-            "are filled anew"
+            "are filled again"
         ) from None
     sim.begin_phase()
     return sim

@@ -21,7 +21,7 @@ _TITLES = {
 
 
 def report(rows: Sequence[Row]) -> str:
-    """What there is, a line a shape, the statements judged, and how well the tests hold."""
+    """Report of a table: a line a shape, the statements judged, and the quality of the tests."""
     shapes = by_shape(rows)
     lines = not_done(rows, ["shape", "seed"])
     if not shapes:
@@ -65,7 +65,7 @@ def one_test(found: Result) -> str:
         f"  slow             {1e3 * found.speed_m_per_s:g} mm/s, inertial number "
         f"{found.inertial_number:.1e}",
         f"  checks           forces balance to {found.force_imbalance:.1e} of the largest"
-        + ("" if closed is None else f", books closed to {100 * abs(closed):.1g} %"),
+        + ("" if closed is None else f", energy balance closed to {100 * abs(closed):.1g} %"),
         f"  cost             {found.cpu_us_per_step:.1f} us of CPU a step, {found.steps:,} steps "
         f"of {found.time_step_s:.3g} s; {found.cpu_s:.0f} s in all",
         f"  run folder       {found.run_folder}",
@@ -73,7 +73,7 @@ def one_test(found: Result) -> str:
     return "\n".join(lines)
 
 
-def answers(test: str, rows: Sequence[Row]) -> dict[str, Any]:
+def summary(test: str, rows: Sequence[Row]) -> dict[str, Any]:
     """The table for --json: a word a shape, the statements, and all runs."""
     shapes = by_shape(rows)
     return {
@@ -139,7 +139,7 @@ def _with_interval(shape: Shape, column: str, scatter: Scatter | None, scale: fl
 
 
 def _quality(rows: Sequence[Row]) -> str:
-    """Of all tests the worst: inertia, balance of forces, books, pre-load, yield."""
+    """Of all tests the worst: inertia, balances of force and energy, pre-load, yield."""
     closed = [abs(row["energy_closure"]) for row in rows if row["energy_closure"] is not None]
     parts = [
         f"inertial number at most {max(row['inertial_number'] for row in rows):.1e}",

@@ -1,10 +1,10 @@
-"""What the thesis says of Figs 8.16 to 8.19 (sec. 8.5.1.2), judged.
+"""Statements of the thesis on Figs 8.16 to 8.19 (sec. 8.5.1.2), judged.
 
 Of compression by the secant stiffness; of shear, whose curves zig-zag as single particles slip, by
 the rise of the force in its mean over the distance, as a secant catches the slip where it ends.
 Two shapes differ where their means do beyond the 95 % interval of the difference, from the scatter
 of one packing pooled over all shapes. Where they do not, a statement that one is stiffer is not
-judged: more packings would tell.
+judged: more packings would show it.
 """
 
 from collections.abc import Sequence

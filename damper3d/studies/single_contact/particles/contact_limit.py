@@ -1,6 +1,6 @@
 """Up to which overlap sub-spheres stand for a lying toroid or prolate (eqs 5.18-5.20, Fig. 5.12).
 
-The thesis takes the depth of the grooves. Here it stands beside the overlap at which the sum of
+The thesis takes the depth of the grooves. Here it is compared with the overlap at which the sum of
 the sub-spheres' forces is that of the smooth toroid; both depend on shape and number alone, but
 for Poisson's ratio (steel's), by which a ring widens.
 """
@@ -78,14 +78,14 @@ def sum_is_smooth_at(distance: float, tube: float, number: int, material: Elasti
     return float(brentq(excess, 1e-9 * tube, 0.2 * tube))
 
 
-def _depth(cluster: MultiSphere) -> float:
-    depth = groove_depth(cluster)
+def _depth(particle: MultiSphere) -> float:
+    depth = groove_depth(particle)
     assert depth is not None
     return depth
 
 
 def _ring_rows(hole: float, material: Elastic) -> list[dict[str, Any]]:
-    """How many sub-spheres have grooves as deep as an overlap, and the force of the smooth body."""
+    """Number of sub-spheres with grooves as deep as an overlap, and the smooth body's force."""
     distance, tube = (1.0 + hole) / (1.0 - hole) * TUBE, TUBE
     overlaps = _OVERLAPS * 2 * tube
     sphere = ellipse(material, tube, tube).hertz

@@ -116,7 +116,7 @@ def own_spin(sim: ClusterSimulation) -> np.ndarray:
 
 
 def precession_error(text: str, step: float) -> float:
-    """How far a spheroid's axis is from going round L at |L|/I_across, at most [-]."""
+    """Largest deviation of a spheroid's axis from going round L at |L|/I_across [-]."""
     body = parse_particle(text, 3.8e-3, sub_spheres=21)
     momentum = moments(body) * np.array(SPHEROID_SPIN)
     along = momentum / np.linalg.norm(momentum)

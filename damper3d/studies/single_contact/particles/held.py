@@ -1,10 +1,10 @@
-"""Like clusters that do not meet, over a wide flat floor without gravity: what studies press."""
+"""Equal particles that do not meet over a wide flat floor without gravity, for studies to press."""
 
 import math
 
 import numpy as np
 
-from damper3d.engine.clusters import rotation  # its kernels are asked as Python here, uncompiled
+from damper3d.engine.clusters import rotation  # its kernels are called as Python here, uncompiled
 from damper3d.engine.clusters.simulation import ClusterSimulation
 from damper3d.engine.clusters.world import build_cluster_world
 from damper3d.engine.enclosure import box
@@ -34,7 +34,7 @@ def matrix(q: np.ndarray) -> np.ndarray:
 
 
 def depth_of(particle: MultiSphere, orientation: np.ndarray) -> float:
-    """How far its lowest sub-sphere reaches below its centroid [m]."""
+    """Distance from its centroid down to its lowest point [m]."""
     heights = particle.offsets @ matrix(orientation)[2]
     return float((particle.radii - heights).max())
 

@@ -45,7 +45,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 
 def compute() -> Found:
-    """All shapes, treatments and orientations."""
+    """All shapes, multi-contact models and orientations."""
     acrylic = load_table("acrylic")
     solid, pair = acrylic.material("acrylic"), acrylic.pair("acrylic", "acrylic")
     e = pair.restitution.value if pair.restitution else 1.0
@@ -54,9 +54,9 @@ def compute() -> Found:
     rows: list[dict[str, Any]] = []
     numbers: dict[str, Any] = {"restitution": e, "speed_m_s": SPEED}
     for shape in SHAPES:
-        cluster = parse_particle(shape, FAMILIES[shape.partition(":")[0]].radius)
+        particle = parse_particle(shape, FAMILIES[shape.partition(":")[0]].radius)
         for treatment in TREATMENTS:
-            mine = rebounds(cluster, law, treatment, density, e)
+            mine = rebounds(particle, law, treatment, density, e)
             rows += [{"particle": shape, "treatment": treatment, **row} for row in mine]
             numbers[f"{shape}, {treatment}"] = _numbers(mine)
     remark = "means are over orientations at random; energies are the kinetic ones"
@@ -75,7 +75,7 @@ def orientation(kind: str, tilt: float, about: float) -> np.ndarray:
     return combined(turn(_Y, tilt - 0.5 * math.pi), turn((1.0, 0.0, 0.0), about))
 
 
-def arm(cluster: MultiSphere, turned: np.ndarray) -> np.ndarray:
+def arm(particle: MultiSphere, turned: np.ndarray) -> np.ndarray:
     """From the centroid to the smooth body's lowest point (3,) in the laboratory [m].
 
     turned (3, 3) takes the body's axes to the laboratory's. Where a circle, a face or a line are
@@ -83,42 +83,42 @@ def arm(cluster: MultiSphere, turned: np.ndarray) -> np.ndarray:
     """
     down = -turned.T @ _UP
     down[np.abs(down) < _FLAT] = 0.0
-    if cluster.kind in ("toroid", "cylinder"):
-        out, high, edge = _core(cluster)
+    if particle.kind in ("toroid", "cylinder"):
+        out, high, edge = _core(particle)
         aside = np.array([down[0], down[1], 0.0])
         size = float(np.linalg.norm(aside))
         middle = out / size * aside if size > 0.0 else aside
         return turned @ (edge * down + middle + [0.0, 0.0, high * np.sign(down[2])])
-    x, y, _ = cluster.inertia
-    square = np.array([2 * y - x, x, x]) * 2.5 / cluster.volume  # of the half axes
+    x, y, _ = particle.inertia
+    square = np.array([2 * y - x, x, x]) * 2.5 / particle.volume  # of the half axes
     return turned @ (square * down / math.sqrt(float(square @ down**2)))
 
 
-def _core(cluster: MultiSphere) -> tuple[float, float, float]:
+def _core(particle: MultiSphere) -> tuple[float, float, float]:
     """Radius, half height and distance of all within which a toroid or cylinder lies [m]."""
-    if cluster.kind == "toroid":
-        return float(np.linalg.norm(cluster.offsets[0])), 0.0, float(cluster.radii[0])
-    out, _, high = cluster.surface.vertices.max(axis=0)
-    edge = float(cluster.name.split(",")[1]) * out
+    if particle.kind == "toroid":
+        return float(np.linalg.norm(particle.offsets[0])), 0.0, float(particle.radii[0])
+    out, _, high = particle.surface.vertices.max(axis=0)
+    edge = float(particle.name.split(",")[1]) * out
     return out - edge, high - edge, edge
 
 
 def rebounds(
-    cluster: MultiSphere, law: HertzLaw, treatment: str, density: float, restitution: float
+    particle: MultiSphere, law: HertzLaw, treatment: str, density: float, restitution: float
 ) -> list[dict[str, float]]:
     """A row for each tilt: what the particle does, and the rigid body."""
     angles = tilts()
-    turns = np.array([orientation(cluster.kind, t, _GOLDEN * n) for n, t in enumerate(angles)])
+    turns = np.array([orientation(particle.kind, t, _GOLDEN * n) for n, t in enumerate(angles)])
     gap = np.full(N_TILTS, 0.2 * _STEP * SPEED)
-    sim = over_floor(cluster, turns, gap, law=law, treatment=treatment, density=density,
+    sim = over_floor(particle, turns, gap, law=law, treatment=treatment, density=density,
                      time_step=_STEP)  # fmt: skip
     sim.set_velocity(np.tile(-SPEED * _UP, (N_TILTS, 1)), np.zeros((N_TILTS, 3)))
     velocity, spin, last = _left(sim)
-    mass, inertia = density * cluster.volume, density * cluster.inertia
+    mass, inertia = density * particle.volume, density * particle.inertia
     rows = []
     for n, q in enumerate(turns):
         turned = matrix(q)
-        moment = turned.T @ np.cross(arm(cluster, turned), _UP)
+        moment = turned.T @ np.cross(arm(particle, turned), _UP)
         yields = 1.0 / mass + float(moment @ (moment / inertia))
         impulse = (1.0 + restitution) * SPEED / yields
         own = turned.T @ spin[n]  # it has turned by 1e-3 rad: left out

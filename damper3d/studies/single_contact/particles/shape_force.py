@@ -1,6 +1,6 @@
 """Normal force of steel particles on a flat wall against their smooth bodies (Figs 5.6-5.13).
 
-The sub-spheres' forces are the engine's, by each treatment of several contacts. The smooth bodies
+The sub-spheres' forces are the engine's, by each multi-contact model. The smooth bodies
 are Hertz's where they touch at a point, and a line load on a ring for the lying toroid, where no
 point contact is. The thesis does not print the displacements of its figures: here a thousandth of
 the diameter, and 0.008 of the tube's for the lying toroid, beyond the limit of eq. 5.19.
@@ -29,7 +29,7 @@ WIDTHS = dict(zip(TREATMENTS, (1.6, 3.0, 1.2), strict=True))  # those above let 
 
 
 def compute() -> Found:
-    """Curves of every particle, number of sub-spheres and treatment."""
+    """Curves of every particle, number of sub-spheres and multi-contact model."""
     material, law = steel()
     numbers: dict[str, Any] = {}
     rows: list[dict[str, Any]] = []
@@ -37,16 +37,16 @@ def compute() -> Found:
         overlaps = setting.overlaps
         smooth = setting.smooth(material, overlaps)
         unit = 1e3 * material.modulus * math.pi * setting.unit * overlaps[-1]
-        for cluster in setting.clusters():
+        for particle in setting.clusters():
             forces = {
-                treatment: pressed(cluster, setting.orientation, overlaps, law, treatment)
+                treatment: pressed(particle, setting.orientation, overlaps, law, treatment)
                 for treatment in TREATMENTS
             }
-            name = f"{setting.key}, {len(cluster.radii)}"
-            numbers[name] = _numbers(setting, cluster, material, forces)
+            name = f"{setting.key}, {len(particle.radii)}"
+            numbers[name] = _numbers(setting, particle, material, forces)
             rows += [
                 {
-                    "particle": setting.key, "sub_spheres": len(cluster.radii),
+                    "particle": setting.key, "sub_spheres": len(particle.radii),
                     "overlap_m": float(overlap),
                     "smooth_n": float(smooth[n]), "normal_unit_n": unit,
                     **{f"{treatment}_n": float(forces[treatment][n]) for treatment in TREATMENTS},
@@ -62,7 +62,7 @@ def compute() -> Found:
 
 
 def _numbers(
-    setting: Setting, cluster: MultiSphere, material: Elastic, forces: dict[str, np.ndarray]
+    setting: Setting, particle: MultiSphere, material: Elastic, forces: dict[str, np.ndarray]
 ) -> dict[str, Any]:
     overlaps = setting.overlaps
     smooth = setting.smooth(material, overlaps)
@@ -76,7 +76,7 @@ def _numbers(
             for name, found in forces.items()
         },
         "sum_exceeds_smooth_from_m": exceeds_from(overlaps, forces["sum"] / smooth.clip(1e-300)),
-        "groove_depth_m": groove_depth(cluster) if setting.lies else None,
+        "groove_depth_m": groove_depth(particle) if setting.lies else None,
     }
 
 

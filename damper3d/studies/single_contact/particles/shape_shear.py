@@ -74,7 +74,7 @@ def ways() -> list[Way]:
 
 
 def compute() -> Found:
-    """Curves of every particle, number of sub-spheres and treatment."""
+    """Curves of every particle, number of sub-spheres and multi-contact model."""
     material, law = steel()
     rows: list[dict[str, Any]] = []
     numbers: dict[str, Any] = {"friction": law.mu}
@@ -84,13 +84,13 @@ def compute() -> Found:
         stiffness = tangential_stiffness(material, contact, force, way.along)
         smooth = Smooth(force, stiffness, law.mu * force)
         unit = 1e3 * material.shear * math.pi * way.setting.unit * smooth.furthest
-        for cluster in way.setting.clusters():
-            name = f"{way.name}, {len(cluster.radii)}"
+        for particle in way.setting.clusters():
+            name = f"{way.name}, {len(particle.radii)}"
             numbers[name] = {"normal_force_n": force, "smooth_stiffness_n_m": stiffness}
             for treatment in TREATMENTS:
-                mine = _curve(cluster, way, law, treatment, smooth)
+                mine = _curve(particle, way, law, treatment, smooth)
                 numbers[name] |= _numbers(mine, treatment, smooth)
-                head = {"particle": way.name, "sub_spheres": len(cluster.radii)}
+                head = {"particle": way.name, "sub_spheres": len(particle.radii)}
                 rows += [
                     {**head, "treatment": treatment, **row, "tangential_unit_n": unit}
                     for row in mine
@@ -103,11 +103,11 @@ def compute() -> Found:
 
 
 def _curve(
-    cluster: MultiSphere, way: Way, law: HertzLaw, treatment: str, smooth: Smooth
+    particle: MultiSphere, way: Way, law: HertzLaw, treatment: str, smooth: Smooth
 ) -> list[dict[str, float]]:
     """Forces of sub-spheres and smooth body, under the same normal force."""
-    overlap = overlap_under(cluster, way.orientation, law, treatment, smooth.force)
-    across, forces = sheared(cluster, way.orientation, overlap, smooth.furthest, _STEPS, law,
+    overlap = overlap_under(particle, way.orientation, law, treatment, smooth.force)
+    across, forces = sheared(particle, way.orientation, overlap, smooth.furthest, _STEPS, law,
                              treatment)  # fmt: skip
     exact = loading_force(smooth.stiffness, smooth.limit, across)
     simplified = np.minimum(smooth.stiffness * across, smooth.limit)
@@ -129,17 +129,17 @@ def _numbers(rows: list[dict[str, float]], treatment: str, smooth: Smooth) -> di
 
 
 def overlap_under(
-    cluster: MultiSphere, orientation: np.ndarray, law: HertzLaw, treatment: str, force: float
+    particle: MultiSphere, orientation: np.ndarray, law: HertzLaw, treatment: str, force: float
 ) -> float:
     """The overlap [m] at which sub-spheres bear a normal force [N], to 1e-6 of it.
 
     One contact needs the most; between that and nothing F^(2/3) is read as straight, twice.
     """
-    most = (force / (law.hertz * math.sqrt(cluster.smallest_radius))) ** (2 / 3)
+    most = (force / (law.hertz * math.sqrt(particle.smallest_radius))) ** (2 / 3)
     low, high = 0.0, 1.001 * most
     for _ in range(3):
         overlaps = np.linspace(low, high, 41)
-        forces = pressed(cluster, orientation, overlaps, law, treatment)
+        forces = pressed(particle, orientation, overlaps, law, treatment)
         n = int(np.searchsorted(forces, force))
         low, high = float(overlaps[n - 1]), float(overlaps[n])
     bent = forces[n - 1 : n + 1] ** (2 / 3)

@@ -30,7 +30,7 @@ _ROWS_PER_CONTACT = 500  # of the history
 
 @dataclass(frozen=True)
 class Impact:
-    """What meets, how fast, and by which law.
+    """Bodies that meet, their speed, and the contact law.
 
     The sphere of material `first` comes along z onto a wall, or an equal sphere, of material
     `second` (None: a rigid wall). Spins are about y, positive where the sphere rolls forwards.
@@ -92,7 +92,7 @@ class Impact:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What an impact leaves. Speeds after it are along and across the line of centres then."""
+    """Results of an impact. Speeds after it are along and across the line of centres then."""
 
     normal_restitution: float  # leaving over arriving normal speed [-]
     tangential_restitution: float | None  # tangential speed after over before [-]
@@ -187,7 +187,7 @@ def _bodies(impact: Impact) -> Bodies:
 
 @dataclass(frozen=True)
 class _State:
-    """What is compared before and after."""
+    """Quantities that are compared before and after."""
 
     normal: float  # speed of parting along the line of centres [m/s]
     tangential: float  # of the first relative to the second, across it [m/s]

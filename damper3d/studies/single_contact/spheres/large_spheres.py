@@ -88,15 +88,15 @@ def aluminium() -> Found:
     ]
     printed = {"yield_velocity_m_s": 0.0016, "speed_over_yield_velocity": [12.2, 122]}
     remark = (
-        "the damped law has no plastic part: it stays at its overlap only where a ball that yields "
-        "keeps a dent, so overlaps differ at 122 times the yield velocity (sec. 5.5.4)"
+        "the damped law has no plastic part: it stays at its overlap only where a sphere that "
+        "yields keeps a dent, so overlaps differ at 122 times the yield velocity (sec. 5.5.4)"
     )
     return hit(impacts, printed, (remark,))
 
 
 def draw_aluminium(found: Found) -> "Figure":
     """Force against time and overlap."""
-    return draw_hits(found, "Aluminium ball of 200 mm on a rigid wall")
+    return draw_hits(found, "Aluminium sphere of 200 mm on a rigid wall")
 
 
 def steel() -> Found:
@@ -121,4 +121,4 @@ def steel() -> Found:
 
 def draw_steel(found: Found) -> "Figure":
     """Force against time and overlap."""
-    return draw_hits(found, "Steel ball of 40 mm on a steel block")
+    return draw_hits(found, "Steel sphere of 40 mm on a steel block")

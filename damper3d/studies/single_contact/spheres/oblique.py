@@ -2,7 +2,7 @@
 
 Chung and Ooi 2011, Granular Matter 13, 643: 3.9 m/s on a wall, restitution 0.98, friction 0.092.
 Beyond tan(angle) = 3.5 mu (1 + e) the sphere slides throughout and all laws agree with the closed
-form; nearer to the normal the answer depends on what the spring carries on.
+form; nearer to the normal the result depends on what the spring carries on.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Where spheres begin to yield, and how restitution falls above that (eq. 5.26, Fig. 5.15)."""
+"""Yield velocities of spheres, and the fall of restitution above them (eq. 5.26, Fig. 5.15)."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DIAMETER = 5e-3  # [m] of the damper's spheres
-BALL = 12.7e-3  # [m] of the steel ball of Fig. 5.15, measured to yield from about 0.3 m/s
+LARGE_DIAMETER = (
+    12.7e-3  # [m] of the steel sphere of Fig. 5.15, measured to yield from about 0.3 m/s
+)
 _SPEEDS = np.geomspace(0.1, 20.0, 19)  # over the yield velocity
 
 
@@ -34,7 +36,7 @@ def compute() -> Found:
         for solid in (acrylic, steel, aluminium)
     }
     numbers["steel, 12.7 mm"] = {
-        "on_a_wall_of_it_m_s": _yields_at(steel, steel, BALL, sphere=False),
+        "on_a_wall_of_it_m_s": _yields_at(steel, steel, LARGE_DIAMETER, sphere=False),
         "measured_m_s": 0.3,
     }
     numbers["printed_m_s"] = {"acrylic on acrylic": 3.5, "steel on steel": 0.15}
