@@ -4,10 +4,8 @@ The packing does not depend on frequency and acceleration, so all points of a ma
 """
 
 import tempfile
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from damper3d.case.case import DamperCase
 from damper3d.case.plan import expected_cpu_s
@@ -17,23 +15,20 @@ from damper3d.run.packing import load_packing, packing_folder
 from damper3d.run.protocol import PACKAGES, get_packing, read_finished, run, run_digest
 from damper3d.run.result import Result
 from damper3d.run.sources import MEASURES, SOURCES
-from granulab.campaign.runs.folder import FolderError
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import packing_sources
 from granulab.campaign.sweeps.cases import LabelledStudy, label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
 from granulab.campaign.sweeps.sweep import (
-    Labelled,
     Simulator,
     Task,
-    as_outcome,
     run_labelled,
+    run_or_pack,
     silent,
 )
 from granulab.campaign.sweeps.task import Stop
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
-from granulab.errors import InputError, SimulationError
 
 # A few spheres in a small enclosure: all kernels of a filling and of a cycle.
 _SMALL = {
@@ -47,29 +42,10 @@ _SMALL = {
 }
 
 
-def run_cases(
-    cases: Sequence[Labelled],
-    *,
-    out: Path,
-    engine: str = "processes",
-    workers: int | None = None,
-    scheduler: str | None = None,
-    quiet: bool = False,
-) -> list[dict[str, Any]]:
-    """Run labelled DamperCases and return a row for each; see sweeps.sweep.run_labelled."""
-    return run_labelled(
-        DAMPER, cases, out=out, engine=engine, workers=workers, scheduler=scheduler, quiet=quiet
-    )
-
-
 def run_task(task: Task, stop: Stop) -> Result | None:
     """Run a case, or fill its packing; in a worker."""
     compile_kernels()
-    with as_outcome(InputError, FolderError, SimulationError):
-        if task.packing_only:
-            get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
-            return None
-        return run(task.case, out=task.out, stop=stop, warn=silent)
+    return run_or_pack(task, stop, run=run, get_packing=get_packing)
 
 
 def compile_kernels() -> None:
@@ -106,8 +82,5 @@ def load_study(path: str | Path) -> LabelledStudy:
     return label_study(path, Keys(Settings), DamperCase.load)
 
 
-def run_study(
-    loaded: LabelledStudy, *, out: Path, **options: Any
-) -> tuple[Path, list[dict[str, Any]]]:
-    """Run a study and keep its table; see granulab.campaign.sweeps.cases.run_study."""
-    return run_labelled_study(DAMPER, loaded, out=out, **options)
+run_cases = partial(run_labelled, DAMPER)  # labelled DamperCases; a row for each
+run_study = partial(run_labelled_study, DAMPER)

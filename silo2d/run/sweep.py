@@ -1,28 +1,23 @@
 """Many silos on many cores: each packing filled once, each run in its own folder, one row each."""
 
 import tempfile
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
-from granulab.campaign.runs.folder import FolderError
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import packing_sources
 from granulab.campaign.sweeps.cases import LabelledStudy, label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
 from granulab.campaign.sweeps.sweep import (
-    Labelled,
     Simulator,
     Task,
-    as_outcome,
     run_labelled,
+    run_or_pack,
     silent,
 )
 from granulab.campaign.sweeps.task import Stop
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
-from granulab.errors import InputError, SimulationError
 from silo2d.case.case import SiloCase
 from silo2d.case.plan import expected_cpu_s
 from silo2d.case.settings import Settings
@@ -42,21 +37,6 @@ _SMALL = {
     "fill.settled": 1e-2,
     "run.max_time": "20 ms",
 }
-
-
-def run_cases(
-    cases: Sequence[Labelled],
-    *,
-    out: Path,
-    engine: str = "processes",
-    workers: int | None = None,
-    scheduler: str | None = None,
-    quiet: bool = False,
-) -> list[dict[str, Any]]:
-    """Run labelled SiloCases and return a row for each; see sweeps.sweep.run_labelled."""
-    return run_labelled(
-        SILO, cases, out=out, engine=engine, workers=workers, scheduler=scheduler, quiet=quiet
-    )
 
 
 def compile_kernels(*, drawn: bool = False) -> None:
@@ -80,11 +60,7 @@ def compile_kernels(*, drawn: bool = False) -> None:
 def run_task(task: Task, stop: Stop) -> Result | None:
     """Run a case, or fill its packing; in a worker."""
     compile_kernels(drawn=task.case.disorder is not None and not task.packing_only)
-    with as_outcome(InputError, FolderError, SimulationError):
-        if task.packing_only:
-            protocol.get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
-            return None
-        return protocol.run(task.case, out=task.out, stop=stop, warn=silent)
+    return run_or_pack(task, stop, run=protocol.run, get_packing=protocol.get_packing)
 
 
 SILO = Simulator(
@@ -113,8 +89,5 @@ def load_study(path: str | Path) -> LabelledStudy:
     return label_study(path, Keys(Settings), SiloCase.load)
 
 
-def run_study(
-    loaded: LabelledStudy, *, out: Path, **options: Any
-) -> tuple[Path, list[dict[str, Any]]]:
-    """Run a study and keep its table; see granulab.campaign.sweeps.cases.run_study."""
-    return run_labelled_study(SILO, loaded, out=out, **options)
+run_cases = partial(run_labelled, SILO)  # labelled SiloCases; a row for each
+run_study = partial(run_labelled_study, SILO)

@@ -28,10 +28,10 @@ from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_r
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import begin_or_check, end, kept, packing_sources
 from granulab.campaign.runs.provenance import Warn, to_stderr
-from granulab.campaign.sweeps.sweep import Simulator, Task, as_outcome, silent
+from granulab.campaign.sweeps.sweep import Simulator, Task, run_or_pack, silent
 from granulab.campaign.sweeps.task import Progress, Stop
 from granulab.contact.jit import already_compiled, cache_folder
-from granulab.errors import InputError, SimulationError, Stopped
+from granulab.errors import Stopped
 
 SOURCES = OF_RUNS.plus(Path(__file__).parent)  # of a slow test and of its packing
 _LOOK = 1e-3  # [s] of simulated time between reports
@@ -155,11 +155,7 @@ def settled(test: SlowTest, packing: Packing, folder: Path) -> RigSimulation:
 def run_task(task: Task, stop: Stop) -> Result | None:
     """Run a test, or fill its halves; in a worker."""
     compile_kernels()
-    with as_outcome(InputError, FolderError, SimulationError):
-        if task.packing_only:
-            get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
-            return None
-        return run(task.case, out=task.out, stop=stop, warn=silent)
+    return run_or_pack(task, stop, run=run, get_packing=get_packing)
 
 
 def compile_kernels() -> None:

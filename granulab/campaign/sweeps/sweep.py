@@ -18,8 +18,8 @@ from granulab.campaign.cli.terminal import Progress, announce_compilation
 from granulab.campaign.runs.folder import FolderError, RunFolder, find_run
 from granulab.campaign.runs.provenance import Sources, to_stderr
 from granulab.campaign.sweeps.engine import Tally, run_tasks
-from granulab.campaign.sweeps.task import Function, Outcome
-from granulab.errors import Failed
+from granulab.campaign.sweeps.task import Function, Outcome, Stop
+from granulab.errors import Failed, InputError, SimulationError
 
 _MEMORY = 3600.0  # [s] over which the speed is taken that gives the time left
 
@@ -153,6 +153,21 @@ def as_outcome(*failed: type[Exception]) -> Iterator[None]:
         yield
     except failed as error:
         raise Failed(without_again(str(error))) from None
+
+
+def run_or_pack(
+    task: Task, stop: Stop, *, run: Callable[..., Any], get_packing: Callable[..., Any]
+) -> Any:
+    """Run the case of a task, or make its packing (None); in a worker.
+
+    run(case, out=, stop=, warn=) and get_packing(case, out, progress, stop, warn) are the
+    simulator's.
+    """
+    with as_outcome(InputError, FolderError, SimulationError):
+        if task.packing_only:
+            get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
+            return None
+        return run(task.case, out=task.out, stop=stop, warn=silent)
 
 
 def silent(warning: str) -> None:
