@@ -99,7 +99,7 @@ def _report(outcome: "Outcome") -> str:
         ("  normal damping", f"{outcome.normal_damping_j:.4g} J"),
         ("  tangential damping", f"{outcome.tangential_damping_j:.4g} J"),
         ("  friction", f"{outcome.friction_j:.4g} J"),
-        ("  gained by the law", f"{outcome.law_term_j:.4g} J"),
+        ("  changing stiffness", f"{outcome.law_term_j:.4g} J"),
         ("time step", f"{outcome.time_step_s:.3g} s"),
     ]
     return "\n".join(f"{name:24} {value}" for name, value in rows)
