@@ -48,8 +48,8 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
         written = write_results(folder, study, found.rows, head, text, lambda: chosen.draw(found))
         files = [str(path) for path in written]
     if as_json:
-        answer = {**found.numbers, "remarks": list(found.remarks), "files": files}
-        click.echo(json.dumps(answer, indent=2))
+        result = {**found.numbers, "remarks": list(found.remarks), "files": files}
+        click.echo(json.dumps(result, indent=2))
         return
     click.echo(text)
     for path in files:
@@ -57,7 +57,7 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
 
 
 def report(found: "Found") -> str:
-    """What a person reads: a number a line, and the remarks."""
+    """The report of a study: a number a line, and the remarks."""
     lines: list[str] = []
     for key, value in found.numbers.items():
         if isinstance(value, dict):

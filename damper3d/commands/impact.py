@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 @click.option("--radius", metavar='"2.5 mm"', help="Of the sphere [default: 2.5 mm].")
 @click.option("--speed", metavar="3.9", help="Relative, in m/s [default: 3.9].")
 @click.option("--angle", metavar="0", help="From the line of centres, in degrees [default: 0].")
-@click.option("--spin", metavar="0", help="Before, in rad/s; positive rolls forwards.")
+@click.option(
+    "--spin", metavar="0", help="Angular velocity before, in rad/s; positive rolls forwards."
+)
 @click.option("--other-spin", metavar="0", help="Of the other sphere, likewise.")
 @click.option(
     "--against", default="wall", metavar="wall|rigid-wall|sphere|MATERIAL",
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
 @click.option("--friction", metavar="0.52", help="[default: the pair's in the materials file]")
 @click.option(
     "--tangential", metavar="displacement|force|mindlin-deresiewicz",
-    help="What the spring carries on, or the exact law [default: displacement].",
+    help="Quantity that the spring carries on, or the exact law [default: displacement].",
 )  # fmt: skip
 @click.option("--no-tangential-damping", is_flag=True, help="Leave the tangential dashpot out.")
 @click.option("--contact-end", "end", metavar="overlap|force", help="[default: overlap]")
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
     help="By eq. 5.32, or so that the restitution comes out at --contact-end force, too.",
 )  # fmt: skip
 @click.option("--yielding", is_flag=True, help="Restitution falls above the yield velocity.")
-@click.option("--quiet", is_flag=True, help="Print nothing but the answer.")
+@click.option("--quiet", is_flag=True, help="Print nothing but the result.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def impact(
     against: str, no_tangential_damping: bool, yielding: bool, quiet: bool, as_json: bool,
@@ -63,7 +65,7 @@ def impact(
 
 
 def _used(impact: "Impact") -> dict[str, object]:
-    """What went in, where a default or a file may have given it."""
+    """The values used, which a default or a file may have given."""
     keys = ("speed", "radius", "friction", "restitution", "tangential", "end", "yielding")
     names = {"speed": "speed_m_s", "radius": "radius_m", "end": "contact_end"}
     used = {names.get(key, key): getattr(impact, key) for key in keys}
@@ -90,10 +92,10 @@ def _report(outcome: "Outcome") -> str:
     rows = [
         ("normal restitution", f"{outcome.normal_restitution:.4f}"),
         ("tangential restitution", _or_none(outcome.tangential_restitution)),
-        ("spin", f"{outcome.spin_rad_s:.4g} rad/s"),
+        ("angular velocity", f"{outcome.spin_rad_s:.4g} rad/s"),
         ("contact point leaves at", f"{outcome.contact_point_rebound_deg:.2f} deg"),
         ("contact time", f"{1e6 * outcome.contact_time_s:.4g} us"),
-        ("deepest overlap", f"{1e6 * outcome.max_overlap_m:.4g} um"),
+        ("largest overlap", f"{1e6 * outcome.max_overlap_m:.4g} um"),
         ("largest force", f"{outcome.max_force_n:.4g} N"),
         ("dissipated", f"{outcome.dissipated_j:.4g} J"),
         ("  normal damping", f"{outcome.normal_damping_j:.4g} J"),

@@ -66,17 +66,17 @@ def map_(
     result = efficiency_map(name, changes, grid, out=Path(out), **engines)
     folder = map_folder(name, changes, grid, Path(out))
     on_ridges = ridges(result, prediction)
-    answers = summary(grid, result, prediction, on_ridges, folder.path)
-    write_map(folder, result, answers)
-    click.echo(json.dumps(answers, indent=2) if as_json else as_text(answers))
-    if not no_figures and answers["done"]:
+    results = summary(grid, result, prediction, on_ridges, folder.path)
+    write_map(folder, result, results)
+    click.echo(json.dumps(results, indent=2) if as_json else as_text(results))
+    if not no_figures and results["done"]:
         picture = folder.path / "map.png"
         click.echo(write_figure(picture, lambda: draw_map(result, prediction, on_ridges)), err=True)
     stop_unless_whole(result.rows)
 
 
 def _plan(name: str, changes: dict[str, Any], grid: "Grid", out: Path) -> dict[str, Any]:
-    """What mapping would do, but for its refinement, which follows from what is found."""
+    """The runs of a map and their cost, but for its refinement, which follows from results."""
     from damper3d.run.sweep import DAMPER
     from damper3d.studies.map.grid import map_cases
     from damper3d.studies.map.report import map_folder

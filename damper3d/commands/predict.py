@@ -1,4 +1,4 @@
-"""The command that says what the closed forms know: predict."""
+"""The command that predicts by closed forms where a damper damps best: predict."""
 
 import json
 from pathlib import Path
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @click.option("--packing", type=float, metavar="0.6", help="Fill ratio of your packed bed.")
 @click.option("--pack", is_flag=True, help="Compute the close packing of the particles' shape.")
 @click.option("--full-count", type=int, metavar="N", help="How many particles fill the enclosure.")
-@click.option("--simulate", is_flag=True, help="Set runs beside the ideal curves, to Gamma 100.")
+@click.option("--simulate", is_flag=True, help="Compare runs with the ideal curves, to Gamma 100.")
 @engine_options
 @out_option
 @click.option("--no-figures", is_flag=True, help="Make no picture.")
@@ -63,12 +63,12 @@ def predict(
 
         engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
         rows = compare.simulate(fills, predictions, wanted, out=Path(out), **engines)
-    answers = {
+    results = {
         "frequencies_hz": list(wanted),
         "fills": [predicting.as_dict(p, wanted) for p in predictions],
         "simulated": rows,
     }
-    click.echo(json.dumps(answers, indent=2) if as_json else _in_words(predictions, wanted, rows))
+    click.echo(json.dumps(results, indent=2) if as_json else _in_words(predictions, wanted, rows))
     if not no_figures:
         picture = Path(out) / f"predict-{cases[0].name}.png"
         write_figure(picture, lambda: draw_predictions(predictions, wanted, rows))

@@ -13,7 +13,7 @@ _LEFT_OUT = ("phase_next", "phase_measures.", "effective_mass.", "efficiency_per
 @click.command()
 @reproduce_options
 def reproduce(table: str | None, **options: Any) -> None:
-    """Compute one of the thesis's tables and print it beside the published numbers.
+    """Compute one of the thesis's tables and compare it with the published numbers.
 
     Without TABLE it says what there is. Runs that are there already are not done again: the same
     command goes on after whatever stopped it.

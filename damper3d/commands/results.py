@@ -14,13 +14,16 @@ from granulab.campaign.cli.observe import observe_command
 @click.argument("folder", metavar="RUN")
 @click.option("--no-film", is_flag=True, help="Make the pictures only.")
 @click.option(
-    "--by", default="velocity", metavar="velocity|dissipation", help="What the colours tell."
+    "--by",
+    default="velocity",
+    metavar="velocity|dissipation",
+    help="Quantity shown by the colours.",
 )
 @click.option(
     "--engine",
     default="matplotlib",
     metavar="matplotlib|pyvista",
-    help="What draws the particles: a cut, or all of them in space (extra pyvista).",
+    help="Drawing of the particles: a cut, or all of them in space (extra pyvista).",
 )
 def render(folder: str, no_film: bool, by: str, engine: str) -> None:
     """Make the pictures and the film of a run again from its folder."""

@@ -62,7 +62,7 @@ class Measured:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Material:
-    """What a body is made of.
+    """The material of a particle or wall.
 
     Raises InputError, one line without the file, for a value out of its range in PROPERTIES.
     """
@@ -101,7 +101,7 @@ class LinearParameters:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Pair:
-    """How two materials, named in either order, touch.
+    """Contact of two materials, named in either order.
 
     Raises InputError, one line without the file, for a value out of its range in PROPERTIES.
     """

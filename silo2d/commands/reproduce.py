@@ -13,7 +13,7 @@ _LEFT_OUT = ("published.", "dissipated_j.")
 @click.command()
 @reproduce_options
 def reproduce(table: str | None, **options: Any) -> None:
-    """Compute one of the paper's tables and print it beside the published numbers.
+    """Compute one of the paper's tables and compare it with the published numbers.
 
     Without TABLE it says what there is. Runs that are there already are not done again.
     """

@@ -86,8 +86,8 @@ def compare(
         folders = _by_engines(runs_or_case[0], engines, seeds, changes, Path(out), quiet)
         pairs = [comparison.compare(*pair) for pair in folders]
         path = Path(folders[0][0]) / "figures" / f"beside-{Path(folders[0][1]).name}.png"
-    answer = {"pairs": pairs, "mean_curve": comparison.mean_distance(pairs)}
-    click.echo(json.dumps(answer, indent=2) if as_json else comparison.table(pairs))
+    result = {"pairs": pairs, "mean_curve": comparison.mean_distance(pairs)}
+    click.echo(json.dumps(result, indent=2) if as_json else comparison.table(pairs))
     if not no_figures:
         click.echo(write_figure(path, lambda: comparison.draw(pairs)), err=True)
 

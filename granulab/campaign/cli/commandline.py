@@ -12,7 +12,7 @@ import click
 out_option = click.option(
     "-o", "--out", default="runs", metavar="DIR", help="Holds runs and packings [default: runs]."
 )
-quiet_option = click.option("--quiet", is_flag=True, help="Print nothing but the answer.")
+quiet_option = click.option("--quiet", is_flag=True, help="Print nothing but the result.")
 json_option = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 
 
@@ -41,7 +41,7 @@ def command_group(commands: Sequence[click.Command], purpose: str) -> click.Grou
 
 
 def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Where many runs go: --workers, --engine, --scheduler."""
+    """Options that say what computes many runs: --workers, --engine, --scheduler."""
     for option in (
         click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster: tcp://127.0.0.1:8786"),
         click.option(

@@ -57,7 +57,7 @@ def write_new(path: Path, text: str) -> None:
 
 
 def write_output(path: Path, content: bytes) -> Path:
-    """Write a file where a person asked for it; its path. FolderError where it cannot be."""
+    """Write a file to a path that was asked for; the path. FolderError where it cannot be."""
     try:
         with writing(path.parent):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -71,16 +71,16 @@ def write_output(path: Path, content: bytes) -> Path:
     return path
 
 
-def packings_and_runs(root: Path, answer: Callable[[dict[str, Any]], str]) -> list[str]:
+def packings_and_runs(root: Path, result: Callable[[dict[str, Any]], str]) -> list[str]:
     """A line for each packing and run below a folder: where it is, its state and size.
 
-    answer: what to say of a finished run, from its summary; where it raises, that is damaged.
+    result: words on a finished run, from its summary; where it raises, that is damaged.
     """
     packings = sorted((root / "packings").glob("*/packing.h5"))
     runs = sorted(root.glob("*/case.toml"))
     return [
         *(f"packing    {path.parent}  {_size(path.parent)}" for path in packings),
-        *(f"run        {p.parent}  {_state(p.parent, answer)}  {_size(p.parent)}" for p in runs),
+        *(f"run        {p.parent}  {_state(p.parent, result)}  {_size(p.parent)}" for p in runs),
     ]
 
 
@@ -95,12 +95,12 @@ def run_in_words(path: Path, command: str, report: Callable[[RunFolder], str]) -
     return report(run)
 
 
-def _state(folder: Path, answer: Callable[[dict[str, Any]], str]) -> str:
+def _state(folder: Path, result: Callable[[dict[str, Any]], str]) -> str:
     run = RunFolder(folder)
     if run.state != "finished":
         return "unfinished"
     try:
-        return answer(run.read_summary())
+        return result(run.read_summary())
     except (FolderError, KeyError, TypeError, ValueError):
         return "damaged"
 

@@ -1,4 +1,4 @@
-"""For a person at a terminal: how far a run is, and stopping it in good order."""
+"""Progress of a run at a terminal, and stopping it in good order."""
 
 import math
 import signal
@@ -12,7 +12,7 @@ _TELLING = 0.01  # part done from which on its speed says something; before, it 
 
 
 class Progress:
-    """How far a run is, on stderr: a bar on a terminal, else a line every ten seconds.
+    """Progress of a run on stderr: a bar on a terminal, else a line every ten seconds.
 
     `with Progress("A4") as progress: progress.update(0.42, "t = 1.2 s")`. Quiet prints nothing.
     """
@@ -68,7 +68,7 @@ def _bar(memory: float):
         progress.TextColumn("{task.fields[text]}", markup=False),
         console=Console(stderr=True),
         speed_estimate_period=memory,
-        redirect_stdout=False,  # the answer of --json must not end up on stderr
+        redirect_stdout=False,  # the object of --json must not end up on stderr
     )
 
 

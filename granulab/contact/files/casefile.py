@@ -119,7 +119,7 @@ def known_keys(settings: type[Section]) -> dict[str, list[str]]:
 
 
 def read_document(path: Path, schema: int) -> dict[str, Any]:
-    """The tables of a case file as they are written; InputError if it is none."""
+    """The tables of a case file as they are written; InputError where it cannot be read."""
     document = read_toml(path, "cases", schema)
     document.setdefault("name", path.stem)
     return document
@@ -145,7 +145,7 @@ def changed(
 def check_document(
     model: type[Model], document: dict[str, Any], where: str, least: str = ""
 ) -> Model:
-    """The settings of a document; InputError with one line for the first thing that is wrong.
+    """The settings of a document; InputError with one line for the first error in it.
 
     least: what a case must have at least, for the line about a table that is missing.
     """

@@ -1,4 +1,4 @@
-"""Data files: where the shipped ones are, in a checkout or installed, and reading TOML."""
+"""Data files: the folder of the shipped ones, in a checkout or installed, and reading TOML."""
 
 import tomllib
 from pathlib import Path
@@ -37,7 +37,7 @@ def data_file(kind: str, name: str) -> Path | None:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file; no, for a name that no file can have."""
+    """True where there is such a file; False also for a name that no file can have."""
     try:
         return path.is_file()
     except OSError:  # too long
@@ -45,7 +45,7 @@ def is_file(path: Path) -> bool:
 
 
 def find(name: str, kind: str, folder: Path) -> str | Path:
-    """A file beside the case, else a shipped one of a kind, else as it stands."""
+    """A file in the folder of the case, else a shipped one of a kind, else the name as it is."""
     return folder / name if is_file(folder / name) else data_file(kind, name) or name
 
 

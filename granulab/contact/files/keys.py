@@ -1,4 +1,4 @@
-"""The keys of a case file as a study takes them: read to SI, written back, named with units."""
+"""Keys of a case file as a study takes them: read to SI, written back, named with units."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a schema says to people: a case file with a comment on every key, and tables of the keys."""
+"""Texts made from a schema: a case file with a comment on every key, and tables of the keys."""
 
 import textwrap
 from collections.abc import Iterator
@@ -119,7 +119,7 @@ def _remark(key: Key) -> str:
 
 
 def _commented(entry: str, remark: str) -> list[str]:
-    """A line of TOML with its comment beside it, or above it where the line is long."""
+    """A line of TOML with its comment behind it, or above it where the line is long."""
     if len(entry) >= _COLUMN:
         return [*_comment(remark), entry]
     first, *others = textwrap.wrap(remark, _WIDTH - _COLUMN - 2)
@@ -131,7 +131,7 @@ def _comment(text: str) -> list[str]:
 
 
 def _text(model: type[Section]) -> str:
-    """What a section is, from its docstring, in one line."""
+    """The docstring of a section in one line."""
     return " ".join((model.__doc__ or "").split())
 
 

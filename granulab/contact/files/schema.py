@@ -1,4 +1,4 @@
-"""What a contact-parameter file may hold: its tables and keys; units and ranges come later."""
+"""Schema of a contact-parameter file: its tables and keys; units and ranges are checked later."""
 
 import datetime
 import reprlib
@@ -93,7 +93,7 @@ def read_file(path: Path) -> File:
 
 
 def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
-    """What simulators need and the tables of a file in the making do not have yet.
+    """Keys that simulators need and the tables of an unfinished file do not have yet.
 
     As in "[pair.wood-steel] friction". Raises InputError for a wrong key or structure.
     """
@@ -114,14 +114,14 @@ def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
 
 
 def _place(loc: tuple[int | str, ...]) -> str:
-    """Where something stands in the file, such as [pair.wood-wood] friction."""
+    """Position in the file, such as [pair.wood-wood] friction."""
     place = [str(part) for part in loc]
     depth = 3 if place[2:3] == ["linear"] else 2
     return " ".join(filter(None, [section(*place[:depth]), ".".join(place[depth:])]))
 
 
 def _one_line(problem: Any) -> str:
-    """One thing that is wrong with the structure of a file, as pydantic has it."""
+    """One error in the structure of a file, as pydantic reports it, in one line."""
     where = _place(problem["loc"])
     if problem["type"] == "value_error":  # raised by Table
         return f"{where}: {problem['ctx']['error']}".removeprefix(": ")

@@ -105,7 +105,7 @@ def _spelled_for_pint(unit: str) -> str:
 
 
 def is_unit(text: str) -> bool:
-    """Whether a text is a unit alone, of whatever kind; "-" and "1" are that of a pure number."""
+    """True where a text is a unit alone, of any kind; "-" and "1" are that of a pure number."""
     import pint
 
     if text in ("-", "1"):
@@ -118,7 +118,7 @@ def is_unit(text: str) -> bool:
 
 
 def is_plain_number(value: object) -> bool:
-    """Whether a value, or its text, is a number without a unit."""
+    """True where a value, or its text, is a number without a unit."""
     if not isinstance(value, str):
         return isinstance(value, int | float)
     match = _QUANTITY.fullmatch(value.strip())
@@ -147,7 +147,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 @contextlib.contextmanager
 def located(where: str) -> Iterator[None]:
-    """Put the place in front of the line of an InputError that comes from within."""
+    """Put a position in front of the line of an InputError that comes from within."""
     try:
         yield
     except InputError as error:
