@@ -1,4 +1,4 @@
-"""What a step costs: door closed, over a discharge, filling, and against the number of grains.
+"""What a step costs: door closed, over a discharge, filling, and against the number of particles.
 
 Run as `make bench`, on a machine with nothing else to do. Every figure stands beside the
 reference kernel, timed in the same run, so that machines (and their moods) can be compared.
@@ -42,7 +42,7 @@ def opened(case: SiloCase, packing: Packing) -> Simulation:
     """The packing under its own law with friction, at t = 0, the door still closed."""
     sim = Simulation(world_behind_door(case, packing))
     settle_under_own_law(sim, case, quiet)
-    sim.begin_phase(case.grain_law, case.wall_law, case.time_step)
+    sim.begin_phase(case.particle_law, case.wall_law, case.time_step)
     return sim
 
 
@@ -61,7 +61,7 @@ def emptied(sim: Simulation, case: SiloCase) -> float:
     sim.remove_wall(len(case.outline.walls().names) - 1)
 
     def discharge() -> int:
-        while sim.n_out < sim.n_grains and sim.time < 3.0:
+        while sim.n_out < sim.n_particles and sim.time < 3.0:
             sim.run(2000)
         return sim.steps
 
@@ -78,8 +78,8 @@ def side_by_side(case: SiloCase, packing: Packing, copies: int) -> Simulation:
     wide = hopper(0.0, case.outline.outlet, width * copies, case.outline.height)
     world = build_world(
         case.shapes.shapes, kinds, poses, wide.walls(),
-        surface_density=case.surface_density, grain_law=case.grain_law, wall_law=case.wall_law,
-        gravity=GRAVITY, time_step=case.time_step,
+        surface_density=case.surface_density, particle_law=case.particle_law,
+        wall_law=case.wall_law, gravity=GRAVITY, time_step=case.time_step,
     )  # fmt: skip
     return Simulation(world)
 
@@ -87,7 +87,7 @@ def side_by_side(case: SiloCase, packing: Packing, copies: int) -> Simulation:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--largest", type=int, default=20_000, help="grains of the largest heap")
+    parser.add_argument("--largest", type=int, default=20_000, help="particles of the largest heap")
     largest = parser.parse_args().largest
     case = SiloCase.load("A4")
     Simulation(world_behind_door(case, pour_small(case))).run(1)  # compiles
@@ -105,8 +105,8 @@ def main() -> None:
     average_us = emptied(sim, case)
     discharging = time.process_time() - began
     reference = (before + reference_ns()) / 2
-    n = sim.n_grains
-    row(f"A4, {n} grains, door closed", closed_us, reference, "a step of 5 us")
+    n = sim.n_particles
+    row(f"A4, {n} particles, door closed", closed_us, reference, "a step of 5 us")
     row("A4, averaged over the discharge", average_us, reference, f"{sim.steps:,} steps")
     total = packing.cpu_s + settling + discharging
     print(
@@ -116,7 +116,9 @@ def main() -> None:
 
     flat = SiloCase.load("D4")
     packing = pour(flat, 1, quiet)
-    print("cost against number of grains (a flat-bottomed heap, copied side by side, door closed)")
+    print(
+        "cost against number of particles (a flat-bottomed heap, copied side by side, door closed)"
+    )
     copies = 1
     while copies * len(packing.kinds) <= largest * 1.05:
         reference = reference_ns()
@@ -124,14 +126,14 @@ def main() -> None:
         sim.run(200)
         us = closed(sim)
         row(
-            f"  {sim.n_grains} grains", us, (reference + reference_ns()) / 2,
-            f"{1e3 * us / sim.n_grains:.1f} ns a grain and step",
+            f"  {sim.n_particles} particles", us, (reference + reference_ns()) / 2,
+            f"{1e3 * us / sim.n_particles:.1f} ns a particle and step",
         )  # fmt: skip
         copies *= 2
 
 
 def pour_small(case: SiloCase) -> Packing:
-    """A few grains far apart: enough to compile the kernels."""
+    """A few particles far apart: enough to compile the kernels."""
     poses = np.array([[0.0, 0.1, 0.0], [0.0, 0.15, 0.0]])
     return Packing(np.zeros(2, int), poses, 0.0, 0.0, "dem", 0.0)
 

@@ -126,7 +126,7 @@ def _parameters(case: SiloCase) -> Values:
     """Friction, stiffness and damping of both pairs."""
     particles = case.settings.particles
     found: Values = {}
-    for other, law in ((particles.material, case.grain_law), (particles.wall, case.wall_law)):
+    for other, law in ((particles.material, case.particle_law), (particles.wall, case.wall_law)):
         section = f"pair.{particles.material}-{other}"
         found[section, "friction"] = law.mu
         for key in ("kn", "kt", "gamma_n", "gamma_t"):

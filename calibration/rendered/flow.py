@@ -75,7 +75,7 @@ class Stage:
         self.width, self.height = (2 * round(side / 2) for side in size)  # codecs want even sizes
         random = np.random.default_rng(seed)
         self._texture = _texture(look.texture_size / look.scale * _FINER, random)
-        self._origin = random.uniform(0, _TEXELS, (2, self.scene.n_grains)).astype(np.float32)
+        self._origin = random.uniform(0, _TEXELS, (2, self.scene.n_particles)).astype(np.float32)
         painted = self.scene.trajectory.static["layer"] % 2 == 0
         self._colour = np.where(painted[:, None], look.paint, look.bare).astype(np.float32)
 
@@ -236,7 +236,7 @@ def truth(
         "discharge_time_s": scene.summary.get("discharge_time_s"),
         "last_out_s": float(known[-1]) if len(known) else None,
         "out_times_s": known.tolist(),
-        "n_grains": scene.n_grains,
+        "n_grains": scene.n_particles,
         "column_edges_m": (np.array(profile["column_edges_m"]) - left).tolist(),
         "interval_s": interval,
         "times_s": profile["times_s"],

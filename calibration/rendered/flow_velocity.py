@@ -75,7 +75,7 @@ def _of_pair(stage: Stage, first: float, second: float, points: Floats, side: fl
 def _pixels(stage: Stage, first: float, second: float) -> tuple[Floats, Floats]:
     """1 where a fine pixel (h, w) shows a grain, and its velocity (2, h, w) [m/s]; 0 elsewhere."""
     midway = places_at(stage.scene, (first + second) / 2)
-    before, after = (np.full((3, stage.scene.n_grains), np.nan) for _ in range(2))
+    before, after = (np.full((3, stage.scene.n_particles), np.nan) for _ in range(2))
     for where, time in ((before, first), (after, second)):
         places = places_at(stage.scene, time)
         where[:, places.which] = places.x, places.y, places.angle

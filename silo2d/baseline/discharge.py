@@ -1,8 +1,8 @@
 """The baseline: a discharge by pymunk's impulses, from the same packing to the same run folder.
 
-A grain is the same eroded core with a radius, of the same mass and moment; the outline, the
+A particle is the same eroded core with a radius, of the same mass and moment; the outline, the
 pairs' friction and the criteria for the end are the case's. Otherwise are the contacts: rigid,
-with a restitution told instead of springs and dashpots, and worked out by a number of iterations.
+with a given restitution instead of springs and dashpots, and solved by a number of iterations.
 """
 
 import hashlib
@@ -16,10 +16,10 @@ from granulab.campaign.runs.trajectory import TrajectoryWriter
 from granulab.campaign.sweeps.task import Progress
 from granulab.contact.jit import njit
 from granulab.errors import SimulationError, Stopped
-from silo2d.baseline.space import Placed, Surface, add_grain, add_walls, empty_space, strays
+from silo2d.baseline.space import Placed, Surface, add_particle, add_walls, empty_space, strays
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.impulses import factors
-from silo2d.run.ending import LOOK, Clock, ending, tell
+from silo2d.run.ending import LOOK, Clock, ending, report_progress
 from silo2d.run.packing import Packing
 
 if TYPE_CHECKING:
@@ -28,53 +28,53 @@ if TYPE_CHECKING:
 # Behind the door, without friction, until the impulses that carry the heap are found: each step
 # begins with those of the step before. Longer only lets the heap sink into itself.
 _WARM_UP = 0.02  # [s]
-X, Y, ANGLE, VX, VY, SPIN = range(6)  # columns of Baseline.motion
+X, Y, ANGLE, VX, VY, OMEGA = range(6)  # columns of Baseline.motion
 
 
 class Baseline:
-    """The grains of a packing in a pymunk space, behind the closed door, without friction.
+    """The particles of a packing in a pymunk space, behind the closed door, without friction.
 
-    motion       x, y [m], angle [rad], vx, vy [m/s], spin [rad/s] (n_grains, 6)
-    out_time     when each centroid passed y = 0 (n_grains,) [s]; NaN before
-    live         indices of the grains that are still simulated
+    motion       x, y [m], angle [rad], vx, vy [m/s], angular velocity [rad/s] (n_particles, 6)
+    out_time     when each centroid passed y = 0 (n_particles,) [s]; NaN before
+    live         indices of the particles that are still simulated
     """
 
     def __init__(self, case: SiloCase, packing: Packing) -> None:
         assert case.impulses is not None  # whose engine is pymunk
         self.time_step = case.impulses.time_step
         self.steps = 0
-        self.carried_out = 0.0  # kinetic and potential energy of grains that were dropped [J]
-        self._told, self._outline = case.impulses, case.outline
+        self.carried_out = 0.0  # kinetic and potential energy of particles that were dropped [J]
+        self._settings, self._outline = case.impulses, case.outline
         shapes = [case.shapes.shapes[kind] for kind in packing.kinds]
         self.mass = case.surface_density * np.array([shape.area for shape in shapes])
         self.moment = case.surface_density * np.array([shape.polar_moment for shape in shapes])
         self._lowest = -np.array([shape.bounding_radius for shape in shapes])
         self._lift = np.sqrt(case.shapes.mean_area)
-        self._space = empty_space(self._told.iterations, self._told.slop)
+        self._space = empty_space(self._settings.iterations, self._settings.slop)
         # Of a contact that has parted nothing is kept: pymunk would go on telling its last impulse
         # for three steps, and the walls' loads would not add up to the momentum given to them.
         self._space.collision_persistence = 1
-        elasticity = factors(*self._told.restitution)
-        grain, wall = (Surface(0.0, value) for value in elasticity)
+        elasticity = factors(*self._settings.restitution)
+        particle, wall = (Surface(0.0, value) for value in elasticity)
         self._walls = add_walls(self._space, case.outline.walls().segments, wall)
-        self._grains = [
-            add_grain(self._space, shape, case.surface_density, pose, grain)
+        self._particles = [
+            add_particle(self._space, shape, case.surface_density, pose, particle)
             for shape, pose in zip(shapes, packing.poses.tolist(), strict=True)
         ]
         self.motion = np.column_stack([packing.poses, np.zeros((len(shapes), 3))])
         self.out_time = np.full(len(shapes), np.nan)
         self.live = np.arange(len(shapes))
-        self._readings = _Readings(self._space, self._walls, self._grains)
+        self._readings = _Readings(self._space, self._walls, self._particles)
         self._load, self._load_steps = np.zeros((len(self._walls), 2)), 0
 
     @property
-    def n_grains(self) -> int:
-        """Number of grains, those that have left included."""
+    def n_particles(self) -> int:
+        """Number of particles, those that have left included."""
         return len(self.mass)
 
     @property
     def n_out(self) -> int:
-        """Number of grains whose centroid has passed y = 0."""
+        """Number of particles whose centroid has passed y = 0."""
         return int((~np.isnan(self.out_time)).sum())
 
     @property
@@ -83,11 +83,11 @@ class Baseline:
         return self.steps * self.time_step
 
     def poses(self) -> np.ndarray:
-        """Position and angle of the grains (n_grains, 3) [m, rad], copied."""
+        """Position and angle of the particles (n_particles, 3) [m, rad], copied."""
         return self.motion[:, : ANGLE + 1].copy()
 
     def run(self, n_steps: int) -> None:
-        """Advance by n_steps. Raises SimulationError where a grain has passed a wall."""
+        """Advance by n_steps. Raises SimulationError where a particle has passed a wall."""
         for _ in range(n_steps):
             before = self.motion[:, Y].copy()
             self._space.step(self.time_step)
@@ -101,15 +101,15 @@ class Baseline:
         lost = strays(self._outline, inside[inside[:, Y] > 0.0, : Y + 1])
         if lost or not np.isfinite(inside).all():
             raise SimulationError(
-                f"pymunk lost {lost} grains at t = {self.time:.6f} s, in steps of "
+                f"pymunk lost {lost} particles at t = {self.time:.6f} s, in steps of "
                 f"{self.time_step * 1e3:g} ms; give a shorter [pymunk] time_step"
             )
 
     def _let_out(self, before: np.ndarray) -> None:
-        """Note when grains pass y = 0, and drop those that are below it entirely.
+        """Note when particles pass y = 0, and drop those that are below it entirely.
 
-        before: heights (n_grains,) [m] a step ago. Not the velocities: those of now are what the
-        step's impulses left, while it moved the grains by those before it, and overlaps apart.
+        before: heights (n_particles,) [m] a step ago. Not the velocities: those of now are what the
+        step's impulses left, while it moved the particles by those before it, and overlaps apart.
         """
         low = self.live[self.motion[self.live, Y] < 0.0]
         new = low[np.isnan(self.out_time[low])]
@@ -119,47 +119,47 @@ class Baseline:
         if len(gone):
             self.carried_out += sum(self._energy(gone))
             for k in gone:
-                self._space.remove(*self._grains[k])
+                self._space.remove(*self._particles[k])
             self.live = self.live[~np.isin(self.live, gone)]
-            self._readings.expect([self._grains[k] for k in self.live])
+            self._readings.expect([self._particles[k] for k in self.live])
 
     def open_door(self) -> None:
         """Friction on, the door away, and the clock at zero."""
-        grain, wall = factors(*self._told.friction)
-        for placed in self._grains:
-            placed.shape.friction = grain
+        particle, wall = factors(*self._settings.friction)
+        for placed in self._particles:
+            placed.shape.friction = particle
         for placed in self._walls:
             placed.shape.friction = wall
         self._space.remove(*self._walls[-1])
         self.steps = 0
 
     def wall_forces(self) -> np.ndarray:
-        """Mean force on each wall since last asked (n_walls, 2) [N]."""
+        """Mean force on each wall since the last call (n_walls, 2) [N]."""
         mean = self._load / (max(self._load_steps, 1) * self.time_step)
         self._load, self._load_steps = np.zeros_like(self._load), 0
         return mean
 
     def _energy(self, which: np.ndarray) -> tuple[float, float]:
-        """Kinetic and potential energy [J] of some grains."""
+        """Kinetic and potential energy [J] of some particles."""
         motion, mass = self.motion[which], self.mass[which]
         speed2 = motion[:, VX] ** 2 + motion[:, VY] ** 2
-        kinetic = 0.5 * (mass * speed2 + self.moment[which] * motion[:, SPIN] ** 2).sum()
+        kinetic = 0.5 * (mass * speed2 + self.moment[which] * motion[:, OMEGA] ** 2).sum()
         return float(kinetic), float(GRAVITY * (mass * motion[:, Y]).sum())
 
     def energies(self) -> dict[str, float]:
-        """Kinetic and potential energy of the live grains, carried out [J]: all that there is."""
+        """Kinetic and potential energy of the live particles, and what was carried out [J]."""
         kinetic, potential = self._energy(self.live)
         return {"kinetic": kinetic, "potential": potential, "carried_out": self.carried_out}
 
-    def agitation(self) -> float:
-        """Kinetic energy over the energy that lifts each grain by its size, as in pour.py [-]."""
+    def normalised_kinetic_energy(self) -> float:
+        """Kinetic energy over what lifts each particle by its size, as in pour.py [-]."""
         weight = GRAVITY * self.mass[self.live].sum()
         return self._energy(self.live)[0] / (weight * self._lift) if len(self.live) else 0.0
 
     def frame(self, wall_force: np.ndarray) -> dict[str, Any]:
-        """What is kept of a moment, as for the contact law but for what impulses cannot tell."""
+        """What is kept of a moment, as for the contact law but what impulses do not give."""
         columns = dict(zip(("x", "y", "angle", "vx", "vy", "spin"), self.motion.T, strict=True))
-        inside = np.zeros(self.n_grains, bool)
+        inside = np.zeros(self.n_particles, bool)
         inside[self.live] = True
         return {
             "time": self.time,
@@ -180,30 +180,30 @@ class Baseline:
 
 
 class _Readings:
-    """Reads the motion of all grains, and what the walls carry, in one call each."""
+    """Reads the motion of all particles, and what the walls carry, in one call each."""
 
-    def __init__(self, space: "pymunk.Space", walls: list[Placed], grains: list[Placed]) -> None:
+    def __init__(self, space: "pymunk.Space", walls: list[Placed], particles: list[Placed]) -> None:
         from pymunk import batch
 
         self._space, self._batch = space, batch
         self._bodies, self._contacts = batch.Buffer(), batch.Buffer()
         self._walls = np.array([wall.body.id for wall in walls], dtype=np.uintp)
-        self.expect(grains)
+        self.expect(particles)
 
-    def expect(self, grains: list[Placed]) -> None:
-        """From now on these grains are there, and are to be read in this order."""
+    def expect(self, particles: list[Placed]) -> None:
+        """From now on these particles are there, and are to be read in this order."""
         fields = self._batch.BodyFields.BODY_ID
         self._bodies.clear()
         self._batch.get_space_bodies(self._space, fields, self._bodies)
         found = np.frombuffer(self._bodies.int_buf(), dtype=np.uintp).tolist()
-        place = {body: k for k, body in enumerate(found)}
-        ids = np.array([grain.body.id for grain in grains], dtype=np.uintp)
-        self._order = np.array([place[body] for body in ids.tolist()], dtype=np.intp)
+        row = {body: k for k, body in enumerate(found)}
+        ids = np.array([particle.body.id for particle in particles], dtype=np.uintp)
+        self._order = np.array([row[body] for body in ids.tolist()], dtype=np.intp)
         self._number = np.argsort(ids)
         self._ids = ids[self._number]
 
     def motion(self) -> np.ndarray:
-        """x, y, angle, vx, vy, spin of the grains (n, 6)."""
+        """x, y, angle, vx, vy, angular velocity of the particles (n, 6)."""
         fields = self._batch.BodyFields
         wanted = fields.POSITION | fields.ANGLE | fields.VELOCITY | fields.ANGULAR_VELOCITY
         self._bodies.clear()
@@ -226,7 +226,7 @@ def _of_walls(contacts, impulses, walls, ids, number):
     """The sum (n_walls, 2) of the impulses on each wall.
 
     The impulse of a contact is that on its first body. pymunk gives the contacts in the order of
-    addresses in memory, so the impulses are added in the order of the grains.
+    addresses in memory, so the impulses are added in the order of the particles.
     """
     load = np.zeros((len(walls), len(ids), 2))
     for n in range(len(contacts)):
@@ -264,12 +264,14 @@ def discharge_by_impulses(
             sim.run(target - sim.steps)
             clock.cpu_s += time.process_time() - began
             seen = target % look == 0
-            outcome = ending(sim, sim.agitation(), case, packing, clock) if seen else None
+            outcome = (
+                ending(sim, sim.normalised_kinetic_energy(), case, packing, clock) if seen else None
+            )
             if target % frame == 0 or outcome:
                 writer.append(sim.frame(sim.wall_forces()))
             if outcome:
                 return outcome
-            tell(sim, case, clock, progress)
+            report_progress(sim, case, clock, progress)
             if stop():
                 raise Stopped("a run by pymunk cannot be kept half way: the same command runs it "
                               "again, from the opening")  # fmt: skip

@@ -1,4 +1,4 @@
-"""Walls and grains of a case in a pymunk space: for filling, and for the baseline."""
+"""Walls and particles of a case in a pymunk space: for filling, and for the baseline."""
 
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -20,7 +20,7 @@ class Surface(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """A wall or grain in a space."""
+    """A wall or particle in a space."""
 
     body: "pymunk.Body"
     shape: "pymunk.Shape"
@@ -54,7 +54,7 @@ def add_walls(space: "pymunk.Space", segments: np.ndarray, surface: Surface) -> 
     return walls
 
 
-def add_grain(
+def add_particle(
     space: "pymunk.Space",
     shape: Shape,
     surface_density: float,
@@ -62,7 +62,7 @@ def add_grain(
     surface: Surface,
     skin: float = 0.0,
 ) -> Placed:
-    """A grain at x, y [m], angle [rad]: the core with the spheroradius round it.
+    """A particle at x, y [m], angle [rad]: the core with the spheroradius round it.
 
     Mass and moment are those of the rounded outline; the skin [m] adds to the size, not to them.
     """

@@ -43,15 +43,15 @@ class SiloCase:
     outline: Outline
     shapes: ShapeSet
     surface_density: float  # density times prism length [kg/m2]
-    grain_law: LinearLaw
+    particle_law: LinearLaw
     wall_law: LinearLaw
-    disorder: tuple[Spread, Spread] | None  # grain-grain, grain-wall, about these laws
+    disorder: tuple[Spread, Spread] | None  # particle-particle, particle-wall, about these laws
     time_step: float  # [s]
     time_step_reason: str
-    pour_laws: tuple[LinearLaw, LinearLaw]  # soft, and without friction unless asked
+    pour_laws: tuple[LinearLaw, LinearLaw]  # soft, and without friction unless given
     pour_time_step: float  # [s]
     files: dict[str, str]  # name in the run folder -> text, of the shapes and materials used
-    impulses: Impulses | None = None  # what pymunk is told, for a case that it runs
+    impulses: Impulses | None = None  # what pymunk takes, for a case that it runs
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "SiloCase":
@@ -123,12 +123,12 @@ class SiloCase:
     def silo_name(self) -> str | None:
         """The paper's silo that this outline is, or None."""
         own = self.outline
-        turns = [np.roll(own.polygon, k, axis=0) for k in range(len(own.polygon))]
+        rotations = [np.roll(own.polygon, k, axis=0) for k in range(len(own.polygon))]
         for name in PRESETS:
             known = preset(name)
-            same = [t for t in turns if t.shape == known.polygon.shape]
+            same = [t for t in rotations if t.shape == known.polygon.shape]
             if math.isclose(known.outlet, own.outlet) and any(
-                np.allclose(turn, known.polygon, rtol=0, atol=1e-9) for turn in same
+                np.allclose(polygon, known.polygon, rtol=0, atol=1e-9) for polygon in same
             ):
                 return name
         return None
@@ -143,7 +143,7 @@ class SiloCase:
 
     @property
     def published_name(self) -> str | None:
-        """The paper's silo whose printed times this case may be set beside, or None.
+        """The paper's silo whose printed times this case may be compared with, or None.
 
         Outline and fill level are the paper's; particles and law may differ, as in its own study
         of sensitivity.
@@ -155,7 +155,7 @@ class SiloCase:
         """Whether particles, laws, filling and door are those of another case."""
         mine, theirs = (
             (
-                case.grain_law,
+                case.particle_law,
                 case.wall_law,
                 case.disorder,
                 [case.settings.disorder.per, case.settings.run.door_speed],
@@ -169,21 +169,21 @@ class SiloCase:
 
     @property
     def mean_mass(self) -> float:
-        """Of a grain of mean area [kg]."""
+        """Of a particle of mean area [kg]."""
         return self.surface_density * self.shapes.mean_area
 
-    def laws(self, n_grains: int) -> tuple[Law, Law]:
-        """What the grain-grain and grain-wall pairs of a world of n_grains obey."""
-        shared = self.grain_law, self.wall_law
+    def laws(self, n_particles: int) -> tuple[Law, Law]:
+        """What the particle-particle and particle-wall pairs of a world of n_particles obey."""
+        shared = self.particle_law, self.wall_law
         if self.disorder is None:
             return shared
-        return drawn_laws(shared, self.disorder, self.settings, n_grains)
+        return drawn_laws(shared, self.disorder, self.settings, n_particles)
 
     def restitution(self) -> dict[str, dict[str, float]]:
-        """What follows from the laws for two grains of mean mass, and one against a wall.
+        """What follows from the laws for two particles of mean mass, and one against a wall.
 
         Through one contact, and face to face: eight contacts in parallel, two at a wall. Impulses
-        give both what they are told.
+        have for both what they are given.
         """
         if self.impulses:
             names = ("particle_particle", "particle_wall")
@@ -193,7 +193,7 @@ class SiloCase:
             }
         result = {}
         for pair, law, mass, faces in (
-            ("particle_particle", self.grain_law, self.mean_mass / 2, 8),
+            ("particle_particle", self.particle_law, self.mean_mass / 2, 8),
             ("particle_wall", self.wall_law, self.mean_mass, 2),
         ):
             end = self.settings.law.contact_end
@@ -206,14 +206,14 @@ class SiloCase:
         return result
 
     def to_toml(self) -> str:
-        """The case as a file for the run folder, beside the copies of the files it names."""
+        """The case as a file for the run folder, next to the copies of the files it names."""
         particles = self.settings.particles.model_copy(
             update={"shapes": "shapes.toml", "materials": "materials.toml"}
         )
         return to_toml(self.settings.model_copy(update={"particles": particles}))
 
     def identity(self) -> dict[str, Any]:
-        """What a run's folder is named by: all that its answers depend on."""
+        """What a run's folder is named by: all that its results depend on."""
         return {
             "settings": _acting(self.settings),
             **({"disorder": self.disorder} if self.disorder else {}),
@@ -221,7 +221,7 @@ class SiloCase:
             "outlet": [self.outline.outlet, self.outline.outlet_centre],
             "shapes": shapes_identity(self.shapes),
             "surface_density": self.surface_density,
-            "laws": [list(self.grain_law), list(self.wall_law)],
+            "laws": [list(self.particle_law), list(self.wall_law)],
             "time_step": self.time_step,
             "pour_laws": [list(law) for law in self.pour_laws],
             "pour_time_step": self.pour_time_step,
@@ -234,7 +234,7 @@ _OFF = {("fill", "friction"): False, ("fill", "layer"): None, ("run", "door_spee
 
 
 def _acting(settings: Settings) -> dict[str, Any]:
-    """The settings that answers depend on, but for the engine, which names a run by itself."""
+    """The settings that results depend on, but for the engine, which names a run by itself."""
     tables = settings.model_dump(
         exclude={"name": True, "particles": True, "pymunk": True, "run": {"engine"}}
     )

@@ -48,7 +48,7 @@ class Spread(NamedTuple):
 def spreads(
     settings: Settings, pairs: tuple[Pair, Pair], laws: tuple[LinearLaw, LinearLaw], where: str
 ) -> tuple[Spread, Spread] | None:
-    """What the case draws, grain-grain and grain-wall; None where it has no disorder.
+    """What the case draws, particle-particle and particle-wall; None where it has no disorder.
 
     Raises InputError where a standard deviation is missing, or so large that values beyond their
     physical range would be drawn.
@@ -62,15 +62,15 @@ def spreads(
 def _spread(settings: Settings, pair: Pair, law: LinearLaw, where: str) -> Spread:
     assert pair.linear is not None  # contact_laws has refused that
     file = f"{settings.particles.materials}: [pair.{pair.first}-{pair.second}]"
-    asked, e = settings.disorder, pair.restitution
-    friction = _relative(asked.friction, pair.friction, "friction", file, where)
-    stiffness = _relative(asked.stiffness, pair.linear.kn, "kn", file, where, "stiffness")
-    if asked.restitution is False:
+    wanted, e = settings.disorder, pair.restitution
+    friction = _relative(wanted.friction, pair.friction, "friction", file, where)
+    stiffness = _relative(wanted.stiffness, pair.linear.kn, "kn", file, where, "stiffness")
+    if wanted.restitution is False:
         return Spread(friction, stiffness, 0.0, 1.0)
     if e is None or law.gamma_n == 0:
         lacks = f"{file} restitution is missing" if e is None else f"{where}: gamma_n = 0"
         raise InputError(f"{lacks}; give it, or write [disorder] restitution = false")
-    restitution = _relative(asked.restitution, e, "restitution", file, where)
+    restitution = _relative(wanted.restitution, e, "restitution", file, where)
     if restitution and e.value * (1 + FARTHEST * restitution) >= 1:
         raise InputError(
             f"{where}: [disorder] restitution: up to {e.value * (1 + FARTHEST * restitution):.3g} "
@@ -81,26 +81,26 @@ def _spread(settings: Settings, pair: Pair, law: LinearLaw, where: str) -> Sprea
 
 
 def _relative(
-    asked: bool | float, known: Measured, name: str, file: str, where: str, key: str | None = None
+    wanted: bool | float, known: Measured, name: str, file: str, where: str, key: str | None = None
 ) -> float:
     """A relative standard deviation: none, the one given, or the measured one."""
     key = key or name
-    if asked is False:
+    if wanted is False:
         return 0.0
-    if asked is True:
+    if wanted is True:
         if known.spread is None:
             raise InputError(
                 f"{file} {name} has no sigma; give one, or [disorder] {key} = '10 %' or false"
             )
         if known.value == 0:
             return 0.0
-        asked = known.spread / known.value
-    if asked * FARTHEST >= 1:
+        wanted = known.spread / known.value
+    if wanted * FARTHEST >= 1:
         raise InputError(
-            f"{where}: [disorder] {key}: a standard deviation of {100 * asked:.3g} % would draw "
+            f"{where}: [disorder] {key}: a standard deviation of {100 * wanted:.3g} % would draw "
             f"values down to zero; at most {math.floor(1000 / FARTHEST) / 10:g} %"
         )
-    return asked
+    return wanted
 
 
 def stiffest(
@@ -134,12 +134,12 @@ def drawn_laws(
     laws: tuple[LinearLaw, LinearLaw],
     found: tuple[Spread, Spread],
     settings: Settings,
-    n_grains: int,
+    n_particles: int,
 ) -> tuple[DrawnLaw, DrawnLaw]:
     """The laws of a world whose pairs differ; the seed of the run decides what they draw."""
     seed, end = settings.run.seed, settings.law.contact_end
     key = np.random.SeedSequence([seed, _TAG]).generate_state(len(QUANTITIES), np.uint64)
-    score = scores(seed, n_grains if settings.disorder.per == "particle" else 0)
+    score = scores(seed, n_particles if settings.disorder.per == "particle" else 0)
     none = PairConstants(*np.zeros((len(PairConstants._fields), 0)))  # sized with the lists
     first, second = (
         DrawnLaw(law, _quantiles(law, spread, end), score, key, none, none)
@@ -148,13 +148,13 @@ def drawn_laws(
     return first, second
 
 
-def scores(seed: int, n_grains: int) -> np.ndarray:
-    """Standard normal scores (3, n_grains) of the grains: friction, stiffness, restitution.
+def scores(seed: int, n_particles: int) -> np.ndarray:
+    """Standard normal scores (3, n_particles) of the particles: friction, stiffness, restitution.
 
-    A grain's scores depend on the seed and on its number, not on how many others there are.
+    A particle's scores depend on the seed and on its number, not on how many others there are.
     """
     return np.array(
-        [np.random.default_rng([seed, _TAG, q]).standard_normal(n_grains) for q in range(3)]
+        [np.random.default_rng([seed, _TAG, q]).standard_normal(n_particles) for q in range(3)]
     )
 
 
@@ -190,14 +190,14 @@ def with_friction(law: Law, mu: float) -> Law:
 
 
 def pair_constants(
-    law: DrawnLaw, first: np.ndarray, second: np.ndarray, n_grains: int
+    law: DrawnLaw, first: np.ndarray, second: np.ndarray, n_particles: int
 ) -> np.ndarray:
     """What pairs of bodies draw: kn, kt [N/m], mu [-], gamma_n [1/s], (n, 4).
 
-    first, second (n,): numbers of the bodies in either order, the walls' after the grains'; the
+    first, second (n,): numbers of the bodies in either order, the walls' after the particles'; the
     law is that of their class.
     """
     pairs = np.sort(np.column_stack([first, second]).astype(np.int64), axis=1)
     constants = np.empty((len(pairs), 4))
-    draw_pairs(law, pairs, n_grains, constants)
+    draw_pairs(law, pairs, n_particles, constants)
     return constants

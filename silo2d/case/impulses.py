@@ -1,4 +1,4 @@
-"""What an impulse engine is told of a case: friction and restitution of the pairs, steps."""
+"""Settings of the impulse engine for a case: friction and restitution of the pairs, steps."""
 
 import math
 from dataclasses import dataclass
@@ -12,8 +12,9 @@ from silo2d.case.shape import ShapeSet
 # Overlap that is left alone, over the spheroradius: 0.01 mm for 1 mm, about what the contact law's
 # springs give way at the bottom of such a silo (60 N over 1e7 N/m is 0.006 mm).
 SLOP = 0.01
-# Part of a grain's narrowest width that it may move in a step at the speed of a fall through the
-# whole silo: a wall has no thickness, and a grain whose middle has passed it is pushed out behind.
+# Part of a particle's narrowest width that it may move in a step at the speed of a fall through the
+# whole silo: a wall has no thickness, and a particle whose middle has passed it is pushed out
+# behind.
 _LONGEST_MOVE = 0.5
 # What a factor of a product may be at least, so that the other factor can be found.
 _TINY = 1e-12
@@ -21,7 +22,7 @@ _TINY = 1e-12
 
 @dataclass(frozen=True)
 class Impulses:
-    """Settings of the impulse engine, validated; pairs are grain-grain and grain-wall."""
+    """Settings of the impulse engine, validated; pairs are particle-particle and particle-wall."""
 
     iterations: int  # over all contacts, a step
     time_step: float  # [s]
@@ -38,27 +39,27 @@ def impulses_of(
     fall: float,
     where: str,
 ) -> Impulses | None:
-    """What pymunk is told; None where the case is not for pymunk.
+    """Settings for pymunk; None where the case is not for pymunk.
 
     fall is the speed [m/s] after a fall through the whole silo. Friction is the case's;
     restitution is what was measured of the pairs, or none. Raises InputError for a time step in
-    which a grain could pass a wall, where no restitution was measured, and for what only the
+    which a particle could pass a wall, where no restitution was measured, and for what only the
     contact law can do.
     """
     if settings.run.engine != "pymunk":
         return None
-    for what, asked in (
+    for what, wanted in (
         ("[disorder] per", settings.disorder.per != "none"),
         ("[run] door_speed", settings.run.door_speed is not None),
         ("[fill] friction", bool(settings.fill.friction)),
     ):
-        if asked:
+        if wanted:
             raise InputError(f"{where}: {what} goes with engine = 'dem'; leave one of them out")
     given = settings.pymunk
     longest = _LONGEST_MOVE * min(shape.width for shape in shapes.shapes) / fall
     if given.time_step > longest:
         raise InputError(
-            f"{where}: [pymunk] time_step = {given.time_step * 1e3:g} ms: a grain that falls at "
+            f"{where}: [pymunk] time_step = {given.time_step * 1e3:g} ms: a particle that falls at "
             f"{fall:.2g} m/s could pass a wall; at most {longest * 1e3:.2g} ms"
         )
     return Impulses(
@@ -84,11 +85,11 @@ def _restitution(settings: Settings, pairs: tuple[Pair, Pair]) -> tuple[float, f
     return values[0], values[1]
 
 
-def factors(grain_grain: float, grain_wall: float) -> tuple[float, float]:
-    """Values of a grain and of a wall whose products are those of the two pairs.
+def factors(particle_particle: float, particle_wall: float) -> tuple[float, float]:
+    """Values of a particle and of a wall whose products are those of the two pairs.
 
     pymunk multiplies what two shapes have: sqrt(mu_gg) sqrt(mu_gg) and sqrt(mu_gg) (mu_gw/
-    sqrt(mu_gg)). Two grains of no friction against a wall with some have 1e-12 instead.
+    sqrt(mu_gg)). Two particles of no friction against a wall with some have 1e-12 instead.
     """
-    grain = math.sqrt(max(grain_grain, _TINY))
-    return grain, grain_wall / grain
+    particle = math.sqrt(max(particle_particle, _TINY))
+    return particle, particle_wall / particle

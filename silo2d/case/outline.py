@@ -23,7 +23,7 @@ class Walls(NamedTuple):
 
     segments: NDArray[np.float64]  # (w, 2, 2) end points [m]
     names: list[str]  # (w,) "left wall", "right hopper", "floor left", "wall 3", ..., "door"
-    # (w,) how many end points, first point first, are corners that edges of grains can rest
+    # (w,) how many end points, first point first, are corners that edges of particles can rest
     # on. Each distinct point of the walls counts once; the door has none of its own.
     corners: NDArray[np.int64]
 
@@ -83,7 +83,7 @@ class Outline:
         top = _level_edge(around, self.height)
         nothing = COINCIDENT * max(self.width, self.height)
         right, right_names = _side(around[: top + 1], right_lip, nothing, "right")
-        # The left side is named from the bottom up, as the right one, and then turned round.
+        # The left side is named from the bottom up, as the right one, and then reversed.
         left, left_names = _side(around[:top:-1], left_lip, nothing, "left")
         segments = [*right, *(piece[::-1] for piece in reversed(left))]
         names = [*right_names, *reversed(left_names)]
@@ -151,8 +151,8 @@ def outline_from_polygon(
             f"{field}: outlet = {_mm(outlet)}: wider than the lowest edge; "
             f"at most {_mm(right - left)}"
         )
-    reach = (right - left - outlet) / 2  # of the centre, from the middle of the lowest edge
-    if not abs(outlet_centre - (left + right) / 2) <= reach + COINCIDENT * extent:
+    range_ = (right - left - outlet) / 2  # of the centre, from the middle of the lowest edge
+    if not abs(outlet_centre - (left + right) / 2) <= range_ + COINCIDENT * extent:
         raise InputError(
             f"{field}: outlet_centre = {_mm(outlet_centre)}: the outlet would leave the lowest "
             f"edge; from {_mm(left + outlet / 2)} to {_mm(right - outlet / 2)} would do"

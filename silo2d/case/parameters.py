@@ -11,7 +11,7 @@ from granulab.contact.restitution import damping_for_restitution
 from granulab.errors import InputError
 from silo2d.case.settings import Settings
 from silo2d.case.shape import ShapeSet, load_shapes
-from silo2d.case.stability import largest_stable_step, step_for_held_grains
+from silo2d.case.stability import largest_stable_step, step_for_held_particles
 
 USUAL_TIME_STEP = 5e-6  # [s] discharge times do not change between 2 and 10 us
 # Filling takes a quarter of the stiffness, and so twice the step, of the materials file.
@@ -49,7 +49,7 @@ def _content(file: str | Path) -> bytes:
 def contact_laws(
     settings: Settings, pairs: tuple[Pair, Pair], mean_mass: float, where: str
 ) -> tuple[LinearLaw, LinearLaw]:
-    """Grain-grain and grain-wall laws: the materials file, then what the case changes."""
+    """Particle-particle and particle-wall laws: the materials file, then what the case changes."""
     law = settings.law
     friction = law.mu_particle, law.mu_wall
     gammas = _gamma_overrides(settings, pairs)
@@ -97,7 +97,7 @@ def filling_laws(
 def filling_friction(
     settings: Settings, laws: tuple[LinearLaw, LinearLaw], where: str
 ) -> tuple[float, float]:
-    """Friction of the filling, grain-grain and grain-wall: none, that of the laws, or one given."""
+    """Friction of the filling, between particles and at walls: none, the laws' or a given one."""
     fill = settings.fill
     if fill.pour_with == "pymunk" and (fill.friction or fill.layer is not None):
         key = "friction" if fill.friction else "layer"
@@ -114,17 +114,17 @@ def _gamma_overrides(
     settings: Settings, pairs: tuple[Pair, Pair]
 ) -> tuple[float | None, float | None]:
     """gamma_n of the case for both pairs; the wall's scales with the particles' unless given."""
-    grain, wall = settings.law.gamma_n, settings.law.gamma_n_wall
+    particle, wall = settings.law.gamma_n, settings.law.gamma_n_wall
     first, second = pairs[0].linear, pairs[1].linear
-    if grain is not None and wall is None and first and second and first.gamma_n.value > 0:
-        wall = grain * second.gamma_n.value / first.gamma_n.value
-    return grain, wall
+    if particle is not None and wall is None and first and second and first.gamma_n.value > 0:
+        wall = particle * second.gamma_n.value / first.gamma_n.value
+    return particle, wall
 
 
 def _gamma_from_restitution(
     settings: Settings, pair: Pair, kn: float, mass: float, where: str
 ) -> float:
-    """The damping with which one contact of two grains of mean mass has the pair's restitution."""
+    """The damping that gives one contact of two particles of mean mass the pair's restitution."""
     if settings.law.gamma_n is not None or settings.law.gamma_n_wall is not None:
         raise InputError(
             f"{where}: [law] gamma_n goes with damping = 'published'; with 'restitution' it "
@@ -148,15 +148,15 @@ def time_step_of(
 ) -> tuple[float, str]:
     """The time step [s] and the reason for it; InputError for one beyond the stable one.
 
-    laws: the stiffest that a pair of grains, and a grain and a wall, can have; drawn: whether
+    laws: the stiffest that a pair of particles, and a particle and a wall, can have; drawn: whether
     others have softer ones.
     """
     limit, configuration = largest_stable_step(shapes, surface_density, *laws)
     configuration += ", the stiffest pair that can be drawn" if drawn else ""
-    held = step_for_held_grains(shapes, surface_density, laws[0])
+    held = step_for_held_particles(shapes, surface_density, laws[0])
     bound = (
         f"stable up to {limit * 1e6:.3g} us ({configuration}); {held * 1e6:.3g} us would cover a "
-        "grain held on all faces"
+        "particle held on all faces"
     )
     if wanted is not None:
         if wanted > limit:

@@ -6,8 +6,8 @@ from typing import Any
 from silo2d.case.case import SiloCase
 
 # Costs and usual values that the plan is made with.
-_SECONDS_PER_GRAIN_STEP = 6e-8  # on one core of a current server
-_SECONDS_PER_GRAIN_IMPULSES = 6e-7, 4e-8  # of pymunk: a step, and an iteration in it
+_SECONDS_PER_PARTICLE_STEP = 6e-8  # on one core of a current server
+_SECONDS_PER_PARTICLE_IMPULSES = 6e-7, 4e-8  # of pymunk: a step, and an iteration in it
 _USUAL_FRACTION = 0.88  # packing fraction
 FILLING, DISCHARGE = 1.1, 1.5  # [s] of simulated time
 
@@ -36,10 +36,10 @@ def expected_particles(case: SiloCase) -> int:
 
 def expected_cpu_s(case: SiloCase) -> tuple[float, float]:
     """About what the filling and the discharge of a case cost [s of CPU]."""
-    n, cost, step = expected_particles(case), _SECONDS_PER_GRAIN_STEP, case.time_step
+    n, cost, step = expected_particles(case), _SECONDS_PER_PARTICLE_STEP, case.time_step
     filling = 1.5 * cost * FILLING / case.pour_time_step
     if case.impulses:
-        a_step, an_iteration = _SECONDS_PER_GRAIN_IMPULSES
+        a_step, an_iteration = _SECONDS_PER_PARTICLE_IMPULSES
         cost, step = a_step + an_iteration * case.impulses.iterations, case.impulses.time_step
-    discharge = 0.5 * cost * DISCHARGE / step  # half of the grains, on average, are inside
+    discharge = 0.5 * cost * DISCHARGE / step  # half of the particles, on average, are inside
     return n * filling, n * discharge

@@ -1,4 +1,4 @@
-"""Grain cross sections: an outline with rounded corners, its mass integrals, and shape files."""
+"""Particle cross sections: an outline with rounded corners, its mass integrals, and shape files."""
 
 import math
 from collections.abc import Iterable
@@ -59,7 +59,7 @@ class Shape:
         before = np.roll(normal, 1, axis=0)
         start = np.arctan2(before[:, 1], before[:, 0])
         angle = start[:, None] + np.outer(
-            turn_angles(self.core), np.linspace(0.0, 1.0, points_per_corner)
+            corner_angles(self.core), np.linspace(0.0, 1.0, points_per_corner)
         )
         arc = self.spheroradius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         return (self.core[:, None, :] + arc).reshape(-1, 2)
@@ -102,7 +102,7 @@ def mass_integrals(core: Points, spheroradius: float) -> tuple[float, Points, fl
 
         triangle of the core's fan, sides a, b, c     area A    moment A (a^2 + b^2 + c^2)/36
         rectangle on an edge of length l              area l r  moment l r (l^2 + r^2)/12
-        sector at a corner where the outline turns    area theta r^2/2
+        sector at a corner where the outline bends    area theta r^2/2
         by theta, centroid at d = 4 r sin(theta/2)/(3 theta) from the corner, on the bisector,
                                                       moment theta r^4/4 - theta r^2 d^2/2
 
@@ -112,29 +112,29 @@ def mass_integrals(core: Points, spheroradius: float) -> tuple[float, Points, fl
     r = spheroradius
     apex = core.mean(axis=0)
     edge, length, normal = _edges(core)
-    turn = turn_angles(core)
+    angle = corner_angles(core)
     to_start = core - apex
     to_end = to_start + edge
 
     triangle = _cross(to_start, to_end) / 2
     sides = (to_start**2 + to_end**2 + edge**2).sum(axis=1)
-    bisector = (normal + np.roll(normal, 1, axis=0)) / (2 * np.cos(turn / 2))[:, None]
-    reach = 4 * r * np.sin(turn / 2) / (3 * turn)
-    sector = turn * r**2 / 2
+    bisector = (normal + np.roll(normal, 1, axis=0)) / (2 * np.cos(angle / 2))[:, None]
+    distance = 4 * r * np.sin(angle / 2) / (3 * angle)
+    sector = angle * r**2 / 2
 
     area = np.concatenate([triangle, length * r, sector])
     centre = np.concatenate(
         [
             (to_start + to_end) / 3,
             to_start + edge / 2 + normal * r / 2,
-            to_start + bisector * reach[:, None],
+            to_start + bisector * distance[:, None],
         ]
     )
     moment = np.concatenate(
         [
             triangle * sides / 36,
             length * r * (length**2 + r**2) / 12,
-            turn * r**4 / 4 - sector * reach**2,
+            angle * r**4 / 4 - sector * distance**2,
         ]
     )
     centroid = area @ centre / area.sum()
@@ -155,7 +155,7 @@ def shape_from_outline(name: str, outline: ArrayLike, spheroradius: float, field
     """
     where = f"{field}: [shape {name}]"
     corners = simple_polygon(outline, f"{where} outline")
-    concave = np.flatnonzero(turn_angles(corners) <= 0)
+    concave = np.flatnonzero(corner_angles(corners) <= 0)
     if concave.size:
         raise InputError(
             f"{where} outline: concave at {_mm(corners[concave[0]])}; "
@@ -173,7 +173,7 @@ def _shrunk(corners: Points, r: float, field: str) -> Points:
     if not 0 < r < math.inf:
         raise InputError(f"{field} = {1e3 * r:g} mm: must be positive, such as '1 mm'")
     _, length, normal = _edges(corners)
-    lost = np.tan(turn_angles(corners) / 2)  # what each corner takes of both its edges, per r
+    lost = np.tan(corner_angles(corners) / 2)  # what each corner takes of both its edges, per r
     largest = (length / (lost + np.roll(lost, -1))).min()
     if r > largest * (1 - COINCIDENT):
         raise InputError(
@@ -236,8 +236,8 @@ def merge_collinear(corners: Points) -> Points:
     return corners[distance > COINCIDENT * np.ptp(corners, axis=0).max()]
 
 
-def turn_angles(corners: Points) -> NDArray[np.float64]:
-    """How far a counter-clockwise polygon (n, 2) turns left at each corner (n,) [rad]."""
+def corner_angles(corners: Points) -> NDArray[np.float64]:
+    """Angle (n,) [rad] by which a counter-clockwise polygon (n, 2) bends left at each corner."""
     edge = np.roll(corners, -1, axis=0) - corners
     before = np.roll(edge, 1, axis=0)
     return np.arctan2(_cross(before, edge), (before * edge).sum(axis=1))

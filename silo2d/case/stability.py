@@ -1,16 +1,16 @@
 """The largest stable time step of a set of shapes, from the stiffest configurations.
 
-The stiffest thing that can happen between two grains is that their longest faces meet fully
+The stiffest thing that can happen between two particles is that their longest faces meet fully
 aligned: each of the four corners touches the facing edge and the flank behind it, eight
 vertex-edge pairs at once. Against a wall it is two pairs on a body that moves alone. Both are
 built for each shape, with all their modes: pushing, sliding and rocking. A step beyond their limit
-is unstable for any two grains that come to lie so.
+is unstable for any two particles that come to lie so.
 
-In a heap a grain may be held on several faces at once. The bound for a like partner on every face,
-all of them moving against it, is lower; but alignment so complete is rare, and contacts that ring
-open and lose their energy: between the two bounds such a spot chatters at the level of
-1e-5 of what lifts a grain by its size, and discharge times do not change. It is reported beside the
-limit, so that those who need a heap free of it can take a smaller step.
+In a heap a particle may be held on several faces at once. The bound for a like partner on every
+face, all of them moving against it, is lower; but alignment so complete is rare, and contacts that
+ring open and lose their energy: between the two bounds such a spot chatters at the level of 1e-5 of
+what lifts a particle by its size, and discharge times do not change. It is reported with the limit,
+so that those who need a heap free of it can take a smaller step.
 """
 
 import numpy as np
@@ -21,26 +21,28 @@ from silo2d.case.shape import Shape, ShapeSet
 
 
 def largest_stable_step(
-    shapes: ShapeSet, surface_density: float, grain_law: LinearLaw, wall_law: LinearLaw
+    shapes: ShapeSet, surface_density: float, particle_law: LinearLaw, wall_law: LinearLaw
 ) -> tuple[float, str]:
     """The largest stable time step [s] and the shape and configuration that set it."""
     found = []
     for shape in shapes.shapes:
-        for law, pairs, against in ((grain_law, 4, "a like one"), (wall_law, 1, "a wall")):
+        for law, pairs, against in ((particle_law, 4, "a like one"), (wall_law, 1, "a wall")):
             step = _face_step(shape, surface_density, law, pairs, with_partner=pairs == 4)
             found.append((step, f"shape {shape.name} face to face with {against}"))
     return min(found)
 
 
-def step_for_held_grains(shapes: ShapeSet, surface_density: float, grain_law: LinearLaw) -> float:
-    """The step [s] that is stable even where grains are held by like ones on all their faces."""
-    return min(_held_step(shape, surface_density, grain_law) for shape in shapes.shapes)
+def step_for_held_particles(
+    shapes: ShapeSet, surface_density: float, particle_law: LinearLaw
+) -> float:
+    """The step [s] that is stable even where particles are held by like ones on all their faces."""
+    return min(_held_step(shape, surface_density, particle_law) for shape in shapes.shapes)
 
 
 def _held_step(shape: Shape, surface_density: float, law: LinearLaw) -> float:
-    """Stable step with an aligned partner on every face, each moving against the grain.
+    """Stable step with an aligned partner on every face, each moving against the particle.
 
-    A partner that mirrors the grain's motion doubles the force of each spring on it.
+    A partner that mirrors the particle's motion doubles the force of each spring on it.
     """
     edges = np.roll(shape.core, -1, axis=0) - shape.core
     rows = []
@@ -50,8 +52,8 @@ def _held_step(shape: Shape, surface_density: float, law: LinearLaw) -> float:
         for point in (start, start + edge):
             touched = point + shape.spheroradius * normal
             for direction in (normal, tangent):
-                turning = touched[0] * direction[1] - touched[1] * direction[0]
-                rows.append([*direction, turning])
+                torque = touched[0] * direction[1] - touched[1] * direction[0]
+                rows.append([*direction, torque])
     mass, inertia = surface_density * shape.area, surface_density * shape.polar_moment
     n_ends = len(rows) // 2
     return _stable(
@@ -81,7 +83,7 @@ def _face_step(
     normal = np.array([tangent[1], -tangent[0]])  # outwards: the outline is counter-clockwise
     ends = np.array([shape.core[longest], np.roll(shape.core, -1, axis=0)[longest]])
     points = ends + shape.spheroradius * normal
-    # The partner is the same shape turned by half a turn about the middle of the face.
+    # The partner is the same shape rotated by 180 degrees about the middle of the face.
     partner = points - 2 * points.mean(axis=0)
     rows = []
     for point, other in zip(points, partner, strict=True):

@@ -6,7 +6,7 @@ from granulab.contact.jit import njit
 from silo2d.engine.forces import contact_forces, edge_to_vertex, overlap_now
 from silo2d.engine.geometry import turned
 from silo2d.engine.pair_law import law_of
-from silo2d.engine.state import BLOCK, CLOSE, COS, GRAIN_CLOSE, SIN, X, Y
+from silo2d.engine.state import BLOCK, CLOSE, COS, PARTICLE_CLOSE, SIN, X, Y
 
 # Columns of what list_contacts gives.
 POINT_X, POINT_Y, FORCE_X, FORCE_Y, NORMAL_X, NORMAL_Y, OVERLAP, SLIDES = range(8)
@@ -21,7 +21,7 @@ def list_contacts(row, close, forces, counts, laws, dt, bodies, numbers):
     towards it, the overlap [m], and 1 where the tangential spring is at its Coulomb limit.
     """
     found = np.int64(0)
-    first, middle, last = np.int64(0), counts[GRAIN_CLOSE], counts[CLOSE]
+    first, middle, last = np.int64(0), counts[PARTICLE_CLOSE], counts[CLOSE]
     found = list_class(row, close, forces, laws[0], first, middle, dt, bodies, numbers, found)
     return list_class(row, close, forces, laws[1], middle, last, dt, bodies, numbers, found)
 

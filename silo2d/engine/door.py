@@ -2,7 +2,7 @@
 
 The door is the floor of the outlet. It moves at a constant speed from the start of the opening on,
 and passes under the right lip: what of it is still in the outlet reaches from its left end, a
-corner that grains can rest on, to that lip. Its surface moves with it and drags the grains by
+corner that particles can rest on, to that lip. Its surface moves with it and drags the particles by
 friction. As a wall it has no inertia; the work of whoever draws it is booked.
 """
 
@@ -19,11 +19,11 @@ from silo2d.engine.state import (
     FIRST,
     FX,
     GIVEN_TO_DOOR,
-    GRAIN_CLOSE,
     INV_LENGTH2,
     N_CORNERS,
     N_EDGES,
     NEAR_LIST,
+    PARTICLE_CLOSE,
     STALE,
     UX,
     VERTEX_X,
@@ -54,7 +54,7 @@ def place_door(world):
     vertices[v, VERTEX_X], vertices[v, VERTEX_Y] = bodies.row[door, X], bodies.row[door, Y]
     vertices[v, EDGE_X], vertices[v, EDGE_Y] = length, 0.0
     bodies.size[door, BOUNDING_RADIUS] = length
-    for n in range(world.counts[GRAIN_CLOSE], world.counts[CLOSE]):
+    for n in range(world.counts[PARTICLE_CLOSE], world.counts[CLOSE]):
         if close.edge_body[n] == door:
             close.edge_x[n], close.inv_length2[n] = length, inverse
 
@@ -63,7 +63,7 @@ def place_door(world):
 def give_door_room(bodies, counts, dt, steps, least):
     """Room of the door's corner in the lists of close and near pairs, for that many steps each.
 
-    The list of bodies needs none: the door shrinks, and only leaves grains.
+    The list of bodies needs none: the door shrinks, and only leaves particles.
     """
     if counts[DOOR] > 0:
         door = counts[DOOR]
@@ -88,7 +88,7 @@ def draw_on(world, load):
         if row[door, X] - bodies.listed[door, 3 * CLOSE_LIST] > bodies.room[door, CLOSE_LIST]:
             counts[STALE] = max(counts[STALE], 1)
         return
-    # Grains that lean on its end lose what its springs hold, as those lose it that leave.
+    # Particles that lean on its end lose what its springs hold, as those lose it that leave.
     world.books[CARRIED_OUT] += held_by_contacts(world, door)
     bodies.layout[door, N_CORNERS], bodies.layout[door, N_EDGES] = 0, 0
     row[door, VX], row[door, UX] = 0.0, 0.0

@@ -22,10 +22,10 @@ from silo2d.engine.state import (
     FRICTION,
     FX,
     FY,
-    GRAIN_CLOSE,
-    GRAIN_GRAIN,
-    GRAIN_WALL,
     NORMAL_DAMPING,
+    PARTICLE_CLOSE,
+    PARTICLE_PARTICLE,
+    PARTICLE_WALL,
     SIN,
     SPIN,
     TANGENTIAL_DAMPING,
@@ -41,12 +41,14 @@ from silo2d.engine.state import (
 
 
 @njit
-def apply_forces(row, close, forces, counts, books, grain_law, wall_law, dt):
+def apply_forces(row, close, forces, counts, books, particle_law, wall_law, dt):
     """All contact forces of this step, added to the bodies, and the books of dissipation."""
     # Typed numbers: numba would compile the passes once more for each literal.
-    first, middle, last = np.int64(0), counts[GRAIN_CLOSE], counts[CLOSE]
-    apply_class(row, close, forces, grain_law, first, middle, books[GRAIN_GRAIN:GRAIN_WALL], dt)
-    apply_class(row, close, forces, wall_law, middle, last, books[GRAIN_WALL:CARRIED_OUT], dt)
+    first, middle, last = np.int64(0), counts[PARTICLE_CLOSE], counts[CLOSE]
+    apply_class(
+        row, close, forces, particle_law, first, middle, books[PARTICLE_PARTICLE:PARTICLE_WALL], dt
+    )
+    apply_class(row, close, forces, wall_law, middle, last, books[PARTICLE_WALL:CARRIED_OUT], dt)
 
 
 @njit

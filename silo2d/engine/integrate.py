@@ -1,4 +1,4 @@
-"""Motion of the grains: leapfrog, with the velocity extrapolated to the time of the forces.
+"""Motion of the particles: leapfrog, with the velocity extrapolated to the time of the forces.
 
     v(n+1/2) = v(n-1/2) + a(n) dt,   x(n+1) = x(n) + v(n+1/2) dt
     u(n+1)   = v(n+1/2) + a(n) dt/2
@@ -21,11 +21,11 @@ from silo2d.engine.state import (
     COS,
     FX,
     FY,
-    GRAIN_CLOSE,
     INV_INERTIA,
     INV_MASS,
     LIVE,
     OUT,
+    PARTICLE_CLOSE,
     SIN,
     SPIN,
     STALE,
@@ -58,9 +58,9 @@ def rotated(cos, sin, turn):
 
 @njit
 def move(world):
-    """One step of all live grains; wipes their loads.
+    """One step of all live particles; wipes their loads.
 
-    The list of close pairs is marked stale where a point of a grain may have left its room.
+    The list of close pairs is marked stale where a point of a particle may have left its room.
     """
     bodies, counts, gravity, dt = world.bodies, world.counts, world.gravity, world.time_step
     row, listed, room, size = bodies.row, bodies.listed, bodies.room, bodies.size
@@ -78,7 +78,7 @@ def move(world):
         row[i, VX], row[i, VY], row[i, SPIN] = vx, vy, spin
         row[i, UX], row[i, UY], row[i, USPIN] = vx + 0.5 * dvx, vy + 0.5 * dvy, spin + 0.5 * dspin
         row[i, FX], row[i, FY], row[i, TORQUE] = 0.0, 0.0, 0.0
-        # No point of the grain is farther than this from where it was listed.
+        # No point of the particle is farther than this from where it was listed.
         far = abs(x - listed[i, 3 * CLOSE_LIST]) + abs(y - listed[i, 3 * CLOSE_LIST + 1])
         far += size[i, BOUNDING_RADIUS] * abs(angle - listed[i, 3 * CLOSE_LIST + 2])
         any_far |= not far <= room[i, CLOSE_LIST]  # true for NaN as well
@@ -92,9 +92,9 @@ def move(world):
 
 @njit
 def let_out(world):
-    """Note when grains pass y = 0, and drop those that have left entirely.
+    """Note when particles pass y = 0, and drop those that have left entirely.
 
-    A grain is dropped when its bounding circle is below the outlet: nothing above it can rest
+    A particle is dropped when its bounding circle is below the outlet: nothing above it can rest
     on it any more. Its energy is booked as carried out, with what its contacts hold.
     """
     bodies, counts, gravity = world.bodies, world.counts, world.gravity
@@ -126,7 +126,7 @@ def held_by_contacts(world, i):
     energy = 0.0
     for n in range(counts[CLOSE]):
         if close.vertex_body[n] == i or close.edge_body[n] == i:
-            law = law_of(world.grain_law if n < counts[GRAIN_CLOSE] else world.wall_law, n)
+            law = law_of(world.particle_law if n < counts[PARTICLE_CLOSE] else world.wall_law, n)
             energy += 0.5 * law.kn * max(overlap_now(world.bodies.row, close, n), 0.0) ** 2
     return energy
 

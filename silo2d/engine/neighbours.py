@@ -4,9 +4,9 @@ Level 3: pairs of bodies whose bounding circles are near, from linked cells.
 Level 2: vertex-edge pairs that are near, from level 3.
 Level 1: vertex-edge pairs that touch or nearly do, from level 2; the force pass works on these.
 
-At each level every grain has room to move: pairs are listed that are closer than their reach
-plus the room of both bodies, and no point of a grain may leave its room before the level is made
-anew. So every pair that touches is in the list. The room follows the grain's speed: those that
+At each level every particle has room to move: pairs are listed that are closer than their reach
+plus the room of both bodies, and no point of a particle may leave its room before the level is made
+anew. So every pair that touches is in the list. The room follows the particle's speed: those that
 fall get much, those that rest get little. All lists are in an order that does not depend on when
 they were made, and pairs that do not touch add exact zeros: the same bits follow, whatever the
 rooms.
@@ -33,11 +33,6 @@ from silo2d.engine.state import (
     EDGE_Y,
     FIRST,
     FRICTION,
-    GRAIN_CLOSE,
-    GRAIN_GRAIN,
-    GRAIN_NEAR,
-    GRAIN_PAIRS,
-    GRAIN_WALL,
     INV_LENGTH2,
     INV_MASS,
     LIVE,
@@ -48,6 +43,11 @@ from silo2d.engine.state import (
     NEAR_LIST,
     NEAR_SEARCHES,
     PAIRS,
+    PARTICLE_CLOSE,
+    PARTICLE_NEAR,
+    PARTICLE_PAIRS,
+    PARTICLE_PARTICLE,
+    PARTICLE_WALL,
     SIN,
     SPHERORADIUS,
     SPIN,
@@ -61,7 +61,7 @@ from silo2d.engine.state import (
     Y,
 )
 
-# Steps that a level should last, least room, and room for what the fastest grain may hand on to
+# Steps that a level should last, least room, and room for what the fastest particle may hand on to
 # another, as a part of its speed: the fastest that were tried for an A4 discharge, whose cost
 # changes by less than a tenth when any of them is halved or doubled.
 CLOSE_STEPS, CLOSE_LEAST = 12, 4e-6  # [m]
@@ -77,7 +77,7 @@ DONE, PAIRS_FULL, NEAR_FULL, NOT_FINITE, TOO_DEEP = range(5)
 def search(world):
     """Make the stale levels of the lists anew; returns DONE, or what stands in the way.
 
-    A level whose grains have moved too far since it was made becomes stale as well.
+    A level whose particles have moved too far since it was made becomes stale as well.
     """
     bodies, local, vertices, counts = world.bodies, world.local, world.vertices, world.counts
     keep_close(world.near, world.close, counts)
@@ -90,7 +90,7 @@ def search(world):
         give_near_room(bodies, counts)
     if counts[STALE] == 2 and outgrown(bodies, counts, BODY_LIST):
         counts[STALE] = 3
-    laws = (world.grain_law, world.wall_law)
+    laws = (world.particle_law, world.wall_law)
     outcome = DONE
     if counts[STALE] >= 3:
         outcome = find_bodies(bodies, local, vertices, world.cells, counts)
@@ -115,7 +115,7 @@ def search(world):
 
 @njit
 def give_room(bodies, counts, dt):
-    """Room at the level of close pairs [m], by the speed of each grain's fastest point."""
+    """Room at the level of close pairs [m], by the speed of each particle's fastest point."""
     row, room = bodies.row, bodies.room
     fastest = 0.0
     for k in range(counts[LIVE]):
@@ -161,7 +161,7 @@ def outgrown(bodies, counts, level):
 
 @njit
 def note_positions(bodies, counts, level):
-    """Note where the live grains are, now that a level is made."""
+    """Note where the live particles are, now that a level is made."""
     for k in range(counts[LIVE]):
         i = bodies.live[k]
         bodies.listed[i, 3 * level] = bodies.row[i, X]
@@ -173,7 +173,7 @@ def note_positions(bodies, counts, level):
 
 @njit
 def place_vertices(bodies, local, vertices, counts):
-    """Vertices and edge vectors of all live grains, from position and direction."""
+    """Vertices and edge vectors of all live particles, from position and direction."""
     for k in range(counts[LIVE]):
         i = bodies.live[k]
         cos, sin = bodies.row[i, COS], bodies.row[i, SIN]
@@ -199,15 +199,15 @@ def from_edge(local, vertices, v, e):
 
 @njit
 def find_bodies(bodies, local, vertices, cells, counts):
-    """Level 3: grain-grain pairs in ascending order, then grain-wall pairs."""
+    """Level 3: particle-particle pairs in ascending order, then particle-wall pairs."""
     if not sort_into_cells(bodies, cells, counts):
         return NOT_FINITE
     n = np.int64(0)  # typed: numba would compile what takes it once more for a literal
     for k in range(counts[LIVE]):
-        n = find_grains_near(bodies, cells, bodies.live[k], n)
+        n = find_particles_near(bodies, cells, bodies.live[k], n)
         if n < 0:
             return PAIRS_FULL
-    counts[GRAIN_PAIRS] = n
+    counts[PARTICLE_PAIRS] = n
     for k in range(counts[LIVE]):
         i = bodies.live[k]
         for wall in range(len(bodies.live), len(bodies.row)):
@@ -224,7 +224,7 @@ def find_bodies(bodies, local, vertices, cells, counts):
 
 @njit
 def sort_into_cells(bodies, cells, counts):
-    """Counting sort of the live grains into the cells; False if a position is not finite."""
+    """Counting sort of the live particles into the cells; False if a position is not finite."""
     n_cells = cells.columns * cells.rows
     for c in range(n_cells + 1):
         cells.start[c] = 0
@@ -234,32 +234,35 @@ def sort_into_cells(bodies, cells, counts):
         row = (bodies.row[i, Y] - cells.bottom) / cells.size
         if not (np.isfinite(column) and np.isfinite(row)):
             return False
-        # A grain outside of the grid counts as in the cell at its border.
+        # A particle outside of the grid counts as in the cell at its border.
         column = min(max(column, 0.0), cells.columns - 1.0)
         row = min(max(row, 0.0), cells.rows - 1.0)
-        cells.of_grain[i] = int(row) * cells.columns + int(column)
-        cells.start[cells.of_grain[i]] += 1
+        cells.of_particle[i] = int(row) * cells.columns + int(column)
+        cells.start[cells.of_particle[i]] += 1
     for c in range(n_cells):
         cells.start[c + 1] += cells.start[c]
     for k in range(counts[LIVE] - 1, -1, -1):
         i = bodies.live[k]
         # Filled from its end, the cell's entry walks down to its start.
-        cells.start[cells.of_grain[i]] -= 1
-        cells.grains[cells.start[cells.of_grain[i]]] = i
+        cells.start[cells.of_particle[i]] -= 1
+        cells.particles[cells.start[cells.of_particle[i]]] = i
     return True
 
 
 @njit
-def find_grains_near(bodies, cells, i, n):
+def find_particles_near(bodies, cells, i, n):
     """Append the pairs (i, j > i) from the 3 x 3 cells round i, j ascending; -1 where full."""
     row, pairs = bodies.row, cells.pairs
-    cell_column, cell_row = cells.of_grain[i] % cells.columns, cells.of_grain[i] // cells.columns
+    cell_column, cell_row = (
+        cells.of_particle[i] % cells.columns,
+        cells.of_particle[i] // cells.columns,
+    )
     first = n
     for r in range(max(cell_row - 1, 0), min(cell_row + 2, cells.rows)):
         begin = cells.start[r * cells.columns + max(cell_column - 1, 0)]
         end = cells.start[r * cells.columns + min(cell_column + 2, cells.columns)]
         for c in range(begin, end):
-            j = cells.grains[c]
+            j = cells.particles[c]
             far = bodies.size[i, BOUNDING_RADIUS] + bodies.size[j, BOUNDING_RADIUS]
             far += bodies.room[i, BODY_LIST] + bodies.room[j, BODY_LIST]
             dx, dy = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
@@ -279,7 +282,7 @@ def find_grains_near(bodies, cells, i, n):
 
 @njit
 def wall_is_near(bodies, local, vertices, i, wall):
-    """Whether the bounding circle of grain i is near a wall's segment."""
+    """Whether the bounding circle of particle i is near a wall's segment."""
     if bodies.layout[wall, N_EDGES] == 0:
         return False
     v = bodies.layout[wall, FIRST]
@@ -296,10 +299,10 @@ def find_near(bodies, local, vertices, pairs, near, counts):
     for c in range(n_old):
         near.old_key[c], near.old_slip[c] = near.key[c], near.slip[c]
     n = np.int64(0)
-    n_grain = 0
+    n_particle = 0
     for p in range(counts[PAIRS]):
         i, j = pairs[p, 0], pairs[p, 1]
-        if dropped(bodies, i) or (p < counts[GRAIN_PAIRS] and dropped(bodies, j)):
+        if dropped(bodies, i) or (p < counts[PARTICLE_PAIRS] and dropped(bodies, j)):
             continue
         most = bodies.layout[i, N_CORNERS] * bodies.layout[j, N_EDGES]
         most += bodies.layout[j, N_CORNERS] * bodies.layout[i, N_EDGES]
@@ -310,9 +313,9 @@ def find_near(bodies, local, vertices, pairs, near, counts):
             return NEAR_FULL
         n = find_vertices_near(bodies, local, vertices, near, i, j, n)
         n = find_vertices_near(bodies, local, vertices, near, j, i, n)
-        if p < counts[GRAIN_PAIRS]:
-            n_grain = n
-    counts[GRAIN_NEAR], counts[NEAR] = n_grain, n
+        if p < counts[PARTICLE_PAIRS]:
+            n_particle = n
+    counts[PARTICLE_NEAR], counts[NEAR] = n_particle, n
     for c in range(n):
         near.slip[c] = 0.0
     near.old_key[n_old] = -1  # ends the merge
@@ -323,7 +326,7 @@ def find_near(bodies, local, vertices, pairs, near, counts):
 
 @njit
 def dropped(bodies, i):
-    """Whether grain i has left since the list of bodies was made."""
+    """Whether particle i has left since the list of bodies was made."""
     return bodies.row[i, Y] < -bodies.size[i, BOUNDING_RADIUS]
 
 
@@ -360,8 +363,8 @@ def find_vertices_near(bodies, local, vertices, near, i, j, n):
 def carry_over(near, counts, books, laws):
     """Slips from the previous list, by a merge of ascending keys.
 
-    A pair that touches is in both lists, except where a grain was dropped or a wall was taken
-    away: then friction takes what its spring held. laws: (grain-grain, grain-wall).
+    A pair that touches is in both lists, except where a particle was dropped or a wall was taken
+    away: then friction takes what its spring held. laws: (particle-particle, particle-wall).
     """
     c = 0
     old = 0
@@ -372,11 +375,11 @@ def carry_over(near, counts, books, laws):
             if c < counts[NEAR] and near.key[c] == near.old_key[old]:
                 near.slip[c] = near.old_slip[old]
             elif near.old_key[old] < WALL_KEY:
-                books[GRAIN_GRAIN + FRICTION] += (
+                books[PARTICLE_PARTICLE + FRICTION] += (
                     0.5 * near_kt(laws[0], old) * near.old_slip[old] ** 2
                 )
             else:
-                books[GRAIN_WALL + FRICTION] += (
+                books[PARTICLE_WALL + FRICTION] += (
                     0.5 * near_kt(laws[1], old) * near.old_slip[old] ** 2
                 )
         old += 1
@@ -387,7 +390,7 @@ def keep_close(near, close, counts):
     """Write the slips of the close pairs back to the near list."""
     for n in range(counts[CLOSE]):
         near.slip[close.near[n]] = close.slip[n]
-    counts[GRAIN_CLOSE], counts[CLOSE] = 0, 0
+    counts[PARTICLE_CLOSE], counts[CLOSE] = 0, 0
 
 
 @njit
@@ -403,14 +406,14 @@ def let_go(room, near, counts, books, laws):
     """Springs of pairs that are not close any more: friction takes what they held.
 
     That happens only to a pair that comes apart by more than its room within one step.
-    laws: (grain-grain, grain-wall).
+    laws: (particle-particle, particle-wall).
     """
     for c in range(counts[NEAR]):
         far = near.reach[c] + room[near.vertex_body[c], CLOSE_LIST]
         far += room[near.edge_body[c], CLOSE_LIST]
         if near.slip[c] != 0.0 and near.distance2[c] >= far * far:
-            wall = c >= counts[GRAIN_NEAR]
-            book = (GRAIN_WALL if wall else GRAIN_GRAIN) + FRICTION
+            wall = c >= counts[PARTICLE_NEAR]
+            book = (PARTICLE_WALL if wall else PARTICLE_PARTICLE) + FRICTION
             kt = near_kt(laws[1], c) if wall else near_kt(laws[0], c)
             books[book] += 0.5 * kt * near.slip[c] ** 2
             near.slip[c] = 0.0
@@ -420,7 +423,7 @@ def let_go(room, near, counts, books, laws):
 def find_close(room, local, near, close, counts):
     """Level 1: the near pairs that touch or nearly do, with what the force pass needs of them."""
     n = np.int64(0)
-    n_grain = 0
+    n_particle = 0
     for c in range(counts[NEAR]):
         distance2, reach = near.distance2[c], near.reach[c]
         j, i = near.vertex_body[c], near.edge_body[c]
@@ -438,8 +441,8 @@ def find_close(room, local, near, close, counts):
         close.inv_length2[n], close.slip[n] = local[e, INV_LENGTH2], near.slip[c]
         close.mass[n], close.reach[n], close.depth[n] = near.mass[c], reach, near.depth[c]
         n += 1
-        if c < counts[GRAIN_NEAR]:
-            n_grain = n
-    counts[GRAIN_CLOSE], counts[CLOSE] = n_grain, n
+        if c < counts[PARTICLE_NEAR]:
+            n_particle = n
+    counts[PARTICLE_CLOSE], counts[CLOSE] = n_particle, n
     counts[CLOSE_SEARCHES] += 1
     return DONE

@@ -1,9 +1,9 @@
 """Which law a pair of bodies obeys: one that its whole class shares, or one drawn for the pair.
 
-A class of pairs, grain-grain or grain-wall, has a LinearLaw, which is the law of all its pairs, or
-a DrawnLaw, which gives every pair of bodies a friction, a stiffness and a damping of its own. The
-kernels ask `law_of` and its like; the type of the law decides when they are compiled, so that a
-shared law costs nothing.
+A class of pairs, particle-particle or particle-wall, has a LinearLaw, which is the law of all its
+pairs, or a DrawnLaw, which gives every pair of bodies a friction, a stiffness and a damping of its
+own. The kernels ask `law_of` and its like; the type of the law decides when they are compiled, so
+that a shared law costs nothing.
 
 What a pair draws depends on the seed and on the two bodies alone, not on when they meet: all
 vertex-edge contacts of two bodies share it, and it is the same after they have parted.
@@ -43,7 +43,7 @@ class DrawnLaw(NamedTuple):
 
     mean: LinearLaw  # what the quantiles scatter about; gamma_t and pulls are shared
     quantiles: np.ndarray  # (3, LEVELS) friction [-], kn [N/m], gamma_n/sqrt(kn) over the mean's
-    score: np.ndarray  # (3, n_grains) standard normal; (3, 0): drawn per pair
+    score: np.ndarray  # (3, n_particles) standard normal; (3, 0): drawn per pair
     key: np.ndarray  # (3,) uint64, from the seed
     near: PairConstants  # of the near list
     close: PairConstants  # of the close list, as the force pass reads them
@@ -92,18 +92,18 @@ def draw_pair(law, low, high, is_wall):
 
 
 @njit
-def draw_pairs(law, pairs, n_grains, constants):
-    """Constants (n, 4) of pairs of bodies (n, 2), the lower number first; walls after grains."""
+def draw_pairs(law, pairs, n_particles, constants):
+    """Constants (n, 4) of pairs of bodies (n, 2), the lower number first; walls after particles."""
     for p in range(len(pairs)):
         low, high = pairs[p, 0], pairs[p, 1]
-        kn, kt, mu, gamma_n = draw_pair(law, low, high, high >= n_grains)
+        kn, kt, mu, gamma_n = draw_pair(law, low, high, high >= n_particles)
         constants[p, 0], constants[p, 1], constants[p, 2], constants[p, 3] = kn, kt, mu, gamma_n
 
 
 @njit
-def draw_for_near(grain_law, wall_law, near, counts, n_bodies):
+def draw_for_near(particle_law, wall_law, near, counts, n_bodies):
     """Constants of all near pairs, from their keys: one draw for each pair of bodies."""
-    of = grain_law.near
+    of = particle_law.near
     drawn = np.int64(-1)
     for c in range(counts[NEAR]):
         bodies = near.key[c] // (2 * MAX_VERTICES * MAX_VERTICES)
@@ -113,7 +113,7 @@ def draw_for_near(grain_law, wall_law, near, counts, n_bodies):
             continue
         drawn = bodies
         if near.key[c] < WALL_KEY:
-            values = draw_pair(grain_law, bodies // n_bodies, bodies % n_bodies, False)
+            values = draw_pair(particle_law, bodies // n_bodies, bodies % n_bodies, False)
         else:
             bodies -= WALL_KEY // (2 * MAX_VERTICES * MAX_VERTICES)
             values = draw_pair(wall_law, bodies // n_bodies, bodies % n_bodies, True)
@@ -171,18 +171,18 @@ def _kt_of_near(law, c):
     return law.near.kt[c]
 
 
-def draw_near(grain_law, wall_law, near, counts, n_bodies):
+def draw_near(particle_law, wall_law, near, counts, n_bodies):
     """Give each pair of the near list the constants that it draws, where it draws any."""
-    if isinstance(grain_law, DrawnLaw):
-        draw_for_near(grain_law, wall_law, near, counts, n_bodies)
+    if isinstance(particle_law, DrawnLaw):
+        draw_for_near(particle_law, wall_law, near, counts, n_bodies)
 
 
 @overload(draw_near)
-def _draw_near(grain_law, wall_law, near, counts, n_bodies):
-    if grain_law.instance_class is LinearLaw:
-        return lambda grain_law, wall_law, near, counts, n_bodies: None
-    return lambda grain_law, wall_law, near, counts, n_bodies: draw_for_near(
-        grain_law, wall_law, near, counts, n_bodies
+def _draw_near(particle_law, wall_law, near, counts, n_bodies):
+    if particle_law.instance_class is LinearLaw:
+        return lambda particle_law, wall_law, near, counts, n_bodies: None
+    return lambda particle_law, wall_law, near, counts, n_bodies: draw_for_near(
+        particle_law, wall_law, near, counts, n_bodies
     )
 
 
@@ -200,7 +200,7 @@ def _hand_on(law, close, counts):
 
 
 @njit
-def draw_lists(grain_law, wall_law, near, close, counts, n_bodies):
+def draw_lists(particle_law, wall_law, near, close, counts, n_bodies):
     """Constants for the lists as they stand; both classes keep them in the same arrays."""
-    draw_near(grain_law, wall_law, near, counts, n_bodies)
-    hand_on(grain_law, close, counts)
+    draw_near(particle_law, wall_law, near, counts, n_bodies)
+    hand_on(particle_law, close, counts)

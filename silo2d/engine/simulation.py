@@ -31,7 +31,7 @@ from silo2d.engine.world import longer_lists, more_pairs, with_laws
 def advance(world, n_steps):
     """Take n_steps steps; returns how many were taken and the outcome of the last search."""
     bodies, counts, books, dt = world.bodies, world.counts, world.books, world.time_step
-    close, forces, laws = world.close, world.forces, (world.grain_law, world.wall_law)
+    close, forces, laws = world.close, world.forces, (world.particle_law, world.wall_law)
     for k in range(n_steps):
         if counts[state.STALE] > 0:
             outcome = search(world)
@@ -49,8 +49,8 @@ def advance(world, n_steps):
 
 
 @njit
-def energies(bodies, close, counts, grain_law, wall_law, gravity):
-    """Kinetic, potential, elastic normal, elastic tangential energy [J] of the live grains.
+def energies(bodies, close, counts, particle_law, wall_law, gravity):
+    """Kinetic, potential, elastic normal, elastic tangential energy [J] of the live particles.
 
     The overlaps are those of now, the tangential springs those of the last step.
     """
@@ -60,7 +60,7 @@ def energies(bodies, close, counts, grain_law, wall_law, gravity):
         kinetic += kinetic_energy(row)
         potential += gravity * row[state.Y] / row[state.INV_MASS]
     for n in range(counts[state.CLOSE]):
-        law = law_of(grain_law if n < counts[state.GRAIN_CLOSE] else wall_law, n)
+        law = law_of(particle_law if n < counts[state.PARTICLE_CLOSE] else wall_law, n)
         normal += 0.5 * law.kn * max(overlap_now(bodies.row, close, n), 0.0) ** 2
         tangential += 0.5 * law.kt * close.slip[n] ** 2
     return kinetic, potential, normal, tangential
@@ -75,13 +75,13 @@ class Simulation:
         self._wall_steps = 0
 
     @property
-    def n_grains(self) -> int:
-        """Number of grains, those that have left included."""
+    def n_particles(self) -> int:
+        """Number of particles, those that have left included."""
         return len(self.world.bodies.live)
 
     @property
     def n_out(self) -> int:
-        """Number of grains whose centroid has passed y = 0."""
+        """Number of particles whose centroid has passed y = 0."""
         return int(self.world.counts[state.OUT])
 
     @property
@@ -101,16 +101,16 @@ class Simulation:
 
     @property
     def live(self) -> np.ndarray:
-        """Indices of the grains that are still simulated."""
+        """Indices of the particles that are still simulated."""
         return self.world.bodies.live[: self.world.counts[state.LIVE]]
 
     @property
     def rows(self) -> np.ndarray:
-        """Rows of the grains (n_grains, 16), columns as in state.py."""
-        return self.world.bodies.row[: self.n_grains]
+        """Rows of the particles (n_particles, 16), columns as in state.py."""
+        return self.world.bodies.row[: self.n_particles]
 
     def poses(self) -> np.ndarray:
-        """Position and angle of the grains (n_grains, 3) [m, rad], copied."""
+        """Position and angle of the particles (n_particles, 3) [m, rad], copied."""
         return self.rows[:, [state.X, state.Y, state.ANGLE]]
 
     def run(self, n_steps: int) -> None:
@@ -169,7 +169,12 @@ class Simulation:
         self.refresh()
         world = self.world
         kinetic, potential, normal, tangential = energies(
-            world.bodies, world.close, world.counts, world.grain_law, world.wall_law, world.gravity
+            world.bodies,
+            world.close,
+            world.counts,
+            world.particle_law,
+            world.wall_law,
+            world.gravity,
         )
         table = {
             "kinetic": kinetic,
@@ -179,14 +184,17 @@ class Simulation:
             "carried_out": float(world.books[state.CARRIED_OUT]),
             "given_to_door": float(world.books[state.GIVEN_TO_DOOR]),
         }
-        for first, pair in ((state.GRAIN_GRAIN, "grain_grain"), (state.GRAIN_WALL, "grain_wall")):
+        for first, pair in (
+            (state.PARTICLE_PARTICLE, "grain_grain"),
+            (state.PARTICLE_WALL, "grain_wall"),
+        ):
             for entry, how in enumerate(("normal_damping", "tangential_damping", "friction")):
                 table[f"{how}_{pair}"] = float(world.books[first + entry])
         return table
 
     def wall_forces(self) -> np.ndarray:
         """Mean force on each wall since last asked (n_walls, 2) [N]."""
-        load = self.world.bodies.row[self.n_grains :, state.FX : state.TORQUE + 1]
+        load = self.world.bodies.row[self.n_particles :, state.FX : state.TORQUE + 1]
         mean = load[:, :2] / max(self._wall_steps, 1)
         load[:] = 0.0
         self._wall_steps = 0
@@ -194,12 +202,12 @@ class Simulation:
 
     def remove_wall(self, index: int) -> None:
         """Take a wall away (open a door)."""
-        self.world.bodies.layout[self.n_grains + index, [state.N_CORNERS, state.N_EDGES]] = 0
+        self.world.bodies.layout[self.n_particles + index, [state.N_CORNERS, state.N_EDGES]] = 0
         self.world.counts[state.STALE] = 3
 
     def draw_door(self, index: int, speed: float) -> None:
         """Begin to draw a level wall to the right [m/s]; it ends at its right end and is gone."""
-        world, door = self.world, self.n_grains + index
+        world, door = self.world, self.n_particles + index
         start = world.vertices[world.bodies.layout[door, state.FIRST]]
         world.bodies.row[door, [state.X, state.Y]] = start[[state.VERTEX_X, state.VERTEX_Y]]
         world.bodies.row[door, [state.VX, state.UX]] = speed
@@ -207,13 +215,13 @@ class Simulation:
         world.counts[[state.DOOR, state.STALE]] = door, 3
 
     def begin_phase(
-        self, grain_law: Law, wall_law: Law, time_step: float, keep_slips: bool = False
+        self, particle_law: Law, wall_law: Law, time_step: float, keep_slips: bool = False
     ) -> None:
         """New laws and time step; clock and books start from zero, and slips unless they are kept.
 
-        Slips are kept where friction holds the grains already.
+        Slips are kept where friction holds the particles already.
         """
-        self.world = with_laws(self.world, grain_law, wall_law)._replace(time_step=time_step)
+        self.world = with_laws(self.world, particle_law, wall_law)._replace(time_step=time_step)
         self.world.counts[[state.STEP, state.BODY_SEARCHES, state.NEAR_SEARCHES]] = 0
         self.world.counts[state.CLOSE_SEARCHES] = 0
         if not keep_slips:
@@ -233,7 +241,7 @@ class Simulation:
     def contacts(self) -> dict[str, np.ndarray]:
         """The n vertex-edge contacts of now, with the forces that the next step will apply.
 
-        bodies     (n, 2) grains, then walls; ascending in each contact
+        bodies     (n, 2) particles, then walls; ascending in each contact
         point      (n, 2) where the force acts [m]
         force      (n, 2) on the second body, damping included [N]; the first takes its opposite
         normal     (n, 2) unit vector towards the second body
@@ -246,7 +254,7 @@ class Simulation:
         bodies, numbers = np.zeros((most, 2), np.uint32), np.zeros((most, 8))
         n = list_contacts(
             world.bodies.row, world.close, world.forces, world.counts,
-            (world.grain_law, world.wall_law), world.time_step, bodies, numbers,
+            (world.particle_law, world.wall_law), world.time_step, bodies, numbers,
         )  # fmt: skip
         return {
             "bodies": bodies[:n],
@@ -258,11 +266,11 @@ class Simulation:
         }
 
     def coordination(self) -> float:
-        """Mean number of bodies (grains and walls) that a live grain touches."""
+        """Mean number of bodies (particles and walls) that a live particle touches."""
         close, touching = self.world.close, self.touching()
         pairs = np.stack([close.vertex_body[touching], close.edge_body[touching]], axis=1)
         pairs = np.unique(np.sort(pairs, axis=1), axis=0)
-        return float((pairs < self.n_grains).sum() / max(len(self.live), 1))
+        return float((pairs < self.n_particles).sum() / max(len(self.live), 1))
 
     def save(self) -> dict[str, np.ndarray]:
         """All that is needed to go on with the same bits, as arrays.
@@ -298,7 +306,7 @@ class Simulation:
         world.near.key[:n] = saved["key"]
         world.near.slip[:n] = saved["slip"]
         world.counts[[state.NEAR, state.CLOSE, state.STALE]] = n, 0, 3
-        self.world = with_laws(world, world.grain_law, world.wall_law)
+        self.world = with_laws(world, world.particle_law, world.wall_law)
         self._wall_steps = int(saved["wall_steps"][0])
 
     def state_digest(self) -> str:
@@ -308,6 +316,6 @@ class Simulation:
         keys = self.world.near.key[self.world.close.near[close]]
         moving = np.ascontiguousarray(self.rows[:, [*range(state.FX), state.ANGLE]])
         text = hashlib.sha256(moving.tobytes())
-        text.update(self.world.bodies.out_time[: self.n_grains].tobytes())
+        text.update(self.world.bodies.out_time[: self.n_particles].tobytes())
         text.update(keys[slip != 0].tobytes() + slip[slip != 0].tobytes())
         return text.hexdigest()[:16]

@@ -1,6 +1,6 @@
 """The arrays that the kernels work on: bodies, vertices, the three levels of lists, counters.
 
-Grains come first, walls after them: a wall is a body of zero inverse mass with one edge. What a
+Particles come first, walls after them: a wall is a body of zero inverse mass with one edge. What a
 contact needs from a body stands in one row of sixteen float64, two neighbouring cache lines.
 """
 
@@ -22,23 +22,23 @@ BODY_LIST, NEAR_LIST, CLOSE_LIST = range(3)
 VERTEX_X, VERTEX_Y, EDGE_X, EDGE_Y, INV_LENGTH2 = range(5)
 # Entries of World.counts. STALE: how many levels of the lists must be made anew, from below.
 STEP, LIVE, OUT, STALE = range(4)
-GRAIN_PAIRS, PAIRS, GRAIN_NEAR, NEAR, GRAIN_CLOSE, CLOSE = range(4, 10)
+PARTICLE_PAIRS, PAIRS, PARTICLE_NEAR, NEAR, PARTICLE_CLOSE, CLOSE = range(4, 10)
 BODY_SEARCHES, NEAR_SEARCHES, CLOSE_SEARCHES = range(10, 13)
-DOOR = 13  # which body is a door that is being drawn; 0, a grain: none
+DOOR = 13  # which body is a door that is being drawn; 0, a particle: none
 N_COUNTS = 14
-# Entries of World.books [J]: what was dissipated how, grain-grain and then grain-wall; the
-# energy of grains that were dropped; and what a moving door took, mostly less than nothing.
+# Entries of World.books [J]: what was dissipated how, particle-particle and then particle-wall; the
+# energy of particles that were dropped; and what a moving door took, mostly less than nothing.
 NORMAL_DAMPING, TANGENTIAL_DAMPING, FRICTION = range(3)
-GRAIN_GRAIN, GRAIN_WALL, CARRIED_OUT, GIVEN_TO_DOOR = 0, 3, 6, 7
+PARTICLE_PARTICLE, PARTICLE_WALL, CARRIED_OUT, GIVEN_TO_DOOR = 0, 3, 6, 7
 N_BOOKS = 8
 
 BLOCK = 256  # close pairs that the force pass works on at once: their forces fill half of a cache
 MAX_VERTICES = 64  # of one shape: a contact's key has six bits for each
-WALL_KEY = 1 << 62  # grain-wall keys come after all grain-grain keys
+WALL_KEY = 1 << 62  # particle-wall keys come after all particle-particle keys
 
 
 class Bodies(NamedTuple):
-    """Grains 0 ... n_grains - 1, then walls."""
+    """Particles 0 ... n_particles - 1, then walls."""
 
     row: np.ndarray  # (n, 16) see above
     layout: np.ndarray  # (n, 3) first vertex row; vertices that touch edges; edges
@@ -46,14 +46,14 @@ class Bodies(NamedTuple):
     listed: np.ndarray  # (n, 9) position and angle when each level of the lists was made
     room: np.ndarray  # (n, 3) how far any point may move until a level is made anew [m]
     out_time: np.ndarray  # (n,) when the centroid passed y = 0 [s]; NaN before
-    live: np.ndarray  # (n_grains,) the grains that are still simulated, ascending
+    live: np.ndarray  # (n_particles,) the particles that are still simulated, ascending
 
 
 class Near(NamedTuple):
     """Vertex-edge pairs that can touch before the next search, in ascending order of key.
 
-    Grain-grain pairs come first, ordered by body, body, direction, vertex, edge. The order, and
-    with it every sum of forces, does not depend on when the lists were made.
+    Particle-particle pairs come first, ordered by body, body, direction, vertex, edge. The order,
+    and with it every sum of forces, does not depend on when the lists were made.
     """
 
     key: np.ndarray  # (capacity,) int64
@@ -107,10 +107,10 @@ class Forces(NamedTuple):
 class Cells(NamedTuple):
     """Square cells over the silo, and the pairs of bodies found with them."""
 
-    pairs: np.ndarray  # (capacity, 2) uint32: grain, grain or wall
-    start: np.ndarray  # (n_cells + 1,) grains of a cell, as a range of `grains`
-    grains: np.ndarray  # (n_grains,)
-    of_grain: np.ndarray  # (n_grains,) cell of a grain
+    pairs: np.ndarray  # (capacity, 2) uint32: particle, particle or wall
+    start: np.ndarray  # (n_cells + 1,) particles of a cell, as a range of `particles`
+    particles: np.ndarray  # (n_particles,)
+    of_particle: np.ndarray  # (n_particles,) cell of a particle
     size: float  # [m]
     columns: int
     rows: int
@@ -130,7 +130,7 @@ class World(NamedTuple):
     forces: Forces
     counts: np.ndarray  # (N_COUNTS,) int64
     books: np.ndarray  # (N_BOOKS,) [J]
-    grain_law: Any  # LinearLaw, or DrawnLaw of pair_law.py; both laws are of one type
+    particle_law: Any  # LinearLaw, or DrawnLaw of pair_law.py; both laws are of one type
     wall_law: Any
     gravity: float  # [m/s2], downwards
     time_step: float  # [s]

@@ -44,76 +44,78 @@ def build_world(
     walls: WallSegments,
     *,
     surface_density: float,
-    grain_law: Law,
+    particle_law: Law,
     wall_law: Law,
     gravity: float,
     time_step: float,
 ) -> World:
-    """A world of grains at rest; its two laws are of one kind, shared or drawn.
+    """A world of particles at rest; its two laws are of one kind, shared or drawn.
 
     kinds (n,) indices in `shapes`; poses (n, 3) x, y [m], angle [rad]; surface_density [kg/m2]
     is density times prism length.
     """
-    grains = [shapes[kind] for kind in kinds]
+    particles = [shapes[kind] for kind in kinds]
     middles = walls.segments.mean(axis=1)
-    cores = [grain.core for grain in grains] + list(walls.segments - middles[:, None])
-    bodies = _bodies(grains, poses, walls, middles, cores, surface_density)
+    cores = [particle.core for particle in particles] + list(walls.segments - middles[:, None])
+    bodies = _bodies(particles, poses, walls, middles, cores, surface_density)
     local = _local(cores)
     vertices = local[:, : state.EDGE_Y + 1].copy()
-    of_walls = slice(bodies.layout[len(grains), state.FIRST] if len(middles) else None, None)
+    of_walls = slice(bodies.layout[len(particles), state.FIRST] if len(middles) else None, None)
     vertices[of_walls, :2] += np.repeat(middles, 2, axis=0) if len(middles) else 0.0
     world = World(
         bodies=bodies,
         local=local,
         vertices=vertices,
         cells=_cells(bodies, np.concatenate([poses[:, :2], walls.segments.reshape(-1, 2)])),
-        near=_near(1024 + 16 * len(grains)),
-        close=_close(1024 + 16 * len(grains)),
+        near=_near(1024 + 16 * len(particles)),
+        close=_close(1024 + 16 * len(particles)),
         forces=Forces(*(np.zeros(state.BLOCK) for _ in Forces._fields)),
-        counts=_counts(len(grains)),
+        counts=_counts(len(particles)),
         books=np.zeros(state.N_BOOKS),
-        grain_law=grain_law,
+        particle_law=particle_law,
         wall_law=wall_law,
         gravity=gravity,
         time_step=time_step,
     )
-    return with_laws(world, grain_law, wall_law)
+    return with_laws(world, particle_law, wall_law)
 
 
-def with_laws(world: World, grain_law: Law, wall_law: Law) -> World:
+def with_laws(world: World, particle_law: Law, wall_law: Law) -> World:
     """The same world with other laws; pairs that draw their constants have drawn them."""
-    if isinstance(grain_law, DrawnLaw) and isinstance(wall_law, DrawnLaw):
+    if isinstance(particle_law, DrawnLaw) and isinstance(wall_law, DrawnLaw):
         n, capacity = len(PairConstants._fields), len(world.near.key)
         near = PairConstants(*np.zeros((n, capacity)))
         close = PairConstants(*_apart(n, capacity, behind=len(Close._fields)))
-        grain_law = grain_law._replace(near=near, close=close)
+        particle_law = particle_law._replace(near=near, close=close)
         wall_law = wall_law._replace(near=near, close=close)
         n_bodies = len(world.bodies.row)
-        draw_lists(grain_law, wall_law, world.near, world.close, world.counts, n_bodies)
-    return world._replace(grain_law=grain_law, wall_law=wall_law)
+        draw_lists(particle_law, wall_law, world.near, world.close, world.counts, n_bodies)
+    return world._replace(particle_law=particle_law, wall_law=wall_law)
 
 
-def _bodies(grains, poses, walls, middles, cores, surface_density) -> Bodies:
-    n_grains, n = len(grains), len(cores)
+def _bodies(particles, poses, walls, middles, cores, surface_density) -> Bodies:
+    n_particles, n = len(particles), len(cores)
     row = np.zeros((n, 16))
-    row[:n_grains, [state.X, state.Y, state.ANGLE]] = poses
-    row[n_grains:, [state.X, state.Y]] = middles
+    row[:n_particles, [state.X, state.Y, state.ANGLE]] = poses
+    row[n_particles:, [state.X, state.Y]] = middles
     row[:, state.COS], row[:, state.SIN] = np.cos(row[:, state.ANGLE]), np.sin(row[:, state.ANGLE])
-    row[:n_grains, state.INV_MASS] = [1.0 / (surface_density * g.area) for g in grains]
-    row[:n_grains, state.INV_INERTIA] = [1.0 / (surface_density * g.polar_moment) for g in grains]
+    row[:n_particles, state.INV_MASS] = [1.0 / (surface_density * g.area) for g in particles]
+    row[:n_particles, state.INV_INERTIA] = [
+        1.0 / (surface_density * g.polar_moment) for g in particles
+    ]
     layout, size = np.zeros((n, 3), np.int64), np.zeros((n, 2))
     counts = np.array([len(core) for core in cores], dtype=np.int64)
     layout[:, state.FIRST] = np.cumsum(counts) - counts
-    layout[:, state.N_CORNERS] = np.concatenate([counts[:n_grains], walls.corners])
-    layout[:, state.N_EDGES] = np.where(np.arange(n) < n_grains, counts, 1)
-    for i, grain in enumerate(grains):
-        size[i] = grain.bounding_radius, grain.spheroradius
+    layout[:, state.N_CORNERS] = np.concatenate([counts[:n_particles], walls.corners])
+    layout[:, state.N_EDGES] = np.where(np.arange(n) < n_particles, counts, 1)
+    for i, particle in enumerate(particles):
+        size[i] = particle.bounding_radius, particle.spheroradius
     lengths = np.linalg.norm(walls.segments[:, 1] - walls.segments[:, 0], axis=1)
-    size[n_grains:, state.BOUNDING_RADIUS] = lengths / 2
+    size[n_particles:, state.BOUNDING_RADIUS] = lengths / 2
     room = np.zeros((n, 3))
-    room[:n_grains, state.BODY_LIST] = BODY_ROOM
+    room[:n_particles, state.BODY_LIST] = BODY_ROOM
     out_time = np.full(n, np.nan)
-    return Bodies(row, layout, size, np.zeros((n, 9)), room, out_time, np.arange(n_grains))
+    return Bodies(row, layout, size, np.zeros((n, 9)), room, out_time, np.arange(n_particles))
 
 
 def _local(cores) -> np.ndarray:
@@ -123,15 +125,15 @@ def _local(cores) -> np.ndarray:
 
 
 def _cells(bodies: Bodies, points: np.ndarray) -> Cells:
-    n_grains = len(bodies.live)
-    size = 2 * bodies.size[:n_grains, state.BOUNDING_RADIUS].max(initial=0.0) + 2 * BODY_ROOM
+    n_particles = len(bodies.live)
+    size = 2 * bodies.size[:n_particles, state.BOUNDING_RADIUS].max(initial=0.0) + 2 * BODY_ROOM
     low, high = points.min(axis=0) - size, points.max(axis=0) + size
     columns, rows = (math.ceil(extent / size) for extent in high - low)
     return Cells(
-        pairs=np.zeros((64 + 8 * n_grains, 2), np.uint32),
+        pairs=np.zeros((64 + 8 * n_particles, 2), np.uint32),
         start=np.zeros(columns * rows + 1, np.int64),
-        grains=np.zeros(n_grains, np.int64),
-        of_grain=np.zeros(n_grains, np.int64),
+        particles=np.zeros(n_particles, np.int64),
+        of_particle=np.zeros(n_particles, np.int64),
         size=float(size),
         columns=columns,
         rows=rows,
@@ -169,9 +171,9 @@ def _apart(n: int, capacity: int, behind: int = 0) -> list[np.ndarray]:
     return [line[behind * shift :] for line in lines]
 
 
-def _counts(n_grains: int) -> np.ndarray:
+def _counts(n_particles: int) -> np.ndarray:
     counts = np.zeros(state.N_COUNTS, np.int64)
-    counts[state.LIVE], counts[state.STALE] = n_grains, 3
+    counts[state.LIVE], counts[state.STALE] = n_particles, 3
     return counts
 
 
@@ -187,4 +189,4 @@ def longer_lists(world: World) -> World:
     near = _near(capacity)
     near.key[:n], near.slip[:n] = world.near.key[:n], world.near.slip[:n]
     longer = world._replace(near=near, close=_close(capacity))
-    return with_laws(longer, world.grain_law, world.wall_law)
+    return with_laws(longer, world.particle_law, world.wall_law)

@@ -18,17 +18,17 @@ from granulab.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# name as in `silo2d observe RUN WHAT`: module of this package, what it tells
+# name as in `silo2d observe RUN WHAT`: module of this package, what it measures
 MEASURES: dict[str, tuple[str, str]] = {
-    "arch": ("arch", "the arch that a clogged run stands on: grains, span, rise, load"),
+    "arch": ("arch", "the arch that a clogged run stands on: particles, span, rise, load"),
     "curve": ("curve", "discharge curve and rate, and the part where the flow is steady"),
     "fields": ("fields", "packing fraction and velocity, coarse-grained over the flow"),
     "janssen": ("janssen", "wall pressure and vertical stress against Janssen's law"),
     "massflow": ("massflow", "mass flow index: velocity at the walls over that at the centre"),
     "network": ("network", "contact network: coordination, sliding, force distribution"),
     "profile": ("profile", "lines of the painted layers every 0.25 s, V depth and V width"),
-    "residence": ("residence", "when grains leave, by starting level and place"),
-    "stickslip": ("stickslip", "grains that stick to the walls, slip along them, and how long"),
+    "residence": ("residence", "when particles leave, by starting level and position"),
+    "stickslip": ("stickslip", "particles that stick to the walls, slip along them, and how long"),
     "stress": ("stress", "stress field before the opening and during the flow"),
 }
 

@@ -1,18 +1,18 @@
 """The arch that a clogged run stands on, found in the contacts of its last frame.
 
-A chain is a row of grains, each in load-bearing contact with the next, from a wall left of the
+A chain is a row of particles, each in load-bearing contact with the next, from a wall left of the
 outlet's middle to a wall right of it. A contact bears load where the normal force between the
 two bodies, all their vertex-edge contacts together, is at least LEAST_LOAD weights of a mean
-grain. The arch is found in two steps:
+particle. The arch is found in two steps:
 
-1. its level: the lowest y such that the grains with centroids up to y still hold a chain. So no
-   chain lies wholly below the arch, and the highest grain of every chain is at least as high;
-2. its grains: of all chains of these grains, that of the least sum of 1/force over its contacts,
-   walls included (the path of least resistance): it follows strong contacts, and a grain that
-   only hangs on two others that press each other is left out.
+1. its level: the lowest y such that the particles with centroids up to y still hold a chain. So no
+   chain lies wholly below the arch, and the highest particle of every chain is at least as high;
+2. its particles: of all chains of these particles, that of the least sum of 1/force over its
+   contacts, walls included (the path of least resistance): it follows strong contacts, and a
+   particle that only hangs on two others that press each other is left out.
 
-Limits: the criterion is of forces, not of stability (a grain whose loss would not let the arch
-fall may belong to it); of two chains at one level only the stronger is given; grains of a dead
+Limits: the criterion is of forces, not of stability (a particle whose loss would not let the arch
+fall may belong to it); of two chains at one level only the stronger is given; particles of a dead
 zone count where the arch stands on them; a chain that closes high above the outlet, in a silo
 that jammed as a whole, is an arch too, which its height over the outlet shows.
 """
@@ -30,28 +30,28 @@ from granulab.campaign.runs.folder import FolderError
 from granulab.errors import InputError
 from silo2d.measures.basics.contacts import GRAVITY, Moment, read_moments
 from silo2d.measures.basics.walls import sides
-from silo2d.measures.network import draw_grains, draw_network
-from silo2d.view.scene import GRAIN_EDGE
+from silo2d.measures.network import draw_network, draw_particles
+from silo2d.view.scene import PARTICLE_EDGE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LEAST_LOAD = 0.1  # normal force of a load-bearing contact, over the weight of a mean grain
+LEAST_LOAD = 0.1  # normal force of a load-bearing contact, over the weight of a mean particle
 
 
 @dataclass(frozen=True, eq=False)
 class Arch:
-    """A chain of k grains from left to right; SI.
+    """A chain of k particles from left to right; SI.
 
-    grains     (k,) from left to right
+    particles     (k,) from left to right
     walls      wall that each end stands on, as index in the list of walls
-    line       (2 k + 1, 2) from foot to foot: contact points and centroids in turn
+    line       (2 k + 1, 2) from foot to foot: contact points and centroids alternate
     forces     (k + 1,) normal forces from wall to wall [N]
     load       vertical force that bodies outside of the arch and above it press down with [N]
     """
 
-    grains: NDArray[np.int64]
+    particles: NDArray[np.int64]
     walls: tuple[int, int]
     line: NDArray[np.float64]
     forces: NDArray[np.float64]
@@ -73,14 +73,14 @@ class Arch:
 def measure(folder: Path) -> dict[str, Any]:
     """The arch of a clogged run.
 
-    n_grains                     of the arch
+    n_particles                     of the arch
     span_m, rise_m, aspect       distance of the feet; height over their straight line; rise/span
     tilt_rad                     of the line from the left to the right foot
     crown_m                      the arch's highest point over the outlet
     load_n, load_share           what other bodies press it down with; over the weight inside
     weakest_force_n, mean_...    normal forces along the arch; weakest_over_weight: over the weight
-                                 of a mean grain
-    grains, line_m, walls        see Arch
+                                 of a mean particle
+    particles, line_m, walls        see Arch
 
     Raises InputError where the run did not clog, or is not over.
     """
@@ -90,7 +90,7 @@ def measure(folder: Path) -> dict[str, Any]:
     left, right = arch.line[0], arch.line[-1]
     names = moment.scene.wall_names
     return {
-        "n_grains": len(arch.grains),
+        "n_grains": len(arch.particles),
         "span_m": arch.span,
         "rise_m": arch.rise,
         "aspect": arch.rise / arch.span,
@@ -104,7 +104,7 @@ def measure(folder: Path) -> dict[str, Any]:
         "outcome": moment.scene.summary["outcome"],
         "left_foot": names[arch.walls[0]],
         "right_foot": names[arch.walls[1]],
-        "grains": arch.grains.tolist(),
+        "grains": arch.particles.tolist(),
         "line_m": arch.line.tolist(),
     }
 
@@ -134,13 +134,13 @@ def find_arch(moment: Moment, least_load: float = LEAST_LOAD) -> Arch:
     ends = _walls_as_sides(moment, pairs[bears])
     level = _level(moment.centres[:, 1], ends)
     kept = _reaches_up_to(moment.centres[:, 1], level)[ends].all(axis=1)
-    chain = _least_resistance(ends[kept], force[bears][kept], moment.scene.n_grains)
+    chain = _least_resistance(ends[kept], force[bears][kept], moment.scene.n_particles)
     return _arch(moment, chain)
 
 
 def _walls_as_sides(moment: Moment, pairs: NDArray[np.int64]) -> NDArray[np.int64]:
     """The pairs with all walls of a side as one body: n left, n + 1 right, n + 2 the door."""
-    n = moment.scene.n_grains
+    n = moment.scene.n_particles
     body = {-1: n, 1: n + 1, 0: n + 2}
     of_wall = np.array([body[int(side)] for side in sides(moment.scene)])
     at_wall = pairs >= n
@@ -148,7 +148,7 @@ def _walls_as_sides(moment: Moment, pairs: NDArray[np.int64]) -> NDArray[np.int6
 
 
 def _reaches_up_to(y: NDArray[np.float64], level: float) -> NDArray[np.bool_]:
-    """Bodies that a chain up to a level may use: low grains and both sides, not the door."""
+    """Bodies that a chain up to a level may use: low particles and both sides, not the door."""
     return np.append(y <= level, [True, True, False])
 
 
@@ -177,11 +177,11 @@ def _level(y: NDArray[np.float64], pairs: NDArray[np.int64]) -> float:
 def _least_resistance(
     pairs: NDArray[np.int64], force: NDArray[np.float64], n: int
 ) -> NDArray[np.int64]:
-    """Grains of the path of least sum of 1/force from the left side, n, to the right, n + 1."""
+    """Particles of the path of least sum of 1/force from the left side, n, to the right, n + 1."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import dijkstra
 
-    # A grain may touch several walls of a side: the strongest contact counts.
+    # A particle may touch several walls of a side: the strongest contact counts.
     joins, which = np.unique(pairs, axis=0, return_inverse=True)
     strongest = np.zeros(len(joins))
     np.maximum.at(strongest, which.ravel(), force)
@@ -193,27 +193,29 @@ def _least_resistance(
     return np.array(chain[-2:0:-1], dtype=np.int64)
 
 
-def _arch(moment: Moment, grains: NDArray[np.int64]) -> Arch:
+def _arch(moment: Moment, particles: NDArray[np.int64]) -> Arch:
     """The arch of a chain: its line, forces and load."""
     side = sides(moment.scene)
-    left = _foot(moment, grains[0], side == -1)
-    right = _foot(moment, grains[-1], side == 1)
-    links = [left, *pairwise(grains), right]
+    left = _foot(moment, particles[0], side == -1)
+    right = _foot(moment, particles[-1], side == 1)
+    links = [left, *pairwise(particles), right]
     points, forces = zip(*(_between(moment, *link) for link in links), strict=True)
-    line = np.empty((2 * len(grains) + 1, 2))
-    line[::2], line[1::2] = points, moment.centres[grains]
-    n = moment.scene.n_grains
-    return Arch(grains, (left[1] - n, right[1] - n), line, np.array(forces), _load(moment, grains))
+    line = np.empty((2 * len(particles) + 1, 2))
+    line[::2], line[1::2] = points, moment.centres[particles]
+    n = moment.scene.n_particles
+    return Arch(
+        particles, (left[1] - n, right[1] - n), line, np.array(forces), _load(moment, particles)
+    )
 
 
-def _foot(moment: Moment, grain: int, of_side: NDArray[np.bool_]) -> tuple[int, int]:
-    """The grain and the wall of a side that presses it most."""
-    n = moment.scene.n_grains
+def _foot(moment: Moment, particle: int, of_side: NDArray[np.bool_]) -> tuple[int, int]:
+    """The particle and the wall of a side that presses it most."""
+    n = moment.scene.n_particles
     pairs, force = moment.pairs
-    here = (pairs[:, 0] == grain) & (pairs[:, 1] >= n)
+    here = (pairs[:, 0] == particle) & (pairs[:, 1] >= n)
     here[here] = of_side[pairs[here, 1] - n]
     strongest = np.flatnonzero(here)[force[here].argmax()]
-    return int(grain), int(pairs[strongest, 1])
+    return int(particle), int(pairs[strongest, 1])
 
 
 def _between(moment: Moment, one: int, other: int) -> tuple[NDArray[np.float64], float]:
@@ -224,19 +226,19 @@ def _between(moment: Moment, one: int, other: int) -> tuple[NDArray[np.float64],
     return weight @ moment.point[here] / weight.sum(), float(force.sum())
 
 
-def _load(moment: Moment, grains: NDArray[np.int64]) -> float:
-    """Sum of the downward forces of other grains on those of an arch [N]."""
+def _load(moment: Moment, particles: NDArray[np.int64]) -> float:
+    """Sum of the downward forces of other particles on those of an arch [N]."""
     belongs = np.zeros(moment.bodies.max() + 1, dtype=bool)
-    belongs[grains] = True
+    belongs[particles] = True
     first, second = belongs[moment.bodies].T
-    grain = ~moment.at_wall
-    on_second = moment.force[second & ~first & grain, 1]
-    on_first = -moment.force[first & ~second & grain, 1]
+    particle = ~moment.at_wall
+    on_second = moment.force[second & ~first & particle, 1]
+    on_first = -moment.force[first & ~second & particle, 1]
     return float(-np.minimum(np.concatenate([on_second, on_first]), 0.0).sum())
 
 
 def draw(folder: Path) -> "Figure":
-    """The arch over the grains: the whole silo, and the arch near by."""
+    """The arch over the particles: the whole silo, and the arch near by."""
     from matplotlib.figure import Figure
 
     moment = last_clogged_moment(folder)
@@ -247,36 +249,36 @@ def draw(folder: Path) -> "Figure":
     pressing = moment.pairs[1]
     unit = float(pressing[pressing > 0].mean())
     for panel in (whole, near):
-        draw_grains(panel, scene, moment.frame)
+        draw_particles(panel, scene, moment.frame)
         _paint(panel, moment, arch)
     draw_network(near, moment, unit)
     near.plot(*arch.line.T, color=INK, lw=1.6)
     near.plot(*arch.line[[0, -1]].T, color=GREY, lw=0.9, ls=(0, (4, 3)))
-    for number, grain in enumerate(arch.grains, start=1):
-        near.annotate(f"{number}", moment.centres[grain], ha="center", va="center",
+    for number, particle in enumerate(arch.particles, start=1):
+        near.annotate(f"{number}", moment.centres[particle], ha="center", va="center",
                       fontsize=8, fontweight="bold", color=VERMILION,
                       bbox={"boxstyle": "circle,pad=0.2", "fc": PAPER, "ec": "none"})  # fmt: skip
     _zoom(near, arch)
     near.set_title(
-        f"{len(arch.grains)} grains, span {1e3 * arch.span:.0f} mm, rise {1e3 * arch.rise:.0f} mm, "
-        f"others press with {arch.load:.1f} N", fontsize=10,
+        f"{len(arch.particles)} particles, span {1e3 * arch.span:.0f} mm, "
+        f"rise {1e3 * arch.rise:.0f} mm, others press with {arch.load:.1f} N", fontsize=10,
     )  # fmt: skip
     return figure
 
 
 def _paint(axes: "Axes", moment: Moment, arch: Arch) -> None:
-    """The grains of the arch in a colour of their own."""
+    """The particles of the arch in a colour of their own."""
     from matplotlib.collections import PolyCollection
 
     for which, outlines in moment.scene.outlines(moment.frame):
-        mine = list(outlines[np.isin(which, arch.grains)])
+        mine = list(outlines[np.isin(which, arch.particles)])
         axes.add_collection(
-            PolyCollection(mine, facecolors=ORANGE, edgecolors=GRAIN_EDGE, linewidths=0.8)
+            PolyCollection(mine, facecolors=ORANGE, edgecolors=PARTICLE_EDGE, linewidths=0.8)
         )
 
 
 def _zoom(axes: "Axes", arch: Arch) -> None:
     low, high = arch.line.min(axis=0), arch.line.max(axis=0)
-    middle, reach = (low + high) / 2, 0.75 * max(high - low)
-    axes.set(xlim=(middle[0] - reach, middle[0] + reach),
-             ylim=(middle[1] - 0.8 * reach, middle[1] + 0.8 * reach))  # fmt: skip
+    middle, half = (low + high) / 2, 0.75 * max(high - low)
+    axes.set(xlim=(middle[0] - half, middle[0] + half),
+             ylim=(middle[1] - 0.8 * half, middle[1] + 0.8 * half))  # fmt: skip

@@ -1,11 +1,11 @@
 """Discharge curve and rate: what has left when, how fast, and where the flow is steady.
 
     W(t) = (N(t + w/2) - N(t - w/2))/w      over a moving window w, from the exact times of leaving
-    error of W(t) = sqrt(F N_w)/w           N_w grains in the window
+    error of W(t) = sqrt(F N_w)/w           N_w particles in the window
 
 F, the Fano factor, is variance over mean of the numbers that leave in windows that follow each
-other in the steady part: 1 for grains that leave independently of each other (Poisson), less for a
-regular flow, more for an intermittent one. With fewer than four such windows it is taken as 1.
+other in the steady part: 1 for particles that leave independently of each other (Poisson), less for
+a regular flow, more for an intermittent one. With fewer than four such windows it is taken as 1.
 
 The steady part is the longest time over which W stays within 25 % of the mean rate (0.8 n over the
 time between 10 % and 90 % out), by the middles of the windows. The window is a tenth of the time
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TOLERANCE = 0.25  # of the mean rate
-_PER_WINDOW = 4  # places at which the moving window is set, in one window
+_PER_WINDOW = 4  # positions at which the moving window is set, in one window
 _STEADY = [
     "steady_from_s",
     "steady_until_s",
@@ -45,8 +45,8 @@ _FEWEST_WINDOWS = 4  # for a Fano factor
 class Steady:
     """The part of a discharge where the flow is steady.
 
-    start, end    [s]; n grains and mass [kg] leave between them
-    fano          variance over mean of the numbers in windows (1 where too few to tell)
+    start, end    [s]; n particles and mass [kg] leave between them
+    fano          variance over mean of the numbers in windows (1 where there are too few)
     """
 
     start: float
@@ -57,7 +57,7 @@ class Steady:
 
     @property
     def rate(self) -> float:
-        """Grains a second."""
+        """Particles a second."""
         return self.n / (self.end - self.start)
 
     @property
@@ -132,7 +132,7 @@ def _longest(holds: np.ndarray) -> tuple[int, int]:
 def measure(folder: Path, window: float | None = None) -> dict[str, Any]:
     """Rates [1/s and kg/s] with errors, the steady part [s], and the curve itself.
 
-    Raises InputError where no grain left.
+    Raises InputError where no particle left.
     """
     times, mass = leavers(read_scene(folder), 1, "a discharge curve")
     known = discharge_measures(times, mass)
@@ -175,13 +175,13 @@ def draw(folder: Path) -> "Figure":
     curve, rate = figure.subplots(2, 1, sharex=True)
     times = [0.0, *numbers["out_times_s"]]
     curve.step(times, range(len(times)), where="post", color=INK)
-    curve.set_ylabel("grains out")
+    curve.set_ylabel("particles out")
     if numbers["window_s"] is not None:
         _draw_rate(rate, numbers)
     else:
-        words = f"no rate: it takes {FEWEST_OUT} grains that do not leave at once"
+        words = f"no rate: it takes {FEWEST_OUT} particles that do not leave at once"
         rate.set_title(words, loc="left", fontsize=9)
-    rate.set_ylabel("grains/s")
+    rate.set_ylabel("particles/s")
     rate.set_xlabel("time since the opening [s]")
     for axes in (curve, rate):
         axes.grid(axis="y", color="#e6e3dc", lw=0.7)
@@ -194,7 +194,7 @@ def draw(folder: Path) -> "Figure":
 
 
 def _draw_rate(axes: "Axes", numbers: dict[str, Any]) -> None:
-    """The moving rate with its error, in grains on the left and in kg/s on the right."""
+    """The moving rate with its error, in particles on the left and in kg/s on the right."""
     times, rate, error = (
         np.array(numbers[k]) for k in ("times_s", "rate_per_s", "rate_error_per_s")
     )
@@ -204,11 +204,11 @@ def _draw_rate(axes: "Axes", numbers: dict[str, Any]) -> None:
                  label="mean, 10 to 90 % out")  # fmt: skip
     if (steady := numbers["steady_rate_per_s"]) is not None:
         off, flow = numbers["steady_rate_error_per_s"], numbers["steady_mass_flow_kg_per_s"]
-        words = f"steady: {steady:.0f} \N{PLUS-MINUS SIGN} {off:.0f} grains/s, {flow:.2f} kg/s"
+        words = f"steady: {steady:.0f} \N{PLUS-MINUS SIGN} {off:.0f} particles/s, {flow:.2f} kg/s"
         axes.plot([numbers["steady_from_s"], numbers["steady_until_s"]], [steady, steady],
                   color=GREEN, lw=1.8, label=words)  # fmt: skip
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, borderaxespad=0.2)
     mean_mass = numbers["out_mass_kg"][-1] / numbers["n_out"]
     right = axes.secondary_yaxis("right", functions=(lambda n: n * mean_mass,
                                                      lambda w: w / mean_mass))  # fmt: skip
-    right.set_ylabel("kg/s, at the mean mass of a grain")
+    right.set_ylabel("kg/s, at the mean mass of a particle")

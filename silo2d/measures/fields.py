@@ -1,10 +1,10 @@
-"""Packing fraction and velocity in the flow: coarse-grained grains, mean over a time window.
+"""Packing fraction and velocity in the flow: coarse-grained particles, mean over a time window.
 
     rho(r) = sum m phi(r - x),   p(r) = sum m v phi(r - x),   V = <p>/<rho>
 
-over the grains in the silo (centroid above the outlet); <> is the mean over the frames while a
-tenth to a half of the grains that leave were out. The integral of rho over the plane is their
-mass and that of p their momentum, exactly; rho and p obey d(rho)/dt + div p = 0 but for grains
+over the particles in the silo (centroid above the outlet); <> is the mean over the frames while a
+tenth to a half of the particles that leave were out. The integral of rho over the plane is their
+mass and that of p their momentum, exactly; rho and p obey d(rho)/dt + div p = 0 but for particles
 that pass the outlet.
 
 At walls a part of each kernel lies outside. rho and p keep it (so they conserve); the packing
@@ -31,7 +31,7 @@ from silo2d.measures.basics.coarse_graining import (
     part_inside,
 )
 from silo2d.measures.basics.contacts import flowing
-from silo2d.measures.basics.particles import areas, grain_size
+from silo2d.measures.basics.particles import areas, particle_size
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class FlowField:
 
     density     (j, i) [kg/m2]
     momentum    (2, j, i) [kg/(m s)]
-    solid       (j, i) area of grains over area of the silo's inside [-]
+    solid       (j, i) area of particles over area of the silo's inside [-]
     frames      (f,) over which the mean is
     """
 
@@ -71,17 +71,17 @@ class FlowField:
 def field_of(scene: Scene, frames: NDArray[np.int64], width: float | None = None) -> FlowField:
     """Mean fields of some frames, on a grid over the silo and six widths round it.
 
-    width of the Gaussian [m]; one typical grain size (root of the mean area) unless given.
+    width of the Gaussian [m]; one typical particle size (root of the mean area) unless given.
     """
     polygon = inside_polygon(scene)
-    grid = grid_round(polygon.min(axis=0), polygon.max(axis=0), width or grain_size(scene))
+    grid = grid_round(polygon.min(axis=0), polygon.max(axis=0), width or particle_size(scene))
     size = areas(scene)
     sums = np.zeros((4, len(grid.y), len(grid.x)))
     for frame in frames:
         which = in_silo(scene, frame)
-        place, velocity = _vectors(scene, frame, which, "x", "y", "vx", "vy")
+        position, velocity = _vectors(scene, frame, which, "x", "y", "vx", "vy")
         mass = scene.trajectory.static["mass"][which, None]
-        sums += grid.deposit(place, np.hstack([mass, mass * velocity, size[which, None]]))
+        sums += grid.deposit(position, np.hstack([mass, mass * velocity, size[which, None]]))
     sums /= len(frames)
     part = part_inside(grid, polygon)
     solid = np.where(inside_mask(polygon, grid), sums[3] / np.maximum(part, 0.05), np.nan)
@@ -89,7 +89,7 @@ def field_of(scene: Scene, frames: NDArray[np.int64], width: float | None = None
 
 
 def in_silo(scene: Scene, frame: int) -> NDArray[np.bool_]:
-    """Grains with their centroid above the outlet (n,)."""
+    """Particles with their centroid above the outlet (n,)."""
     return scene.trajectory["inside"][frame] & (scene.trajectory["y"][frame] >= 0)
 
 
@@ -125,7 +125,7 @@ def measure(folder: Path) -> dict[str, Any]:
                                   negative; None outside), mass_flow_kg_per_s through it
     fields                        x_m, y_m, packing fraction, velocity_x, velocity_y (j, i)
 
-    Raises InputError for a run of which fewer than twenty grains left.
+    Raises InputError for a run of which fewer than twenty particles left.
     """
     scene = read_scene(folder)
     field = field_of(scene, flow_frames(scene))

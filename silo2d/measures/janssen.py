@@ -13,7 +13,7 @@ at the walls, as in the paper's filling, lambda is infinite and the law is hydro
 Nothing is fitted to the law: K is the ratio of wall pressure to vertical stress and mu_m that of
 shear to pressure at the walls, each summed over the vertical part, and depth is measured by the
 weight above, rho_b g z = (weight above)/W. A silo that discharges accelerates and its hopper
-carries what its outlet lets go: the law is drawn beside it for orientation only.
+carries what its outlet lets go: the law is drawn with it for orientation only.
 
 Stresses and tractions are of the plane [N/m]: divide by the prisms' length for pascals.
 """
@@ -36,7 +36,7 @@ from silo2d.measures.basics.contacts import (
     read_moments,
     states,
 )
-from silo2d.measures.basics.particles import grain_size
+from silo2d.measures.basics.particles import particle_size
 from silo2d.measures.basics.walls import STRETCH, Tractions, outwards, sides, tractions
 from silo2d.view.scene import Scene
 
@@ -105,7 +105,7 @@ def janssen_stress(depth: Floats, density: float, friction_times_ratio: float, w
 
 
 def column(moments: list[Moment]) -> Column:
-    """The part between the topmost vertical walls, below the highest grain of the first frame.
+    """The part between the topmost vertical walls, below the highest particle of the first frame.
 
     Raises InputError for a silo without a vertical wall on each side.
     """
@@ -114,7 +114,7 @@ def column(moments: list[Moment]) -> Column:
     segments = scene.walls[walls]
     low, width = segments[:, :, 1].min(axis=1).max(), float(np.ptp(segments[:, :, 0]))
     top = float(scene.trajectory["y"][0][scene.trajectory["inside"][0]].max())
-    n = max(int((top - low) / (STRETCH * grain_size(scene))), 1)
+    n = max(int((top - low) / (STRETCH * particle_size(scene))), 1)
     levels = np.linspace(top, low, n + 1)
     slabs = np.column_stack([levels[1:], levels[:-1]])
     means = np.mean([_slabs(m, slabs, width, walls) for m in moments], axis=0)
@@ -156,7 +156,7 @@ def _slabs(moment: Moment, slabs: Floats, width: float, walls: list[int]) -> Flo
     above = np.clip(y - low, 0.0, high - low) @ weight / (width * thick)
     pressure, shear = np.zeros((2, len(slabs)))
     for wall in walls:
-        here = moment.bodies[:, 1] == moment.scene.n_grains + wall
+        here = moment.bodies[:, 1] == moment.scene.n_particles + wall
         inside = (moment.point[here, 1] >= low) & (moment.point[here, 1] < high)
         out = outwards(moment.scene.walls)[wall]
         pressure += inside @ (moment.force[here] @ out) / (2 * thick)
@@ -175,7 +175,7 @@ def measure(folder: Path) -> dict[str, Any]:
     profiles                    the column and the tractions on each wall, see Column and Tractions
 
     Keys begin with before_opening, flow or end; those of a flow are None for a run of which
-    fewer than twenty grains left, those of the end for one that did not clog. Raises InputError
+    fewer than twenty particles left, those of the end for one that did not clog. Raises InputError
     for a silo without vertical walls.
     """
     moments = read_moments(folder)
@@ -270,8 +270,8 @@ def _draw_tractions(axes: "Axes", walls: list[Tractions], kind: str) -> None:
     axes.axvline(0, color=GREY, lw=0.6)
     axes.set_xlabel(f"{_TRACTIONS[kind]} [N/m]")
     # Not narrower than a tenth of the pressure: what is next to nothing shall look so.
-    reach = 0.1 * max(wall.normal.max() for wall in walls)
+    widest = 0.1 * max(wall.normal.max() for wall in walls)
     low, high = axes.get_xlim()
-    axes.set_xlim(min(low, -reach), max(high, reach))
+    axes.set_xlim(min(low, -widest), max(high, widest))
     if kind == "normal":
         axes.legend(loc="upper right")

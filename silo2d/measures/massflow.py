@@ -4,10 +4,11 @@
 
 Johanson and Jenike's index (Utah Engineering Experiment Station, Bulletin 116, 1962; Johanson, J.
 Appl. Mech. 31 (1964) 499), made for the radial velocities in a converging hopper. Accordingly
-v_wall is the mean velocity along the nearest wall, downwards, of grains whose centroids lie within
-one grain size of it, and v_centre the mean downward velocity of those within one grain size of the
-vertical through the middle of the outlet: in bands of height, over all frames of a time window, the
-steady part of the discharge (see curve.py) unless given. Level floors are no walls here.
+v_wall is the mean velocity along the nearest wall, downwards, of particles whose centroids lie
+within one particle size of it, and v_centre the mean downward velocity of those within one particle
+size of the vertical through the middle of the outlet: in bands of height, over all frames of a time
+window, the steady part of the discharge (see curve.py) unless given. Level floors are no walls
+here.
 
 The error is the standard error over five equal parts of the window.
 """
@@ -22,11 +23,11 @@ from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headli
 from silo2d.measures.basics.particles import (
     FEWEST_OUT,
     Series,
-    grain_size,
     in_silo,
     leavers,
     numbers,
     outlet_centre,
+    particle_size,
 )
 from silo2d.measures.curve import steady_part
 from silo2d.view.scene import Scene, read_scene
@@ -47,7 +48,7 @@ def measure(
     band      height of a band [m]; a tenth of the fill level unless given
     window    from and until [s]; the steady part of the discharge, or all of it, unless given
 
-    Without a window it raises InputError where fewer than twenty grains left.
+    Without a window it raises InputError where fewer than twenty particles left.
     """
     scene = read_scene(folder)
     band = band or float(scene.trajectory.attributes["level"]) / _BANDS
@@ -66,7 +67,7 @@ def measure(
     return {
         "window_from_s": start,
         "window_until_s": end,
-        "strip_m": grain_size(scene),
+        "strip_m": particle_size(scene),
         "lowest_index": min((r["index"] for r in rows if r["index"] is not None), default=None),
         "bands": rows,
     }
@@ -90,8 +91,8 @@ def _flow(index: float | None, error: float | None) -> str | None:
 def strip_velocities(
     scene: Scene, edges: Series, start: float, end: float
 ) -> tuple[Series, Series]:
-    """Sums of velocity [m/s] and numbers of grains, (parts, 2, bands), at walls and centre."""
-    size, inside = grain_size(scene), in_silo(scene)
+    """Sums of velocity [m/s] and numbers of particles, (parts, 2, bands), at walls and centre."""
+    size, inside = particle_size(scene), in_silo(scene)
     sums = np.zeros((2, _PARTS, 2, len(edges) - 1))
     frames = np.flatnonzero((scene.time >= start) & (scene.time <= end))
     for part, members in enumerate(np.array_split(frames, _PARTS)):
@@ -100,12 +101,12 @@ def strip_velocities(
             band = np.digitize(y, edges) - 1
             counted = inside[frame] & (band >= 0) & (band < len(edges) - 1)
             distance, along = nearest_wall(scene, x, y)
-            for place, which, speed in (
+            for strip, which, speed in (
                 (0, counted & (distance <= size), vx * along[:, 0] + vy * along[:, 1]),
                 (1, counted & (np.abs(x - outlet_centre(scene)) <= size), -vy),
             ):
                 for row, weight in enumerate((speed[which], np.ones(int(which.sum())))):
-                    sums[place, part, row] += np.bincount(
+                    sums[strip, part, row] += np.bincount(
                         band[which], weight, minlength=len(edges) - 1
                     )
     return sums[0], sums[1]
@@ -144,7 +145,7 @@ def index_and_error(wall: Series, centre: Series) -> tuple[Series, Series]:
 
 
 def mean_velocity(sums: Series) -> Series:
-    """Mean (bands,) [m/s] of sums and numbers (2, bands); NaN where there is no grain."""
+    """Mean (bands,) [m/s] of sums and numbers (2, bands); NaN where there is no particle."""
     return _ratio(sums[0], sums[1])
 
 
@@ -154,7 +155,7 @@ def _ratio(over: Series, under: Series) -> Series:
 
 
 def draw(folder: Path) -> "Figure":
-    """Velocities at walls and centre against height, and the index beside its limit."""
+    """Velocities at walls and centre against height, and the index with its limit."""
     from matplotlib.figure import Figure
 
     scene, found = read_scene(folder), measure(folder)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _FEWEST = 20  # forces in a tail that is fitted
 _RESAMPLES = 200  # of the bootstrap: its error has an error of 5 %
 _WIDEST = 5.0  # line of a force of six times the mean [points]
-_PALE = "#f0e6d2", "#c9b79a"  # of grains under a network: face, edge
+_PALE = "#f0e6d2", "#c9b79a"  # of particles under a network: face, edge
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ def measure(folder: Path) -> dict[str, Any]:
     """Numbers of the network before the opening and at the last frame.
 
     contacts, pairs           vertex-edge contacts; pairs of bodies that touch
-    coordination              bodies that a grain inside touches, mean
-    touching_nothing          part of the grains inside
+    coordination              bodies that a particle inside touches, mean
+    touching_nothing          part of the particles inside
     sliding                   part of the contacts at their Coulomb limit; all without friction
     mean_normal_force_n       over the pairs
     pulling                   part of the pairs whose normal force pulls (law of the paper)
@@ -63,7 +63,7 @@ def numbers_of(moment: Moment) -> dict[str, Any]:
     """The numbers of one moment, see `measure`."""
     pairs, force = moment.pairs
     n_inside = int(moment.inside.sum())
-    touched = np.unique(pairs[pairs < moment.scene.n_grains])
+    touched = np.unique(pairs[pairs < moment.scene.n_particles])
     tail = exponential_tail(force)
     return {
         "time_s": moment.time,
@@ -82,10 +82,10 @@ def numbers_of(moment: Moment) -> dict[str, Any]:
 
 
 def coordination(moment: Moment) -> float | None:
-    """Bodies, grains and walls, that a grain inside touches, mean; None without grains."""
+    """Bodies, particles and walls, that a particle inside touches, mean; None without particles."""
     n_inside = int(moment.inside.sum())
     pairs, _ = moment.pairs
-    return float((pairs < moment.scene.n_grains).sum() / n_inside) if n_inside else None
+    return float((pairs < moment.scene.n_particles).sum() / n_inside) if n_inside else None
 
 
 def exponential_tail(force: Floats) -> Tail | None:
@@ -105,7 +105,7 @@ def _beta(pressing: Floats) -> float:
 
 
 def draw(folder: Path) -> "Figure":
-    """The network over the grains at both moments, and the distributions of forces.
+    """The network over the particles at both moments, and the distributions of forces.
 
     Where no contact is left at the end, the moment is shown when half of the leavers were out.
     """
@@ -121,7 +121,7 @@ def draw(folder: Path) -> "Figure":
     unit = float(scale[scale > 0].mean()) if (scale > 0).any() else 1.0
     for panel, moment, words in ((panels[0], before, "just before the opening"),
                                  (panels[1], end, f"{end.time:.2f} s")):  # fmt: skip
-        draw_grains(panel, scene, moment.frame)
+        draw_particles(panel, scene, moment.frame)
         draw_network(panel, moment, unit)
         panel.set_title(f"{words}\n{_in_words(moment)}", fontsize=10)
     words = f"lines: normal forces, {_WIDEST / 6:.1f} points wide for {unit:.3g} N; red pulls"
@@ -149,8 +149,8 @@ def _in_words(moment: Moment) -> str:
     return f"{numbers['coordination']:.2f} neighbours, {how}"
 
 
-def draw_grains(axes: "Axes", scene: Scene, frame: int) -> None:
-    """Grains in pale colours, walls, and the window of the silo."""
+def draw_particles(axes: "Axes", scene: Scene, frame: int) -> None:
+    """Particles in pale colours, walls, and the window of the silo."""
     from matplotlib.collections import LineCollection, PolyCollection
 
     for _, outlines in scene.outlines(frame):
@@ -175,7 +175,7 @@ def draw_network(axes: "Axes", moment: Moment, unit: float) -> None:
 
     force = (moment.force * moment.normal).sum(axis=1)
     first, second = moment.bodies.T
-    n = moment.scene.n_grains
+    n = moment.scene.n_particles
     ends = np.where(
         moment.at_wall[:, None], moment.point, moment.centres[np.minimum(second, n - 1)]
     )

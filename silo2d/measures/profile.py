@@ -1,10 +1,11 @@
 """Displacement profile of the painted layers: their lines every 0.25 s, V depth and V width.
 
-The line of layer k at a time t, over columns j about two grains wide (by where grains are at t):
+The line of layer k at a time t, over columns j about two particles wide (by where particles are at
+t):
 
     y_k(j) = <y(0)>_k + <y(t) - y(0)>_kj
 
-with the mean starting height of all the layer's grains, and the mean displacement of those in
+with the mean starting height of all the layer's particles, and the mean displacement of those in
 column j that have not left, at least two of them. Heights at the start scatter by 45 mm/sqrt(12)
 within a layer; the displacement does not, so the line is smoother than the mean of y(t).
 
@@ -12,11 +13,12 @@ The paper shows such pictures and no numbers (Granular Matter 15 (2013) 811, sec
 and 15); depth and width are ours:
 
     depth    mean of the line's outermost columns, left and right, less the column at the outlet
-    width    between the two places where the line stands half the depth above that column
+    width    between the two points where the line stands half the depth above that column
 
 A layer whose column at the outlet is empty while others are not is pierced: it has no depth. How
-far the grains of a layer have mixed is told by the scatter: the standard deviation of the
-displacements about their column's mean (in a column two grains wide it holds some shear as well).
+far the particles of a layer have mixed is given by the scatter: the standard deviation of the
+displacements about their column's mean (in a column two particles wide it holds some shear as
+well).
 """
 
 from collections.abc import Sequence
@@ -29,10 +31,10 @@ from granulab.campaign.output.figure import BLUE, INK, PAPER, VERMILION, WALL, h
 from silo2d.measures.basics.particles import (
     Series,
     column_edges,
-    grain_size,
     in_silo,
     numbers,
     outlet_centre,
+    particle_size,
     start_height,
 )
 from silo2d.view.scene import WOOD, Scene, read_scene
@@ -41,11 +43,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LINE_COLOURS = BLUE, VERMILION  # of the layers, in turn
+LINE_COLOURS = BLUE, VERMILION  # of the layers, alternating
 _PANEL_WIDTH, _MOST_PANELS = 2.0, 8  # inches; in a row
 INTERVAL = 0.25  # s, as in the paper's figures
-_FEWEST = 2  # grains that make a mean
-_SHALLOW = 0.5  # grain sizes: a V less deep has no width
+_FEWEST = 2  # particles that make a mean
+_SHALLOW = 0.5  # particle sizes: a V less deep has no width
 
 
 def measure(folder: Path, interval: float = INTERVAL) -> dict[str, Any]:
@@ -85,9 +87,9 @@ def profile_frames(time: Series, interval: float = INTERVAL) -> list[int]:
 
 
 def layer_lines(scene: Scene, frames: Sequence[int]) -> tuple[Series, np.ndarray, Series]:
-    """Lines of the layers (l, f, c) [m], their grains (l, f, c), and their scatter (l, f) [m].
+    """Lines of the layers (l, f, c) [m], their particles (l, f, c), and their scatter (l, f) [m].
 
-    NaN where a column has too few grains, and where no column of a layer has enough.
+    NaN where a column has too few particles, and where no column of a layer has enough.
     """
     names, layer = np.unique(scene.trajectory.static["layer"], return_inverse=True)
     edges, start = column_edges(scene), start_height(scene)
@@ -129,22 +131,22 @@ def v_shapes(scene: Scene, lines: Series) -> tuple[Series, Series, np.ndarray]:
     x = (edges[:-1] + edges[1:]) / 2
     depth, width = np.full(lines.shape[:2], np.nan), np.full(lines.shape[:2], np.nan)
     pierced = np.zeros(lines.shape[:2], dtype=bool)
-    for place in np.ndindex(lines.shape[:2]):
-        line = lines[place]
+    for index in np.ndindex(lines.shape[:2]):
+        line = lines[index]
         filled = np.flatnonzero(np.isfinite(line))
-        pierced[place] = len(filled) > 0 and np.isnan(line[middle])
-        if len(filled) == 0 or not filled[0] < middle < filled[-1] or pierced[place]:
+        pierced[index] = len(filled) > 0 and np.isnan(line[middle])
+        if len(filled) == 0 or not filled[0] < middle < filled[-1] or pierced[index]:
             continue
         deep = float(line[filled[[0, -1]]].mean() - line[middle])
-        depth[place] = deep
-        if deep > _SHALLOW * grain_size(scene):
+        depth[index] = deep
+        if deep > _SHALLOW * particle_size(scene):
             at = int(np.searchsorted(filled, middle))
-            width[place] = _width_at(x[filled], line[filled], at, deep / 2)
+            width[index] = _width_at(x[filled], line[filled], at, deep / 2)
     return depth, width, pierced
 
 
 def _width_at(x: Series, line: Series, middle: int, above: float) -> float:
-    """Between the first places left and right of x[middle] where a line is so far above it.
+    """Between the first points left and right of x[middle] where a line is so far above it.
 
     Straight between columns; NaN where one side does not reach so high.
     """
@@ -164,14 +166,14 @@ def _crossing(x: Series, height: Series) -> float:
 
 
 def draw(folder: Path) -> "Figure":
-    """The lines of all layers in the silo, over its grains, every 0.25 s."""
+    """The lines of all layers in the silo, over its particles, every 0.25 s."""
     scene = read_scene(folder)
     frames = profile_frames(scene.time)
     lines, _, _ = layer_lines(scene, frames)
-    return profile_sheet(scene, frames, lines, v_shapes(scene, lines)[0])
+    return profile_figure(scene, frames, lines, v_shapes(scene, lines)[0])
 
 
-def profile_sheet(scene: Scene, frames: Sequence[int], lines: Series, depth: Series) -> "Figure":
+def profile_figure(scene: Scene, frames: Sequence[int], lines: Series, depth: Series) -> "Figure":
     """A panel a frame, with the lines (l, f, c) [m] and the deepest V, for depths (l, f) [m]."""
     from matplotlib.figure import Figure
 
@@ -186,7 +188,7 @@ def profile_sheet(scene: Scene, frames: Sequence[int], lines: Series, depth: Ser
     for panel in panels.flat:
         panel.set_axis_off()
     for f, (frame, panel) in enumerate(zip(frames, panels.flat, strict=False)):
-        _grains(panel, scene, frame)
+        _particles(panel, scene, frame)
         draw_lines(panel, scene, lines[:, f])
         v = depth[:, f]
         remark = f"\ndeepest V {1e3 * np.nanmax(v):.0f} mm" if np.isfinite(v).any() else "\n "
@@ -195,12 +197,12 @@ def profile_sheet(scene: Scene, frames: Sequence[int], lines: Series, depth: Ser
     return figure
 
 
-def _grains(panel: "Axes", scene: Scene, frame: int) -> None:
+def _particles(panel: "Axes", scene: Scene, frame: int) -> None:
     from matplotlib.collections import LineCollection, PolyCollection
 
     layer = scene.trajectory.static["layer"]
-    for grains, outlines in scene.outlines(frame):
-        colours = [WOOD[tone] for tone in layer[grains] % len(WOOD)]
+    for particles, outlines in scene.outlines(frame):
+        colours = [WOOD[tone] for tone in layer[particles] % len(WOOD)]
         panel.add_collection(
             PolyCollection(list(outlines), facecolors=colours, edgecolors="none", alpha=0.45)
         )
@@ -210,7 +212,7 @@ def _grains(panel: "Axes", scene: Scene, frame: int) -> None:
 
 
 def draw_lines(panel: "Axes", scene: Scene, lines: Series) -> None:
-    """Draw the lines (l, c) [m] of one moment, gaps where a column has no grains."""
+    """Draw the lines (l, c) [m] of one moment, gaps where a column has no particles."""
     from matplotlib import patheffects
 
     edges = column_edges(scene)

@@ -1,7 +1,7 @@
-"""Residence time: when grains leave, by the level and the place across the silo they start at.
+"""Residence time: when particles leave, by the level and the position that they start at.
 
-Residence time is from the opening to the passing of y = 0, of the grains that leave; those that
-stay are counted. Levels are the painted layers, places are columns about two grains wide. The
+Residence time is from the opening to the passing of y = 0, of the particles that leave; those that
+stay are counted. Levels are the painted layers, positions are columns about two particles wide. The
 order of leaving against starting height is Spearman's rank correlation: 1 where the lowest leave
 first (first in, first out, if the silo was filled from below), -1 where the highest do.
 """
@@ -25,7 +25,7 @@ _COLOURS = "viridis_r"
 def measure(folder: Path) -> dict[str, Any]:
     """Mean and standard deviation [s] by layer and by column, order of leaving, who stays.
 
-    Raises InputError where no grain left.
+    Raises InputError where no particle left.
     """
     scene = read_scene(folder)
     left, _ = leavers(scene, 1, "a residence time")
@@ -74,28 +74,28 @@ def _of(times: Series) -> dict[str, Any]:
 
 
 def draw(folder: Path) -> "Figure":
-    """Grains where they start, coloured by when they leave; means by layer and by column."""
+    """Particles where they start, coloured by when they leave; means by layer and by column."""
     from matplotlib.figure import Figure
 
     scene, numbers = read_scene(folder), measure(folder)
     figure = Figure(figsize=(9.2, 5.2), layout="constrained")
     headline(figure, scene.headline)
     grid = figure.add_gridspec(2, 2, width_ratios=[1.25, 1])
-    _starting_places(figure, figure.add_subplot(grid[:, 0]), scene)
-    levels, places = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+    _starting_positions(figure, figure.add_subplot(grid[:, 0]), scene)
+    levels, positions = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
     _means(levels, [row["layer"] + 1 for row in numbers["by_layer"]], numbers["by_layer"])
     levels.set_xlabel("painted layer, from the bottom")
     middles = [500 * (row["left_m"] + row["right_m"]) for row in numbers["by_column"]]
-    _means(places, middles, numbers["by_column"])
-    places.set_xlabel("starting place across the silo [mm]")
+    _means(positions, middles, numbers["by_column"])
+    positions.set_xlabel("starting position across the silo [mm]")
     order = numbers["order_by_height"]
     if order is not None:
         levels.set_title(f"order by height (Spearman): {order:.2f}", loc="left", fontsize=9)
-    places.set_title("bars: one standard deviation", loc="left", fontsize=9)
+    positions.set_title("bars: one standard deviation", loc="left", fontsize=9)
     return figure
 
 
-def _starting_places(figure: "Figure", panel: "Axes", scene: Scene) -> None:
+def _starting_positions(figure: "Figure", panel: "Axes", scene: Scene) -> None:
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import LineCollection, PolyCollection
@@ -103,9 +103,9 @@ def _starting_places(figure: "Figure", panel: "Axes", scene: Scene) -> None:
 
     times = scene.trajectory["out_time"][-1]
     colour = ScalarMappable(Normalize(0, np.nanmax(times)), colormaps[_COLOURS])
-    for grains, outlines in scene.outlines(0):
-        fills = colour.to_rgba(times[grains])
-        fills[np.isnan(times[grains])] = (0.86, 0.86, 0.86, 1)
+    for particles, outlines in scene.outlines(0):
+        fills = colour.to_rgba(times[particles])
+        fills[np.isnan(times[particles])] = (0.86, 0.86, 0.86, 1)
         panel.add_collection(
             PolyCollection(list(outlines), facecolors=fills, edgecolors=INK, linewidths=0.3)
         )

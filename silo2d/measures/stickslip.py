@@ -1,19 +1,19 @@
-"""Stick and slip at the walls: grains that touch a wall, and how fast they slide along it.
+"""Stick and slip at the walls: particles that touch a wall, and how fast they slide along it.
 
-A grain touches a wall where its outline comes within 0.1 mm of it: outlines are stored with five
+A particle touches a wall where its outline comes within 0.1 mm of it: outlines are stored with five
 points on each rounded corner, which is right to 0.02 mm. Its sliding velocity is that of the point
-of its outline nearest to the wall, v + spin x r, along the wall, positive downwards (on a level
-floor: towards the outlet). It sticks where that is below 10 mm/s, a tenth of a millimetre a frame,
-and slips otherwise. Both numbers are arguments.
+of its outline nearest to the wall, v + w x r, w its angular velocity, along the wall, positive
+downwards (on a level floor: towards the outlet). It sticks where that is below 10 mm/s, a tenth of
+a millimetre a frame, and slips otherwise. Both numbers are arguments.
 
-An event is a row of frames in which a touching grain only sticks, or only slips. Those that a frame
-of the other state bounds at both ends are complete, and have a duration (frames times the frame
-interval); the others began or ended with the contact or the window. What changes faster than the
-frames is not seen. The same count from every second frame tells how much that matters: where it is
-about half, the events are shorter than the frames resolve, and their number and duration say more
-about the frames than about the flow. The sticking fraction does not suffer from that.
+An event is a row of frames in which a touching particle only sticks, or only slips. Those that a
+frame of the other state bounds at both ends are complete, and have a duration (frames times the
+frame interval); the others began or ended with the contact or the window. What changes faster than
+the frames is not seen. The same count from every second frame shows how much that matters: where it
+is about half, the events are shorter than the frames resolve, and their number and duration say
+more about the frames than about the flow. The sticking fraction does not suffer from that.
 
-The window is from the first frame after the opening to the last grain that leaves.
+The window is from the first frame after the opening to the last particle that leaves.
 """
 
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import VERMILION, headline
-from silo2d.measures.basics.particles import Series, grain_size, outlet_centre
+from silo2d.measures.basics.particles import Series, outlet_centre, particle_size
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
@@ -39,42 +39,42 @@ class Sliding:
     """What touches one wall in the frames of the window.
 
     time        of the frames (F,) [s]
-    speed       along the wall (F, n) [m/s], NaN where a grain does not touch it
-    place       along the wall from its lower end (F, n) [m], NaN likewise
+    speed       along the wall (F, n) [m/s], NaN where a particle does not touch it
+    position       along the wall from its lower end (F, n) [m], NaN likewise
     """
 
     time: Series
     speed: Series
-    place: Series
+    position: Series
 
 
 def sliding(scene: Scene, gap: float = GAP) -> dict[str, Sliding]:
     """What touches each wall but the door, by the wall's name."""
     frames = _frames(scene)
-    shape = len(scene.walls), len(frames), scene.n_grains
-    speed, place = np.full(shape, np.nan), np.full(shape, np.nan)
+    shape = len(scene.walls), len(frames), scene.n_particles
+    speed, position = np.full(shape, np.nan), np.full(shape, np.nan)
     lower, along = _downwards(scene)
     for f, frame in enumerate(frames):
-        for grains, outlines in scene.outlines(int(frame)):
+        for particles, outlines in scene.outlines(int(frame)):
             for w in range(len(scene.walls)):
                 near, at = _touching(outlines, lower[w], along[w], scene.walls[w], gap)
-                which = grains[near]
+                which = particles[near]
                 speed[w, f, which] = _speed(scene, int(frame), which, at) @ along[w]
-                place[w, f, which] = (lower[w] - at) @ along[w]
+                position[w, f, which] = (lower[w] - at) @ along[w]
     time = scene.time[frames]
     names = scene.wall_names[: len(scene.walls)]
-    return {name: Sliding(time, speed[w], place[w]) for w, name in enumerate(names)}
+    return {name: Sliding(time, speed[w], position[w]) for w, name in enumerate(names)}
 
 
 def _frames(scene: Scene) -> NDArray[np.int64]:
-    """Frames after the opening (where nothing has moved) until the last grain leaves."""
+    """Frames after the opening (where nothing has moved) until the last particle leaves."""
     left = scene.trajectory["out_time"][-1]
     end = np.nanmax(left) if np.isfinite(left).any() else scene.time[-1]
     return np.flatnonzero((scene.time > 0) & (scene.time <= end))
 
 
 def _downwards(scene: Scene) -> tuple[Series, Series]:
-    """Of each wall the end that grains slide to (w, 2) [m] and the unit vector thither (w, 2)."""
+    """End of each wall that particles slide to (w, 2) [m] and the unit vector to it (w, 2)."""
     first, second = scene.walls[:, 0], scene.walls[:, 1]
     to_outlet = np.abs(first[:, 0] - outlet_centre(scene)) < np.abs(
         second[:, 0] - outlet_centre(scene)
@@ -102,36 +102,36 @@ def _touching(
 
 
 def _speed(scene: Scene, frame: int, which: NDArray[np.int64], at: Series) -> Series:
-    """Velocity (m, 2) [m/s] of points at (m, 2) [m] that belong to grains (m,)."""
-    x, y, vx, vy, spin = (
+    """Velocity (m, 2) [m/s] of points at (m, 2) [m] that belong to particles (m,)."""
+    x, y, vx, vy, omega = (
         scene.trajectory[key][frame][which].astype(float) for key in ("x", "y", "vx", "vy", "spin")
     )
-    return np.stack([vx - spin * (at[:, 1] - y), vy + spin * (at[:, 0] - x)], axis=1)
+    return np.stack([vx - omega * (at[:, 1] - y), vy + omega * (at[:, 0] - x)], axis=1)
 
 
 def states(speed: Series, threshold: float) -> NDArray[np.int64]:
-    """0 where a grain does not touch, 1 where it sticks, 2 where it slips (F, n)."""
+    """0 where a particle does not touch, 1 where it sticks, 2 where it slips (F, n)."""
     slow = np.abs(np.nan_to_num(speed)) < threshold
     return np.where(np.isnan(speed), 0, np.where(slow, 1, 2))
 
 
 def events(state: NDArray[np.int64], kind: int) -> tuple[NDArray, NDArray[np.bool_]]:
-    """Start frame, grain, length in frames (m, 3) of rows of one state, and which are complete."""
+    """Start frame, particle, length in frames (m, 3) of rows of one state; which are complete."""
     padded = np.zeros((state.shape[0] + 2, state.shape[1]), dtype=np.int64)
     padded[1:-1] = state
     edges = np.diff((padded == kind).astype(np.int64), axis=0)
-    # Of the transpose: the rows of each grain in their order, so that starts and ends pair up.
-    grain, start = np.nonzero(edges.T == 1)
+    # Of the transpose: the rows of each particle in their order, so that starts and ends pair up.
+    particle, start = np.nonzero(edges.T == 1)
     _, end = np.nonzero(edges.T == -1)
     other = 3 - kind
-    complete = (padded[start, grain] == other) & (padded[end + 1, grain] == other)
-    return np.stack([start, grain, end - start], axis=1), complete
+    complete = (padded[start, particle] == other) & (padded[end + 1, particle] == other)
+    return np.stack([start, particle, end - start], axis=1), complete
 
 
 def measure(folder: Path, threshold: float = THRESHOLD, gap: float = GAP) -> dict[str, Any]:
     """Sticking fraction, sticks and slips of each wall and of all; see the module's text.
 
-    threshold   speed below which a grain sticks [m/s]; gap: within which it touches [m]
+    threshold   speed below which a particle sticks [m/s]; gap: within which it touches [m]
     """
     scene = read_scene(folder)
     walls = sliding(scene, gap)
@@ -157,7 +157,7 @@ def _fraction(speed: Series, threshold: float) -> float | None:
 
 
 def _of(speed: Series, threshold: float, interval: float | None) -> dict[str, Any]:
-    """The numbers of grains with these sliding velocities (F, n)."""
+    """The numbers of particles with these sliding velocities (F, n)."""
     state = states(speed, threshold)
     numbers: dict[str, Any] = {
         "touching_mean": float((state > 0).sum(axis=1).mean()) if len(state) else None,
@@ -176,7 +176,7 @@ def _of(speed: Series, threshold: float, interval: float | None) -> dict[str, An
 
 
 def draw(folder: Path) -> "Figure":
-    """For each wall, sliding velocity over time and place; sticking in a colour of its own."""
+    """For each wall, sliding velocity over time and position; sticking in a colour of its own."""
     from matplotlib import colormaps
     from matplotlib.figure import Figure
 
@@ -192,15 +192,15 @@ def draw(folder: Path) -> "Figure":
         seen = np.isfinite(wall.speed)
         frame, _ = np.nonzero(seen)
         points = panel.scatter(
-            wall.time[frame], 1e3 * wall.place[seen], c=np.abs(wall.speed[seen]), s=5, marker="s",
-            lw=0, cmap=colours, vmin=THRESHOLD, vmax=fastest,
+            wall.time[frame], 1e3 * wall.position[seen], c=np.abs(wall.speed[seen]), s=5,
+            marker="s", lw=0, cmap=colours, vmin=THRESHOLD, vmax=fastest,
         )  # fmt: skip
         fraction = _fraction(wall.speed, THRESHOLD)
         share = "nothing touches" if fraction is None else f"{100 * fraction:.0f} % stick"
         panel.set_title(f"{name}: {share}", loc="left", fontsize=9)
-        panel.set_ylim(bottom=-0.5e3 * grain_size(scene))
+        panel.set_ylim(bottom=-0.5e3 * particle_size(scene))
     panels[-1].set_xlabel("time since the opening [s]")
-    figure.supylabel("place along the wall, from its lower end [mm]", fontsize=9)
+    figure.supylabel("position along the wall, from its lower end [mm]", fontsize=9)
     figure.colorbar(points, ax=list(panels), extend="min", shrink=0.6,
                     label="sliding speed [m/s]; red: sticks")  # fmt: skip
     return figure

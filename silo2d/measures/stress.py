@@ -3,10 +3,10 @@
     sigma(r) = - sum_k f_k (x) b_k  int_0^1 phi(r - x_k - s b_k) ds             contact part
                + sum_i m_i (v_i - V(r)) (x) (v_i - V(r)) phi(r - x_i)           kinetic part
 
-over all pairs k of a grain and a contact it has: f the force on the grain, b the branch from its
-centroid x to the contact point; V is the momentum density over the mass density (Goldhirsch 2010,
-Granular Matter 12, 239; with contact points and walls Weinhart et al. 2012, Granular Matter 14,
-289). Pressure is positive. As d/ds phi(r - x - s b) = -b . grad phi,
+over all pairs k of a particle and a contact it has: f the force on the particle, b the branch from
+its centroid x to the contact point; V is the momentum density over the mass density (Goldhirsch
+2010, Granular Matter 12, 239; with contact points and walls Weinhart et al. 2012, Granular Matter
+14, 289). Pressure is positive. As d/ds phi(r - x - s b) = -b . grad phi,
 
     sum_i m_i a_i phi(r - x_i) = rho g - div sigma + sum over walls of f phi(r - point)
 
@@ -35,7 +35,7 @@ from silo2d.measures.basics.coarse_graining import (
     inside_polygon,
 )
 from silo2d.measures.basics.contacts import STATES, Moment, branches, in_words, read_moments, states
-from silo2d.measures.basics.particles import grain_size
+from silo2d.measures.basics.particles import particle_size
 from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:
@@ -98,17 +98,17 @@ def contact_stress(moment: Moment, grid: Grid) -> Floats:
 
 def kinetic_stress(scene: Scene, frame: int, grid: Grid) -> Floats:
     """The kinetic part (2, 2, j, i) [N/m]: sum m v (x) v phi less rho V (x) V."""
-    mass, place, velocity = moving(scene, frame)
+    mass, position, velocity = moving(scene, frame)
     products = velocity[:, :, None] * velocity[:, None, :]
-    density = grid.deposit(place, mass[:, None])[0]
-    momentum = grid.deposit(place, mass[:, None] * velocity)
-    total = grid.deposit(place, mass[:, None] * products.reshape(-1, 4))
+    density = grid.deposit(position, mass[:, None])[0]
+    momentum = grid.deposit(position, mass[:, None] * velocity)
+    total = grid.deposit(position, mass[:, None] * products.reshape(-1, 4))
     mean = momentum[:, None] * momentum[None] / np.maximum(density, np.finfo(float).tiny)
     return total.reshape(mean.shape) - mean
 
 
 def moving(scene: Scene, frame: int) -> tuple[Floats, Floats, Floats]:
-    """Mass (n,) [kg], centroid (n, 2) [m] and velocity (n, 2) [m/s] of the grains inside."""
+    """Mass (n,) [kg], centroid (n, 2) [m] and velocity (n, 2) [m/s] of the particles inside."""
     frames, inside = scene.trajectory, scene.trajectory["inside"][frame]
     x, y, vx, vy = (frames[key][frame][inside].astype(float) for key in ("x", "y", "vx", "vy"))
     mass = frames.static["mass"][inside]
@@ -118,11 +118,11 @@ def moving(scene: Scene, frame: int) -> tuple[Floats, Floats, Floats]:
 def stress_of(moments: list[Moment], width: float | None = None) -> StressField:
     """Mean stress of moments, on a grid over the silo and six widths round it.
 
-    width of the Gaussian [m]; one typical grain size (root of the mean area) unless given.
+    width of the Gaussian [m]; one typical particle size (root of the mean area) unless given.
     """
     scene = moments[0].scene
     corners = scene.walls.reshape(-1, 2)
-    grid = grid_round(corners.min(axis=0), corners.max(axis=0), width or grain_size(scene))
+    grid = grid_round(corners.min(axis=0), corners.max(axis=0), width or particle_size(scene))
     contact = np.mean([contact_stress(m, grid) for m in moments], axis=0)
     kinetic = np.mean([kinetic_stress(scene, m.frame, grid) for m in moments], axis=0)
     return StressField(grid, contact, kinetic, len(moments))
@@ -138,11 +138,11 @@ def measure(folder: Path) -> dict[str, Any]:
     fields                       x_m, y_m, and the total stress xx, xy, yx, yy (j, i) [N/m]
 
     Keys begin with before_opening, flow or end; those of a flow are None for a run of which
-    fewer than twenty grains left, those of the end for one that did not clog.
+    fewer than twenty particles left, those of the end for one that did not clog.
     """
     moments = read_moments(folder)
     fields = {name: stress_of(chosen) for name, chosen in states(moments).items()}
-    numbers: dict[str, Any] = {"width_m": grain_size(moments[0].scene)}
+    numbers: dict[str, Any] = {"width_m": particle_size(moments[0].scene)}
     for name in STATES:
         of = _numbers(fields[name]) if name in fields else dict.fromkeys(_KEYS)
         numbers |= {f"{name}_{key}": value for key, value in of.items()}
@@ -207,10 +207,10 @@ def _draw_crosses(
     chosen = np.zeros_like(inside)
     chosen[::step, ::step] = True
     j, i = np.nonzero(chosen & inside)
-    reach = 1.1 * step * (field.grid.x[1] - field.grid.x[0]) / max(longest, 1e-12)
-    place = np.column_stack([field.grid.x[i], field.grid.y[j]])
-    for stress, turn in ((larger, 0.0), (smaller, np.pi / 2)):
-        towards = np.column_stack([np.cos(angle[j, i] + turn), np.sin(angle[j, i] + turn)])
-        half = reach * stress[j, i, None] * towards
-        lines = np.stack([place - half, place + half], axis=1)
+    scale = 1.1 * step * (field.grid.x[1] - field.grid.x[0]) / max(longest, 1e-12)
+    position = np.column_stack([field.grid.x[i], field.grid.y[j]])
+    for stress, rotation in ((larger, 0.0), (smaller, np.pi / 2)):
+        towards = np.column_stack([np.cos(angle[j, i] + rotation), np.sin(angle[j, i] + rotation)])
+        half = scale * stress[j, i, None] * towards
+        lines = np.stack([position - half, position + half], axis=1)
         axes.add_collection(LineCollection(list(lines), colors=INK, linewidths=0.9))

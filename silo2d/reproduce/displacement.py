@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from silo2d.measures.basics.particles import Series, grain_size, numbers
+from silo2d.measures.basics.particles import Series, numbers, particle_size
 from silo2d.measures.profile import layer_lines, profile_frames, v_shapes
 from silo2d.view.scene import read_scene
 
@@ -60,7 +60,7 @@ def rows_of(one: Row) -> Iterator[Row]:
         values = np.array([_mean(line), depth[layer, f], width[layer, f], scatter[layer, f]])
         yield {
             **kept,
-            "grain_size_m": round(grain_size(scene), 5),
+            "grain_size_m": round(particle_size(scene), 5),
             "time_s": round(float(scene.time[frames[f]]), 6),
             "layer": layer + 1,
             "grains": int(counts[layer, f].sum()),

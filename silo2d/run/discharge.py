@@ -16,9 +16,9 @@ from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
-from silo2d.run.ending import BOOKS_OFF, LOOK, Clock, ending, tell
+from silo2d.run.ending import ENERGY_TOLERANCE, LOOK, Clock, ending, report_progress
 from silo2d.run.packing import Packing
-from silo2d.run.pour import agitation
+from silo2d.run.pour import normalised_kinetic_energy
 
 
 def discharge(
@@ -58,7 +58,7 @@ def discharge(
             return outcome
         if target % keep == 0:
             _keep(sim, folder, writer, clock)
-        tell(sim, case, clock, progress)
+        report_progress(sim, case, clock, progress)
         if stop():
             _keep(sim, folder, writer, clock)
             raise Stopped(f"go on with: silo2d run --resume {shlex.quote(str(folder.path))}")
@@ -68,7 +68,7 @@ def _open_door(sim: Simulation, case: SiloCase, writer: TrajectoryWriter, clock:
     """t = 0: friction on, the door away or on its way; the first frame has the forces before."""
     forces, touches = sim.wall_forces(), contacts_of(sim)
     held = bool(case.settings.fill.friction)
-    sim.begin_phase(*case.laws(sim.n_grains), case.time_step, keep_slips=held)
+    sim.begin_phase(*case.laws(sim.n_particles), case.time_step, keep_slips=held)
     door, speed = len(case.outline.walls().names) - 1, case.settings.run.door_speed
     if speed is None:
         sim.remove_wall(door)
@@ -84,10 +84,10 @@ def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: C
 
 
 def _look(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
-    """The outcome, once there is one. Raises SimulationError where the books are off."""
-    _check_books(sim, clock)
-    # Nothing is at rest while the door moves, however slow the grains are.
-    moving = math.inf if sim.door_moves else agitation(sim, case.shapes)
+    """The outcome, once there is one. Raises SimulationError where the energy balance is off."""
+    _check_energy_balance(sim, clock)
+    # Nothing is at rest while the door moves, however slow the particles are.
+    moving = math.inf if sim.door_moves else normalised_kinetic_energy(sim, case.shapes)
     return ending(sim, moving, case, packing, clock)
 
 
@@ -95,15 +95,15 @@ def _energy(table: dict[str, float]) -> float:
     return sum(table[k] for k in ("kinetic", "potential", "elastic_normal", "elastic_tangential"))
 
 
-def _check_books(sim: Simulation, clock: Clock) -> None:
-    """Stop where the books do not balance, as when the time step is too long."""
+def _check_energy_balance(sim: Simulation, clock: Clock) -> None:
+    """Stop where the energies do not balance, as when the time step is too long."""
     table = sim.energies()
     held = _energy(table)
     dissipated = float(sim.world.books[: state.CARRIED_OUT].sum())
     gone = table["carried_out"] + table["given_to_door"]
     gained = held + gone + dissipated - clock.starting_energy
     # While next to nothing is dissipated, a part of what there is to dissipate is the measure.
-    if not abs(gained) < BOOKS_OFF * max(dissipated, 0.01 * abs(clock.starting_energy)):
+    if not abs(gained) < ENERGY_TOLERANCE * max(dissipated, 0.01 * abs(clock.starting_energy)):
         whither = "came from nowhere" if gained > 0 else "went nowhere"
         raise sim.failure(f"{abs(gained):.3g} J of energy {whither}")
 
@@ -116,9 +116,9 @@ def contacts_of(sim: Simulation) -> dict[str, dict[str, np.ndarray]]:
 
 
 def frame_of(sim: Simulation, wall_force: np.ndarray) -> dict[str, np.ndarray | float | int]:
-    """What is kept of a moment: grains (single precision will do), counts, energies, forces."""
+    """What is kept of a moment: particles (single precision will do), counts, energies, forces."""
     rows = sim.rows.astype(np.float32)
-    inside = np.zeros(sim.n_grains, bool)
+    inside = np.zeros(sim.n_particles, bool)
     inside[sim.live] = True
     columns = {
         "x": state.X, "y": state.Y, "angle": state.ANGLE,
@@ -130,7 +130,7 @@ def frame_of(sim: Simulation, wall_force: np.ndarray) -> dict[str, np.ndarray | 
         "n_out": sim.n_out,
         **{name: rows[:, column] for name, column in columns.items()},
         "inside": inside,
-        "out_time": sim.world.bodies.out_time[: sim.n_grains],
+        "out_time": sim.world.bodies.out_time[: sim.n_particles],
         "wall_force": wall_force,
         **sim.energies(),
     }

@@ -15,7 +15,7 @@ from silo2d.run.packing import Packing
 LOOK = 0.01  # [s] between looks for the end of the run, whatever the output
 # Energy that may be unaccounted for, over the dissipated: at 5 us the published runs leave 0.2 to
 # 0.4 %, and more means that the step is too long for what happens.
-BOOKS_OFF = 0.05
+ENERGY_TOLERANCE = 0.05
 
 
 @dataclass
@@ -26,15 +26,15 @@ class Clock:
     cpu_s: float = 0.0  # CPU time of the discharge's step loop
     filling_cpu_s: float = 0.0  # CPU time of filling and settling
     starting_energy: float = 0.0  # kinetic, potential and elastic, at the opening [J]
-    quiet_since: float | None = None  # since when the grains lie still [s]
-    quiet_out: int = 0  # grains that were out by then
+    quiet_since: float | None = None  # since when the particles lie still [s]
+    quiet_out: int = 0  # particles that were out by then
 
 
 class Flow(Protocol):
-    """What the end of a run is judged by, whichever engine moves the grains."""
+    """What the end of a run is judged by, whichever engine moves the particles."""
 
     @property
-    def n_grains(self) -> int: ...
+    def n_particles(self) -> int: ...
     @property
     def n_out(self) -> int: ...
     @property
@@ -47,19 +47,19 @@ class Flow(Protocol):
     def state_digest(self) -> str: ...
 
 
-def tell(sim: Flow, case: SiloCase, clock: Clock, progress: Progress) -> None:
-    """Say how far a discharge is."""
+def report_progress(sim: Flow, case: SiloCase, clock: Clock, progress: Progress) -> None:
+    """Report how far a discharge is."""
     settings = case.settings.run
-    fraction = max(sim.n_out / sim.n_grains, sim.time / settings.max_time)
+    fraction = max(sim.n_out / sim.n_particles, sim.time / settings.max_time)
     if clock.quiet_since is not None:
         fraction = max(fraction, (sim.time - clock.quiet_since) / settings.rest_time)
-    progress(fraction, f"t = {sim.time:.2f} s, {sim.n_out} of {sim.n_grains} out")
+    progress(fraction, f"t = {sim.time:.2f} s, {sim.n_out} of {sim.n_particles} out")
 
 
 def ending(sim: Flow, moving: float, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
-    """The outcome, once there is one, for grains of an agitation (see pour.py)."""
+    """The outcome, once there is one; moving: the normalised kinetic energy (see pour.py)."""
     settings = case.settings.run
-    if sim.n_out == sim.n_grains:
+    if sim.n_out == sim.n_particles:
         return "empty"
     still = moving < settings.at_rest
     if not still or clock.quiet_since is None or sim.n_out != clock.quiet_out:
@@ -70,7 +70,7 @@ def ending(sim: Flow, moving: float, case: SiloCase, packing: Packing, clock: Cl
 
 
 def _at_rest(sim: Flow, case: SiloCase, packing: Packing) -> str:
-    """Clogged if the outline of a grain that stays crosses the centre line of the outlet."""
+    """Clogged if the outline of a particle that stays crosses the centre line of the outlet."""
     poses, kinds = sim.poses()[sim.live], packing.kinds[sim.live]
     centre = case.outline.outlet_centre
     if not crosses_centre_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, centre).any():
@@ -81,10 +81,10 @@ def _at_rest(sim: Flow, case: SiloCase, packing: Packing) -> str:
 def crosses_centre_line(
     x: ArrayLike, angle: ArrayLike, kind: ArrayLike, shapes: Sequence[Shape], centre: float
 ) -> NDArray[np.bool_]:
-    """Which grains' outlines meet the vertical line x = centre [m], (n,).
+    """Which particles' outlines meet the vertical line x = centre [m], (n,).
 
-    x        of the centroids (n,) [m]; angle of the grains (n,) [rad]
-    kind     which of the shapes each grain has (n,)
+    x        of the centroids (n,) [m]; angle of the particles (n,) [rad]
+    kind     which of the shapes each particle has (n,)
 
     Exact: a rounded outline reaches as far as its furthest core vertex and the spheroradius.
     """
@@ -92,9 +92,9 @@ def crosses_centre_line(
     crosses = np.zeros(len(x), dtype=bool)
     for k, shape in enumerate(shapes):
         which = kind == k
-        turned = np.cos(angle[which]), -np.sin(angle[which])
-        reach = x[which, None] + np.stack(turned, axis=1) @ shape.core.T
-        left, right = reach.min(axis=1), reach.max(axis=1)
+        rotated = np.cos(angle[which]), -np.sin(angle[which])
+        extent = x[which, None] + np.stack(rotated, axis=1) @ shape.core.T
+        left, right = extent.min(axis=1), extent.max(axis=1)
         crosses[which] = (left - shape.spheroradius <= centre) & (
             centre <= right + shape.spheroradius
         )

@@ -26,10 +26,10 @@ _HELD = ["kinetic", "potential", "elastic_normal", "elastic_tangential"]
 
 
 def discharge_measures(out_time: ArrayLike, mass: ArrayLike) -> dict[str, float | None]:
-    """How the grains that leave do so; n of them.
+    """How the particles that leave do so; n of them.
 
-    out_time    when each centroid passed y = 0 (n_grains,) [s]; NaN for those that stay
-    mass        of each grain (n_grains,) [kg]
+    out_time    when each centroid passed y = 0 (n_particles,) [s]; NaN for those that stay
+    mass        of each particle (n_particles,) [kg]
 
     n_out                      n
     t90_s                      when the ceil(0.9 n)-th leaves; t10 likewise; not interpolated
@@ -37,7 +37,7 @@ def discharge_measures(out_time: ArrayLike, mass: ArrayLike) -> dict[str, float 
     last_out_s                 when the n-th leaves
 
     None stands for what does not exist: nothing leaves, or all at once. Whether the silo clogged
-    is not asked here: a clogged run has no T90, though these grains have one.
+    does not count here: a clogged run has no T90, though these particles have one.
     """
     times, which = np.asarray(out_time, dtype=float), ~np.isnan(out_time)
     times, n = np.sort(times[which]), int(which.sum())
@@ -61,7 +61,7 @@ def discharge_measures(out_time: ArrayLike, mass: ArrayLike) -> dict[str, float 
 
 
 def discharge_curve(trajectory: Mapping[str, np.ndarray]) -> tuple[Series, NDArray[np.int64]]:
-    """Times [s] at which grains left, ascending, and how many had left at each, itself included."""
+    """Times [s] at which particles left, ascending, and the number out at each, itself included."""
     times = trajectory["out_time"][-1]
     times = np.sort(times[~np.isnan(times)])
     return times, np.arange(1, len(times) + 1)
@@ -73,10 +73,10 @@ def dissipated(trajectory: Mapping[str, np.ndarray]) -> dict[str, Series]:
 
 
 def energy_closure(trajectory: Mapping[str, np.ndarray]) -> tuple[Series, float | None]:
-    """Energy [J] that the books do not account for (F,), and its part of the dissipated energy.
+    """Unaccounted energy [J] (F,), and its part of the dissipated energy at the end.
 
     It is E(0) - E(t) - carried out - dissipated: positive where energy was lost. E is the
-    kinetic, potential and elastic energy of the grains inside; what grains that were dropped
+    kinetic, potential and elastic energy of the particles inside; what particles that were dropped
     had of it is carried out, and so is what a moving door took. The second number is the last
     unaccounted energy over what was dissipated until then, None where nothing was.
     """
@@ -94,7 +94,7 @@ def published_times(silo_name: str) -> dict[str, float | bool | None]:
 
     experiment_n             trials, of which experiment_clogged clogged
     experiment_mean_s        over the trials with a time; experiment_sd_s is their sample sd
-    simulation_s             SPOLY's; simulation_clogged tells whether it clogged instead
+    simulation_s             SPOLY's; simulation_clogged: whether it clogged instead
 
     All values are None for silos other than the paper's sixteen, and where nothing was printed.
     Source: Granular Matter 15 (2013) 811, Tables 5 and 6.

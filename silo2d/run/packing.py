@@ -1,4 +1,4 @@
-"""A filled silo: where its grains are; kept, because filling costs more than discharging."""
+"""A filled silo: where its particles are; kept, because filling costs more than discharging."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,12 +14,12 @@ from silo2d.case.shape import ShapeSet
 
 @dataclass(frozen=True, eq=False)
 class Packing:
-    """Grains at rest behind the closed door, numbered in rows from the bottom up."""
+    """Particles at rest behind the closed door, numbered in rows from the bottom up."""
 
     kinds: np.ndarray  # (n,) index in the shape set
     poses: np.ndarray  # (n, 3) x, y [m], angle [rad]
-    fraction: float  # area of grains over area of silo, well below the surface [-]
-    coordination: float  # bodies that a grain touches, mean [-]
+    fraction: float  # area of particles over area of silo, well below the surface [-]
+    coordination: float  # bodies that a particle touches, mean [-]
     poured_with: str
     cpu_s: float  # CPU time that the filling took [s]
     sources: str = ""  # digest of the sources that made it
@@ -72,16 +72,16 @@ def load_packing(folder: Path) -> Packing | None:
         return Packing(arrays["kinds"], arrays["poses"], **meta)
     except (FolderError, KeyError, TypeError):
         raise FolderError(
-            f"{file}: damaged, or of another version; delete it and the silo is filled anew"
+            f"{file}: damaged, or of another version; delete it and the silo is filled again"
         ) from None
 
 
 def packing_fraction(
     outline: Outline, shapes: ShapeSet, kinds: np.ndarray, y: np.ndarray, level: float
 ) -> float:
-    """Area of grains over area of silo, both up to one largest grain below `level` [-].
+    """Area of particles over area of silo, both up to one largest particle below `level` [-].
 
-    A grain counts where its centroid is; those cut by the line cancel on average.
+    A particle counts where its centroid is; those cut by the line cancel on average.
     """
     line = level - 2 * shapes.bounding_radius
     areas = np.array([shape.area for shape in shapes.shapes])[kinds]
@@ -89,9 +89,9 @@ def packing_fraction(
 
 
 def in_rows(kinds: np.ndarray, poses: np.ndarray, height: float) -> tuple[np.ndarray, np.ndarray]:
-    """The same grains, numbered by rows of a height [m] and from left to right in each.
+    """The same particles, numbered by rows of a height [m] and from left to right in each.
 
-    Grains that touch then stand near each other in memory.
+    Particles that touch then stand near each other in memory.
     """
     order = np.lexsort((poses[:, 0], np.floor(poses[:, 1] / height)))
     return kinds[order], poses[order]

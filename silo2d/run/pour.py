@@ -1,7 +1,7 @@
-"""Filling by rain: grains fall on a closed door until they lie still.
+"""Filling by rain: particles fall on a closed door until they lie still.
 
 All at once and without friction, which would leave large voids (the paper pours without it); or
-with friction, or layer by layer, where the case asks for that. The contacts are a quarter as
+with friction, or layer by layer, where the case says so. The contacts are a quarter as
 stiff as the materials file says, which allows twice the time step; the run lets the packing
 settle once more under its own law before friction is switched on.
 """
@@ -22,7 +22,9 @@ from silo2d.engine.state import INV_MASS
 from silo2d.engine.world import build_world
 from silo2d.run.packing import Packing, in_rows, packing_fraction
 
-LOOSE = 0.93  # packing fraction that the number of poured grains is reckoned with; above any seen
+LOOSE = (
+    0.93  # packing fraction that the number of poured particles is reckoned with; above any seen
+)
 _FRAME = 5e-3  # [s] between looks at the kinetic energy
 _PATIENCE = 6.0  # [s] of simulated time; a filling has settled long before
 
@@ -40,10 +42,10 @@ class Layer(NamedTuple):
 def rain(
     case: SiloCase, rng: np.random.Generator, layer: Layer | None = None
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Kinds (n,) and poses (n, 3) of enough grains for a layer, none touching another.
+    """Kinds (n,) and poses (n, 3) of enough particles for a layer, none touching another.
 
     They stand in staggered rows from the door up, or above what lies there, in the silo and over
-    it, each turned at random; the lower they start, the sooner they lie still. Also returns how
+    it, each rotated at random; the lower they start, the sooner they lie still. Also returns how
     far [m] the side walls must be prolonged to hold them. Without a layer it is the whole filling.
     """
     from shapely import LineString, Polygon
@@ -53,13 +55,13 @@ def rain(
     begin, end, above = layer or Layer(0.0, case.settings.fill.level, 0.0)
     area = case.outline.area_below(end) - (case.outline.area_below(begin) if begin else 0.0)
     n = math.ceil(area * LOOSE / case.shapes.mean_area)
-    high = case.outline.raised(above + n * pitch)  # more than enough: one grain a row
+    high = case.outline.raised(above + n * pitch)  # more than enough: one particle a row
     room = Polygon(high.polygon).buffer(-1.02 * radius)
     left, bottom, right, top = room.bounds if not room.is_empty else (0.0, 0.0, 0.0, 0.0)
-    places: list[tuple[float, float]] = []
+    positions: list[tuple[float, float]] = []
     y = max(bottom, above + radius if above else bottom) + 1e-3 * pitch
     staggered = False
-    while len(places) < n and y < top:
+    while len(positions) < n and y < top:
         stretch = room.intersection(LineString([(left - 1, y), (right + 1, y)]))
         for line in getattr(stretch, "geoms", [stretch]):
             if line.is_empty:
@@ -70,17 +72,17 @@ def rain(
             columns = range(
                 math.ceil((left_end - first) / pitch), math.floor((right_end - first) / pitch) + 1
             )
-            places += [(first + k * pitch, y) for k in columns]
+            positions += [(first + k * pitch, y) for k in columns]
         y += math.sqrt(0.75) * pitch
         staggered = not staggered
-    n = len(places)
+    n = len(positions)
     if not n:
         raise InputError(
             f"{case.name}: the silo has no room for its particles: it must be wider than "
             f"{2.04e3 * radius:.3g} mm somewhere, a largest particle and a little more"
         )
     kinds = rng.choice(len(case.shapes.shapes), size=n, p=case.shapes.shares)
-    poses = np.column_stack([places, rng.uniform(0, 2 * math.pi, n)])
+    poses = np.column_stack([positions, rng.uniform(0, 2 * math.pi, n)])
     return kinds, poses, max(y - case.outline.height, 0.0) + pitch
 
 
@@ -97,14 +99,14 @@ def pour(case: SiloCase, seed: int, report: Report) -> Packing:
     for k in range(n_layers):
         top = (poses[:, 1].max() + case.shapes.bounding_radius) if len(poses) else 0.0
         layer = Layer(k * height, min((k + 1) * height, level), top)
-        more, places, above = rain(case, rng, layer)
-        kinds, poses = np.concatenate([kinds, more]), np.concatenate([poses, places])
+        more, positions, above = rain(case, rng, layer)
+        kinds, poses = np.concatenate([kinds, more]), np.concatenate([poses, positions])
         sim = pouring(case, kinds, poses, case.outline.raised(above))
         if k == 0:
             sim.compile()
             begun = time.process_time()
         which = f" layer {k + 1} of {n_layers}" if n_layers > 1 else ""
-        settle(sim, case, report, f"pouring{which}", down_at(places, layer.end))
+        settle(sim, case, report, f"pouring{which}", down_at(positions, layer.end))
         kinds, poses = level_off(case, kinds, sim.poses(), layer.end)
         sim = pouring(case, kinds, poses, case.outline)
         settle(sim, case, report, f"levelling{which}")
@@ -120,7 +122,7 @@ def pouring(case: SiloCase, kinds: np.ndarray, poses: np.ndarray, outline: Outli
         poses,
         outline.walls(),
         surface_density=case.surface_density,
-        grain_law=case.pour_laws[0],
+        particle_law=case.pour_laws[0],
         wall_law=case.pour_laws[1],
         gravity=GRAVITY,
         time_step=case.pour_time_step,
@@ -131,7 +133,7 @@ def pouring(case: SiloCase, kinds: np.ndarray, poses: np.ndarray, outline: Outli
 def level_off(
     case: SiloCase, kinds: np.ndarray, poses: np.ndarray, level: float | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The grains up to a level [m], that of the filling if none is given, numbered in rows."""
+    """The particles up to a level [m], that of the filling if none is given, numbered in rows."""
     below = poses[:, 1] <= (case.settings.fill.level if level is None else level)
     return in_rows(kinds[below], poses[below], 2 * case.shapes.bounding_radius)
 
@@ -148,7 +150,7 @@ def packed(
 
 
 def down_at(poses: np.ndarray, level: float) -> float:
-    """When the highest grain of the rain can have fallen to a level [m], at the soonest [s]."""
+    """When the highest particle of the rain can have fallen to a level [m], at the soonest [s]."""
     drop = max(poses[:, 1].max() - level, 0.0)
     return math.sqrt(2 * drop / GRAVITY)
 
@@ -156,7 +158,7 @@ def down_at(poses: np.ndarray, level: float) -> float:
 def settle(
     sim: Simulation, case: SiloCase, report: Report, phase: str, soonest: float = 0.0
 ) -> None:
-    """Run until the kinetic energy is a small part of what lifts every grain by its own size.
+    """Run until the kinetic energy is a small part of what lifts every particle by its own size.
 
     Not before `soonest` [s]: rain that has just begun to fall is slow as well. Raises
     SimulationError if it does not come to rest in a long time.
@@ -165,7 +167,7 @@ def settle(
     start = None
     while True:
         sim.run(steps)
-        moving = agitation(sim, case.shapes)
+        moving = normalised_kinetic_energy(sim, case.shapes)
         start = max(start or 0.0, moving)
         if moving < case.settings.fill.settled and sim.time >= soonest:
             return
@@ -179,7 +181,7 @@ def settle(
 
 
 def part_settled(start: float, moving: float, enough: float) -> float:
-    """How far an agitation has come down from `start` to `enough` (0 to 1).
+    """How far a normalised kinetic energy has come down from `start` to `enough` (0 to 1).
 
     Once the rain is down it decays exponentially, more or less.
     """
@@ -188,8 +190,8 @@ def part_settled(start: float, moving: float, enough: float) -> float:
     return min(math.log(start / moving) / math.log(start / enough), 1.0)
 
 
-def agitation(sim: Simulation, shapes: ShapeSet) -> float:
-    """Kinetic energy over the energy that lifts each grain by its size (root of its area) [-]."""
+def normalised_kinetic_energy(sim: Simulation, shapes: ShapeSet) -> float:
+    """Kinetic energy over what lifts each particle by its size (root of its area) [-]."""
     rows = sim.rows[sim.live]
     weight = GRAVITY * (1.0 / rows[:, INV_MASS]).sum()
     kinetic = sim.energies()["kinetic"]

@@ -28,7 +28,7 @@ from silo2d.engine.world import build_world
 from silo2d.run.discharge import discharge
 from silo2d.run.ending import Clock
 from silo2d.run.packing import Packing, load_packing, packing_folder, save_packing
-from silo2d.run.pour import agitation, pour
+from silo2d.run.pour import normalised_kinetic_energy, pour
 from silo2d.run.result import Result
 from silo2d.run.sources import BASELINE, MEASURES, SOURCES
 from silo2d.run.summary import describe, measured, summarise, write_records
@@ -48,11 +48,11 @@ def run(
     stop: Stop = lambda: False,
     warn: Warn = to_stderr,
 ) -> Result:
-    """Run a case in a folder below `out` ("runs"), or give the answer that stands there.
+    """Run a case in a folder below `out` ("runs"), or read the result that stands there.
 
-    An unfinished run goes on from its checkpoint. `stop` is asked at every look and every
-    frame; when it says yes, the state is kept and Stopped is raised. `warn` is told of what was
-    made by other sources. Raises FolderError for folders that cannot be used and
+    An unfinished run goes on from its checkpoint. `stop` is called at every look and every
+    frame; when it is true, the state is kept and Stopped is raised. `warn` is called for what
+    other sources made. Raises FolderError for folders that cannot be used and
     SimulationError where the simulation fails.
     """
     root = Path(out or "runs")
@@ -148,7 +148,7 @@ def _finish(folder: RunFolder, summary: dict[str, Any], begun: float) -> Result:
 def _by_pymunk(
     folder: RunFolder, case: SiloCase, progress: Progress, stop: Stop, warn: Warn
 ) -> dict[str, Any]:
-    """The answers of a discharge by pymunk; its frames are in the folder."""
+    """The summary of a discharge by pymunk; its frames are in the folder."""
     packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
     static, attributes = describe(case, packing)
     attributes["engine"] = "pymunk"
@@ -170,7 +170,7 @@ def _start_or_resume(
     sim = Simulation(world_behind_door(case, packing))
     if resuming:
         saved, meta = load_checkpoint(folder.checkpoint)
-        sim.begin_phase(*case.laws(sim.n_grains), case.time_step)
+        sim.begin_phase(*case.laws(sim.n_particles), case.time_step)
         try:
             sim.restore(saved)
             return sim, Clock(**meta), packing
@@ -203,7 +203,7 @@ def get_packing(
         folder,
         load=load_packing,
         make=lambda: _fill(case, folder, progress, stop),
-        cure="delete it and it is filled anew",
+        cure="delete it and it is filled again",
         sources=sources_of_both(case)[1],
         stop=stop,
         warn=warn,
@@ -214,7 +214,7 @@ def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Stop) -> Packi
     def report(phase: str, fraction: float, text: str) -> None:
         progress(fraction, f"{phase}, {text}")
         if stop():
-            raise Stopped("the same command fills the silo anew, from its seed")
+            raise Stopped("the same command fills the silo again, from its seed")
 
     seed = case.settings.run.seed
     if case.settings.fill.pour_with == "pymunk":
@@ -230,10 +230,10 @@ def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Stop) -> Packi
 
 def world_behind_door(case: SiloCase, packing: Packing) -> state.World:
     """The packing behind the closed door, with the friction that it was poured with."""
-    grain_law, wall_law = case.laws(len(packing.kinds))
+    particle_law, wall_law = case.laws(len(packing.kinds))
     if case.settings.fill.friction is not True:
         poured = case.pour_laws
-        grain_law = with_friction(grain_law, poured[0].mu)
+        particle_law = with_friction(particle_law, poured[0].mu)
         wall_law = with_friction(wall_law, poured[1].mu)
     return build_world(
         case.shapes.shapes,
@@ -241,7 +241,7 @@ def world_behind_door(case: SiloCase, packing: Packing) -> state.World:
         packing.poses,
         case.outline.walls(),
         surface_density=case.surface_density,
-        grain_law=grain_law,
+        particle_law=particle_law,
         wall_law=wall_law,
         gravity=GRAVITY,
         time_step=case.time_step,
@@ -263,7 +263,7 @@ def settle_under_own_law(
     while True:
         sim.wall_forces()
         sim.run(steps)
-        moving = agitation(sim, case.shapes)
+        moving = normalised_kinetic_energy(sim, case.shapes)
         quiet_looks = quiet_looks + 1 if moving < case.settings.fill.settled else 0
         if quiet_looks == _QUIET_LOOKS:
             return
@@ -272,6 +272,6 @@ def settle_under_own_law(
         progress(0.0, f"settling, t = {sim.time:.3f} s")
         if sim.time > _SETTLE_PATIENCE:
             raise sim.failure(
-                f"the packing did not come to rest under its own law (agitation {moving:.1e}, "
-                f"[fill] settled asks for {case.settings.fill.settled:g})"
+                "the packing did not come to rest under its own law (normalised kinetic energy "
+                f"{moving:.1e}, [fill] settled wants {case.settings.fill.settled:g})"
             )

@@ -30,7 +30,7 @@ class Result(Answers):
     cpu_us_per_step: float  # of the discharge
     cpu_s: float  # of filling, settling and discharge
     energy_closure: float | None  # unaccounted over dissipated, of the discharge; None: not known
-    dissipated_j: dict[str, float | None]  # by mechanism and pair; None: the engine cannot tell
+    dissipated_j: dict[str, float | None]  # by mechanism and pair; None: not known of this engine
     restitution: dict[str, dict[str, float]]
     published: dict[str, Any]
     state_digest: str

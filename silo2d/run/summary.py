@@ -24,13 +24,13 @@ def summarise(
     clock: Clock,
     outcome: str,
 ) -> dict[str, Any]:
-    """The answers of a finished discharge, from its trajectory."""
+    """The summary of a finished discharge, from its trajectory."""
     return {
         "silo": case.label,
         "seed": case.settings.run.seed,
         "engine": case.settings.run.engine,
         "outcome": outcome,
-        "n_particles": sim.n_grains,
+        "n_particles": sim.n_particles,
         "n_out": sim.n_out,
         "packing_fraction": packing.fraction,
         "coordination": packing.coordination,
@@ -97,7 +97,7 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
 
 
 def write_records(folder: RunFolder) -> None:
-    """records.csv: time, grains out, energies and wall forces, a line a frame."""
+    """records.csv: time, particles out, energies and wall forces, a line a frame."""
     frames = read_trajectory(folder.path)
     names = json.loads(frames.attributes["wall_names"])
     numbers = [k for k in frames if frames[k].ndim == 1]

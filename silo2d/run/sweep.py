@@ -27,7 +27,7 @@ from silo2d.run.packing import load_packing, packing_folder
 from silo2d.run.result import Result
 from silo2d.run.sources import MEASURES, SOURCES
 
-# Some forty grains that fall a centimetre: all kernels of a filling and a discharge.
+# Some forty particles that fall a centimetre: all kernels of a filling and a discharge.
 _SMALL = {
     "silo.angle": "45 deg",
     "silo.outlet": "60 mm",

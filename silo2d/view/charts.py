@@ -1,4 +1,4 @@
-"""Graphs of one run: grains out, energies and wall forces against time."""
+"""Graphs of one run: particles out, energies and wall forces against time."""
 
 from typing import TYPE_CHECKING
 
@@ -35,15 +35,15 @@ _WALL_COLOURS = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, GREY]
 
 
 def discharge_chart(scene: Scene) -> "Figure":
-    """Grains out against time, with T90 and the published discharge times where they exist."""
+    """Particles out against time, with T90 and the published discharge times where they exist."""
     figure, (axes,) = _canvas(scene, [1], (7.5, 4.8))
     times, count = discharge_curve(scene.trajectory)
     end = float(scene.time[-1])
     axes.step([0, *times, end], [0, *count, len(count)], where="post", color=INK, lw=1.8)
-    axes.set_ylabel("grains out")
-    axes.set_ylim(0, 1.05 * scene.n_grains)
-    axes.axhline(scene.n_grains, color=GREY, lw=0.6)
-    axes.annotate(f"all {scene.n_grains}", (0, scene.n_grains), (4, -3), color=GREY, va="top",
+    axes.set_ylabel("particles out")
+    axes.set_ylim(0, 1.05 * scene.n_particles)
+    axes.axhline(scene.n_particles, color=GREY, lw=0.6)
+    axes.annotate(f"all {scene.n_particles}", (0, scene.n_particles), (4, -3), color=GREY, va="top",
                   textcoords="offset points")  # fmt: skip
     latest = _published_lines(axes, scene)
     t90 = scene.summary.get("t90_s")
@@ -81,12 +81,12 @@ def _published_lines(axes: "Axes", scene: Scene) -> float:
 
 
 def energy_chart(scene: Scene) -> "Figure":
-    """Energies of the grains inside, what each mechanism dissipated, and what is unaccounted.
+    """Energies of the particles inside, what each mechanism dissipated, and what is unaccounted.
 
-    Where the engine keeps no books, what was lost is one number.
+    Where the engine keeps no account of mechanisms, what was lost is one number.
     """
     if any(name not in scene.trajectory for name in _MECHANISM_COLOURS):
-        return _energy_without_books(scene)
+        return _energy_without_mechanisms(scene)
     figure, (held, lost, rest) = _canvas(scene, [3, 3, 1.1], (9.2, 7.6))
     traj, time = scene.trajectory, scene.time
     elastic = traj["elastic_normal"] + traj["elastic_tangential"]
@@ -94,17 +94,17 @@ def energy_chart(scene: Scene) -> "Figure":
         ("potential", traj["potential"], INK),
         ("kinetic", traj["kinetic"], VERMILION),
         ("elastic", elastic, GREEN),
-        ("carried out\nby grains that left", traj["carried_out"] - traj["carried_out"][0], GREY),
+        ("carried out\nby particles that left", traj["carried_out"] - traj["carried_out"][0], GREY),
     ):
         held.plot(time, energy, color=colour, label=label)
     if "given_to_door" in traj and traj["given_to_door"].any():
         worked = traj["given_to_door"][0] - traj["given_to_door"]
         held.plot(time, worked, color=SKY, label="work of the door")
-    held.set_ylabel("grains inside [J]")
+    held.set_ylabel("particles inside [J]")
     _legend(held)
 
     by = dissipated(traj)
-    # Friction at the bottom, the grains' share first: the largest carries the others.
+    # Friction at the bottom, the particles' share first: the largest carries the others.
     stacked = lost.stackplot(
         time, *(by[name] for name in _MECHANISM_COLOURS), colors=list(_MECHANISM_COLOURS.values())
     )
@@ -122,23 +122,23 @@ def energy_chart(scene: Scene) -> "Figure":
     return figure
 
 
-def _energy_without_books(scene: Scene) -> "Figure":
-    """Energies of the grains inside, and what was lost by difference."""
+def _energy_without_mechanisms(scene: Scene) -> "Figure":
+    """Energies of the particles inside, and what was lost by difference."""
     figure, (held, lost) = _canvas(scene, [3, 2], (9.2, 5.6))
     traj, time = scene.trajectory, scene.time
     carried_out = traj["carried_out"] - traj["carried_out"][0]
     for label, energy, colour in (
         ("potential", traj["potential"], INK),
         ("kinetic", traj["kinetic"], VERMILION),
-        ("carried out\nby grains that left", carried_out, GREY),
+        ("carried out\nby particles that left", carried_out, GREY),
     ):
         held.plot(time, energy, color=colour, label=label)
-    held.set_ylabel("grains inside [J]")
+    held.set_ylabel("particles inside [J]")
     _legend(held)
     energy = traj["potential"] + traj["kinetic"] + carried_out
     lost.plot(time, energy[0] - energy, color=BLUE)
     lost.set_ylabel("lost [J]")
-    remark = "by difference: impulses tell neither the mechanisms nor how well the books close"
+    remark = "by difference: impulses give neither the mechanisms nor the energy balance"
     lost.set_title(remark, loc="left", fontsize=9)
     _time_axis(lost)
     return figure
@@ -146,7 +146,8 @@ def _energy_without_books(scene: Scene) -> "Figure":
 
 def _words(mechanism: str, energy: float) -> str:
     how, _, between = mechanism.partition("_grain_")
-    return f"{how.replace('_', ' ')},\ngrain\N{EN DASH}{between}: {energy:.3g} J"
+    between = between.replace("grain", "particle")
+    return f"{how.replace('_', ' ')},\nparticle\N{EN DASH}{between}: {energy:.3g} J"
 
 
 def force_chart(scene: Scene) -> "Figure":

@@ -1,4 +1,4 @@
-"""Two runs beside each other, from their folders: outcomes, times, curves, cost; and a figure."""
+"""Comparison of two runs, from their folders: outcomes, times, curves, cost; and a figure."""
 
 import tomllib
 from collections.abc import Sequence
@@ -24,12 +24,12 @@ _KEPT += ["mean_rate_per_s", "mean_mass_flow_kg_per_s", "time_step_s", "steps", 
 def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
     """Two finished runs: what each found and took, and how far their curves are apart.
 
-    runs             of each: the answers of the run that are kept here, what moved its grains
+    runs             of each: the results of the run that are kept here, what moved its particles
                      (label), the CPU time of its step loop (discharge_cpu_s), and the wall time
                      of the whole run, the filling included where it filled (wall_s)
     curve            see `curve_distance`; None where nothing left one of them
-    start_offset_m   how far apart the same grain is at the opening, at most; None where the
-                     grains are not the same
+    start_offset_m   how far apart the same particle is at the opening, at most; None where the
+                     particles are not the same
 
     Raises FolderError for a folder that is no finished run.
     """
@@ -44,11 +44,11 @@ def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
 
 
 def curve_distance(first: Times, second: Times) -> dict[str, float | int] | None:
-    """How far two discharge curves are apart; None where one has no grain that left.
+    """How far two discharge curves are apart; None where one has no particle that left.
 
-    first, second    times (n,) [s] at which grains left, ascending
+    first, second    times (n,) [s] at which particles left, ascending
 
-    With t(n) the time at which the n-th grain leaves, over the counts that both reach:
+    With t(n) the time at which the n-th particle leaves, over the counts that both reach:
 
     counts           how many those are
     mean_s, max_s    mean and largest |t_2(n) - t_1(n)|
@@ -83,14 +83,14 @@ def _row(folder: RunFolder) -> dict[str, Any]:
     except (KeyError, TypeError) as error:
         raise FolderError(
             f"{folder.path / 'summary.json'}: damaged ({error}); use --again to compute the run "
-            "anew"
+            "again"
         ) from None
     row["wall_s"] = folder.read_provenance().get("wall_s")
     return {"label": _label(folder, row), **row, "run_folder": str(folder.path)}
 
 
 def _label(folder: RunFolder, row: dict[str, Any]) -> str:
-    """What moved the grains: "dem, 5 us", "pymunk, 30 x 0.25 ms"."""
+    """What moved the particles: "dem, 5 us", "pymunk, 30 x 0.25 ms"."""
     if row["engine"] == "dem":
         return f"dem, {1e6 * row['time_step_s']:g} us"
     settings = tomllib.loads(folder.read_case()).get(row["engine"], {})
@@ -168,12 +168,12 @@ def draw(pairs: Sequence[dict[str, Any]]) -> "Figure":
             curves.step(*steps, where="post", color=colour, lw=1.2, label=named)
         both = min(map(len, times))
         lags.plot(range(1, both + 1), 1e3 * (times[1][:both] - times[0][:both]), color=BLUE, lw=1)
-    curves.set(xlabel="time since the opening [s]", ylabel="grains out")
+    curves.set(xlabel="time since the opening [s]", ylabel="particles out")
     curves.set_xlim(left=0)
     curves.set_ylim(bottom=0)
     curves.legend(loc="upper left")
     lags.axhline(0, color=GREY, lw=0.6)
-    lags.set(xlabel="grains out", ylabel=f"{labels[1]}\nlater by [ms]")
+    lags.set(xlabel="particles out", ylabel=f"{labels[1]}\nlater by [ms]")
     for axes in (curves, lags):
         axes.grid(axis="y", color="#e6e3dc", lw=0.7)
         axes.set_axisbelow(True)
@@ -181,7 +181,7 @@ def draw(pairs: Sequence[dict[str, Any]]) -> "Figure":
 
 
 def _legend_labels(rows: Sequence[dict[str, Any]]) -> list[str]:
-    """What tells two runs apart: engine, else steps, else folder."""
+    """Names that tell two runs apart: engine, else steps, else folder."""
     for name in ("engine", "label"):
         if rows[0][name] != rows[1][name]:
             return [row[name] for row in rows]

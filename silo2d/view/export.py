@@ -1,12 +1,13 @@
 """A run for other programs: one VTKHDF file for ParaView, or CSV tables.
 
 VTKHDF (see granulab.campaign.output.vtkhdf): each stored frame is a step. The cells of a step are
-the walls as lines, without the door, and then the grains that are still simulated as polygons, in
-ascending order. Their arrays, SI units:
+the walls as lines, without the door, and then the particles that are still simulated as polygons,
+in ascending order. Their arrays, SI units:
 
-    velocity (3) [m/s]   spin [rad/s]   kind, layer   inside: 1 until the centroid passes y = 0
-    id: of a grain from 0 on; of the walls -1, -2, ... in the order of the run folder
-    stress (6: xx, yy, zz, xy, yz, xz) [N/m], see grain_stress; NaN in frames without contacts,
+    velocity (3) [m/s]   spin: angular velocity [rad/s]   kind, layer
+    inside: 1 until the centroid passes y = 0
+    id: of a particle from 0 on; of the walls -1, -2, ... in the order of the run folder
+    stress (6: xx, yy, zz, xy, yz, xz) [N/m], see particle_stress; NaN in frames without contacts,
         left out where the run folder keeps none
 
 A wall has kind, layer and inside -1, no velocity and stress NaN. Polygons are the outlines that
@@ -28,7 +29,7 @@ from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import stored_tables
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
-from silo2d.measures.basics.contacts import grain_stress
+from silo2d.measures.basics.contacts import particle_stress
 from silo2d.view.scene import Scene, read_scene
 
 _SUFFIX = ".vtkhdf"  # by which ParaView and vtkHDFReader know the format
@@ -60,21 +61,21 @@ class Run(NamedTuple):
     contacts: Tables | None  # None: its folder holds none
 
     @property
-    def place(self) -> Path:
-        """Where the files go unless told."""
+    def target(self) -> Path:
+        """Where the files go unless a path is given."""
         return self.folder / "export"
 
 
 def _to_vtkhdf(run: Run, path: Path | None) -> list[Path]:
-    path = path or run.place / f"run{_SUFFIX}"
+    path = path or run.target / f"run{_SUFFIX}"
     if path.suffix != _SUFFIX:
         raise InputError(f"--output {path}: ParaView knows the format by {_SUFFIX}; add that")
     return [write_output(path, vtkhdf(run.scene, run.contacts))]
 
 
 def _to_csv(run: Run, path: Path | None) -> list[Path]:
-    folder, scene = path or run.place, run.scene
-    tables = {"frames": _frames_csv, "grains": _grains_csv, "walls": _walls_csv}
+    folder, scene = path or run.target, run.scene
+    tables = {"frames": _frames_csv, "grains": _particles_csv, "walls": _walls_csv}
     paths = [write_output(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
     if run.contacts is not None:
         paths.append(write_output(folder / "stress.csv", _stress_csv(scene, run.contacts)))
@@ -88,25 +89,25 @@ FORMATS: dict[str, Callable[[Run, Path | None], list[Path]]] = {
 
 
 def _frames_csv(scene: Scene) -> bytes:
-    """One row for each frame and grain that is still simulated."""
+    """One row for each frame and particle that is still simulated."""
     names = ["frame", "time_s", "id", *_MOVING, "inside"]
     shape = ["%d", "%.9g", "%d", *["%.9g"] * len(_MOVING), "%d"]
     return _table(names, shape, (_rows(scene, frame) for frame in range(len(scene.time))))
 
 
 def _rows(scene: Scene, frame: int) -> np.ndarray:
-    grains = np.flatnonzero(scene.trajectory["inside"][frame])
-    moving = [scene.trajectory[key][frame][grains] for key in _MOVING.values()]
-    inside = np.isnan(scene.trajectory["out_time"][frame][grains])
-    same = np.ones(len(grains))
-    return np.column_stack([frame * same, scene.time[frame] * same, grains, *moving, inside])
+    particles = np.flatnonzero(scene.trajectory["inside"][frame])
+    moving = [scene.trajectory[key][frame][particles] for key in _MOVING.values()]
+    inside = np.isnan(scene.trajectory["out_time"][frame][particles])
+    same = np.ones(len(particles))
+    return np.column_stack([frame * same, scene.time[frame] * same, particles, *moving, inside])
 
 
-def _grains_csv(scene: Scene) -> bytes:
-    """What does not change of each grain; out_time_s is empty for those that have not left."""
+def _particles_csv(scene: Scene) -> bytes:
+    """What does not change of each particle; out_time_s is empty for those that have not left."""
     static = scene.trajectory.static
     out_time = scene.trajectory["out_time"][-1]
-    rows = [np.arange(scene.n_grains), static["kind"], static["mass"], static["layer"], out_time]
+    rows = [np.arange(scene.n_particles), static["kind"], static["mass"], static["layer"], out_time]
     shape = ["%d", "%d", "%.9g", "%d", "%.9g"]
     table = _table(["id", "kind", "mass_kg", "layer", "out_time_s"], shape, [np.stack(rows, 1)])
     return table.replace(b"nan", b"")
@@ -121,16 +122,18 @@ def _walls_csv(scene: Scene) -> bytes:
 
 
 def _stress_csv(scene: Scene, contacts: Tables) -> bytes:
-    """One row for each grain that is still simulated in the frames that have contacts."""
+    """One row for each particle that is still simulated in the frames that have contacts."""
     names = ["frame", "time_s", "id", *(f"stress_{axes}_n_per_m" for axes in ("xx", "yy", "xy"))]
     parts = []
     for frame in contacts.frame[contacts.frame < len(scene.time)]:
-        stress = grain_stress(scene, contacts, int(frame))
+        stress = particle_stress(scene, contacts, int(frame))
         assert stress is not None  # these frames have contacts
-        grains = np.flatnonzero(scene.trajectory["inside"][frame])
-        same = np.ones(len(grains))
-        of_plane = [stress[grains, row, column] for row, column in ((0, 0), (1, 1), (0, 1))]
-        parts.append(np.column_stack([frame * same, scene.time[frame] * same, grains, *of_plane]))
+        particles = np.flatnonzero(scene.trajectory["inside"][frame])
+        same = np.ones(len(particles))
+        of_plane = [stress[particles, row, column] for row, column in ((0, 0), (1, 1), (0, 1))]
+        parts.append(
+            np.column_stack([frame * same, scene.time[frame] * same, particles, *of_plane])
+        )
     return _table(names, ["%d", "%.9g", "%d", "%.6g", "%.6g", "%.6g"], parts)
 
 
@@ -158,25 +161,25 @@ def _cells(
 ) -> tuple[NDArray[np.float32], dict[str, list[int]], dict[str, np.ndarray]]:
     """Points (p, 3) of a frame, points of each cell by kind, arrays of cells."""
     walls, static = scene.walls, scene.trajectory.static
-    grains = np.flatnonzero(scene.trajectory["inside"][frame])
-    outlines = [np.empty((0, 2))] * scene.n_grains
-    for which, around in scene.placed(frame, grains):
-        for grain, outline in zip(which, around, strict=True):
-            outlines[grain] = outline
-    plane = np.concatenate([walls.reshape(-1, 2), *(outlines[grain] for grain in grains)])
+    particles = np.flatnonzero(scene.trajectory["inside"][frame])
+    outlines = [np.empty((0, 2))] * scene.n_particles
+    for which, around in scene.placed(frame, particles):
+        for particle, outline in zip(which, around, strict=True):
+            outlines[particle] = outline
+    plane = np.concatenate([walls.reshape(-1, 2), *(outlines[particle] for particle in particles)])
     points = np.column_stack([plane, np.zeros(len(plane))]).astype(np.float32)
-    now = {key: scene.trajectory[key][frame][grains] for key in ("vx", "vy", "spin", "out_time")}
-    velocity = np.column_stack([now["vx"], now["vy"], np.zeros(len(grains))])
+    now = {key: scene.trajectory[key][frame][particles] for key in ("vx", "vy", "spin", "out_time")}
+    velocity = np.column_stack([now["vx"], now["vy"], np.zeros(len(particles))])
     still, none = np.zeros((len(walls), 3)), np.full(len(walls), -1)
     arrays: dict[str, np.ndarray] = {
         "velocity": np.concatenate([still, velocity]).astype(np.float32),
         "spin": np.concatenate([still[:, 0], now["spin"]]).astype(np.float32),
-        "id": np.concatenate([none - np.arange(len(walls)), grains]).astype(np.int32),
-        "kind": np.concatenate([none, static["kind"][grains]]).astype(np.int32),
-        "layer": np.concatenate([none, static["layer"][grains]]).astype(np.int32),
+        "id": np.concatenate([none - np.arange(len(walls)), particles]).astype(np.int32),
+        "kind": np.concatenate([none, static["kind"][particles]]).astype(np.int32),
+        "layer": np.concatenate([none, static["layer"][particles]]).astype(np.int32),
         "inside": np.concatenate([none, np.isnan(now["out_time"])]).astype(np.int8),
     }
-    polygons = [len(outlines[grain]) for grain in grains]
+    polygons = [len(outlines[particle]) for particle in particles]
     return points, {"Lines": [2] * len(walls), "Polygons": polygons}, arrays
 
 
@@ -185,7 +188,7 @@ def _stress(
 ) -> NDArray[np.float32]:
     """Of the cells (c, 6), in VTK's order of a symmetric tensor."""
     stress = np.full((len(ids), 6), np.nan, dtype=np.float32)
-    found = grain_stress(scene, contacts, frame)
+    found = particle_stress(scene, contacts, frame)
     if found is not None:
         stress[ids >= 0] = 0.0
         for component, (row, column) in ((0, (0, 0)), (1, (1, 1)), (3, (0, 1))):

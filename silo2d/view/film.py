@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import PAPER, WALL
 from granulab.campaign.output.film import Image, font, pace, rgb, write_film, write_words
-from silo2d.view.scene import GRAIN_EDGE, WOOD, Scene
+from silo2d.view.scene import PARTICLE_EDGE, WOOD, Scene
 
 _LONGEST, _PIXELS = 780, 430 * 780  # of the window in a picture
 _NARROWEST = 420  # room for the heading
@@ -42,7 +42,7 @@ class _Canvas:
         self.origin = np.array([centre, _HEADING + self.scale * top])
         self.scene = scene
         self.tone = scene.trajectory.static["layer"] % len(WOOD)
-        self.colours, self.edge = [rgb(colour) for colour in WOOD], rgb(GRAIN_EDGE)
+        self.colours, self.edge = [rgb(colour) for colour in WOOD], rgb(PARTICLE_EDGE)
         self.font = font(17)
         self.background = np.full((height, width, 3), rgb(PAPER), dtype=np.uint8)
         name, right_edge = scene.headline.partition(":")[0], width - _MARGIN
@@ -65,13 +65,13 @@ class _Canvas:
         import cv2
 
         image = self.background.copy()
-        for grains, outlines in self.scene.outlines(frame):
-            for tone, outline in zip(self.tone[grains], self._pixels(outlines), strict=True):
+        for particles, outlines in self.scene.outlines(frame):
+            for tone, outline in zip(self.tone[particles], self._pixels(outlines), strict=True):
                 # Not antialiased, which would take twice the time: the outline covers its rim.
                 cv2.fillConvexPoly(image, outline, self.colours[tone], cv2.LINE_8, _SHIFT)
                 cv2.polylines(image, [outline], True, self.edge, 1, cv2.LINE_AA, _SHIFT)
         self._draw_walls(image, self.scene.door(frame))
         n_out = self.scene.trajectory["n_out"][frame]
-        words = f"{self.scene.time[frame]:.2f} s     {n_out} of {self.scene.n_grains} out"
+        words = f"{self.scene.time[frame]:.2f} s     {n_out} of {self.scene.n_particles} out"
         write_words(image, words, _MARGIN, 40, self.font)
         return image

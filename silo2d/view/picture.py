@@ -1,4 +1,4 @@
-"""Figures of a run, drawn from its folder: the silo sheet here, graphs and the film elsewhere."""
+"""Figures of a run, drawn from its folder: the silo here, graphs and the film elsewhere."""
 
 from functools import partial
 from pathlib import Path
@@ -10,7 +10,7 @@ from granulab.campaign.output.figure import INK, WALL, write_figure
 from granulab.campaign.runs.folder import RunFolder
 from silo2d.view.charts import discharge_chart, energy_chart, force_chart
 from silo2d.view.film import make_film
-from silo2d.view.scene import GRAIN_EDGE, WOOD, Scene, read_scene
+from silo2d.view.scene import PARTICLE_EDGE, WOOD, Scene, read_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +25,7 @@ def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
     """Draw a run, finished or not, into its folder figures/; the paths of the pictures.
 
     silo.png         the painted layers every 0.25 s, or every multiple of it that fits
-    discharge.png    grains out against time, beside the published times
+    discharge.png    particles out against time, with the published times
     energy.png       where the energy went
     forces.png       what the walls carried
     film.mp4         all frames (see make_film); left out without `film`
@@ -35,7 +35,7 @@ def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
     scene = read_scene(run_folder)
     folder = RunFolder(Path(run_folder)).figures
     sheets = {
-        "silo": silo_sheet,
+        "silo": silo_figure,
         "discharge": discharge_chart,
         "energy": energy_chart,
         "forces": force_chart,
@@ -46,7 +46,7 @@ def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
     return [*paths, make_film(scene, folder)] if film else paths
 
 
-def silo_sheet(scene: Scene) -> "Figure":
+def silo_figure(scene: Scene) -> "Figure":
     """The silo with its painted layers at even times, at most eight of them."""
     from matplotlib.figure import Figure
 
@@ -91,11 +91,11 @@ def _draw_silo(panel: "Axes", scene: Scene, frame: int) -> None:
     from matplotlib.collections import LineCollection, PolyCollection
 
     layer = scene.trajectory.static["layer"]
-    for grains, outlines in scene.outlines(frame):
-        colours = [WOOD[tone] for tone in layer[grains] % len(WOOD)]
+    for particles, outlines in scene.outlines(frame):
+        colours = [WOOD[tone] for tone in layer[particles] % len(WOOD)]
         panel.add_collection(
             PolyCollection(
-                list(outlines), facecolors=colours, edgecolors=GRAIN_EDGE, linewidths=0.35
+                list(outlines), facecolors=colours, edgecolors=PARTICLE_EDGE, linewidths=0.35
             )
         )
     panel.add_collection(

@@ -3,12 +3,12 @@
 from silo2d.case.case import SiloCase
 from silo2d.case.disorder import QUANTITIES
 from silo2d.case.plan import DISCHARGE, FILLING, plan
-from silo2d.run.ending import BOOKS_OFF
+from silo2d.run.ending import ENERGY_TOLERANCE
 from silo2d.run.result import Result
 
 _OUTCOMES = {
     "empty": "empty",
-    "dead_zones": "at rest, dead zones left beside the outlet",
+    "dead_zones": "at rest, dead zones left next to the outlet",
     "clogged": "clogged",
     "clogged_at_opening": "clogged at the opening",
     "time_limit": "stopped at the time limit",
@@ -28,7 +28,7 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         f"{case.shapes.mean_area:.4g} m2, {case.surface_density:g} kg/m2, mean mass "
         f"{case.mean_mass:.4g} kg",
     ]
-    for name, law in (("particles", case.grain_law), ("walls", case.wall_law)):
+    for name, law in (("particles", case.particle_law), ("walls", case.wall_law)):
         lines.append(
             f"  law {name:9} kn {law.kn:g} N/m, kt {law.kt:g} N/m, mu {law.mu:g}, gamma_n "
             f"{law.gamma_n:g} 1/s, gamma_t {law.gamma_t:g} 1/s"
@@ -39,14 +39,15 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         f"  restitution {_restitution(case)}",
         *_disorder(case),
         f"  filling     with {fill.pour_with}, {_pouring(case)}, kn {case.pour_laws[0].kn:g} N/m, "
-        f"in steps of {case.pour_time_step:g} s, until agitation is below {fill.settled:g}",
+        f"in steps of {case.pour_time_step:g} s, until the normalised "
+        f"kinetic energy is below {fill.settled:g}",
         *_door(case),
         *_engine(case),
-        f"  ends        empty; or at rest: agitation below {run.at_rest:g} and none out for "
-        f"{run.rest_time:g} s; or after {run.max_time:g} s",
-        "              agitation: kinetic energy over what lifts each particle by its size; at "
-        "rest, clogged if",
-        "              an outline crosses the outlet's centre line (at the opening: fewer than "
+        f"  ends        empty; or at rest: normalised kinetic energy below {run.at_rest:g} and "
+        f"none out for {run.rest_time:g} s; or after {run.max_time:g} s",
+        "              (kinetic energy over what lifts each particle by its size); at rest, "
+        "clogged if an",
+        "              outline crosses the outlet's centre line (at the opening: fewer than "
         f"{run.opening_count} out), else dead zones",
     ]
     if dry_run:
@@ -59,13 +60,13 @@ def echo(case: SiloCase, dry_run: bool) -> str:
 
 
 def _engine(case: SiloCase) -> list[str]:
-    """What moves the grains, after the filling, in which steps."""
-    told = case.impulses
-    if told is None:
+    """What moves the particles, after the filling, in which steps."""
+    impulses = case.impulses
+    if impulses is None:
         return [f"  time step   {case.time_step:g} s: {case.time_step_reason}"]
     return [
-        f"  engine      pymunk: {told.iterations} iterations in steps of {told.time_step:g} s; "
-        f"overlaps of {told.slop:g} m are left alone;",
+        f"  engine      pymunk: {impulses.iterations} iterations in steps of "
+        f"{impulses.time_step:g} s; overlaps of {impulses.slop:g} m are left alone;",
         "              of the law it takes the friction alone, and the restitution instead of kn, "
         "kt, gamma",
     ]
@@ -84,7 +85,7 @@ def _disorder(case: SiloCase) -> list[str]:
     """What is drawn how widely, where anything is."""
     if case.disorder is None:
         return []
-    grains, walls = (
+    particles, walls = (
         ", ".join(
             f"{name} {100 * getattr(found, name):.3g} %"
             for name in QUANTITIES
@@ -94,13 +95,13 @@ def _disorder(case: SiloCase) -> list[str]:
     )
     return [
         f"  disorder    per {case.settings.disorder.per}, standard deviations: between particles "
-        f"{grains or 'none'}; at walls {walls or 'none'}"
+        f"{particles or 'none'}; at walls {walls or 'none'}"
     ]
 
 
 def _pouring(case: SiloCase) -> str:
-    fill, (grains, walls) = case.settings.fill, case.pour_laws
-    friction = f"mu {grains.mu:g} and {walls.mu:g}" if fill.friction else "without friction"
+    fill, (particles, walls) = case.settings.fill, case.pour_laws
+    friction = f"mu {particles.mu:g} and {walls.mu:g}" if fill.friction else "without friction"
     return friction + (f", layers of {fill.layer:g} m" if fill.layer is not None else "")
 
 
@@ -116,7 +117,7 @@ def _door(case: SiloCase) -> list[str]:
 
 
 def report(result: Result) -> str:
-    """The answers of a run beside the published values."""
+    """The results of a run with the published values."""
     out = f"{result.n_out} of {result.n_particles} particles out"
     lines = [f"{result.silo}, seed {result.seed}: {_OUTCOMES[result.outcome]}, {out}"]
     lines.append(f"  discharge time   {_time(result.discharge_time_s)}   {_published(result)}")
@@ -129,7 +130,7 @@ def report(result: Result) -> str:
     lines += [
         f"  packing          fraction {result.packing_fraction:.3f}, coordination "
         f"{result.coordination:.2f}",
-        f"  energy           {_books(result)}",
+        f"  energy           {_energy(result)}",
         f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
         f"steps; {result.cpu_s:.1f} s in all",
         f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
@@ -141,13 +142,13 @@ def _time(seconds: float | None) -> str:
     return "none" if seconds is None else f"{seconds:.3f} s"
 
 
-def _books(result: Result) -> str:
+def _energy(result: Result) -> str:
     parts = [part for part in result.dissipated_j.values() if part is not None]
     if not parts:
-        return "not known by mechanism: impulses have no books"
+        return "not known by mechanism: impulses have no energy balance"
     return (
-        f"{sum(parts):.3f} J dissipated, books closed to {_percent(result.energy_closure)} of it "
-        f"(tolerance: {100 * BOOKS_OFF:g} %)"
+        f"{sum(parts):.3f} J dissipated, energy balance closed to "
+        f"{_percent(result.energy_closure)} of it (tolerance: {100 * ENERGY_TOLERANCE:g} %)"
     )
 
 

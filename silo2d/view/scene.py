@@ -1,4 +1,4 @@
-"""A run folder as pictures need it: grain outlines of a frame, walls, window, words, colours."""
+"""A run folder as pictures need it: particle outlines of a frame, walls, window, words, colours."""
 
 import json
 from collections.abc import Iterator
@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from granulab.campaign.runs.folder import FolderError, RunFolder
 from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
 
-WOOD = "#ecd3a4", "#b5793f"  # of the painted layers, in turn; they differ in lightness too
-GRAIN_EDGE = "#4a3018"
+WOOD = "#ecd3a4", "#b5793f"  # of the painted layers, alternating; they differ in lightness too
+PARTICLE_EDGE = "#4a3018"
 
 # What the pictures of a run need of its trajectory.
 _STATIC = ["kind", "mass", "layer", "shape_points", "shape_start", "wall_segments"]
-_OF_GRAINS = ["x", "y", "angle", "vx", "vy", "spin", "inside", "out_time"]
+_OF_PARTICLES = ["x", "y", "angle", "vx", "vy", "spin", "inside", "out_time"]
 _ATTRIBUTES = ["silo", "wall_names"]
 
 _BELOW = 0.08, 0.2  # what is shown below the outlet, at least and at most, in silo heights
@@ -49,8 +49,8 @@ class Scene:
         return self.trajectory["time"]
 
     @property
-    def n_grains(self) -> int:
-        """Number of grains at the opening."""
+    def n_particles(self) -> int:
+        """Number of particles at the opening."""
         return len(self.trajectory.static["kind"])
 
     @property
@@ -93,17 +93,17 @@ class Scene:
             silo += f", {engine}"
         n_out = self.trajectory["n_out"][-1]
         if not self.summary:
-            return f"{silo}: unfinished, {n_out} of {self.n_grains} out by {self.time[-1]:.2f} s"
+            return f"{silo}: unfinished, {n_out} of {self.n_particles} out by {self.time[-1]:.2f} s"
         outcome = self.summary["outcome"]
         how = _OUTCOMES.get(outcome, outcome)
         end = self.summary.get("discharge_time_s")
         if end is None:
-            return f"{silo}: {how}, {n_out} of {self.n_grains} out"
-        last = " after" if outcome == "empty" else "; the last grain left at"
+            return f"{silo}: {how}, {n_out} of {self.n_particles} out"
+        last = " after" if outcome == "empty" else "; the last particle left at"
         return f"{silo}: {how}{last} {end:.2f} s"
 
     def outlines(self, frame: int) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-        """Grains of one shape that are inside (k,), and their outlines (k, p, 2) [m]; all shapes.
+        """Particles inside (k,) and their outlines (k, p, 2) [m], shape by shape.
 
         Outlines that lie below the window are left out.
         """
@@ -112,14 +112,14 @@ class Scene:
         return self.placed(frame, np.flatnonzero(shown))
 
     def placed(
-        self, frame: int, grains: NDArray[np.int64]
+        self, frame: int, particles: NDArray[np.int64]
     ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-        """The given grains, shape by shape (k,), and their outlines (k, p, 2) [m]."""
+        """The given particles, shape by shape (k,), and their outlines (k, p, 2) [m]."""
         static = self.trajectory.static
         points, start, kind = static["shape_points"], static["shape_start"], static["kind"]
         x, y, angle = (self.trajectory[key][frame] for key in ("x", "y", "angle"))
         for shape in range(len(start) - 1):
-            which = grains[kind[grains] == shape]
+            which = particles[kind[particles] == shape]
             px, py = points[start[shape] : start[shape + 1]].T
             cos, sin = np.cos(angle[which, None]), np.sin(angle[which, None])
             around = np.stack([px * cos - py * sin, px * sin + py * cos], axis=-1)
@@ -133,11 +133,11 @@ def read_scene(run_folder: str | Path) -> Scene:
     if "time" not in trajectory or not trajectory.static:
         raise FolderError(f"{run.path}: no frame yet; wait until the silo has opened")
     if wrong := _wrong(trajectory):
-        cure = "use --again to compute the run anew"
+        cure = "use --again to compute the run again"
         raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {cure}")
     summary = run.read_summary() if run.state == "finished" else {}
     if summary and not isinstance(summary.get("outcome"), str):
-        cure = "use --again to compute the run anew"
+        cure = "use --again to compute the run again"
         raise FolderError(f"{run.path / 'summary.json'}: damaged (no outcome); {cure}")
     return Scene(trajectory, summary, json.loads(trajectory.attributes["wall_names"]))
 
@@ -145,8 +145,8 @@ def read_scene(run_folder: str | Path) -> Scene:
 def _wrong(trajectory: Trajectory) -> str:
     """What a scene needs and a trajectory lacks, in words; "" where all is there."""
     kept = [*trajectory.static, *trajectory, *trajectory.attributes]
-    if missing := [key for key in (*_STATIC, *_OF_GRAINS, *_ATTRIBUTES) if key not in kept]:
+    if missing := [key for key in (*_STATIC, *_OF_PARTICLES, *_ATTRIBUTES) if key not in kept]:
         return f"no {', '.join(missing)}"
     shape = len(trajectory["time"]), len(trajectory.static["kind"])
-    odd = [key for key in _OF_GRAINS if trajectory[key].shape != shape]
-    return f"{odd[0]} is not of {shape[0]} frames and {shape[1]} grains" if odd else ""
+    odd = [key for key in _OF_PARTICLES if trajectory[key].shape != shape]
+    return f"{odd[0]} is not of {shape[0]} frames and {shape[1]} particles" if odd else ""

@@ -86,7 +86,7 @@ def test_what_did_not_clog_is_counted_where_nothing_is_said_of_it(tmp_path):
 def test_keys_that_stand_together_take_one_value(tmp_path):
     text = SILO.replace("law.mu_particle", '"law.mu_particle, law.mu_wall"')
     case = read_fit(written(tmp_path, text)).case(0, np.array([0.0]))
-    assert case.grain_law.mu == case.wall_law.mu == pytest.approx(0.3)
+    assert case.particle_law.mu == case.wall_law.mu == pytest.approx(0.3)
 
 
 def test_a_prior_carries_units(tmp_path):

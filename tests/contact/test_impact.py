@@ -53,13 +53,13 @@ def collide(scene, law, speed, contacts=1):
         deepest = max(deepest, start - position(simulation)[1] + other_height(simulation))
     simulation.run(1)
     rebound = velocity(simulation)[1]
-    if simulation.n_grains == 2:
+    if simulation.n_particles == 2:
         rebound -= velocity(simulation, 1)[1]
     return rebound / speed, touching * step, deepest, most_pairs
 
 
 def other_height(simulation):
-    return position(simulation, 1)[1] if simulation.n_grains == 2 else 0.0
+    return position(simulation, 1)[1] if simulation.n_particles == 2 else 0.0
 
 
 def in_steps(scene, law, contacts=1):
@@ -72,7 +72,7 @@ def in_steps(scene, law, contacts=1):
 
 def reduced(simulation):
     m = mass(simulation)
-    return m if simulation.n_grains == 1 else 1 / (1 / m + 1 / mass(simulation, 1))
+    return m if simulation.n_particles == 1 else 1 / (1 / m + 1 / mass(simulation, 1))
 
 
 def lying_on_wall(law, step):

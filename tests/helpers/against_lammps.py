@@ -119,10 +119,10 @@ def here(scene: Scene, n_frames: int, steps: int) -> Motion:
         gravity=scene.gravity,
         surface_density=DENSITY,
     )
-    for grain, (vx, vy) in enumerate(scene.velocity):
-        launch(sim, grain, vx, vy)
+    for particle, (vx, vy) in enumerate(scene.velocity):
+        launch(sim, particle, vx, vy)
         # Velocities stand half a step back here; velocity Verlet starts at t = 0.
-        sim.rows[grain, state.VY] += scene.gravity * scene.time_step / 2
+        sim.rows[particle, state.VY] += scene.gravity * scene.time_step / 2
     frames = []
     for _ in range(n_frames):
         sim.run(steps - 1)

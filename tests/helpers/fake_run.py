@@ -1,4 +1,4 @@
-"""A run folder made without a simulation: grains slide to the outlet on curves and fall."""
+"""A run folder made without a simulation: particles slide to the outlet on curves and fall."""
 
 import json
 from pathlib import Path
@@ -12,7 +12,7 @@ from silo2d.case.shape import load_shapes
 from silo2d.run.numbers import MECHANISMS, discharge_measures, published_times
 
 GRAVITY = 9.81
-LEAVING = 0.96  # of the time, from the first grain to the last
+LEAVING = 0.96  # of the time, from the first particle to the last
 
 
 def write_fake_run(
@@ -24,7 +24,7 @@ def write_fake_run(
     outcome: str = "empty",
     finished: bool = True,
 ) -> RunFolder:
-    """Write a run of n_frames frames, 10 ms apart, of grains `spacing` [m] apart."""
+    """Write a run of n_frames frames, 10 ms apart, of particles `spacing` [m] apart."""
     silo = silo or preset("A4")
     rng = np.random.default_rng(7)
     shapes = load_shapes("wood19").shapes
@@ -116,7 +116,7 @@ def _frames(silo, start, mass, n_walls, n_frames, outcome, rng) -> dict[str, np.
 
 
 def _paths(silo, start, time, rng, flows: float):
-    """Positions (F, n) and times at which grains leave (n,), of which a part `flows` does."""
+    """Positions (F, n) and times at which particles leave (n,), of which a part `flows` does."""
     reach = np.hypot(start[:, 0] - silo.outlet_centre, 0.8 * start[:, 1])
     order = np.argsort(np.argsort(reach + rng.normal(scale=0.02, size=len(start))))
     leaves = LEAVING * time[-1] * (order + 1) / len(start)

@@ -1,4 +1,4 @@
-"""Run folders of a few grains put together by hand, or with numbers of one's choice."""
+"""Run folders of a few particles put together by hand, or with numbers of one's choice."""
 
 import json
 from collections.abc import Sequence
@@ -48,11 +48,11 @@ def static_of(shapes: Sequence[Shape], kinds, silo: Outline) -> tuple[dict, dict
 def simulation_in(
     silo: Outline, shapes: Sequence[Shape], poses, law: LinearLaw = STICKY, door: bool = False
 ) -> Simulation:
-    """Grains, one of each shape, at rest in a silo whose door is away unless asked for."""
+    """Particles, one of each shape, at rest in a silo whose door is away unless asked for."""
     sim = Simulation(
         build_world(
             list(shapes), np.arange(len(shapes)), np.array(poses, dtype=float), silo.walls(),
-            surface_density=scenes.SURFACE_DENSITY, grain_law=law, wall_law=law,
+            surface_density=scenes.SURFACE_DENSITY, particle_law=law, wall_law=law,
             gravity=GRAVITY, time_step=TIME_STEP,
         )
     )  # fmt: skip
@@ -76,7 +76,7 @@ def write_run(
 
 
 def scene_of(shapes: Sequence[Shape], kinds, silo: Outline, x, y, vx=0.0, vy=0.0) -> Scene:
-    """One frame of grains with positions and velocities (n,) of one's choice."""
+    """One frame of particles with positions and velocities (n,) of one's choice."""
     static, attributes = static_of(shapes, kinds, silo)
     n = len(static["kind"])
     columns = {"x": x, "y": y, "vx": vx, "vy": vy, "angle": 0.0}

@@ -1,4 +1,4 @@
-"""A small silo to fill within a second, and what a heap of grains in it must obey."""
+"""A small silo to fill within a second, and what a heap of particles in it must obey."""
 
 from pathlib import Path
 
@@ -20,7 +20,7 @@ level = "100 mm"
 
 
 def small_case(folder: Path, changes: dict[str, float] | None = None) -> SiloCase:
-    """About 40 grains in a hopper; a convex outline, which `wall_overlaps` needs."""
+    """About 40 particles in a hopper; a convex outline, which `wall_overlaps` needs."""
     file = folder / "small.toml"
     file.write_text(CASE, encoding="utf-8")
     return SiloCase.load(file, changes)
@@ -31,13 +31,13 @@ def silent(phase: str, fraction: float, text: str) -> None:
 
 
 def weight(case: SiloCase, kinds: np.ndarray) -> float:
-    """Of the grains [N]."""
+    """Of the particles [N]."""
     areas = np.array([shape.area for shape in case.shapes.shapes])
     return float(GRAVITY * case.surface_density * areas[kinds].sum())
 
 
 def cores(case: SiloCase, kinds: np.ndarray, poses: np.ndarray) -> list[np.ndarray]:
-    """Core corners (n, 2) of each grain in the silo's frame [m]."""
+    """Core corners (n, 2) of each particle in the silo's frame [m]."""
     placed = []
     for kind, (x, y, angle) in zip(kinds, poses, strict=True):
         axes = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
@@ -45,8 +45,8 @@ def cores(case: SiloCase, kinds: np.ndarray, poses: np.ndarray) -> list[np.ndarr
     return placed
 
 
-def grain_overlaps(case: SiloCase, kinds: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """Overlaps [m] of the pairs of grains that touch, from shapely's distance of the cores."""
+def particle_overlaps(case: SiloCase, kinds: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    """Overlaps [m] of the pairs of particles that touch, from shapely's distance of the cores."""
     from shapely import Polygon, STRtree, distance
 
     reach = 2 * case.shapes.shapes[0].spheroradius  # one for the whole set
@@ -57,7 +57,7 @@ def grain_overlaps(case: SiloCase, kinds: np.ndarray, poses: np.ndarray) -> np.n
 
 
 def wall_overlaps(case: SiloCase, kinds: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """How far each grain reaches beyond the walls and the door of a convex silo (n,) [m]."""
+    """How far each particle reaches beyond the walls and the door of a convex silo (n,) [m]."""
     start, end = case.outline.walls().segments.transpose(1, 0, 2)
     along = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
     inwards = np.column_stack([-along[:, 1], along[:, 0]])  # the inside is on the left
@@ -71,21 +71,21 @@ def wall_overlaps(case: SiloCase, kinds: np.ndarray, poses: np.ndarray) -> np.nd
 
 
 def solid_fraction(case: SiloCase, packing: Packing) -> float:
-    """Area of grains over area of silo under the level less one largest grain, cut exactly [-].
+    """Area of particles over area of silo under the level less the largest particle, cut exactly.
 
-    Packing.fraction counts whole grains, of which there are too few here.
+    Packing.fraction counts whole particles, of which there are too few here.
     """
     from shapely import Polygon, box
 
     line = case.settings.fill.level - 2 * case.shapes.bounding_radius
     below = Polygon(case.outline.polygon).intersection(box(-1, 0, 1, line))
     radius = case.shapes.shapes[0].spheroradius
-    grains = (Polygon(core).buffer(radius) for core in cores(case, packing.kinds, packing.poses))
-    return sum(grain.intersection(below).area for grain in grains) / below.area
+    particles = (Polygon(core).buffer(radius) for core in cores(case, packing.kinds, packing.poses))
+    return sum(particle.intersection(below).area for particle in particles) / below.area
 
 
 def assert_filled_to_the_level(case: SiloCase, packing: Packing) -> None:
-    """No hole as large as a grain under the level, in any third of the width."""
+    """No hole as large as a particle under the level, in any third of the width."""
     largest = 2 * case.shapes.bounding_radius
     level = case.settings.fill.level
     left = case.outline.polygon[:, 0].min()

@@ -1,4 +1,4 @@
-"""A run folder in which grains move as a test says: the oracle of measures of motion."""
+"""A run folder in which particles move as a test says: the oracle of measures of motion."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -26,7 +26,7 @@ def write_moved_run(
 ) -> Points:
     """Write a finished run, frames 10 ms apart; the starting places (n, 2) [m].
 
-    out_time    of starting places (n, 2): when each grain leaves [s], NaN for those that stay
+    out_time    of starting places (n, 2): when each particle leaves [s], NaN for those that stay
     """
     write_fake_run(folder, silo=silo, spacing=spacing, n_frames=n_frames)
     made = read_trajectory(folder)
@@ -52,7 +52,7 @@ def write_moved_run(
 
 
 def falling(start: Points, time: float, speed: float | np.ndarray) -> np.ndarray:
-    """Grains that come straight down at a speed [m/s] each."""
+    """Particles that come straight down at a speed [m/s] each."""
     down = np.broadcast_to(speed, len(start))
     nothing = np.zeros(len(start))
     return np.array([start[:, 0], start[:, 1] - down * time, nothing, -down])

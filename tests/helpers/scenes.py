@@ -21,7 +21,7 @@ HARD_LAW = WOOD._replace(kn=1e6, kt=1e6, gamma_n=3000.0, gamma_t=0.0)
 HARD_STEP = 4e-6
 ELASTIC = LinearLaw(kn=KN, kt=0.065 * KN, mu=0.0, gamma_n=0.0, gamma_t=0.0, pulls=True)
 
-# All scenes lie around this height [m]: a grain below y = 0 would count as discharged.
+# All scenes lie around this height [m]: a particle below y = 0 would count as discharged.
 LEVEL = 0.1
 # A gap [m] that rounding does not close: the first step that touches is one whole step deep.
 HAIR = 1e-13
@@ -64,7 +64,7 @@ def simulation_of(
     gravity: float = 0.0,
     surface_density: float = SURFACE_DENSITY,
 ) -> Simulation:
-    """Grains of these shapes at poses (x, y [m], angle [rad]); one law for all unless told."""
+    """Particles of these shapes at poses (x, y [m], angle [rad]); one law for all unless told."""
     n_walls = len(walls)
     world = build_world(
         list(shapes),
@@ -76,7 +76,7 @@ def simulation_of(
             np.full(n_walls, 2),
         ),
         surface_density=surface_density,
-        grain_law=law,
+        particle_law=law,
         wall_law=law if wall_law is None else wall_law,
         gravity=gravity,
         time_step=time_step,
@@ -84,30 +84,30 @@ def simulation_of(
     return Simulation(world)
 
 
-def launch(simulation, grain=0, vx=0.0, vy=0.0, spin=0.0) -> None:
-    """Set a grain's velocity [m/s, rad/s], now and half a step back alike."""
-    simulation.rows[grain, [state.VX, state.VY, state.SPIN]] = vx, vy, spin
-    simulation.rows[grain, [state.UX, state.UY, state.USPIN]] = vx, vy, spin
+def launch(simulation, particle=0, vx=0.0, vy=0.0, spin=0.0) -> None:
+    """Set a particle's velocity [m/s, rad/s], now and half a step back alike."""
+    simulation.rows[particle, [state.VX, state.VY, state.SPIN]] = vx, vy, spin
+    simulation.rows[particle, [state.UX, state.UY, state.USPIN]] = vx, vy, spin
 
 
-def position(simulation, grain=0) -> np.ndarray:
-    """x, y [m] and angle [rad] of a grain."""
-    return simulation.rows[grain, [state.X, state.Y, state.ANGLE]]
+def position(simulation, particle=0) -> np.ndarray:
+    """x, y [m] and angle [rad] of a particle."""
+    return simulation.rows[particle, [state.X, state.Y, state.ANGLE]]
 
 
-def velocity(simulation, grain=0) -> np.ndarray:
-    """vx, vy [m/s] and spin [rad/s] of a grain, now."""
-    return simulation.rows[grain, [state.UX, state.UY, state.USPIN]]
+def velocity(simulation, particle=0) -> np.ndarray:
+    """vx, vy [m/s] and spin [rad/s] of a particle, now."""
+    return simulation.rows[particle, [state.UX, state.UY, state.USPIN]]
 
 
-def mass(simulation, grain=0) -> float:
-    """Mass [kg] of a grain."""
-    return 1.0 / simulation.rows[grain, state.INV_MASS]
+def mass(simulation, particle=0) -> float:
+    """Mass [kg] of a particle."""
+    return 1.0 / simulation.rows[particle, state.INV_MASS]
 
 
-def inertia(simulation, grain=0) -> float:
-    """Moment of inertia [kg m2] of a grain."""
-    return 1.0 / simulation.rows[grain, state.INV_INERTIA]
+def inertia(simulation, particle=0) -> float:
+    """Moment of inertia [kg m2] of a particle."""
+    return 1.0 / simulation.rows[particle, state.INV_INERTIA]
 
 
 def disc_on_wall(radius, law, time_step, *, angle=0.0, overlap=-HAIR, **settings) -> Simulation:
@@ -154,7 +154,7 @@ def face_to_face(law, time_step) -> Simulation:
 
 
 def squeezed(shape, half_height, overlap, law, time_step) -> Simulation:
-    """A grain between two parallel walls, `overlap` [m] deep in both and in equilibrium."""
+    """A particle between two parallel walls, `overlap` [m] deep in both and in equilibrium."""
     reach = half_height - overlap
     walls = [wall(0.0, through=(0.0, LEVEL - reach)), wall(np.pi, through=(0.0, LEVEL + reach))]
     return simulation_of([shape], [(0.0, LEVEL, 0.0)], walls=walls, law=law, time_step=time_step)

@@ -1,4 +1,4 @@
-"""A silo of seventy grains that fills and empties in a second, and the command to run it."""
+"""A silo of seventy particles that fills and empties in a second, and the command to run it."""
 
 import contextlib
 import hashlib
@@ -34,8 +34,8 @@ outline = [[0, 2], [2, 0], [9, 0], [9, 4], [7, 6], [0, 6]]
 """
 NARROWEST = 5e-3  # [m] the rectangle
 
-# A tenth of the wood's stiffness, for a longer time step. The outlet is seven grains wide, and the
-# friction low: seeds 1, 2 and 4 empty in 0.28 to 0.32 s, and seed 3 clogs with 12 of 67 out.
+# A tenth of the wood's stiffness, for a longer time step. The outlet is seven particles wide, and
+# the friction low: seeds 1, 2 and 4 empty in 0.28 to 0.32 s, and seed 3 clogs with 12 of 67 out.
 CASE: dict[str, Any] = {
     "silo.angle": "45 deg",
     "silo.outlet": "50 mm",

@@ -36,7 +36,7 @@ def test_three_wedged_blocks_are_an_arch(tmp_path):
     """The row, from left to right, and not what lies on it; its span is the gap, it is flat, and
     what it carries is the weight of the two blocks on top."""
     poses = [*row(0.05), (-9e-3, 0.06, 0.0), (12e-3, 0.06, 0.0)]
-    order = [4, 1, 3, 0, 2]  # the number of a grain tells nothing
+    order = [4, 1, 3, 0, 2]  # the number of a particle tells nothing
     folder = settled(tmp_path, [poses[k] for k in order])
     found = arch.measure(folder)
     assert found["grains"] == [order.index(k) for k in (0, 1, 2)]
@@ -63,7 +63,7 @@ def test_of_two_arches_the_lower_is_found(tmp_path):
     assert arch.measure(folder)["grains"] == [3, 4, 5]
 
 
-def test_a_grain_that_rests_on_one_wall_is_no_arch(tmp_path):
+def test_a_particle_that_rests_on_one_wall_is_no_arch(tmp_path):
     """A row that does not reach the other side: the chain is not closed."""
     folder = settled(tmp_path, row(0.05)[:2])
     with pytest.raises(FolderError, match="no chain of load-bearing contacts"):
@@ -71,7 +71,7 @@ def test_a_grain_that_rests_on_one_wall_is_no_arch(tmp_path):
 
 
 def weighed(bodies, force, x, y):
-    """Contacts of given normal forces [N] between grains at points; bodies 0 ... n - 1, then
+    """Contacts of given normal forces [N] between particles at points; bodies 0 ... n - 1, then
     the right wall n, the left wall n + 1."""
     scene = scene_of([BLOCK], np.zeros(len(x), int), GAP, np.array(x), np.array(y))
     places = np.vstack([np.column_stack([x, y]), [[0.03, 0.05], [-0.03, 0.05]]])
@@ -86,7 +86,7 @@ def weighed(bodies, force, x, y):
 
 
 def keystone(across, beside):
-    """A row 0 1 2 between the walls, and grain 3 below, between 0 and 1; forces on 0-1 and 3."""
+    """A row 0 1 2 between the walls, and particle 3 below, between 0 and 1; forces on 0-1 and 3."""
     return weighed(
         [(1, 2), (0, 5), (2, 4), (0, 1), (0, 3), (1, 3)],
         [10.0, 10.0, 10.0, across, beside, beside],
@@ -99,16 +99,16 @@ def keystone(across, beside):
     ("across", "beside", "chain"),
     [(10.0, 1.0, [0, 1, 2]), (1.0, 10.0, [0, 3, 1, 2]), (0.0, 10.0, [0, 3, 1, 2])],
 )
-def test_a_grain_between_two_belongs_to_the_arch_if_it_carries_the_thrust(across, beside, chain):
+def test_a_particle_between_two_belongs_to_the_arch_if_it_carries_the_thrust(across, beside, chain):
     """Below them, it hangs where they press each other; where they do not, it is the keystone."""
-    assert arch.find_arch(keystone(across, beside)).grains.tolist() == chain
+    assert arch.find_arch(keystone(across, beside)).particles.tolist() == chain
 
 
 def test_a_contact_that_bears_next_to_nothing_joins_nothing():
-    """The threshold is a tenth of a mean grain's weight, 0.1 N here."""
+    """The threshold is a tenth of a mean particle's weight, 0.1 N here."""
     weight = 54.0 * BLOCK.area * GRAVITY
     bodies, x, y = [(0, 1), (0, 2)], [0.0], [0.05]
-    assert arch.find_arch(weighed(bodies, [0.11 * weight] * 2, x, y)).grains.tolist() == [0]
+    assert arch.find_arch(weighed(bodies, [0.11 * weight] * 2, x, y)).particles.tolist() == [0]
     with pytest.raises(FolderError, match="no chain"):
         arch.find_arch(weighed(bodies, [0.11 * weight, 0.09 * weight], x, y))
     with pytest.raises(FolderError, match="no chain"):
@@ -116,7 +116,7 @@ def test_a_contact_that_bears_next_to_nothing_joins_nothing():
 
 
 def test_shape_of_a_gable():
-    """Two grains that lean on each other: rise and span by hand."""
+    """Two particles that lean on each other: rise and span by hand."""
     moment = weighed([(0, 1), (0, 3), (1, 2)], [5.0] * 3, [-0.01, 0.01], [0.06, 0.06])
     found = arch.find_arch(moment)
     # Feet half way to the walls, (-20, 55) and (20, 55) mm; crown at 60 mm.

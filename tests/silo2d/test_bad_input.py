@@ -357,7 +357,7 @@ def _nameless(file: h5py.File) -> None:
     del file.attrs["wall_names"]
 
 
-def _with_a_grain_less(file: h5py.File) -> None:
+def _with_a_particle_less(file: h5py.File) -> None:
     angle = file["frames/angle"][:, :-1]
     del file["frames/angle"]
     file["frames/angle"] = angle
@@ -368,7 +368,7 @@ HARMS: list[tuple[Callable[[h5py.File], None], list[str]]] = [
     (_without("frames/spin"), ["damaged (no spin)"]),
     (_without("static/kind"), ["damaged (no kind)"]),
     (_without("frames"), ["trajectory.h5", "damaged"]),
-    (_with_a_grain_less, ["damaged (angle is not of"]),
+    (_with_a_particle_less, ["damaged (angle is not of"]),
     (_nameless, ["damaged (no wall_names)"]),
 ]
 
@@ -462,7 +462,7 @@ def test_a_truncated_trajectory(finished, command, words):
 def test_a_state_that_is_no_longer_possible(unfinished, column, value):
     """NaN, infinite, or with energy from nowhere: exit code 3, the time, and what to try.
 
-    A grain at 40 m/s has some 1000 times the energy that the whole silo can give off. The last
+    A particle at 40 m/s has some 1000 times the energy that the whole silo can give off. The last
     checkpoint and the frames before it stay.
     """
     checkpoint = unfinished / "checkpoint.h5"

@@ -43,7 +43,7 @@ def test_presets_are_the_papers_silos_and_wood(name):
     assert (case.outline.width, case.outline.height, case.settings.fill.level) == (0.3, 0.5, 0.475)
     assert case.outline.outlet == {"1": 0.04, "2": 0.06, "3": 0.1, "4": 0.15}[name[1]]
     assert case.surface_density == pytest.approx(450.0 * 0.12, rel=1e-15)
-    assert tuple(case.grain_law) == (1e7, 6.5e5, 0.38, 6085.0, 3.0, True)
+    assert tuple(case.particle_law) == (1e7, 6.5e5, 0.38, 6085.0, 3.0, True)
     assert tuple(case.wall_law) == (1e7, 6.5e5, 0.44, 4303.0, 3.0, True)
 
 
@@ -102,10 +102,10 @@ def test_units_are_a_matter_of_spelling(key, spellings):
         ({"law__contact_end": "force"}, {"pulls": False}, {"pulls": False}),
     ],
 )
-def test_an_override_changes_what_it_names_and_nothing_else(changes, grain, wall):
+def test_an_override_changes_what_it_names_and_nothing_else(changes, particle, wall):
     """The wall's gamma_n keeps its ratio to the particles' (4303/6085); zero is a value too."""
     case, published = a4(**changes), a4()
-    assert case.grain_law == published.grain_law._replace(**grain)
+    assert case.particle_law == published.particle_law._replace(**particle)
     assert case.wall_law == published.wall_law._replace(**wall)
 
 
@@ -116,8 +116,8 @@ def test_keep_ratios_keeps_kt_over_kn_and_every_restitution(kn):
     The restitution is a function of that ratio. The tolerance is rounding.
     """
     case, published = a4(law__kn=f"{kn} N/mm", law__keep_ratios=True), a4()
-    assert case.grain_law.kn == case.wall_law.kn == 1e3 * kn
-    for law in (case.grain_law, case.wall_law):
+    assert case.particle_law.kn == case.wall_law.kn == 1e3 * kn
+    for law in (case.particle_law, case.wall_law):
         assert law.kt / law.kn == pytest.approx(0.065, rel=1e-14)
     for pair, values in published.restitution().items():
         assert case.restitution()[pair] == pytest.approx(values, rel=1e-12)
@@ -137,7 +137,7 @@ def test_damping_from_restitution_gives_the_restitution_of_the_file(end):
     found = case.restitution()
     assert found["particle_particle"]["one_contact"] == pytest.approx(0.45, rel=1e-9)
     assert found["particle_wall"]["one_contact"] == pytest.approx(0.53, rel=1e-9)
-    assert case.grain_law.gamma_n > a4().grain_law.gamma_n  # published: that of 0.80
+    assert case.particle_law.gamma_n > a4().particle_law.gamma_n  # published: that of 0.80
 
 
 def test_damping_from_restitution_goes_with_no_gamma():
@@ -177,7 +177,9 @@ def test_stiffer_contacts_get_a_time_step_below_the_stable_one(kn):
 
 def _limit_at_published_kn() -> float:
     case = a4()
-    return largest_stable_step(case.shapes, case.surface_density, case.grain_law, case.wall_law)[0]
+    return largest_stable_step(case.shapes, case.surface_density, case.particle_law, case.wall_law)[
+        0
+    ]
 
 
 # What names a packing and a run

@@ -38,7 +38,7 @@ def test_early_and_late_do_not_cancel_in_the_distance():
 
 
 def test_only_counts_that_both_reach_are_compared():
-    """One that clogs after two grains tells of these two; one that lets none out, of nothing."""
+    """One that clogs after two particles tells of these two; one that lets none out, of nothing."""
     found = curve_distance(TIMES, TIMES[:2] + 0.01)
     assert found["counts"] == 2
     assert found["max_s"] == pytest.approx(0.01)

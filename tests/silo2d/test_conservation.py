@@ -50,8 +50,8 @@ def encounter(
     velocities = np.array([[2.0, 0.5], [-1.5, -0.2]]) @ turned.T + drift
     poses = [(*places[0], 0.4 + turn), (*places[1], -0.7 + turn)]
     simulation = simulation_of(SHAPES, poses, law=law, time_step=step)
-    for grain in (0, 1):
-        launch(simulation, grain, *velocities[grain], spins[grain])
+    for particle in (0, 1):
+        launch(simulation, particle, *velocities[particle], spins[particle])
     return simulation
 
 
@@ -59,11 +59,11 @@ def momenta(simulation):
     """Linear momentum [kg m/s] and angular momentum about the scene's middle [kg m2/s], with
     the velocities of the leapfrog, half a step back, for which they are kept exactly."""
     total = np.zeros(3)
-    for grain in range(simulation.n_grains):
-        x, y, _ = position(simulation, grain) - (0.0, LEVEL, 0.0)
-        vx, vy, spin = simulation.rows[grain, [state.VX, state.VY, state.SPIN]]
-        m = mass(simulation, grain)
-        total += m * vx, m * vy, m * (x * vy - y * vx) + inertia(simulation, grain) * spin
+    for particle in range(simulation.n_particles):
+        x, y, _ = position(simulation, particle) - (0.0, LEVEL, 0.0)
+        vx, vy, spin = simulation.rows[particle, [state.VX, state.VY, state.SPIN]]
+        m = mass(simulation, particle)
+        total += m * vx, m * vy, m * (x * vy - y * vx) + inertia(simulation, particle) * spin
     return total
 
 
@@ -119,10 +119,10 @@ def test_turned_frame(turn_deg):
     cos, sin = math.cos(turn), math.sin(turn)
     for simulation in (here, there):
         simulation.run(20000)
-    for grain in (0, 1):
-        vx, vy, spin = velocity(here, grain)
+    for particle in (0, 1):
+        vx, vy, spin = velocity(here, particle)
         expected = cos * vx - sin * vy, sin * vx + cos * vy, spin
-        assert_allclose(velocity(there, grain), expected, rtol=1e-8, atol=1e-9)
+        assert_allclose(velocity(there, particle), expected, rtol=1e-8, atol=1e-9)
 
 
 @pytest.mark.parametrize("drift", [(3.0, 0.0), (-4.0, 7.0)])
@@ -131,9 +131,9 @@ def test_drifting_frame(drift):
     here, there = encounter(WOOD), encounter(WOOD, drift=drift)
     for simulation in (here, there):
         simulation.run(20000)
-    for grain in (0, 1):
-        expected = velocity(here, grain) + np.array([*drift, 0.0])
-        assert_allclose(velocity(there, grain), expected, rtol=1e-8, atol=1e-9)
+    for particle in (0, 1):
+        expected = velocity(here, particle) + np.array([*drift, 0.0])
+        assert_allclose(velocity(there, particle), expected, rtol=1e-8, atol=1e-9)
 
 
 def test_normal_damping_alone():
@@ -222,8 +222,8 @@ def test_energy_books_close_with_the_square_of_the_step(law):
     assert 12 < missing[0] / missing[1] < 22
 
 
-def test_a_discharged_grain_takes_its_energy_along():
-    """A grain that falls out is out at sqrt(2 h/g), and what it had is carried out."""
+def test_a_discharged_particle_takes_its_energy_along():
+    """A particle that falls out is out at sqrt(2 h/g), and what it had is carried out."""
     h, step = 0.05, 1e-5
     simulation = simulation_of([KITE], [(0.0, h, 0.3)], time_step=step, gravity=G)
     launch(simulation, vy=0.5 * G * step)  # half a step back

@@ -24,7 +24,7 @@ def behind_door(reference) -> tuple[SiloCase, Simulation]:
 
 def opened(case: SiloCase, sim: Simulation) -> Simulation:
     """Its door gone, under the laws of the discharge."""
-    sim.begin_phase(case.grain_law, case.wall_law, case.time_step)
+    sim.begin_phase(case.particle_law, case.wall_law, case.time_step)
     sim.remove_wall(len(case.outline.walls().names) - 1)
     return sim
 
@@ -41,7 +41,7 @@ def loads(contacts, n_bodies: int, rows) -> np.ndarray:
 
 
 def test_contact_forces_are_mass_times_acceleration(reference):
-    """Newton and Euler for every grain, and what every wall books, at moments of a flow.
+    """Newton and Euler for every particle, and what every wall books, at moments of a flow.
 
     The step takes the same forces, so only rounding is between the two: of sums of ten terms,
     1e-15 of the largest, and of the velocity's difference, 1e-16 of the velocity over the step.
@@ -58,11 +58,11 @@ def test_contact_forces_are_mass_times_acceleration(reference):
         flowing.run(1)
         gained = (flowing.rows[:, moving] - before) / flowing.world.time_step
         inverse = [state.INV_MASS, state.INV_MASS, state.INV_INERTIA]
-        expected = found[: flowing.n_grains] * rows[:, inverse] - [0.0, GRAVITY, 0.0]
+        expected = found[: flowing.n_particles] * rows[:, inverse] - [0.0, GRAVITY, 0.0]
         scale = np.abs(contacts["force"]).max() * rows[:, inverse].max(axis=0)
         error = np.abs(gained - expected)[live] / (scale + 1e-3 / TIME_STEP)
         assert error.max() < 1e-11
-        walls = found[flowing.n_grains :, :2]
+        walls = found[flowing.n_particles :, :2]
         np.testing.assert_allclose(
             flowing.wall_forces(), walls, rtol=0, atol=1e-12 * np.abs(contacts["force"]).max()
         )
@@ -85,7 +85,7 @@ def test_asking_for_contacts_changes_no_bit(reference):
     assert flowing.wall_forces().tobytes() == other.wall_forces().tobytes()
 
 
-def test_two_pressed_grains():
+def test_two_pressed_particles():
     """Two blocks face to face, d deep: each of their pairs carries kn d along the normal.
 
     Eight vertex-edge pairs (spec: two aligned faces), two points, both on the middle plane.

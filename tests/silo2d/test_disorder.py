@@ -49,7 +49,7 @@ from silo2d.engine.pair_law import LEVELS
 from silo2d.run import protocol
 
 KN, KT, MU, GAMMA_N = range(4)  # columns of pair_constants
-N_GRAINS = 600
+N_PARTICLES = 600
 # The measured ones, Table 4 and Tables 2 and 3 of the wood-silo paper.
 MEASURED = Spread(friction=0.10, stiffness=0.18, restitution=0.17, mean_restitution=0.45)
 AT_WALLS = Spread(friction=0.17, stiffness=0.18, restitution=0.26, mean_restitution=0.53)
@@ -64,11 +64,11 @@ def settings(per: str, seed: int = 1) -> Settings:
     return check_settings(tables, "test")
 
 
-def laws(per: str, spread=(MEASURED, AT_WALLS), law=WOOD, n=N_GRAINS, seed=1):
+def laws(per: str, spread=(MEASURED, AT_WALLS), law=WOOD, n=N_PARTICLES, seed=1):
     return drawn_laws((law, law), spread, settings(per, seed), n)
 
 
-def all_pairs(n: int = N_GRAINS) -> tuple[np.ndarray, np.ndarray]:
+def all_pairs(n: int = N_PARTICLES) -> tuple[np.ndarray, np.ndarray]:
     return np.triu_indices(n, 1)
 
 
@@ -87,11 +87,11 @@ def test_the_cut_normal_keeps_mean_and_deviation():
 
 @pytest.mark.parametrize("per", ["particle", "pair"])
 def test_pairs_have_the_measured_mean_and_deviation(per):
-    """All pairs of 600 grains. Tolerance: four standard errors; per particle the mean of the 600
+    """All pairs of 600 particles. Tolerance: four standard errors; per particle the mean of the 600
     scores is what counts, sqrt(2/n) of a deviation, and their variance, sqrt(2/n)/2."""
     law = laws(per)[0]
-    drawn = pair_constants(law, *all_pairs(), N_GRAINS)
-    n = len(drawn) if per == "pair" else N_GRAINS / 2
+    drawn = pair_constants(law, *all_pairs(), N_PARTICLES)
+    n = len(drawn) if per == "pair" else N_PARTICLES / 2
     for column, mean, spread in ((MU, WOOD.mu, 0.10), (KN, WOOD.kn, 0.18)):
         scaled = (drawn[:, column] / mean - 1) / spread
         assert abs(scaled.mean()) < 4 / math.sqrt(n)
@@ -105,12 +105,12 @@ def test_restitution_scales_the_damping(per):
     """gamma_n/sqrt(kn) = its mean times zeta(e)/zeta(mean e), so e comes back from it: with mean
     0.45 and 17 %. Tolerance: as above."""
     law = laws(per)[0]
-    drawn = pair_constants(law, *all_pairs(), N_GRAINS)
+    drawn = pair_constants(law, *all_pairs(), N_PARTICLES)
     ratio = drawn[:, GAMMA_N] / WOOD.gamma_n / np.sqrt(drawn[:, KN] / WOOD.kn)
     usual = damping_of_restitution(1.0, 0.45)
     # The inverse of zeta(e): with z = gamma/(2 omega0), e = exp(-pi z/sqrt(1 - z^2)).
     e = [restitution_at_zero_overlap(1.0, damping) for damping in ratio * usual]
-    n = len(drawn) if per == "pair" else N_GRAINS / 2
+    n = len(drawn) if per == "pair" else N_PARTICLES / 2
     assert np.mean(e) == pytest.approx(0.45, abs=0.17 * 0.45 * 4 / math.sqrt(n))
     assert np.std(e) == pytest.approx(0.17 * 0.45, rel=4 / math.sqrt(n))
 
@@ -120,8 +120,8 @@ def test_pairs_are_even_and_independent_of_each_other():
     correlate, and all levels are as frequent. Tolerance: four deviations of 1/sqrt(n), and of
     chi-squared with 63 degrees of freedom, sqrt(126)."""
     first, second = all_pairs()
-    drawn = pair_constants(laws("pair")[0], first, second, N_GRAINS)
-    other = pair_constants(laws("pair", seed=2)[0], first, second, N_GRAINS)
+    drawn = pair_constants(laws("pair")[0], first, second, N_PARTICLES)
+    other = pair_constants(laws("pair", seed=2)[0], first, second, N_PARTICLES)
     n = len(drawn)
     mu, kn = drawn[:, MU], drawn[:, KN]
     for a, b in (
@@ -138,14 +138,14 @@ def test_pairs_are_even_and_independent_of_each_other():
 
 
 def test_pairs_that_share_a_particle_go_together():
-    """Per particle: z_ij = (z_i + z_j)/sqrt 2, so two pairs with one grain in common correlate by
-    1/2, with a wall by 1/sqrt 2, and others not at all. Tolerance: four standard errors, and 0.01
+    """Per particle: z_ij = (z_i + z_j)/sqrt 2, so two pairs with one particle in common correlate
+    by 1/2, with a wall by 1/sqrt 2, others not at all. Tolerance: four standard errors, and 0.01
     because values are a cut normal's of the levels."""
     n = 4000
-    grain, wall_law = laws("particle", n=n)
+    particle, wall_law = laws("particle", n=n)
     i = np.arange(0, n - 3, 4)
     one, shared, apart = (
-        pair_constants(grain, i + a, i + b, n)[:, MU] for a, b in ((0, 1), (1, 2), (2, 3))
+        pair_constants(particle, i + a, i + b, n)[:, MU] for a, b in ((0, 1), (1, 2), (2, 3))
     )
     at_wall = pair_constants(wall_law, i, np.full(len(i), n + 3), n)[:, MU]
     near = 4 / math.sqrt(len(i)) + 0.01
@@ -157,19 +157,21 @@ def test_pairs_that_share_a_particle_go_together():
 
 @pytest.mark.parametrize("per", ["particle", "pair"])
 def test_a_pair_draws_the_same_either_way_round(per):
-    """And with more grains; another seed draws otherwise."""
+    """And with more particles; another seed draws otherwise."""
     i, j = np.array([3, 3, 70]), np.array([5, 80, 2])
-    once = pair_constants(laws(per)[0], i, j, N_GRAINS)
-    np.testing.assert_array_equal(once, pair_constants(laws(per)[0], j, i, N_GRAINS))
+    once = pair_constants(laws(per)[0], i, j, N_PARTICLES)
+    np.testing.assert_array_equal(once, pair_constants(laws(per)[0], j, i, N_PARTICLES))
     np.testing.assert_array_equal(once, pair_constants(laws(per, n=900)[0], i, j, 900))
-    assert (once != pair_constants(laws(per, seed=2)[0], i, j, N_GRAINS))[:, MU].all()
+    assert (once != pair_constants(laws(per, seed=2)[0], i, j, N_PARTICLES))[:, MU].all()
 
 
 def test_a_level_is_the_share_of_the_standard_normal_below_the_score():
     """Per particle at a wall: mu at the quantile Phi(z) of the cut normal."""
     law = laws("particle")[1]
-    z = scores(1, N_GRAINS)[0]
-    mu = pair_constants(law, np.arange(N_GRAINS), np.full(N_GRAINS, N_GRAINS), N_GRAINS)[:, MU]
+    z = scores(1, N_PARTICLES)[0]
+    mu = pair_constants(
+        law, np.arange(N_PARTICLES), np.full(N_PARTICLES, N_PARTICLES), N_PARTICLES
+    )[:, MU]
     expected = cut_normal()[(ndtr(z) * LEVELS).astype(int)]
     assert_allclose((mu / WOOD.mu - 1) / 0.17, expected, atol=1e-12)
 
@@ -248,7 +250,7 @@ def test_the_stable_step_covers_the_stiffest_pair(tmp_path):
     """The limit is that of (1 + 2.62 sigma) kn with the damping of e (1 - 2.62 sigma), and the
     laws of all pairs are within."""
     case = SiloCase.load("A4", {"disorder.per": "pair"})
-    both = case.laws(N_GRAINS)
+    both = case.laws(N_PARTICLES)
     bounds = [law.quantiles.max(axis=1) for law in both]
     for law, (_, kn, damping) in zip(both, bounds, strict=True):
         assert kn <= law.mean.kn * (1 + FARTHEST * 0.18)

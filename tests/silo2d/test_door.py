@@ -1,4 +1,4 @@
-"""A door that is drawn: it drags grains by friction, lets them fall at its end, and does work."""
+"""A door that is drawn: it drags particles by friction, lets them fall at its end, does work."""
 
 import math
 import random
@@ -45,9 +45,9 @@ def swing(sim, law) -> float:
 
 
 @pytest.mark.parametrize("mu", [0.2, 0.38])
-def test_a_grain_on_the_door_is_dragged_to_its_speed(mu):
+def test_a_particle_on_the_door_is_dragged_to_its_speed(mu):
     """v = mu g t while it slides, then the door's speed (Coulomb). Tolerance: the springs build up
-    friction in a swing of mu g/omega_t; once the grain rides, it swings on by as much."""
+    friction in a swing of mu g/omega_t; once the particle rides, it swings on by as much."""
     law = LAW._replace(mu=mu)
     sim = on_door(law)
     whole = SPEED / (mu * G)
@@ -59,7 +59,7 @@ def test_a_grain_on_the_door_is_dragged_to_its_speed(mu):
 
 
 def test_the_books_hold_what_the_door_gives():
-    """While the grain slides the door gives mu m g v t, of which the grain has m (mu g t)^2/2 and
+    """While the particle slides the door gives mu m g v t; the particle has m (mu g t)^2/2 of it,
     friction the rest; all books together stay what they were. Tolerance: the friction builds up
     in a swing of 1/omega_t, a part 1/(omega_t t) of all."""
     law = LAW._replace(mu=0.38)
@@ -89,7 +89,7 @@ def test_the_force_on_the_door_is_the_mean_since_last_asked():
     assert sim.wall_forces()[0] == pytest.approx([-law.mu * weight, -weight], rel=1e-2)
 
 
-def test_a_grain_falls_where_the_door_ends():
+def test_a_particle_falls_where_the_door_ends():
     """Without friction a block rests until the door's end has passed its centroid, then tips over
     that end and falls: x = x0 - h + v t. Tolerance on the way down: the end has 5 mm of edge left
     to pass when the block is half over it, 10 ms in which it does not fall by g t^2/2 = 0.5 mm."""
@@ -158,7 +158,7 @@ def test_pictures_have_the_door_where_it_is(drawn, reference):
 
 
 def test_times_count_from_the_start_of_the_motion(drawn, reference):
-    """The first grain leaves later than through a door that is gone at once, and so does the last;
+    """The first particle leaves later than through a door that is gone at once, so does the last;
     none before it can have fallen by half of its width."""
     answer, folder = drawn
     at_once = reference.read_summary()

@@ -1,4 +1,4 @@
-"""A run read back as ParaView reads it and from CSV: the same grains, outlines and motion."""
+"""A run read back as ParaView reads it and from CSV: the same particles, outlines and motion."""
 
 import csv
 import resource
@@ -14,8 +14,8 @@ from vtkmodules.vtkIOHDF import vtkHDFReader
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import read_tables, read_trajectory
 from silo2d.case.case import SiloCase
-from silo2d.case.shape import load_shapes, turn_angles
-from silo2d.measures.basics.contacts import grain_stress
+from silo2d.case.shape import corner_angles, load_shapes
+from silo2d.measures.basics.contacts import particle_stress
 from silo2d.view.export import export, vtkhdf
 from silo2d.view.scene import read_scene
 
@@ -74,18 +74,18 @@ def test_each_stored_frame_is_a_time_step(run, film):
 
 
 @pytest.mark.parametrize("frame", [0, 1, 17, 30])
-def test_cells_are_the_walls_and_then_the_grains_that_are_simulated(run, film, frame):
+def test_cells_are_the_walls_and_then_the_particles_that_are_simulated(run, film, frame):
     """Points are the outlines at the frame's poses, turned and moved, to single precision."""
     scene, mesh = read_scene(run), film.step(frame)
     static, n_walls = scene.trajectory.static, len(scene.walls)
-    grains = np.flatnonzero(scene.trajectory["inside"][frame])
-    assert (mesh.GetNumberOfLines(), mesh.GetNumberOfPolys()) == (n_walls, len(grains))
-    assert mesh.GetNumberOfCells() == n_walls + len(grains)
+    particles = np.flatnonzero(scene.trajectory["inside"][frame])
+    assert (mesh.GetNumberOfLines(), mesh.GetNumberOfPolys()) == (n_walls, len(particles))
+    assert mesh.GetNumberOfCells() == n_walls + len(particles)
     for wall, ends in enumerate(scene.walls):
         np.testing.assert_allclose(cell_points(mesh, wall)[:, :2], ends, rtol=SINGLE)
-    for cell, grain in enumerate(grains, start=n_walls):
-        x, y, angle = (scene.trajectory[key][frame][grain] for key in ("x", "y", "angle"))
-        first = static["kind"][grain]
+    for cell, particle in enumerate(particles, start=n_walls):
+        x, y, angle = (scene.trajectory[key][frame][particle] for key in ("x", "y", "angle"))
+        first = static["kind"][particle]
         local = static["shape_points"][slice(*static["shape_start"][first : first + 2])]
         axes = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         points = cell_points(mesh, cell)
@@ -95,23 +95,23 @@ def test_cells_are_the_walls_and_then_the_grains_that_are_simulated(run, film, f
 
 
 @pytest.mark.parametrize("frame", [0, 17, 30])
-def test_each_cell_carries_what_the_run_knows_of_its_grain(run, film, frame):
-    """Walls have ids below 0 and nothing of a grain."""
+def test_each_cell_carries_what_the_run_knows_of_its_particle(run, film, frame):
+    """Walls have ids below 0 and nothing of a particle."""
     trajectory, found = read_trajectory(run), arrays(film.step(frame))
-    grains = np.flatnonzero(trajectory["inside"][frame])
+    particles = np.flatnonzero(trajectory["inside"][frame])
     walls = len(trajectory.static["wall_segments"]) - 1
     expected = {
-        "id": grains,
-        "kind": trajectory.static["kind"][grains],
-        "layer": trajectory.static["layer"][grains],
-        "inside": np.isnan(trajectory["out_time"][frame][grains]),
-        "spin": trajectory["spin"][frame][grains],
+        "id": particles,
+        "kind": trajectory.static["kind"][particles],
+        "layer": trajectory.static["layer"][particles],
+        "inside": np.isnan(trajectory["out_time"][frame][particles]),
+        "spin": trajectory["spin"][frame][particles],
     }
     for name, values in expected.items():
         np.testing.assert_array_equal(found[name][walls:], values, err_msg=name)
     for axis, name in enumerate(("vx", "vy")):
         np.testing.assert_array_equal(
-            found["velocity"][walls:, axis], trajectory[name][frame][grains]
+            found["velocity"][walls:, axis], trajectory[name][frame][particles]
         )
     np.testing.assert_array_equal(found["id"][:walls], -1 - np.arange(walls))
     for name in ("kind", "layer", "inside"):
@@ -126,7 +126,7 @@ def test_polygons_miss_what_lies_between_chords_and_arcs(run, film):
     kind, chords = scene.trajectory.static["kind"], 4
     for cell in range(len(scene.walls), mesh.GetNumberOfCells(), 5):
         shape = shapes[kind[arrays(mesh)["id"][cell]]]
-        turns = turn_angles(shape.core)
+        turns = corner_angles(shape.core)
         lost = 0.5 * shape.spheroradius**2 * (turns - chords * np.sin(turns / chords)).sum()
         x, y, _ = cell_points(mesh, cell).astype(float).T
         x, y = x - x.mean(), y - y.mean()
@@ -151,9 +151,9 @@ def test_an_emptied_silo_is_its_walls(run, tmp_path):
     path.write_bytes(vtkhdf(scene))
     film = Film(path)
     n_walls = len(scene.walls)
-    for step, n_grains in ((-3, scene.trajectory["inside"][-3].sum()), (-2, 0), (-1, 0)):
+    for step, n_particles in ((-3, scene.trajectory["inside"][-3].sum()), (-2, 0), (-1, 0)):
         mesh = film.step(film.n_steps + step)
-        assert (mesh.GetNumberOfPolys(), mesh.GetNumberOfLines()) == (n_grains, n_walls)
+        assert (mesh.GetNumberOfPolys(), mesh.GetNumberOfLines()) == (n_particles, n_walls)
 
 
 def read_csv(path: Path) -> dict[str, np.ndarray]:
@@ -162,31 +162,31 @@ def read_csv(path: Path) -> dict[str, np.ndarray]:
     return {key: np.array([row[key] for row in rows]) for key in rows[0]}
 
 
-def test_tables_hold_the_motion_of_every_grain_in_every_frame(run, tmp_path):
-    """Each number as it was stored, one row for a grain and frame."""
+def test_tables_hold_the_motion_of_every_particle_in_every_frame(run, tmp_path):
+    """Each number as it was stored, one row for a particle and frame."""
     paths = export(run, "csv", tmp_path / "tables")
     assert [path.name for path in paths] == ["frames.csv", "grains.csv", "walls.csv"]
     trajectory, table = read_trajectory(run), read_csv(paths[0])
-    frame, grain = np.nonzero(trajectory["inside"])
+    frame, particle = np.nonzero(trajectory["inside"])
     np.testing.assert_array_equal(table["frame"].astype(int), frame)
-    np.testing.assert_array_equal(table["id"].astype(int), grain)
+    np.testing.assert_array_equal(table["id"].astype(int), particle)
     np.testing.assert_allclose(table["time_s"].astype(float), trajectory["time"][frame], rtol=1e-8)
     columns = {"x_m": "x", "y_m": "y", "angle_rad": "angle", "vx_m_per_s": "vx",
                "vy_m_per_s": "vy", "spin_rad_per_s": "spin"}  # fmt: skip
     for name, key in columns.items():
-        stored = trajectory[key][frame, grain]
+        stored = trajectory[key][frame, particle]
         np.testing.assert_array_equal(table[name].astype(np.float32), stored)
-    is_inside = np.isnan(trajectory["out_time"][frame, grain])
+    is_inside = np.isnan(trajectory["out_time"][frame, particle])
     np.testing.assert_array_equal(table["inside"].astype(int), is_inside)
 
 
 def test_kinetic_energy_from_the_tables_is_that_of_the_books(reference, tmp_path):
-    """sum of m v^2/2 + I w^2/2 over the rows of a frame, m from grains.csv and I/m from shapes."""
-    frames, grains, *_ = map(read_csv, export(reference.path, "csv", tmp_path / "tables"))
+    """sum of m v^2/2 + I w^2/2 over the rows of a frame, m from grains.csv, I/m from shapes."""
+    frames, particles, *_ = map(read_csv, export(reference.path, "csv", tmp_path / "tables"))
     trajectory = read_trajectory(reference.path)
     shapes = SiloCase.load(reference.path / "case.toml").shapes.shapes
     gyration2 = np.array([shape.polar_moment / shape.area for shape in shapes])
-    mass, kind = grains["mass_kg"].astype(float), grains["kind"].astype(int)
+    mass, kind = particles["mass_kg"].astype(float), particles["kind"].astype(int)
     for k in (3, len(trajectory["time"]) // 2):
         now = frames["frame"].astype(int) == k
         who = frames["id"][now].astype(int)
@@ -199,11 +199,11 @@ def test_kinetic_energy_from_the_tables_is_that_of_the_books(reference, tmp_path
         assert kinetic == pytest.approx(trajectory["kinetic"][k], rel=float(3 * SINGLE) + 1e-8)
 
 
-def test_stress_of_a_grain_between_two_forces(run):
+def test_stress_of_a_particle_between_two_forces(run):
     """Two forces F that press at a distance D on each other's line: F D/A along it, else 0."""
     scene = read_scene(run)
     centre = np.array([scene.trajectory[key][5][3] for key in ("x", "y")], dtype=float)
-    reach, press, wall = 4e-3, 7.0, scene.n_grains
+    reach, press, wall = 4e-3, 7.0, scene.n_particles
     direction = np.array([0.6, 0.8])
     ends = np.array([1, -1])[:, None] * direction
     contacts = Tables(
@@ -220,34 +220,35 @@ def test_stress_of_a_grain_between_two_forces(run):
     )
     shape = load_shapes("wood19").shapes[scene.trajectory.static["kind"][3]]
     expected = press * 2 * reach / shape.area * np.outer(direction, direction)
-    stress = grain_stress(scene, contacts, 5)
+    stress = particle_stress(scene, contacts, 5)
     np.testing.assert_allclose(stress[3], expected, rtol=6e-4)  # the outline's area, see above
     assert (np.delete(stress, 3, axis=0) == 0).all()
-    assert grain_stress(scene, contacts, 6) is None
+    assert particle_stress(scene, contacts, 6) is None
 
 
 def test_stresses_add_up_to_the_virial(reference, tmp_path):
-    """sum A sigma = sum over grains of x (x) F - sum over walls of p (x) f: inner contacts cancel.
+    """sum A sigma = sum of particles of x (x) F - sum over walls of p (x) f: inner contacts cancel.
 
-    F is the whole contact force on a grain, f that of a wall on a grain at p. At rest F is the
-    weight, but a packing that hardly moves is accelerated by its vibrations as much as by gravity.
+    F is the whole contact force on a particle, f that of a wall on a particle at p. At rest F is
+    the weight, but a packing that hardly moves is accelerated by its vibrations as much as by
+    gravity.
     """
-    _, grains, _, table = map(read_csv, export(reference.path, "csv", tmp_path / "tables"))
+    _, particles, _, table = map(read_csv, export(reference.path, "csv", tmp_path / "tables"))
     scene, contacts = read_scene(reference.path), read_tables(reference.path, "contacts")
     surface_density = SiloCase.load(reference.path / "case.toml").surface_density
-    area = grains["mass_kg"].astype(float) / surface_density
+    area = particles["mass_kg"].astype(float) / surface_density
     first = table["frame"] == "0"
     stress = np.stack([table[f"stress_{axes}_n_per_m"][first].astype(float) for axes in AXES])
     found = stress @ area[table["id"][first].astype(int)]
     now = contacts.at(0)
-    of_grain, force = np.zeros((scene.n_grains, 2)), now["force"].astype(float)
-    walls = now["bodies"][:, 1] >= scene.n_grains
-    np.add.at(of_grain, now["bodies"][:, 0], -force)
-    np.add.at(of_grain, now["bodies"][~walls, 1], force[~walls])
+    of_particle, force = np.zeros((scene.n_particles, 2)), now["force"].astype(float)
+    walls = now["bodies"][:, 1] >= scene.n_particles
+    np.add.at(of_particle, now["bodies"][:, 0], -force)
+    np.add.at(of_particle, now["bodies"][~walls, 1], force[~walls])
     centre = np.column_stack([scene.trajectory["x"][0], scene.trajectory["y"][0]]).astype(float)
-    virial = centre.T @ of_grain + now["point"][walls].astype(float).T @ force[walls]
+    virial = centre.T @ of_particle + now["point"][walls].astype(float).T @ force[walls]
     expected = virial[0, 0], virial[1, 1], (virial[0, 1] + virial[1, 0]) / 2
-    # The outline's area is at most 6e-4 small, for each grain (as above).
+    # The outline's area is at most 6e-4 small, for each particle (as above).
     np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
     assert found[1] > 0  # it is pressed
 
@@ -280,12 +281,12 @@ def test_a_run_without_contacts_has_no_stress(run, film, tmp_path):
     assert len(export(run, "csv", tmp_path)) == 3
 
 
-def test_grains_that_stay_have_no_time_of_leaving(tmp_path):
+def test_particles_that_stay_have_no_time_of_leaving(tmp_path):
     run = write_fake_run(tmp_path / "run", outcome="clogged").path
-    grains = read_csv(export(run, "csv")[1])
+    particles = read_csv(export(run, "csv")[1])
     out_time = read_trajectory(run)["out_time"][-1]
     assert (run / "export" / "grains.csv").is_file()
-    np.testing.assert_array_equal(grains["out_time_s"] == "", np.isnan(out_time))
+    np.testing.assert_array_equal(particles["out_time_s"] == "", np.isnan(out_time))
 
 
 def test_exported_twice_it_is_the_same_file(run, tmp_path):

@@ -107,7 +107,7 @@ def test_the_inside_is_found_again_from_the_walls(lattice_scene):
     assert found.symmetric_difference(Polygon(SILO.polygon)).area < 1e-12
 
 
-def test_areas_of_the_grains(lattice_scene):
+def test_areas_of_the_particles(lattice_scene):
     """From the outlines kept for drawing, whose chords cut 0.1 % at most."""
     assert areas(lattice_scene)[0] == pytest.approx(SPECK.area, rel=0.02)
     block = scene_of([scenes.block(20e-3, 10e-3)], [0], SILO, np.zeros(1), np.full(1, 0.1))
@@ -118,7 +118,7 @@ def test_areas_of_the_grains(lattice_scene):
 
 
 def test_mass_and_momentum_are_conserved(lattice_scene):
-    """Integrals over the plane are the sums over the grains, to the rim's 1e-9 and rounding."""
+    """Integrals over the plane are the sums over the particles, to the rim's 1e-9 and rounding."""
     field = fields.field_of(lattice_scene, np.array([0]), WIDTH)
     mass = lattice_scene.trajectory.static["mass"]
     assert field.grid.integral(field.density) == pytest.approx(mass.sum(), rel=1e-8)
@@ -189,4 +189,4 @@ def test_a_run_that_hardly_flowed_has_no_flow_field(runs, tmp_path):
     silo2d("run", case, "-o", runs, "--no-figures", "--quiet")
     answer = silo2d("observe", the_run(runs).path, "fields", "--no-figures")
     assert (answer.code, answer.err.count("\n")) == (2, 1)
-    assert "a mean over the flow needs 20 grains" in answer.err
+    assert "a mean over the flow needs 20 particles" in answer.err

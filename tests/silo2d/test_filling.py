@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from heaps import (
     assert_filled_to_the_level,
-    grain_overlaps,
+    particle_overlaps,
     silent,
     small_case,
     solid_fraction,
@@ -17,7 +17,7 @@ from small_silo import silo2d, write_case
 from silo2d.case.case import SiloCase
 from silo2d.engine.simulation import Simulation
 from silo2d.run.packing import packing_digest
-from silo2d.run.pour import agitation, pour
+from silo2d.run.pour import normalised_kinetic_energy, pour
 from silo2d.run.protocol import settle_under_own_law, world_behind_door
 
 PROTOCOLS = {
@@ -37,14 +37,14 @@ def filled(tmp_path_factory):
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_it_fills_to_the_level_and_carries_the_weight(protocol, filled):
-    """No hole as large as a grain under the level; no overlap deeper than a heap's weight on one
+    """No hole as large as a particle under the level; no overlap deeper than a heap's weight on one
     of its contacts, which are a quarter as stiff as the wood's."""
     case, packing = filled[protocol]
     if protocol != "friction":  # friction leaves a heap with slopes, and voids
         assert_filled_to_the_level(case, packing)
     assert packing.poses[:, 1].max() < case.settings.fill.level + case.shapes.bounding_radius
     deepest = weight(case, packing.kinds) / case.pour_laws[0].kn
-    assert grain_overlaps(case, packing.kinds, packing.poses).max() < deepest
+    assert particle_overlaps(case, packing.kinds, packing.poses).max() < deepest
     assert wall_overlaps(case, packing.kinds, packing.poses).max() < deepest
 
 
@@ -55,24 +55,24 @@ def test_friction_leaves_a_looser_packing(filled):
 
 
 def test_a_packing_that_friction_holds_is_not_shaken_before_the_opening(filled):
-    """It comes to rest under its own law with the friction it was poured with: grains move by
+    """It comes to rest under its own law with the friction it was poured with: particles move by
     less than a tenth of their size, and the slips that hold them are kept at the opening."""
     case, packing = filled["friction"]
     sim = Simulation(world_behind_door(case, packing))
-    assert (sim.world.grain_law.mu, sim.world.wall_law.mu) == (0.38, 0.44)
+    assert (sim.world.particle_law.mu, sim.world.wall_law.mu) == (0.38, 0.44)
     settle_under_own_law(sim, case, lambda fraction, text: None)
     moved = np.hypot(*(sim.poses() - packing.poses)[:, :2].T)
     assert moved.max() < 0.1 * np.sqrt(case.shapes.mean_area)
     held = sim.energies()["elastic_tangential"]
     assert held > 0
-    sim.begin_phase(*case.laws(sim.n_grains), case.time_step, keep_slips=True)
+    sim.begin_phase(*case.laws(sim.n_particles), case.time_step, keep_slips=True)
     assert sim.energies()["elastic_tangential"] == pytest.approx(held, rel=1e-12)
     sim.run(round(0.02 / case.time_step))
-    assert agitation(sim, case.shapes) < case.settings.fill.settled
+    assert normalised_kinetic_energy(sim, case.shapes) < case.settings.fill.settled
 
 
 def test_layers_come_to_rest_one_on_the_other(filled):
-    """Three layers of 40 mm, the last of them cut at the level of 100 mm: all grains lie in the
+    """Three layers of 40 mm, the last of them cut at the level of 100 mm: all particles lie in the
     silo, as many as the rain at once leaves within a tenth."""
     (_, layers), (_, once) = filled["layers"], filled["frictionless"]
     assert len(layers.kinds) == pytest.approx(len(once.kinds), rel=0.1)

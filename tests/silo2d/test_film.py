@@ -37,7 +37,7 @@ def decoded(path) -> list[np.ndarray]:
     return frames
 
 
-def test_grains_stand_at_their_places_in_their_layers_colour(scene):
+def test_particles_stand_at_their_places_in_their_layers_colour(scene):
     """Scale and origin from the drawn walls, 0.3 m apart; every centroid has its layer's tone."""
     image = next(film_frames(scene))
     rows, columns = np.nonzero(near(image, WALL))
@@ -52,7 +52,7 @@ def test_grains_stand_at_their_places_in_their_layers_colour(scene):
         assert near(image, colour)[y, x].all()
 
 
-def test_dropped_grains_are_not_drawn(scene):
+def test_dropped_particles_are_not_drawn(scene):
     """The silo empties: less wood at the end, and none of it once all are dropped."""
     frames = list(film_frames(scene))
     wood = [sum(near(image, colour).sum() for colour in WOOD) for image in frames]

@@ -1,4 +1,4 @@
-"""Discharge rate and its error, against grains that leave at times that are known."""
+"""Discharge rate and its error, against particles that leave at times that are known."""
 
 import json
 
@@ -15,9 +15,9 @@ SILO = hopper(0.0, 0.15, name="flat")
 
 
 def test_even_flow_is_steady_all_the_time():
-    """One grain every 2 ms: 500 a second in every window, to the one grain at its edge.
+    """One particle every 2 ms: 500 a second in every window, to the one particle at its edge.
 
-    Windows of 79.8 ms then hold 39 or 40 grains: numbers that scatter by less than one have a
+    Windows of 79.8 ms then hold 39 or 40 particles: numbers that scatter by less than one have a
     variance of at most 1/4, and a Fano factor below 1/4/39.
     """
     times = 0.002 * (np.arange(500) + 0.5)
@@ -30,7 +30,7 @@ def test_even_flow_is_steady_all_the_time():
 
 
 def test_errors_of_a_poisson_flow_are_those_of_its_rate():
-    """Independent grains at 1000/s for 2 s: error sqrt(n)/n, which the rates of 200 flows have.
+    """Independent particles at 1000/s for 2 s: error sqrt(n)/n, which the rates of 200 flows have.
 
     The rate is taken where it is known to be steady. The sd of 200 deviations over their errors
     is 1 within 4/sqrt(400), and the error itself is known from the Fano factor of 17 windows.
@@ -69,8 +69,8 @@ def test_no_rate_where_few_leave_or_all_at_once(times):
     assert curve.usual_window(np.array(times)) is None
 
 
-def test_moving_rate_counts_every_grain_once():
-    """Windows that do not overlap hold all grains of the time that they cover."""
+def test_moving_rate_counts_every_particle_once():
+    """Windows that do not overlap hold all particles of the time that they cover."""
     times = np.sort(np.random.default_rng(1).uniform(0, 1, 300))
     middles, rate = curve.moving_rate(times, np.ones(300), 0.1)
     apart = slice(None, None, 4)  # a window is four places wide
@@ -82,12 +82,12 @@ def test_no_curve_where_nobody_leaves(tmp_path):
     """One line says so."""
     write_moved_run(tmp_path, lambda s, t: falling(s, t, 0.0), silo=SILO, n_frames=5)
     for ask in (curve.measure, curve.draw):
-        with pytest.raises(InputError, match="0 grains left: a discharge curve needs one"):
+        with pytest.raises(InputError, match="0 particles left: a discharge curve needs one"):
             ask(tmp_path)
 
 
 def test_curve_of_a_clogged_run_has_no_rate_but_a_picture(tmp_path):
-    """Three grains leave."""
+    """Three particles leave."""
     write_moved_run(
         tmp_path, lambda s, t: falling(s, t, 0.0), silo=SILO, n_frames=5,
         out_time=lambda s: np.where(np.arange(len(s)) < 3, 0.01, np.nan),

@@ -12,7 +12,7 @@ from granulab.campaign.output.figure import write_figure
 from granulab.errors import InputError
 from silo2d.case.outline import hopper
 from silo2d.measures import find, massflow
-from silo2d.measures.basics.particles import grain_size
+from silo2d.measures.basics.particles import particle_size
 from silo2d.view.scene import read_scene
 
 FLAT = hopper(0.0, 0.15, name="flat")
@@ -26,7 +26,7 @@ def known(folder, **options):
 
 
 def test_plug_flow_has_an_index_of_one(tmp_path):
-    """All grains at one velocity: walls over centre is 1, without error, at every height.
+    """All particles at one velocity: walls over centre is 1, without error, at every height.
 
     Tolerance: velocities are in single precision.
     """
@@ -51,9 +51,10 @@ def test_a_core_between_resting_walls_is_funnel_flow(tmp_path):
 def test_radial_flow_in_a_hopper(tmp_path):
     """Towards the apex, v(theta) = V (1 - a (theta/theta_w)^2), theta_w at the wall.
 
-    Grains of the strip at the wall lie up to one grain size from it and those at the centre up to
-    one from the line, so the index lies between the ratios that the ends of these strips give.
-    Fields are taken at one moment: the grains stand still while they have these velocities.
+    Particles of the strip at the wall lie up to one particle size from it and those at the centre
+    up to one from the line, so the index lies between the ratios that the ends of these strips
+    give. Fields are taken at one moment: the particles stand still while they have these
+    velocities.
     """
     speed, a, half_angle = 0.2, 0.8, np.radians(30)
     apex = -0.05 * np.tan(np.radians(60))
@@ -68,7 +69,7 @@ def test_radial_flow_in_a_hopper(tmp_path):
         return np.array([start[:, 0], start[:, 1], -v * np.sin(theta), -v * np.cos(theta)])
 
     write_moved_run(tmp_path, motion, silo=STEEP, spacing=0.009)
-    size = grain_size(read_scene(tmp_path))
+    size = particle_size(read_scene(tmp_path))
     hopper_top = 0.1 * np.tan(np.radians(60))
     rows = [row for row in known(tmp_path, band=0.02) if row["until_m"] < hopper_top]
     assert len(rows) >= 5
@@ -85,7 +86,7 @@ def test_radial_flow_in_a_hopper(tmp_path):
 def test_the_error_is_that_of_the_parts_of_the_window():
     """Ratios 1, 2, 3, 4, 5 of five parts: sd sqrt(2.5), error sqrt(2.5/5); pooled index 3.
 
-    A band without grains has neither, and one with two parts has no error.
+    A band without particles has neither, and one with two parts has no error.
     """
     ones = np.ones(5)
     wall, centre = np.zeros((5, 2, 3)), np.zeros((5, 2, 3))
@@ -131,11 +132,11 @@ def test_massflow_of_a_run_is_json_and_a_picture(reference, tmp_path):
 
 
 def test_no_index_where_few_leave(tmp_path):
-    """Grains that only tremble have no steady part: without a window one line says so."""
+    """Particles that only tremble have no steady part: without a window one line says so."""
     write_moved_run(
         tmp_path, lambda s, t: falling(s, t, 0.0), silo=FLAT, n_frames=5,
         out_time=lambda s: np.where(np.arange(len(s)) < 19, 0.01, np.nan),
     )  # fmt: skip
-    with pytest.raises(InputError, match="19 grains left: a mass flow index needs 20 grains"):
+    with pytest.raises(InputError, match="19 particles left: a mass flow index needs 20 particles"):
         massflow.measure(tmp_path)
     assert massflow.measure(tmp_path, window=(0.0, 0.04))["bands"]

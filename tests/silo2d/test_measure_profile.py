@@ -43,7 +43,7 @@ def test_depth_and_width_of_a_parabola(tmp_path):
     depth is reached at x_s/sqrt(2) on both sides.
 
     Columns are 27 mm wide; the mean of x^2 over a column is its middle's plus w^2/12, alike in
-    all. Grains stand 12 mm apart and 7.2 mm off the walls, so those of the side columns are
+    all. Particles stand 12 mm apart and 7.2 mm off the walls, so those of the side columns are
     3.6 mm further in than the columns' middles, and known to about 2 mm: 3 % of the depth. The
     line is straight between columns, which puts the half width off by less than w/8 on each side.
     """
@@ -64,7 +64,7 @@ def test_depth_and_width_of_a_parabola(tmp_path):
 def test_depth_grows_with_the_time(tmp_path):
     """The parabola's depth is linear in time: at 0.25 s half of that at 0.5 s, to rounding.
 
-    Grains keep their columns, so that both times have the same errors but single precision's.
+    Particles keep their columns, so that both times have the same errors but single precision's.
     """
     write_moved_run(tmp_path, lambda s, t: falling(s, t, 0.1 * np.cos(10 * s[:, 0])), silo=WIDE)
     early, late = (layers_at(tmp_path, t, "depth_m") for t in (0.25, 0.5))
@@ -84,7 +84,7 @@ def test_a_layer_whose_middle_has_left_is_pierced(tmp_path):
 def test_scatter_is_that_of_the_displacements_about_their_line(tmp_path):
     """Falls of 0.2 m/s with an sd of 0.02 m/s: 10 mm after 0.5 s, none at the start.
 
-    A layer of some 60 grains knows an sd to 1/sqrt(120) = 9 %; four of these allowed.
+    A layer of some 60 particles knows an sd to 1/sqrt(120) = 9 %; four of these allowed.
     """
     speed = lambda s: FALL + 0.02 * np.random.default_rng(5).standard_normal(len(s))  # noqa: E731
     write_moved_run(tmp_path, lambda s, t: falling(s, t, speed(s)), silo=WIDE)
@@ -103,7 +103,7 @@ def test_frames_stand_at_the_paper_s_times(end):
 
 
 def test_profile_of_a_run_is_json_and_a_picture(reference, tmp_path):
-    """A real run, whose last moment has no grain left."""
+    """A real run, whose last moment has no particle left."""
     found = find("profile")
     json.dumps(found.measure(reference.path), allow_nan=False)
     assert write_figure(tmp_path / "profile.png", lambda: found.draw(reference.path)).stat().st_size

@@ -16,7 +16,7 @@ SPEED = 1.25  # m/s: the highest of 475 mm leaves before 0.4 s
 
 
 def test_first_in_first_out(tmp_path):
-    """Plug flow at v: a grain leaves after y/v, so its order is that of the heights.
+    """Plug flow at v: a particle leaves after y/v, so its order is that of the heights.
 
     A layer's mean is its mean height over v; tolerance: single precision, 3e-8 m over v.
     """
@@ -49,7 +49,7 @@ def test_last_in_first_out_and_those_that_stay(tmp_path):
     assert numbers["by_layer"][0]["mean_s"] is None
 
 
-def test_columns_tell_where_grains_wait(tmp_path):
+def test_columns_tell_where_particles_wait(tmp_path):
     """Leaving after 0.1 s + |x| s/m: a column's mean lies within its edges' times."""
     write_moved_run(
         tmp_path, lambda s, t: falling(s, t, 0.0), silo=SILO,
@@ -65,7 +65,9 @@ def test_nobody_leaves(tmp_path):
     """There is no residence time, which one line says."""
     write_moved_run(tmp_path, lambda s, t: falling(s, t, 0.0), silo=SILO)
     for ask in (residence.measure, residence.draw):
-        with pytest.raises(InputError, match="0 grains left: a residence time needs one at least"):
+        with pytest.raises(
+            InputError, match="0 particles left: a residence time needs one at least"
+        ):
             ask(tmp_path)
 
 

@@ -21,7 +21,7 @@ FAST = 0.2  # m/s
 
 @pytest.fixture
 def reach(tmp_path) -> np.ndarray:
-    """How far each grain of a made run extends to the right (n,) [m], at an angle of 0."""
+    """How far each particle of a made run extends to the right (n,) [m], at an angle of 0."""
     write_fake_run(tmp_path / "shapes", silo=SILO, spacing=0.03)
     static = read_trajectory(tmp_path / "shapes").static
     points, first = static["shape_points"][:, 0], static["shape_start"]
@@ -30,10 +30,10 @@ def reach(tmp_path) -> np.ndarray:
 
 
 def at_wall(reach, speed, gap=0.0):
-    """Grains that touch the right wall and come down at a speed that depends on the time."""
+    """Particles that touch the right wall and come down at a speed that depends on the time."""
 
     def motion(start, time):
-        high = 0.2 + 0.2 * start[:, 1]  # no grain near an end of the wall
+        high = 0.2 + 0.2 * start[:, 1]  # no particle near an end of the wall
         x = np.full(len(start), WALL - gap) - reach
         down = np.broadcast_to(speed(time), len(start))
         return np.array([x, high, 0 * high, -down])
@@ -73,9 +73,9 @@ def test_only_what_comes_near_enough_touches(tmp_path, reach):
     assert walls["left wall"]["touching_mean"] == walls["floor left"]["touching_mean"] == 0
 
 
-def test_a_grain_that_rolls_down_the_wall_sticks(tmp_path, reach):
+def test_a_particle_that_rolls_down_the_wall_sticks(tmp_path, reach):
     """Its point at the wall rests: v_y + spin x_contact = 0, while its centroid moves."""
-    roll = -FAST / reach  # anticlockwise: the right side goes up while the grain comes down
+    roll = -FAST / reach  # anticlockwise: the right side goes up while the particle comes down
     write_moved_run(
         tmp_path / "run", at_wall(reach, lambda time: FAST), silo=SILO, spacing=0.03,
         spin=lambda start, time: -roll, n_frames=5,
@@ -100,8 +100,8 @@ def test_speed_is_positive_towards_the_outlet(tmp_path, reach):
         assert walls[name]["mean_sliding_m_per_s"] == pytest.approx(FAST)
 
 
-def test_events_are_counted_by_grain():
-    """Two grains: 1 sticks, 2 slips, 0 does not touch. Complete: bounded by the other on both
+def test_events_are_counted_by_particle():
+    """Two particles: 1 sticks, 2 slips, 0 does not touch. Complete: bounded by the other on both
     sides, with no gap between.
     """
     state = np.array([[2, 1, 1, 2, 0, 1, 2, 1], [1, 2, 2, 1, 2, 0, 0, 2]]).T
@@ -111,7 +111,7 @@ def test_events_are_counted_by_grain():
 
 
 def test_nothing_at_the_walls_is_a_picture_too(tmp_path):
-    """Grains in the middle; every number that has no meaning is None."""
+    """Particles in the middle; every number that has no meaning is None."""
     write_moved_run(
         tmp_path, lambda s, t: falling(0.5 * s + [0, 0.2], t, 0.0), silo=SILO, n_frames=3
     )

@@ -38,8 +38,8 @@ def test_forces_that_pull_and_few_forces_make_no_tail():
 
 
 def test_pairs_add_up_their_contacts():
-    """Two contacts of one pair and one with a wall: two pairs, of which the grains touch
-    2 and 1 bodies, mean 1.5 of two grains, and 1 of three where one touches nothing."""
+    """Two contacts of one pair and one with a wall: two pairs, of which the particles touch
+    2 and 1 bodies, mean 1.5 of two particles, and 1 of three where one touches nothing."""
     silo = hopper(0.0, 0.1, 0.1, 0.2)
     bodies, normal = [[0, 1], [0, 1], [0, 3]], [[0.0, 1.0], [0.0, 1.0], [1.0, 0.0]]
     force = [[0.5, 2.0], [0.0, 3.0], [-1.0, 0.0]]
@@ -59,9 +59,9 @@ def test_numbers_of_a_run(reference):
     numbers = measure(reference.path)
     assert numbers["before_opening_sliding"] == 1
     assert numbers["before_opening_contacts"] >= numbers["before_opening_pairs"] > 70
-    # Frictionless grains at rest need three neighbours a body, fewer where some touch nothing.
+    # Frictionless particles at rest need three neighbours a body, fewer where some touch nothing.
     assert 3 < numbers["before_opening_coordination"] < 6
-    assert numbers["before_opening_grains"] == read_scene(reference.path).n_grains
+    assert numbers["before_opening_grains"] == read_scene(reference.path).n_particles
     assert len(numbers["series"]["time_s"]) == len(read_moments(reference.path))
 
 

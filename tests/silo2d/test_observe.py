@@ -25,7 +25,7 @@ NAN = math.nan
 SHAPES = load_shapes("wood19").shapes
 
 
-def test_t90_and_mean_rate_of_ten_grains():
+def test_t90_and_mean_rate_of_ten_particles():
     """T90: the ceil(0.9 n)-th leaver; rate 0.8 n/(t90 - t10). Ten leave at 1 ... 10 s: 9 s, 1/s."""
     out_time = np.array([7, NAN, 2, 10, 3, 1, 9, NAN, 5, 4, 8, 6.0])
     mass = np.full(12, 0.25)
@@ -56,7 +56,7 @@ def test_no_rate_where_nothing_leaves_or_all_at_once(out_time, n):
 
 
 def test_discharge_curve_agrees_with_the_counts_of_the_frames(tmp_path):
-    """Grains out at a frame are those whose time has come, whoever counts."""
+    """Particles out at a frame are those whose time has come, whoever counts."""
     write_fake_run(tmp_path)
     trajectory = read_trajectory(tmp_path)
     times, count = discharge_curve(trajectory)
@@ -94,20 +94,21 @@ def test_no_energy_closure_where_nothing_is_dissipated():
 @given(
     st.lists(st.tuples(st.integers(0, 18), st.floats(-0.02, 0.02), st.floats(-9, 9)), max_size=9)
 )
-def test_centre_line_is_crossed_where_the_swept_core_meets_it(grains):
+def test_centre_line_is_crossed_where_the_swept_core_meets_it(particles):
     """Oracle: shapely's distance of the core from the line, less the spheroradius.
 
-    Grains that touch the line within 0.1 um are left to rounding.
+    Particles that touch the line within 0.1 um are left to rounding.
     """
     from shapely import LineString, Polygon
     from shapely.affinity import rotate, translate
 
-    kind, x, angle = (np.array(column) for column in zip(*grains, strict=True)) if grains else (
-        np.empty(0, int), np.empty(0), np.empty(0))  # fmt: skip
+    empty = np.empty(0, int), np.empty(0), np.empty(0)
+    columns = zip(*particles, strict=True) if particles else empty
+    kind, x, angle = (np.array(column) for column in columns)
     centre = 0.003
     line = LineString([(centre, -1), (centre, 1)])
     found = crosses_centre_line(x, angle, kind, SHAPES, centre)
-    assert found.shape == (len(grains),)
+    assert found.shape == (len(particles),)
     for k, shape in enumerate(SHAPES[i] for i in kind):
         turned = rotate(Polygon(shape.core), angle[k], origin=(0, 0), use_radians=True)
         gap = translate(turned, x[k]).distance(line) - shape.spheroradius

@@ -1,4 +1,4 @@
-"""A grain between two walls: every stiffness, damping, arm and inertia sets a frequency or decay.
+"""A particle between two walls: every stiffness, damping, arm and inertia sets a rate.
 
 Pressed into both walls and nudged, it oscillates as x'' + gamma x' + omega0^2 x = 0, across the
 walls on its normal springs, along them and in its spin on the tangential ones.
@@ -81,7 +81,7 @@ def oscillate(mode, law, steps_per_turn, turns=3):
 )
 def test_oscillation_between_walls(mode, law):
     """exp(-b t) sin(w t)/w with four pairs (six for the disc) and a wall's reduced mass, the
-    grain's own. Tolerance: the leapfrog's frequency is (omega dt)^2/24 too high, which makes a
+    particle's own. Tolerance: the leapfrog's frequency is (omega dt)^2/24 too high, which makes a
     phase of 0.8 (omega dt)^2 in three turns; amplitude and decay are as far off. One percent of
     a constant would shift the phase by 200 times as much."""
     simulated, exact, omega_dt = oscillate(mode, law, steps_per_turn=300)

@@ -13,7 +13,7 @@ def run_of(tmp_path, changes: dict) -> dict:
 
 
 def test_a_wide_hopper_empties(reference):
-    """Every grain leaves, the last one at the discharge time, and no energy is left inside."""
+    """Every particle leaves, the last one at the discharge time, and no energy is left inside."""
     frames, table = read_trajectory(reference.path), reference.read_summary()
     assert table["outcome"] == "empty"
     out_time = frames["out_time"][-1]
@@ -23,7 +23,7 @@ def test_a_wide_hopper_empties(reference):
 
 
 def test_a_flat_floor_keeps_dead_zones(tmp_path):
-    """Beside an outlet in a flat floor grains lie on the floor; none lies over its middle."""
+    """Beside an outlet in a flat floor particles lie on the floor; none lies over its middle."""
     flat = {"silo.angle": "0 deg", "silo.width": "120 mm", "fill.level": "30 mm"}
     table = run_of(tmp_path, {**flat, "law.mu_particle": 0.4, "law.mu_wall": 0.4})
     assert table["outcome"] == "dead_zones"
@@ -31,7 +31,7 @@ def test_a_flat_floor_keeps_dead_zones(tmp_path):
     assert table["discharge_time_s"] is not None
     frames = read_trajectory(table["run_folder"])
     inside = frames["inside"][-1]
-    # Nothing moves: a grain of 7 mm that has fallen 1 um would have 4 mm/s.
+    # Nothing moves: a particle of 7 mm that has fallen 1 um would have 4 mm/s.
     assert np.abs(frames["vy"][-1][inside]).max() < 4e-3
     assert np.abs(frames["x"][-1][inside]).min() > 2.5e-3
 
@@ -41,7 +41,7 @@ def test_a_flat_floor_keeps_dead_zones(tmp_path):
     [("12 mm", 5, "clogged_at_opening"), ("30 mm", 1, "clogged")],
 )
 def test_a_narrow_outlet_clogs(tmp_path, outlet, opening_count, outcome):
-    """Grains of 5 mm to 10 mm with friction make an arch over 12 mm at once, over 30 mm soon.
+    """Particles of 5 mm to 10 mm with friction make an arch over 12 mm at once, over 30 mm soon.
 
     With fewer out than opening_count it is said to clog at the opening. Times there are none.
     """
@@ -55,7 +55,7 @@ def test_a_narrow_outlet_clogs(tmp_path, outlet, opening_count, outcome):
 
 
 def test_the_time_limit_ends_a_run_and_gives_no_discharge_time(runs, tmp_path):
-    """After 0.15 s some grains are out and most are not: nothing has been discharged yet."""
+    """After 0.15 s some particles are out and most are not: nothing has been discharged yet."""
     case = write_case(tmp_path, {"run.max_time": "0.15 s"})
     table = silo2d("run", case, "-o", runs, "--no-figures", "--quiet", "--json").json
     assert table["outcome"] == "time_limit"

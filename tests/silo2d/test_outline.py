@@ -87,7 +87,7 @@ def test_user_polygon_has_numbered_walls_and_is_moved_to_zero():
      outline_from_polygon(STEPPED), OFF_CENTRE, outline_from_polygon(STEPPED, outlet=2.0)],
 )  # fmt: skip
 def test_every_wall_point_is_a_corner_once(silo):
-    """Grain edges rest on each wall vertex once, or its contact would act twice. The door's
+    """Particle edges rest on each wall vertex once, or its contact would act twice. The door's
     ends are the lips, which the walls count already."""
     walls = silo.walls()
     counted = corner_points(walls)

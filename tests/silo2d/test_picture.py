@@ -11,7 +11,7 @@ from granulab.campaign.runs.folder import FolderError
 from silo2d.case.outline import outline_from_polygon, preset
 from silo2d.run.numbers import dissipated
 from silo2d.view.charts import discharge_chart, energy_chart, force_chart
-from silo2d.view.picture import make_figures, panel_frames, round_length, silo_sheet
+from silo2d.view.picture import make_figures, panel_frames, round_length, silo_figure
 from silo2d.view.scene import read_scene
 
 SHEETS = ["silo.png", "discharge.png", "energy.png", "forces.png"]
@@ -35,19 +35,19 @@ def labels(axes) -> list[str]:
     return [text.get_text() for text in axes.get_legend().get_texts()]
 
 
-def test_outlines_have_the_grains_area_and_place(run):
+def test_outlines_have_the_particles_area_and_place(run):
     """Area x density x length is the mass; five points a corner cut off at most 0.3 % of it."""
     scene = read_scene(run)
     mass, traj = scene.trajectory.static["mass"], scene.trajectory
     seen = 0
-    for grains, outlines in scene.outlines(0):
+    for particles, outlines in scene.outlines(0):
         x, y = outlines[..., 0], outlines[..., 1]
         area = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
-        np.testing.assert_allclose(54.0 * area, mass[grains], rtol=3e-3)
+        np.testing.assert_allclose(54.0 * area, mass[particles], rtol=3e-3)
         for axis, name in enumerate("xy"):
-            assert (np.abs(outlines[..., axis] - traj[name][0][grains, None]) < 0.016).all()
-        seen += len(grains)
-    assert seen == scene.n_grains
+            assert (np.abs(outlines[..., axis] - traj[name][0][particles, None]) < 0.016).all()
+        seen += len(particles)
+    assert seen == scene.n_particles
 
 
 @pytest.mark.parametrize(
@@ -76,10 +76,10 @@ def test_scale_bar_is_a_round_length(length, rounded):
     assert round_length(length) == pytest.approx(rounded, rel=1e-12)
 
 
-def test_silo_sheet_is_to_scale_and_tells_time_and_count(run):
+def test_silo_figure_is_to_scale_and_tells_time_and_count(run):
     """A metre is as many pixels across as upwards, in every panel."""
     scene = read_scene(run)
-    figure = silo_sheet(scene)
+    figure = silo_figure(scene)
     figure.draw_without_rendering()
     n_out = scene.trajectory["n_out"]
     assert [panel.get_title() for panel in figure.axes] == [
@@ -122,7 +122,7 @@ def test_stacked_energies_sum_to_the_dissipated_energy(run):
 
 
 def test_wall_forces_press_outwards(run):
-    """The fake grains push every wall outwards: no sign is lost between walls and normals."""
+    """The fake particles push every wall outwards: no sign is lost between walls and normals."""
     vertical, normal = force_chart(read_scene(run)).axes
     for line in normal.lines:
         assert (line.get_ydata() > 0).all()
@@ -135,7 +135,7 @@ def test_wall_forces_press_outwards(run):
     ("outcome", "words"),
     [
         ("empty", "Silo A4: empty after 0.0"),
-        ("dead_zones", "Silo A4: dead zones remain; the last grain left at 0.0"),
+        ("dead_zones", "Silo A4: dead zones remain; the last particle left at 0.0"),
         ("clogged", "Silo A4: clogged, "),
         ("time_limit", "Silo A4: stopped at the time limit, "),
     ],
@@ -166,7 +166,7 @@ def test_unfinished_run_is_drawn(tmp_path, n_frames):
     write_fake_run(tmp_path, n_frames=n_frames, finished=False)
     scene = read_scene(tmp_path)
     assert "unfinished" in scene.headline
-    for draw in (silo_sheet, discharge_chart, energy_chart, force_chart):
+    for draw in (silo_figure, discharge_chart, energy_chart, force_chart):
         draw(scene).draw_without_rendering()
 
 

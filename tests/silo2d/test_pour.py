@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from heaps import (
     assert_filled_to_the_level,
-    grain_overlaps,
+    particle_overlaps,
     silent,
     small_case,
     wall_overlaps,
@@ -40,22 +40,22 @@ def test_rain_touches_nothing(case, silo):
     assert apart[~np.eye(len(poses), dtype=bool)].min() > diameter
     high = case.outline.raised(above).walls().segments
     along = high[:, 1] - high[:, 0]
-    to_grain = poses[:, None, :2] - high[:, 0]
-    across = along[:, 0] * to_grain[..., 1] - along[:, 1] * to_grain[..., 0]
+    to_particle = poses[:, None, :2] - high[:, 0]
+    across = along[:, 0] * to_particle[..., 1] - along[:, 1] * to_particle[..., 0]
     assert (across / np.linalg.norm(along, axis=1)).min() > diameter / 2
     assert poses[:, 1].max() + diameter / 2 < case.outline.height + above
     areas = np.array([shape.area for shape in case.shapes.shapes])
     needed = LOOSE * case.outline.area_below(case.settings.fill.level)
-    # As many grains as make up the area on average: less three standard deviations.
+    # As many particles as make up the area on average: less three standard deviations.
     assert areas[kinds].sum() > needed - 3 * math.sqrt(len(kinds)) * areas.std()
 
 
-def test_grains_lie_in_the_silo_and_beside_each_other(case, packing):
-    """F = kn overlap: no contact carries more than ten times the weight of all grains."""
+def test_particles_lie_in_the_silo_and_beside_each_other(case, packing):
+    """F = kn overlap: no contact carries more than ten times the weight of all particles."""
     deepest = 10 * weight(case, packing.kinds) / case.pour_laws[0].kn
     assert deepest < 0.02 * case.shapes.shapes[0].spheroradius
     assert wall_overlaps(case, packing.kinds, packing.poses).max() < deepest
-    assert grain_overlaps(case, packing.kinds, packing.poses).max() < deepest
+    assert particle_overlaps(case, packing.kinds, packing.poses).max() < deepest
 
 
 def test_floor_and_hopper_carry_the_weight(case, packing):
@@ -106,7 +106,7 @@ def test_another_seed_pours_another_packing(case, packing):
 
 
 def test_levelling_keeps_what_lies_under_the_level_and_numbers_it_in_rows(case):
-    """Rows of one largest grain from the bottom up, from left to right in each."""
+    """Rows of one largest particle from the bottom up, from left to right in each."""
     level, height = case.settings.fill.level, 2 * case.shapes.bounding_radius
     rng = np.random.default_rng(5)
     poses = rng.uniform([-0.05, 0, -9], [0.05, 1.5 * level, 9], (200, 3))
@@ -129,7 +129,7 @@ def test_rain_that_has_just_begun_to_fall_does_not_count_as_settled(tmp_path):
     assert 0 <= min(told) <= max(told) <= 1
 
 
-def test_grains_that_do_not_come_to_rest_are_an_error(case, monkeypatch):
+def test_particles_that_do_not_come_to_rest_are_an_error(case, monkeypatch):
     """The message names what was going on and the setting that asks for less."""
     monkeypatch.setattr(pour_module, "_PATIENCE", 0.01)
     kinds, poses, above = rain(case, np.random.default_rng(1))

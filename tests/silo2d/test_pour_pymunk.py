@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from heaps import (
     assert_filled_to_the_level,
-    grain_overlaps,
+    particle_overlaps,
     silent,
     small_case,
     solid_fraction,
@@ -32,27 +32,27 @@ def packings(case):
 
 
 def test_pymunk_leaves_overlaps_less_deep_than_a_skin():
-    """In a heap as high as the paper's. The law can undo five skins at a wall, ten between grains.
+    """In a heap as high as the paper's. The law can undo five skins at a wall, ten elsewhere.
 
-    Seeds 1 to 4 of A4, C4, D4 and A1 left at most 0.07 mm at a wall and none between grains.
+    Seeds 1 to 4 of A4, C4, D4 and A1 left at most 0.07 mm at a wall and none between particles.
     """
     case = SiloCase.load("A4")
     kinds, poses, above = rain(case, np.random.default_rng(1))
     heap = fall(case, kinds, poses, case.outline.raised(above), silent)
     skin = SKIN * case.shapes.shapes[0].spheroradius
     assert wall_overlaps(case, kinds, heap).max() < skin
-    assert grain_overlaps(case, kinds, heap).max(initial=0.0) < skin
+    assert particle_overlaps(case, kinds, heap).max(initial=0.0) < skin
     # It has fallen: even as loose as 0.75 it would not reach higher.
     areas = np.array([shape.area for shape in case.shapes.shapes])[kinds]
     assert case.outline.area_below(heap[:, 1].max()) < areas.sum() / 0.75
 
 
-def test_grains_lie_in_the_silo_and_beside_each_other(case, packings):
-    """F = kn overlap: no contact carries more than ten times the weight of all grains."""
+def test_particles_lie_in_the_silo_and_beside_each_other(case, packings):
+    """F = kn overlap: no contact carries more than ten times the weight of all particles."""
     for packing in packings:
         deepest = 10 * weight(case, packing.kinds) / case.pour_laws[0].kn
         assert wall_overlaps(case, packing.kinds, packing.poses).max() < deepest
-        assert grain_overlaps(case, packing.kinds, packing.poses).max() < deepest
+        assert particle_overlaps(case, packing.kinds, packing.poses).max() < deepest
         assert packing.poured_with == "pymunk"
 
 
@@ -81,7 +81,7 @@ def test_packs_as_densely_as_the_rain_under_the_contact_law(case, packings):
     assert ours == pytest.approx(law, abs=3 * 0.010 * math.sqrt(2 / len(packings)))
 
 
-def test_grains_outside_the_silo_are_an_error(case):
+def test_particles_outside_the_silo_are_an_error(case):
     """They would fall for ever; the message says what to do instead."""
     kinds, poses, above = rain(case, np.random.default_rng(1))
     poses[7, 0] += case.outline.width

@@ -20,7 +20,7 @@ from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.errors import SimulationError, Stopped
 from silo2d.baseline import discharge as pymunk_baseline
 from silo2d.baseline.discharge import Baseline
-from silo2d.baseline.space import Surface, add_grain, add_walls, empty_space
+from silo2d.baseline.space import Surface, add_particle, add_walls, empty_space
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.impulses import factors
 from silo2d.run import protocol
@@ -30,14 +30,14 @@ from silo2d.run.protocol import run_digest
 from silo2d.view.compare import compare
 
 STEP = 2.5e-4  # [s]
-MU, E = (0.38, 0.44), (0.45, 0.53)  # grain-grain and grain-wall
+MU, E = (0.38, 0.44), (0.45, 0.53)  # particle-particle and particle-wall
 FLOOR = np.array([[[-1.0, 0.0], [1.0, 0.0]]])
 FLAT = block(20e-3, 10e-3)
 PYMUNK = {"run.engine": "pymunk"}
 
 
 def space_with_floor(mu=MU, e=(0.0, 0.0), gravity=(0.0, -GRAVITY)):
-    """A space over a floor at y = 0, and what its grains have."""
+    """A space over a floor at y = 0, and what its particles have."""
     friction, elasticity = factors(*mu), factors(*e)
     space = empty_space(iterations=30, slop=1e-5)
     space.gravity = gravity
@@ -46,22 +46,22 @@ def space_with_floor(mu=MU, e=(0.0, 0.0), gravity=(0.0, -GRAVITY)):
 
 
 def put(space, shape, pose, surface):
-    return add_grain(space, shape, SURFACE_DENSITY, pose, surface).body
+    return add_particle(space, shape, SURFACE_DENSITY, pose, surface).body
 
 
 # The laws
 
 
 @given(st.floats(0, 2), st.floats(0, 2))
-def test_products_of_the_factors_are_the_pairs(grain_grain, grain_wall):
-    """Within rounding; a grain-grain value below 1e-12 counts as that."""
-    grain, wall = factors(grain_grain, grain_wall)
-    assert grain * grain == pytest.approx(grain_grain, rel=1e-14, abs=1.1e-12)
-    assert grain * wall == pytest.approx(grain_wall, rel=1e-14)
+def test_products_of_the_factors_are_the_pairs(particle_particle, particle_wall):
+    """Within rounding; a particle-particle value below 1e-12 counts as that."""
+    particle, wall = factors(particle_particle, particle_wall)
+    assert particle * particle == pytest.approx(particle_particle, rel=1e-14, abs=1.1e-12)
+    assert particle * wall == pytest.approx(particle_wall, rel=1e-14)
 
 
 def test_pymunk_takes_the_pairs_friction_and_restitution():
-    """As it tells them of the contacts: a grain on a grain on the floor."""
+    """As it tells them of the contacts: a particle on a particle on the floor."""
     space, surface = space_with_floor(e=E)
     lower = put(space, FLAT, [0.0, 5e-3, 0.0], surface)
     put(space, FLAT, [0.0, 15e-3, 0.0], surface)
@@ -169,7 +169,7 @@ def heap(runs, tmp_path) -> tuple[SiloCase, Baseline]:
 def test_walls_carry_what_the_momentum_balance_asks(heap):
     """Impulse on walls and door = weight t - change of momentum, to rounding, also in flow.
 
-    The first sum is of pymunk's contacts, the second of its bodies. While grains rest, the mean
+    The first sum is of pymunk's contacts, the second of its bodies. While particles rest, the mean
     over 0.1 s is the weight within 2 %.
     """
     _case, sim = heap
@@ -189,11 +189,11 @@ def test_walls_carry_what_the_momentum_balance_asks(heap):
         if phase == "closed":
             np.testing.assert_allclose(impulse, [0.0, -weight], atol=0.02 * weight)
             sim.open_door()
-    assert len(sim.live) == sim.n_grains  # one that was dropped would have taken momentum along
+    assert len(sim.live) == sim.n_particles  # one that was dropped would have taken momentum along
 
 
 def test_it_starts_where_the_contact_law_starts(reference, runs, tmp_path):
-    """The same grains; the two ways to settle behind the door move none by a spheroradius."""
+    """The same particles; the two ways to settle behind the door move none by a spheroradius."""
     case = write_case(tmp_path)
     arguments = ["--no-figures", "--json", "--quiet", "--engine", "pymunk"]
     table = silo2d("run", case, "-o", runs, *arguments).json
@@ -201,17 +201,19 @@ def test_it_starts_where_the_contact_law_starts(reference, runs, tmp_path):
     assert found["start_offset_m"] < 0.5e-3
 
 
-def test_a_lost_grain_is_an_error(heap):
+def test_a_lost_particle_is_an_error(heap):
     """One that has passed a wall would fall for ever; the message says what to do."""
     case, sim = heap
-    sim._grains[3].body.position = case.outline.width, 0.02
-    with pytest.raises(SimulationError, match=r"lost 1 grains at t = .* shorter \[pymunk\] time"):
+    sim._particles[3].body.position = case.outline.width, 0.02
+    with pytest.raises(
+        SimulationError, match=r"lost 1 particles at t = .* shorter \[pymunk\] time"
+    ):
         sim.run(1)
 
 
-def test_a_grain_is_out_when_its_centroid_passes_the_outlet(tmp_path):
+def test_a_particle_is_out_when_its_centroid_passes_the_outlet(tmp_path):
     """In free fall y = y0 - g t (t - dt)/2 at the steps, and on the chord between two of them: the
-    step moves a grain by the velocity before it. Tolerance: rounding."""
+    step moves a particle by the velocity before it. Tolerance: rounding."""
     case, height = small_case(tmp_path, PYMUNK), 0.05
     kinds, poses = np.zeros(1, dtype=int), np.array([[0.0, height, 0.0]])
     sim = Baseline(case, Packing(kinds, poses, 0.0, 0.0, "by hand", 0.0))
@@ -224,15 +226,15 @@ def test_a_grain_is_out_when_its_centroid_passes_the_outlet(tmp_path):
     assert sim.out_time[0] == pytest.approx(expected, abs=1e-12)
 
 
-def test_without_friction_between_grains_walls_may_have_some(tmp_path):
+def test_without_friction_between_particles_walls_may_have_some(tmp_path):
     """mu_gg = 0 has no factor for mu_gw; 1e-12 stands for it."""
     case = small_case(tmp_path, {**PYMUNK, "law.mu_particle": 0.0, "law.mu_wall": 0.4})
     kinds, poses = np.zeros(1, dtype=int), np.array([[0.0, 0.05, 0.0]])
     sim = Baseline(case, Packing(kinds, poses, 0.0, 0.0, "by hand", 0.0))
     sim.open_door()
-    grain, wall = sim._grains[0].shape.friction, sim._walls[0].shape.friction
-    assert grain * wall == pytest.approx(0.4)
-    assert grain * grain < 1e-11
+    particle, wall = sim._particles[0].shape.friction, sim._walls[0].shape.friction
+    assert particle * wall == pytest.approx(0.4)
+    assert particle * particle < 1e-11
 
 
 # Runs
@@ -254,11 +256,11 @@ def finished_pymunk(_finished_root, tmp_path_factory) -> RunFolder:
 
 
 def test_it_empties_as_the_contact_law_does(reference, finished_pymunk):
-    """The same outcome; the first seven grains within 2 ms; curves within 15 % of the time.
+    """The same outcome; the first seven particles within 2 ms; curves within 15 % of the time.
 
     The first seven leave before chance takes over: 30, 31 and 32 iterations gave them within 0.7 ms
     of the contact law's, another processor, whose bed is another, within 1.7 ms; without friction
-    between grains it was 3.5 ms, at walls 5.6 ms, without any 10 ms. After that a silo of 67 grains
+    between particles it was 3.5 ms, at walls 5.6 ms, without any 10 ms. After that a silo of 67 particles
     is chaotic: the same three left the curves 0.037, 0.011 and 0.014 s apart in the mean, where
     15 % are 0.048 s.
     """
@@ -294,7 +296,7 @@ def test_the_answers_have_the_same_fields_and_none_that_impulses_do_not_know(
 
 
 def test_it_clogs_where_the_contact_law_clogs(tmp_path):
-    """Over 12 mm grains of 5 to 10 mm stand at once (test_outcome.py has the contact law)."""
+    """Over 12 mm particles of 5 to 10 mm stand at once (test_outcome.py has the contact law)."""
     narrow = {"silo.outlet": "12 mm", "silo.width": "70 mm", "silo.height": "60 mm"}
     rough = {"law.mu_particle": 0.4, "law.mu_wall": 0.4, "fill.level": "40 mm"}
     case = write_case(tmp_path, {**narrow, **rough, **PYMUNK})
@@ -311,7 +313,7 @@ def test_figures_and_report_say_what_is_not_known(finished_pymunk, tmp_path):
     scene = read_scene(finished_pymunk.path)
     assert scene.headline.startswith("Silo small, pymunk: empty after")
     figure = energy_chart(scene)
-    assert [axes.get_ylabel() for axes in figure.axes] == ["grains inside [J]", "lost [J]"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["particles inside [J]", "lost [J]"]
     assert "impulses have no books" in silo2d("show", finished_pymunk.path).out
 
 

@@ -18,7 +18,7 @@ N_PER_MM = 1e3  # [N/m]
 
 def laws_of(parameters):
     case = SiloCase.load("A4", parameters.changes())
-    return case.grain_law, case.wall_law
+    return case.particle_law, case.wall_law
 
 
 def test_table_4_is_the_case_as_it_is():

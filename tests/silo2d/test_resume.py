@@ -68,7 +68,7 @@ def slow_reference(_finished_root, tmp_path_factory) -> RunFolder:
 
 
 def test_the_same_case_and_seed_give_the_same_bits(reference, tmp_path):
-    """In another folder, filled anew; another seed gives other grains."""
+    """In another folder, filled anew; another seed gives other particles."""
     case = write_case(tmp_path)
     assert_same_run(run_quietly(case, tmp_path / "runs"), reference)
     arguments = ["-o", tmp_path / "other", "--no-figures", "--json", "--quiet", "--seed", 2]
@@ -193,7 +193,7 @@ def test_ctrl_c_while_filling_says_that_the_silo_is_filled_anew(reference, tmp_p
     process.send_signal(signal.SIGINT)
     answer = finish(process)
     assert (answer.code, answer.out) == (130, "")
-    assert answer.err == "silo2d: stopped; the same command fills the silo anew, from its seed\n"
+    assert answer.err == "silo2d: stopped; the same command fills the silo again, from its seed\n"
     assert not list(root.glob("packings/*/*"))
     assert_same_run(run_quietly(case, root), reference)
 

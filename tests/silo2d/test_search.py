@@ -20,7 +20,7 @@ from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 
 SHAPES = load_shapes("wood19").shapes
-BAR = wall(0.3, half_length=6e-3, through=(0.0, LEVEL))  # its ends are corners among the grains
+BAR = wall(0.3, half_length=6e-3, through=(0.0, LEVEL))  # its ends are corners among the particles
 G = 9.81
 
 
@@ -31,7 +31,7 @@ def cores(simulation):
     for body in range(len(world.bodies.row)):
         x, y, angle = world.bodies.row[body, [state.X, state.Y, state.ANGLE]]
         first, _, n_edges = world.bodies.layout[body]
-        n = n_edges if body < simulation.n_grains else 2
+        n = n_edges if body < simulation.n_particles else 2
         local = world.local[first : first + n, [state.VERTEX_X, state.VERTEX_Y]]
         found.append(turned(local, angle) + np.array([x, y]))
     return found
@@ -40,13 +40,13 @@ def cores(simulation):
 def pairs_by_brute_force(simulation, margin=0.0):
     """(vertex's body, vertex, edge's body, edge) of all pairs whose overlap exceeds -margin [m]."""
     bodies = cores(simulation)
-    radius = [SPHERORADIUS if k < simulation.n_grains else 0.0 for k in range(len(bodies))]
+    radius = [SPHERORADIUS if k < simulation.n_particles else 0.0 for k in range(len(bodies))]
     found = set()
     for j, corners in enumerate(bodies):
         for i, core in enumerate(bodies):
-            if i == j or min(i, j) >= simulation.n_grains:
+            if i == j or min(i, j) >= simulation.n_particles:
                 continue
-            edges = len(core) if i < simulation.n_grains else 1
+            edges = len(core) if i < simulation.n_particles else 1
             for a, vertex in enumerate(corners):
                 for b in range(edges):
                     edge = shapely.LineString([core[b], core[(b + 1) % len(core)]])
@@ -67,7 +67,7 @@ def pairs_in_list(simulation, which):
 
 
 def crowd(seed, size=50e-3):
-    """Grains thrown into a square with a bar in its middle, each pushed until it overlaps the
+    """Particles thrown into a square with a bar in its middle, each pushed until it overlaps the
     others or the walls by nearly half of the spheroradii."""
     rng = np.random.default_rng(seed)
     low, high = LEVEL - size / 2, LEVEL + size / 2
@@ -102,7 +102,7 @@ def turned(points, angle):
 
 
 def step_without_motion(simulation):
-    """Make the lists for where the grains are: a step too short to move them."""
+    """Make the lists for where the particles are: a step too short to move them."""
     simulation.world = simulation.world._replace(time_step=1e-30)
     simulation.run(1)
 
@@ -126,18 +126,18 @@ def test_the_list_holds_every_touching_pair(seed):
 
 
 def test_crowds_touch_in_every_way():
-    """The crowds above have grains that touch grains, walls' edges and walls' ends."""
+    """The crowds above have particles that touch particles, walls' edges and walls' ends."""
     kinds = set()
     for seed in range(6):
         simulation = crowd(seed)
-        n = simulation.n_grains
+        n = simulation.n_particles
         for j, _, i, _ in pairs_by_brute_force(simulation):
             kinds.add(("grain" if j < n else "wall", "grain" if i < n else "wall"))
     assert kinds == {("grain", "grain"), ("grain", "wall"), ("wall", "grain")}
 
 
 def pour() -> Simulation:
-    """Grains that fall on a floor with a gap between two walls: they collide, slide, leave."""
+    """Particles that fall on a floor with a gap between two walls: they collide, slide, leave."""
     rng = np.random.default_rng(5)
     walls = [
         wall(0.0, 0.02, (-0.035, 0.0)),
@@ -149,8 +149,8 @@ def pour() -> Simulation:
     x, y = np.meshgrid([-0.036, -0.012, 0.012, 0.036], [0.02, 0.045, 0.07, 0.095])
     poses = np.column_stack([x.ravel(), y.ravel(), rng.uniform(0, 2 * np.pi, 16)])
     simulation = simulation_of(shapes, poses, walls=walls, time_step=1e-5, gravity=G)
-    for grain in range(16):
-        launch(simulation, grain, *rng.uniform(-1, 1, 2), rng.uniform(-20, 20))
+    for particle in range(16):
+        launch(simulation, particle, *rng.uniform(-1, 1, 2), rng.uniform(-20, 20))
     return simulation
 
 
@@ -166,9 +166,9 @@ def poured():
 
 
 def test_the_pour_has_everything(poured):
-    """Grains have left, others touch with springs held, friction has worked; lists were remade."""
-    assert 0 < poured.n_out < poured.n_grains
-    assert len(poured.live) < poured.n_grains
+    """Particles have left, others touch with springs held; friction has worked, lists are new."""
+    assert 0 < poured.n_out < poured.n_particles
+    assert len(poured.live) < poured.n_particles
     energies = poured.energies()
     assert energies["elastic_tangential"] > 0
     assert energies["friction_grain_grain"] > 0
@@ -190,7 +190,7 @@ def test_same_bits_again_and_in_pieces(poured):
 
 def test_same_bits_with_all_lists_made_anew_at_every_step(poured):
     """No contact is missed and no slip lost or doubled while the lists age: lists made anew at
-    every step give the same bits. (The books add up what springs of dropped grains held when the
+    every step give the same bits. (The books add up what springs of dropped particles held when the
     lists are made, so energies agree to rounding.)"""
     simulation = pour()
     for _ in range(STEPS):
@@ -217,7 +217,7 @@ def spin_on_the_spot(made_anew):
     return simulation
 
 
-def test_lists_follow_a_grain_that_only_turns():
+def test_lists_follow_a_particle_that_only_turns():
     """A tip can come near while the centroid rests; the same bits as with lists made anew."""
     simulation = spin_on_the_spot(made_anew=False)
     energies = simulation.energies()
@@ -257,7 +257,7 @@ def test_lists_that_turn_out_too_short_are_made_longer(poured):
 
 
 def test_too_deep_an_overlap_is_an_error():
-    """A grain that is pressed through a wall is not let through in silence."""
+    """A particle that is pressed through a wall is not let through in silence."""
     simulation = crowd(3)
     launch(simulation, 0, vx=0.0, vy=-3000.0)
     with pytest.raises(
@@ -268,7 +268,7 @@ def test_too_deep_an_overlap_is_an_error():
 
 def test_uncompiled_kernels_give_the_same_bits():
     """The kernels as plain Python (NUMBA_DISABLE_JIT) take the same steps: nothing rests on what
-    a compiler does. A short fall of three grains that collide."""
+    a compiler does. A short fall of three particles that collide."""
     repository = Path(__file__).resolve().parents[2]
     paths = os.pathsep.join(
         [str(repository), str(repository / "tests" / "helpers"), str(Path(__file__).parent)]
@@ -288,7 +288,7 @@ def test_uncompiled_kernels_give_the_same_bits():
 
 
 def short_fall() -> str:
-    """Digest of a few grains after 600 steps in which they collide, slide and turn."""
+    """Digest of a few particles after 600 steps in which they collide, slide and turn."""
     poses = [(0.0, LEVEL + 15e-3, 0.4), (8e-3, LEVEL + 42e-3, 1.0), (-28e-3, LEVEL + 16e-3, 2.0)]
     simulation = simulation_of(
         [SHAPES[k] for k in (0, 5, 12)], poses, walls=[wall()], time_step=5e-6, gravity=G

@@ -80,7 +80,7 @@ def test_integral_of_the_stress_is_the_virial_sum(flow):
     )
 
 
-def test_virial_of_two_pressed_grains():
+def test_virial_of_two_pressed_particles():
     """Two blocks pressed face to face with F: - f (x) b adds up to F times the distance of their
     centroids, along the normal; no other component but rounding."""
     silo = hopper(0.0, 0.1, 0.1, 0.2, "wide")
@@ -102,17 +102,17 @@ def spectral_divergence(grid, stress):
 
 
 def test_balance_of_momentum_at_every_point(flow):
-    """sum (contact forces on grain i) phi(r - x_i) = - div sigma + what walls push back: the
+    """sum (contact forces on particle i) phi(r - x_i) = - div sigma + what walls push back: the
     forces and the weight are the mass times the acceleration (tests of contacts), so this is
     rho a = rho g - div sigma + walls. Spectral derivatives of a Gaussian on a grid of half its
     width are good to exp(-2 pi^2) = 3e-9 of it, the quadrature to 1e-6."""
     scene, walls = flow.scene, flow.at_wall
     low, high = flow.centres.min(axis=0), flow.centres.max(axis=0)
     grid = grid_round(low - 0.01, high + 0.01, 10e-3)
-    on_grain = np.zeros((scene.n_grains, 2))
-    np.add.at(on_grain, flow.bodies[:, 0], -flow.force)
-    np.add.at(on_grain, flow.bodies[~walls, 1], flow.force[~walls])
-    gained = grid.deposit(flow.centres, on_grain)
+    on_particle = np.zeros((scene.n_particles, 2))
+    np.add.at(on_particle, flow.bodies[:, 0], -flow.force)
+    np.add.at(on_particle, flow.bodies[~walls, 1], flow.force[~walls])
+    gained = grid.deposit(flow.centres, on_particle)
     push = grid.deposit(flow.point[walls], -flow.force[walls])
     divergence = spectral_divergence(grid, contact_stress(flow, grid))
     scale = max(np.abs(part).max() for part in (gained, push, divergence))
@@ -121,7 +121,7 @@ def test_balance_of_momentum_at_every_point(flow):
 
 
 def test_kinetic_stress_of_two_streams():
-    """Grains of velocities +u and -u at one place: rho u^2 in this direction and none across;
+    """Particles of velocities +u and -u at one place: rho u^2 in this direction and none across;
     of one common velocity: nothing, whatever it is."""
     silo = hopper(0.0, 0.1, 0.1, 0.2, "wide")
     x, y = np.zeros(2), np.full(2, 0.05)
@@ -252,7 +252,7 @@ def test_tractions_add_up_to_the_forces_on_the_walls(flow):
     """Pressure and shear times the lengths of the stretches: the wall's force, to rounding."""
     scene, walls = flow.scene, flow.scene.walls
     total = np.zeros((len(walls) + 1, 2))
-    np.add.at(total, flow.bodies[flow.at_wall, 1] - scene.n_grains, flow.force[flow.at_wall])
+    np.add.at(total, flow.bodies[flow.at_wall, 1] - scene.n_particles, flow.force[flow.at_wall])
     for k, found in enumerate(tractions([flow])):
         along = (walls[k, 1] - walls[k, 0]) / np.hypot(*(walls[k, 1] - walls[k, 0]))
         out = np.array([along[1], -along[0]])

@@ -48,7 +48,7 @@ def test_every_value_with_every_other_times_cases_and_seeds(tmp_path):
         assert case.name == labels["case"]
         assert case.settings.run.seed == labels["seed"]
         assert case.wall_law.mu == labels["law.mu_wall"]
-        assert case.grain_law.kn == labels["law.kn_n_per_m"]
+        assert case.particle_law.kn == labels["law.kn_n_per_m"]
 
 
 def test_zip_takes_the_kth_of_each_together(tmp_path):
@@ -73,7 +73,7 @@ def test_cases_of_the_same_stem_are_told_apart(tmp_path):
 def test_keys_that_stand_together_take_the_same_value(tmp_path):
     text = '[vary]\n"law.mu_wall, law.mu_particle" = [0.1, 0.5]\n'
     laws = [
-        (c.wall_law.mu, c.grain_law.mu) for _, c in load_study(write_study(tmp_path, text)).cases
+        (c.wall_law.mu, c.particle_law.mu) for _, c in load_study(write_study(tmp_path, text)).cases
     ]
     assert laws == [(0.1, 0.1), (0.5, 0.5)]
 

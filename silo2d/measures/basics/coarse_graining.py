@@ -114,7 +114,7 @@ def _gauss(distance: Floats, width: float) -> Floats:
 
 
 def inside_polygon(scene: Scene) -> Floats:
-    """Corners of the silo's inside (n, 2) [m]: the walls in turn, the outlet and the top closed."""
+    """Corners of the silo's inside (n, 2) [m]: wall by wall, the outlet and the top closed."""
     points = scene.walls.reshape(-1, 2)
     return points[np.r_[True, np.any(points[1:] != points[:-1], axis=1)]]
 

@@ -22,7 +22,7 @@ STATES = "before_opening", "flow", "end"
 class Moment:
     """The c vertex-edge contacts at one frame of a run; SI.
 
-    bodies     (c, 2) grains, then walls; ascending in each contact, so that a wall is second
+    bodies     (c, 2) particles, then walls; ascending in each contact, so that a wall is second
     point      (c, 2) where the force acts
     force      (c, 2) on the second body, damping included; the first takes its opposite
     normal     (c, 2) unit vector towards the second body
@@ -46,27 +46,27 @@ class Moment:
 
     @cached_property
     def centres(self) -> Floats:
-        """Centroids of all grains (n, 2) [m]."""
-        return self._grains("x", "y")
+        """Centroids of all particles (n, 2) [m]."""
+        return self._particles("x", "y")
 
     @cached_property
     def velocities(self) -> Floats:
-        """Of all grains (n, 2) [m/s]."""
-        return self._grains("vx", "vy")
+        """Of all particles (n, 2) [m/s]."""
+        return self._particles("vx", "vy")
 
-    def _grains(self, *keys: str) -> Floats:
+    def _particles(self, *keys: str) -> Floats:
         trajectory = self.scene.trajectory
         return np.column_stack([trajectory[key][self.frame] for key in keys]).astype(np.float64)
 
     @property
     def inside(self) -> NDArray[np.bool_]:
-        """Grains that are simulated at this moment (n,)."""
+        """Particles that are simulated at this moment (n,)."""
         return self.scene.trajectory["inside"][self.frame]
 
     @cached_property
     def at_wall(self) -> NDArray[np.bool_]:
-        """Contacts of a grain with a wall (c,)."""
-        return self.bodies[:, 1] >= self.scene.n_grains
+        """Contacts of a particle with a wall (c,)."""
+        return self.bodies[:, 1] >= self.scene.n_particles
 
     @cached_property
     def pairs(self) -> tuple[NDArray[np.int64], Floats]:
@@ -84,26 +84,26 @@ class Moment:
 
 
 class Branches(NamedTuple):
-    """From the centroid of a grain to each contact it has, of all grains (k); SI.
+    """From the centroid of a particle to each contact it has, of all particles (k); SI.
 
-    grain         (k,)
+    particle         (k,)
     start, end    (k, 2) centroid and contact point
-    force         (k, 2) on the grain
+    force         (k, 2) on the particle
     """
 
-    grain: NDArray[np.int64]
+    particle: NDArray[np.int64]
     start: Floats
     end: Floats
     force: Floats
 
 
 def branches(moment: Moment) -> Branches:
-    """Of a moment: a contact of two grains has two branches, one with a wall the grain's alone."""
+    """Branches of a moment: two for a contact of two particles, one for a contact with a wall."""
     of_two = ~moment.at_wall
-    grain = np.concatenate([moment.bodies[:, 0], moment.bodies[of_two, 1]])
+    particle = np.concatenate([moment.bodies[:, 0], moment.bodies[of_two, 1]])
     point = np.concatenate([moment.point, moment.point[of_two]])
     force = np.concatenate([-moment.force, moment.force[of_two]])
-    return Branches(grain, moment.centres[grain], point, force)
+    return Branches(particle, moment.centres[particle], point, force)
 
 
 def read_moments(folder: str | Path) -> list[Moment]:
@@ -137,10 +137,10 @@ def moment_at(scene: Scene, tables: Tables, k: int) -> Moment:
 
 
 def flowing(scene: Scene, share: tuple[float, float] = (0.1, 0.5)) -> tuple[float, float]:
-    """From when to when [s] these parts of the grains that leave had left.
+    """From when to when [s] these parts of the particles that leave had left.
 
     The first tenth starts the flow; after the half the silo is rather empty. Raises InputError
-    where fewer than FEWEST_OUT grains left.
+    where fewer than FEWEST_OUT particles left.
     """
     times, _ = leavers(scene, FEWEST_OUT, "a mean over the flow")
     first, last = (times[int(part * len(times))] for part in share)
@@ -150,7 +150,7 @@ def flowing(scene: Scene, share: tuple[float, float] = (0.1, 0.5)) -> tuple[floa
 def states(moments: list[Moment]) -> dict[str, list[Moment]]:
     """The moments of each state that a run has: "before_opening", "flow" and "end".
 
-    There is a flow where twenty grains left, and an end worth a look where the run clogged.
+    There is a flow where twenty particles left, and an end worth a look where the run clogged.
     """
     scene = moments[0].scene
     found = {"before_opening": moments[:1]}
@@ -181,25 +181,25 @@ def in_words(name: str, moments: list[Moment]) -> str:
     return f"flow, mean of {len(moments)} moments, {span}"
 
 
-def grain_stress(scene: Scene, contacts: Tables, frame: int) -> Floats | None:
-    """Mean stress in all grains (n, 2, 2), its symmetric part [N/m]; None without contacts then.
+def particle_stress(scene: Scene, contacts: Tables, frame: int) -> Floats | None:
+    """Mean stress in all particles (n, 2, 2), its symmetric part [N/m]; None without contacts then.
 
     sigma = - (1/A) sum_c f_c (x) b_c
 
-    over the contacts of a grain of area A: f the force on it, b the branch from its centroid to
+    over the contacts of a particle of area A: f the force on it, b the branch from its centroid to
     the contact point (Christoffersen, Mehrabadi, Nemat-Nasser 1981, J. Appl. Mech. 48, 339);
     pressure is positive. Weight and acceleration act at the centroid and add nothing; what
     rotation adds is left out. Of the plane [N/m]: divide by the prisms' length for pascals.
 
-    It is not symmetric by itself while a torque turns the grain. The area is that of the outline
-    in the run folder, some 0.04 % small.
+    It is not symmetric by itself while a torque acts on the particle. The area is that of the
+    outline in the run folder, some 0.04 % small.
     """
     found = np.flatnonzero(contacts.frame == frame)
     if not len(found):
         return None
     moment = moment_at(scene, contacts, int(found[0]))
-    grain, start, end, force = branches(moment)
-    total = np.zeros((scene.n_grains, 2, 2))
-    np.add.at(total, grain, force[:, :, None] * (end - start)[:, None, :])
+    particle, start, end, force = branches(moment)
+    total = np.zeros((scene.n_particles, 2, 2))
+    np.add.at(total, particle, force[:, :, None] * (end - start)[:, None, :])
     stress = -total / areas(scene)[:, None, None]
     return 0.5 * (stress + stress.transpose(0, 2, 1))

@@ -1,4 +1,4 @@
-"""What several measures ask of a run: the size of its grains, columns across it, who is in it."""
+"""Particles of a run: their size, columns across the silo, which are inside, which left when."""
 
 from itertools import pairwise
 
@@ -10,11 +10,11 @@ from silo2d.view.scene import Scene
 
 Series = NDArray[np.float64]
 
-FEWEST_OUT = 20  # grains that leave, for a rate or a mean over the flow
+FEWEST_OUT = 20  # particles that leave, for a rate or a mean over the flow
 
 
 def areas(scene: Scene) -> Series:
-    """Area of each grain (n,) [m2], from the outlines kept for drawing (0.04 % small: chords)."""
+    """Area of each particle (n,) [m2], from the stored outlines (0.04 % small: chords)."""
     static = scene.trajectory.static
     points, start = static["shape_points"], static["shape_start"]
     area = []
@@ -24,18 +24,18 @@ def areas(scene: Scene) -> Series:
     return np.array(area)[static["kind"]]
 
 
-def grain_size(scene: Scene) -> float:
-    """Side [m] of the square that has the mean area of the grains' outlines."""
+def particle_size(scene: Scene) -> float:
+    """Side [m] of the square that has the mean area of the particles' outlines."""
     return float(np.sqrt(areas(scene).mean()))
 
 
 def column_edges(scene: Scene) -> Series:
-    """Edges (c + 1,) [m] of equal columns across the silo, an odd number, about two grains wide.
+    """Edges (c + 1,) [m] of equal columns across the silo, an odd number, about two particles wide.
 
     An odd number puts one column in the middle of a silo whose outlet is there.
     """
     left, right, _, _ = scene.window
-    count = 2 * round(((right - left) / (2 * grain_size(scene)) - 1) / 2) + 1
+    count = 2 * round(((right - left) / (2 * particle_size(scene)) - 1) / 2) + 1
     return np.linspace(left, right, max(count, 3) + 1)
 
 
@@ -46,27 +46,29 @@ def outlet_centre(scene: Scene) -> float:
 
 
 def in_silo(scene: Scene) -> NDArray[np.bool_]:
-    """Which grains have not passed y = 0 at each frame (F, n)."""
+    """Which particles have not passed y = 0 at each frame (F, n)."""
     out_time = scene.trajectory["out_time"][-1]
     return ~(out_time <= scene.time[:, None])  # NaN: never
 
 
 def leavers(scene: Scene, fewest: int = 0, what: str = "this") -> tuple[Series, Series]:
-    """Times [s] at which grains left, ascending, and their masses [kg].
+    """Times [s] at which particles left, ascending, and their masses [kg].
 
     Raises InputError where fewer than `fewest` left, with `what` needs them.
     """
     times, mass = scene.trajectory["out_time"][-1], scene.trajectory.static["mass"]
     n = int((~np.isnan(times)).sum())
     if n < fewest:
-        least = f"{fewest} grains" if fewest > 1 else "one"
-        raise InputError(f"{n} grains left: {what} needs {least} at least; take a run that flows")
+        least = f"{fewest} particles" if fewest > 1 else "one"
+        raise InputError(
+            f"{n} particles left: {what} needs {least} at least; take a run that flows"
+        )
     order = np.argsort(times)[:n]
     return times[order], mass[order]
 
 
 def start_height(scene: Scene) -> Series:
-    """Height of each grain at the opening (n,) [m]."""
+    """Height of each particle at the opening (n,) [m]."""
     return scene.trajectory["y"][0].astype(float)
 
 

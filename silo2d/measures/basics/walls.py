@@ -1,4 +1,4 @@
-"""The walls: their sides and directions, and the pressure and shear of the grains on each.
+"""The walls: their sides and directions, and the pressure and shear of the particles on each.
 
 Tractions are of the plane [N/m]: divide by the prisms' length for pascals.
 """
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from silo2d.measures.basics.coarse_graining import Floats
 from silo2d.measures.basics.contacts import Moment
-from silo2d.measures.basics.particles import grain_size, outlet_centre
+from silo2d.measures.basics.particles import outlet_centre, particle_size
 from silo2d.view.scene import Scene
 
-STRETCH = 2.5  # typical grain sizes that a stretch of wall is long, at least
+STRETCH = 2.5  # typical particle sizes that a stretch of wall is long, at least
 
 
 def sides(scene: Scene) -> NDArray[np.int64]:
@@ -32,7 +32,7 @@ def outwards(segments: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Tractions:
-    """What grains do to one wall, by stretches of even length; means over moments.
+    """What particles do to one wall, by stretches of even length; means over moments.
 
     name       of the wall
     height     of the middles of its stretches (b,) [m]
@@ -49,10 +49,10 @@ class Tractions:
 
 
 def tractions(moments: list[Moment]) -> list[Tractions]:
-    """Means over moments of what grains do to each wall but the door."""
+    """Means over moments of what particles do to each wall but the door."""
     scene = moments[0].scene
     segments = scene.walls
-    stretch = STRETCH * grain_size(scene)
+    stretch = STRETCH * particle_size(scene)
     found = []
     for k, (start, end) in enumerate(segments):
         length = float(np.hypot(*(end - start)))
@@ -60,7 +60,7 @@ def tractions(moments: list[Moment]) -> list[Tractions]:
         out, down = outwards(segments)[k], _down(scene, start, end)
         sums = np.zeros((2, n))
         for moment in moments:
-            here = moment.bodies[:, 1] == scene.n_grains + k
+            here = moment.bodies[:, 1] == scene.n_particles + k
             along = (moment.point[here] - start) @ (end - start) / length**2
             which = np.clip((along * n).astype(int), 0, n - 1)
             for row, direction in enumerate((out, down)):
