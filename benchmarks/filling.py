@@ -42,7 +42,7 @@ def main() -> None:
     out = parser.parse_args().out
     small = {"silo.outlet": "100 mm", "fill.level": "50 mm"}
     run(SiloCase.load("A4", small | {"run.max_time": "10 ms"}), out=out)  # compiles
-    line(["silo", "seed", "poured with", "filling [CPU s]", "grains", "packing fraction",
+    line(["silo", "seed", "poured with", "filling [CPU s]", "particles", "packing fraction",
           "coordination", "outcome", "discharge time [s]", "T90 [s]"])  # fmt: skip
     line(["---"] * 10)
     for silo in SILOS:

@@ -83,7 +83,7 @@ def test_units_are_a_matter_of_spelling(key, spellings):
 
 
 @pytest.mark.parametrize(
-    ("changes", "grain", "wall"),
+    ("changes", "particle", "wall"),
     [
         ({"law__mu_particle": 0.1}, {"mu": 0.1}, {}),
         ({"law__mu_wall": 0.1}, {}, {"mu": 0.1}),
