@@ -1,4 +1,4 @@
-"""Assembly: contact forces of all close vertex-edge pairs, and what they dissipate.
+"""Assembly: contact forces of the vertex-edge pairs of the inner list, and what they dissipate.
 
 The pass over the pairs has no branch and writes one array a quantity, so that the compiler
 vectorises it: a pair that does not touch has overlap 0 and mass 0, which makes its forces exact
@@ -11,26 +11,26 @@ force acts at the middle of the overlap on both bodies, so that angular momentum
 import numpy as np
 
 from granulab.contact.jit import njit
-from granulab.contact.laws import normal_force, tangential_force
-from silo2d.engine.geometry import cross, point_velocity, to_edge, turned
+from granulab.contact.laws import normal_force, tangential_damping, tangential_force
+from silo2d.engine.geometry import cross, point_velocity, rotated, to_edge
 from silo2d.engine.pair_law import law_of
 from silo2d.engine.state import (
     BLOCK,
     CARRIED_OUT,
-    CLOSE,
     COS,
     FRICTION,
     FX,
     FY,
+    INNER,
     NORMAL_DAMPING,
-    PARTICLE_CLOSE,
+    OMEGA,
+    PARTICLE_INNER,
     PARTICLE_PARTICLE,
     PARTICLE_WALL,
     SIN,
-    SPIN,
     TANGENTIAL_DAMPING,
     TORQUE,
-    USPIN,
+    UOMEGA,
     UX,
     UY,
     VX,
@@ -41,36 +41,36 @@ from silo2d.engine.state import (
 
 
 @njit
-def apply_forces(row, close, forces, counts, books, particle_law, wall_law, dt):
-    """All contact forces of this step, added to the bodies, and the books of dissipation."""
+def apply_forces(row, inner, forces, counts, account, particle_law, wall_law, dt):
+    """All contact forces of this step, added to the bodies, and what they dissipate."""
     # Typed numbers: numba would compile the passes once more for each literal.
-    first, middle, last = np.int64(0), counts[PARTICLE_CLOSE], counts[CLOSE]
-    apply_class(
-        row, close, forces, particle_law, first, middle, books[PARTICLE_PARTICLE:PARTICLE_WALL], dt
-    )
-    apply_class(row, close, forces, wall_law, middle, last, books[PARTICLE_WALL:CARRIED_OUT], dt)
+    first, middle, last = np.int64(0), counts[PARTICLE_INNER], counts[INNER]
+    of_particles = account[PARTICLE_PARTICLE:PARTICLE_WALL]
+    of_walls = account[PARTICLE_WALL:CARRIED_OUT]
+    apply_class(row, inner, forces, particle_law, first, middle, of_particles, dt)
+    apply_class(row, inner, forces, wall_law, middle, last, of_walls, dt)
 
 
 @njit
-def apply_class(row, close, forces, law, first, last, book, dt):
+def apply_class(row, inner, forces, law, first, last, account, dt):
     """Contact forces of the pairs first ... last - 1, which obey one law, block by block.
 
     What is dissipated is summed over all blocks in the order of the list. Pairs that do not touch
-    add exact zeros, so that no bit of the book depends on when the list was made.
+    add exact zeros, so that no bit of the account depends on when the list was made.
     """
     sums = 0.0, 0.0, 0.0
     for begin in range(first, last, BLOCK):
         n = min(last - begin, BLOCK)
-        contact_forces(row, close, forces, law, begin, n, dt)
-        sums = add_to_bodies(row, close, forces, begin, n, sums)
-    book[NORMAL_DAMPING] += sums[0] * dt
-    book[TANGENTIAL_DAMPING] += sums[1] * dt
-    book[FRICTION] += sums[2]
+        contact_forces(row, inner, forces, law, begin, n, dt)
+        sums = add_to_bodies(row, inner, forces, begin, n, sums)
+    account[NORMAL_DAMPING] += sums[0] * dt
+    account[TANGENTIAL_DAMPING] += sums[1] * dt
+    account[FRICTION] += sums[2]
 
 
 @njit
-def contact_forces(row, close, forces, law, begin, n_pairs, dt):
-    """Force, torques, slip and dissipation of n_pairs close pairs from `begin` on.
+def contact_forces(row, inner, forces, law, begin, n_pairs, dt):
+    """Force, torques, slip and dissipation of n_pairs inner pairs from `begin` on.
 
     Slip grows with the displacement really taken since the last step (velocity half a step
     back); damping and its power take the velocity extrapolated to now.
@@ -78,76 +78,76 @@ def contact_forces(row, close, forces, law, begin, n_pairs, dt):
     for k in range(np.uintp(n_pairs)):  # unsigned: numba then need not look for negative ones
         n = np.uintp(begin) + k
         own = law_of(law, n)
-        j, i = close.vertex_body[n], close.edge_body[n]
+        j, i = inner.vertex_body[n], inner.edge_body[n]
         between = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
-        arm_v = turned(row[j, COS], row[j, SIN], (close.vertex_x[n], close.vertex_y[n]))
-        dx, dy = edge_to_vertex(row, close, n, between, arm_v)
+        arm_v = rotated(row[j, COS], row[j, SIN], (inner.vertex_x[n], inner.vertex_y[n]))
+        dx, dy = edge_to_vertex(row, inner, n, between, arm_v)
         distance = np.sqrt(dx * dx + dy * dy)
-        touches = 1.0 if distance < close.reach[n] else 0.0
-        overlap = max(close.reach[n] - distance, 0.0)
+        touches = 1.0 if distance < inner.cutoff[n] else 0.0
+        overlap = max(inner.cutoff[n] - distance, 0.0)
         shrink = 1.0 / distance  # one division for two: they cost as much as the root
         nx, ny = shrink * dx, shrink * dy
-        depth = close.depth[n] - 0.5 * overlap
+        depth = inner.depth[n] - 0.5 * overlap
         arm_j = arm_v[0] - depth * nx, arm_v[1] - depth * ny
         arm_i = between[0] + arm_j[0], between[1] + arm_j[1]
 
-        vxj, vyj = point_velocity(row[j, VX], row[j, VY], row[j, SPIN], arm_j)
-        vxi, vyi = point_velocity(row[i, VX], row[i, VY], row[i, SPIN], arm_i)
-        uxj, uyj = point_velocity(row[j, UX], row[j, UY], row[j, USPIN], arm_j)
-        uxi, uyi = point_velocity(row[i, UX], row[i, UY], row[i, USPIN], arm_i)
-        # The tangent is the normal turned to the left.
+        vxj, vyj = point_velocity(row[j, VX], row[j, VY], row[j, OMEGA], arm_j)
+        vxi, vyi = point_velocity(row[i, VX], row[i, VY], row[i, OMEGA], arm_i)
+        uxj, uyj = point_velocity(row[j, UX], row[j, UY], row[j, UOMEGA], arm_j)
+        uxi, uyi = point_velocity(row[i, UX], row[i, UY], row[i, UOMEGA], arm_i)
+        # The tangent is the normal rotated to the left.
         slip_step = touches * ((vyj - vyi) * nx - (vxj - vxi) * ny) * dt
         slip_rate = (uyj - uyi) * nx - (uxj - uxi) * ny
         overlap_rate = -((uxj - uxi) * nx + (uyj - uyi) * ny)
 
-        m = touches * close.mass[n]
+        m = touches * inner.mass[n]
         f_n, damping = normal_force(own, m, overlap, overlap_rate)
-        (f_t,), (held,), rubbed = tangential_force(
-            own, m, overlap, (close.slip[n],), (slip_step,), (slip_rate,)
+        (f_t,), (held,), lost = tangential_force(
+            own, m, overlap, (inner.slip[n],), (slip_step,), (slip_rate,)
         )
         fx, fy = f_n * nx - f_t * ny, f_n * ny + f_t * nx
-        close.slip[n] = held
+        inner.slip[n] = held
         forces.fx[k], forces.fy[k] = fx, fy
         forces.torque_j[k], forces.torque_i[k] = cross(arm_j, (fx, fy)), -cross(arm_i, (fx, fy))
         forces.normal_power[k] = damping * overlap_rate
-        forces.tangential_power[k] = m * own.gamma_t * slip_rate * slip_rate
-        forces.rubbed[k] = rubbed
+        forces.tangential_power[k] = tangential_damping(own, m, (slip_rate,))
+        forces.lost[k] = lost
 
 
 @njit
-def edge_to_vertex(row, close, n, between, arm_v):
+def edge_to_vertex(row, inner, n, between, arm_v):
     """Vector to the vertex of pair n from the closest point of its edge [m].
 
     between: from the centroid of the edge's body to that of the vertex's body; arm_v: from the
     latter to the vertex [m].
     """
-    i = close.edge_body[n]
-    start = turned(row[i, COS], row[i, SIN], (close.start_x[n], close.start_y[n]))
-    edge = turned(row[i, COS], row[i, SIN], (close.edge_x[n], close.edge_y[n]))
+    i = inner.edge_body[n]
+    start = rotated(row[i, COS], row[i, SIN], (inner.start_x[n], inner.start_y[n]))
+    edge = rotated(row[i, COS], row[i, SIN], (inner.edge_x[n], inner.edge_y[n]))
     rx, ry = between[0] + arm_v[0] - start[0], between[1] + arm_v[1] - start[1]
-    return to_edge(rx, ry, edge[0], edge[1], close.inv_length2[n])
+    return to_edge(rx, ry, edge[0], edge[1], inner.inv_length2[n])
 
 
 @njit
-def overlap_now(row, close, n):
+def overlap_now(row, inner, n):
     """Overlap of pair n [m]; negative where it does not touch."""
-    j, i = close.vertex_body[n], close.edge_body[n]
+    j, i = inner.vertex_body[n], inner.edge_body[n]
     between = row[j, X] - row[i, X], row[j, Y] - row[i, Y]
-    arm_v = turned(row[j, COS], row[j, SIN], (close.vertex_x[n], close.vertex_y[n]))
-    dx, dy = edge_to_vertex(row, close, n, between, arm_v)
-    return close.reach[n] - np.sqrt(dx * dx + dy * dy)
+    arm_v = rotated(row[j, COS], row[j, SIN], (inner.vertex_x[n], inner.vertex_y[n]))
+    dx, dy = edge_to_vertex(row, inner, n, between, arm_v)
+    return inner.cutoff[n] - np.sqrt(dx * dx + dy * dy)
 
 
 @njit
-def add_to_bodies(row, close, forces, begin, n_pairs, sums):
+def add_to_bodies(row, inner, forces, begin, n_pairs, sums):
     """Add the forces of a block to its bodies, and what they dissipate to the sums, returned.
 
     sums: normal and tangential damping [W], friction [J].
     """
-    normal, tangential, rubbed = sums
+    normal, tangential, lost = sums
     for k in range(np.uintp(n_pairs)):
         n = np.uintp(begin) + k
-        j, i = close.vertex_body[n], close.edge_body[n]
+        j, i = inner.vertex_body[n], inner.edge_body[n]
         row[j, FX] += forces.fx[k]
         row[j, FY] += forces.fy[k]
         row[j, TORQUE] += forces.torque_j[k]
@@ -156,5 +156,5 @@ def add_to_bodies(row, close, forces, begin, n_pairs, sums):
         row[i, TORQUE] += forces.torque_i[k]
         normal += forces.normal_power[k]
         tangential += forces.tangential_power[k]
-        rubbed += forces.rubbed[k]
-    return normal, tangential, rubbed
+        lost += forces.lost[k]
+    return normal, tangential, lost

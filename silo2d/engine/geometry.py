@@ -4,7 +4,7 @@ from granulab.contact.jit import njit
 
 
 @njit
-def turned(cos, sin, local):
+def rotated(cos, sin, local):
     """A vector of a body's frame in the silo's frame."""
     return cos * local[0] - sin * local[1], sin * local[0] + cos * local[1]
 
@@ -21,9 +21,9 @@ def to_edge(rx, ry, ex, ey, inv_length2):
 
 
 @njit
-def point_velocity(vx, vy, spin, arm):
-    """Velocity of a body's point at `arm` from its centroid [m/s]: v + spin x arm."""
-    return vx - spin * arm[1], vy + spin * arm[0]
+def point_velocity(vx, vy, omega, arm):
+    """Velocity of a body's point at `arm` from its centroid [m/s]: v + omega x arm."""
+    return vx - omega * arm[1], vy + omega * arm[0]
 
 
 @njit

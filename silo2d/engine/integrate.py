@@ -3,35 +3,36 @@
     v(n+1/2) = v(n-1/2) + a(n) dt,   x(n+1) = x(n) + v(n+1/2) dt
     u(n+1)   = v(n+1/2) + a(n) dt/2
 
-Damping that takes the velocity half a step back makes the energy books first order in dt; the
+Damping that takes the velocity half a step back makes the energy balance first order in dt; the
 extrapolated u makes them second order.
 """
 
 import numpy as np
 
 from granulab.contact.jit import njit
+from granulab.contact.laws import normal_energy
 from silo2d.engine.forces import overlap_now
 from silo2d.engine.pair_law import law_of
 from silo2d.engine.state import (
     ANGLE,
     BOUNDING_RADIUS,
     CARRIED_OUT,
-    CLOSE,
-    CLOSE_LIST,
     COS,
     FX,
     FY,
+    INNER,
+    INNER_LIST,
     INV_INERTIA,
     INV_MASS,
     LIVE,
+    OMEGA,
     OUT,
-    PARTICLE_CLOSE,
+    PARTICLE_INNER,
     SIN,
-    SPIN,
     STALE,
     STEP,
     TORQUE,
-    USPIN,
+    UOMEGA,
     UX,
     UY,
     VX,
@@ -42,15 +43,15 @@ from silo2d.engine.state import (
 
 
 @njit
-def rotated(cos, sin, turn):
-    """cos and sin after a small turn [rad].
+def rotated_direction(cos, sin, angle):
+    """cos and sin after a small rotation [rad].
 
-    Fourth order in the turn (its error is 6e-17 at 300 rad/s and 5 us), then scaled back to
+    Fourth order in the angle (its error is 6e-17 at 300 rad/s and 5 us), then scaled back to
     unit length, so that rounding does not add up.
     """
-    t2 = turn * turn
+    t2 = angle * angle
     c = 1.0 - 0.5 * t2 * (1.0 - t2 / 12.0)
-    s = turn * (1.0 - t2 / 6.0)
+    s = angle * (1.0 - t2 / 6.0)
     new_cos, new_sin = cos * c - sin * s, sin * c + cos * s
     unit = 1.5 - 0.5 * (new_cos * new_cos + new_sin * new_sin)
     return new_cos * unit, new_sin * unit
@@ -60,42 +61,43 @@ def rotated(cos, sin, turn):
 def move(world):
     """One step of all live particles; wipes their loads.
 
-    The list of close pairs is marked stale where a point of a particle may have left its room.
+    The list of inner pairs is marked stale where a point of a particle may have left its skin.
     """
     bodies, counts, gravity, dt = world.bodies, world.counts, world.gravity, world.time_step
-    row, listed, room, size = bodies.row, bodies.listed, bodies.room, bodies.size
+    row, listed, skin, size = bodies.row, bodies.listed, bodies.skin, bodies.size
     any_far = False
     any_low = False
     for k in range(counts[LIVE]):
         i = bodies.live[k]
         dvx = row[i, FX] * row[i, INV_MASS] * dt
         dvy = (row[i, FY] * row[i, INV_MASS] - gravity) * dt
-        dspin = row[i, TORQUE] * row[i, INV_INERTIA] * dt
-        vx, vy, spin = row[i, VX] + dvx, row[i, VY] + dvy, row[i, SPIN] + dspin
-        x, y, angle = row[i, X] + vx * dt, row[i, Y] + vy * dt, row[i, ANGLE] + spin * dt
+        domega = row[i, TORQUE] * row[i, INV_INERTIA] * dt
+        vx, vy, omega = row[i, VX] + dvx, row[i, VY] + dvy, row[i, OMEGA] + domega
+        x, y, angle = row[i, X] + vx * dt, row[i, Y] + vy * dt, row[i, ANGLE] + omega * dt
         row[i, X], row[i, Y], row[i, ANGLE] = x, y, angle
-        row[i, COS], row[i, SIN] = rotated(row[i, COS], row[i, SIN], spin * dt)
-        row[i, VX], row[i, VY], row[i, SPIN] = vx, vy, spin
-        row[i, UX], row[i, UY], row[i, USPIN] = vx + 0.5 * dvx, vy + 0.5 * dvy, spin + 0.5 * dspin
+        row[i, COS], row[i, SIN] = rotated_direction(row[i, COS], row[i, SIN], omega * dt)
+        row[i, VX], row[i, VY], row[i, OMEGA] = vx, vy, omega
+        row[i, UX], row[i, UY] = vx + 0.5 * dvx, vy + 0.5 * dvy
+        row[i, UOMEGA] = omega + 0.5 * domega
         row[i, FX], row[i, FY], row[i, TORQUE] = 0.0, 0.0, 0.0
         # No point of the particle is farther than this from where it was listed.
-        far = abs(x - listed[i, 3 * CLOSE_LIST]) + abs(y - listed[i, 3 * CLOSE_LIST + 1])
-        far += size[i, BOUNDING_RADIUS] * abs(angle - listed[i, 3 * CLOSE_LIST + 2])
-        any_far |= not far <= room[i, CLOSE_LIST]  # true for NaN as well
+        far = abs(x - listed[i, 3 * INNER_LIST]) + abs(y - listed[i, 3 * INNER_LIST + 1])
+        far += size[i, BOUNDING_RADIUS] * abs(angle - listed[i, 3 * INNER_LIST + 2])
+        any_far |= not far <= skin[i, INNER_LIST]  # true for NaN as well
         any_low |= y < 0.0
     counts[STEP] += 1
     if any_far:
         counts[STALE] = max(counts[STALE], 1)
     if any_low:
-        let_out(world)
+        remove_discharged(world)
 
 
 @njit
-def let_out(world):
+def remove_discharged(world):
     """Note when particles pass y = 0, and drop those that have left entirely.
 
     A particle is dropped when its bounding circle is below the outlet: nothing above it can rest
-    on it any more. Its energy is booked as carried out, with what its contacts hold.
+    on it any more. Its energy is accounted as carried out, with what its contacts hold.
     """
     bodies, counts, gravity = world.bodies, world.counts, world.gravity
     row = bodies.row
@@ -108,7 +110,7 @@ def let_out(world):
             counts[OUT] += 1
         if row[i, Y] < -bodies.size[i, BOUNDING_RADIUS]:
             energy = kinetic_energy(row[i]) + gravity * row[i, Y] / row[i, INV_MASS]
-            world.books[CARRIED_OUT] += energy + held_by_contacts(world, i)
+            world.account[CARRIED_OUT] += energy + energy_of_contacts(world, i)
             counts[STALE] = max(counts[STALE], 2)
         else:
             bodies.live[kept] = i
@@ -117,17 +119,17 @@ def let_out(world):
 
 
 @njit
-def held_by_contacts(world, i):
+def energy_of_contacts(world, i):
     """Elastic normal energy [J] of the contacts of body i.
 
     What the tangential springs hold goes to friction when the lists are made next.
     """
-    close, counts = world.close, world.counts
+    inner, counts = world.inner, world.counts
     energy = 0.0
-    for n in range(counts[CLOSE]):
-        if close.vertex_body[n] == i or close.edge_body[n] == i:
-            law = law_of(world.particle_law if n < counts[PARTICLE_CLOSE] else world.wall_law, n)
-            energy += 0.5 * law.kn * max(overlap_now(world.bodies.row, close, n), 0.0) ** 2
+    for n in range(counts[INNER]):
+        if inner.vertex_body[n] == i or inner.edge_body[n] == i:
+            law = law_of(world.particle_law if n < counts[PARTICLE_INNER] else world.wall_law, n)
+            energy += normal_energy(law, max(overlap_now(world.bodies.row, inner, n), 0.0))
     return energy
 
 
@@ -135,4 +137,4 @@ def held_by_contacts(world, i):
 def kinetic_energy(row):
     """Kinetic energy [J] of the body in a row."""
     translation = (row[UX] * row[UX] + row[UY] * row[UY]) / row[INV_MASS]
-    return 0.5 * (translation + row[USPIN] * row[USPIN] / row[INV_INERTIA])
+    return 0.5 * (translation + row[UOMEGA] * row[UOMEGA] / row[INV_INERTIA])

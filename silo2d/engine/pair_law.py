@@ -1,23 +1,25 @@
-"""Which law a pair of bodies obeys: one that its whole class shares, or one drawn for the pair.
+"""The law that a pair of bodies obeys: one that its whole class shares, or one drawn for the pair.
 
-A class of pairs, particle-particle or particle-wall, has a LinearLaw, which is the law of all its
-pairs, or a DrawnLaw, which gives every pair of bodies a friction, a stiffness and a damping of its
-own. The kernels ask `law_of` and its like; the type of the law decides when they are compiled, so
-that a shared law costs nothing.
+A class of pairs, particle-particle or particle-wall, has one law for all its pairs (LinearLaw, or a
+type of its own, see register_law), or a DrawnLaw, which gives every pair of bodies a friction, a
+stiffness and a damping of its own. The kernels call `law_of` and its like; the type of the law
+decides when they are compiled, so that a shared law costs nothing.
 
 What a pair draws depends on the seed and on the two bodies alone, not on when they meet: all
 vertex-edge contacts of two bodies share it, and it is the same after they have parted.
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba.extending import overload
 
 from granulab.contact.jit import njit  # before numba is used
-from granulab.contact.laws import LinearLaw
-from silo2d.engine.state import CLOSE, MAX_VERTICES, NEAR, WALL_KEY
+from granulab.contact.laws import LinearLaw, register
+from silo2d.engine import ENGINE
+from silo2d.engine.state import INNER, MAX_VERTICES, OUTER, WALL_KEY
 
 # Rows of DrawnLaw.quantiles, .score and .key.
 FRICTION, STIFFNESS, DAMPING = range(3)
@@ -45,11 +47,11 @@ class DrawnLaw(NamedTuple):
     quantiles: np.ndarray  # (3, LEVELS) friction [-], kn [N/m], gamma_n/sqrt(kn) over the mean's
     score: np.ndarray  # (3, n_particles) standard normal; (3, 0): drawn per pair
     key: np.ndarray  # (3,) uint64, from the seed
-    near: PairConstants  # of the near list
-    close: PairConstants  # of the close list, as the force pass reads them
+    outer: PairConstants  # of the outer list
+    inner: PairConstants  # of the inner list, as the force pass reads them
 
 
-Law = LinearLaw | DrawnLaw  # of a class of pairs
+Law = Any  # of a class of pairs: LinearLaw, DrawnLaw, or a type of register_law
 
 
 @njit
@@ -70,8 +72,8 @@ def hashed(key, low, high):
 
     Steele, Lea and Flood, OOPSLA 2014, doi 10.1145/2660193.2660195.
     """
-    place = (np.uint64(low) << np.uint64(32)) | np.uint64(high)
-    z = key + place * np.uint64(0x9E3779B97F4A7C15)
+    number = (np.uint64(low) << np.uint64(32)) | np.uint64(high)
+    z = key + number * np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return z ^ (z >> np.uint64(31))
@@ -101,18 +103,18 @@ def draw_pairs(law, pairs, n_particles, constants):
 
 
 @njit
-def draw_for_near(particle_law, wall_law, near, counts, n_bodies):
-    """Constants of all near pairs, from their keys: one draw for each pair of bodies."""
-    of = particle_law.near
+def draw_for_outer(particle_law, wall_law, outer, counts, n_bodies):
+    """Constants of all outer pairs, from their keys: one draw for each pair of bodies."""
+    of = particle_law.outer
     drawn = np.int64(-1)
-    for c in range(counts[NEAR]):
-        bodies = near.key[c] // (2 * MAX_VERTICES * MAX_VERTICES)
+    for c in range(counts[OUTER]):
+        bodies = outer.key[c] // (2 * MAX_VERTICES * MAX_VERTICES)
         if bodies == drawn:
             of.kn[c], of.kt[c] = of.kn[c - 1], of.kt[c - 1]
             of.mu[c], of.gamma_n[c] = of.mu[c - 1], of.gamma_n[c - 1]
             continue
         drawn = bodies
-        if near.key[c] < WALL_KEY:
+        if outer.key[c] < WALL_KEY:
             values = draw_pair(particle_law, bodies // n_bodies, bodies % n_bodies, False)
         else:
             bodies -= WALL_KEY // (2 * MAX_VERTICES * MAX_VERTICES)
@@ -121,86 +123,98 @@ def draw_for_near(particle_law, wall_law, near, counts, n_bodies):
 
 
 @njit
-def hand_on_to_close(law, close, counts):
-    """Constants of the close pairs, from the near list."""
-    near, of = law.near, law.close
-    for n in range(np.uintp(counts[CLOSE])):
-        c = close.near[n]
-        of.kn[n], of.kt[n] = near.kn[c], near.kt[c]
-        of.mu[n], of.gamma_n[n] = near.mu[c], near.gamma_n[c]
+def copy_to_inner(law, inner, counts):
+    """Constants of the inner pairs, from the outer list."""
+    outer, of = law.outer, law.inner
+    for n in range(np.uintp(counts[INNER])):
+        c = inner.outer[n]
+        of.kn[n], of.kt[n] = outer.kn[c], outer.kt[c]
+        of.mu[n], of.gamma_n[n] = outer.mu[c], outer.gamma_n[c]
 
 
-# What the other kernels ask, by the type of the law: the plain functions run without numba, and
+# Choices of the other kernels by the type of the law: the plain functions run without numba, and
 # their overloads are compiled.
 
 
 def law_of(law, n):
-    """The LinearLaw of pair n of the close list."""
-    return _shared(law, n) if isinstance(law, LinearLaw) else _of_close(law, n)
+    """Return the law of pair n of the inner list."""
+    return _of_inner(law, n) if isinstance(law, DrawnLaw) else _shared(law, n)
 
 
 @overload(law_of)
 def _law_of(law, n):
-    return _shared if law.instance_class is LinearLaw else _of_close
+    return _of_inner if law.instance_class is DrawnLaw else _shared
+
+
+def outer_law(law, c):
+    """Return the law of pair c of the outer list."""
+    return _of_outer(law, c) if isinstance(law, DrawnLaw) else _shared(law, c)
+
+
+@overload(outer_law)
+def _outer_law(law, c):
+    return _of_outer if law.instance_class is DrawnLaw else _also_shared
 
 
 def _shared(law, n):
     return law
 
 
-def _of_close(law, n):
-    own, mean = law.close, law.mean
+def _also_shared(law, c):
+    return law
+
+
+def _of_inner(law, n):
+    own, mean = law.inner, law.mean
     return LinearLaw(own.kn[n], own.kt[n], own.mu[n], own.gamma_n[n], mean.gamma_t, mean.pulls)
 
 
-def near_kt(law, c):
-    """kt [N/m] of pair c of the near list."""
-    return _shared_kt(law, c) if isinstance(law, LinearLaw) else _kt_of_near(law, c)
+def _of_outer(law, c):
+    own, mean = law.outer, law.mean
+    return LinearLaw(own.kn[c], own.kt[c], own.mu[c], own.gamma_n[c], mean.gamma_t, mean.pulls)
 
 
-@overload(near_kt)
-def _near_kt(law, c):
-    return _shared_kt if law.instance_class is LinearLaw else _kt_of_near
-
-
-def _shared_kt(law, c):
-    return law.kt
-
-
-def _kt_of_near(law, c):
-    return law.near.kt[c]
-
-
-def draw_near(particle_law, wall_law, near, counts, n_bodies):
-    """Give each pair of the near list the constants that it draws, where it draws any."""
+def draw_outer(particle_law, wall_law, outer, counts, n_bodies):
+    """Give each pair of the outer list the constants that it draws, where it draws any."""
     if isinstance(particle_law, DrawnLaw):
-        draw_for_near(particle_law, wall_law, near, counts, n_bodies)
+        draw_for_outer(particle_law, wall_law, outer, counts, n_bodies)
 
 
-@overload(draw_near)
-def _draw_near(particle_law, wall_law, near, counts, n_bodies):
-    if particle_law.instance_class is LinearLaw:
-        return lambda particle_law, wall_law, near, counts, n_bodies: None
-    return lambda particle_law, wall_law, near, counts, n_bodies: draw_for_near(
-        particle_law, wall_law, near, counts, n_bodies
+@overload(draw_outer)
+def _draw_outer(particle_law, wall_law, outer, counts, n_bodies):
+    if particle_law.instance_class is not DrawnLaw:
+        return lambda particle_law, wall_law, outer, counts, n_bodies: None
+    return lambda particle_law, wall_law, outer, counts, n_bodies: draw_for_outer(
+        particle_law, wall_law, outer, counts, n_bodies
     )
 
 
-def hand_on(law, close, counts):
-    """Give each pair of the close list the constants of the near list, where it has its own."""
+def copy_constants(law, inner, counts):
+    """Give each pair of the inner list the constants of the outer list, where it has its own."""
     if isinstance(law, DrawnLaw):
-        hand_on_to_close(law, close, counts)
+        copy_to_inner(law, inner, counts)
 
 
-@overload(hand_on)
-def _hand_on(law, close, counts):
-    if law.instance_class is LinearLaw:
-        return lambda law, close, counts: None
-    return lambda law, close, counts: hand_on_to_close(law, close, counts)
+@overload(copy_constants)
+def _copy_constants(law, inner, counts):
+    if law.instance_class is not DrawnLaw:
+        return lambda law, inner, counts: None
+    return lambda law, inner, counts: copy_to_inner(law, inner, counts)
 
 
 @njit
-def draw_lists(particle_law, wall_law, near, close, counts, n_bodies):
-    """Constants for the lists as they stand; both classes keep them in the same arrays."""
-    draw_near(particle_law, wall_law, near, counts, n_bodies)
-    hand_on(particle_law, close, counts)
+def draw_lists(particle_law, wall_law, outer, inner, counts, n_bodies):
+    """Draw constants for the lists as they stand; both classes keep them in the same arrays."""
+    draw_outer(particle_law, wall_law, outer, counts, n_bodies)
+    copy_constants(particle_law, inner, counts)
+
+
+def register_law(law: type, **functions: Callable[..., Any]) -> None:
+    """Let the pairs of a silo obey a law of a type of its own, see granulab.contact.laws.register.
+
+    The kernels that call it are compiled again after an edit of the files that the functions stand
+    in, and are kept apart from those of processes that do not know the law.
+    """
+    from granulab.contact.jit import extend
+
+    extend(ENGINE, *register(law, **functions))

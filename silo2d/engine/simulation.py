@@ -7,7 +7,12 @@ import numpy as np
 from granulab.contact.jit import njit
 from granulab.errors import SimulationError
 from silo2d.engine import state
-from silo2d.engine.contacts import (
+from silo2d.engine.door import move_door
+from silo2d.engine.forces import apply_forces, overlap_now
+from silo2d.engine.integrate import move
+from silo2d.engine.neighbours import search
+from silo2d.engine.pair_law import Law
+from silo2d.engine.sampling import (
     FORCE_X,
     FORCE_Y,
     NORMAL_X,
@@ -16,22 +21,18 @@ from silo2d.engine.contacts import (
     POINT_X,
     POINT_Y,
     SLIDES,
+    energies,
     list_contacts,
 )
-from silo2d.engine.door import draw_on
-from silo2d.engine.forces import apply_forces, overlap_now
-from silo2d.engine.integrate import kinetic_energy, move
-from silo2d.engine.neighbours import DONE, NEAR_FULL, NOT_FINITE, PAIRS_FULL, search
-from silo2d.engine.pair_law import Law, law_of
-from silo2d.engine.state import World
+from silo2d.engine.state import DONE, NOT_FINITE, OUTER_FULL, PAIRS_FULL, World
 from silo2d.engine.world import longer_lists, more_pairs, with_laws
 
 
 @njit
 def advance(world, n_steps):
     """Take n_steps steps; returns how many were taken and the outcome of the last search."""
-    bodies, counts, books, dt = world.bodies, world.counts, world.books, world.time_step
-    close, forces, laws = world.close, world.forces, (world.particle_law, world.wall_law)
+    bodies, counts, account, dt = world.bodies, world.counts, world.account, world.time_step
+    inner, forces, laws = world.inner, world.forces, (world.particle_law, world.wall_law)
     for k in range(n_steps):
         if counts[state.STALE] > 0:
             outcome = search(world)
@@ -41,33 +42,15 @@ def advance(world, n_steps):
         load = bodies.row[door, state.FX]
         if door > 0:
             bodies.row[door, state.FX] = 0.0  # the force of this step alone does work
-        apply_forces(bodies.row, close, forces, counts, books, laws[0], laws[1], dt)
+        apply_forces(bodies.row, inner, forces, counts, account, laws[0], laws[1], dt)
         move(world)
         if door > 0:
-            draw_on(world, load)
+            move_door(world, load)
     return n_steps, DONE
 
 
-@njit
-def energies(bodies, close, counts, particle_law, wall_law, gravity):
-    """Kinetic, potential, elastic normal, elastic tangential energy [J] of the live particles.
-
-    The overlaps are those of now, the tangential springs those of the last step.
-    """
-    kinetic, potential, normal, tangential = 0.0, 0.0, 0.0, 0.0
-    for k in range(counts[state.LIVE]):
-        row = bodies.row[bodies.live[k]]
-        kinetic += kinetic_energy(row)
-        potential += gravity * row[state.Y] / row[state.INV_MASS]
-    for n in range(counts[state.CLOSE]):
-        law = law_of(particle_law if n < counts[state.PARTICLE_CLOSE] else wall_law, n)
-        normal += 0.5 * law.kn * max(overlap_now(bodies.row, close, n), 0.0) ** 2
-        tangential += 0.5 * law.kt * close.slip[n] ** 2
-    return kinetic, potential, normal, tangential
-
-
 class Simulation:
-    """A world with a clock: run it, ask it, save and restore it."""
+    """A world with a clock: run it, read it, save and restore it."""
 
     def __init__(self, world: World, advice: str = "try a smaller time step or stiffer contacts"):
         self.world = world
@@ -125,7 +108,7 @@ class Simulation:
             left -= taken
             self._wall_steps += taken
             if outcome != DONE:
-                self._answer(outcome)
+                self._resolve(outcome)
         if not np.isfinite(self.rows[self.live]).all():
             raise self.failure("the state is no longer finite")
 
@@ -137,17 +120,17 @@ class Simulation:
         self.contacts()
 
     def refresh(self) -> None:
-        """Make stale lists anew now."""
+        """Make stale lists again now."""
         while self.world.counts[state.STALE] > 0:
             outcome = search(self.world)
             if outcome != DONE:
-                self._answer(outcome)
+                self._resolve(outcome)
 
-    def _answer(self, outcome: int) -> None:
-        """Give a search the room that it lacked, or raise what is wrong."""
+    def _resolve(self, outcome: int) -> None:
+        """Give a search the capacity that it lacked, or raise what is wrong."""
         if outcome == PAIRS_FULL:
             self.world = more_pairs(self.world)
-        elif outcome == NEAR_FULL:
+        elif outcome == OUTER_FULL:
             self.world = longer_lists(self.world)
         elif outcome == NOT_FINITE:
             raise self.failure("a position is no longer a finite number")
@@ -170,7 +153,7 @@ class Simulation:
         world = self.world
         kinetic, potential, normal, tangential = energies(
             world.bodies,
-            world.close,
+            world.inner,
             world.counts,
             world.particle_law,
             world.wall_law,
@@ -181,19 +164,19 @@ class Simulation:
             "potential": potential,
             "elastic_normal": normal,
             "elastic_tangential": tangential,
-            "carried_out": float(world.books[state.CARRIED_OUT]),
-            "given_to_door": float(world.books[state.GIVEN_TO_DOOR]),
+            "carried_out": float(world.account[state.CARRIED_OUT]),
+            "given_to_door": float(world.account[state.GIVEN_TO_DOOR]),
         }
         for first, pair in (
             (state.PARTICLE_PARTICLE, "grain_grain"),
             (state.PARTICLE_WALL, "grain_wall"),
         ):
             for entry, how in enumerate(("normal_damping", "tangential_damping", "friction")):
-                table[f"{how}_{pair}"] = float(world.books[first + entry])
+                table[f"{how}_{pair}"] = float(world.account[first + entry])
         return table
 
     def wall_forces(self) -> np.ndarray:
-        """Mean force on each wall since last asked (n_walls, 2) [N]."""
+        """Mean force on each wall since the last call (n_walls, 2) [N]."""
         load = self.world.bodies.row[self.n_particles :, state.FX : state.TORQUE + 1]
         mean = load[:, :2] / max(self._wall_steps, 1)
         load[:] = 0.0
@@ -217,24 +200,24 @@ class Simulation:
     def begin_phase(
         self, particle_law: Law, wall_law: Law, time_step: float, keep_slips: bool = False
     ) -> None:
-        """New laws and time step; clock and books start from zero, and slips unless they are kept.
+        """Set laws and time step; clock and energy account start from zero, slips unless kept.
 
         Slips are kept where friction holds the particles already.
         """
         self.world = with_laws(self.world, particle_law, wall_law)._replace(time_step=time_step)
-        self.world.counts[[state.STEP, state.BODY_SEARCHES, state.NEAR_SEARCHES]] = 0
-        self.world.counts[state.CLOSE_SEARCHES] = 0
+        self.world.counts[[state.STEP, state.BODY_SEARCHES, state.OUTER_SEARCHES]] = 0
+        self.world.counts[state.INNER_SEARCHES] = 0
         if not keep_slips:
-            self.world.close.slip[:] = 0.0
-            self.world.near.slip[:] = 0.0
-        self.world.books[:] = 0.0
+            self.world.inner.slip[:] = 0.0
+            self.world.outer.slip[:] = 0.0
+        self.world.account[:] = 0.0
         self.wall_forces()
 
     def touching(self) -> np.ndarray:
-        """Indices in the close list of the pairs that touch now."""
-        row, close = self.world.bodies.row, self.world.close
+        """Indices in the inner list of the pairs that touch now."""
+        row, inner = self.world.bodies.row, self.world.inner
         return np.array(
-            [n for n in range(self.world.counts[state.CLOSE]) if overlap_now(row, close, n) > 0],
+            [n for n in range(self.world.counts[state.INNER]) if overlap_now(row, inner, n) > 0],
             dtype=np.int64,
         )
 
@@ -250,10 +233,10 @@ class Simulation:
         """
         self.refresh()
         world = self.world
-        most = int(world.counts[state.CLOSE])
+        most = int(world.counts[state.INNER])
         bodies, numbers = np.zeros((most, 2), np.uint32), np.zeros((most, 8))
         n = list_contacts(
-            world.bodies.row, world.close, world.forces, world.counts,
+            world.bodies.row, world.inner, world.forces, world.counts,
             (world.particle_law, world.wall_law), world.time_step, bodies, numbers,
         )  # fmt: skip
         return {
@@ -267,33 +250,33 @@ class Simulation:
 
     def coordination(self) -> float:
         """Mean number of bodies (particles and walls) that a live particle touches."""
-        close, touching = self.world.close, self.touching()
-        pairs = np.stack([close.vertex_body[touching], close.edge_body[touching]], axis=1)
+        inner, touching = self.world.inner, self.touching()
+        pairs = np.stack([inner.vertex_body[touching], inner.edge_body[touching]], axis=1)
         pairs = np.unique(np.sort(pairs, axis=1), axis=0)
         return float((pairs < self.n_particles).sum() / max(len(self.live), 1))
 
     def save(self) -> dict[str, np.ndarray]:
         """All that is needed to go on with the same bits, as arrays.
 
-        Of the lists only the slips are kept: they are made anew in the same order.
+        Of the lists only the slips are kept: they are made again in the same order.
         """
         world = self.world
-        close = slice(0, int(world.counts[state.CLOSE]))
+        inner = slice(0, int(world.counts[state.INNER]))
         return {
             "row": world.bodies.row.copy(),
             "layout": world.bodies.layout.copy(),
             "out_time": world.bodies.out_time.copy(),
             "live": self.live.copy(),
-            "key": world.near.key[world.close.near[close]],
-            "slip": world.close.slip[close].copy(),
+            "key": world.outer.key[world.inner.outer[inner]],
+            "slip": world.inner.slip[inner].copy(),
             "counts": world.counts.copy(),
-            "books": world.books.copy(),
+            "books": world.account.copy(),
             "wall_steps": np.array([self._wall_steps]),
         }
 
     def restore(self, saved: dict[str, np.ndarray]) -> None:
         """Put back what `save` gave."""
-        while len(self.world.near.key) <= len(saved["key"]):
+        while len(self.world.outer.key) <= len(saved["key"]):
             self.world = longer_lists(self.world)
         world = self.world
         world.bodies.row[:] = saved["row"]
@@ -301,19 +284,19 @@ class Simulation:
         world.bodies.out_time[:] = saved["out_time"]
         world.bodies.live[: len(saved["live"])] = saved["live"]
         world.counts[:] = saved["counts"]
-        world.books[:] = saved["books"]
+        world.account[:] = saved["books"]
         n = len(saved["key"])
-        world.near.key[:n] = saved["key"]
-        world.near.slip[:n] = saved["slip"]
-        world.counts[[state.NEAR, state.CLOSE, state.STALE]] = n, 0, 3
+        world.outer.key[:n] = saved["key"]
+        world.outer.slip[:n] = saved["slip"]
+        world.counts[[state.OUTER, state.INNER, state.STALE]] = n, 0, 3
         self.world = with_laws(world, world.particle_law, world.wall_law)
         self._wall_steps = int(saved["wall_steps"][0])
 
     def state_digest(self) -> str:
         """Hash of positions, orientations, velocities and the history of the contacts."""
-        close = slice(0, int(self.world.counts[state.CLOSE]))
-        slip = self.world.close.slip[close]
-        keys = self.world.near.key[self.world.close.near[close]]
+        inner = slice(0, int(self.world.counts[state.INNER]))
+        slip = self.world.inner.slip[inner]
+        keys = self.world.outer.key[self.world.inner.outer[inner]]
         moving = np.ascontiguousarray(self.rows[:, [*range(state.FX), state.ANGLE]])
         text = hashlib.sha256(moving.tobytes())
         text.update(self.world.bodies.out_time[: self.n_particles].tobytes())

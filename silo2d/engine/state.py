@@ -10,29 +10,31 @@ import numpy as np
 
 # Columns of Bodies.row: position [m], direction, velocity half a step back and extrapolated to
 # now [m/s, rad/s], force [N], torque [N m], 1/mass [1/kg], 1/inertia [1/(kg m2)], angle [rad].
-X, Y, COS, SIN, VX, VY, SPIN, UX = range(8)
-UY, USPIN, FX, FY, TORQUE, INV_MASS, INV_INERTIA, ANGLE = range(8, 16)
+X, Y, COS, SIN, VX, VY, OMEGA, UX = range(8)
+UY, UOMEGA, FX, FY, TORQUE, INV_MASS, INV_INERTIA, ANGLE = range(8, 16)
 # Columns of Bodies.layout and Bodies.size.
 FIRST, N_CORNERS, N_EDGES = range(3)
 BOUNDING_RADIUS, SPHERORADIUS = range(2)
-# Levels of the lists, see neighbours.py: columns of Bodies.room and, times three, of Bodies.listed.
-BODY_LIST, NEAR_LIST, CLOSE_LIST = range(3)
+# Levels of the lists, see neighbours.py: columns of Bodies.skin and, times three, of Bodies.listed.
+BODY_LIST, OUTER_LIST, INNER_LIST = range(3)
 # Columns of World.vertices and World.local: a vertex, the edge that leaves it counter-clockwise,
 # and 1/length^2 of that edge [1/m2].
 VERTEX_X, VERTEX_Y, EDGE_X, EDGE_Y, INV_LENGTH2 = range(5)
-# Entries of World.counts. STALE: how many levels of the lists must be made anew, from below.
+# Entries of World.counts. STALE: how many levels of the lists must be made again, from below.
 STEP, LIVE, OUT, STALE = range(4)
-PARTICLE_PAIRS, PAIRS, PARTICLE_NEAR, NEAR, PARTICLE_CLOSE, CLOSE = range(4, 10)
-BODY_SEARCHES, NEAR_SEARCHES, CLOSE_SEARCHES = range(10, 13)
+PARTICLE_PAIRS, PAIRS, PARTICLE_OUTER, OUTER, PARTICLE_INNER, INNER = range(4, 10)
+BODY_SEARCHES, OUTER_SEARCHES, INNER_SEARCHES = range(10, 13)
 DOOR = 13  # which body is a door that is being drawn; 0, a particle: none
 N_COUNTS = 14
-# Entries of World.books [J]: what was dissipated how, particle-particle and then particle-wall; the
-# energy of particles that were dropped; and what a moving door took, mostly less than nothing.
+# Entries of World.account [J]: what was dissipated how, particle-particle and then particle-wall;
+# the energy of particles that were dropped; and what a moving door took, mostly less than nothing.
 NORMAL_DAMPING, TANGENTIAL_DAMPING, FRICTION = range(3)
 PARTICLE_PARTICLE, PARTICLE_WALL, CARRIED_OUT, GIVEN_TO_DOOR = 0, 3, 6, 7
-N_BOOKS = 8
+N_ACCOUNT = 8
+# Outcomes of a search for neighbours.
+DONE, PAIRS_FULL, OUTER_FULL, NOT_FINITE, TOO_DEEP = range(5)
 
-BLOCK = 256  # close pairs that the force pass works on at once: their forces fill half of a cache
+BLOCK = 256  # inner pairs that the force pass works on at once: their forces fill half of a cache
 MAX_VERTICES = 64  # of one shape: a contact's key has six bits for each
 WALL_KEY = 1 << 62  # particle-wall keys come after all particle-particle keys
 
@@ -44,12 +46,12 @@ class Bodies(NamedTuple):
     layout: np.ndarray  # (n, 3) first vertex row; vertices that touch edges; edges
     size: np.ndarray  # (n, 2) bounding radius, spheroradius included; spheroradius [m]
     listed: np.ndarray  # (n, 9) position and angle when each level of the lists was made
-    room: np.ndarray  # (n, 3) how far any point may move until a level is made anew [m]
+    skin: np.ndarray  # (n, 3) how far any point may move until a level is made again [m]
     out_time: np.ndarray  # (n,) when the centroid passed y = 0 [s]; NaN before
     live: np.ndarray  # (n_particles,) the particles that are still simulated, ascending
 
 
-class Near(NamedTuple):
+class Outer(NamedTuple):
     """Vertex-edge pairs that can touch before the next search, in ascending order of key.
 
     Particle-particle pairs come first, ordered by body, body, direction, vertex, edge. The order,
@@ -62,7 +64,7 @@ class Near(NamedTuple):
     vertex_body: np.ndarray  # (capacity,) uint32
     edge_body: np.ndarray  # (capacity,) uint32
     mass: np.ndarray  # (capacity,) reduced mass [kg]
-    reach: np.ndarray  # (capacity,) sum of the spheroradii [m]
+    cutoff: np.ndarray  # (capacity,) sum of the spheroradii [m]
     depth: np.ndarray  # (capacity,) spheroradius of the vertex's body [m]
     distance2: np.ndarray  # (capacity,) squared distance of vertex and edge [m2]
     slip: np.ndarray  # (capacity,) tangential displacement held by the spring [m]
@@ -70,13 +72,13 @@ class Near(NamedTuple):
     old_slip: np.ndarray  # (capacity,)
 
 
-class Close(NamedTuple):
+class Inner(NamedTuple):
     """Vertex-edge pairs that touch or nearly do: what the force pass reads of them.
 
     One array a quantity, so that the pass can be vectorised; all (capacity,).
     """
 
-    near: np.ndarray  # uint32, index in the near list
+    outer: np.ndarray  # uint32, index in the outer list
     vertex_body: np.ndarray  # uint32
     edge_body: np.ndarray  # uint32
     vertex_x: np.ndarray  # the vertex in its body's frame [m]
@@ -87,13 +89,13 @@ class Close(NamedTuple):
     edge_y: np.ndarray
     inv_length2: np.ndarray  # [1/m2]
     mass: np.ndarray  # reduced mass [kg]
-    reach: np.ndarray  # sum of the spheroradii [m]
+    cutoff: np.ndarray  # sum of the spheroradii [m]
     depth: np.ndarray  # spheroradius of the vertex's body [m]
     slip: np.ndarray  # tangential displacement held by the spring [m]
 
 
 class Forces(NamedTuple):
-    """What the force pass finds for one block of close pairs; all (BLOCK,), and so in cache."""
+    """What the force pass finds for one block of inner pairs; all (BLOCK,), and so in cache."""
 
     fx: np.ndarray  # force on the vertex's body [N]
     fy: np.ndarray
@@ -101,7 +103,7 @@ class Forces(NamedTuple):
     torque_i: np.ndarray  # torque on the edge's body [N m]
     normal_power: np.ndarray  # dissipated by normal damping [W]
     tangential_power: np.ndarray  # dissipated by tangential damping [W]
-    rubbed: np.ndarray  # dissipated by friction in this step [J]
+    lost: np.ndarray  # dissipated by friction in this step [J]
 
 
 class Cells(NamedTuple):
@@ -125,12 +127,12 @@ class World(NamedTuple):
     local: np.ndarray  # (n_vertices, 5) vertices and edges in the frames of their bodies [m]
     vertices: np.ndarray  # (n_vertices, 4) the same in the silo's frame [m]
     cells: Cells
-    near: Near
-    close: Close
+    outer: Outer
+    inner: Inner
     forces: Forces
     counts: np.ndarray  # (N_COUNTS,) int64
-    books: np.ndarray  # (N_BOOKS,) [J]
-    particle_law: Any  # LinearLaw, or DrawnLaw of pair_law.py; both laws are of one type
+    account: np.ndarray  # (N_BOOKS,) [J]
+    particle_law: Any  # a law, or DrawnLaw of pair_law.py; both laws are of one type
     wall_law: Any
     gravity: float  # [m/s2], downwards
     time_step: float  # [s]

@@ -8,9 +8,9 @@ import numpy as np
 
 from silo2d.engine import state
 from silo2d.engine.pair_law import DrawnLaw, Law, PairConstants, draw_lists
-from silo2d.engine.state import Bodies, Cells, Close, Forces, Near, World
+from silo2d.engine.state import Bodies, Cells, Forces, Inner, Outer, World
 
-BODY_ROOM = 3e-3  # [m] at the level of bodies, see neighbours.py; walls need none
+BODY_SKIN = 3e-3  # [m] at the level of bodies, see neighbours.py; walls need none
 
 
 class CrossSection(Protocol):
@@ -67,11 +67,11 @@ def build_world(
         local=local,
         vertices=vertices,
         cells=_cells(bodies, np.concatenate([poses[:, :2], walls.segments.reshape(-1, 2)])),
-        near=_near(1024 + 16 * len(particles)),
-        close=_close(1024 + 16 * len(particles)),
+        outer=_outer(1024 + 16 * len(particles)),
+        inner=_inner(1024 + 16 * len(particles)),
         forces=Forces(*(np.zeros(state.BLOCK) for _ in Forces._fields)),
         counts=_counts(len(particles)),
-        books=np.zeros(state.N_BOOKS),
+        account=np.zeros(state.N_ACCOUNT),
         particle_law=particle_law,
         wall_law=wall_law,
         gravity=gravity,
@@ -83,13 +83,13 @@ def build_world(
 def with_laws(world: World, particle_law: Law, wall_law: Law) -> World:
     """The same world with other laws; pairs that draw their constants have drawn them."""
     if isinstance(particle_law, DrawnLaw) and isinstance(wall_law, DrawnLaw):
-        n, capacity = len(PairConstants._fields), len(world.near.key)
-        near = PairConstants(*np.zeros((n, capacity)))
-        close = PairConstants(*_apart(n, capacity, behind=len(Close._fields)))
-        particle_law = particle_law._replace(near=near, close=close)
-        wall_law = wall_law._replace(near=near, close=close)
+        n, capacity = len(PairConstants._fields), len(world.outer.key)
+        outer = PairConstants(*np.zeros((n, capacity)))
+        inner = PairConstants(*_staggered(n, capacity, behind=len(Inner._fields)))
+        particle_law = particle_law._replace(outer=outer, inner=inner)
+        wall_law = wall_law._replace(outer=outer, inner=inner)
         n_bodies = len(world.bodies.row)
-        draw_lists(particle_law, wall_law, world.near, world.close, world.counts, n_bodies)
+        draw_lists(particle_law, wall_law, world.outer, world.inner, world.counts, n_bodies)
     return world._replace(particle_law=particle_law, wall_law=wall_law)
 
 
@@ -112,10 +112,10 @@ def _bodies(particles, poses, walls, middles, cores, surface_density) -> Bodies:
         size[i] = particle.bounding_radius, particle.spheroradius
     lengths = np.linalg.norm(walls.segments[:, 1] - walls.segments[:, 0], axis=1)
     size[n_particles:, state.BOUNDING_RADIUS] = lengths / 2
-    room = np.zeros((n, 3))
-    room[:n_particles, state.BODY_LIST] = BODY_ROOM
+    skin = np.zeros((n, 3))
+    skin[:n_particles, state.BODY_LIST] = BODY_SKIN
     out_time = np.full(n, np.nan)
-    return Bodies(row, layout, size, np.zeros((n, 9)), room, out_time, np.arange(n_particles))
+    return Bodies(row, layout, size, np.zeros((n, 9)), skin, out_time, np.arange(n_particles))
 
 
 def _local(cores) -> np.ndarray:
@@ -126,7 +126,7 @@ def _local(cores) -> np.ndarray:
 
 def _cells(bodies: Bodies, points: np.ndarray) -> Cells:
     n_particles = len(bodies.live)
-    size = 2 * bodies.size[:n_particles, state.BOUNDING_RADIUS].max(initial=0.0) + 2 * BODY_ROOM
+    size = 2 * bodies.size[:n_particles, state.BOUNDING_RADIUS].max(initial=0.0) + 2 * BODY_SKIN
     low, high = points.min(axis=0) - size, points.max(axis=0) + size
     columns, rows = (math.ceil(extent / size) for extent in high - low)
     return Cells(
@@ -142,27 +142,27 @@ def _cells(bodies: Bodies, points: np.ndarray) -> Cells:
     )
 
 
-def _near(capacity: int) -> Near:
+def _outer(capacity: int) -> Outer:
     kinds: dict[str, type] = {"key": np.int64, "old_key": np.int64}
     kinds |= dict.fromkeys(("vertex", "edge", "vertex_body", "edge_body"), np.uint32)
     # One more than can be listed: the end of the previous list is marked behind it.
-    return Near(*(np.zeros(capacity + 1, kinds.get(field, float)) for field in Near._fields))
+    return Outer(*(np.zeros(capacity + 1, kinds.get(field, float)) for field in Outer._fields))
 
 
-def _close(capacity: int) -> Close:
-    lines = _apart(len(Close._fields), capacity)
-    integers = ("near", "vertex_body", "edge_body")
-    return Close(
+def _inner(capacity: int) -> Inner:
+    lines = _staggered(len(Inner._fields), capacity)
+    integers = ("outer", "vertex_body", "edge_body")
+    return Inner(
         *(
             line.view(np.uint32)[:capacity] if field in integers else line[:capacity]
-            for field, line in zip(Close._fields, lines, strict=True)
+            for field, line in zip(Inner._fields, lines, strict=True)
         )
     )
 
 
-def _apart(n: int, capacity: int, behind: int = 0) -> list[np.ndarray]:
+def _staggered(n: int, capacity: int, behind: int = 0) -> list[np.ndarray]:
     """Arrays of at least `capacity` for the force pass, n of them, read beside `behind` others."""
-    # Arrays of one size would all start at the same place of a memory page, and the force pass,
+    # Arrays of one size would all start at the same position in a memory page, and the force pass,
     # which reads all of them at once, would wait for cache lines that displace each other: shift
     # each by three cache lines against the one before.
     page, shift = 512, 24
@@ -178,15 +178,15 @@ def _counts(n_particles: int) -> np.ndarray:
 
 
 def more_pairs(world: World) -> World:
-    """The same world with room for twice as many pairs of bodies; they are found anew."""
+    """The same world with capacity for twice as many pairs of bodies; they are found again."""
     pairs = np.zeros((2 * len(world.cells.pairs), 2), np.uint32)
     return world._replace(cells=world.cells._replace(pairs=pairs))
 
 
 def longer_lists(world: World) -> World:
-    """The same world with room for twice as many vertex-edge pairs, the slips kept."""
-    capacity, n = 2 * len(world.near.key), int(world.counts[state.NEAR])
-    near = _near(capacity)
-    near.key[:n], near.slip[:n] = world.near.key[:n], world.near.slip[:n]
-    longer = world._replace(near=near, close=_close(capacity))
+    """The same world with capacity for twice as many vertex-edge pairs, the slips kept."""
+    capacity, n = 2 * len(world.outer.key), int(world.counts[state.OUTER])
+    outer = _outer(capacity)
+    outer.key[:n], outer.slip[:n] = world.outer.key[:n], world.outer.slip[:n]
+    longer = world._replace(outer=outer, inner=_inner(capacity))
     return with_laws(longer, world.particle_law, world.wall_law)

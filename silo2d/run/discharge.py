@@ -99,7 +99,7 @@ def _check_energy_balance(sim: Simulation, clock: Clock) -> None:
     """Stop where the energies do not balance, as when the time step is too long."""
     table = sim.energies()
     held = _energy(table)
-    dissipated = float(sim.world.books[: state.CARRIED_OUT].sum())
+    dissipated = float(sim.world.account[: state.CARRIED_OUT].sum())
     gone = table["carried_out"] + table["given_to_door"]
     gained = held + gone + dissipated - clock.starting_energy
     # While next to nothing is dissipated, a part of what there is to dissipate is the measure.
@@ -122,7 +122,7 @@ def frame_of(sim: Simulation, wall_force: np.ndarray) -> dict[str, np.ndarray | 
     inside[sim.live] = True
     columns = {
         "x": state.X, "y": state.Y, "angle": state.ANGLE,
-        "vx": state.UX, "vy": state.UY, "spin": state.USPIN,
+        "vx": state.UX, "vy": state.UY, "spin": state.UOMEGA,
     }  # fmt: skip
     return {
         "time": sim.time,

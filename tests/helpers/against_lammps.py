@@ -131,7 +131,9 @@ def here(scene: Scene, n_frames: int, steps: int) -> Motion:
         floor = -sim.wall_forces()[0, 1] if walls else 0.0
         rows = sim.rows.copy()
         velocity = rows[:, [state.VX, state.VY]]
-        frames.append((sim.time, rows[:, [state.X, state.Y]], velocity, rows[:, state.SPIN], floor))
+        frames.append(
+            (sim.time, rows[:, [state.X, state.Y]], velocity, rows[:, state.OMEGA], floor)
+        )
     return Motion(*map(np.array, zip(*frames, strict=True)))
 
 

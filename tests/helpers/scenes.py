@@ -86,8 +86,8 @@ def simulation_of(
 
 def launch(simulation, particle=0, vx=0.0, vy=0.0, spin=0.0) -> None:
     """Set a particle's velocity [m/s, rad/s], now and half a step back alike."""
-    simulation.rows[particle, [state.VX, state.VY, state.SPIN]] = vx, vy, spin
-    simulation.rows[particle, [state.UX, state.UY, state.USPIN]] = vx, vy, spin
+    simulation.rows[particle, [state.VX, state.VY, state.OMEGA]] = vx, vy, spin
+    simulation.rows[particle, [state.UX, state.UY, state.UOMEGA]] = vx, vy, spin
 
 
 def position(simulation, particle=0) -> np.ndarray:
@@ -97,7 +97,7 @@ def position(simulation, particle=0) -> np.ndarray:
 
 def velocity(simulation, particle=0) -> np.ndarray:
     """vx, vy [m/s] and spin [rad/s] of a particle, now."""
-    return simulation.rows[particle, [state.UX, state.UY, state.USPIN]]
+    return simulation.rows[particle, [state.UX, state.UY, state.UOMEGA]]
 
 
 def mass(simulation, particle=0) -> float:

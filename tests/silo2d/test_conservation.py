@@ -61,7 +61,7 @@ def momenta(simulation):
     total = np.zeros(3)
     for particle in range(simulation.n_particles):
         x, y, _ = position(simulation, particle) - (0.0, LEVEL, 0.0)
-        vx, vy, spin = simulation.rows[particle, [state.VX, state.VY, state.SPIN]]
+        vx, vy, spin = simulation.rows[particle, [state.VX, state.VY, state.OMEGA]]
         m = mass(simulation, particle)
         total += m * vx, m * vy, m * (x * vy - y * vx) + inertia(simulation, particle) * spin
     return total

@@ -47,7 +47,7 @@ def test_contact_forces_are_mass_times_acceleration(reference):
     1e-15 of the largest, and of the velocity's difference, 1e-16 of the velocity over the step.
     """
     flowing = opened(*behind_door(reference))
-    moving = [state.VX, state.VY, state.SPIN]
+    moving = [state.VX, state.VY, state.OMEGA]
     seen = 0
     for _ in range(8):
         flowing.run(700)
@@ -81,7 +81,7 @@ def test_asking_for_contacts_changes_no_bit(reference):
             assert column.tobytes() == second[name].tobytes()
         other.run(steps)
     assert flowing.state_digest() == other.state_digest()
-    assert flowing.world.books.tobytes() == other.world.books.tobytes()
+    assert flowing.world.account.tobytes() == other.world.account.tobytes()
     assert flowing.wall_forces().tobytes() == other.wall_forces().tobytes()
 
 

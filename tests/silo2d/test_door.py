@@ -170,7 +170,7 @@ def test_times_count_from_the_start_of_the_motion(drawn, reference):
 
 
 def test_a_run_with_a_door_that_moves_goes_on_with_the_same_bits(drawn, tmp_path):
-    """Stopped at random looks and gone on with, its lists made anew with other rooms.
+    """Stopped at random looks and gone on with, its lists made again with other skins.
 
     The heap that rests on the door has more close pairs than one block of the force pass holds:
     the books, too, must not depend on which pairs are listed together.

@@ -20,7 +20,7 @@ RADIUS = 5e-3  # of the disc [m]
 # (position, velocity half a step back, velocity now) of each direction.
 ACROSS = (state.Y, state.VY, state.UY)
 ALONG = (state.X, state.VX, state.UX)
-SPINNING = (state.ANGLE, state.SPIN, state.USPIN)
+SPINNING = (state.ANGLE, state.OMEGA, state.UOMEGA)
 
 
 def pushing(law):

@@ -57,12 +57,12 @@ def pairs_by_brute_force(simulation, margin=0.0):
 
 
 def pairs_in_list(simulation, which):
-    """The same for entries of the list of close pairs."""
-    near, close = simulation.world.near, simulation.world.close
+    """The same for entries of the inner list."""
+    outer, inner = simulation.world.outer, simulation.world.inner
     found = set()
     for n in which:
-        a, b = divmod(int(near.key[close.near[n]]) % state.MAX_VERTICES**2, state.MAX_VERTICES)
-        found.add((int(close.vertex_body[n]), a, int(close.edge_body[n]), b))
+        a, b = divmod(int(outer.key[inner.outer[n]]) % state.MAX_VERTICES**2, state.MAX_VERTICES)
+        found.add((int(inner.vertex_body[n]), a, int(inner.edge_body[n]), b))
     return found
 
 
@@ -115,9 +115,9 @@ def test_the_list_holds_every_touching_pair(seed):
     of just touching (1e-12 m) are left out of the comparison."""
     simulation = crowd(seed)
     step_without_motion(simulation)
-    n_close = simulation.world.counts[state.CLOSE]
-    close = pairs_in_list(simulation, range(n_close))
-    assert len(close) == n_close
+    n_listed = simulation.world.counts[state.INNER]
+    listed = pairs_in_list(simulation, range(n_listed))
+    assert len(listed) == n_listed
     touching = pairs_in_list(simulation, simulation.touching())
     surely, perhaps = (pairs_by_brute_force(simulation, m) for m in (-1e-12, 1e-12))
     assert len(surely) > 0
@@ -175,8 +175,8 @@ def test_the_pour_has_everything(poured):
     assert energies["friction_grain_wall"] > 0
     counts = poured.world.counts
     assert counts[state.BODY_SEARCHES] > 1
-    assert counts[state.NEAR_SEARCHES] > 10
-    assert counts[state.CLOSE_SEARCHES] > 100
+    assert counts[state.OUTER_SEARCHES] > 10
+    assert counts[state.INNER_SEARCHES] > 100
 
 
 def test_same_bits_again_and_in_pieces(poured):
@@ -188,8 +188,8 @@ def test_same_bits_again_and_in_pieces(poured):
     assert simulation.energies() == poured.energies()
 
 
-def test_same_bits_with_all_lists_made_anew_at_every_step(poured):
-    """No contact is missed and no slip lost or doubled while the lists age: lists made anew at
+def test_same_bits_with_all_lists_made_again_at_every_step(poured):
+    """No contact is missed and no slip lost or doubled while the lists age: lists made again at
     every step give the same bits. (The books add up what springs of dropped particles held when the
     lists are made, so energies agree to rounding.)"""
     simulation = pour()
@@ -202,7 +202,7 @@ def test_same_bits_with_all_lists_made_anew_at_every_step(poured):
         assert energies[name] == pytest.approx(value, rel=1e-9, abs=1e-15), name
 
 
-def spin_on_the_spot(made_anew):
+def spin_on_the_spot(made_again):
     """A long block that spins beside a wall and beside another block until it has hit both."""
     long, other = block(30e-3, 6e-3), block(10e-3, 10e-3)
     poses = [(0.0, LEVEL, 0.0), (0.0, LEVEL + 16e-3, 0.0)]
@@ -211,19 +211,19 @@ def spin_on_the_spot(made_anew):
     )
     launch(simulation, 0, spin=100.0)
     for _ in range(10000):
-        if made_anew:
+        if made_again:
             simulation.world.counts[state.STALE] = 3
         simulation.run(1)
     return simulation
 
 
 def test_lists_follow_a_particle_that_only_turns():
-    """A tip can come near while the centroid rests; the same bits as with lists made anew."""
-    simulation = spin_on_the_spot(made_anew=False)
+    """A tip can come near while the centroid rests; the same bits as with lists made again."""
+    simulation = spin_on_the_spot(made_again=False)
     energies = simulation.energies()
     assert energies["normal_damping_grain_wall"] > 0
     assert energies["normal_damping_grain_grain"] > 0
-    assert simulation.state_digest() == spin_on_the_spot(made_anew=True).state_digest()
+    assert simulation.state_digest() == spin_on_the_spot(made_again=True).state_digest()
 
 
 @pytest.mark.parametrize("cut", [1, 2500, 17003])
@@ -247,10 +247,10 @@ def test_lists_that_turn_out_too_short_are_made_longer(poured):
     """A world with room for hardly any pairs ends with the same bits."""
     simulation = pour()
     world = simulation.world
-    capacity, short = len(world.near.key), 8
+    capacity, short = len(world.outer.key), 8
     simulation.world = world._replace(
         cells=world.cells._replace(pairs=world.cells.pairs[:2].copy()),
-        near=type(world.near)(*(a[: len(a) - capacity + short].copy() for a in world.near)),
+        outer=type(world.outer)(*(a[: len(a) - capacity + short].copy() for a in world.outer)),
     )
     simulation.run(STEPS)
     assert simulation.state_digest() == poured.state_digest()
