@@ -121,7 +121,7 @@ def test_the_list_holds_every_touching_pair(seed):
     touching = pairs_in_list(simulation, simulation.touching())
     surely, perhaps = (pairs_by_brute_force(simulation, m) for m in (-1e-12, 1e-12))
     assert len(surely) > 0
-    assert perhaps <= close
+    assert perhaps <= listed
     assert surely <= touching <= perhaps
 
 
