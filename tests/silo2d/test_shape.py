@@ -262,7 +262,7 @@ def test_shape_file_carries_units_and_shares(tmp_path):
         ("[0, 1]]\n[", "[0, 0.5, 1]]\n[", r": \[shape a\] outline: expected a list of points"),
         ("[0, 1]]\n[", "[nan, 1]]\n[", r": \[shape a\] outline: point 4 is not finite"),
         ("[2, 1], [0, 1]", "[0, 1], [2, 1]", r": \[shape a\] outline: crosses"),
-        ("[[shape]]", "[[particle]]", r": unknown key 'grain'"),
+        ("[[shape]]", "[[grain]]", r": unknown key 'grain'"),
         (GOOD[GOOD.index("[[") :], "shape = []", r": shape: write one \[\[shape\]\]"),
         (GOOD[GOOD.index("[[") :], "shape = [1]", r": \[shape number 1\]: expected a table"),
         ('"1 mm"', "1 mm", r": not valid TOML: .*line 3"),
