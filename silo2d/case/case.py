@@ -43,8 +43,8 @@ class SiloCase:
     outline: Outline
     shapes: ShapeSet
     surface_density: float  # density times prism length [kg/m2]
-    particle_law: LinearLaw
-    wall_law: LinearLaw
+    particle_law: Law  # LinearLaw, unless a case is given another, see silo2d.register_law
+    wall_law: Law
     disorder: tuple[Spread, Spread] | None  # particle-particle, particle-wall, about these laws
     time_step: float  # [s]
     time_step_reason: str
@@ -182,7 +182,7 @@ class SiloCase:
     def restitution(self) -> dict[str, dict[str, float]]:
         """What follows from the laws for two particles of mean mass, and one against a wall.
 
-        Through one contact, and face to face: eight contacts in parallel, two at a wall. Impulses
+        Nothing for laws that are not linear. Through one contact, and face to face: eight contacts in parallel, two at a wall. Impulses
         have for both what they are given.
         """
         if self.impulses:
@@ -191,6 +191,8 @@ class SiloCase:
                 name: {"one_contact": value, "face_to_face": value}
                 for name, value in zip(names, self.impulses.restitution, strict=True)
             }
+        if not isinstance(self.particle_law, LinearLaw):
+            return {}
         result = {}
         for pair, law, mass, faces in (
             ("particle_particle", self.particle_law, self.mean_mass / 2, 8),
@@ -221,7 +223,7 @@ class SiloCase:
             "outlet": [self.outline.outlet, self.outline.outlet_centre],
             "shapes": shapes_identity(self.shapes),
             "surface_density": self.surface_density,
-            "laws": [list(self.particle_law), list(self.wall_law)],
+            "laws": [law_identity(self.particle_law), law_identity(self.wall_law)],
             "time_step": self.time_step,
             "pour_laws": [list(law) for law in self.pour_laws],
             "pour_time_step": self.pour_time_step,
@@ -244,6 +246,11 @@ def _acting(settings: Settings) -> dict[str, Any]:
         if tables[section][key] == off:
             del tables[section][key]
     return tables
+
+
+def law_identity(law: Any) -> list[Any]:
+    """The numbers of a law, and its type where that is not the linear one."""
+    return [*law] if isinstance(law, LinearLaw) else [type(law).__qualname__, *law]
 
 
 def shapes_identity(shapes: ShapeSet) -> list[Any]:

@@ -181,9 +181,9 @@ def cut_normal() -> np.ndarray:
 
 
 def with_friction(law: Law, mu: float) -> Law:
-    """The same law with one friction for all its pairs."""
-    if isinstance(law, LinearLaw):
-        return law._replace(mu=mu)
+    """The same law with one friction for all its pairs; a law without friction as it is."""
+    if not isinstance(law, DrawnLaw):
+        return law._replace(mu=mu) if "mu" in law._fields else law
     quantiles = law.quantiles.copy()
     quantiles[0] = mu
     return law._replace(quantiles=quantiles, mean=law.mean._replace(mu=mu))

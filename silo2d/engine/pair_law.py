@@ -217,4 +217,4 @@ def register_law(law: type, **functions: Callable[..., Any]) -> None:
     """
     from granulab.contact.jit import extend
 
-    extend(ENGINE, *register(law, **functions))
+    extend(ENGINE, law.__module__, *register(law, **functions))

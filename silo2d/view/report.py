@@ -1,5 +1,6 @@
 """What a person reads before and after a run."""
 
+from granulab.contact.laws import LinearLaw
 from silo2d.case.case import SiloCase
 from silo2d.case.disorder import QUANTITIES
 from silo2d.case.plan import DISCHARGE, FILLING, plan
@@ -29,10 +30,7 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         f"{case.mean_mass:.4g} kg",
     ]
     for name, law in (("particles", case.particle_law), ("walls", case.wall_law)):
-        lines.append(
-            f"  law {name:9} kn {law.kn:g} N/m, kt {law.kt:g} N/m, mu {law.mu:g}, gamma_n "
-            f"{law.gamma_n:g} 1/s, gamma_t {law.gamma_t:g} 1/s"
-        )
+        lines.append(f"  law {name:9} {_law(law)}")
     lines += [
         f"  contact     ends at zero {case.settings.law.contact_end}; damping: "
         f"{case.settings.law.damping}",
@@ -57,6 +55,16 @@ def echo(case: SiloCase, dry_run: bool) -> str:
             f"{expected['steps_at_most']:,} steps of discharge"
         )
     return "\n".join(lines)
+
+
+def _law(law: Any) -> str:
+    """The constants of a law; with its name where it is not the linear one."""
+    if isinstance(law, LinearLaw):
+        return (
+            f"kn {law.kn:g} N/m, kt {law.kt:g} N/m, mu {law.mu:g}, gamma_n {law.gamma_n:g} 1/s, "
+            f"gamma_t {law.gamma_t:g} 1/s"
+        )
+    return f"{type(law).__name__}: " + ", ".join(f"{k} {v}" for k, v in law._asdict().items())
 
 
 def _engine(case: SiloCase) -> list[str]:
