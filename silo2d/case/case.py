@@ -177,13 +177,15 @@ class SiloCase:
         shared = self.particle_law, self.wall_law
         if self.disorder is None:
             return shared
+        if not all(isinstance(law, LinearLaw) for law in shared):
+            raise InputError("[disorder] draws the constants of the linear law; leave it out")
         return drawn_laws(shared, self.disorder, self.settings, n_particles)
 
     def restitution(self) -> dict[str, dict[str, float]]:
         """What follows from the laws for two particles of mean mass, and one against a wall.
 
-        Nothing for laws that are not linear. Through one contact, and face to face: eight contacts in parallel, two at a wall. Impulses
-        have for both what they are given.
+        Through one contact, and face to face: eight contacts in parallel, two at a wall. Impulses
+        have for both what they are given; nothing for laws that are not linear.
         """
         if self.impulses:
             names = ("particle_particle", "particle_wall")

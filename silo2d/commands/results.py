@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
+from granulab.campaign.cli.observe import observe_command
 from silo2d.commands.options import case_command, changes_of, mu_option
 
 
@@ -22,34 +23,19 @@ def render(folder: str, no_film: bool) -> None:
         click.echo(path)
 
 
-@click.command()
-@click.argument("folder")
-@click.argument("what", required=False)
-@click.option("--no-figures", is_flag=True, help="Print the numbers only.")
-@json_option
-def observe(folder: str, what: str | None, no_figures: bool, as_json: bool) -> None:
-    """Measure something of a run: numbers on stdout, a picture in figures/.
+def _measures() -> Any:
+    from silo2d.measures import MEASURES
 
-    Without WHAT it says what can be measured.
-    """
-    from granulab.campaign.output.figure import write_figure
+    return MEASURES
+
+
+def _run_folder(path: str) -> Path:
     from granulab.campaign.runs.folder import resume_run
-    from silo2d.measures import MEASURES, find
 
-    if what is None:
-        click.echo("\n".join(f"{name:15} {text}" for name, (_, text) in MEASURES.items()))
-        return
-    found, path = find(what), resume_run(folder).path
-    numbers = found.measure(path)
-    if as_json:
-        click.echo(json.dumps(numbers, indent=2))
-    else:
-        lines = (f"{k:32} {v:.4g}" if isinstance(v, float) else f"{k:32} {v}"
-                 for k, v in numbers.items() if not isinstance(v, (list, dict)))  # fmt: skip
-        click.echo("\n".join(lines))
-    if not no_figures:
-        picture = write_figure(path / "figures" / f"{what}.png", lambda: found.draw(path))
-        click.echo(picture, err=True)
+    return resume_run(path).path
+
+
+observe = observe_command(_measures, _run_folder)
 
 
 @case_command()

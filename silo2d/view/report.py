@@ -1,5 +1,7 @@
 """What a person reads before and after a run."""
 
+from typing import Any
+
 from granulab.contact.laws import LinearLaw
 from silo2d.case.case import SiloCase
 from silo2d.case.disorder import QUANTITIES

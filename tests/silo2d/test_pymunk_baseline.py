@@ -261,8 +261,8 @@ def test_it_empties_as_the_contact_law_does(reference, finished_pymunk):
     The first seven leave before chance takes over: 30, 31 and 32 iterations gave them within 0.7 ms
     of the contact law's, another processor, whose bed is another, within 1.7 ms; without friction
     between particles it was 3.5 ms, at walls 5.6 ms, without any 10 ms. After that a silo of 67
-    particles is chaotic: the same three left the curves 0.037, 0.011 and 0.014 s apart in the mean, where
-    15 % are 0.048 s.
+    particles is chaotic: the same three left the curves 0.037, 0.011 and 0.014 s apart in the mean,
+    where 15 % are 0.048 s.
     """
     law, own = reference.read_summary(), finished_pymunk.read_summary()
     assert own["outcome"] == law["outcome"] == "empty"
