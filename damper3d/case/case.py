@@ -23,14 +23,15 @@ from damper3d.case.parts import (
     enclosure_of,
     gravity_of,
     mesh_copy,
+    motion_of,
     orientation_of,
     particle_wanted,
     unit_vector,
     with_usual_cycles,
 )
+from damper3d.case.settings import Enclosure as EnclosureKeys
 from damper3d.case.settings import Settings, check_settings, read_settings, to_toml
-from damper3d.engine.enclosure import Enclosure
-from damper3d.engine.shaker import Sines, sine
+from damper3d.engine.enclosures import Enclosure
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import particle_of
 from granulab.contact.files.casefile import changed
@@ -156,10 +157,9 @@ class DamperCase:
         return motion.gamma * GRAVITY / (2.0 * math.pi * motion.frequency)
 
     @cached_property
-    def shaker(self) -> Sines:
-        """The motion of the enclosure along its direction."""
-        motion = self.settings.motion
-        return sine(motion.gamma, motion.frequency, GRAVITY, motion.ramp)
+    def shaker(self) -> Any:
+        """The motion of the enclosure along its direction, as numbers of its kind."""
+        return motion_of(self.settings.motion, self.name)
 
     @property
     def wall_names(self) -> list[str]:
@@ -173,7 +173,8 @@ class DamperCase:
         for copy in self.files:
             if copy.endswith(".obj"):
                 particles["shape"] = f"mesh:{copy}"
-        enclosure = {"diameter": 2 * self.enclosure.radius} if self.enclosure.radius else {}
+        own = {key: getattr(self.enclosure, key) for key in self.enclosure.units()}
+        enclosure = {key: size for key, size in own.items() if key in EnclosureKeys.model_fields}
         return to_toml(
             settings.model_copy(
                 update={
@@ -187,9 +188,11 @@ class DamperCase:
         """All that the results of a run depend on, by which its folder is named."""
         run, motion = self.settings.run, self.settings.motion
         length = {"steady": run.max_cycles} if run.steady else {}
+        own = motion.model_extra or {}
+        kind = [motion.kind, *own.items()] if motion.kind != "sines" else []
         return {
             **self.packing_identity(),
-            "motion": [motion.orientation, motion.frequency, motion.gamma, motion.ramp],
+            "motion": [motion.orientation, motion.frequency, motion.gamma, motion.ramp, *kind],
             "direction": self.direction,
             "gravity": self.gravity,
             "cycles": [run.cycles, run.discard],
@@ -205,7 +208,7 @@ class DamperCase:
         # Two spheres have one contact.
         treatment = {} if particle.is_sphere else {"contact_treatment": law.contact_treatment}
         return {
-            "enclosure": [enclosure.shape, enclosure.width, enclosure.depth, enclosure.height],
+            "enclosure": enclosure.identity,
             "particle": [particle.offsets, particle.radii, particle.volume, particle.inertia],
             "count": self.count,
             "density": self.density,
@@ -252,4 +255,4 @@ def _calculable(case: DamperCase) -> bool:
     sizes = [case.enclosure.volume, case.mass, case.density, inertia]
     friction = max(case.pair_law.mu, case.wall_law.mu)
     ordinary = all(1e-60 < x < 1e60 for x in [*yields, *laws, *motion, *sizes])
-    return ordinary and friction < 1e60 and case.shaker.ramp_time < 1e60
+    return ordinary and friction < 1e60 and case.settings.motion.ramp * case.period < 1e60

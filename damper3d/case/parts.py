@@ -9,11 +9,13 @@ import numpy as np
 
 from damper3d.case.random_packing import close_packing
 from damper3d.case.settings import MOST_PARTICLES, Motion, Particles, Settings
-from damper3d.engine.enclosure import Enclosure, box, cylinder
+from damper3d.engine.enclosures import ENCLOSURES, Enclosure, cylinder
+from damper3d.engine.motions import MOTIONS
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import Particle, usual
 from damper3d.shapes.surfaces.mesh_data import as_obj, read_triangles
 from granulab.contact.files.datafile import is_file
+from granulab.contact.files.units import located, to_si
 from granulab.errors import InputError
 
 GRAVITY = 9.81  # [m/s2]
@@ -24,22 +26,51 @@ SHAPED_CYCLES = 18  # of which 3 are left out: chapter 8 of the thesis, of all i
 
 
 def enclosure_of(settings: Settings, where: str) -> Enclosure:
-    """The enclosure; InputError where its sizes are not those of its shape."""
+    """Return the enclosure; InputError where its sizes are not those of its shape."""
     given = settings.enclosure
-    if given.shape == "cylinder":
-        if given.width is not None or given.depth is not None:
+    chosen = ENCLOSURES[given.shape]
+    sizes = {**given.model_dump(exclude={"shape", "material"}, exclude_none=True)}
+    own = chosen.units()
+    for name, other in ENCLOSURES.items():
+        strange = [key for key in other.units() if key not in own]
+        if any(key in sizes for key in strange):
+            goes = " and ".join(strange) + (" go" if len(strange) > 1 else " goes")
             raise InputError(
-                f"{where}: [enclosure] width and depth go with shape = 'box', diameter with "
-                "'cylinder'; leave them out or change the shape"
+                f"{where}: [enclosure] {goes} with shape = {name!r}; a {given.shape} has "
+                f"{', '.join(own)}"
             )
-        return cylinder(0.04 if given.diameter is None else given.diameter, given.height)
-    if given.diameter is not None:
-        raise InputError(
-            f"{where}: [enclosure] diameter goes with shape = 'cylinder'; a box has width and depth"
-        )
-    if given.width is None:
-        raise InputError(f"{where}: [enclosure] width is missing; give it for a box, like '40 mm'")
-    return box(given.width, given.depth or given.width, given.height)
+    return made(chosen, {key: sizes[key] for key in own if key in sizes}, own, where)
+
+
+def made(
+    chosen: type[Enclosure], sizes: dict[str, Any], units: dict[str, str], where: str
+) -> Enclosure:
+    """Return an enclosure of these sizes; InputError where one is missing or wrong."""
+    with located(f"{where}: [enclosure]"):
+        in_si = {key: to_si(size, units[key], key) if isinstance(size, str) else size
+                 for key, size in sizes.items()}  # fmt: skip
+    for key in chosen.required():
+        if key not in in_si:
+            raise InputError(
+                f"{where}: [enclosure] {key} is missing; give it for shape = {chosen.shape!r}, "
+                "like '40 mm'"
+            )
+    try:
+        return chosen(**in_si)
+    except ValueError as error:
+        raise InputError(f"{where}: [enclosure] {error}") from None
+
+
+def motion_of(motion: Motion, where: str) -> Any:
+    """Return the numbers of the enclosure's motion; InputError where they cannot be."""
+    kind = MOTIONS[motion.kind]
+    own = motion.model_extra or {}
+    with located(f"{where}: [motion]"):
+        values = {key: to_si(value, kind.units[key], key) for key, value in own.items()}
+    try:
+        return kind.of_case(motion.gamma, motion.frequency, GRAVITY, motion.ramp, **values)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{where}: [motion] kind = {motion.kind!r}: {error}") from None
 
 
 def count_of(enclosure: Enclosure, particle: MultiSphere, given: int | None, where: str) -> int:

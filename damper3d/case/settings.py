@@ -1,9 +1,16 @@
 """The schema of a damper's case file: sections, keys, units, ranges, defaults, meanings."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, Field, FiniteFloat
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    model_validator,
+)
 
 from granulab.contact.files import casefile, reference
 from granulab.contact.files.casefile import (
@@ -18,18 +25,70 @@ from granulab.contact.files.casefile import (
     folder_name,
     key,
 )
+from granulab.contact.files.units import nearest
 
 SCHEMA = 1
 MOST_PARTICLES = 10_000_000
+
+
+def _registered(name: str) -> dict[str, dict[str, str]]:
+    """The enclosures (shape) or motions (kind) that there are; the own keys of each, with units."""
+    if name == "shape":
+        from damper3d.engine.enclosures import ENCLOSURES
+
+        return {shape: enclosure.units() for shape, enclosure in ENCLOSURES.items()}
+    from damper3d.engine.motions import MOTIONS
+
+    return {kind: motion.units for kind, motion in MOTIONS.items()}
+
+
+def _one_of(name: str, default: str) -> BeforeValidator:
+    """Takes the name of a registered enclosure (shape) or motion (kind)."""
+
+    def check(value: object) -> object:
+        if value == default:  # without a look at the engine, which takes time to import
+            return value
+        known = _registered(name)
+        if not isinstance(value, str) or value not in known:
+            names = " or ".join(repr(each) for each in known)
+            raise ValueError(f"{name} = {value!r}: must be {names}")
+        return value
+
+    return BeforeValidator(check)
+
+
+class Extensible(Section):
+    """A table that also takes the keys of the registered enclosure or motion that it names."""
+
+    model_config = ConfigDict(extra="allow")
+    _names: ClassVar[tuple[str, str]]  # the key that names it, and the key's default
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_known_keys(cls, table: object) -> object:
+        if not isinstance(table, dict):
+            raise ValueError("expected a table of keys")
+        unknown = [key for key in table if key not in cls.model_fields]
+        if unknown:
+            name, default = cls._names
+            own = _registered(name).get(str(table.get(name, default)), {})
+            for key in unknown:
+                if key not in own:
+                    known = [*cls.model_fields, *own]
+                    raise ValueError(f"unknown key {key!r}; {nearest(key, known)}")
+        return table
+
 
 Vector = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Restitution = Annotated[Positive, Field(le=1)]
 
 
-class Enclosure(Section):
+class Enclosure(Extensible):
     """The closed void that holds the particles; all sizes are inner ones."""
 
-    shape: Literal["cylinder", "box"] = key(
+    _names = "shape", "cylinder"
+
+    shape: Annotated[str, _one_of("shape", "cylinder")] = key(
         "cylinder", "shape: a cylinder with a diameter, or a box with width and depth"
     )
     diameter: Size | None = key(
@@ -83,9 +142,14 @@ class Particles(Section):
     )
 
 
-class Motion(Section):
+class Motion(Extensible):
     """Motion of the enclosure, and the direction of gravity."""
 
+    _names = "kind", "sines"
+
+    kind: Annotated[str, _one_of("kind", "sines")] = key(
+        "sines", "kind of motion: a sine, or one that is registered from outside"
+    )
     orientation: Literal["vertical", "horizontal", "none"] = key(
         "vertical", 'direction of the axis; with "horizontal" gravity is -x, with "none" there '
         "is no gravity", option="--orientation",

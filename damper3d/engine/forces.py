@@ -35,7 +35,7 @@ from damper3d.engine.state import (
     TANGENTIAL_DAMPING,
     WALL_WORK,
 )
-from damper3d.engine.wall_kinds import put_wall, with_wall
+from damper3d.engine.walls import place_wall, with_wall
 from granulab.contact.hertz import damping_of_impact, hertz_force, mindlin_force, with_history
 from granulab.contact.jit import inlined_inner, inner
 from granulab.contact.spring_books import spring_books
@@ -59,7 +59,7 @@ def apply_forces(world, shift, speed):
     keep_books(books, 0, sums, world.time_step)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
     for w in range(len(walls.force)):
-        put_wall(spheres, walls, w, shift, speed)
+        place_wall(spheres, walls, w, shift, speed)
         n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)

@@ -50,12 +50,6 @@ def to_plane(plane, separation):
     return -plane[0] * x - plane[1] * y - plane[2] * z - plane[3]
 
 
-@uncounted
-def off_axis(separation):
-    """Distance of a sphere's centre from the axis of the round wall, z [m]."""
-    return np.sqrt(separation[0] * separation[0] + separation[1] * separation[1])
-
-
 @inlined
 def between_spheres(n_contacts, block):
     """The contacts of spheres with spheres in the first lanes of a block."""
@@ -75,24 +69,6 @@ def between_spheres(n_contacts, block):
         put(block.normal, k, normal)
         block.overlap[k] = overlap
         block.arm_i[k], block.arm_j[k] = radius_i - half, radius_j - half
-
-
-@inlined
-def with_plane(plane, n_contacts, block):
-    """The same for contacts of spheres with a flat wall."""
-    for k in range(np.uintp(n_contacts)):
-        distance = to_plane(plane, vector(block.separation, k))
-        wall_contact((-plane[0], -plane[1], -plane[2]), distance, block, k)
-
-
-@inlined
-def with_cylinder(radius, n_contacts, block):
-    """The same for contacts of spheres with the round wall."""
-    for k in range(np.uintp(n_contacts)):
-        x, y, z = vector(block.separation, k)
-        away = off_axis((x, y, z))
-        shrink = -1.0 / max(away, 1e-300)
-        wall_contact((shrink * x, shrink * y, 0.0), radius - away, block, k)
 
 
 @uncounted

@@ -11,8 +11,9 @@ import math
 
 import numpy as np
 
-from damper3d.engine.enclosure import Enclosure
-from granulab.contact.jit import njit
+from damper3d.engine.enclosures import Enclosure, Round
+from damper3d.engine.walls import nearest
+from granulab.contact.jit import inlined_inner, njit, specialised
 
 _START = 0.1  # fill ratio of the radii that the first stage begins with
 _STAGES = 24  # of equal growth of the radius, from there to full size
@@ -36,12 +37,14 @@ def grow(
     volume = 4.0 / 3.0 * math.pi * radius**3
     first, *sizes = stages(first_size(count * volume / enclosure.volume, _START))
     centres = _anywhere(enclosure, count, first * radius, rng)
-    planes, round_wall = enclosure.planes, enclosure.cylinder_radius
+    planes, surface = enclosure.planes, enclosure.surface
+    n_curved = len(enclosure.wall_names) - len(planes)
     reached = first
     for size in sizes:
         grown = size * radius * (1.0 + MARGIN)
         moved = centres.copy()
-        if not push_apart(moved, grown, planes, round_wall, TOLERANCE * radius, PATIENCE):
+        walls = planes, surface, n_curved
+        if not push_apart(moved, grown, walls, TOLERANCE * radius, PATIENCE):
             return centres, float(reached)
         centres, reached = moved, size
     return centres, float(reached)
@@ -66,15 +69,12 @@ def _anywhere(
     found = np.zeros((0, 3))
     while len(found) < count:
         points = rng.uniform(low, high, size=(2 * count, 3))
-        if enclosure.cylinder_radius > 0.0:
-            reach = enclosure.cylinder_radius - radius
-            points = points[np.hypot(points[:, 0], points[:, 1]) < reach]
-        found = np.concatenate([found, points])
+        found = np.concatenate([found, points[enclosure.clearance(points) > radius]])
     return found[:count].copy()
 
 
 @njit
-def push_apart(centres, radius, planes, round_wall, allowed, patience):
+def push_apart(centres, radius, walls, allowed, patience):
     """Move equal balls (n, 3) until no overlap is above `allowed`; whether they got there."""
     velocity = np.zeros_like(centres)
     force = np.zeros_like(centres)
@@ -83,7 +83,7 @@ def push_apart(centres, radius, planes, round_wall, allowed, patience):
         force[:] = 0.0
         deepest = max(
             push_pairs(centres, radius, force),
-            push_walls(centres, radius, planes, round_wall, force),
+            push_walls(centres, radius, walls, force),
         )
         if deepest <= allowed:
             return True
@@ -146,8 +146,9 @@ def push_pairs(centres, radius, force):
 
 
 @njit
-def push_walls(centres, radius, planes, round_wall, force):
+def push_walls(centres, radius, walls, force):
     """Add twice the overlap with each wall, which does not give way; the deepest overlap."""
+    planes, surface, n_curved = walls
     deepest = 0.0
     for n in range(len(centres)):
         x, y, z = centres[n]
@@ -159,14 +160,45 @@ def push_walls(centres, radius, planes, round_wall, force):
                 force[n, 0] += 2.0 * overlap * nx
                 force[n, 1] += 2.0 * overlap * ny
                 force[n, 2] += 2.0 * overlap * nz
-        if round_wall > 0.0:
-            distance = np.hypot(x, y)
-            overlap = radius + distance - round_wall
-            if overlap > 0.0:
-                deepest = max(deepest, overlap)
-                force[n, 0] -= 2.0 * overlap * x / distance
-                force[n, 1] -= 2.0 * overlap * y / distance
+        for wall in range(n_curved):
+            deepest = max(deepest, push_curved(surface, wall, centres, radius, n, force))
     return deepest
+
+
+def push_curved(surface, wall, centres, radius, n, force):
+    """Add twice the overlap with a curved wall to the force on sphere n; the overlap, or 0."""
+
+
+@specialised(push_curved)
+def _push_curved(surface, wall, centres, radius, n, force):
+    if surface.instance_class is Round:
+        return lambda surface, wall, centres, radius, n, force: _push_round(
+            surface.radius, centres, radius, n, force
+        )
+    return lambda surface, wall, centres, radius, n, force: _push_nearest(
+        surface, wall, centres, radius, n, force
+    )
+
+
+@inlined_inner
+def _push_round(side, centres, radius, n, force):
+    """The round wall by itself, as a packing must keep its bits."""
+    x, y = centres[n, 0], centres[n, 1]
+    distance = np.hypot(x, y)
+    overlap = radius + distance - side
+    if overlap > 0.0:
+        force[n, 0] -= 2.0 * overlap * x / distance
+        force[n, 1] -= 2.0 * overlap * y / distance
+    return max(overlap, 0.0)
+
+
+@inlined_inner
+def _push_nearest(surface, wall, centres, radius, n, force):
+    distance, normal, _ = nearest(surface, wall, centres[n, 0], centres[n, 1], centres[n, 2])
+    overlap = max(radius - distance, 0.0)
+    for c in range(3):
+        force[n, c] -= 2.0 * overlap * normal[c]
+    return overlap
 
 
 @njit

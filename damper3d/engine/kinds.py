@@ -1,19 +1,14 @@
 """What a step does in one way with balls and in another with clusters, chosen when compiled.
 
 Each name stands for the kernel that goes with the kind of world it is given: state.World, whose
-bodies are balls, or clusters.state.ClusterWorld, whose bodies have many spheres and turn them. The
-walls of a world of clusters may move each by itself (wall_kinds).
+bodies are balls, or clusters.state.ClusterWorld, whose bodies have many spheres and turn them.
 """
-
-from numba.extending import overload
 
 from damper3d.engine import moving, neighbours, touching, wall_list
 from damper3d.engine.clusters import motion, pairs, treatments, walls
 from damper3d.engine.clusters.state import ClusterWorld
-from damper3d.engine.drive import drive
 from damper3d.engine.state import CLOSE
-from damper3d.engine.wall_kinds import are_shells
-from granulab.contact.jit import inlined_inner
+from granulab.contact.jit import substituted
 
 
 def search_pairs(world, shift):
@@ -44,27 +39,21 @@ def _are_clusters(world):
     return getattr(world, "instance_class", None) is ClusterWorld
 
 
-def _in_shells(world):
-    return _are_clusters(world) and are_shells(world[world.fields.index("walls")])
-
-
-@overload(search_pairs, inline="always")
+@substituted(search_pairs)
 def _search_pairs(world, shift):
     if _are_clusters(world):
         return lambda world, shift: pairs.search_pairs(world, shift)
     return lambda world, shift: neighbours.search_pairs(world, shift)
 
 
-@overload(search_walls, inline="always")
+@substituted(search_walls)
 def _search_walls(world, shift):
-    if _in_shells(world):
-        return lambda world, shift: walls.search_shells(world)
     if _are_clusters(world):
         return lambda world, shift: walls.search_walls(world, shift)
     return lambda world, shift: wall_list.search_walls(world, shift)
 
 
-@overload(find_pairs, inline="always")
+@substituted(find_pairs)
 def _find_pairs(world):
     if _are_clusters(world):
         return lambda world: treatments.acting_pairs(world)
@@ -73,10 +62,8 @@ def _find_pairs(world):
     )
 
 
-@overload(find_at_wall, inline="always")
+@substituted(find_at_wall)
 def _find_at_wall(world, w):
-    if _in_shells(world):
-        return lambda world, w: treatments.acting_at_shell(world, w)
     if _are_clusters(world):
         return lambda world, w: treatments.acting_at_wall(world, w)
     return lambda world, w: touching.touching_wall(
@@ -84,22 +71,14 @@ def _find_at_wall(world, w):
     )
 
 
-@overload(move, inline="always")
+@substituted(move)
 def _move(world, shift):
-    if _in_shells(world):
-        return lambda world, shift: _move_in_shells(world)
     if _are_clusters(world):
         return lambda world, shift: motion.move(world, shift)
     return lambda world, shift: moving.move(world, shift)
 
 
-@inlined_inner
-def _move_in_shells(world):
-    drive(world)
-    motion.move(world, (0.0, 0.0, 0.0))
-
-
-@overload(mean_motion, inline="always")
+@substituted(mean_motion)
 def _mean_motion(world, shift, row):
     if _are_clusters(world):
         return lambda world, shift, row: motion.mean_motion(world, shift, row)

@@ -28,7 +28,7 @@ from damper3d.engine.state import (
     STEP,
     STIFFNESS,
 )
-from damper3d.engine.wall_kinds import put_wall
+from damper3d.engine.walls import place_wall
 from granulab.contact.hertz import hertz_force, mindlin_force, spring_energy
 from granulab.contact.jit import inner, uncounted
 from granulab.contact.vectors import scale
@@ -88,7 +88,7 @@ def elastic_energies(world, shift, speed, row):
         between_spheres(n, block)
         add_elastic(world.pair_law, n, block, dt, row, CONTACTS_PP)
     for w in range(len(walls.force)):
-        put_wall(spheres, walls, w, shift, speed)
+        place_wall(spheres, walls, w, shift, speed)
         n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
@@ -137,7 +137,7 @@ def list_contacts(world, bodies, numbers):
         contact_law(world.pair_law, n, block, dt)
         found = copy_contacts(spheres, block, world.close, begin, n, 0, bodies, numbers, found)
     for w in range(len(walls.force)):
-        put_wall(spheres, walls, w, shift, speed)
+        place_wall(spheres, walls, w, shift, speed)
         n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)

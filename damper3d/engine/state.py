@@ -99,11 +99,12 @@ class Contacts(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """Flat walls, and then at most one round one; all move as one."""
+    """Flat walls, and then curved ones."""
 
     planes: np.ndarray  # (n_planes, 4) inward normal, offset [m]: inside n.x > offset
-    radius: float  # of the cylinder round the z axis [m]; 0: there is none
-    curved: bool  # whether the cylinder's curvature enters the Hertz law
+    surface: Any  # numbers of the curved walls, of a type that engine.enclosures knows
+    drive: Any  # walls.Drive of walls each of which moves by itself; None: all move as one
+    curved: bool  # whether the curvature of walls enters the Hertz law
     first: np.ndarray  # (n_walls + 1,) where the contacts of each wall begin
     force: np.ndarray  # (n_walls, 3) by the particles, summed over the steps since asked [N]
     history: np.ndarray  # (n_walls, m, N_HISTORY), up to date while there is no wall list
@@ -167,7 +168,7 @@ class World(NamedTuple):
     lengths: np.ndarray  # (N_LENGTHS,) [m]
     pair_law: Any  # HertzLaw
     wall_law: Any
-    shaker: Any  # see shaker.py
+    shaker: Any  # numbers of the motion, of a type that engine.motions knows
     direction: np.ndarray  # (4,) unit vector of the enclosure's motion
     gravity: np.ndarray  # (4,) [m/s2]
     time_step: float  # [s]

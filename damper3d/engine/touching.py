@@ -7,9 +7,10 @@ once more, so that its history ends.
 
 import numpy as np
 
-from damper3d.engine.geometry import off_axis, to_plane, vector
+from damper3d.engine.geometry import vector
 from damper3d.engine.lanes import separate, whole
 from damper3d.engine.state import BLOCK, DAMPING
+from damper3d.engine.walls import clear_of_wall
 from granulab.contact.jit import inlined
 
 _ROUNDING = 1.0 + 1e-12  # squares may say "apart" where the root, rounded, says "touching"
@@ -37,14 +38,7 @@ def touching_wall(spheres, walls, contacts, w, block):
     for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
         n = min(walls.first[w + 1] - begin, BLOCK)
         separate(spheres, contacts, begin, n, block)
-        if w < len(walls.planes):
-            for k in range(np.uintp(whole(n))):
-                distance = to_plane(walls.planes[w], vector(block.separation, k))
-                block.clearance[k] = distance - contacts.reach[np.uintp(begin) + k]
-        else:
-            for k in range(np.uintp(whole(n))):
-                distance = walls.radius - off_axis(vector(block.separation, k))
-                block.clearance[k] = distance - contacts.reach[np.uintp(begin) + k]
+        clear_of_wall(walls, w, contacts, begin, whole(n), block)
         found = note_touching(contacts, begin, n, block, found)
     return found
 

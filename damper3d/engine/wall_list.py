@@ -17,7 +17,7 @@ from damper3d.engine.state import (
     WALL_SEARCHES,
     WALL_SKIN,
 )
-from damper3d.engine.wall_kinds import gap_to_wall, radius_at_wall
+from damper3d.engine.walls import gap_to_wall, radius_at_wall
 from granulab.contact.jit import inner
 
 
@@ -72,7 +72,7 @@ def contacts_of_wall(wall, walls, spheres, law, skin, shift, w, begin, end, n):
                 return -2
             if n + LANES >= len(wall.i):
                 return -1
-            radius = radius_at_wall(walls, w, x[i, 3])
+            radius = radius_at_wall(walls, x, w, i, shift)
             wall.i[n], wall.j[n] = i, n_spheres  # the enclosure's row
             wall.reach[n] = wall.constants[n, RADIUS_I] = x[i, 3]
             wall.constants[n, HERTZ] = law.hertz * np.sqrt(radius)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from damper3d.engine import state
-from damper3d.engine.enclosure import Enclosure
+from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.state import Block, Bodies, Cells, Contacts, Near, Spheres, Walls, World
 from granulab.contact.hertz import HertzLaw
 
@@ -32,8 +32,8 @@ def build_world(
 ) -> World:
     """A world of n solid spheres at rest in an enclosure that is about to move.
 
-    positions (n, 3) in the enclosure's frame [m]; radii (n,) [m]; density [kg/m3]; shaker as in
-    shaker.py, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s].
+    positions (n, 3) in the enclosure's frame [m]; radii (n,) [m]; density [kg/m3]; shaker: the
+    numbers of a registered motion, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s].
     """
     n, largest = len(positions), float(radii.max())
     mass = density * 4.0 / 3.0 * math.pi * radii**3
@@ -86,7 +86,8 @@ def walls_of(enclosure: Enclosure, n: int, curved: bool) -> Walls:
     n_walls = len(enclosure.wall_names)
     return Walls(
         planes=enclosure.planes,
-        radius=enclosure.cylinder_radius,
+        surface=enclosure.surface,
+        drive=None,
         curved=curved,
         first=np.zeros(n_walls + 1, np.int64),
         force=np.zeros((n_walls, 3)),

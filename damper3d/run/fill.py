@@ -13,7 +13,7 @@ from damper3d.engine.clusters.simulation import ClusterSimulation
 from damper3d.engine.clusters.state import ClusterWorld
 from damper3d.engine.clusters.world import build_cluster_world
 from damper3d.engine.grow import grow
-from damper3d.engine.shaker import Sines
+from damper3d.engine.motions import at_rest
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
 from damper3d.run.packing import Packing, lowest, packing_fraction
@@ -104,7 +104,7 @@ def _surroundings(case: DamperCase) -> dict[str, Any]:
         "enclosure": case.enclosure,
         "pair_law": case.pair_law,
         "wall_law": case.wall_law,
-        "shaker": Sines(np.zeros(1), np.zeros(1), np.zeros(1), 0.0),
+        "shaker": at_rest(),
         "direction": case.direction,
         "gravity": case.settling_gravity,
         "time_step": case.steps.free,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from damper3d.case.case import DamperCase
-from damper3d.engine.enclosure import Enclosure
+from damper3d.engine.enclosures import Enclosure
 from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
 from granulab.campaign.runs.folder import FolderError, digest
 
@@ -63,10 +63,7 @@ def damaged(folder: Path) -> FolderError:
 
 def lowest(enclosure: Enclosure, up: np.ndarray) -> float:
     """The least of up . x in the enclosure [m]; up (3,) is a unit vector."""
-    low_z = min(0.0, float(up[2]) * enclosure.height)
-    if enclosure.radius is not None:
-        return low_z - enclosure.radius * float(np.hypot(up[0], up[1]))
-    return low_z - 0.5 * (abs(up[0]) * enclosure.width + abs(up[1]) * enclosure.depth)
+    return enclosure.lowest(up)
 
 
 def volume_below(enclosure: Enclosure, up: np.ndarray, level: float) -> float:
@@ -81,9 +78,9 @@ def volume_below(enclosure: Enclosure, up: np.ndarray, level: float) -> float:
     z = middles[None, None, :] * sizes[2]
     extent = float(np.abs(up) @ sizes) / _GRID
     below = np.clip((level - (up[0] * x + up[1] * y + up[2] * z)) / extent + 0.5, 0.0, 1.0)
-    if enclosure.radius is not None:
-        inside = (enclosure.radius - np.hypot(x, y)) / (enclosure.width / _GRID) + 0.5
-        below = below * np.clip(inside, 0.0, 1.0)
+    points = np.stack(np.broadcast_arrays(x, y, z), axis=-1).reshape(-1, 3)
+    away = enclosure.clearance(points).reshape(below.shape)
+    below = below * np.clip(away / (enclosure.width / _GRID) + 0.5, 0.0, 1.0)
     return float(below.mean() * sizes.prod())
 
 

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from damper3d.case.parts import orientation_of
+from damper3d.case.parts import enclosure_of, orientation_of
 from damper3d.case.settings import Settings, check_settings, read_settings
-from damper3d.engine.enclosure import Enclosure, box, cylinder
+from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.records import UNITS
 from damper3d.measures.efficiency import reference_energy
 from damper3d.run.folders import shaken
@@ -127,11 +127,7 @@ class Scene:
     @cached_property
     def enclosure(self) -> Enclosure:
         """As it stands in the case of the run folder, where no size is left out."""
-        given = self.settings.enclosure
-        if given.shape == "cylinder":
-            return cylinder(given.diameter or 0.04, given.height)
-        width = given.width or 0.04
-        return box(width, given.depth or width, given.height)
+        return enclosure_of(self.settings, "case.toml")
 
     @property
     def size(self) -> Array:

@@ -19,14 +19,18 @@ import shutil
 import tempfile
 import time
 import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import llvmlite.binding
 import numba
 from numba.core.cpu import CPUTargetOptions
 from numba.core.options import TargetOptions
 from numba.core.registry import cpu_target
+from numba.extending import overload
 
 # numba knows this flag of its compiler but offers no option for it: arguments do not alias.
 # LLVM then keeps values in registers across stores and vectorises; arrays that a kernel takes
@@ -45,9 +49,27 @@ if numba.config.CPU_FEATURES is None and platform.machine() in ("x86_64", "AMD64
             stacklevel=2,
         )
 
+# Private options of numba, all in this file. They were tried on numba 0.68.0 and 0.68.1; pyproject
+# states the newest version that may be installed.
+_USUAL = {"error_model": "numpy", "nogil": True, "noalias": True, "no_cfunc_wrapper": True}
+# Without counting references: numba counts who uses an array, at every call and every field of a
+# tuple; in a loop over steps that takes thousands of arrays through a dozen functions this costs a
+# third of the time.
+_UNCOUNTED = {"_nrt": False}
+# Code that shall stand where it is called: an array is seven numbers, and handing over a hundred
+# of them costs as much as some contacts.
+_INLINED = {"_nrt": False, "forceinline": True}
+# Without a way in from Python: to unpack a hundred arrays takes longer to compile than most
+# functions.
+_INNER = {"no_cpython_wrapper": True}
+
 _LAWS = Path(__file__).resolve().parent  # what every kernel may call
 _KEPT_FOLDERS = 8  # older ones are pruned, but for those that somebody may be working with
 _IN_USE = 7 * 24 * 3600.0  # [s] since a folder was last asked for
+
+_DISPATCHERS: dict[Path, list[Any]] = {}  # room -> its kernels, so that their cache can be moved
+_EXTENSIONS: dict[Path, dict[Path, str]] = {}  # room -> files whose functions it calls, modules
+_HOSTS: dict[Path, Path] = {}  # such a file -> the room
 
 
 def room_of(module: str, file: str | Path) -> Path:
@@ -61,11 +83,39 @@ def room_of(module: str, file: str | Path) -> Path:
     return path.parents[above - 1] if above else path.parent
 
 
+def extend(room: Path, module: str, *sources: str | Path) -> None:
+    """Let the kernels of a room call functions of files outside it, and be kept by these too.
+
+    module is the name of the one whose types the kernels take: numba keeps types by it, and it is
+    "__main__" where the file is run as a script. The files' own kernels may call those of the room.
+    Kernels that are compiled already stay as they are; what is compiled from now on is kept in
+    another folder, which a process that does not know these files never opens.
+    """
+    known = _EXTENSIONS.setdefault(room, {})
+    new = [path for path in (Path(source).resolve() for source in sources) if path not in known]
+    if not new:
+        return
+    known.update(dict.fromkeys(new, module))
+    _HOSTS.update(dict.fromkeys(new, room))
+    cache_folder.cache_clear()
+    for place in (room, *known):
+        with _kept_in(place):
+            for dispatcher in _DISPATCHERS.get(place, []):
+                dispatcher.enable_caching()
+
+
+def extensions(room: Path) -> list[Path]:
+    """Return the files from outside that extend a room, sorted."""
+    return sorted(_EXTENSIONS.get(room, {}))
+
+
 @cache
 def cache_folder(room: Path = _LAWS) -> str:
-    """Where the compiled kernels of a room are kept: a folder or file, see room_of."""
+    """Return where the compiled kernels of a room are kept: a folder or file, see room_of."""
     text = hashlib.sha256(numba.__version__.encode())
-    for place in (_LAWS, room):
+    room = _HOSTS.get(room, room)
+    text.update(" ".join(sorted(_EXTENSIONS.get(room, {}).values())).encode())
+    for place in (_LAWS, room, *extensions(room)):
         for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
             if place != _LAWS or path.parent == _LAWS:  # below are files and units, no kernels
                 text.update(path.read_bytes())
@@ -106,45 +156,58 @@ def _prune(kernels: Path, current: Path) -> None:
             shutil.rmtree(old, ignore_errors=True)
 
 
-def njit(function, **options):
-    """numba.njit with the project's cache folder and options."""
+@contextmanager
+def _kept_in(room: Path) -> Iterator[None]:
+    """Let numba keep what is decorated within in the folder of a room."""
     usual = numba.config.CACHE_DIR
-    room = room_of(function.__module__, function.__code__.co_filename)
     numba.config.CACHE_DIR = cache_folder(room)  # read by numba when it decorates
     try:
-        return numba.njit(
-            cache=True, error_model="numpy", nogil=True, noalias=True, no_cfunc_wrapper=True,
-            **options,
-        )(function)  # fmt: skip
+        yield
     finally:
         numba.config.CACHE_DIR = usual
 
 
-def uncounted(function):
-    """njit for a function that makes no array and keeps none: without counting references.
+def njit(function, **options):
+    """numba.njit with the project's cache folder and options."""
+    room = room_of(function.__module__, function.__code__.co_filename)
+    with _kept_in(room):
+        dispatcher = numba.njit(cache=True, **_USUAL, **options)(function)
+    _DISPATCHERS.setdefault(room, []).append(dispatcher)
+    return dispatcher
 
-    numba counts who uses an array, at every call and every field of a tuple; in a loop over steps
-    that takes thousands of arrays through a dozen functions this costs a third of the time.
-    """
-    return njit(function, _nrt=False)
+
+def uncounted(function):
+    """njit for a function that makes no array and keeps none: without counting references."""
+    return njit(function, **_UNCOUNTED)
 
 
 def inlined(function):
-    """uncounted, for a function whose code shall stand where it is called.
-
-    An array is seven numbers: handing over a hundred of them costs as much as some contacts.
-    """
-    return njit(function, _nrt=False, forceinline=True)
+    """uncounted, for a function whose code shall stand where it is called."""
+    return njit(function, **_INLINED)
 
 
 def inner(function):
-    """uncounted, for a function that only kernels call: without a way into it from Python.
-
-    To unpack a hundred arrays, that takes numba longer to compile than the function itself.
-    """
-    return njit(function, _nrt=False, no_cpython_wrapper=True)
+    """uncounted, for a function that only kernels call: without a way into it from Python."""
+    return njit(function, **_UNCOUNTED, **_INNER)
 
 
 def inlined_inner(function):
     """inlined, for a function that only kernels call; see inner."""
-    return njit(function, _nrt=False, forceinline=True, no_cpython_wrapper=True)
+    return njit(function, **_INLINED, **_INNER)
+
+
+def specialised(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorate what chooses the code of a function by the types of its arguments, when compiled.
+
+    Such a choice may not be a function that is handed over, nor one made at run time: these break
+    the cache on disk. The code is put in where it is called, by the compiler's back end.
+    """
+    return overload(function, jit_options={**_INLINED, "error_model": "numpy", "noalias": True})
+
+
+def substituted(function: Callable[..., Any]) -> Callable[..., Any]:
+    """specialised, put in by numba itself, before it knows types: for whole stages of a step.
+
+    That loses stores to fields of tuples in loops, so that it does not serve what loops call.
+    """
+    return overload(function, inline="always")

@@ -30,8 +30,10 @@ def brute_force(sim, cluster):
             found |= {(i, p, j, q) for p, q in np.argwhere(gaps < 0.0).tolist()}
     walls = sim.world.walls
     depths = [cluster.radii - (centres @ plane[:3] - plane[3]) for plane in walls.planes]
-    if walls.radius > 0.0:
-        depths.append(cluster.radii - walls.radius + np.hypot(centres[..., 0], centres[..., 1]))
+    if walls.surface.radius > 0.0:
+        depths.append(
+            cluster.radii - walls.surface.radius + np.hypot(centres[..., 0], centres[..., 1])
+        )
     for w, depth in enumerate(depths):
         found |= {(i, p, n + w, 0) for i, p in np.argwhere(depth > 0.0).tolist()}
     return found

@@ -17,7 +17,7 @@ from damper3d.case.parameters import SAFE_SHARE
 from damper3d.case.parts import USUAL_FILL_RATIO
 from damper3d.case.plan import plan, warnings
 from damper3d.case.settings import Settings, check_settings, known_keys, to_toml
-from damper3d.engine.enclosure import box, cylinder
+from damper3d.engine.enclosures import box, cylinder
 from damper3d.shapes.particle import parse_particle
 from granulab.campaign.runs.folder import digest
 from granulab.contact.files.datafile import data_file, data_root

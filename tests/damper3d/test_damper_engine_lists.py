@@ -5,7 +5,7 @@ import pytest
 from damper_beds import DOWN, LARGEST, NOWHERE, acrylic, bed, lone
 
 from damper3d.engine import state
-from damper3d.engine.shaker import Sines
+from damper3d.engine.motions import Sines
 from damper3d.engine.world import _near, contacts_with_room
 
 SHAPES = ["cylinder", "box"]
@@ -19,8 +19,8 @@ def brute_force(sim):
     touching = np.linalg.norm(x[j] - x[i], axis=1) < radius[i] + radius[j]
     pairs = set(zip(i[touching].tolist(), j[touching].tolist(), strict=True))
     depths = [radius - (x @ plane[:3] - plane[3]) for plane in walls.planes]
-    if walls.radius > 0.0:
-        depths.append(radius - (walls.radius - np.hypot(x[:, 0], x[:, 1])))
+    if walls.surface.radius > 0.0:
+        depths.append(radius - (walls.surface.radius - np.hypot(x[:, 0], x[:, 1])))
     for w, depth in enumerate(depths):
         pairs |= {(k, n + w) for k in np.flatnonzero(depth > 0.0).tolist()}
     return pairs

@@ -7,8 +7,8 @@ import pytest
 from damper_beds import DENSITY, LARGEST, NOWHERE, STILL, G, acrylic, at_rest, bed, lone
 from scipy.integrate import solve_ivp
 
-from damper3d.engine.enclosure import box
-from damper3d.engine.shaker import Sines
+from damper3d.engine.enclosures import box
+from damper3d.engine.motions import Sines
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
 from granulab.contact.files.datafile import data_file

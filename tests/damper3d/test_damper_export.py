@@ -106,7 +106,7 @@ def test_the_enclosure_moves_with_its_displacement(run, films, frame):
         if name == "side":
             np.testing.assert_allclose(np.hypot(*corners[:, :2].T), 10e-3, rtol=1e-6)
         else:
-            # On its plane, as damper3d.engine.enclosure has it: n . r = offset.
+            # On its plane, as damper3d.engine.enclosures has it: n . r = offset.
             normal = scene.enclosure.planes[row]
             np.testing.assert_allclose(corners @ normal[:3], normal[3], atol=4e-9)
 

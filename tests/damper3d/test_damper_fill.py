@@ -9,7 +9,7 @@ from scipy.spatial.distance import pdist
 from small_damper import damper3d
 
 from damper3d.case.case import GRAVITY
-from damper3d.engine.enclosure import Enclosure, box, cylinder
+from damper3d.engine.enclosures import Enclosure, box, cylinder
 from damper3d.engine.grow import grow, push_pairs
 from damper3d.run import packing as packing_module
 from damper3d.run.fill import fill, random_start, resting

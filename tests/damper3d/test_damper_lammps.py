@@ -23,7 +23,7 @@ from damper_scenes import (
 )
 from lammps_damper import Bed, Lammps, Scene, load_lammps
 
-from damper3d.engine.enclosure import cylinder
+from damper3d.engine.enclosures import cylinder
 from granulab.contact.hertz import HertzLaw
 
 try:

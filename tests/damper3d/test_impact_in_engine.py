@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from damper3d.engine.enclosure import box
-from damper3d.engine.shaker import sine
+from damper3d.engine.enclosures import box
+from damper3d.engine.motions import sine
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
 from damper3d.studies.single_contact.spheres.impact import Impact, run

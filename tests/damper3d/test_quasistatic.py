@@ -16,7 +16,7 @@ from slow_rigs import HALVES, UP, bed, rig
 from small_damper import damper3d
 
 from damper3d.engine import state
-from damper3d.engine.shells import gap_to_shell
+from damper3d.engine.walls import gap_to_wall
 from damper3d.measures.efficiency import closure
 from damper3d.shapes.multisphere import sphere
 from damper3d.studies.quasistatic import course, protocol
@@ -122,13 +122,13 @@ def test_the_gap_to_a_wall_is_that_to_its_nearest_point():
     turn = np.linspace(0.0, 2.0 * np.pi, 700)
     for _ in range(50):
         w, x = int(rng.integers(4)), rng.uniform([-9e-3, -9e-3, 0.0], [9e-3, 9e-3, 18e-3])
-        low, high, bottom, top = walls.line[w]
+        low, high, bottom, top = walls.surface.line[w]
         radius = np.linspace(low, high, 1 if low == high else 100)
         height = np.linspace(bottom, top, 1 if bottom == top else 100)
         r, z, t = (g.ravel() for g in np.meshgrid(radius, height, turn))
         points = np.stack([r * np.cos(t), r * np.sin(t), z], axis=1) + sim.place[w]
         nearest = np.linalg.norm(points - x, axis=1).min()
-        ours = gap_to_shell(walls, np.array([[*x, 0.0]]), w, 0)
+        ours = gap_to_wall(walls, np.array([[*x, 0.0]]), w, 0, (0.0, 0.0, 0.0))
         assert nearest - 1e-4 <= ours <= nearest + 1e-12
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from damper3d.engine.shaker import Sines, displacement, sine, velocity
+from damper3d.engine.motions import Sines, displacement, sine, velocity
 
 G = 9.81
 

@@ -4,7 +4,7 @@ import numpy as np
 from damper_scenes import acrylic, bed_of, cycles_of, onto_wall, shaken, simulation, two_spheres
 from lammps_damper import Bed, Lammps, Scene
 
-from damper3d.engine.enclosure import cylinder
+from damper3d.engine.enclosures import cylinder
 
 LAWS = {
     "no damping": {"restitution": 1.0},

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from damper3d.engine.enclosure import box, cylinder
-from damper3d.engine.shaker import Sines, sine
+from damper3d.engine.enclosures import box, cylinder
+from damper3d.engine.motions import Sines, sine
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
 from granulab.contact.files.datafile import data_file

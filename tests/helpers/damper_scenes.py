@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 from lammps_damper import Bed, Cycles, Scene
 
-from damper3d.engine.enclosure import Enclosure, box, cylinder
-from damper3d.engine.shaker import Sines
+from damper3d.engine.enclosures import Enclosure, box, cylinder
+from damper3d.engine.motions import Sines
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
 from granulab.contact.files.datafile import data_file

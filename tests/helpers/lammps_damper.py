@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from against_lammps import load_lammps
 
-from damper3d.engine.enclosure import Enclosure
+from damper3d.engine.enclosures import Enclosure
 from granulab.contact.hertz import HertzLaw
 
 _QUIET = ["-log", "none", "-screen", "none", "-nocite"]

@@ -146,7 +146,7 @@ class PlainBed:
         else:
             off_axis = np.hypot(inside[:, 0], inside[:, 1])
             normal = inside * [1.0, 1.0, 0.0] / off_axis[:, None]
-            distance = self.world.walls.radius - off_axis
+            distance = self.world.walls.surface.radius - off_axis
         overlap = np.maximum(self.radius - distance, 0.0)
         arm = distance[:, None]
         passing = speed - self.u - np.cross(self.w_now, arm * normal)

@@ -14,7 +14,7 @@ from damper3d.engine.clusters.pairs import pairs_of_bodies, search_near
 from damper3d.engine.clusters.rotation import half_turn, product
 from damper3d.engine.clusters.state import ClusterWorld
 from damper3d.engine.clusters.world import columns_of, roomier
-from damper3d.engine.enclosure import Enclosure
+from damper3d.engine.enclosures import Enclosure, Round
 from damper3d.engine.grow import (
     FIRST_PACE,
     MARGIN,
@@ -27,9 +27,9 @@ from damper3d.engine.grow import (
 )
 from damper3d.engine.neighbours import near_reach_left
 from damper3d.engine.state import NEAR, NEAR_SKIN
-from damper3d.engine.wall_kinds import gap_to_wall
+from damper3d.engine.walls import gap_to_wall, nearest
 from damper3d.shapes.multisphere import MultiSphere
-from granulab.contact.jit import inner, njit
+from granulab.contact.jit import inlined_inner, inner, njit, specialised
 from granulab.contact.vectors import cross
 
 _AT_REST, _IMPATIENT, _NEAR_FULL, _CLOSE_FULL = range(4)  # how it ends
@@ -182,8 +182,32 @@ def at_wall(world, w, b, s):
         plane = walls.planes[w]
         distance = plane[0] * px + plane[1] * py + plane[2] * pz - plane[3]
         return distance - offset[s, 3], (plane[0], plane[1], plane[2]), r
-    away = max(np.sqrt(px * px + py * py), 1e-300)
-    return walls.radius - away - offset[s, 3], (-px / away, -py / away, 0.0), r
+    distance, inwards = at_curved(walls.surface, w - len(walls.planes), px, py, pz)
+    return distance - offset[s, 3], inwards, r
+
+
+def at_curved(surface, wall, x, y, z):
+    """Distance of a point from a curved wall [m], and the wall's inward normal."""
+
+
+@specialised(at_curved)
+def _at_curved(surface, wall, x, y, z):
+    if surface.instance_class is Round:
+        return lambda surface, wall, x, y, z: _at_round(surface.radius, x, y)
+    return lambda surface, wall, x, y, z: _at_nearest(surface, wall, x, y, z)
+
+
+@inlined_inner
+def _at_round(radius, x, y):
+    """The round wall by itself, as a packing must keep its bits."""
+    away = max(np.sqrt(x * x + y * y), 1e-300)
+    return radius - away, (-x / away, -y / away, 0.0)
+
+
+@inlined_inner
+def _at_nearest(surface, wall, x, y, z):
+    distance, (nx, ny, nz), _ = nearest(surface, wall, x, y, z)
+    return distance, (-nx, -ny, -nz)
 
 
 @inner

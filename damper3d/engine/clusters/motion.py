@@ -13,6 +13,7 @@ from damper3d.engine.clusters.rotation import axes_of, freely_turned
 from damper3d.engine.clusters.rows import place_sphere, take_load
 from damper3d.engine.columns import KINETIC, POSITION_X, POTENTIAL, VELOCITY_X, VELOCITY_Z
 from damper3d.engine.state import CLOSE_MADE, STALE_CLOSE, STALE_WALL, STEP
+from damper3d.engine.walls import drive_walls
 from granulab.contact.jit import inlined_inner, inner, uncounted
 
 
@@ -22,6 +23,7 @@ def move(world, shift):
 
     shift is that of the enclosure after the step.
     """
+    drive_walls(world)
     counts, dt, arm = world.counts, world.time_step, world.shape.arm
     since, drift = (counts[STEP] - counts[CLOSE_MADE]) * dt, world.close_seen.drift
     carried = since * drift[0], since * drift[1], since * drift[2]

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from damper3d.engine.state import Block, Cells, Contacts, Spheres
+from damper3d.engine.state import Block, Cells, Contacts, Spheres, Walls
 
 # What becomes of several contacts of one body with another, or with a wall: World.treatment.
 TREATMENTS = ("sum", "deepest", "scaled")
@@ -107,7 +107,7 @@ class ClusterWorld(NamedTuple):
     wall_seen: Seen
     kept: Kept
     scratch: Scratch
-    walls: Any  # state.Walls, or quasistatic.shells.Shells
+    walls: Walls
     block: Block
     counts: np.ndarray
     books: np.ndarray

@@ -14,10 +14,9 @@ mass is shared like the stiffness: then dashpots, and with them the restitution,
 import numpy as np
 
 from damper3d.engine.clusters.state import DEEPEST, SUM
-from damper3d.engine.geometry import off_axis
-from damper3d.engine.shells import depths_at_shell, touching_shell
 from damper3d.engine.state import CLOSE, DAMPING, HERTZ, MASS, N_HISTORY, NO_CONTACT
 from damper3d.engine.touching import touching_pairs, touching_wall
+from damper3d.engine.walls import distance_to_wall
 from granulab.contact.jit import inlined_inner, inner
 
 _POWER = 8.0  # p
@@ -35,13 +34,6 @@ def acting_at_wall(world, w):
     """The same of the contacts with wall w."""
     n = touching_wall(world.spheres, world.walls, world.wall, w, world.block)
     return n if world.treatment == SUM else treat_wall(world, w, n)
-
-
-@inlined_inner
-def acting_at_shell(world, w):
-    """The same where walls move each by itself."""
-    n = touching_shell(world.spheres, world.walls, world.wall, w, world.block)
-    return n if world.treatment == SUM else treat_shell(world, w, n)
 
 
 @inner
@@ -65,20 +57,9 @@ def treat_wall(world, w, n_touching):
         n = contacts.touching[t]
         i = contacts.i[n]
         px, py, pz = x[i, 0] - x[last, 0], x[i, 1] - x[last, 1], x[i, 2] - x[last, 2]
-        if w < len(walls.planes):
-            plane = walls.planes[w]
-            distance = plane[0] * px + plane[1] * py + plane[2] * pz - plane[3]
-        else:
-            distance = walls.radius - off_axis((px, py, pz))
+        distance = distance_to_wall(walls, w, px, py, pz)
         depth[t] = max(contacts.reach[n] - distance, 0.0)
     return treat(world, contacts, world.scratch.wall_whole, n_touching)
-
-
-@inner
-def treat_shell(world, w, n_touching):
-    """The same where walls move each by itself."""
-    depths_at_shell(world, w, n_touching)
-    return treat(world, world.wall, world.scratch.wall_whole, n_touching)
 
 
 @inner

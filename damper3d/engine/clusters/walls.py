@@ -15,8 +15,8 @@ from damper3d.engine.state import (
     WALL_SEARCHES,
     WALL_SKIN,
 )
-from damper3d.engine.wall_kinds import gap_to_wall
 from damper3d.engine.wall_list import contacts_of_wall, store_wall_history
+from damper3d.engine.walls import gap_to_wall, note_listed
 from granulab.contact.jit import inner
 
 
@@ -49,24 +49,11 @@ def search_walls(world, shift):
     counts[STALE_WALL] = 0
     counts[WALL_MADE] = counts[STEP]
     note_seen(world.bodies, world.wall_seen)
+    note_listed(world, leeway)
     for c in range(3):
         world.wall_seen.drift[c] = shift[c]
     list_active(world)
     return DONE
-
-
-@inner
-def search_shells(world):
-    """The same of walls that move each by itself: half of the skin is left for them to move."""
-    outcome = search_walls(world, (0.0, 0.0, 0.0))
-    if outcome == DONE:
-        leeway, walls = world.wall_seen.leeway, world.walls
-        for b in range(len(leeway)):
-            leeway[b] -= 0.5 * world.lengths[WALL_SKIN]
-        for w in range(len(walls.force)):
-            for c in range(3):
-                walls.listed[w, c] = walls.place[w, c]
-    return outcome
 
 
 @inner

@@ -16,7 +16,7 @@ from damper3d.engine.clusters.state import (
     Seen,
     Shape,
 )
-from damper3d.engine.enclosure import Enclosure
+from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.state import Contacts
 from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.hertz import HertzLaw

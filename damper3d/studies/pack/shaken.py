@@ -21,7 +21,7 @@ import numpy as np
 
 from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.case.parameters import materials_of
-from damper3d.engine.shaker import Sines, sine
+from damper3d.engine.motions import at_rest, sine
 from damper3d.run.fill import fill, packed, resting
 from granulab.campaign.sweeps.task import Stop
 from granulab.contact.files.datafile import find
@@ -73,7 +73,7 @@ def shake_down(case: DamperCase, stop: Stop = lambda: False) -> Bed:
         for _ in range(CYCLES):
             sim.step(per_cycle)
             asked()
-    still = Sines(np.zeros(1), np.zeros(1), np.zeros(1), 0.0)
+    still = at_rest()
     sim.begin_phase(shaker=still, gravity=down, time_step=case.steps.free)
     sim.step(math.ceil(_REST / case.steps.free))
     close = packed(case, sim, 0.0)

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper3d.engine import shells, state, world
+from damper3d.engine import state, world
 from damper3d.engine.clusters.simulation import ClusterSimulation
 from damper3d.engine.clusters.state import ClusterWorld
-from damper3d.engine.enclosure import Enclosure, cylinder
-from damper3d.engine.shells import Shells
+from damper3d.engine.enclosures import Enclosure, cylinder
+from damper3d.engine.enclosures.lines import Lines
+from damper3d.engine.walls import N_SERVO, ON, Drive
 
 WALLS = ("base", "bottom_side", "top_side", "table")
 BASE, BOTTOM_SIDE, TOP_SIDE, TABLE = range(4)
@@ -46,7 +47,7 @@ class Halves:
 
     @property
     def lines(self) -> np.ndarray:
-        """Of the walls in the order of WALLS (4, 4); see shells.Shells."""
+        """Of the walls in the order of WALLS (4, 4); see enclosures.lines.Lines."""
         radius, top = 0.5 * self.diameter, 2.0 * self.height + self.gap
         return np.array([
             (0.0, radius, 0.0, 0.0),
@@ -56,16 +57,21 @@ class Halves:
         ])  # fmt: skip
 
 
-def shells_of(lines: np.ndarray, n_spheres: int) -> Shells:
-    """Walls at rest, without a servo; lines (n, 4) as in shells.Shells."""
+def walls_of(lines: np.ndarray, n_spheres: int) -> state.Walls:
+    """Walls at rest, without a servo; lines (n, 4) as in enclosures.lines.Lines."""
     n = len(lines)
-    return Shells(
-        line=world.zeros(n, 4) + lines,
+    drive = Drive(
         place=world.zeros(n, 4),
         speed=world.zeros(n, 4),
         listed=world.zeros(n, 4),
-        servo=np.zeros(shells.N_SERVO),
+        servo=np.zeros(N_SERVO),
         before=np.zeros(n),
+    )
+    return state.Walls(
+        planes=np.zeros((0, 4)),
+        surface=Lines(world.zeros(n, 4) + lines),
+        drive=drive,
+        curved=False,
         first=np.zeros(n + 1, np.int64),
         force=np.zeros((n, 3)),
         history=world.no_history(n, n_spheres),
@@ -80,43 +86,43 @@ class RigSimulation(ClusterSimulation):
 
     @classmethod
     def between(cls, lines: np.ndarray, built: ClusterWorld) -> "RigSimulation":
-        """The particles of a world, in other walls; lines (n, 4) as in shells.Shells."""
-        return cls(built._replace(walls=shells_of(lines, len(built.spheres.inverse_mass))))
+        """The particles of a world, in other walls; lines (n, 4) as in enclosures.lines.Lines."""
+        return cls(built._replace(walls=walls_of(lines, len(built.spheres.inverse_mass))))
 
     @property
     def place(self) -> np.ndarray:
         """Displacements of the walls (n, 3) [m]."""
-        return self.world.walls.place[:, :3].copy()
+        return self.world.walls.drive.place[:, :3].copy()
 
     def put(self, wall: int, place: np.ndarray) -> None:
         """Displace a wall to `place` (3,) [m] at once."""
-        self.world.walls.place[wall, :3] = place
+        self.world.walls.drive.place[wall, :3] = place
         self._walls_changed()
 
     def drive(self, velocity: dict[int, np.ndarray]) -> None:
         """Let walls move at velocities (3,) [m/s] from now on, the others rest."""
-        self.world.walls.speed[:] = 0.0
+        self.world.walls.drive.speed[:] = 0.0
         for wall, along in velocity.items():
-            self.world.walls.speed[wall, :3] = along
+            self.world.walls.drive.speed[wall, :3] = along
         self._walls_changed()
 
     def hold(self, wall: int, force: float, viscosity: float, fastest: float) -> None:
         """Let the servo move a wall vertically, to a downward force [N]; see drive."""
-        self.world.walls.servo[:] = [wall, 1.0, force, viscosity, fastest]
+        self.world.walls.drive.servo[:] = [wall, 1.0, force, viscosity, fastest]
 
     def let_go(self) -> None:
         """Switch the servo off."""
-        self.world.walls.servo[shells.ON] = 0.0
+        self.world.walls.drive.servo[ON] = 0.0
 
     def _walls_changed(self) -> None:
         self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
 
     def _save_bodies(self) -> dict[str, np.ndarray]:
-        walls = self.world.walls
-        own = {f"wall_{name}": getattr(walls, name).copy() for name in self._OF_WALLS}
+        drive = self.world.walls.drive
+        own = {f"wall_{name}": getattr(drive, name).copy() for name in self._OF_WALLS}
         return {**super()._save_bodies(), **own}
 
     def _restore_bodies(self, saved: dict[str, np.ndarray]) -> None:
         super()._restore_bodies({k: v for k, v in saved.items() if not k.startswith("wall_")})
         for name in self._OF_WALLS:
-            getattr(self.world.walls, name)[:] = saved[f"wall_{name}"]
+            getattr(self.world.walls.drive, name)[:] = saved[f"wall_{name}"]

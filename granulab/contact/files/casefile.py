@@ -182,6 +182,8 @@ def to_toml(settings: Section, schema: int) -> str:
                 value = getattr(table, key)
                 if value is not None:
                     lines.append(f"{key} = {toml_value(value, unit_of(field))}")
+            own = table.model_extra or {}  # keys of what is registered from outside, as written
+            lines += [f"{key} = {toml_value(value)}" for key, value in own.items()]
     return "\n".join(lines) + "\n"
 
 

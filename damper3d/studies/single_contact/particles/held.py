@@ -7,8 +7,8 @@ import numpy as np
 from damper3d.engine.clusters import rotation  # its kernels are called as Python here, uncompiled
 from damper3d.engine.clusters.simulation import ClusterSimulation
 from damper3d.engine.clusters.world import build_cluster_world
-from damper3d.engine.enclosure import box
-from damper3d.engine.shaker import sine
+from damper3d.engine.enclosures import box
+from damper3d.engine.motions import sine
 from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.hertz import HertzLaw
 

@@ -1,0 +1,176 @@
+"""An enclosure from outside the package: a closed cone, described, registered and run in one file.
+
+The same goes for any other: a frozen dataclass with the sizes, a named tuple with the numbers of
+its curved walls, a function for their geometry, and one call of register_enclosure. The file is
+run as a script, so that the enclosure is not known to the other tests.
+"""
+
+import json
+import math
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from damper3d import DamperCase, Enclosure, register_enclosure, run
+from damper3d.case.settings import read_settings
+from damper3d.engine import ENGINE
+from damper3d.run.fill import resting
+from damper3d.run.packing import load_packing, packing_folder
+from granulab.contact.jit import cache_folder, extensions
+from granulab.errors import InputError
+
+
+@dataclass(frozen=True)
+class Cone(Enclosure):
+    """A closed cone on its larger end; inner sizes [m]."""
+
+    shape = "cone"
+    diameter: float  # of the bottom
+    top_diameter: float
+    height: float = 0.04
+
+    @property
+    def width(self):
+        return self.diameter
+
+    depth = width
+
+    @property
+    def volume(self):
+        a, b = 0.5 * self.diameter, 0.5 * self.top_diameter
+        return math.pi / 3.0 * self.height * (a * a + a * b + b * b)
+
+    @property
+    def wall_names(self):
+        return ["bottom", "top", "side"]
+
+    @property
+    def surface(self):
+        fall = 0.5 * (self.diameter - self.top_diameter) / self.height  # of the radius with height
+        return Mantle(0.5 * self.diameter, fall)
+
+
+class Mantle(NamedTuple):
+    """The side of a cone: its radius is bottom - fall z."""
+
+    bottom: float
+    fall: float
+
+
+def nearest_on_mantle(surface, wall, x, y, z):
+    """Distance from the side, unit vector towards it, harmonic mean of its radii of curvature."""
+    away = max(np.sqrt(x * x + y * y), 1e-300)
+    slope = np.sqrt(1.0 + surface.fall * surface.fall)
+    distance = (surface.bottom - surface.fall * z - away) / slope
+    normal = x / (away * slope), y / (away * slope), surface.fall / slope
+    return distance, normal, 2.0 * (away * slope + distance)
+
+
+CASE = {
+    "enclosure.shape": "cone",
+    "enclosure.diameter": "30 mm",
+    "enclosure.top_diameter": "16 mm",
+    "enclosure.height": "25 mm",
+    "particles.count": 24,
+    "fill.settle_time": "20 ms",
+    "run.cycles": 2,
+    "run.discard": 1,
+    "output.samples": 20,
+    "output.frames": 10,
+}
+
+
+def clear(case, x):
+    """Least distance (n,) [m] of points from any wall, by another formula than the engine's."""
+    cone = case.enclosure
+    corners = np.array([[cone.diameter / 2, 0.0], [cone.top_diameter / 2, cone.height]])
+    along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
+    from_corner = np.stack([np.hypot(x[:, 0], x[:, 1]), x[:, 2]], axis=1) - corners[0]
+    side = along[0] * from_corner[:, 1] - along[1] * from_corner[:, 0]
+    return np.min([side, x[:, 2], cone.height - x[:, 2]], axis=0)
+
+
+WRONG = {
+    "top_diameter is missing": {"enclosure.top_diameter": None},
+    "unit is wrong": {"enclosure.top_diameter": "16 s"},
+    "width and depth go with shape = 'box'": {"enclosure.width": "3 cm"},
+    "unknown key 'top_diameter'": {"enclosure.shape": "cylinder"},
+    "unknown key 'top'; did you mean 'top_diameter'?": {"enclosure.top": "3 cm"},
+}
+
+
+def refused(change):
+    """The line that refuses a case with a change; a key that is None is left out."""
+    changes = {key: value for key, value in {**CASE, **change}.items() if value is not None}
+    try:
+        DamperCase.load("thesis", changes)
+    except InputError as error:
+        return str(error)
+    return "nothing is wrong"
+
+
+def main():
+    """Fill a cone, shake it, and say what became of it."""
+    register_enclosure(Cone, Mantle, nearest_on_mantle)
+    case = DamperCase.load("thesis", CASE)
+    with tempfile.TemporaryDirectory() as out:
+        result = run(case, out=out)
+        file = result.run_folder / "case.toml"
+        again = DamperCase.load(file).enclosure == case.enclosure
+        written = read_settings(file)["enclosure"]
+        packing = load_packing(packing_folder(case, Path(out)))
+    sim = resting(case, packing.state["position"][:, :3])
+    sim.begin_phase(shaker=case.shaker)
+    least = []
+    for _ in range(20):
+        sim.step(500)
+        least.append(clear(case, sim.frame()["x"]).min())
+    found = {
+        "closure": result.energy_closure, "efficiency": result.efficiency, "again": again,
+        "written": written, "least": min(least), "bed": packing.fraction,
+        "refused": [refused(change) for change in WRONG.values()],
+        "extends": Path(__file__).resolve() in extensions(ENGINE), "kept": cache_folder(ENGINE),
+    }  # fmt: skip
+    print(json.dumps(found))
+
+
+@pytest.fixture(scope="module")
+def found():
+    done = subprocess.run([sys.executable, __file__], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_a_case_runs_in_it(found):
+    """The balance of energy closes, and no sphere of 5 mm gets further into a wall than a bit."""
+    assert abs(found["closure"]) < 0.02
+    assert found["efficiency"] > 0.01
+    assert found["least"] > 0.98 * 2.5e-3
+    assert 0.3 < found["bed"] < 0.65
+
+
+def test_the_case_is_kept_with_its_own_keys(found):
+    assert found["again"]
+    assert found["written"]["top_diameter"] == "16 mm"
+
+
+def test_its_file_counts_as_a_source(found):
+    """Kernels are kept by it: a process that does not know it uses another folder."""
+    assert found["extends"]
+    assert found["kept"] != cache_folder(ENGINE)
+
+
+def test_what_is_wrong_is_one_line(found):
+    for words, line in zip(WRONG, found["refused"], strict=True):
+        assert words in line
+        assert "\n" not in line
+
+
+if __name__ == "__main__":
+    main()
