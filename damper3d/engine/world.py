@@ -33,7 +33,8 @@ def build_world(
     """A world of n solid spheres at rest in an enclosure that is about to move.
 
     positions (n, 3) in the enclosure's frame [m]; radii (n,) [m]; density [kg/m3]; shaker: the
-    numbers of a registered motion, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s].
+    numbers of a registered motion, along the unit vector direction (3,); gravity (3,) [m/s2];
+    time_step [s].
     """
     n, largest = len(positions), float(radii.max())
     mass = density * 4.0 / 3.0 * math.pi * radii**3

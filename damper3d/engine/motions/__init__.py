@@ -46,9 +46,10 @@ def register(
     is the exact derivative of displacement, or the energy balance does not close.
     of_case(gamma, frequency, gravity, ramp, **own) returns the tuple of a case: its largest
     acceleration over gravity [-], frequency of a cycle [Hz], gravity [m/s2], cycles over which the
-    amplitude grows, and the values of the keys that the kind has besides, which `units` names. helpers are files with
-    functions that these call, where they do not stand in their file: an edit in any of these files
-    compiles the kernels again, and calls runs that were made before it outdated.
+    amplitude grows, and the values of the keys that the kind has besides, which `units` names.
+    helpers are files with functions that these call, where they do not stand in their file: an edit
+    in any of these files compiles the kernels again, and calls runs that were made before it
+    outdated.
     """
     functions = [getattr(each, "py_func", each) for each in (displacement, velocity)]
     sources = [Path(source).resolve() for source in [*map(inspect.getfile, functions), *helpers]]
