@@ -9,6 +9,7 @@ from pydantic import (
     ConfigDict,
     Field,
     FiniteFloat,
+    WithJsonSchema,
     model_validator,
 )
 
@@ -88,9 +89,9 @@ class Enclosure(Extensible):
 
     _names = "shape", "cylinder"
 
-    shape: Annotated[str, _one_of("shape", "cylinder")] = key(
-        "cylinder", "shape: a cylinder with a diameter, or a box with width and depth"
-    )
+    shape: Annotated[
+        str, _one_of("shape", "cylinder"), WithJsonSchema({"enum": ["cylinder", "box"]})
+    ] = key("cylinder", "shape: a cylinder with a diameter, or a box with width and depth")
     diameter: Size | None = key(
         None, "diameter of a cylinder", example="40 mm", left_out="40 mm", spelled_out=True,
         option="--diameter",
@@ -147,7 +148,7 @@ class Motion(Extensible):
 
     _names = "kind", "sines"
 
-    kind: Annotated[str, _one_of("kind", "sines")] = key(
+    kind: Annotated[str, _one_of("kind", "sines"), WithJsonSchema({"enum": ["sines"]})] = key(
         "sines", "kind of motion: a sine, or one that is registered from outside"
     )
     orientation: Literal["vertical", "horizontal", "none"] = key(

@@ -352,7 +352,7 @@ def test_all_keys_that_act_are_in_the_digests():
         "enclosure.shape", "enclosure.width", "enclosure.depth",
         "particles.equal_volume_radius", "particles.sub_spheres",
         "particles.tolerance", "particles.mesh_unit",
-        "motion.gravity",
+        "motion.gravity", "motion.kind",  # another kind: test_extend_motion.py
         "law.friction_wall", "law.restitution", "law.contact_treatment",
         "run.max_cycles", "output.frames",
     }  # fmt: skip
