@@ -33,7 +33,7 @@ def test_without_a_ramp_the_motion_begins_with_its_largest_velocity():
     omega = 2 * math.pi * 40
     assert velocity(sine(20.0, 40.0, G), 0.0) == pytest.approx(20 * G / omega, rel=1e-15)
     assert displacement(sine(20.0, 40.0, G), 0.0) == 0.0
-    assert velocity(sine(20.0, 40.0, G, ramp_cycles=2), 0.0) == 0.0
+    assert velocity(sine(20.0, 40.0, G, ramp=2), 0.0) == 0.0
 
 
 def sums_of_sines() -> st.SearchStrategy[Sines]:
@@ -81,7 +81,7 @@ def test_several_sines_add_up(shaker, t):
 @pytest.mark.parametrize("cycles", [0.5, 2.0, 3.7])
 def test_a_ramp_grows_from_nothing_and_then_leaves_the_motion_alone(cycles):
     """The amplitude at a part x of the ramp is sin^2(pi x/2); displacement and velocity join."""
-    full, ramped = sine(5.0, 50.0, G), sine(5.0, 50.0, G, ramp_cycles=cycles)
+    full, ramped = sine(5.0, 50.0, G), sine(5.0, 50.0, G, ramp=cycles)
     end = cycles / 50.0
     for x in (0.1, 0.5, 0.9):
         wanted = math.sin(0.5 * math.pi * x) ** 2 * displacement(full, x * end)
