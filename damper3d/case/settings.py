@@ -90,7 +90,9 @@ class Enclosure(Extensible):
     _names = "shape", "cylinder"
 
     shape: Annotated[
-        str, _one_of("shape", "cylinder"), WithJsonSchema({"enum": ["cylinder", "box"]})
+        str,
+        _one_of("shape", "cylinder"),
+        WithJsonSchema({"enum": ["cylinder", "box"], "type": "string"}),
     ] = key("cylinder", "shape: a cylinder with a diameter, or a box with width and depth")
     diameter: Size | None = key(
         None, "diameter of a cylinder", example="40 mm", left_out="40 mm", spelled_out=True,
@@ -148,9 +150,9 @@ class Motion(Extensible):
 
     _names = "kind", "sines"
 
-    kind: Annotated[str, _one_of("kind", "sines"), WithJsonSchema({"enum": ["sines"]})] = key(
-        "sines", "kind of motion: a sine, or one that is registered from outside"
-    )
+    kind: Annotated[
+        str, _one_of("kind", "sines"), WithJsonSchema({"enum": ["sines"], "type": "string"})
+    ] = key("sines", "kind of motion: a sine, or one that is registered from outside")
     orientation: Literal["vertical", "horizontal", "none"] = key(
         "vertical", 'direction of the axis; with "horizontal" gravity is -x, with "none" there '
         "is no gravity", option="--orientation",
