@@ -16,6 +16,7 @@ from granulab.contact.files.casefile import (
     Speed,
     Stiffness,
     Time,
+    Unit,
     folder_name,
     key,
     unit_of,
@@ -32,7 +33,7 @@ def _yes_or_number(value: object, info: ValidationInfo) -> object:
 
 
 # Yes, no, or a number that stands for yes.
-YesOrNumber = Annotated[bool | float, BeforeValidator(_yes_or_number), Field(ge=0)]
+YesOrNumber = Annotated[bool | float, BeforeValidator(_yes_or_number), Unit("1"), Field(ge=0)]
 
 
 class Silo(Section):

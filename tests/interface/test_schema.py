@@ -16,6 +16,7 @@ from granulab.contact.files.casefile import check_document, read_document, secti
 from granulab.contact.files.datafile import data_root
 from granulab.contact.files.keys import Keys
 from granulab.contact.files.reference import keys_of
+from granulab.errors import InputError
 from silo2d.case import settings as silo
 
 BOTH = pytest.mark.parametrize("simulator", [silo, damper], ids=["silo", "damper"])
@@ -112,3 +113,12 @@ def test_the_commented_studies_name_keys_of_the_schema(study, simulator):
         for name in names.split(", "):
             for one in values:
                 keys.read(study, name, one)
+
+
+def test_a_study_takes_truth_and_numbers_where_a_key_does():
+    keys = Keys(silo.Settings)
+    assert keys.read("study", "fill.friction", True) is True
+    assert keys.read("study", "disorder.friction", "10 %") == 0.1
+    assert keys.read("study", "law.damping", "restitution") == "restitution"
+    with pytest.raises(InputError, match="law.mu_wall = True"):
+        keys.read("study", "law.mu_wall", True)

@@ -23,7 +23,7 @@ from granulab.errors import InputError
 
 @dataclass(frozen=True)
 class Unit:
-    """Marks a field that is written with a unit; its number is in this SI unit."""
+    """Marks a field that is a quantity, a number in this SI unit; "1" is that of pure numbers."""
 
     name: str
 
@@ -47,9 +47,9 @@ Time = Annotated[float, _read("s"), Unit("s"), Field(gt=0)]
 Angle = Annotated[float, _read("rad"), Unit("rad")]
 Stiffness = Annotated[float, _read("N/m"), Unit("N/m"), Field(gt=0)]
 Rate = Annotated[float, _read("1/s"), Unit("1/s"), Field(ge=0)]
-Number = Annotated[float, _read("1"), Field(ge=0)]
-Positive = Annotated[float, _read("1"), Field(gt=0)]
-Frequency = Annotated[float, BeforeValidator(_read_frequency), Field(gt=0)]
+Number = Annotated[float, _read("1"), Unit("1"), Field(ge=0)]
+Positive = Annotated[float, _read("1"), Unit("1"), Field(gt=0)]
+Frequency = Annotated[float, BeforeValidator(_read_frequency), Unit("1"), Field(gt=0)]
 Speed = Annotated[float, _read("m/s"), Unit("m/s"), Field(gt=0)]
 Density = Annotated[float, _read("kg/m3"), Unit("kg/m3"), Field(gt=0)]
 Pressure = Annotated[float, _read("Pa"), Unit("Pa"), Field(gt=0)]

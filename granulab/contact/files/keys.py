@@ -1,11 +1,10 @@
 """Keys of a case file as a study takes them: read to SI, written back, named with units."""
 
+import typing
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import BeforeValidator
-
-from granulab.contact.files.casefile import Section, known_keys, marks_of, unit_of
+from granulab.contact.files.casefile import Section, Unit, known_keys, marks_of, unit_of
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
 
@@ -25,7 +24,9 @@ class Keys:
             field = self._field(key)
         except InputError as error:
             raise InputError(f"{where} {error}") from None
-        return to_si(value, unit_of(field), f"{where} {key}") if _is_quantity(field) else value
+        if not _is_quantity(field) or (isinstance(value, bool) and _takes_truth(field)):
+            return value
+        return to_si(value, unit_of(field), f"{where} {key}")
 
     def written(self, key: str, value: Any) -> Any:
         """A value of a key in SI as it would stand in a case file."""
@@ -58,4 +59,8 @@ class Keys:
 
 
 def _is_quantity(field: Any) -> bool:
-    return any(isinstance(mark, BeforeValidator) for mark in marks_of(field))
+    return any(isinstance(mark, Unit) for mark in marks_of(field))
+
+
+def _takes_truth(field: Any) -> bool:
+    return bool in typing.get_args(field.annotation)
