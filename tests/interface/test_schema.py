@@ -120,5 +120,5 @@ def test_a_study_takes_truth_and_numbers_where_a_key_does():
     assert keys.read("study", "fill.friction", True) is True
     assert keys.read("study", "disorder.friction", "10 %") == 0.1
     assert keys.read("study", "law.damping", "restitution") == "restitution"
-    with pytest.raises(InputError, match="law.mu_wall = True"):
+    with pytest.raises(InputError, match=r"law\.mu_wall = True"):
         keys.read("study", "law.mu_wall", True)
