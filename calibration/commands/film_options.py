@@ -11,7 +11,7 @@ Box = tuple[int, int, int, int]  # x, y, width, height [px]
 
 
 def fps_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """--fps, checked by who uses it (calibration.tracking.film.rate)."""
+    """--fps, checked by who uses it (calibration.tracking.film.reader)."""
     words = "Frames per second of the camera."
     return click.option("--fps", type=float, metavar="240", help=words)(command)
 

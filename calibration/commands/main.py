@@ -1,10 +1,13 @@
-"""The command calibrate: its subcommands, and what it says when something goes wrong."""
+"""The command calibrate: its subcommands, and the one line that ends it where it fails."""
 
 import importlib
+import traceback
+from typing import Any
 
 import click
 
 from granulab.campaign.cli.commandline import run_app
+from granulab.errors import InputError
 
 # name: module of calibration.commands, imported when it is called or asked for help
 _COMMANDS: dict[str, str] = {
@@ -29,6 +32,10 @@ _COMMANDS: dict[str, str] = {
 }
 
 
+# whose exceptions tell a user nothing
+_LIBRARIES = ("numpy", "scipy", "cv2", "pandas", "sklearn", "matplotlib", "PIL")
+
+
 class Lazy(click.Group):
     """Commands whose modules are imported when they are needed, so that --help is quick."""
 
@@ -41,6 +48,39 @@ class Lazy(click.Group):
         if name not in _COMMANDS:
             return None
         return importlib.import_module(f"calibration.commands.{_COMMANDS[name]}").command
+
+    def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
+        """Keep the command and its files, for what is said where it cannot be carried out."""
+        context.meta[__name__] = [word for word in args if not word.startswith("-")][:2]
+        return super().parse_args(context, args)
+
+    def invoke(self, context: click.Context) -> Any:
+        """Carry the command out; InputError, one line, where numbers defeat a numerical library."""
+        try:
+            return super().invoke(context)
+        except Exception as error:
+            if not _is_numerical(error):
+                raise
+            first = str(error).strip().partition("\n")[0]
+            raise InputError(
+                f"{' '.join(context.meta[__name__])}: its numbers cannot be evaluated "
+                f"({type(error).__name__}: {first}); look for values that are missing, repeated or "
+                "constant, or measure another part of it"
+            ) from error
+
+
+def _is_numerical(error: Exception) -> bool:
+    """True for an exception of arithmetic, of a numerical library, or raised within one."""
+    if isinstance(error, ImportError):
+        return False
+    if isinstance(error, ArithmeticError) or _is_of_library(type(error).__module__):
+        return True
+    *_, (frame, _) = traceback.walk_tb(error.__traceback__)
+    return _is_of_library(str(frame.f_globals.get("__name__")))
+
+
+def _is_of_library(module: str) -> bool:
+    return module.partition(".")[0] in _LIBRARIES
 
 
 @click.group(
@@ -58,6 +98,4 @@ def app(context: click.Context) -> None:
 
 def main() -> None:
     """Run the command; one line on stderr and an exit code for whatever goes wrong."""
-    from granulab.errors import InputError
-
     run_app(app, "calibrate", InputError)

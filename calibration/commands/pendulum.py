@@ -1,19 +1,15 @@
 """The command that reads restitution off things that swing on strings and collide: pendulum."""
 
-import json
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from calibration.commands.film_options import Box, fps_option, roi_option
 from calibration.commands.options import into_options, sheets_option
+from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 from granulab.contact.files.units import to_si
 from granulab.errors import InputError
-
-if TYPE_CHECKING:
-    from calibration.commands.options import Into
 
 
 @click.command(short_help="Restitution of two blocks on strings, or a ball and a wall")
@@ -28,7 +24,7 @@ if TYPE_CHECKING:
 @json_option
 def command(
     file: str, fps: float | None, roi: Box | None, track: tuple[str, ...], masses: str | None,
-    out: Path | None, into: "Into | None", quiet: bool, as_json: bool,
+    out: Path | None, into: Into | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution of two blocks on strings (eq. 3.6), or of a ball on a string against a wall.
 
@@ -38,18 +34,16 @@ def command(
     For example: calibrate pendulum blocks.mp4 --out sheets
     """
     from calibration.pendulum.measure import measure_pendulum
-    from calibration.pendulum.statement import as_json as object_of
-    from calibration.pendulum.statement import as_text
     from granulab.campaign.cli.terminal import Progress
 
     with Progress(Path(file).name, quiet) as progress:
         found = measure_pendulum(
-            file, fps=fps, tracks=track, roi=roi, masses=_masses(masses), out=out,
-            progress=progress.update,
+            file, fps=fps, tracks=track, roi=roi, masses=_masses(masses), progress=progress.update,
         )  # fmt: skip
-    if into is not None:
-        into.put("restitution", found.restitution, method="pendulum", files=[file])
-    click.echo(json.dumps(object_of(found), indent=2) if as_json else as_text(found))
+    finish(
+        found, as_json=as_json, quiet=quiet, out=out, name=f"pendulum-{found.things.name}",
+        into=into, measured=[file],
+    )  # fmt: skip
 
 
 def _masses(text: str | None) -> tuple[float, float] | None:

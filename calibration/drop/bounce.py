@@ -15,9 +15,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from calibration.drop.parabolas import Flights, fit
-from calibration.drop.rebound import (
+from calibration.drop.parabolas import (
+    Flights,
     contact_times,
+    fit,
     from_heights,
     from_times,
     from_velocities,

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from calibration.drop.choice import the_one_that_bounces
@@ -9,9 +10,9 @@ from calibration.drop.drag import with_drag
 from calibration.drop.fall import with_free_fall
 from calibration.drop.result import Drop
 from calibration.files.track_table import read_tracks
+from calibration.result import draw
 from calibration.statistics.quantity import metres_per_pixel
-from calibration.tracking.film.rate import said_rate
-from calibration.tracking.film.reader import Told, is_film, open_film
+from calibration.tracking.film.reader import Told, is_film, is_pattern, open_film, said_rate
 from calibration.tracking.track import Track
 from granulab.errors import InputError
 
@@ -38,7 +39,7 @@ def measure_drop(
     roi         x, y, width, height of the part of a film to look at [px]
     hint        frame, x, y [px] of the thing in a film
     progress    told the share of a film that is read, and a few words
-    out         folder for the sheet and the annotated film
+    out         folder for the diagnostic figure and the annotated film
 
     Raises InputError, one line, for what cannot be measured.
     """
@@ -52,8 +53,6 @@ def measure_drop(
     drop = with_free_fall(found, fps, found.track.scale if length is None else length, header)
     if out is None:
         return drop
-    from calibration.drop.pictures import with_pictures
-
     return with_pictures(drop, source, Path(out), progress)
 
 
@@ -85,3 +84,33 @@ def _tracks(
 
     film = open_film(source)
     return follow(film, roi=roi, hint=hint, progress=progress), film.rate
+
+
+def with_pictures(
+    drop: Drop,
+    source: str | Path | Track | Sequence[Track],
+    folder: Path,
+    progress: Told | None = None,
+) -> Drop:
+    """The drop test with `sheet`, drop-NAME.png, and `film`, drop-NAME.mp4, where it was filmed.
+
+    Raises FolderError where they cannot be written.
+    """
+    if not isinstance(source, str | Path):
+        drop = replace(drop, name=drop.bounces.track.name or "track")
+    else:
+        drop = replace(drop, name=_name(Path(source)))
+    if isinstance(source, str | Path) and is_film(source):
+        from calibration.drop.annotate import annotate
+
+        film, pictures = annotate(
+            drop, open_film(source), folder / f"drop-{drop.name}.mp4", progress
+        )
+        drop = replace(drop, film=film, pictures=tuple(pictures))
+    return replace(drop, sheet=draw(drop, folder / f"drop-{drop.name}.png"))
+
+
+def _name(path: Path) -> str:
+    """A film's own name; of pictures "im*.png" that of their folder."""
+    named = path.parent if is_pattern(path) else path
+    return named.resolve().stem

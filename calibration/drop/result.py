@@ -2,12 +2,18 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from calibration.drop.bounce import Bounces
+from calibration.result import Parameter
 from calibration.statistics.uncertainty import Estimate, as_pair, through
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from calibration.drop.annotate import Still
 
 
 @dataclass(frozen=True)
@@ -19,7 +25,9 @@ class Drop:
     scale         m per unit of the track; sigma 0 where it was given
     gravity       from free fall, where scale and rate are both known [m/s2]
     remarks       on the time base
-    sheet, film   the picture and the annotated film, where they were asked for
+    name          of the film or table, for the diagnostic figure
+    pictures      of the film, with what was measured drawn in; see calibration.drop.annotate
+    sheet, film   the diagnostic figure and the annotated film, where they were asked for
     """
 
     bounces: Bounces
@@ -29,6 +37,8 @@ class Drop:
     gravity: Estimate | None
     remarks: tuple[str, ...]
     warnings: tuple[str, ...]
+    name: str = ""
+    pictures: tuple["Still", ...] = ()
     sheet: Path | None = None
     film: Path | None = None
 
@@ -55,7 +65,7 @@ class Drop:
             start = float(stamps[0]) * stamped / self.rate.value
         return start + (clock - self.bounces.track.clock[0]) / self.rate.value
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The object that `calibrate drop --json` prints; None where a value does not exist."""
         found = self.bounces
         return {
@@ -89,8 +99,6 @@ class Drop:
             "residual_sigma_px": found.flights.sigma,
             "track": found.track.name,
             "warnings": list(self.warnings),
-            "sheet": None if self.sheet is None else str(self.sheet),
-            "annotated_film": None if self.film is None else str(self.film),
         }
 
     def _contact_times(self) -> list[float] | None:
@@ -128,6 +136,70 @@ class Drop:
         seen = Estimate(value, sigma, 1)
         return through(lambda v, f, s: v * f * s, seen, self.rate, self.scale)
 
+    def text(self) -> str:
+        """Restitution, each bounce, and the time base, scale and rate that were used."""
+        found = self.bounces
+        one = {
+            True: f"one number describes the clip (p = {found.p or 0:.2g})",
+            False: f"one number does not describe the clip (p = {found.p or 0:.2g})",
+            None: "one value: nothing to compare it with",
+        }[found.constant_within_noise]
+        lines = [
+            f"restitution {_with(self.restitution, '')} from {found.method}; {one}",
+            *_bounces(self),
+        ]
+        if found.exponent is not None:
+            lines.append(f"restitution ~ speed^n, n = {_with(found.exponent, '')}")
+        a, sigma = found.flights.acceleration
+        lines.append(f"acceleration {abs(a):.5g} +- {sigma:.2g} per frame^2, y counts "
+                     f"{'downwards' if a > 0 else 'upwards'}")  # fmt: skip
+        lines += [
+            f"rate   {_with(self.rate, 'frames/s')}",
+            f"scale  {_with(self.scale, 'm per unit of y')}",
+            f"g      {_with(self.gravity, 'm/s2')}",
+            f"plate  moves by {_with(found.drift, '')} from the first contact to the last",
+        ]
+        lines += [f"time base: {remark}" for remark in self.remarks]
+        lines += [f"warning: {warning}" for warning in self.warnings]
+        return "\n".join(lines)
+
+    def parameters(self) -> dict[str, Parameter]:
+        """The pooled restitution."""
+        return {"restitution": Parameter(self.restitution, "drop test")}
+
+    def figure(self) -> "Figure":
+        """Track, parabolas, residuals, restitution against speed, pictures of the film."""
+        from calibration.drop.figure import draw_figure
+
+        return draw_figure(self)
+
 
 def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def _bounces(drop: "Drop") -> list[str]:
+    found = drop.bounces
+    lines = [
+        f"{'frame':>9} {'from times':>16} {'from velocities':>16} {'from heights':>16} "
+        f"{'impact speed':>12}"
+    ]
+    for k, (clock, _) in enumerate(found.contacts):
+        ways = [found.times[k], found.velocities[k], found.heights[k]]
+        cells = [f"{e:.4f} +- {s:.1g}" if np.isfinite(e) else "-" for e, s in ways]
+        speed = drop.speed(k)
+        cells.append(f"{speed.value:.3f} m/s" if speed else "-")
+        lines.append(
+            f"{drop.frame(clock):9.2f} "
+            + " ".join(f"{cell:>16}" for cell in cells[:3])
+            + f" {cells[3]:>12}"
+        )
+    return lines
+
+
+def _with(known: "Estimate | None", unit: str) -> str:
+    """A value with its sigma and unit; "not known" for none."""
+    if known is None:
+        return "not known"
+    sigma = f" +- {known.sigma:.2g}" if known.sigma else ""
+    return f"{known.value:.5g}{sigma} {unit}".rstrip()

@@ -14,8 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from calibration.files.shared_file import alone, write
-from calibration.files.toml_edit import inline, with_entry
+from calibration.files.toml_edit import alone, inline, with_entry, write
 from calibration.statistics.uncertainty import Estimate
 from granulab.contact.files.datafile import read_toml
 from granulab.contact.files.schema import SCHEMA, LinearTable, MaterialTable, PairTable, lacking

@@ -1,12 +1,23 @@
-"""One entry of a TOML text changed or added; every other character stays as it was."""
+"""One entry of a TOML file changed or added; every other character stays as it was.
 
-from collections.abc import Mapping
+Several commands may edit a file: one at a time, and whole or not at all.
+"""
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from difflib import SequenceMatcher
+from pathlib import Path
 from typing import Any
 
 import tomlkit
 from tomlkit.container import OutOfOrderTableProxy
 from tomlkit.items import InlineTable, Table
+
+from granulab.campaign.runs.folder import FolderError, write_atomic
+from granulab.errors import InputError
+
+_LONGEST_WAIT = 60.0  # for another writer, who needs milliseconds [s]
 
 
 def with_entry(text: str, section: list[str], key: str, entry: Mapping[str, Any]) -> str:
@@ -90,3 +101,43 @@ def _add_after_last(table: Any, key: str, written: str) -> None:
     trail = last.trivia.trail
     line = f"{last.trivia.indent if plain else ''}{key} = {written}\n"
     last.trivia.trail = f"{trail}{line}" if trail.endswith("\n") else f"{trail}\n{line}"
+
+
+@contextmanager
+def alone(path: Path) -> Iterator[None]:
+    """Keep other writers off a file; remove what a killed one left beside it.
+
+    Raises InputError where one holds it for a minute, or the folder cannot be written.
+    """
+    from filelock import FileLock, Timeout
+
+    file = path.resolve()  # a link's target: the file has one lock, whatever it is called
+    try:
+        # The system's own lock: it ends with its process.
+        with FileLock(file.with_name(f".{file.name}.lock"), timeout=_LONGEST_WAIT):
+            for leftover in file.parent.glob(f".{file.name}.*.tmp"):
+                leftover.unlink(missing_ok=True)
+            yield
+    except Timeout:
+        raise InputError(f"{path}: another command is writing it; try again") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def write(path: Path, text: str) -> None:
+    """Write a file, or what a link points at; it keeps its rights.
+
+    At any moment, also after kill -9, it is the old one or the new one. Raises InputError where
+    it cannot be written, or is write-protected.
+    """
+    file = path.resolve()
+    mode = file.stat().st_mode if file.exists() else None
+    # The new file takes the old one's name, for which the folder's rights would do.
+    if mode is not None and not (mode & 0o222 and os.access(file, os.W_OK)):
+        raise InputError(f"{path}: is write-protected; chmod u+w {path}, or name another file")
+    try:
+        write_atomic(file, text)
+    except FolderError as error:
+        raise InputError(str(error)) from None
+    if mode is not None:
+        file.chmod(mode)

@@ -20,9 +20,7 @@ from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, survey,
 from calibration.statistics.quantity import metres_per_pixel
 from calibration.statistics.robust import MEDIAN_TO_SIGMA
 from calibration.statistics.uncertainty import Estimate
-from calibration.tracking.film.rate import frame_rate
-from calibration.tracking.film.reader import open_film
-from calibration.tracking.film.region import inside
+from calibration.tracking.film.reader import frame_rate, inside, open_film
 from granulab.campaign.output.figure import BLUE, GREEN, INK, VERMILION, headline, write_figure
 from granulab.errors import InputError
 

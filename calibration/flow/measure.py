@@ -7,8 +7,7 @@ from calibration.flow.result import Flow
 from calibration.flow.silo import Settings, check_said, find_silo
 from calibration.flow.survey import survey
 from calibration.flow.watch import Watch
-from calibration.tracking.film.rate import frame_rate
-from calibration.tracking.film.reader import open_film
+from calibration.tracking.film.reader import frame_rate, open_film
 from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 

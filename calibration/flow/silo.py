@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from calibration.flow.survey import CLEAR, Survey, find_tones, to_grey
 from calibration.statistics.quantity import measured_quantity, metres_per_pixel
 from calibration.statistics.uncertainty import Estimate
-from calibration.tracking.film.reader import Film
-from calibration.tracking.film.region import inside
+from calibration.tracking.film.reader import Film, inside
 from granulab.errors import InputError
 
 COLUMNS = 11  # two grains wide each in the paper's silo

@@ -1,63 +1,19 @@
 """A signal with impacts to their times and the restitution, with what has to be said about it."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibration.files.signals import Signal, read_signal
-from calibration.impacts.chance import doubt
-from calibration.impacts.onset import edge_of
-from calibration.impacts.power import onsets_of
+from calibration.impacts.onset import edge_of, onsets_of, with_shape
 from calibration.impacts.ratios import Restitution, first_restitution, restitution
+from calibration.impacts.result import Impacts
 from calibration.impacts.search import RISE, WINDOW, Search, search
-from calibration.impacts.sequence import bouncing
-from calibration.impacts.shape import with_shape
+from calibration.impacts.sequence import bouncing, doubt
 from granulab.errors import InputError
 
 _MOST_LISTED = 6  # events that a warning names
-
-
-@dataclass(frozen=True)
-class Impacts:
-    """What a signal says.
-
-    times_s, sigmas_s   (n,) of the impacts, and their standard uncertainty
-    rejected_times_s    events that are no impacts of the row: echoes, ringing, knocks
-    first_restitution   from the drop height and the first flight; None without a height
-    """
-
-    signal: Signal
-    search: Search
-    times_s: NDArray[np.float64]
-    sigmas_s: NDArray[np.float64]
-    rejected_times_s: tuple[float, ...]
-    restitution: Restitution
-    first_restitution: float | None
-    warnings: tuple[str, ...]
-
-    def as_json(self) -> dict[str, object]:
-        """The object that --json prints."""
-        found = self.restitution
-        return {
-            "impact_times_s": self.times_s.tolist(),
-            "impact_sigmas_s": self.sigmas_s.tolist(),
-            "flights_s": np.diff(self.times_s).tolist(),
-            "restitution": {
-                "value": found.value,
-                "sigma": found.sigma,
-                "per_pair": list(found.per_pair),
-                "per_pair_sigma": list(found.per_pair_sigma),
-                "impact_speeds_m_s": list(found.impact_speeds_m_s),
-                "constant_within_noise": found.constant_within_noise,
-                "p": found.p,
-            },
-            "first_restitution": self.first_restitution,
-            "rejected_times_s": list(self.rejected_times_s),
-            "rate_hz": self.signal.rate,
-            "warnings": list(self.warnings),
-        }
 
 
 def measure_impacts(

@@ -1,4 +1,4 @@
-"""When an impact begins, to a part of a sample, and how well that is known from the noise.
+"""Onsets of impacts, to a part of a sample, and how well they are known from the noise.
 
 A contact force, and what it sets ringing, begins at zero and rises to its first peak. Onset t0 and
 rise r are fitted to the samples up to that peak, by least squares,
@@ -6,15 +6,27 @@ rise r are fitted to the samples up to that peak, by least squares,
     x(t) = b + A sin^p(pi/2 (t - t0)/r)  after t0,      x(t) = b  before.
 
 p = 1 is exact for a linear spring (a half sine) and for a tone; force goes with overlap^(3/2) in a
-Hertz contact, so that p is about 3/2 there. It is common to all impacts (impacts.power).
-What else the true shape adds to t0 goes with r; where r is the same for all impacts, it does not
-enter the intervals. calibration.impacts.shape looks whether they have the same shape. Where the
-rise takes fewer samples than the fit has unknowns, the onset is only known to lie between two
-samples.
+Hertz contact, so that p is about 3/2 there. What else the true shape adds to t0 goes with r; where
+r is the same for all impacts, it does not enter the intervals. Where the rise takes fewer samples
+than the fit has unknowns, the onset is only known to lie between two samples.
+
+The power p is common to all impacts. A pulse that is not a half sine begins earlier or later than
+one fitted to it, by a part of its rise. Contacts that get stiffer with overlap rise slower at lower
+speed (Hertz: as v^(-1/5)), and the flights in between would be off by what their two rises differ.
+The power is therefore fitted to all edges together, and what remains unknown of it is carried to
+the onsets' uncertainty.
+
+Shapes are compared at last. Each impact's first swing is laid over the mean of the others, in parts
+of its own rise and of its first peak, and shifted, stretched and scaled until they agree best
+(contacts may get softer at lower speed). Where onsets and shapes agree, the shifts are no larger
+than the noise explains. Where they are larger, the impacts have different shapes (sound that takes
+another way, a ball that lands on another spot), and the scatter of the shifts is added to every
+uncertainty.
 """
 
 import warnings
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +34,11 @@ from numpy.typing import ArrayLike, NDArray
 _FIRST_PEAK = 0.25  # of the largest sample of the impact: what counts as its first peak
 _CLEAR = 5.0  # standard deviations of the noise, over which a sample is not noise
 _LEAST_RISE = 3  # samples of a rise that can be fitted: A, t0, r
+# A dashpot's force sets in at once (power 0); one that sets in smoothly, through a filter, rises
+# with a square; a linear spring has 1, a Hertz contact 3/2.
+_POWERS = (0.5, 2.0)
+_ROUNDS = 6
+_ALIKE = 0.05  # chance of shifts as large as these, below which the shapes are not alike
 
 
 @dataclass(frozen=True)
@@ -150,3 +167,116 @@ def _between(edge: Edge) -> Onset:
     width = 1.0 + hidden
     time = edge.first - 0.5 * width
     return Onset(edge, edge.begin + time, float(width / np.sqrt(12.0)), edge.peak - time, None)
+
+
+def onsets_of(edges: Sequence[Edge]) -> list[Onset]:
+    """Onsets with the power that fits all edges best, and their uncertainty."""
+    from scipy.optimize import minimize_scalar
+
+    found = [onset(edge, 1.0) for edge in edges]
+    clear = [k for k, one in enumerate(found) if one.fit is not None]
+    if len(clear) < 2:
+        return found
+    best = minimize_scalar(
+        lambda power: sum(_misfit(edges[k], power) for k in clear),
+        bounds=_POWERS, method="bounded", options={"xatol": 1e-3},
+    )  # fmt: skip
+    found = [onset(edge, float(best.x)) for edge in edges]
+    return _with_power(found, float(best.x))
+
+
+def _misfit(edge: Edge, power: float) -> float:
+    """Chi-squared of an edge's best fit."""
+    one = onset(edge, power)
+    t, y = edge.rising()
+    model = np.zeros_like(y) if one.fit is None else rising(t, one.fit, power)
+    return float((((y - model) / edge.noise) ** 2).sum())
+
+
+def _with_power(found: Sequence[Onset], power: float) -> list[Onset]:
+    """The same with the power's uncertainty, as far as it moves onsets against one another."""
+    slopes = {k: _slopes(one, power) for k, one in enumerate(found) if one.fit is not None}
+    if not slopes:
+        return list(found)
+    information = sum(known for _, known in slopes.values())
+    even = (_POWERS[1] - _POWERS[0]) / np.sqrt(12.0)  # of a power that nothing tells
+    sigma = min(even, information**-0.5) if information > 0 else even
+    mean = float(np.mean([moved for moved, _ in slopes.values()]))
+    return [
+        replace(one, sigma=float(np.hypot(one.sigma, sigma * (slopes[k][0] - mean))))
+        if k in slopes
+        else one
+        for k, one in enumerate(found)
+    ]
+
+
+def _slopes(one: Onset, power: float) -> tuple[float, float]:
+    """Samples by which an onset moves with the power, and what its edge tells of the power."""
+    from scipy.optimize import approx_fprime
+
+    t, _ = one.edge.rising()
+    at = np.append(np.asarray(one.fit), power)
+    jacobian: NDArray[np.float64] = approx_fprime(at, lambda p: rising(t, p[:4], p[4]))
+    moved, *_ = np.linalg.lstsq(jacobian[:, :4], jacobian[:, 4], rcond=None)
+    left = jacobian[:, 4] - jacobian[:, :4] @ moved
+    return -float(moved[2]), float((left / one.edge.noise) @ (left / one.edge.noise))
+
+
+def with_shape(x: NDArray[np.float64], onsets: Sequence[Onset]) -> NDArray[np.float64]:
+    """The sigma (m,) of each onset in samples: noise, and what the shapes differ beyond it."""
+    from scipy.stats import chi2
+
+    noise = np.array([one.sigma for one in onsets])
+    if len(onsets) < 3:
+        return noise
+    shifts, errors = _shifts(x, onsets)
+    variance = noise**2 + errors**2
+    mean = np.average(shifts, weights=1.0 / variance)
+    if chi2.sf(((shifts - mean) ** 2 / variance).sum(), len(shifts) - 1) >= _ALIKE:
+        return noise
+    excess = max(0.0, float(shifts.var(ddof=1) - variance.mean()))
+    return np.hypot(noise, np.sqrt(excess))
+
+
+def _shifts(
+    x: NDArray[np.float64], onsets: Sequence[Onset]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far each impact lies behind the mean of the others (m,), and the noise in that."""
+    rise = max(_LEAST_RISE, float(np.median([one.rise for one in onsets])))
+    u = np.arange(-1.0, 2.0, max(0.25 / rise, 0.01))  # in rises
+    swings = np.array([_swing(x, one, u, 0.0, 1.0) for one in onsets])
+    shifts, errors = np.zeros(len(onsets)), np.zeros(len(onsets))
+    for k, one in enumerate(onsets):
+        others = np.delete(swings, k, axis=0).mean(axis=0)
+        shifts[k], errors[k] = _laid_over(x, one, u, others)
+    return shifts, errors
+
+
+def _laid_over(
+    x: NDArray[np.float64], one: Onset, u: NDArray[np.float64], others: NDArray[np.float64]
+) -> tuple[float, float]:
+    """Shift in samples of an impact over the others' mean (k,), with a stretch and a height."""
+    slope = np.gradient(others, u)
+    columns = np.column_stack([slope, u * slope, others])
+    inverse = np.linalg.pinv(columns)
+    shift, stretch, height = 0.0, 1.0, 1.0
+    for _ in range(_ROUNDS):  # Gauss and Newton
+        apart = others - _swing(x, one, u, shift, stretch) / height
+        behind, wider, lower = inverse @ apart
+        shift = float(np.clip(shift + behind, -1.0, 1.0))
+        stretch = float(np.clip(stretch + wider, 0.5, 2.0))
+        height = float(np.clip(height - lower, 0.5, 2.0))
+    step = (u[1] - u[0]) * one.rise  # samples, fewer than one: noise repeats
+    error = abs(one.edge.noise / one.edge.height) * np.sqrt((inverse[0] ** 2).sum() / step)
+    return shift * one.rise, float(error) * one.rise
+
+
+def _swing(
+    x: NDArray[np.float64], one: Onset, u: NDArray[np.float64], shift: float, stretch: float
+) -> NDArray[np.float64]:
+    """An impact at u (k,) rises from its onset, shifted and stretched, over its first peak."""
+    t = one.time + one.rise * (shift + stretch * u)
+    begin, end = int(np.clip(t[0] - 1, 0, len(x) - 1)), int(np.clip(t[-1] + 2, 1, len(x)))
+    samples = np.interp(t, np.arange(begin, end), x[begin:end])
+    base = one.edge.base[one.edge.peak]
+    return np.asarray((samples - base) / one.edge.height)

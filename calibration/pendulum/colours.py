@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.tracking.camera_motion import CameraMotion, lasting_motion, offsets, scaled
-from calibration.tracking.film.reader import Film, Picture, Told
-from calibration.tracking.film.region import Region
+from calibration.tracking.film.reader import Film, Picture, Region, Told
 from calibration.tracking.film.stamps import clean_stamps
 from calibration.tracking.track import Array, Track
 from granulab.errors import InputError

@@ -9,10 +9,11 @@ import numpy as np
 from calibration.pendulum.arc import Arc, arc_through, planar
 from calibration.pendulum.collisions import collide
 from calibration.pendulum.contacts import Swings, found_swings
-from calibration.pendulum.doubts import doubts
 from calibration.pendulum.fit import Seen, fit
+from calibration.pendulum.objects import Things, things_in
 from calibration.pendulum.result import Pendulum
-from calibration.pendulum.things import Things, things_in
+from calibration.pendulum.warnings import doubts
+from calibration.result import draw
 from calibration.statistics.correlated import pool
 from calibration.tracking.film.reader import Told
 from calibration.tracking.segments import noise
@@ -39,7 +40,7 @@ def measure_pendulum(
     tracks    names of the one or two tracks wanted, where more things move
     roi       x, y, width, height of the part of a film to look at [px]
     masses    of the left and the right thing [kg]; their ratio is checked by momentum
-    out       folder for the sheet
+    out       folder for the diagnostic figure
 
     Raises InputError, one line, for what cannot be measured.
     """
@@ -56,9 +57,7 @@ def measure_pendulum(
     pendulum = replace(pendulum, warnings=tuple(doubts(pendulum)))
     if out is None:
         return pendulum
-    from calibration.pendulum.sheet import draw_sheet
-
-    return replace(pendulum, sheet=draw_sheet(pendulum, Path(out), things.name))
+    return replace(pendulum, sheet=draw(pendulum, Path(out) / f"pendulum-{things.name}.png"))
 
 
 def _refuse_impossible(found: Pendulum) -> None:

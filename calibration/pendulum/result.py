@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,10 +12,14 @@ from calibration.pendulum.collisions import Collisions
 from calibration.pendulum.contacts import Swings
 from calibration.pendulum.fit import Fit, rests, starts
 from calibration.pendulum.motion import across, amplitude, root_of_height
-from calibration.pendulum.things import Things
+from calibration.pendulum.objects import Things
+from calibration.result import Parameter
 from calibration.statistics.correlated import CHANCE
-from calibration.statistics.uncertainty import Estimate
+from calibration.statistics.uncertainty import Estimate, as_pair
 from calibration.tracking.track import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -104,3 +109,158 @@ class Pendulum:
         omega, sigma = self.fitted.law.omega, float(np.sqrt(self.fitted.covariance[0, 0]))
         length = STANDARD_GRAVITY.value / (omega * self.things.rate) ** 2
         return Estimate(length, 2 * length * sigma / omega, 1)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object that `calibrate pendulum --json` prints; None where a value does not exist."""
+        hit, damping, things = self.collisions, self.damped.damping, self.things
+        assert damping.sigma is not None
+        length, heights = self.length_m(), self.heights()
+        before, after = self.amplitudes()
+        seen = self.from_amplitudes()
+        return {
+            "restitution": {
+                "value": self.pooled.value,
+                "sigma": self.pooled.sigma,
+                "per_collision": hit.restitution.tolist(),
+                "per_collision_sigma": np.sqrt(np.diag(hit.covariance)).tolist(),
+                "from_heights": hit.from_heights[:, 0].tolist(),
+                "from_heights_sigma": hit.from_heights[:, 1].tolist(),
+                "from_amplitudes": None if seen is None else seen.tolist(),
+                "constant_within_noise": self.constant_within_noise,
+                "p": self.p,
+            },
+            "contact_frames": [self.frame(time) for time in self.times[:, 0]],
+            "contact_frames_sigma": self.times[:, 1].tolist(),
+            "contact_times_s": _seconds(self),
+            "amplitudes": _each(after),
+            "amplitudes_before": _each(before),
+            "heights": None if heights is None else _each(heights[1]),
+            "heights_before": None if heights is None else _each(heights[0]),
+            "unit": things.unit,
+            "planar": self.planar,
+            "coordinate": "angle" if self.fitted.seen.angles else "x",
+            "string_length": _best([one.length for one in self.arcs if one.known]),
+            "string_length_m": None if length is None else length.value,
+            "period_frames": 2 * np.pi / self.fitted.law.omega,
+            "damping": {
+                "per_frame": damping.value,
+                "sigma": damping.sigma,
+                "loss_between_contacts": _loss(self),
+                "taken_off": self.fitted is self.damped,
+            },
+            "mass_ratio": None if hit.mass_ratio is None else hit.mass_ratio[0],
+            "mass_ratio_sigma": None if hit.mass_ratio is None else hit.mass_ratio[1],
+            "things": "ball and wall" if len(self.arcs) == 1 else "two blocks",
+            "tracks": [one.name for one in things.tracks],
+            "fps_header": things.rate_header,
+            "fps_used": things.rate,
+            "time_base": {
+                "duplicated_frames": list(things.repeated),
+                "remark": "; ".join(things.time_remarks) or "even",
+            },
+            "warnings": list(self.warnings),
+        }
+
+    def text(self) -> str:
+        """Restitution, each contact, and what it was found from."""
+        one = {
+            True: f"one number describes the clip (p = {self.p or 0:.2g})",
+            False: f"one number does not describe the clip (p = {self.p or 0:.2g})",
+            None: "one value: nothing to compare it with",
+        }[self.constant_within_noise]
+        what = "a ball against a wall" if len(self.arcs) == 1 else "two blocks"
+        rate = self.things.rate
+        lines = [
+            f"restitution {self.pooled.value:.4f} +- {self.pooled.sigma:.2g}, {what}; {one}",
+            *_contacts(self),
+            f"plane   {_plane(self)}",
+            f"string  {_string(self)}",
+            f"air     {_air(self)}",
+            f"rate    {'not known' if rate is None else f'{rate:.5g} frames/s'}",
+        ]
+        if self.collisions.mass_ratio is not None:
+            value, sigma = self.collisions.mass_ratio
+            lines.append(f"masses  right over left {value:.4g} +- {sigma:.1g}, by momentum")
+        lines += [f"time base: {remark}" for remark in self.things.time_remarks]
+        lines += [f"warning: {warning}" for warning in self.warnings]
+        return "\n".join(lines)
+
+    def parameters(self) -> dict[str, Parameter]:
+        """The pooled restitution."""
+        return {"restitution": Parameter(self.pooled, "pendulum")}
+
+    def figure(self) -> "Figure":
+        """Swings, residuals, arcs, restitution."""
+        from calibration.pendulum.figure import draw_figure
+
+        return draw_figure(self)
+
+
+def _contacts(found: Pendulum) -> list[str]:
+    hit, (before, after) = found.collisions, found.amplitudes()
+    unit = found.things.unit
+    lines = [
+        f"{'frame':>16} {'restitution':>18} {'from heights':>18} "
+        f"{f'amplitudes [{unit}], before -> after':>36}"
+    ]
+    own = np.sqrt(np.diag(hit.covariance))
+    for k, (time, sigma) in enumerate(found.times):
+        turns = [" and ".join(f"{a:.4g}" for a in one[:, k]) for one in (before, after)]
+        lines.append(
+            f"{f'{found.frame(time):.2f} +- {sigma:.1g}':>16} "
+            f"{f'{hit.restitution[k]:.4f} +- {own[k]:.1g}':>18} "
+            f"{'{:.4f} +- {:.1g}'.format(*hit.from_heights[k]):>18} {' -> '.join(turns):>36}"
+        )
+    return lines
+
+
+def _plane(found: Pendulum) -> str:
+    return {
+        True: "the paths are arcs: heights are known, angles are used",
+        False: "not planar: x is used",
+        None: "the paths look straight: x is used, swings are taken to be isochronous",
+    }[found.planar]
+
+
+def _string(found: Pendulum) -> str:
+    unit, length = found.things.unit, found.length_m()
+    known = [
+        f"{one.length.value:.4g} +- {one.length.sigma:.2g} {unit}"
+        for one in found.arcs
+        if one.known
+    ]
+    metres = [] if length is None else [f"{length.value:.4g} m by its period"]
+    period = 2 * np.pi / found.fitted.law.omega
+    return "; ".join([*known, *metres, f"period {period:.5g} frames"])
+
+
+def _air(found: Pendulum) -> str:
+    used = "taken off" if found.fitted is found.damped else "not taken off"
+    return f"{100 * _loss(found):.2g} % of the speed from contact to contact, {used}"
+
+
+def _loss(found: Pendulum) -> float:
+    """Share of the amplitude that a swing loses to the air between contacts."""
+    times = found.times[:, 0]
+    swing = float(np.median(np.diff(times))) if len(times) > 1 else np.pi / found.fitted.law.omega
+    return float(-np.expm1(-found.damped.damping.value * swing))
+
+
+def _each(values: Array) -> list[Any]:
+    """Of each contact: a number for a ball, [left, right] for two blocks."""
+    return list(values[0].tolist() if len(values) == 1 else values.T.tolist())
+
+
+def _best(known: list[Any]) -> dict[str, float | None] | None:
+    return as_pair(min(known, key=lambda one: one.sigma, default=None))
+
+
+def _seconds(found: Pendulum) -> list[float] | None:
+    things = found.things
+    if things.rate is None:
+        return None
+    stamps = things.tracks[0].time
+    start = things.t[0] / things.rate
+    if stamps is not None and things.rate == things.rate_header:
+        start = float(stamps[0])
+    return [start + (time - things.t[0]) / things.rate for time in found.times[:, 0]]

@@ -12,12 +12,13 @@ cycles' own irregularity in it, and from that of phi.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.shaker.shaken import BLOCKS, Record
+from calibration.shaker.record import BLOCKS, Record
+from calibration.shaker.result import Dissipation, Tone
 from calibration.statistics.uncertainty import Estimate
 from granulab.errors import InputError
 
@@ -25,41 +26,6 @@ GRAVITY = 9.81  # [m/s2]
 _SAME = 0.01  # of a frequency: how far that of the empty enclosure may be from it
 _COUNTS = 1e-3  # of the power: a tone that could carry more is missed
 _KNOWN_PHASE = 0.1  # [rad] sigma above which the empty enclosure's tone is lost in noise
-
-
-@dataclass(frozen=True)
-class Tone:
-    """One line of the sum: amplitudes, the phase error taken off, its power.
-
-    phase_error_sigma and sigma_w are None where no record of the empty enclosure tells the error.
-    efficiency of a tone that is shaken: P_k/f_k over 4 V_k^2 M (eqs 7.8, 6.10); None for harmonics,
-    whose motion is an accident, and without a particle mass.
-    """
-
-    frequency_hz: float
-    force_n: float
-    acceleration_m_s2: float
-    phase_error_rad: float
-    phase_error_sigma: float | None
-    power_w: float
-    reactive_power_w: float
-    sigma_w: float | None
-    efficiency: float | None = None
-    efficiency_sigma: float | None = None
-
-
-@dataclass(frozen=True)
-class Dissipation:
-    """The answer: gamma is A_1/g; efficiency None without a particle mass or for several tones."""
-
-    frequency_hz: float
-    gamma: float
-    power: Estimate  # [W]
-    energy_per_cycle: Estimate  # [J]
-    efficiency: Estimate | None
-    enclosure_mass_kg: float | None
-    tones: tuple[Tone, ...]
-    warnings: tuple[str, ...]
 
 
 def dissipation(
@@ -187,6 +153,7 @@ def _with_cycle(
         float(np.mean(own)) if own else None,
         tuple(tones),
         tuple(warnings),
+        loaded,
     )
 
 

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from calibration import measure_drop
-from calibration.tracking.film.annotate import annotate
-from calibration.tracking.film.labels import scale_bar, with_sigma
-from calibration.tracking.film.marks import Marks
+from calibration.drop.annotate import Marks, annotate, scale_bar, with_sigma
 from calibration.tracking.film.reader import Frame, open_film
 from granulab.campaign.output.figure import ORANGE, VERMILION
 from granulab.campaign.output.film import rgb

@@ -173,7 +173,7 @@ def test_free_fall_gives_scale_or_rate_and_checks_both():
     slow = measure_drop(made.track, scale=scale, fps=120)  # a header that says half the rate
     assert any("240" in line for line in slow.warnings)
     neither = measure_drop(made.track)
-    assert neither.as_json()["contact_times_s"] is None
+    assert neither.to_dict()["contact_times_s"] is None
     assert neither.speed(0) is None
 
 

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from calibration.tracking.parts import filled, largest, outlines, pixels_within
+from calibration.tracking.blobs import filled, largest, outlines, pixels_within
 
 
 @pytest.mark.parametrize("seed", range(5))

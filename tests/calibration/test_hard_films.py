@@ -8,8 +8,8 @@ from hard_films import CASES
 from made_tracks import made_track
 
 from calibration.drop.measure import measure_drop
-from calibration.tracking.light import gains, relit
-from calibration.tracking.stillness import shows_motion
+from calibration.tracking.background import gains, relit
+from calibration.tracking.search import shows_motion
 from granulab.errors import InputError
 
 

@@ -12,9 +12,8 @@ from made_signals import Bounces, Room, half_sine, hertz, tone, write_csv, write
 
 from calibration import measure_impacts
 from calibration.commands.main import app
-from calibration.impacts.chance import doubt
 from calibration.impacts.ratios import restitution
-from calibration.impacts.sequence import bouncing
+from calibration.impacts.sequence import bouncing, doubt
 from granulab.errors import InputError
 
 MEDIA = Path(os.environ.get("GRANULAB_MEDIA", Path(__file__).parents[3] / "shared" / "media"))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from calibration import measure_pendulum
-from calibration.pendulum import things
+from calibration.pendulum import objects
 from calibration.rendered import pendulum as rendered
 from calibration.rendered.camera import Camera, write_film
 from calibration.rendered.pendulum import PendulumScene
@@ -114,7 +114,7 @@ def test_where_colours_say_nothing_what_moves_is_followed(tmp_path, monkeypatch)
     def says_nothing(*_, **__):
         raise InputError("no colour is that of something that moves through the film")
 
-    monkeypatch.setattr(things, "by_colour", says_nothing)
+    monkeypatch.setattr(objects, "by_colour", says_nothing)
     path, contacts = film(tmp_path, BALL)
     found = measure_pendulum(path)
     assert agrees(found, BALL)

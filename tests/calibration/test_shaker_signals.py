@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 from calibration.commands.main import app
 from calibration.shaker.measure import dissipation
-from calibration.shaker.shaken import read_record
+from calibration.shaker.record import read_record
 from granulab.errors import InputError
 
 ENCLOSURE, BED = 0.2, 0.03  # [kg]

@@ -50,7 +50,7 @@ def test_the_drop_measures_to_its_truth():
     expected = np.array(truth["contact_frames"][: len(contacts)])
     assert len(contacts) >= 4
     assert np.all(np.abs(contacts - expected) < 4 * drop.bounces.contacts[:, 1] + 0.01)
-    times = drop.as_json()["contact_times_s"]  # as a player counts: the film starts at zero
+    times = drop.to_dict()["contact_times_s"]  # as a player counts: the film starts at zero
     assert times == pytest.approx(truth["contact_times_s"][: len(times)], abs=1e-3)
     assert drop.scale.value == pytest.approx(1e-3, rel=0.01)  # 0.3 % of it is g's own sigma
 

@@ -1,4 +1,7 @@
-"""Frames of a film, one by one: a video file, a folder of pictures, or a pattern of their names."""
+"""Frames of a film, one by one: a video file, a folder of pictures, or a pattern of their names.
+
+Its frame rate, given or of the file, and the part of the picture to look at.
+"""
 
 import os
 import re
@@ -22,6 +25,8 @@ _FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".web
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
 _BAD_IN_A_ROW = 1000  # frames that may be missing before a film is taken to end
+# A second is what falls, swings and discharges last: it takes frames. Cameras reach a million.
+_SLOWEST, _FASTEST = 1.0, 1e6
 
 
 class Frame(NamedTuple):
@@ -179,3 +184,46 @@ def _capture(path: Path) -> Any:
     if not capture.isOpened():
         raise InputError(f"{path}: no film that can be read, or cut off (mp4, avi, mov, pictures)")
     return capture
+
+
+def said_rate(fps: float | None) -> float | None:
+    """--fps, as it is; InputError where no camera has it."""
+    if fps is not None and not _SLOWEST <= fps <= _FASTEST:
+        raise InputError(
+            f"--fps = {fps!r}: frames per second of the camera, from {_SLOWEST:g} to {_FASTEST:g}, "
+            "such as 240"
+        )
+    return fps
+
+
+def frame_rate(film: Film, fps: float | None) -> float:
+    """Frames/s as said, else the file's own; InputError where neither is known."""
+    rate = said_rate(fps) or film.rate
+    if rate is None:
+        raise InputError(f"{film.path}: no frame rate is known; say it: --fps 100")
+    return rate
+
+
+class Region(NamedTuple):
+    """Part of the picture [px]."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+def inside(
+    film: Film, roi: Region | tuple[int, int, int, int] | None, smallest: int = 16
+) -> Region:
+    """The region, or the whole picture; InputError where it is not in it or too small [px]."""
+    if roi is None:
+        return Region(0, 0, film.width, film.height)
+    one = Region(*roi)
+    within = one.x + one.width <= film.width and one.y + one.height <= film.height
+    if min(one.x, one.y) < 0 or min(one.width, one.height) < smallest or not within:
+        raise InputError(
+            f"--roi {','.join(map(str, one))}: x,y,width,height, {smallest} px and more, within "
+            f"the picture of {film.width} x {film.height} px"
+        )
+    return one

@@ -1,6 +1,5 @@
-"""One picture of a pendulum test, to believe it or not: swings, residuals, arcs, restitution."""
+"""The diagnostic figure of a pendulum test: swings, residuals, arcs, restitution."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +17,6 @@ from granulab.campaign.output.figure import (
     ORANGE,
     VERMILION,
     headline,
-    write_figure,
 )
 
 if TYPE_CHECKING:
@@ -30,12 +28,8 @@ _NAMES = ("left", "right")
 _SHOWN = 6  # frames of the film
 
 
-def draw_sheet(found: Pendulum, out: Path, name: str) -> Path:
-    """Write the sheet of a pendulum test called `name` into a folder as a PNG; its path."""
-    return write_figure(out / f"pendulum-{name}.png", lambda: _sheet(found, name))
-
-
-def _sheet(found: Pendulum, name: str) -> "Figure":
+def draw_figure(found: Pendulum) -> "Figure":
+    """Swings, residuals, arcs, restitution, and frames of the film where there is one."""
     from matplotlib.figure import Figure
 
     pictures = _frames(found)
@@ -52,7 +46,7 @@ def _sheet(found: Pendulum, name: str) -> "Figure":
         for k, (number, picture) in enumerate(pictures):
             _frame(figure.add_subplot(row[0, k]), found, number, picture)
     e = found.pooled
-    words = f"{name}: restitution {e.value:.3f} \N{PLUS-MINUS SIGN} {e.sigma:.3f}"
+    words = f"{found.things.name}: restitution {e.value:.3f} \N{PLUS-MINUS SIGN} {e.sigma:.3f}"
     if found.planar is False:
         words += ", not planar"
     if found.constant_within_noise is False:

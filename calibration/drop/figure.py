@@ -1,14 +1,11 @@
-"""One picture of a drop test, to believe it or not: track, parabolas, residuals, speeds, frames."""
+"""The diagnostic figure of a drop test: track, parabolas, residuals, speeds, frames."""
 
-from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from calibration.drop.annotate import Still, scale_bar, with_sigma
 from calibration.drop.result import Drop
-from calibration.tracking.film.labels import scale_bar, with_sigma
-from calibration.tracking.film.marks import Still
 from granulab.campaign.output.figure import (
     BLUE,
     GREEN,
@@ -17,7 +14,6 @@ from granulab.campaign.output.figure import (
     PAPER,
     VERMILION,
     headline,
-    write_figure,
 )
 
 if TYPE_CHECKING:
@@ -25,17 +21,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def draw_sheet(drop: Drop, path: Path, name: str, pictures: Sequence[Still] = ()) -> Path:
-    """Write the sheet of a drop test called `name` as a PNG; its path.
-
-    pictures   of the film, with what was measured drawn in: see calibration.tracking.film.annotate
-    """
-    return write_figure(path, lambda: _sheet(drop, name, pictures))
-
-
-def _sheet(drop: Drop, name: str, pictures: Sequence[Still]) -> "Figure":
+def draw_figure(drop: Drop) -> "Figure":
+    """Track, parabolas, residuals, restitution against speed, pictures of the film."""
     from matplotlib.figure import Figure
 
+    pictures = drop.pictures
     figure = Figure(figsize=(11, 11.2 if pictures else 7.6), layout="constrained")
     rows = [2.2, 1, 1.8, 2.4] if pictures else [2.2, 1, 1.8]
     grid = figure.add_gridspec(len(rows), 2, height_ratios=rows)
@@ -49,7 +39,7 @@ def _sheet(drop: Drop, name: str, pictures: Sequence[Still]) -> "Figure":
         for k, still in enumerate(pictures):
             _still(figure.add_subplot(row[k]), still, drop if k == 0 else None)
     e = drop.restitution
-    words = f"{name}: restitution {with_sigma(e.value, e.sigma)}"
+    words = f"{drop.name}: restitution {with_sigma(e.value, e.sigma)}"
     if drop.bounces.constant_within_noise is False:
         words += ", not one number for the whole clip"
     headline(figure, words)

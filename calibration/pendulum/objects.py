@@ -1,4 +1,7 @@
-"""The one or two tracks of a clip that are things on strings: read, chosen, on common frames."""
+"""The one or two tracks of a clip that are objects on strings: read, chosen, on common frames.
+
+Frames that repeat the one before are left out, and the time for which the object is held.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -6,21 +9,40 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calibration.files.track_table import read_tracks
-from calibration.pendulum.clock import held_until, repeats
 from calibration.pendulum.colours import by_colour
 from calibration.pendulum.contacts import FEWEST, found_swings
-from calibration.tracking.film.rate import said_rate
-from calibration.tracking.film.reader import Film, Told, is_film, open_film
+from calibration.statistics.repeated import repeated
+from calibration.tracking.film.reader import Film, Told, is_film, open_film, said_rate
 from calibration.tracking.segments import noise
-from calibration.tracking.track import Array, Track
+from calibration.tracking.track import Array, Rows, Track
 from granulab.errors import InputError
 
+_NEAR = 4  # steps on either side that say how fast the thing goes
+_SAME = 0.1  # of the usual step: a picture shown again, within what compression changes
+_STILL = 4  # times the noise: what moves less is held
 _MOST = 4  # tracks that are looked at, of those that go farthest
 _MOVES = 0.05  # of the widest track's range: what moves less is no thing that swings
 _SURE = 5  # sigma by which a velocity must change at a contact
 _UPRIGHT = 2  # times as far along y as along x: no swing, or a film that is turned
+
+
+def repeats(t: Array, gap: Array) -> tuple[Rows, NDArray[np.bool_]]:
+    """Positions that repeat the one before in a swing; and whether the clock ran on in vain."""
+    from scipy.ndimage import median_filter
+
+    step = np.diff(gap)
+    usual = median_filter(step, 2 * _NEAR + 1, mode="nearest")
+    return repeated(step, np.abs(step) < _SAME * np.abs(usual), noise(t, gap))
+
+
+def held_until(t: Array, gap: Array) -> int | None:
+    """The last of the first positions that are one within the noise; None for fewer than three."""
+    off = np.abs(gap - np.median(gap[:3])) > _STILL * noise(t, gap)
+    first = int(np.argmax(off)) if off.any() else 0
+    return first - 1 if first > 3 else None
 
 
 @dataclass(frozen=True)
@@ -107,7 +129,7 @@ def _of_film(
     progress: Told | None,
 ) -> list[Track]:
     """By colour; where no colour is that of what moves (grey on grey), by what moves."""
-    from calibration.tracking.film.region import inside
+    from calibration.tracking.film.reader import inside
     from calibration.tracking.follow import follow
 
     region = inside(film, roi)
