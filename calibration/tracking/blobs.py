@@ -198,6 +198,9 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
     edge = np.hypot(noise / reduce / np.sqrt(square[ys, xs]), _UNEVEN) / (_HIGH - _LOW)
     lever = np.stack([xs - cx, ys - cy]) * edge / area
     (xx, xy), (_, yy) = (lever @ lever.T * reduce**2).tolist()
+    # Edges that show no pixel in between (drawn pictures) leave a position that is rounded to whole
+    # pixels: evenly likely within one.
+    xx, yy = (value or reduce**2 / 12 for value in (xx, yy))
     inside = box[0] > 0 and box[1] > 0 and box[0] + box[2] < width and box[1] + box[3] < height
     return Blob(
         left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
