@@ -283,7 +283,7 @@ def test_a_section_written_on_one_line_takes_a_key(tmp_path):
 
 _WRITER = """
 import datetime, os, pathlib, sys
-from calibration.materials.parameter_file import into
+from calibration.files.parameter_file import into
 from calibration.uncertainty import Estimate
 def put(value):
     into(sys.argv[1], "pair.wood-wood", "restitution", Estimate(value, None, 1), method="m",
