@@ -157,7 +157,7 @@ class Baseline:
         return self._energy(self.live)[0] / (weight * self._lift) if len(self.live) else 0.0
 
     def frame(self, wall_force: np.ndarray) -> dict[str, Any]:
-        """What is kept of a moment, as for the contact law but what impulses do not give."""
+        """Frame of a moment, as for the contact law but for what impulses do not give."""
         columns = dict(zip(("x", "y", "angle", "vx", "vy", "spin"), self.motion.T, strict=True))
         inside = np.zeros(self.n_particles, bool)
         inside[self.live] = True
@@ -191,7 +191,7 @@ class _Readings:
         self.expect(particles)
 
     def expect(self, particles: list[Placed]) -> None:
-        """From now on these particles are there, and are to be read in this order."""
+        """Set the particles that are there from now on, in the order of reading."""
         fields = self._batch.BodyFields.BODY_ID
         self._bodies.clear()
         self._batch.get_space_bodies(self._space, fields, self._bodies)
@@ -211,7 +211,7 @@ class _Readings:
         return np.frombuffer(self._bodies.float_buf()).reshape(-1, 6)[self._order]
 
     def wall_impulses(self) -> np.ndarray:
-        """What each wall was given in the last step (n_walls, 2) [N s]."""
+        """Impulse on each wall in the last step (n_walls, 2) [N s]."""
         fields = self._batch.ArbiterFields
         wanted = fields.BODY_A_ID | fields.BODY_B_ID | fields.TOTAL_IMPULSE
         self._contacts.clear()

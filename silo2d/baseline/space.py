@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Surface(NamedTuple):
-    """What a shape has; a contact has the product of two shapes'."""
+    """Surface of a shape; a contact has the product of two shapes' numbers."""
 
     friction: float
     elasticity: float
@@ -77,7 +77,7 @@ def add_particle(
 
 
 def strays(outline: Outline, positions: np.ndarray) -> int:
-    """How many of some positions (n, 2) [m] are outside the silo."""
+    """Number of positions (n, 2) [m] that are outside the silo."""
     from shapely import Polygon, contains_xy
 
     return int(np.sum(~contains_xy(Polygon(outline.polygon), positions)))

@@ -116,7 +116,7 @@ class SiloCase:
 
     @property
     def name(self) -> str:
-        """What the run folder is called after."""
+        """Name that the run folder is called after."""
         return self.settings.name
 
     @cached_property
@@ -135,7 +135,7 @@ class SiloCase:
 
     @property
     def label(self) -> str:
-        """What people call the silo: the paper's name, marked where anything is not the paper's."""
+        """Name of the silo: the paper's, marked where anything is not the paper's."""
         if self.published_name and self._acts_as(SiloCase.load(self.published_name)):
             return self.published_name
         name = self.silo_name or self.name
@@ -152,7 +152,7 @@ class SiloCase:
         return self.silo_name if usual else None
 
     def _acts_as(self, other: "SiloCase") -> bool:
-        """Whether particles, laws, filling and door are those of another case."""
+        """True where particles, laws, filling and door are those of another case."""
         mine, theirs = (
             (
                 case.particle_law,
@@ -169,11 +169,11 @@ class SiloCase:
 
     @property
     def mean_mass(self) -> float:
-        """Of a particle of mean area [kg]."""
+        """Mass of a particle of mean area [kg]."""
         return self.surface_density * self.shapes.mean_area
 
     def laws(self, n_particles: int) -> tuple[Law, Law]:
-        """What the particle-particle and particle-wall pairs of a world of n_particles obey."""
+        """Laws of the particle-particle and the particle-wall pairs of a world of n_particles."""
         shared = self.particle_law, self.wall_law
         if self.disorder is None:
             return shared
@@ -182,7 +182,7 @@ class SiloCase:
         return drawn_laws(shared, self.disorder, self.settings, n_particles)
 
     def restitution(self) -> dict[str, dict[str, float]]:
-        """What follows from the laws for two particles of mean mass, and one against a wall.
+        """Restitution by the laws, for two particles of mean mass and for one against a wall.
 
         Through one contact, and face to face: eight contacts in parallel, two at a wall. Impulses
         have for both what they are given; nothing for laws that are not linear.
@@ -217,7 +217,7 @@ class SiloCase:
         return to_toml(self.settings.model_copy(update={"particles": particles}))
 
     def identity(self) -> dict[str, Any]:
-        """What a run's folder is named by: all that its results depend on."""
+        """Identity of a run, which names its folder: all that its results depend on."""
         return {
             "settings": _acting(self.settings),
             **({"disorder": self.disorder} if self.disorder else {}),
@@ -291,7 +291,7 @@ def _outline(silo: Silo, name: str, where: str) -> Outline:
 
 
 def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: str) -> None:
-    """What must hold between the silo, the particles and the fill level."""
+    """Check what must hold between the silo, the particles and the fill level."""
     narrowest = min(shape.width for shape in shapes.shapes)
     if outline.outlet < narrowest:
         raise InputError(

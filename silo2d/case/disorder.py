@@ -48,7 +48,7 @@ class Spread(NamedTuple):
 def spreads(
     settings: Settings, pairs: tuple[Pair, Pair], laws: tuple[LinearLaw, LinearLaw], where: str
 ) -> tuple[Spread, Spread] | None:
-    """What the case draws, particle-particle and particle-wall; None where it has no disorder.
+    """Spreads that the case draws, between particles and at walls; None without disorder.
 
     Raises InputError where a standard deviation is missing, or so large that values beyond their
     physical range would be drawn.
@@ -192,7 +192,7 @@ def with_friction(law: Law, mu: float) -> Law:
 def pair_constants(
     law: DrawnLaw, first: np.ndarray, second: np.ndarray, n_particles: int
 ) -> np.ndarray:
-    """What pairs of bodies draw: kn, kt [N/m], mu [-], gamma_n [1/s], (n, 4).
+    """Constants that pairs of bodies draw: kn, kt [N/m], mu [-], gamma_n [1/s], (n, 4).
 
     first, second (n,): numbers of the bodies in either order, the walls' after the particles'; the
     law is that of their class.

@@ -52,12 +52,12 @@ class Outline:
 
     @property
     def width(self) -> float:
-        """From the leftmost to the rightmost point [m]."""
+        """Width from the leftmost to the rightmost point [m]."""
         return float(np.ptp(self.polygon[:, 0]))
 
     @property
     def height(self) -> float:
-        """From the outlet to the open top [m]."""
+        """Height from the outlet to the open top [m]."""
         return float(self.polygon[:, 1].max())
 
     def area_below(self, level: float) -> float:

@@ -1,4 +1,4 @@
-"""What a run of a case would be, before anything is filled: particles, steps, CPU time."""
+"""Plan of a run before anything is filled: particles, steps, CPU time."""
 
 import math
 from typing import Any
@@ -13,7 +13,7 @@ FILLING, DISCHARGE = 1.1, 1.5  # [s] of simulated time
 
 
 def plan(case: SiloCase) -> dict[str, Any]:
-    """What a run of a case would be, before it is filled: particles, steps, CPU time [min]."""
+    """Plan of a run of a case: particles, steps, CPU time [min]."""
     step = case.impulses.time_step if case.impulses else case.time_step
     return {
         "silo": case.silo_name or case.name,

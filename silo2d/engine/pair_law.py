@@ -56,7 +56,7 @@ Law = Any  # of a class of pairs: LinearLaw, DrawnLaw, or a type of register_law
 
 @njit
 def drawn_level(law, quantity, low, high, is_wall):
-    """Which of the LEVELS equally likely values a pair of bodies, low < high, has."""
+    """Return which of the LEVELS equally likely values a pair of bodies, low < high, has."""
     if law.score.shape[1] == 0:
         return np.int64(hashed(law.key[quantity], low, high) >> _LEVEL_BITS)
     z = law.score[quantity, low]

@@ -69,7 +69,7 @@ class Simulation:
 
     @property
     def door_moves(self) -> bool:
-        """Whether a door is being drawn."""
+        """True while a door is being drawn."""
         return bool(self.world.counts[state.DOOR])
 
     @property

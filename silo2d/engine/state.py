@@ -95,7 +95,7 @@ class Inner(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """What the force pass finds for one block of inner pairs; all (BLOCK,), and so in cache."""
+    """Forces of one block of inner pairs, and what they dissipate; all (BLOCK,), so in cache."""
 
     fx: np.ndarray  # force on the vertex's body [N]
     fy: np.ndarray

@@ -64,7 +64,7 @@ class Arch:
 
     @property
     def rise(self) -> float:
-        """How far the line rises above the straight line between the feet at most [m]."""
+        """Largest height of the line above the straight line between the feet [m]."""
         along = (self.line[-1] - self.line[0]) / self.span
         up = np.array([-along[1], along[0]])
         return float(((self.line - self.line[0]) @ up).max())

@@ -96,7 +96,7 @@ def moving_rate(times: Series, weights: Series, window: float) -> tuple[Series, 
 def steady_part(
     times: Series, mass: Series, window: float | None = None, tolerance: float = TOLERANCE
 ) -> Steady | None:
-    """Where the flow is steady, for leavers (n,); None where there is no rate."""
+    """The part where the flow is steady, for leavers (n,); None where there is no rate."""
     window = window or usual_window(times)
     mean = discharge_measures(times, mass)["mean_rate_per_s"]
     if window is None or mean is None:

@@ -178,7 +178,7 @@ def _inside_at(scene: Scene, field: FlowField, height: float) -> NDArray[np.bool
 
 
 def _listed(values: Floats) -> list[Any]:
-    """As lists for JSON, None where there is no number."""
+    """Lists for JSON, None where there is no number."""
     rounded = np.round(values, 6).astype(object)
     rounded[~np.isfinite(values)] = None
     return rounded.tolist()

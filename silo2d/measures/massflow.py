@@ -80,7 +80,7 @@ def _steady_window(scene: Scene) -> tuple[float, float]:
 
 
 def _flow(index: float | None, error: float | None) -> str | None:
-    """Which side of the limit an index lies on by two errors, in words."""
+    """Side of the limit that an index lies on by two errors, in words."""
     if index is None or error is None:
         return None
     if abs(index - LIMIT) <= 2 * error:

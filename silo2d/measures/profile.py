@@ -156,7 +156,7 @@ def _width_at(x: Series, line: Series, middle: int, above: float) -> float:
 
 
 def _crossing(x: Series, height: Series) -> float:
-    """Where heights that begin below zero first reach it, straight between points; or NaN."""
+    """Position at which heights that begin below zero first reach it, or NaN."""
     over = np.flatnonzero(height >= 0)
     if len(over) == 0:
         return np.nan

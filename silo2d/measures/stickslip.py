@@ -36,7 +36,7 @@ THRESHOLD = 0.01  # m/s
 
 @dataclass(frozen=True)
 class Sliding:
-    """What touches one wall in the frames of the window.
+    """Sliding of what touches one wall in the frames of the window.
 
     time        of the frames (F,) [s]
     speed       along the wall (F, n) [m/s], NaN where a particle does not touch it
@@ -49,7 +49,7 @@ class Sliding:
 
 
 def sliding(scene: Scene, gap: float = GAP) -> dict[str, Sliding]:
-    """What touches each wall but the door, by the wall's name."""
+    """Sliding along each wall but the door, by the wall's name."""
     frames = _frames(scene)
     shape = len(scene.walls), len(frames), scene.n_particles
     speed, position = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -88,7 +88,7 @@ def _downwards(scene: Scene) -> tuple[Series, Series]:
 def _touching(
     outlines: Series, lower: Series, along: Series, wall: Series, gap: float
 ) -> tuple[NDArray[np.bool_], Series]:
-    """Which of outlines (k, p, 2) touch a wall, and the nearest points of those (m, 2) [m]."""
+    """Mask of the outlines (k, p, 2) that touch a wall, their nearest points (m, 2) [m]."""
     span = wall[1] - wall[0]
     length = float(np.hypot(*span))
     inwards = np.array([-span[1], span[0]]) / length  # the inside is on the left
@@ -176,7 +176,7 @@ def _of(speed: Series, threshold: float, interval: float | None) -> dict[str, An
 
 
 def draw(folder: Path) -> "Figure":
-    """For each wall, sliding velocity over time and position; sticking in a colour of its own."""
+    """Sliding velocity over time and position at each wall; sticking has a colour of its own."""
     from matplotlib import colormaps
     from matplotlib.figure import Figure
 

@@ -1,4 +1,4 @@
-"""From the opening of the door to the end of the run: frames, checkpoints, when to stop."""
+"""Discharge from the opening of the door to the end: frames, checkpoints, when to stop."""
 
 import dataclasses
 import math
@@ -116,7 +116,7 @@ def contacts_of(sim: Simulation) -> dict[str, dict[str, np.ndarray]]:
 
 
 def frame_of(sim: Simulation, wall_force: np.ndarray) -> dict[str, np.ndarray | float | int]:
-    """What is kept of a moment: particles (single precision will do), counts, energies, forces."""
+    """Frame of a moment: particles (single precision will do), counts, energies, forces."""
     rows = sim.rows.astype(np.float32)
     inside = np.zeros(sim.n_particles, bool)
     inside[sim.live] = True

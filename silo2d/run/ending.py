@@ -1,4 +1,4 @@
-"""When a discharge is over, whichever engine moves the particles, and what it remembers."""
+"""End of a discharge, whichever engine moves the particles, and what it remembers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ ENERGY_TOLERANCE = 0.05
 
 @dataclass
 class Clock:
-    """What a run remembers besides the world: kept in the checkpoint."""
+    """State of a run besides the world: kept in the checkpoint."""
 
     parts: int = 0  # files of the trajectory that belong to the checkpoint
     cpu_s: float = 0.0  # CPU time of the discharge's step loop
@@ -31,7 +31,7 @@ class Clock:
 
 
 class Flow(Protocol):
-    """What the end of a run is judged by, whichever engine moves the particles."""
+    """View of an engine that the end of a run is judged by."""
 
     @property
     def n_particles(self) -> int: ...
@@ -81,7 +81,7 @@ def _at_rest(sim: Flow, case: SiloCase, packing: Packing) -> str:
 def crosses_centre_line(
     x: ArrayLike, angle: ArrayLike, kind: ArrayLike, shapes: Sequence[Shape], centre: float
 ) -> NDArray[np.bool_]:
-    """Which particles' outlines meet the vertical line x = centre [m], (n,).
+    """Mask (n,) of the particles whose outlines meet the vertical line x = centre [m].
 
     x        of the centroids (n,) [m]; angle of the particles (n,) [rad]
     kind     which of the shapes each particle has (n,)

@@ -26,7 +26,7 @@ _HELD = ["kinetic", "potential", "elastic_normal", "elastic_tangential"]
 
 
 def discharge_measures(out_time: ArrayLike, mass: ArrayLike) -> dict[str, float | None]:
-    """How the particles that leave do so; n of them.
+    """Numbers of the discharge of the n particles that leave.
 
     out_time    when each centroid passed y = 0 (n_particles,) [s]; NaN for those that stay
     mass        of each particle (n_particles,) [kg]
@@ -90,7 +90,7 @@ def energy_closure(trajectory: Mapping[str, np.ndarray]) -> tuple[Series, float 
 
 
 def published_times(silo_name: str) -> dict[str, float | bool | None]:
-    """What was published for a silo: discharge times [s] of the experiment and of SPOLY.
+    """Published discharge times [s] of a silo, of the experiment and of SPOLY.
 
     experiment_n             trials, of which experiment_clogged clogged
     experiment_mean_s        over the trials with a time; experiment_sd_s is their sample sd

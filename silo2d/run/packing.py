@@ -46,7 +46,7 @@ def packing_digest(case: SiloCase, seed: int) -> str:
 
 
 def packing_folder(case: SiloCase, root: Path) -> Path:
-    """Where the packing of a case is kept below a folder of runs; it may not exist yet."""
+    """Folder of the packing of a case below a folder of runs; it may not exist yet."""
     return root / "packings" / packing_digest(case, case.settings.run.seed)
 
 

@@ -32,7 +32,7 @@ Report = Callable[[str, float, str], None]  # phase, fraction done (0 to 1), wor
 
 
 class Layer(NamedTuple):
-    """What is poured at once: from a height to a height, over what lies there already [m]."""
+    """Layer that is poured at once: from a height to a height, over what lies there [m]."""
 
     begin: float
     end: float
@@ -150,7 +150,7 @@ def packed(
 
 
 def down_at(poses: np.ndarray, level: float) -> float:
-    """When the highest particle of the rain can have fallen to a level [m], at the soonest [s]."""
+    """Earliest time [s] at which the highest particle of the rain can be at a level [m]."""
     drop = max(poses[:, 1].max() - level, 0.0)
     return math.sqrt(2 * drop / GRAVITY)
 
@@ -181,7 +181,7 @@ def settle(
 
 
 def part_settled(start: float, moving: float, enough: float) -> float:
-    """How far a normalised kinetic energy has come down from `start` to `enough` (0 to 1).
+    """Part (0 to 1) of the way from `start` to `enough` of a normalised kinetic energy.
 
     Once the rain is down it decays exponentially, more or less.
     """

@@ -8,7 +8,7 @@ from granulab.campaign.runs.result import Answers
 
 @dataclass(frozen=True)
 class Result(Answers):
-    """What a run found; SI, None for what does not exist."""
+    """Result of a run; SI, None for what does not exist."""
 
     silo: str
     seed: int

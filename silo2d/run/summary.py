@@ -69,7 +69,7 @@ def measured(folder: RunFolder, case: SiloCase, outcome: str) -> dict[str, Any]:
 
 
 def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """What does not change from frame to frame, and the attributes, of a trajectory."""
+    """Arrays of a trajectory that do not change from frame to frame, and its attributes."""
     walls = case.outline.walls()
     outlines = [shape.rounded_outline() for shape in case.shapes.shapes]
     areas = np.array([shape.area for shape in case.shapes.shapes])

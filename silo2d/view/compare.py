@@ -44,7 +44,7 @@ def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
 
 
 def curve_distance(first: Times, second: Times) -> dict[str, float | int] | None:
-    """How far two discharge curves are apart; None where one has no particle that left.
+    """Distance of two discharge curves; None where no particle left one of the silos.
 
     first, second    times (n,) [s] at which particles left, ascending
 
@@ -90,7 +90,7 @@ def _row(folder: RunFolder) -> dict[str, Any]:
 
 
 def _label(folder: RunFolder, row: dict[str, Any]) -> str:
-    """What moved the particles: "dem, 5 us", "pymunk, 30 x 0.25 ms"."""
+    """Label of what moved the particles: "dem, 5 us", "pymunk, 30 x 0.25 ms"."""
     if row["engine"] == "dem":
         return f"dem, {1e6 * row['time_step_s']:g} us"
     settings = tomllib.loads(folder.read_case()).get(row["engine"], {})

@@ -54,7 +54,7 @@ def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> l
 
 
 class Run(NamedTuple):
-    """What is exported."""
+    """Run that is exported."""
 
     folder: Path
     scene: Scene
@@ -62,7 +62,7 @@ class Run(NamedTuple):
 
     @property
     def target(self) -> Path:
-        """Where the files go unless a path is given."""
+        """Folder of the files unless a path is given."""
         return self.folder / "export"
 
 
@@ -104,7 +104,7 @@ def _rows(scene: Scene, frame: int) -> np.ndarray:
 
 
 def _particles_csv(scene: Scene) -> bytes:
-    """What does not change of each particle; out_time_s is empty for those that have not left."""
+    """Table of what does not change of each particle; no out_time_s for those that stay."""
     static = scene.trajectory.static
     out_time = scene.trajectory["out_time"][-1]
     rows = [np.arange(scene.n_particles), static["kind"], static["mass"], static["layer"], out_time]
@@ -186,7 +186,7 @@ def _cells(
 def _stress(
     scene: Scene, contacts: Tables, frame: int, ids: NDArray[np.int32]
 ) -> NDArray[np.float32]:
-    """Of the cells (c, 6), in VTK's order of a symmetric tensor."""
+    """Stress of the cells (c, 6), in VTK's order of a symmetric tensor."""
     stress = np.full((len(ids), 6), np.nan, dtype=np.float32)
     found = particle_stress(scene, contacts, frame)
     if found is not None:

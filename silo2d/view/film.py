@@ -29,7 +29,7 @@ def film_frames(scene: Scene) -> Iterator[Image]:
 
 
 class _Canvas:
-    """What is the same in all pictures of a film, and the scale [px/m]."""
+    """Canvas of a film: what is the same in all pictures, and the scale [px/m]."""
 
     def __init__(self, scene: Scene) -> None:
         left, right, bottom, top = scene.window

@@ -1,4 +1,4 @@
-"""What there is to run: presets, shipped files, packings and runs, in words for a person."""
+"""Listing of what there is to run: presets, shipped files, packings and runs."""
 
 import tomllib
 from pathlib import Path

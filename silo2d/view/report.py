@@ -1,4 +1,4 @@
-"""What a person reads before and after a run."""
+"""Words before and after a run: the case as it is understood, and the results."""
 
 from typing import Any
 
@@ -70,7 +70,7 @@ def _law(law: Any) -> str:
 
 
 def _engine(case: SiloCase) -> list[str]:
-    """What moves the particles, after the filling, in which steps."""
+    """Lines on what moves the particles after the filling, in which steps."""
     impulses = case.impulses
     if impulses is None:
         return [f"  time step   {case.time_step:g} s: {case.time_step_reason}"]
@@ -92,7 +92,7 @@ def _restitution(case: SiloCase) -> str:
 
 
 def _disorder(case: SiloCase) -> list[str]:
-    """What is drawn how widely, where anything is."""
+    """Lines on what is drawn how widely, where anything is."""
     if case.disorder is None:
         return []
     particles, walls = (
@@ -116,7 +116,7 @@ def _pouring(case: SiloCase) -> str:
 
 
 def _door(case: SiloCase) -> list[str]:
-    """How the door opens, where it does not at once."""
+    """Lines on how the door opens, where it does not at once."""
     speed = case.settings.run.door_speed
     if speed is None:
         return []

@@ -45,7 +45,7 @@ class Scene:
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """Of the frames (F,) [s], 0 at the opening."""
+        """Times of the frames (F,) [s], 0 at the opening."""
         return self.trajectory["time"]
 
     @property
@@ -59,7 +59,7 @@ class Scene:
         return self.trajectory.static["wall_segments"][:-1]
 
     def door(self, frame: int) -> NDArray[np.float64]:
-        """What is left of a door that is being drawn (1, 2, 2) [m], or nothing (0, 2, 2)."""
+        """Rest of a door that is being drawn (1, 2, 2) [m], or nothing (0, 2, 2)."""
         speed = self.trajectory.attributes.get("door_speed")  # none: it is gone at once
         ends = []
         if speed is not None:
@@ -82,7 +82,7 @@ class Scene:
 
     @property
     def _reach(self) -> float:
-        """How far an outline lies from its centroid at most [m]."""
+        """Largest distance of an outline from its centroid [m]."""
         return float(np.hypot(*self.trajectory.static["shape_points"].T).max())
 
     @property
@@ -143,7 +143,7 @@ def read_scene(run_folder: str | Path) -> Scene:
 
 
 def _wrong(trajectory: Trajectory) -> str:
-    """What a scene needs and a trajectory lacks, in words; "" where all is there."""
+    """Description of what a scene needs and a trajectory lacks; "" where all is there."""
     kept = [*trajectory.static, *trajectory, *trajectory.attributes]
     if missing := [key for key in (*_STATIC, *_OF_PARTICLES, *_ATTRIBUTES) if key not in kept]:
         return f"no {', '.join(missing)}"

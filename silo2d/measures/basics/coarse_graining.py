@@ -99,7 +99,7 @@ def part_inside(grid: Grid, polygon: Floats) -> Floats:
 
 
 def intervals_at(polygon: Floats, y: float) -> Floats:
-    """Where a horizontal line at y is inside a polygon (n, 2): left and right ends (k, 2)."""
+    """Left and right ends (k, 2) of a horizontal line at y inside a polygon (n, 2)."""
     start, end = polygon, np.roll(polygon, -1, axis=0)
     crosses = (start[:, 1] <= y) != (end[:, 1] <= y)
     a, b = start[crosses], end[crosses]
@@ -107,7 +107,7 @@ def intervals_at(polygon: Floats, y: float) -> Floats:
 
 
 def _gauss(distance: Floats, width: float) -> Floats:
-    """Of the line: integral 1; 0 beyond _REACH widths."""
+    """Gaussian on a line: integral 1; 0 beyond _REACH widths."""
     scaled = distance / width
     density = np.exp(-0.5 * scaled**2) / (np.sqrt(2 * np.pi) * width)
     return np.where(np.abs(scaled) < _REACH, density, 0.0)
@@ -120,7 +120,7 @@ def inside_polygon(scene: Scene) -> Floats:
 
 
 def inside_mask(polygon: Floats, grid: Grid) -> NDArray[np.bool_]:
-    """Which points of a grid are in a polygon (n, 2) (j, i)."""
+    """Mask (j, i) of the points of a grid that are in a polygon (n, 2)."""
     mask = np.zeros((len(grid.y), len(grid.x)), dtype=bool)
     for j, y in enumerate(grid.y):
         for left, right in intervals_at(polygon, float(y)):

@@ -51,7 +51,7 @@ class Moment:
 
     @cached_property
     def velocities(self) -> Floats:
-        """Of all particles (n, 2) [m/s]."""
+        """Velocities of all particles (n, 2) [m/s]."""
         return self._particles("vx", "vy")
 
     def _particles(self, *keys: str) -> Floats:
@@ -84,7 +84,7 @@ class Moment:
 
 
 class Branches(NamedTuple):
-    """From the centroid of a particle to each contact it has, of all particles (k); SI.
+    """Branches from the centroid of a particle to each of its contacts, of all particles (k); SI.
 
     particle         (k,)
     start, end    (k, 2) centroid and contact point
@@ -119,7 +119,7 @@ def read_moments(folder: str | Path) -> list[Moment]:
 
 
 def _is_read(scene: Scene, tables: Tables, k: int) -> bool:
-    """Whether the frame is there too: a run that goes on may have written more meanwhile."""
+    """True where the frame is there too: a run that goes on may have written more meanwhile."""
     return bool(tables.frame[k] < len(scene.time))
 
 
@@ -137,7 +137,7 @@ def moment_at(scene: Scene, tables: Tables, k: int) -> Moment:
 
 
 def flowing(scene: Scene, share: tuple[float, float] = (0.1, 0.5)) -> tuple[float, float]:
-    """From when to when [s] these parts of the particles that leave had left.
+    """Times [s] between which these parts of the particles that leave had left.
 
     The first tenth starts the flow; after the half the silo is rather empty. Raises InputError
     where fewer than FEWEST_OUT particles left.

@@ -46,7 +46,7 @@ def outlet_centre(scene: Scene) -> float:
 
 
 def in_silo(scene: Scene) -> NDArray[np.bool_]:
-    """Which particles have not passed y = 0 at each frame (F, n)."""
+    """Mask (F, n) of the particles that have not passed y = 0 at each frame."""
     out_time = scene.trajectory["out_time"][-1]
     return ~(out_time <= scene.time[:, None])  # NaN: never
 

@@ -32,7 +32,7 @@ def outwards(segments: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Tractions:
-    """What particles do to one wall, by stretches of even length; means over moments.
+    """Tractions on one wall, by stretches of even length; means over moments.
 
     name       of the wall
     height     of the middles of its stretches (b,) [m]
