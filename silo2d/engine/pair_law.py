@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from granulab.contact.jit import njit  # before numba is used
+from granulab.contact.jit import extend, njit  # before numba is used
 from granulab.contact.laws import LinearLaw, register
 from silo2d.engine import ENGINE
 from silo2d.engine.state import INNER, MAX_VERTICES, OUTER, WALL_KEY
@@ -215,6 +215,4 @@ def register_law(law: type, **functions: Callable[..., Any]) -> None:
     The kernels that call it are compiled again after an edit of the files that the functions stand
     in, and are kept apart from those of processes that do not know the law.
     """
-    from granulab.contact.jit import extend
-
     extend(ENGINE, law.__module__, *register(law, **functions))
