@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from calibration.bench.cycles import Cycle, unloading_stiffness
-from calibration.bench.measure import Result, measure
+from calibration.bench.measure import Quantity, measure
 from calibration.bench.sections import Asked, Columns, Input, Section, curves, need
 from calibration.statistics.uncertainty import Estimate, of_trials
 from granulab.contact.files.units import located
@@ -42,9 +42,9 @@ class Branch:
     least         a fall by less than this share of the range of the load is no cycle
     """
 
-    upper: float = 0.95
-    lower: float = 0.5
-    least: float = 0.1
+    upper: float
+    lower: float
+    least: float
 
     def __post_init__(self) -> None:
         if not 0 <= self.lower < self.upper <= 1 or not 0 < self.least < 1:
@@ -91,9 +91,14 @@ class _Records:
 
 
 def stiffness(
-    files: Sequence[str | Path], what: Asked, branch: Branch, *, trial: str | None = None
-) -> list[Result]:
-    """Unloading stiffness, modulus and kn, as far as what is given tells them; a curve a trial."""
+    files: Sequence[str | Path], what: Asked, *, trial: str | None = None,
+    share: tuple[float, float] = (0.95, 0.5), least_cycle: float = 0.1,
+) -> list[Quantity]:  # fmt: skip
+    """Unloading stiffness, modulus and kn, as far as the columns suffice; a curve a trial.
+
+    share, least_cycle   the part of each unloading that is fitted, see Branch
+    """
+    branch = Branch(*share, least_cycle)
     if not files:
         return [_contact_stiffness([_given(what)], what, _modulus_given)]
     sections, remarks = curves(files, INPUTS, what, trial)
@@ -129,7 +134,7 @@ def stiffness(
 
 def _contact_stiffness(
     sections: Sequence[Section], what: Asked, modulus: Callable[[Columns], Estimate]
-) -> Result:
+) -> Quantity:
     """kn = E A/L of the particles in contact."""
     remarks = []
 

@@ -1,9 +1,9 @@
 """Damping from a measured restitution, with the uncertainty of all that goes into it.
 
 Linear contact (wood-silo paper, eqs 3.8 to 3.10): gamma = 2 b sqrt(kn/(n m)) for n contacts in
-parallel of stiffness kn each, m the reduced mass: m1/2 for two equal bodies (eq. 3.9; the appendix
-has m1), m1 against a wall (eq. 3.10). Hertz contact with Tsuji's dashpot: the same b by itself.
-b(e) stands in granulab/contact/restitution.py for both ends of a contact.
+parallel of stiffness kn each, m the reduced mass: m1/2 for two equal particles (eq. 3.9; the
+appendix has m1), m1 against a wall (eq. 3.10). Hertz contact with Tsuji's dashpot: the same b by
+itself. b(e) stands in granulab/contact/restitution.py for both ends of a contact.
 
 Uncertainties are carried to first order (GUM, JCGM 100:2008, eq. 10):
 
@@ -15,10 +15,12 @@ A quantity without a sigma counts as exact; where none has one, neither has the 
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from calibration.files.provenance import read_values
-from calibration.statistics.quantity import measured_quantity
+from calibration.result import Parameter
+from calibration.statistics.quantity import measured_quantity, plus_minus
+from calibration.statistics.uncertainty import Estimate
 from granulab.contact.files.units import located
 from granulab.contact.material import PROPERTIES, Measured, check_range
 from granulab.contact.restitution import (
@@ -32,9 +34,9 @@ from granulab.errors import InputError
 
 
 def reduced_mass_of(first: Measured, second: Measured | None = None) -> Measured:
-    """m1 m2/(m1 + m2) [kg] of two bodies whose masses were measured each; of a wall, m1.
+    """m1 m2/(m1 + m2) [kg] of two particles whose masses were measured each; of a wall, m1.
 
-    For two bodies of one measured mass, halve it: then their errors are one.
+    For two particles of one measured mass, halve it: then their errors are one.
     """
     if second is None:
         return first
@@ -104,7 +106,7 @@ def _root_sum(terms) -> float | None:
 
 @dataclass(frozen=True)
 class Impact:
-    """Two bodies of the linear law; every number with its uncertainty where one is known."""
+    """Impact of two particles, or one and a wall, by the linear law; sigmas as far as known."""
 
     restitution: Measured  # through `contacts` in parallel [-]
     kn: Measured  # of each contact [N/m]
@@ -144,7 +146,7 @@ def impact_of(
 
 @dataclass(frozen=True)
 class _Known:
-    """What a file says of a pair, its own name or turned round."""
+    """Values that a file has for a pair, by its own name or the reverse."""
 
     path: Path
     first: str
@@ -184,7 +186,7 @@ def _value(key: str, given: str | None, known: _Known | None) -> Measured:
 
 
 def _mass(mass: str | None, area: str | None, known: _Known | None) -> Measured:
-    """Of one body [kg]: as given, or of a prism of the first material of the pair."""
+    """Mass of one particle [kg]: as given, or of a prism of the first material of the pair."""
     if (mass is None) == (area is None):
         raise InputError(
             "give one of --mass '10.8 g +- 6 %' and, for a prism of the pair's first material, "
@@ -216,7 +218,7 @@ def _product(*factors: Measured) -> Measured:
 
 
 def _reduced(first: Measured, other: str | None, wall: bool) -> Measured:
-    """Reduced mass: against a wall (eq. 3.10), another body, or its like (eq. 3.9)."""
+    """Reduced mass: against a wall (eq. 3.10), another particle, or its like (eq. 3.9)."""
     if wall and other is not None:
         raise InputError("--wall does not move: leave out --other-mass, or --wall")
     if wall:
@@ -232,3 +234,109 @@ def _positive(value: Measured, field: str, given: str) -> Measured:
         if value.value <= 0:
             raise InputError("must be above 0")
     return value
+
+
+_PARALLEL = (1, 2, 4, 8)  # a corner; a face on a wall; shifted faces; aligned faces
+_ENDS: tuple[ContactEnd, ...] = ("overlap", "force")
+
+
+@dataclass(frozen=True)
+class Damping:
+    """Damping that a restitution gives in both contact laws; a result (calibration.result).
+
+    values     numbers in the unit of their key
+    written    gamma_n as it stands in a parameter file, None where it was not written
+    """
+
+    impact: Impact
+    values: dict[str, Any]
+    written: dict[str, Any] | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The values, the warnings and what was written."""
+        return self.values | {"warnings": self.impact.remarks, "into": self.written}
+
+    def text(self) -> str:
+        """What went in, the damping for both ends of a contact, and contacts in parallel."""
+        values = self.values
+        lines = [
+            f"restitution   {_shown(values['restitution'])} of {self._contacts}",
+            f"kn            {_shown(values['kn_n_per_m'], 1e-3)} N/mm",
+            f"reduced mass  {_shown(values['reduced_mass_kg'], 1e3)} g",
+            "",
+            f"{'the contact ends at':36}{'zero overlap':22}zero force",
+            _row("gamma_n of each contact [1/s]", values["gamma_n_per_s"]),
+            _row("b, linear or Hertz (eq. 5.29, 5.30)", values["damping_ratio"]),
+            _row("zeta of Tsuji (eq. 5.31)", values["tsuji_zeta"]),
+            "restitution with that gamma_n",
+        ]
+        parallel = values["restitution_in_parallel"]
+        for k in _PARALLEL:
+            name = "one contact" if k == 1 else f"{k} in parallel"
+            lines.append(_row(f"  {name}", {end: parallel[end][str(k)] for end in _ENDS}))
+        return "\n".join(lines + [f"warning: {remark}" for remark in self.impact.remarks])
+
+    def figure(self) -> None:
+        """None: nothing was measured here."""
+
+    def parameters(self) -> dict[str, Parameter]:
+        """gamma_n of the chosen end of contact, and what it came from."""
+        values, impact = self.values, self.impact
+        found = values["gamma_n_per_s"][impact.end]
+        source = (
+            f"restitution {_shown(values['restitution'])} of {self._contacts}, kn "
+            f"{_shown(values['kn_n_per_m'], 1e-3)} N/mm, reduced mass "
+            f"{_shown(values['reduced_mass_kg'], 1e3)} g"
+        )
+        estimate = Estimate(found["value"], found["sigma"], impact.restitution.trials or 0)
+        method = f"from restitution, eq. 3.8, contact ends at zero {impact.end}"
+        return {"gamma_n": Parameter(estimate, method, source)}
+
+    @property
+    def _contacts(self) -> str:
+        count = self.impact.contacts
+        return "one contact" if count == 1 else f"{count} contacts in parallel"
+
+
+def damping_of(impact: Impact) -> Damping:
+    """Damping for both ends of a contact; InputError where no number can hold it."""
+    e, n = impact.restitution, impact.contacts
+    try:
+        values = {
+            "restitution": _pair(e),
+            "contacts": n,
+            "contact_end": impact.end,
+            "kn_n_per_m": _pair(impact.kn),
+            "reduced_mass_kg": _pair(impact.mass),
+            "gamma_n_per_s": {
+                end: _pair(linear_damping(e, impact.kn, impact.mass, end=end, contacts=n))
+                for end in _ENDS
+            },
+            "restitution_in_parallel": {
+                end: {str(k): _pair(in_parallel(e, k, of=n, end=end)) for k in _PARALLEL}
+                for end in _ENDS
+            },
+            "damping_ratio": {end: _pair(damping_ratio(e, end)) for end in _ENDS},
+            "tsuji_zeta": {end: _pair(tsuji_damping_ratio(e, end)) for end in _ENDS},
+        }
+    except (ValueError, OverflowError, ZeroDivisionError):  # of 1e-100, or a mass of 1e-300 g
+        raise InputError(
+            f"restitution {e.value:g}, kn {impact.kn.value:g} N/m and reduced mass "
+            f"{impact.mass.value:g} kg: no number can hold the damping; check their units"
+        ) from None
+    return Damping(impact, values)
+
+
+def _pair(value: Measured) -> dict[str, float | None]:
+    return {"value": value.value, "sigma": value.sigma}
+
+
+def _row(name: str, values: dict[str, dict[str, float | None]]) -> str:
+    return f"{name:36}{_shown(values['overlap']):22}{_shown(values['force'])}"
+
+
+def _shown(found: dict[str, float | None], factor: float = 1.0) -> str:
+    """A value with its sigma, in the unit of the report."""
+    value, sigma = found["value"], found["sigma"]
+    assert value is not None
+    return plus_minus(factor * value, None if sigma is None else factor * sigma)

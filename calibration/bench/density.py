@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.bench.measure import Result, measure
+from calibration.bench.measure import Quantity, measure
 from calibration.bench.sections import Asked, Columns, Input, need, rows
 from calibration.statistics.uncertainty import Estimate
 from granulab.errors import InputError
@@ -30,7 +30,7 @@ _VOLUMES = {
 }
 
 
-def density(files: Sequence[str | Path], what: Asked) -> list[Result]:
+def density(files: Sequence[str | Path], what: Asked) -> list[Quantity]:
     """Mass over volume, one row a particle."""
     sections, remarks = rows(files, INPUTS, what)
     choices = [("mass", *names) for names in _VOLUMES]

@@ -1,13 +1,14 @@
-"""Trials evaluated and pooled, with what readings and instruments add to the uncertainty."""
+"""Trials evaluated and pooled, with the uncertainty of readings and instruments; and the result."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from calibration.bench.sections import Asked, Columns, Section
+from calibration.result import Parameter
 from calibration.statistics.quantity import plus_minus
 from calibration.statistics.uncertainty import Estimate, Pooled, pooled
 from granulab.contact.files.units import located, to_si
@@ -16,13 +17,13 @@ from granulab.errors import InputError
 Evaluate = Callable[[Columns], Estimate]
 
 _COARSE = (
-    "the trials do not differ: their readings are too coarse to tell sigma; give the resolution as "
+    "the trials do not differ: their readings are too coarse for a sigma; give the resolution as "
     "--instrument"
 )
 
 
 @dataclass(frozen=True)
-class Result:
+class Quantity:
     """One quantity of all trials.
 
     key      its name in JSON, with the SI unit: "density_kg_m3"
@@ -42,7 +43,7 @@ class Result:
     remarks: tuple[str, ...] = ()
     details: dict[str, Any] = field(default_factory=dict)  # more of the method's own, for JSON
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """The keys of docs/calibration-bench.md."""
         whole = asdict(self.pooled.all) | {
             "groups": {name: asdict(one) for name, one in self.pooled.groups.items()},
@@ -61,7 +62,7 @@ class Result:
 def measure(
     sections: Sequence[Section], evaluate: Evaluate, what: Asked, *, key: str, name: str,
     si: str = "1", unit: str = "1", remarks: Sequence[str] = (),
-) -> Result:  # fmt: skip
+) -> Quantity:  # fmt: skip
     """Evaluate every trial, pool them by group and together, and add what instruments share."""
     values = [_one(section, evaluate, what) for section in sections]
     found = _pooled(sections, values)
@@ -74,7 +75,7 @@ def measure(
     trials = tuple((s.name, s.group, v) for s, v in zip(sections, values, strict=True))
     alike = len(values) > 1 and found.all.scatter == 0 and found.all.sigma is None
     coarse = [_COARSE] if alike else []
-    return Result(key, name, si, unit, found, trials, shared, (*remarks, *coarse))
+    return Quantity(key, name, si, unit, found, trials, shared, (*remarks, *coarse))
 
 
 def _one(section: Section, evaluate: Evaluate, what: Asked) -> Estimate:
@@ -133,26 +134,58 @@ def _widened(
 _MOST_TRIALS = 60  # lines of single trials; JSON has them all
 
 
-def as_text(results: Sequence[Result]) -> str:
-    """Every quantity: by trial, by group, together, and whether the groups are alike."""
-    return "\n\n".join("\n".join(_lines(result)) for result in results)
+@dataclass(frozen=True)
+class Measurement:
+    """Quantities that one method measured from tables; a result (calibration.result).
+
+    method      name of the command, written to a parameter file
+    writes      {property of a parameter file: key of its quantity}
+    constants   nothing was read from files
+    brief       text: a line for each quantity, of all trials
+    """
+
+    quantities: tuple[Quantity, ...]
+    method: str = ""
+    writes: Mapping[str, str] = field(default_factory=dict)
+    constants: bool = False
+    brief: bool = False
+
+    def to_dict(self) -> dict[str, Any]:
+        """The keys of docs/calibration-bench.md, of all quantities."""
+        return {key: value for one in self.quantities for key, value in one.to_dict().items()}
+
+    def text(self) -> str:
+        """Every quantity: by trial, by group, together, and whether the groups are alike."""
+        if self.brief:
+            return "\n".join(
+                f"{_title(one)}: {value(one.pooled.all, _scale(one))}" for one in self.quantities
+            )
+        return "\n\n".join("\n".join(_lines(one)) for one in self.quantities)
+
+    def figure(self) -> None:
+        """None: the trials stand in the table that was read."""
+
+    def parameters(self) -> dict[str, Parameter]:
+        """Values that a parameter file can take."""
+        source = "constants on the command line" if self.constants else None
+        found = {one.key: one.pooled.all for one in self.quantities}
+        return {
+            name: Parameter(found[key], self.method, source)
+            for name, key in self.writes.items()
+            if key in found
+        }
 
 
-def values(results: Sequence[Result]) -> str:
-    """A line for every quantity: what holds for all trials."""
-    return "\n".join(f"{_title(r)}: {value(r.pooled.all, _scale(r))}" for r in results)
-
-
-def _title(result: Result) -> str:
+def _title(result: Quantity) -> str:
     return result.name if result.unit == "1" else f"{result.name} [{result.unit}]"
 
 
-def _scale(result: Result) -> float:
+def _scale(result: Quantity) -> float:
     """SI units in one of the units that are shown."""
     return 1.0 if result.unit == "1" else to_si(f"1 {result.unit}", result.si, result.name)
 
 
-def _lines(result: Result) -> list[str]:
+def _lines(result: Quantity) -> list[str]:
     scale = _scale(result)
     lines = [_title(result)]
     shown = result.trials[:_MOST_TRIALS] if len(result.trials) > 1 else ()
@@ -192,14 +225,14 @@ def _trials(one: Estimate, scale: float) -> str:
     return f"{one.trials} trials, scatter {one.scatter / scale:.2g}{share}"
 
 
-def _alike(result: Result) -> list[str]:
+def _alike(result: Quantity) -> list[str]:
     if result.pooled.p is None:
         return []
     said = "are alike" if result.pooled.alike else "differ: each counts once"
     return [f"the groups {said} (analysis of variance: p = {result.pooled.p:.2g})"]
 
 
-def _shared(result: Result, scale: float) -> list[str]:
+def _shared(result: Quantity, scale: float) -> list[str]:
     return [
         f"in sigma, from {name}, which all trials share: {sigma / scale:.2g}"
         for name, sigma in result.shared.items()

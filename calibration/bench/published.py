@@ -7,6 +7,7 @@ angles, heights, curves, profiles and masses cannot.
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -33,29 +34,39 @@ class Statement:
     remark: str = ""
 
 
-def as_json(found: dict[str, list[Statement]]) -> dict[str, list[dict[str, object]]]:
-    """The statements' fields, by table."""
-    return {name: [asdict(one) for one in ones] for name, ones in found.items()}
+@dataclass(frozen=True)
+class Published:
+    """Statements of the sources by table; a result (calibration.result)."""
 
+    tables: dict[str, list[Statement]]
 
-def as_text(found: dict[str, list[Statement]]) -> str:
-    """Printed and found side by side, with what is to be said about them below."""
-    width = max(len(one.what) for ones in found.values() for one in ones)
-    lines = [f"{'':{width}}  {'printed':>16}  {'from its parts':>16}  scatter  p(samples alike)"]
-    for name, ones in found.items():
-        lines.append(name)
-        for one, remark_below in zip(ones, [*(o.remark for o in ones[1:]), None], strict=True):
-            sd = "" if one.printed_sd is None else f" +- {one.printed_sd:g}"
-            sigma = "" if one.sigma is None else f" +- {one.sigma:.2g}"
-            scatter = "-" if one.scatter is None else f"{one.scatter:.2g}"
-            p = "" if one.groups_p is None else f"{one.groups_p:.2g}"
-            printed, own = f"{one.printed:g}{sd}", f"{one.found:.4g}{sigma}"
-            lines.append(
-                f"{one.what:{width}}  {printed:>16}  {own:>16}  {scatter:>7}  {p}".rstrip()
-            )
-            if one.remark and one.remark != remark_below:  # once, below the last it is about
-                lines.append(f"  {one.remark}")
-    return "\n".join(lines)
+    def to_dict(self) -> dict[str, Any]:
+        """Fields of the statements, by table."""
+        return {name: [asdict(one) for one in ones] for name, ones in self.tables.items()}
+
+    def text(self) -> str:
+        """Printed and found side by side, with what is to be said about them below."""
+        width = max(len(one.what) for ones in self.tables.values() for one in ones)
+        lines = [
+            f"{'':{width}}  {'printed':>16}  {'from its parts':>16}  scatter  p(samples alike)"
+        ]
+        for name, ones in self.tables.items():
+            lines.append(name)
+            for one, remark_below in zip(ones, [*(o.remark for o in ones[1:]), None], strict=True):
+                sd = "" if one.printed_sd is None else f" +- {one.printed_sd:g}"
+                sigma = "" if one.sigma is None else f" +- {one.sigma:.2g}"
+                scatter = "-" if one.scatter is None else f"{one.scatter:.2g}"
+                p = "" if one.groups_p is None else f"{one.groups_p:.2g}"
+                printed, own = f"{one.printed:g}{sd}", f"{one.found:.4g}{sigma}"
+                lines.append(
+                    f"{one.what:{width}}  {printed:>16}  {own:>16}  {scatter:>7}  {p}".rstrip()
+                )
+                if one.remark and one.remark != remark_below:  # once, below the last it is about
+                    lines.append(f"  {one.remark}")
+        return "\n".join(lines)
+
+    def figure(self) -> None:
+        """None: the numbers are few."""
 
 
 def friction() -> list[Statement]:
@@ -126,7 +137,7 @@ def stiffness() -> list[Statement]:
         modulus, share = _parameter(name)
         constants = {"modulus": modulus * 1e6, "contact_area": 1200e-6, "contact_length": 20e-3}
         what = Asked(constants=constants, shared={"modulus": modulus * 1e6 * share})
-        (found,) = compression.stiffness([], what, compression.Branch())
+        (found,) = compression.stiffness([], what)
         whole = found.pooled.all
         needed = printed * 1e3 * 20e-3 / 1200e-6 / 1e6
         remark = f"{printed:g} needs E = {needed:.0f} MPa" if round(needed) != modulus else ""
@@ -202,12 +213,12 @@ TABLES: dict[str, Callable[[], list[Statement]]] = {
 }
 
 
-def statements(names: Sequence[str]) -> dict[str, list[Statement]]:
-    """Of each table, all of them where none is named; InputError for an unknown one."""
+def published(names: Sequence[str] = ()) -> Published:
+    """Statements of the named tables, of all where none is named; InputError for an unknown one."""
     for name in names:
         if name not in TABLES:
             raise InputError(f"no table {name!r}; {nearest(name, TABLES)}")
-    return {name: TABLES[name]() for name in names or TABLES}
+    return Published({name: TABLES[name]() for name in names or TABLES})
 
 
 def _table(name: str) -> Table:

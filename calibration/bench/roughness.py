@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.bench.measure import Result, measure
+from calibration.bench.measure import Quantity, measure
 from calibration.bench.sections import Asked, Columns, Input, curves, need
 from calibration.statistics.uncertainty import Estimate, of_trials
 from granulab.errors import InputError
@@ -29,7 +29,7 @@ _LEAST_POINTS = 50
 
 def mean_roughness(
     files: Sequence[str | Path], what: Asked, *, trial: str | None = None, form: str = "line"
-) -> list[Result]:
+) -> list[Quantity]:
     """Ra, a path a trial."""
     sections, remarks = curves(files, INPUTS, what, trial)
     for section in sections:

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.bench.measure import Result, measure
+from calibration.bench.measure import Quantity, measure
 from calibration.bench.sections import Asked, Columns, Input, Section, curves, need, rows
 from calibration.statistics.uncertainty import Estimate
 from granulab.contact.files.units import located
@@ -71,7 +71,7 @@ class _Curves:
 
 def damping(
     files: Sequence[str | Path], what: Asked, *, trial: str | None = None, start: str = "rest"
-) -> list[Result]:
+) -> list[Quantity]:
     """gamma_t of curves, with terminal velocity and friction; or of terminal velocities.
 
     `start`: "rest" for eq. 3.11b with t = 0 at the release, "any" for an unknown velocity there.
@@ -180,7 +180,7 @@ def of_terminal_velocity(v0: float, incline: float, friction: float) -> float:
     return float(driving / v0)
 
 
-def _from_terminal(files: Sequence[str | Path], what: Asked) -> Result:
+def _from_terminal(files: Sequence[str | Path], what: Asked) -> Quantity:
     sections, remarks = rows(files, INPUTS, what)
 
     def gamma(columns: Columns) -> Estimate:
@@ -193,7 +193,7 @@ def _from_terminal(files: Sequence[str | Path], what: Asked) -> Result:
 def _gamma_t(
     sections: Sequence[Section], gamma: Callable[[Columns], Estimate], what: Asked,
     remarks: Sequence[str],
-) -> Result:  # fmt: skip
+) -> Quantity:  # fmt: skip
     return measure(
         sections, gamma, what,
         key="gamma_t_per_s", name="tangential damping gamma_t", si="1/s", unit="1/s",

@@ -1,11 +1,13 @@
 """The command that fits contact parameters to a measurement by simulation: inverse."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from calibration.result import Files, finish, report_of
 from granulab.campaign.cli.commandline import (
     Ended,
     engine_options,
@@ -16,6 +18,7 @@ from granulab.campaign.cli.commandline import (
 
 if TYPE_CHECKING:
     from calibration.inverse.fit_file import Fit
+    from calibration.inverse.result import Fitted
 
 
 @click.command(short_help="Parameters fitted by simulation")
@@ -46,52 +49,40 @@ def command(
         return
     loaded = read_fit(fit)
     if into is not None:
-        from calibration.inverse.into import check_into
+        from calibration.inverse.parameter_values import check_into
 
         check_into(Path(into), loaded)
     if dry_run:
         planned = _plan(loaded)
         click.echo(json.dumps(planned, indent=2) if as_json else _plan_as_text(loaded, planned))
         return
-    answer = _fitted(loaded, Path(out), into, not no_figures, quiet, engine)
-    click.echo(json.dumps(answer[0], indent=2) if as_json else answer[1])
-    if failed := answer[0]["runs"]["failed"]:
-        raise Ended(f"{failed} of {answer[0]['runs']['total']} runs failed; see the table", 3)
+    found, figures = _fitted(loaded, Path(out), into, not no_figures, quiet, engine)
+    files: Files = {"table": found.folder.path / "table.csv", "figures": figures}
+    finish(found, as_json=as_json, quiet=quiet, figure_key=None, files=files)
+    if failed := sum(run.ended == "failed" for run in found.runs.runs):
+        raise Ended(f"{failed} of {len(found.runs.runs)} runs failed; see the table", 3)
 
 
 def _fitted(
     loaded: "Fit", out: Path, into: str | None, figures: bool, quiet: bool, engine: dict[str, Any]
-) -> tuple[dict[str, Any], str]:
-    """The answer as JSON and as text, both kept in the folder of the fit."""
-    from calibration.inverse.fitted import run_fit
-    from calibration.inverse.report import as_json, as_text
+) -> "tuple[Fitted, list[Path]]":
+    """The fit and its figures, as text and summary in the folder of the fit, too."""
+    from calibration.inverse.figures import write_figures
+    from calibration.inverse.fit import run_fit
+    from calibration.inverse.parameter_values import write_into
     from granulab.campaign.runs.folder import refuse_unless_writable, write_atomic
 
     refuse_unless_writable(out, "--out")
     found = run_fit(loaded, out=out.resolve(), quiet=quiet, **engine)
-    answer, text = as_json(found), as_text(found)
-    answer["figures"] = []
-    if figures:
-        from calibration.inverse.figures import write_figures
-
-        answer["figures"] = [str(path) for path in write_figures(found)]
-    write_atomic(found.folder.path / "report.txt", text + "\n")
-    found.folder.write_summary(answer)
-    answer["into"] = []
+    drawn = write_figures(found) if figures else []
+    write_atomic(found.folder.path / "report.txt", found.text() + "\n")
+    found.folder.write_summary(found.to_dict() | {"figures": [str(path) for path in drawn]})
     if into is not None:
-        from calibration.inverse.into import write_into
-        from calibration.result import report_of
-
         written = write_into(found, Path(into))
-        answer["into"] = [one.as_json() for one in written]
+        found = replace(found, written=tuple(written))
         for one in written:
             click.echo(report_of(one), err=True)
-    return answer, f"{text}\n\n{_places(answer)}"
-
-
-def _places(answer: dict[str, Any]) -> str:
-    lines = [f"table   {answer['table']}", *(f"figure  {path}" for path in answer["figures"])]
-    return "\n".join(lines)
+    return found, drawn
 
 
 def _write_example(path: Path) -> None:

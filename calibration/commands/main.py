@@ -16,16 +16,16 @@ _COMMANDS: dict[str, str] = {
     "impacts": "impacts",
     "shaker": "shaker",
     "piv": "piv",
-    "incline": "incline",
-    "slide": "slide",
-    "compression": "compression",
-    "interface": "interface",
-    "roughness": "roughness",
-    "density": "density",
-    "published": "published",
-    "damping": "damping",
+    "incline": "bench",
+    "slide": "bench",
+    "compression": "bench",
+    "interface": "bench",
+    "roughness": "bench",
+    "density": "bench",
+    "published": "bench",
+    "damping": "bench",
     "flow": "flow",
-    "compare": "compare",
+    "compare": "flow",
     "inverse": "inverse",
     "stiffness-fe": "stiffness_fe",
     "report": "report",
@@ -44,10 +44,14 @@ class Lazy(click.Group):
         return list(_COMMANDS)
 
     def get_command(self, context: click.Context, name: str) -> click.Command | None:
-        """The command `NAME` of the module that has it; an attribute called `command`."""
+        """The command of the module that has it: its `command`, or one of its `commands`."""
         if name not in _COMMANDS:
             return None
-        return importlib.import_module(f"calibration.commands.{_COMMANDS[name]}").command
+        module = importlib.import_module(f"calibration.commands.{_COMMANDS[name]}")
+        command: click.Command = (
+            module.commands[name] if hasattr(module, "commands") else module.command
+        )
+        return command
 
     def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
         """Keep the command and its files, for what is said where it cannot be carried out."""

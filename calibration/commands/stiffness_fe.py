@@ -1,18 +1,13 @@
 """The command that finds kt/kn of two blocks by finite elements: stiffness-fe."""
 
-import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from calibration.commands.options import into_options, sheets_option
-from calibration.result import Into
+from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
-
-if TYPE_CHECKING:
-    from calibration.statistics.uncertainty import Estimate
-    from calibration.stiffness_fe.measure import Found
 
 
 @click.command("stiffness-fe", short_help="kt/kn of two blocks by finite elements")
@@ -71,9 +66,9 @@ if TYPE_CHECKING:
 @click.option(
     "--kn",
     metavar='"1e4 N/mm +- 18 %"',
-    help="Measured kn, of which kt/kn makes kt: said, and written by --into.",
+    help="Measured kn, of which kt/kn makes kt: reported, and written by --into.",
 )
-@sheets_option("Folder for the sheet (PNG).")
+@sheets_option("Folder for the diagnostic figure (PNG).")
 @into_options("kt")
 @quiet_option
 @json_option
@@ -91,14 +86,11 @@ def command(
     Without options it is the paper's case, as far as the paper gives it. --into writes
     kt = (kt/kn) kn of the rough contact, of the flat one with --surface flat.
 
-    For example: calibrate stiffness-fe --roughness "12 um" --wavelength "0.8 mm" --out sheets
+    For example: calibrate stiffness-fe --roughness "12 um" --wavelength "0.8 mm" --out figures
     """
-    from calibration.statistics.quantity import plus_minus
-    from calibration.statistics.uncertainty import as_pair
     from calibration.stiffness_fe.assumptions import applied, vary
     from calibration.stiffness_fe.measure import measure
-    from calibration.stiffness_fe.report import as_json as for_json
-    from calibration.stiffness_fe.report import as_text
+    from calibration.stiffness_fe.result import Stiffness
     from calibration.stiffness_fe.setting import read_kn, read_setting
 
     setting, sigma_e = read_setting(given)
@@ -121,37 +113,7 @@ def command(
     rows = [] if no_assumptions or wanted != "both" else vary(setting, seed, progress)
     if rows:
         found = applied(found, rows)
-    kt = None if known_kn is None else _kt(found, known_kn)
-    if into is not None and kt is not None:
-        into.put(
-            "kt",
-            kt,
-            method="finite elements",
-            files=given["profiles"],
-            source=None if given["profiles"] else "made surfaces",
-        )
-    sheet = None if out is None else _sheet(found, out)
-    if as_json:
-        answer = for_json(found, rows) | {"kt_n_per_m": as_pair(kt)}
-        click.echo(json.dumps(answer | {"sheet": None if sheet is None else str(sheet)}, indent=2))
-        return
-    click.echo(as_text(found, rows))
-    if kt is not None:
-        click.echo(f"kt = (kt/kn) kn = {plus_minus(1e-3 * kt.value, 1e-3 * (kt.sigma or 0))} N/mm")
-    if sheet is not None and not quiet:
-        click.echo(f"sheet: {sheet}", err=True)
-
-
-def _kt(found: "Found", kn: "Estimate") -> "Estimate":
-    """kt = (kt/kn) kn [N/m] of the rough contact, or of the flat one where only that was tested."""
-    from calibration.statistics.uncertainty import through
-
-    contact = found.rough or found.flat
-    assert contact is not None
-    return through(lambda ratio, normal: ratio * normal, contact.ratio.whole, kn)
-
-
-def _sheet(found: "Found", out: Path) -> Path:
-    from calibration.stiffness_fe.figure import draw_sheet
-
-    return draw_sheet(found, out / "stiffness-fe.png")
+    source = None if given["profiles"] else "made surfaces"
+    result = Stiffness(found, rows, known_kn, source)
+    finish(result, as_json=as_json, quiet=quiet, out=out, name="stiffness-fe", into=into,
+           measured=given["profiles"])  # fmt: skip

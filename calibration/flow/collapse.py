@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.flow.result import write_rows
+from calibration.flow.result import numbers, write_rows
 from calibration.flow.silo import Roi, check_said
 from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, survey, to_grey
 from calibration.statistics.quantity import metres_per_pixel
 from calibration.statistics.robust import MEDIAN_TO_SIGMA
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.film.reader import frame_rate, inside, open_film
-from granulab.campaign.output.figure import BLUE, GREEN, INK, VERMILION, headline, write_figure
+from granulab.campaign.output.figure import BLUE, GREEN, INK, VERMILION, headline
 from granulab.errors import InputError
 
 if TYPE_CHECKING:
@@ -31,16 +31,19 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_RAGGED = 0.02  # of the patch's rows, at its outermost, over which the front's place is averaged
+_RAGGED = 0.02  # of the patch's rows, at its outermost, over which the front's position is averaged
 _SMALLEST = 25  # px of a patch that counts
 
 
 @dataclass(frozen=True)
 class Collapse:
-    """Frame by frame (n,), in `unit` from the picture's left side and top; NaN where not seen.
+    """A spreading column; a result (calibration.result).
+
+    Frame by frame (n,), in `unit` from the picture's left side and top; NaN where not seen:
+
 
     left, right    ends of the material
-    surface        its highest place
+    surface        its highest point
     sigma          standard deviation of the half width from frame to frame
     """
 
@@ -61,10 +64,8 @@ class Collapse:
         """Half of the distance between the fronts (n,)."""
         return (self.right - self.left) / 2
 
-    def as_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Series in `length_unit` and s from the first frame."""
-        from calibration.flow.result import numbers
-
         return {
             "fps_header": self.header,
             "fps_used": self.rate,
@@ -79,10 +80,41 @@ class Collapse:
             "warnings": self.warnings,
         }
 
+    def text(self) -> str:
+        """Some twenty lines of the series, and sigma."""
+        series = (self.left, self.right, self.half_width, self.surface)
+        lines = [
+            f"{'time [s]':>9} {'left':>10} {'right':>10} {'half width':>11} {'surface':>9} "
+            f"[{self.unit}]"
+        ]
+        for k in range(0, len(self.time), max(len(self.time) // 20, 1)):
+            cells = [f"{one[k]:.4g}" if np.isfinite(one[k]) else "-" for one in series]
+            lines.append(f"{self.time[k]:9.4f} " + " ".join(f"{cell:>10}" for cell in cells))
+        lines.append(f"sigma {self.sigma:.2g} {self.unit}")
+        return "\n".join(lines + [f"warning: {warning}" for warning in self.warnings])
+
+    def figure(self) -> "Figure":
+        """Front and free surface against time."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(8.2, 4.6), layout="constrained")
+        headline(figure, f"{self.path.stem}: front against time")
+        ends, half = figure.subplots(1, 2)
+        ends.plot(self.time, self.left, color=BLUE, label="left end")
+        ends.plot(self.time, self.right, color=VERMILION, label="right end")
+        ends.plot(self.time, self.surface, color=GREEN, lw=1, label="highest point, from the top")
+        half.plot(self.time, self.half_width, ".-", color=INK, ms=3, lw=0.8)
+        ends.set_ylabel(f"position in the picture [{self.unit}]")
+        half.set_ylabel(f"half of the width [{self.unit}], +- {self.sigma:.2g}")
+        ends.legend(fontsize=8)
+        for axes in (ends, half):
+            axes.set_xlabel(f"time from the first frame [s], at {self.rate:g} frames/s")
+        return figure
+
 
 def measure_collapse(
     path: str | Path, *, fps: float | None = None, scale: str | None = None,
-    roi: Roi = None, tell: Callable[[float], None] = lambda part: None,
+    roi: Roi = None, report: Callable[[float], None] = lambda part: None,
 ) -> Collapse:  # fmt: skip
     """The front in every frame of a film; InputError, one line, where nothing spreads."""
     import cv2
@@ -90,7 +122,7 @@ def measure_collapse(
     film = open_film(path)
     rate = frame_rate(film, fps)
     check_said(film, roi, scale, None)
-    seen = survey(film, lambda part: tell(0.3 * part))
+    seen = survey(film, lambda part: report(0.3 * part))
     x, y, w, h = inside(film, roi)
     part = slice(y, y + h), slice(x, x + w)
     limit = _limit(path, seen, part)
@@ -102,7 +134,7 @@ def measure_collapse(
     for frame in film.frames():
         apart = np.asarray(cv2.absdiff(to_grey(frame.picture)[part], first), np.uint8)
         rows.append((frame.number / rate, *_ends(apart, limit)))
-        tell(0.3 + 0.7 * frame.number / seen.count)
+        report(0.3 + 0.7 * frame.number / seen.count)
     time, left, right, top = np.array(rows).T
     k = known.value
     warnings = clock_warnings(film, seen)
@@ -158,34 +190,12 @@ def _noise(left: Floats, right: Floats) -> float:
     return float(MEDIAN_TO_SIGMA * np.median(known) / np.sqrt(20)) if len(known) else np.nan
 
 
-def write_collapse(seen: Collapse, folder: Path, name: str) -> list[Path]:
-    """collapse-NAME.csv and .png in a folder; their paths."""
-    unit = seen.unit
-    columns = {"time_s": seen.time} | {
-        f"{what}_{unit}": series
-        for what, series in (
-            ("left", seen.left), ("right", seen.right), ("half_width", seen.half_width),
-            ("surface", seen.surface),
-        )
+def write_table(seen: Collapse, folder: Path) -> Path:
+    """Write collapse-NAME.csv in a folder; its path."""
+    series = {
+        "left": seen.left, "right": seen.right, "half_width": seen.half_width,
+        "surface": seen.surface,
     }  # fmt: skip
+    columns = {"time_s": seen.time} | {f"{k}_{seen.unit}": one for k, one in series.items()}
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    table = write_rows(folder / f"collapse-{name}.csv", rows)
-    return [table, write_figure(folder / f"collapse-{name}.png", lambda: _sheet(seen, name))]
-
-
-def _sheet(seen: Collapse, name: str) -> "Figure":
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.2, 4.6), layout="constrained")
-    headline(figure, f"{name}: front against time")
-    ends, half = figure.subplots(1, 2)
-    ends.plot(seen.time, seen.left, color=BLUE, label="left end")
-    ends.plot(seen.time, seen.right, color=VERMILION, label="right end")
-    ends.plot(seen.time, seen.surface, color=GREEN, lw=1, label="highest place, from the top")
-    half.plot(seen.time, seen.half_width, ".-", color=INK, ms=3, lw=0.8)
-    ends.set_ylabel(f"place in the picture [{seen.unit}]")
-    half.set_ylabel(f"half of the width [{seen.unit}], +- {seen.sigma:.2g}")
-    ends.legend(fontsize=8)
-    for axes in (ends, half):
-        axes.set_xlabel(f"time from the first frame [s], at {seen.rate:g} frames/s")
-    return figure
+    return write_rows(folder / f"collapse-{seen.path.stem}.csv", rows)

@@ -1,13 +1,11 @@
-"""One picture of a discharge film, to believe it or not: lines over the film, curve, velocities."""
+"""Diagnostic figure of a discharge film: lines over pictures of the film, curve, velocities."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from calibration.flow.layers import Profile
 from calibration.flow.result import Flow
-from calibration.statistics.quantity import plus_minus
 from calibration.tracking.film.reader import Picture
 from granulab.campaign.output.figure import (
     BLUE,
@@ -17,7 +15,6 @@ from granulab.campaign.output.figure import (
     PAPER,
     VERMILION,
     headline,
-    write_figure,
 )
 
 if TYPE_CHECKING:
@@ -28,13 +25,12 @@ _PANELS = 5
 _PANEL = 2.0  # inches across one
 
 
-def draw_sheet(flow: Flow, path: Path, name: str) -> Path:
-    """Write the sheet of a film called `name` as a PNG; its path."""
+def draw(flow: Flow) -> "Figure":
+    """Lines of the layers over the film's pictures, curve, depths of the layers, velocities."""
     shown = [p for p in flow.profiles if np.isfinite(p.lines).any()] or flow.profiles[:1]
     steps = np.linspace(0, len(shown) - 1, min(_PANELS, len(shown))).round().astype(int)
     panels = [shown[k] for k in dict.fromkeys(steps.tolist())]
-    pictures = _pictures(flow, panels)
-    return write_figure(path, lambda: _sheet(flow, name, panels, pictures))
+    return _figure(flow, panels, _pictures(flow, panels))
 
 
 def _pictures(flow: Flow, panels: list[Profile]) -> list[Picture]:
@@ -44,7 +40,7 @@ def _pictures(flow: Flow, panels: list[Profile]) -> list[Picture]:
     return [found[min(found, key=lambda n: abs(n - number))] for number in wanted]
 
 
-def _sheet(flow: Flow, name: str, panels: list[Profile], pictures: list[Picture]) -> "Figure":
+def _figure(flow: Flow, panels: list[Profile], pictures: list[Picture]) -> "Figure":
     from matplotlib.figure import Figure
 
     height, width = pictures[0].shape[:2]
@@ -58,17 +54,8 @@ def _sheet(flow: Flow, name: str, panels: list[Profile], pictures: list[Picture]
     _curve(figure.add_subplot(below[0]), flow)
     _depth(figure.add_subplot(below[1]), flow)
     _velocity(figure.add_subplot(below[2]), flow)
-    headline(figure, f"{name}: {words(flow)}")
+    headline(figure, f"{flow.name}: {flow.end}")
     return figure
-
-
-def words(flow: Flow) -> str:
-    """How the discharge ended, and when."""
-    text = flow.outcome.replace("_", " ")
-    if flow.discharge is not None:
-        last = "after" if flow.outcome == "empty" else "; the last grain left at"
-        text += f" {last} {plus_minus(flow.discharge.value, flow.discharge.sigma)} s"
-    return text.replace(" ;", ";")
 
 
 def _panel(axes: "Axes", flow: Flow, one: Profile, picture: Picture, first: bool) -> None:

@@ -15,11 +15,11 @@ INTERVAL = 0.25  # s, as in the paper's figures
 
 
 def measure_flow(
-    path: str | Path, settings: Settings, tell: Callable[[float, str], None] = lambda f, w: None
+    path: str | Path, settings: Settings, report: Callable[[float, str], None] = lambda f, w: None
 ) -> Flow:
     """Read a film twice, frame by frame: what is where, then what moves how.
 
-    tell    is told the fraction done and what goes on
+    report    of the fraction done and of what goes on
     Raises InputError, one line, where something cannot be measured.
     """
     film = open_film(path)
@@ -36,7 +36,7 @@ def measure_flow(
         raise InputError(f"--columns {settings.columns}: an odd number, 3 at least")
     check_said(film, settings.roi, settings.scale, settings.width)
     try:
-        seen = survey(film, lambda part: tell(0.2 * part, "first look"))
+        seen = survey(film, lambda part: report(0.2 * part, "first look"))
         silo = find_silo(film, seen, settings.roi, settings.scale, settings.width)
     except InputError as error:
         text = str(error)
@@ -44,5 +44,5 @@ def measure_flow(
     watch = Watch(film, rate, interval, seen, silo, settings)
     for frame in film.frames():
         watch.see(frame.number, frame.picture)
-        tell(0.2 + 0.8 * frame.number / seen.count, "following the material")
+        report(0.2 + 0.8 * frame.number / seen.count, "following the material")
     return watch.flow()

@@ -1,8 +1,8 @@
-"""What the film of a silo that empties told: times, curve, profiles, velocities."""
+"""Result of the film of a silo that empties: times, curve, profiles, velocities; its tables."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,14 @@ from calibration.flow.layers import Band, Profile
 from calibration.flow.silo import Silo
 from calibration.flow.survey import Survey
 from calibration.flow.velocity import VelocityField
-from calibration.statistics.quantity import six_digits
+from calibration.statistics.quantity import plus_minus, six_digits
 from calibration.statistics.uncertainty import Estimate, as_pair
 from calibration.tracking.film.reader import Film
 from granulab.campaign.output.table import as_csv
 from granulab.campaign.runs.folder import write_atomic
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
 
@@ -49,7 +52,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Flow:
-    """What a film of a discharge gives. Lengths in silo.unit, times in s from the opening.
+    """A filmed discharge; a result (calibration.result). In silo.unit and s from the opening.
 
     opening      frame of the film, with a part of one
     outcome      empty, dead_zones, clogged, unfinished or nothing_flows
@@ -88,46 +91,89 @@ class Flow:
                 out[1, t, layer] = np.sqrt(np.sum(sigma[ends] ** 2) / 4 + sigma[middle] ** 2)
         return out[0], out[1]
 
+    @property
+    def name(self) -> str:
+        """Name of the film in file names."""
+        return self.film.path.stem.strip("*?[]") or "pictures"
+
+    @property
+    def end(self) -> str:
+        """How the discharge ended, and when, in words."""
+        text = self.outcome.replace("_", " ")
+        if self.discharge is None:
+            return text
+        after = " after" if self.outcome == "empty" else "; the last particle left at"
+        return f"{text}{after} {plus_minus(self.discharge.value, self.discharge.sigma)} s"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Lengths in `length_unit`, times in s from the opening."""
+        silo, curve = self.silo, self.curve
+        return {
+            "fps_header": self.film.rate,
+            "fps_used": self.rate,
+            "time_base": {
+                "duplicated_frames": self.seen.repeated,
+                "corrupt_frames": len(self.film.corrupt),
+                "uneven_stamps": self.seen.uneven,
+            },
+            "length_unit": silo.unit,
+            "scale_m_per_px": as_pair(silo.scale) if silo.unit == "m" else None,
+            "silo_px": [silo.left, silo.top, silo.width, silo.height],
+            "outlet": list(self.outlet),
+            "opening_frame": as_pair(self.opening),
+            "outcome": self.outcome,
+            "discharge_time_s": as_pair(self.discharge),
+            "curve": {
+                "time_s": numbers(curve.time),
+                "remaining": numbers(curve.remaining),
+                "remaining_by_tracers": numbers(curve.tracers),
+                "sigma": curve.sigma,
+                "surface": numbers(curve.surface),
+            },
+            "profile": _profile(self),
+            "velocity": [
+                {
+                    "from_s": one.start, "until_s": one.end,
+                    "x": numbers(one.x), "y": numbers(one.y),
+                    "vx_per_s": numbers(one.vx), "vy_per_s": numbers(one.vy),
+                    "sigma_per_s": numbers(one.sigma),
+                }
+                for one in self.velocities
+            ],
+            "warnings": self.warnings,
+        }  # fmt: skip
+
+    def text(self) -> str:
+        """The end, the opening, the silo in the picture, and a line for each profile."""
+        silo, unit = self.silo, self.silo.unit
+        lines = [
+            self.end,
+            f"opening  at frame {plus_minus(self.opening.value, self.opening.sigma)} of "
+            f"{self.seen.count}, {self.rate:g} frames/s",
+            f"silo     {silo.width:g} x {silo.height:g} px at ({silo.left:g}, {silo.top:g}); "
+            f"outlet {self.outlet[0]:.4g} to {self.outlet[1]:.4g} {unit}",
+        ]
+        if unit == "m":
+            lines.append(f"scale    {plus_minus(silo.scale.value, silo.scale.sigma)} m/px")
+        depth, _ = self.depths()
+        head = f"deepest V [{unit}]"
+        lines.append(f"{'time [s]':>10} {'remains':>8} {head:>15} {'lines':>6}")
+        for k, one in enumerate(self.profiles):
+            remains = float(np.interp(one.time, self.curve.time, self.curve.remaining))
+            known = depth[k][np.isfinite(depth[k])]
+            deepest = f"{known.max():.4g}" if len(known) else "-"
+            seen = int(np.isfinite(one.lines).any(axis=1).sum())
+            lines.append(f"{one.time:10.3g} {remains:8.3f} {deepest:>15} {seen:6d}")
+        return "\n".join(lines + [f"warning: {warning}" for warning in self.warnings])
+
+    def figure(self) -> "Figure":
+        """Lines of the layers over pictures of the film, curve, depths and velocities."""
+        from calibration.flow.figure import draw
+
+        return draw(self)
+
 
 Row = dict[str, float]
-
-
-def as_json(flow: Flow) -> dict[str, Any]:
-    """The answer of calibrate flow; lengths in `length_unit`, times in s from the opening."""
-    silo, curve = flow.silo, flow.curve
-    return {
-        "fps_header": flow.film.rate,
-        "fps_used": flow.rate,
-        "time_base": {
-            "duplicated_frames": flow.seen.repeated,
-            "corrupt_frames": len(flow.film.corrupt),
-            "uneven_stamps": flow.seen.uneven,
-        },
-        "length_unit": silo.unit,
-        "scale_m_per_px": as_pair(silo.scale) if silo.unit == "m" else None,
-        "silo_px": [silo.left, silo.top, silo.width, silo.height],
-        "outlet": list(flow.outlet),
-        "opening_frame": as_pair(flow.opening),
-        "outcome": flow.outcome,
-        "discharge_time_s": as_pair(flow.discharge),
-        "curve": {
-            "time_s": numbers(curve.time),
-            "remaining": numbers(curve.remaining),
-            "remaining_by_tracers": numbers(curve.tracers),
-            "sigma": curve.sigma,
-            "surface": numbers(curve.surface),
-        },
-        "profile": _profile(flow),
-        "velocity": [
-            {
-                "from_s": one.start, "until_s": one.end, "x": numbers(one.x), "y": numbers(one.y),
-                "vx_per_s": numbers(one.vx), "vy_per_s": numbers(one.vy),
-                "sigma_per_s": numbers(one.sigma),
-            }
-            for one in flow.velocities
-        ],
-        "warnings": flow.warnings,
-    }  # fmt: skip
 
 
 def _profile(flow: Flow) -> dict[str, Any]:
@@ -158,15 +204,15 @@ def numbers(series: NDArray) -> list[Any]:
     return [six_digits(value) for value in series.tolist()]
 
 
-def write_tables(flow: Flow, folder: Path, name: str) -> list[Path]:
-    """Tables of the curve, the profiles and the velocities as CSV, of those there are; paths."""
+def write_tables(flow: Flow, folder: Path) -> list[Path]:
+    """Write curve, profiles and velocities as CSV, those that there are; their paths."""
     tables = {
         "curve": _curve_rows(flow),
         "profile": _profile_rows(flow),
         "velocity": _velocity_rows(flow),
     }
     return [
-        write_rows(folder / f"flow-{name}-{what}.csv", rows)
+        write_rows(folder / f"flow-{flow.name}-{what}.csv", rows)
         for what, rows in tables.items()
         if rows
     ]

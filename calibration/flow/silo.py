@@ -80,7 +80,7 @@ class Silo:
 def check_said(film: Film, roi: Roi, scale: str | None, width: str | None) -> None:
     """Raise InputError, before the film is read, for what find_silo would refuse after it."""
     if scale is not None and width is not None:
-        raise InputError("--scale and --width: give one; each tells the scale by itself")
+        raise InputError("--scale and --width: give one; each gives the scale by itself")
     _scale(scale, width, 1.0, 0.0)
     inside(film, roi, SMALLEST)
 

@@ -37,7 +37,7 @@ class Survey:
     uneven: bool
 
 
-def survey(film: Film, tell: Callable[[float], None] = lambda part: None) -> Survey:
+def survey(film: Film, report: Callable[[float], None] = lambda part: None) -> Survey:
     """Read a film once; InputError where it has too few frames for a flow."""
     first = last = None
     deviations, stamps, repeated = [], [], 0
@@ -52,7 +52,7 @@ def survey(film: Film, tell: Callable[[float], None] = lambda part: None) -> Sur
         last = frame.picture, grey
         if frame.stamp is not None:
             stamps.append((frame.number, frame.stamp))
-        tell(frame.number / film.count if film.count else 0.0)
+        report(frame.number / film.count if film.count else 0.0)
     if first is None or last is None or len(deviations) + 1 < _FEWEST:
         count = len(deviations) + (last is not None)
         raise InputError(f"{film.path}: {count} frames; a flow takes {_FEWEST} at least")
@@ -62,15 +62,15 @@ def survey(film: Film, tell: Callable[[float], None] = lambda part: None) -> Sur
 
 
 def clock_warnings(film: Film, seen: Survey) -> list[str]:
-    """What is wrong with a film's frames and their times, a line each."""
-    told = []
+    """Lines on what is wrong with a film's frames and their times."""
+    warnings = []
     if seen.uneven:
-        told.append("the time stamps are uneven; an even clock was used")
+        warnings.append("the time stamps are uneven; an even clock was used")
     if seen.repeated:
-        told.append(f"{seen.repeated} frames repeat the one before")
+        warnings.append(f"{seen.repeated} frames repeat the one before")
     if film.corrupt:
-        told.append(f"{len(film.corrupt)} frames could not be decoded and were left out")
-    return told
+        warnings.append(f"{len(film.corrupt)} frames could not be decoded and were left out")
+    return warnings
 
 
 def to_grey(picture: Picture) -> Grey:

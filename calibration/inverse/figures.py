@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from calibration.inverse.fitted import Fitted
 from calibration.inverse.prediction import Panel, panels
+from calibration.inverse.result import Fitted
 from calibration.inverse.statistics.identify import NARROWER
 from granulab.campaign.output.figure import (
     BLUE,

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.inverse.fitted import Fitted
 from calibration.inverse.observation import Observation
+from calibration.inverse.result import Fitted
 from calibration.inverse.statistics.prior import Array
 
 _DRAWS = 2000

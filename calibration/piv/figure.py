@@ -1,49 +1,44 @@
-"""The sheet by which a person judges a field: vectors over the picture, sigma, fractions."""
+"""Diagnostic figure of a field: vectors over the picture, sigma, fractions of a pixel."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.piv.answer import Answer
 from calibration.piv.field import Reason
 from calibration.piv.pictures import grey_levels, read_picture
-from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline, write_figure
+from calibration.piv.result import Displacement
+from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
-def draw_sheet(answer: Answer, path: Path) -> Path:
-    """Write the sheet as a PNG; its path."""
-    return write_figure(path, lambda: _sheet(answer))
-
-
-def _sheet(answer: Answer) -> "Figure":
+def draw(result: Displacement) -> "Figure":
+    """Vectors over the first picture, sigma, and fractions of a pixel."""
     from matplotlib.figure import Figure
 
-    tall = np.ptp(answer.field.y) + answer.field.window
-    wide = np.ptp(answer.field.x) + answer.field.window
+    tall = np.ptp(result.field.y) + result.field.window
+    wide = np.ptp(result.field.x) + result.field.window
     figure = Figure(figsize=(11.0, float(np.clip(1.7 + 6.3 * tall / wide, 5.5, 11.0))),
                     layout="constrained")  # fmt: skip
     columns = figure.add_gridspec(1, 2, width_ratios=[2, 1])
-    _vectors(figure.add_subplot(columns[0]), answer)
-    beside = columns[1].subgridspec(2, 1, height_ratios=[1.8, 1])
-    _sigma(figure, figure.add_subplot(beside[0]), answer)
-    _fractions(figure.add_subplot(beside[1]), answer)
-    field = answer.field
+    _vectors(figure.add_subplot(columns[0]), result)
+    right = columns[1].subgridspec(2, 1, height_ratios=[1.8, 1])
+    _sigma(figure, figure.add_subplot(right[0]), result)
+    _fractions(figure.add_subplot(right[1]), result)
+    field = result.field
     known = f"{field.valid.sum()} of {(field.reason != Reason.MASKED).sum()} vectors valid"
     middle = np.median(field.sigma[field.valid])
-    headline(figure, f"{answer.first.name} to {answer.second.name}: {known}, "
+    headline(figure, f"{result.first.name} to {result.second.name}: {known}, "
                      f"sigma {middle:.3f} px, median ({field.method})")  # fmt: skip
     return figure
 
 
-def _vectors(axes: "Axes", answer: Answer) -> None:
+def _vectors(axes: "Axes", result: Displacement) -> None:
     """Over the first picture, each from its window's middle; the key has a round length."""
-    field = answer.field
-    grey = grey_levels(read_picture(answer.first), str(answer.first))
+    field = result.field
+    grey = grey_levels(read_picture(result.first), str(result.first))
     low, high = np.percentile(grey, (1, 99))
     axes.imshow(grey, cmap="gray", vmin=low - 1.5 * (high - low), vmax=high, zorder=0)
     step = float(max(np.ptp(field.x), np.ptp(field.y))) / max(max(field.x.shape) - 1, 1)
@@ -60,11 +55,11 @@ def _vectors(axes: "Axes", answer: Answer) -> None:
                         label=words)  # fmt: skip
     axes.set_xlabel("x [px]")
     axes.set_ylabel("y [px]")
-    key = _round_below(longest * answer.factor)
-    axes.set_title(_key(axes, key / answer.factor / scale, key, answer.unit), fontsize=9)
+    key = _round_below(longest * result.factor)
+    axes.set_title(_key(axes, key / result.factor / scale, key, result.unit), fontsize=9)
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.07), ncols=2)
-    if answer.scale is not None:
-        _second_axes(axes, answer.scale)
+    if result.scale is not None:
+        _second_axes(axes, result.scale)
 
 
 def _key(axes: "Axes", length: float, value: float, unit: str) -> str:
@@ -83,8 +78,8 @@ def _second_axes(axes: "Axes", scale: float) -> None:
     axes.secondary_yaxis("right", functions=both).set_ylabel("y [mm]")
 
 
-def _sigma(figure: "Figure", axes: "Axes", answer: Answer) -> None:
-    field = answer.field
+def _sigma(figure: "Figure", axes: "Axes", result: Displacement) -> None:
+    field = result.field
     half = field.window / 2
     near = (field.x.min() - half, field.x.max() + half, field.y.max() + half, field.y.min() - half)
     top = np.percentile(field.sigma[field.valid], 98)
@@ -95,9 +90,9 @@ def _sigma(figure: "Figure", axes: "Axes", answer: Answer) -> None:
     axes.set_ylabel("y [px]")
 
 
-def _fractions(axes: "Axes", answer: Answer) -> None:
+def _fractions(axes: "Axes", result: Displacement) -> None:
     """Peaks at 0 and 1 in a field that varies by pixels show that vectors lock to whole ones."""
-    field = answer.field
+    field = result.field
     bins = np.linspace(0, 1, 21).tolist()
     for values, colour, name in ((field.u, BLUE, "u"), (field.v, VERMILION, "v")):
         axes.hist(values[field.valid] % 1, bins, histtype="step", color=colour, label=name)

@@ -1,6 +1,5 @@
-"""The sheet by which a person judges two blocks in contact: mesh, fields, interface, curves."""
+"""Diagnostic figure of two blocks in contact: mesh, fields, interface, curves."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,8 +7,8 @@ import numpy as np
 from calibration.statistics.quantity import plus_minus
 from calibration.stiffness_fe.measure import Contact, Found
 from calibration.stiffness_fe.protocol import Outcome
-from calibration.stiffness_fe.report import known_sigma
-from granulab.campaign.output.figure import BLUE, INK, VERMILION, headline, write_figure
+from calibration.stiffness_fe.result import known_sigma
+from granulab.campaign.output.figure import BLUE, INK, VERMILION, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,17 +18,13 @@ _SHOWN = 0.3  # of the width, where the mesh is drawn
 _COLOURS = {"flat": BLUE, "rough": VERMILION}
 
 
-def draw_sheet(found: Found, path: Path) -> Path:
-    """Write the sheet as a PNG; its path. Of several profiles the first one is shown."""
-    return write_figure(path, lambda: _sheet(found))
-
-
 def _contacts(found: Found) -> dict[str, Contact]:
     both = {"flat": found.flat, "rough": found.rough}
     return {name: one for name, one in both.items() if one is not None}
 
 
-def _sheet(found: Found) -> "Figure":
+def draw(found: Found) -> "Figure":
+    """Mesh, fields, interface and curves; of several profiles the first one is shown."""
     from matplotlib.figure import Figure
 
     contacts = _contacts(found)

@@ -14,7 +14,7 @@ import pytest
 from small_damper import write_damper
 from small_silo import write_case
 
-from calibration.inverse import campaign_runs
+from calibration.inverse import fit as fits
 from calibration.inverse.observation import Observation
 from calibration.inverse.silo import SIMULATED
 from damper3d.case.case import DamperCase
@@ -77,7 +77,7 @@ def run_here(simulator, cases, *, out, **engine):
 
 @pytest.fixture
 def here(monkeypatch):
-    monkeypatch.setattr(campaign_runs, "run_labelled", run_here)
+    monkeypatch.setattr(fits, "run_labelled", run_here)
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +104,7 @@ def damper(tmp_path_factory):
 def whole(damper):
     """The answer of the fit, made without a break."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(campaign_runs, "run_labelled", run_here)
+        patch.setattr(fits, "run_labelled", run_here)
         done = calibrating.calibrate(
             "inverse", damper / "fit.toml", "-o", damper / "runs", "--json", "--quiet"
         )
@@ -270,7 +270,7 @@ def test_interrupted_runs_end_with_130_and_keep_their_table(damper, monkeypatch)
     def stopped(simulator, cases, **engine):
         return [{**labels, "state": "interrupted", "reason": "stopped"} for labels, _ in cases]
 
-    monkeypatch.setattr(campaign_runs, "run_labelled", stopped)
+    monkeypatch.setattr(fits, "run_labelled", stopped)
     done = calibrating.calibrate("inverse", damper / "fit.toml", "-o", damper / "cut", "--quiet")
     assert (done.code, done.out) == (130, "")
     assert "the same command goes on from there" in done.err
@@ -279,7 +279,7 @@ def test_interrupted_runs_end_with_130_and_keep_their_table(damper, monkeypatch)
 
 
 def test_a_run_that_fails_is_a_row_with_its_reason(damper, whole, here, monkeypatch):
-    real = campaign_runs.run_labelled
+    real = fits.run_labelled
 
     def last_fails(simulator, cases, **options):
         rows = real(simulator, cases, **options)
@@ -288,7 +288,7 @@ def test_a_run_that_fails_is_a_row_with_its_reason(damper, whole, here, monkeypa
             rows[-1] = {**labels, "state": "failed", "reason": "the books are off"}
         return rows
 
-    monkeypatch.setattr(campaign_runs, "run_labelled", last_fails)
+    monkeypatch.setattr(fits, "run_labelled", last_fails)
     done = calibrating.calibrate("inverse", damper / "fit.toml", "-o", damper / "runs",
                                  "--no-figures", "--quiet")  # fmt: skip
     assert done.code == 3

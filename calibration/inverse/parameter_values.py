@@ -1,4 +1,4 @@
-"""What a fit found into a parameter file: the values of pairs and materials that follow from it."""
+"""Values of pairs and materials that follow from a fit, written into a parameter file."""
 
 from pathlib import Path
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from calibration.files.parameter_file import Written, check_file, digest_of, into
 from calibration.inverse.fit_file import Fit
-from calibration.inverse.fitted import Fitted
 from calibration.inverse.observation import Values
+from calibration.inverse.result import Fitted
 from calibration.inverse.statistics.identify import NARROWER
 from calibration.statistics.uncertainty import Estimate
 from granulab.errors import InputError

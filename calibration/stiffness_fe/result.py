@@ -1,52 +1,96 @@
-"""What the blocks gave, as text and for JSON, beside what the paper prints."""
+"""Result of the test of two blocks, compared with what the paper prints."""
 
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
+from calibration.result import Parameter
 from calibration.statistics.quantity import plus_minus
+from calibration.statistics.uncertainty import Estimate, as_pair, through
 from calibration.stiffness_fe import markers
 from calibration.stiffness_fe.assumptions import Row
 from calibration.stiffness_fe.measure import Contact, Found, Quantity
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Journal sec. 3.2.2: kt/kn and its spread; "(2.8 +- 0.09)" of the flat one is 0.28 (errata)
 PRINTED = {"flat": (0.28, 0.09), "rough": (0.065, 0.04)}
 PRINTED_STRESS = 0.5  # "typically by 50 %"
 
 
-def as_json(found: Found, rows: Sequence[Row]) -> dict[str, Any]:
-    """The keys of docs/calibration-stiffness-fe.md, SI."""
-    stress = None
-    if found.stress is not None:
-        stress = _quantity(found.stress)
-        stress |= {"printed": PRINTED_STRESS, "printed_table": _table_stress()}
-    return {
-        "flat": _contact(found, "flat"),
-        "rough": _contact(found, "rough"),
-        "normal_stress_rough_over_flat": stress,
-        "assumptions": [
-            {"what": row.what, "change": row.change, "assumed": row.assumed,
-             "kt_over_kn_flat": row.values.flat, "kt_over_kn_rough": row.values.rough,
-             "normal_stress_rough_over_flat": row.values.stress}
-            for row in rows
-        ],
-    }  # fmt: skip
+@dataclass(frozen=True)
+class Stiffness:
+    """Test of two blocks compared with the paper; a result (calibration.result).
 
+    rows      what was assumed and changed
+    kn        measured normal stiffness [N/m], which makes kt of kt/kn
+    source    of the surfaces, for a parameter file; None where files were measured
+    """
 
-def as_text(found: Found, rows: Sequence[Row]) -> str:
-    """Values beside the printed ones, what was checked, and what was assumed."""
-    lines = [f"{'':28}{'found':>16}  {'mesh':>8} {'profiles':>8} {'assumed':>8}   printed"]
-    for name, one in (("flat", found.flat), ("rough", found.rough)):
-        if one is not None:
+    found: Found
+    rows: Sequence[Row] = ()
+    kn: Estimate | None = None
+    source: str | None = "made surfaces"
+
+    @property
+    def kt(self) -> Estimate | None:
+        """(kt/kn) kn [N/m] of the rough contact, or of the flat one where only that was tested."""
+        contact = self.found.rough or self.found.flat
+        if self.kn is None or contact is None:
+            return None
+        return through(lambda ratio, normal: ratio * normal, contact.ratio.whole, self.kn)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The keys of docs/calibration-stiffness-fe.md, SI."""
+        found, stress = self.found, None
+        if found.stress is not None:
+            stress = _quantity(found.stress)
+            stress |= {"printed": PRINTED_STRESS, "printed_table": _table_stress()}
+        return {
+            "flat": _contact(found, "flat"),
+            "rough": _contact(found, "rough"),
+            "normal_stress_rough_over_flat": stress,
+            "assumptions": [
+                {"what": row.what, "change": row.change, "assumed": row.assumed,
+                 "kt_over_kn_flat": row.values.flat, "kt_over_kn_rough": row.values.rough,
+                 "normal_stress_rough_over_flat": row.values.stress}
+                for row in self.rows
+            ],
+            "kt_n_per_m": as_pair(self.kt),
+        }  # fmt: skip
+
+    def text(self) -> str:
+        """Values compared with the printed ones, what was checked, and what was assumed."""
+        found = self.found
+        lines = [f"{'':28}{'found':>16}  {'mesh':>8} {'profiles':>8} {'assumed':>8}   printed"]
+        contacts = {"flat": found.flat, "rough": found.rough}
+        tested = {name: one for name, one in contacts.items() if one is not None}
+        for name, one in tested.items():
             mean, sd = PRINTED[name]
             lines.append(_line(f"kt/kn {name}", one.ratio, f"{mean:g} +- {sd:g}"))
-    if found.stress is not None:
-        printed = f"about {PRINTED_STRESS:g}; Table 1 {_table_stress():.2f}"
-        lines.append(_line("normal stress, rough/flat", found.stress, printed))
-    for name, one in (("flat", found.flat), ("rough", found.rough)):
-        if one is not None:
+        if found.stress is not None:
+            printed = f"about {PRINTED_STRESS:g}; Table 1 {_table_stress():.2f}"
+            lines.append(_line("normal stress, rough/flat", found.stress, printed))
+        for name, one in tested.items():
             lines += ["", *_details(name, one, found)]
-    lines += ["", *(_varied(rows) if rows else ["sigma leaves out what had to be assumed"])]
-    return "\n".join(lines)
+        lines.append("")
+        lines += _varied(self.rows) if self.rows else ["sigma leaves out what had to be assumed"]
+        if (kt := self.kt) is not None:
+            shown = plus_minus(1e-3 * kt.value, 1e-3 * (kt.sigma or 0))
+            lines.append(f"kt = (kt/kn) kn = {shown} N/mm")
+        return "\n".join(lines)
+
+    def figure(self) -> "Figure":
+        """Mesh, fields, interface and curves of the first profile."""
+        from calibration.stiffness_fe.figure import draw
+
+        return draw(self.found)
+
+    def parameters(self) -> dict[str, Parameter]:
+        """kt, where kn is known."""
+        kt = self.kt
+        return {} if kt is None else {"kt": Parameter(kt, "finite elements", self.source)}
 
 
 def _line(name: str, one: Quantity, printed: str) -> str:

@@ -1,8 +1,8 @@
-"""What a pair of pictures gives: the field in pixels and in metres, as table and in figures."""
+"""Result of a pair of pictures: the field in pixels and in metres, as table, text and figure."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,16 @@ from calibration.piv.pictures import read_mask, read_picture
 from calibration.statistics.quantity import six_digits
 from granulab.errors import InputError
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 _FEW = 0.75  # share of valid vectors below which a field is doubtful (Raffel et al. 2018, sec. 7.1:
 # a good recording has more than 95 %)
 
 
 @dataclass(frozen=True)
-class Answer:
-    """A field with what its vectors are in other units.
+class Displacement:
+    """A field, its vectors also in other units; a result (calibration.result).
 
     first    picture a
     scale    m/px; None where it is not known
@@ -44,7 +47,7 @@ class Answer:
 
     @property
     def warnings(self) -> list[str]:
-        """What speaks against believing the field."""
+        """Reasons to doubt the field, a line each."""
         field, found = self.field, []
         share = field.valid.sum() / (field.reason != Reason.MASKED).sum()
         if share < _FEW:
@@ -77,8 +80,8 @@ class Answer:
             rows.append(row | {"valid": int(reason == Reason.MEASURED), "reason": _name(reason)})
         return rows
 
-    def as_json(self) -> dict[str, Any]:
-        """One object for scripts; numbers of the valid vectors."""
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers of the valid vectors."""
         field, good = self.field, self.field.valid
         return {
             "method": field.method,
@@ -98,6 +101,32 @@ class Answer:
             "warnings": self.warnings,
         }
 
+    def text(self) -> str:
+        """How many vectors are valid, and what their numbers are."""
+        found = self.to_dict()
+        window = found["window_px"]
+        lines = [f"{found['valid']} of {found['vectors']} vectors valid, windows of {window} px"]
+        lost = {name: n for name, n in found["reasons"].items() if n and name != "measured"}
+        lines += [f"  {n} {name.replace('_', ' ')}" for name, n in lost.items()]
+        lines.append(f"{'[px]':6}{'mean':>10}{'sd':>10}{'lowest':>10}{'highest':>10}")
+        for name in ("u", "v"):
+            cells = "".join(f"{value:10.3f}" for value in found[f"{name}_px"].values())
+            lines.append(f"{name:6}{cells}")
+        sigma = found["sigma_px"]
+        lines.append(f"sigma of a component {sigma['median']:.3f} px (median), "
+                     f"{sigma['largest']:.3f} px at most")  # fmt: skip
+        if self.unit != "px":
+            speeds = self.speed()[self.field.valid]
+            lines.append(f"size of a vector {speeds.mean():.4g} {self.unit} (mean), "
+                         f"{speeds.max():.4g} {self.unit} at most")  # fmt: skip
+        return "\n".join([*lines, *(f"warning: {words}" for words in self.warnings)])
+
+    def figure(self) -> "Figure":
+        """Vectors over the first picture, their sigma, and fractions of pixels."""
+        from calibration.piv.figure import draw
+
+        return draw(self)
+
     def speed(self) -> Array:
         """(rows, columns) size of the vectors in `unit`."""
         return np.asarray(self.factor * np.hypot(self.field.u, self.field.v))
@@ -106,7 +135,7 @@ class Answer:
 def measure_pair(
     first: Path, second: Path, *, window: int = 32, overlap: float = 0.5, method: str = "piv",
     mask: Path | None = None, scale: float | None = None, dt: float | None = None,
-) -> Answer:  # fmt: skip
+) -> Displacement:  # fmt: skip
     """The displacement between two pictures in files; see calibration.piv.displacement.
 
     Raises InputError where nothing of the first picture is found in the second.
@@ -121,7 +150,7 @@ def measure_pair(
     field = displacement(a, b, window=window, overlap=overlap, mask=inside, method=method)
     if not field.valid.any():
         raise InputError(f"{first}, {second}: nothing is found in both pictures ({_most(field)})")
-    return Answer(first, second, field, scale, dt)
+    return Displacement(first, second, field, scale, dt)
 
 
 def _most(field: Field) -> str:
@@ -130,7 +159,7 @@ def _most(field: Field) -> str:
         Reason.MASKED: "outside the mask",
         Reason.NO_TEXTURE: "no texture",
         Reason.TOO_FAR: f"moved farther than {field.window} px",
-        Reason.AMBIGUOUS: "two places fit about as well",
+        Reason.AMBIGUOUS: "two positions fit about as well",
         Reason.VAGUE: "sigma above half a pixel",
         Reason.OUTLIER: "unlike their neighbours",
     }

@@ -1,0 +1,282 @@
+"""Commands of the bench: one for each method that reads tables, made from the table of methods.
+
+damping turns a restitution into damping, published calculates the sources' measurements again.
+"""
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from calibration.commands.options import into_options
+from calibration.result import Into, finish
+from granulab.campaign.cli.commandline import json_option, quiet_option
+
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method of the bench, in the module of calibration.bench that has the command's name.
+
+    function   of (files, asked, **values of the options), which returns quantities
+    help       what --help says; the columns that the method reads follow it
+    writes     {property of a parameter file: key of its quantity}
+    options    of its own
+    files      at least one is needed
+    """
+
+    function: str
+    help: str
+    writes: Mapping[str, str] = field(default_factory=dict)
+    options: tuple[Decorator, ...] = ()
+    files: bool = True
+
+
+_TRIAL = click.option(
+    "--trial", metavar="HEAD",
+    help='Column that tells curves in one file apart [default: "trial", if there is one].',
+)  # fmt: skip
+
+METHODS = {
+    "incline": Method(
+        "friction",
+        """Friction from the angle of first slip, mu = tan(alpha).
+
+        A row a trial.
+
+        For example: calibrate incline tilt.csv --group pairing --instrument "angle=0.2 deg"
+        """,
+        {"friction": "friction"},
+        (
+            click.option(
+                "--length-along", "along", type=click.Choice(["slope", "base"]), default="slope",
+                help="Where L was measured [default: slope, sin(alpha) = |H1 - H2|/L].",
+            ),
+        ),
+    ),
+    "slide": Method(
+        "damping",
+        """Tangential damping gamma_t of a sliding block (eqs 3.11a-c).
+
+        A curve v(t), or a row a trial.
+
+        For example: calibrate slide run1.csv run2.csv --constant "incline=30 deg +- 0.5 deg"
+        """,
+        {"gamma_t": "gamma_t_per_s"},
+        (
+            _TRIAL,
+            click.option(
+                "--start", type=click.Choice(["rest", "any"]), default="rest",
+                help="From rest at t = 0, eq. 3.11b, or at any velocity there [default: rest].",
+            ),
+        ),
+    ),
+    "compression": Method(
+        "stiffness",
+        """Unloading stiffness of each cycle, modulus, and kn = E A/L.
+
+        A record a trial.
+
+        For example: calibrate compression cube*.csv --constant "area=100 mm2" --constant
+        "length=10 mm"
+
+        Without a file: calibrate compression --constant "modulus=242 MPa +- 15 %" --constant
+        "contact_area=1200 mm2" --constant "contact_length=20 mm"
+        """,
+        {"kn": "kn_n_per_m", "youngs_modulus": "youngs_modulus_pa"},
+        (
+            _TRIAL,
+            click.option(
+                "--range", "share", nargs=2, type=float, default=(0.95, 0.5), metavar="UPPER LOWER",
+                help="Shares of each fall of the load that the slope is fitted to "
+                "[default: 0.95 0.5].",
+            ),
+            click.option(
+                "--least-cycle", type=float, default=0.1, metavar="SHARE",
+                help="A fall by less than this share of the range of the load is no cycle "
+                "[default: 0.1].",
+            ),
+        ),
+        files=False,
+    ),
+    "interface": Method(
+        "stiffness_ratio",
+        """kt/kn from displacements and stresses next to an interface.
+
+        kt/kn = (sigma_t/sigma_n) (dx_n/dx_t), eq. 3.3; a row a marker.
+
+        For example: calibrate interface markers.csv --group surface --reading "dx_t=0.003 mm"
+        """,
+        {"kt": "kt_n_per_m"},
+    ),
+    "roughness": Method(
+        "mean_roughness",
+        """Mean roughness Ra of profiles z(x).
+
+        Ra = (1/L) integral |z| dx, thesis eq. 7.1; a path a trial.
+
+        For example: calibrate roughness paths.csv --trial path --group particle --form circle
+        """,
+        {},
+        (
+            _TRIAL,
+            click.option(
+                "--form", type=click.Choice(["mean", "line", "parabola", "circle"]), default="line",
+                help="Form that is taken off the profile first, by least squares [default: line].",
+            ),
+        ),
+    ),
+    "density": Method(
+        "density",
+        """Density, mass over volume, from masses and sizes.
+
+        A row a particle.
+
+        For example: calibrate density weighed.csv --instrument "mass=0.01 g"
+        """,
+        {"density": "density_kg_m3"},
+    ),
+}  # fmt: skip
+
+_INPUT_OPTIONS = (
+    click.option(
+        "--column", "columns", multiple=True, metavar="NAME=HEAD",
+        help='A column that is called otherwise, with its unit if it lacks one: "load=Force [kN]".',
+    ),
+    click.option(
+        "--constant", "constants", multiple=True, metavar="NAME=VALUE",
+        help='What is the same in all trials, in place of a column: "length=300 mm +- 1 mm".',
+    ),
+    click.option(
+        "--instrument", "instruments", multiple=True, metavar="NAME=SIGMA",
+        help='Uncertainty of an input that all trials share, such as a zero: "angle=0.2 deg".',
+    ),
+    click.option(
+        "--reading", "readings", multiple=True, metavar="NAME=SIGMA",
+        help="Uncertainty of an input that differs from trial to trial.",
+    ),
+    click.option(
+        "--group", metavar="HEAD",
+        help='Column that tells pairings apart [default: "group" or "pairing", if there is one].',
+    ),
+    click.option("--only", metavar="GROUP", help="Evaluate this group and no other."),
+    quiet_option,
+    json_option,
+)  # fmt: skip
+
+
+class _Columns(click.Command):
+    """A command whose help ends with the columns of its method, read when help is asked for."""
+
+    def format_help_text(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write help and columns as they stand: click keeps a block that begins with \\b."""
+        plain = self.help
+        inputs = _module(self.name or "").INPUTS
+        width = max(len(one.name) for one in inputs)
+        head = "Columns (any unit of the kind; written in the head or as load_N):"
+        lines = [f"  {one.name:{width}}  [{one.unit:4}]  {one.meaning}" for one in inputs]
+        self.help = "\n".join([f"{plain}\n\n\b", head, *lines])
+        super().format_help_text(context, formatter)
+        self.help = plain
+
+
+def _module(name: str) -> Any:
+    return importlib.import_module(f"calibration.bench.{name}")
+
+
+def _command(name: str, method: Method) -> click.Command:
+    """Make the command of a method: read the options, measure, write and show the result."""
+
+    def run(
+        files: tuple[str, ...], columns: tuple[str, ...], constants: tuple[str, ...],
+        instruments: tuple[str, ...], readings: tuple[str, ...], group: str | None,
+        only: str | None, quiet: bool, as_json: bool, into: Into | None = None, **own: Any,
+    ) -> None:  # fmt: skip
+        from calibration.bench.measure import Measurement
+        from calibration.bench.sections import asked
+
+        module = _module(name)
+        what = asked(module.INPUTS, columns, constants, instruments, readings, group, only)
+        found = getattr(module, method.function)(files, what, **own)
+        result = Measurement(tuple(found), name, method.writes, not files, quiet)
+        finish(result, as_json=as_json, figure_key=None, into=into, measured=files)
+
+    command: Callable[..., Any] = run
+    for option in reversed(method.options):
+        command = option(command)
+    if method.writes:
+        command = into_options(*method.writes)(command)
+    for option in reversed(_INPUT_OPTIONS):
+        command = option(command)
+    argument = click.argument("files", nargs=-1, required=method.files, metavar="FILE...")
+    return click.command(name, cls=_Columns, help=method.help)(argument(command))
+
+
+@click.command(short_help="A restitution turned into the damping gamma_n")
+@click.option("--restitution", metavar='"0.53 +- 0.02"', help="[default: the pair's in the file]")
+@click.option("--kn", metavar='"1e4 N/mm +- 18 %"', help="Of one contact [default: likewise].")
+@click.option("--mass", metavar='"10.8 g +- 6 %"', help="Of a particle; the other is its like.")
+@click.option("--area", metavar='"200 mm2"', help="In its place: of a prism of the material.")
+@click.option("--other-mass", metavar='"12 g"', help="Of the other particle, weighed by itself.")
+@click.option("--wall", is_flag=True, help="The other one is a wall that does not move.")
+@click.option(
+    "--contacts",
+    default=1,
+    metavar="N",
+    help="Contacts in parallel that have the restitution together [default: 1].",
+)
+@click.option(
+    "--contact-end",
+    "end",
+    type=click.Choice(["overlap", "force"]),
+    default="overlap",
+    help="A contact ends at zero overlap, or at zero force [default: overlap].",
+)
+@click.option("--materials", metavar="FILE", help="Read what is not given [default: as --into].")
+@click.option("--pair", metavar="wood-steel", help="Of that file.")
+@click.option("--into", metavar="FILE.toml", help="Write gamma_n of the pair into this file.")
+@json_option  # fmt: skip
+def damping(into: str | None, materials: str | None, pair: str | None, as_json: bool,
+            **given: Any) -> None:  # fmt: skip
+    """Turn a restitution into the damping gamma_n of one contact, with its uncertainty.
+
+    For example: calibrate damping --restitution "0.53 +- 0.02" --kn "1e4 N/mm" --mass "10.8 g"
+    --wall
+    """
+    from calibration.bench.damping import damping_of, impact_of
+
+    target = Into(Path(into), pair, None, ("gamma_n",)) if into else None
+    if target:
+        target.check()
+        materials = materials or (into if target.path.exists() else None)
+    result = damping_of(impact_of(materials=materials, pair=pair, **given))
+    if target:
+        one = result.parameters()["gamma_n"]
+        written = target.put("gamma_n", one.estimate, method=one.method, source=one.source)
+        result = replace(result, written=written.as_json())
+    finish(result, as_json=as_json, figure_key=None)
+
+
+@click.command("published", short_help="The sources' measurements, calculated again")
+@click.argument("tables", nargs=-1, metavar="[TABLE]...")
+@json_option
+def published(tables: tuple[str, ...], as_json: bool) -> None:
+    """The sources' bench measurements compared with what follows from their own parts.
+
+    Tables: friction, restitution, interface, stiffness, damping, density, roughness; all of them
+    where none is named. Only means are printed but for the interface's markers: single trials,
+    curves and profiles cannot be evaluated again.
+    """
+    from calibration.bench.published import published as calculated
+
+    finish(calculated(tables), as_json=as_json, figure_key=None)
+
+
+commands = {name: _command(name, method) for name, method in METHODS.items()} | {
+    "damping": damping,
+    "published": published,
+}
