@@ -18,8 +18,8 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "helpers"))
 
 from small_silo import write_case
 
+from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.sweeps.engine import run_tasks
-from granulab.campaign.sweeps.task import Stop
 from silo2d.case.case import SiloCase
 from silo2d.run.sweep import compile_kernels, run_cases
 

@@ -36,7 +36,7 @@ def command(
     For example: calibrate drop marble.mp4 --fps 240 --out sheets
     """
     from calibration.drop.measure import measure_drop
-    from granulab.campaign.cli.terminal import Progress
+    from granulab.campaign.output.terminal import Progress
 
     with Progress(Path(file).name, quiet) as progress:
         drop = measure_drop(

@@ -54,7 +54,7 @@ def flow(
 
     For example: calibrate flow silo.mp4 --width "300 mm" --out figures
     """
-    from granulab.campaign.cli.terminal import Progress
+    from granulab.campaign.output.terminal import Progress
 
     if collapse:
         from calibration.flow.collapse import measure_collapse, write_table

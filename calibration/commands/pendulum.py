@@ -34,7 +34,7 @@ def command(
     For example: calibrate pendulum blocks.mp4 --out sheets
     """
     from calibration.pendulum.measure import measure_pendulum
-    from granulab.campaign.cli.terminal import Progress
+    from granulab.campaign.output.terminal import Progress
 
     with Progress(Path(file).name, quiet) as progress:
         found = measure_pendulum(

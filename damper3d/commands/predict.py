@@ -82,7 +82,7 @@ def _computed(
     """The close packing of a case's particles, which all fills have in common."""
     from damper3d.run.sweep import DAMPER
     from damper3d.studies.pack import computed
-    from granulab.campaign.cli.terminal import announce_compilation
+    from granulab.campaign.output.terminal import announce_compilation
 
     announce_compilation(quiet, DAMPER.compiled())
     rows = computed.pack(*fill, out=Path(out), beds=False, workers=workers, quiet=quiet)

@@ -22,6 +22,8 @@ from damper3d.run.vibration import Clock, vibrate
 from granulab.campaign.runs.checkpoint import load_checkpoint
 from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run
 from granulab.campaign.runs.protocol import (
+    Progress,
+    Stop,
     begin_or_check,
     check_unchanged,
     end,
@@ -30,7 +32,6 @@ from granulab.campaign.runs.protocol import (
 )
 from granulab.campaign.runs.provenance import Warn, to_stderr
 from granulab.campaign.runs.trajectory import TrajectoryWriter, read_trajectory
-from granulab.campaign.sweeps.task import Progress, Stop
 from granulab.errors import Stopped
 
 __all__ = ["PACKAGES", "get_packing", "resume", "run", "run_digest", "run_in"]

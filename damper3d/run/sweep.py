@@ -16,7 +16,7 @@ from damper3d.run.protocol import PACKAGES, get_packing, read_finished, run, run
 from damper3d.run.result import Result
 from damper3d.run.sources import MEASURES, SOURCES
 from granulab.campaign.runs.lock import once
-from granulab.campaign.runs.protocol import packing_sources
+from granulab.campaign.runs.protocol import Stop, packing_sources
 from granulab.campaign.sweeps.cases import LabelledStudy, label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
 from granulab.campaign.sweeps.sweep import (
@@ -26,7 +26,6 @@ from granulab.campaign.sweeps.sweep import (
     run_or_pack,
     silent,
 )
-from granulab.campaign.sweeps.task import Stop
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
 

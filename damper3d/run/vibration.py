@@ -14,8 +14,8 @@ from damper3d.measures.efficiency import held, reference_energy, summed
 from damper3d.run.steady import BLOCK, is_steady
 from granulab.campaign.runs.checkpoint import save_checkpoint
 from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.protocol import Progress
 from granulab.campaign.runs.trajectory import TrajectoryWriter
-from granulab.campaign.sweeps.task import Progress
 from granulab.errors import Stopped
 
 # Particles times steps between checkpoints, some seconds of work: a checkpoint must not depend on

@@ -8,11 +8,15 @@ outside, a call of `register` before the case is read:
     damper3d.shapes.register("myshape", family)
 """
 
+import inspect
+from pathlib import Path
+
 from damper3d.shapes import cylinder, oblate, prolate, superquadric, toroid
 from damper3d.shapes.family import Build, Family, Numbers, Value, counted
 from damper3d.shapes.multisphere import MultiSphere, sphere
 from damper3d.shapes.surfaces.solid import Solid, filled
 from damper3d.shapes.surfaces.surface import Surface
+from granulab.campaign.runs.provenance import extend
 from granulab.errors import InputError
 
 __all__ = [
@@ -44,6 +48,7 @@ _OWN = ("sphere", "mesh")  # which need no family
 def register(name: str, family: Family) -> None:
     """Let cases and commands name a family of shapes, as "name:1.5".
 
+    The file of its `build` counts among the sources of runs: an edit calls them outdated.
     Raises InputError where the name is taken or is no word, or the family builds nothing.
     """
     if name in FAMILIES or name in _OWN:
@@ -53,3 +58,4 @@ def register(name: str, family: Family) -> None:
     if family.build is None:
         raise InputError(f"shape {name!r}: its family has no build")
     FAMILIES[name] = family
+    extend(Path(__file__).parent, inspect.getfile(family.build))

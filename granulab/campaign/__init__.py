@@ -8,9 +8,9 @@ from importlib import import_module
 _HOME = {
     "EngineError": "sweeps.task",
     "FolderError": "runs.folder",
-    "Progress": "cli.terminal",
+    "Progress": "output.terminal",
     "RunFolder": "runs.folder",
-    "StopRequest": "cli.terminal",
+    "StopRequest": "output.terminal",
     "Trajectory": "runs.trajectory",
     "TrajectoryWriter": "runs.trajectory",
     "digest": "runs.folder",

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from granulab.campaign.sweeps.task import Progress
+from granulab.campaign.runs.protocol import Progress
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 from silo2d.case.case import SiloCase

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from granulab.campaign.runs.protocol import Progress
 from granulab.campaign.runs.trajectory import TrajectoryWriter
-from granulab.campaign.sweeps.task import Progress
 from granulab.contact.jit import njit
 from granulab.errors import SimulationError, Stopped
 from silo2d.baseline.space import Placed, Surface, add_particle, add_walls, empty_space, strays

@@ -82,7 +82,7 @@ def _by_engines(
     case: str, engines: str, seeds: int | None, changes: dict[str, Any], out: Path, quiet: bool
 ) -> list[list[str]]:
     """The folders of a case's runs by two engines, a pair a seed."""
-    from granulab.campaign.cli.terminal import Progress, StopRequest, announce_compilation
+    from granulab.campaign.output.terminal import Progress, StopRequest, announce_compilation
     from granulab.campaign.runs.folder import refuse_unless_writable
     from silo2d.baseline.comparison import engine_pair, run_engines
     from silo2d.run.sweep import SILO

@@ -10,8 +10,8 @@ import numpy as np
 
 from granulab.campaign.runs.checkpoint import save_checkpoint
 from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.protocol import Progress
 from granulab.campaign.runs.trajectory import TrajectoryWriter
-from granulab.campaign.sweeps.task import Progress
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.engine import state

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granulab.campaign.sweeps.task import Progress
+from granulab.campaign.runs.protocol import Progress
 from silo2d.case.case import SiloCase
 from silo2d.case.shape import Shape
 from silo2d.run.packing import Packing

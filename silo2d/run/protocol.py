@@ -9,6 +9,8 @@ from typing import Any
 from granulab.campaign.runs.checkpoint import load_checkpoint
 from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run, resume_run
 from granulab.campaign.runs.protocol import (
+    Progress,
+    Stop,
     begin_or_check,
     check_unchanged,
     end,
@@ -17,7 +19,6 @@ from granulab.campaign.runs.protocol import (
 )
 from granulab.campaign.runs.provenance import Sources, Warn, to_stderr
 from granulab.campaign.runs.trajectory import TrajectoryWriter
-from granulab.campaign.sweeps.task import Progress, Stop
 from granulab.errors import Stopped
 from silo2d.baseline.discharge import Baseline, discharge_by_impulses
 from silo2d.case.case import GRAVITY, SiloCase

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from granulab.campaign.runs.lock import once
-from granulab.campaign.runs.protocol import packing_sources
+from granulab.campaign.runs.protocol import Stop, packing_sources
 from granulab.campaign.sweeps.cases import LabelledStudy, label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
 from granulab.campaign.sweeps.sweep import (
@@ -15,7 +15,6 @@ from granulab.campaign.sweeps.sweep import (
     run_or_pack,
     silent,
 )
-from granulab.campaign.sweeps.task import Stop
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
 from silo2d.case.case import SiloCase

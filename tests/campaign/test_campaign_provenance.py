@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from granulab.campaign.runs.folder import open_run
-from granulab.campaign.runs.provenance import provenance, source_digest
+from granulab.campaign.runs.provenance import Sources, extend, provenance, source_digest
 
 
 @pytest.fixture
@@ -43,6 +43,24 @@ def test_source_digest_does_not_depend_on_the_place(packages, tmp_path_factory):
     before = source_digest(packages)
     moved = [folder.rename(elsewhere / folder.name) for folder in packages]
     assert source_digest(moved) == before
+
+
+def test_a_file_that_extends_a_room_from_outside_counts_among_its_sources(packages, tmp_path):
+    """Other rooms keep their digest; an edit of the file gives another one."""
+    room, other = map(Sources, packages)
+    before, others = room.digest, other.digest
+    shape = tmp_path / "myshape.py"
+    shape.write_text("radius = 1")
+    extend(packages[0], shape, shape)
+    extended = room.digest
+    assert extended != before
+    assert provenance(command=[], seed=1, packages=[], sources=[packages[0]])["source_digest"] == (
+        extended
+    )
+    shape.write_text("radius = 2")
+    assert room.digest not in (before, extended)
+    assert room.plus(packages[1]).digest != Sources(packages[1]).digest
+    assert other.digest == others
 
 
 def test_provenance_says_what_made_the_numbers(packages, tmp_path):

@@ -8,8 +8,8 @@ import threading
 
 import pytest
 
-from granulab.campaign.cli import terminal
-from granulab.campaign.cli.terminal import Progress, StopRequest
+from granulab.campaign.output import terminal
+from granulab.campaign.output.terminal import Progress, StopRequest
 
 
 @pytest.fixture

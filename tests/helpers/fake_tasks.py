@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from granulab.campaign.sweeps.task import Stop
+from granulab.campaign.runs.protocol import Stop
 from granulab.errors import Failed, Stopped
 
 

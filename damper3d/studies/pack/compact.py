@@ -24,7 +24,7 @@ from damper3d.engine.periodic import (
 )
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.multisphere import sphere as ball_of
-from granulab.campaign.sweeps.task import Stop
+from granulab.campaign.runs.protocol import Stop
 from granulab.errors import InputError, Stopped
 
 ALLOWED = 1e-4  # overlap over equal-volume radius that may be left: 2e-4 of the fraction at most

@@ -23,7 +23,7 @@ from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.case.parameters import materials_of
 from damper3d.engine.motions import at_rest, sine
 from damper3d.run.fill import fill, packed, resting
-from granulab.campaign.sweeps.task import Stop
+from granulab.campaign.runs.protocol import Stop
 from granulab.contact.files.datafile import find
 from granulab.contact.files.table import load_table
 from granulab.errors import Stopped

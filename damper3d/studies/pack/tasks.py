@@ -9,11 +9,11 @@ from typing import Any
 
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.studies.pack import compact, shaken
-from granulab.campaign.cli.terminal import Progress
+from granulab.campaign.output.terminal import Progress
 from granulab.campaign.runs.folder import digest, refuse_unless_writable, write_atomic
+from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.sweeps.engine import run_tasks
 from granulab.campaign.sweeps.sweep import as_outcome
-from granulab.campaign.sweeps.task import Stop
 from granulab.errors import InputError, SimulationError
 
 FOLDER = "close-packings"  # below the folder of runs

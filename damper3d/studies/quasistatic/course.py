@@ -14,7 +14,7 @@ from damper3d.studies.quasistatic.case import TOLERANCE, SlowTest
 from damper3d.studies.quasistatic.rig import TABLE, TOP_SIDE, RigSimulation
 from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
 from granulab.campaign.runs.folder import FolderError, RunFolder
-from granulab.campaign.sweeps.task import Progress, Stop
+from granulab.campaign.runs.protocol import Progress, Stop
 from granulab.errors import SimulationError, Stopped
 
 SAMPLES = 100  # rows of the test

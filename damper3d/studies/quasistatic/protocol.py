@@ -26,10 +26,16 @@ from damper3d.studies.quasistatic.measure import Result, summary
 from damper3d.studies.quasistatic.rig import RigSimulation
 from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run
 from granulab.campaign.runs.lock import once
-from granulab.campaign.runs.protocol import begin_or_check, end, kept, packing_sources
+from granulab.campaign.runs.protocol import (
+    Progress,
+    Stop,
+    begin_or_check,
+    end,
+    kept,
+    packing_sources,
+)
 from granulab.campaign.runs.provenance import Warn, to_stderr
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_or_pack, silent
-from granulab.campaign.sweeps.task import Progress, Stop
 from granulab.contact.jit import already_compiled, cache_folder
 from granulab.errors import Stopped
 

@@ -80,7 +80,7 @@ def _refuse_unless_kept(
 
 def _computed(runnable: Runnable, out: str, resume: str | None, again: bool, quiet: bool) -> Any:
     """The result of a case, with a bar on stderr; Ctrl-C stops at the next look."""
-    from granulab.campaign.cli.terminal import Progress, StopRequest, announce_compilation
+    from granulab.campaign.output.terminal import Progress, StopRequest, announce_compilation
 
     announce_compilation(quiet, runnable.simulator.compiled())
     with StopRequest() as stop, Progress(runnable.case.name, quiet=quiet) as bar:

@@ -10,7 +10,9 @@ from granulab.campaign.runs.lock import alone
 from granulab.campaign.runs.folder import FolderError, RunFolder, write_atomic, writing
 from granulab.campaign.runs.provenance import Sources, Warn, provenance
 from granulab.errors import Stopped
-from granulab.campaign.sweeps.task import Stop
+
+Stop = Callable[[], bool]  # asked now and then: is the state to be kept, and the run to end?
+Progress = Callable[[float, str], None]  # takes the fraction done (0 to 1), and words
 
 
 class Made(Protocol):

@@ -33,6 +33,21 @@ def to_stderr(line: str) -> None:
     print(f"warning: {line}", file=sys.stderr)
 
 
+_OUTSIDE: dict[Path, list[Path]] = {}  # by room, the files that extend it
+
+
+def extend(room: Path, *files: str | Path) -> None:
+    """Let files from outside, such as that of a shape, count among the sources of a room."""
+    known = _OUTSIDE.setdefault(room, [])
+    known += [path for path in (Path(file).resolve() for file in files) if path not in known]
+
+
+def _extensions(room: Path) -> list[Path]:
+    """The files that extend a room; those that its kernels call are known where these are."""
+    jit = sys.modules.get("granulab.contact.jit")  # not loaded: nothing extends a kernel yet
+    return [*_OUTSIDE.get(room, []), *(jit.extensions(room) if jit else [])]
+
+
 class Sources:
     """The rooms that decide what is computed; runs, packings and answers keep their digest."""
 
@@ -43,9 +58,17 @@ class Sources:
         """These rooms and others, such as that of a study or of a second engine."""
         return Sources(*self.folders, *folders)
 
-    @cached_property
+    @property
     def digest(self) -> str:
-        """Digest of the sources as they stood when this was first asked for."""
+        """Digest of the sources as they stood at first, and of what extends them from outside."""
+        outside = [file for folder in self.folders for file in _extensions(folder)]
+        if not outside:
+            return self._own
+        contents = [hashlib.sha256(file.read_bytes()).hexdigest() for file in sorted(outside)]
+        return hashlib.sha256(" ".join([self._own, *contents]).encode()).hexdigest()[:12]
+
+    @cached_property
+    def _own(self) -> str:
         return source_digest(self.folders)
 
     def check(self, what: str, made: str | None, cure: str, warn: Warn) -> None:
@@ -69,7 +92,7 @@ def provenance(
             "python": platform.python_version(),
             **{package: _version(package) for package in packages},
         },
-        "source_digest": source_digest(sources),
+        "source_digest": Sources(*map(Path, sources)).digest,
         "seed": seed,
         "machine": {
             "platform": platform.platform(),

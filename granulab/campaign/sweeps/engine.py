@@ -10,7 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from typing import Any
 
-from granulab.campaign.cli.terminal import StopRequest
+from granulab.campaign.output.terminal import StopRequest
 from granulab.campaign.sweeps.task import (
     EngineError,
     Function,

@@ -14,11 +14,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from granulab.campaign.cli.terminal import Progress, announce_compilation
+from granulab.campaign.output.terminal import Progress, announce_compilation
 from granulab.campaign.runs.folder import FolderError, RunFolder, find_run
+from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.provenance import Sources, to_stderr
 from granulab.campaign.sweeps.engine import Tally, run_tasks
-from granulab.campaign.sweeps.task import Function, Outcome, Stop
+from granulab.campaign.sweeps.task import Function, Outcome
 from granulab.errors import Failed, InputError, SimulationError
 
 _MEMORY = 3600.0  # [s] over which the speed is taken that gives the time left

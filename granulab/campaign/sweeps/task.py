@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from granulab.campaign.runs.protocol import Stop
 from granulab.errors import Failed, Stopped
 
-Stop = Callable[[], bool]  # to be asked now and then by a task: is it to keep its state and end?
-Progress = Callable[[float, str], None]  # is told the fraction done (0 to 1), and words
 Function = Callable[[Any, Stop], Any]  # of a task; importable by name, and safe to call twice
 
 
