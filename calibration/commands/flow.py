@@ -102,7 +102,7 @@ def compare(
     from calibration.compare import columns_of, compared
     from calibration.flow.measure import measure_flow
     from calibration.flow.silo import Settings
-    from granulab.campaign.cli.terminal import Progress
+    from granulab.campaign.output.terminal import Progress
 
     columns, inner = columns_of(run)
     settings = Settings(fps, scale, width, roi, interval, columns, velocity=False)
