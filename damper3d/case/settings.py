@@ -1,7 +1,6 @@
 """The schema of a damper's case file: sections, keys, units, ranges, defaults, meanings."""
 
-from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import (
     AfterValidator,
@@ -303,21 +302,5 @@ def commented_case() -> str:
     )
 
 
-def known_keys() -> dict[str, list[str]]:
-    """The keys of each section of a case file."""
-    return casefile.known_keys(Settings)
-
-
-def read_settings(path: Path) -> dict[str, Any]:
-    """The tables of a case file as they are written; InputError if it is none."""
-    return casefile.read_document(path, SCHEMA)
-
-
-def check_settings(document: dict[str, Any], where: str) -> Settings:
-    """The settings of a document; InputError with one line for the first thing that is wrong."""
-    return casefile.check_document(Settings, document, where)
-
-
-def to_toml(settings: Settings) -> str:
-    """The settings as a case file, all in SI."""
-    return casefile.to_toml(settings, SCHEMA)
+_FILE = casefile.CaseFile(Settings, SCHEMA)
+read_settings, check_settings, to_toml = _FILE.read, _FILE.check, _FILE.to_toml

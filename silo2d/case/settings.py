@@ -1,7 +1,6 @@
 """The schema of a silo's case file: sections, keys, units, ranges, defaults, meanings, options."""
 
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
@@ -23,7 +22,7 @@ from granulab.contact.files.casefile import (
 )
 from granulab.contact.files.units import to_si
 
-__all__ = ["Settings", "check_settings", "known_keys", "read_settings", "to_toml", "unit_of"]
+__all__ = ["Settings", "check_settings", "read_settings", "to_toml", "unit_of"]
 
 SCHEMA = 1
 
@@ -251,21 +250,5 @@ def commented_case() -> str:
     )
 
 
-def known_keys() -> dict[str, list[str]]:
-    """The keys of each section of a case file."""
-    return casefile.known_keys(Settings)
-
-
-def read_settings(path: Path) -> dict[str, Any]:
-    """The tables of a case file as they are written; InputError if it is none."""
-    return casefile.read_document(path, SCHEMA)
-
-
-def check_settings(document: dict[str, Any], where: str) -> Settings:
-    """The settings of a document; InputError with one line for the first thing that is wrong."""
-    return casefile.check_document(Settings, document, where, "[silo] preset = 'A4'")
-
-
-def to_toml(settings: Settings) -> str:
-    """The settings as a case file, all in SI."""
-    return casefile.to_toml(settings, SCHEMA)
+_FILE = casefile.CaseFile(Settings, SCHEMA, "[silo] preset = 'A4'")
+read_settings, check_settings, to_toml = _FILE.read, _FILE.check, _FILE.to_toml

@@ -16,10 +16,11 @@ from damper3d.case.case import DamperCase
 from damper3d.case.parameters import SAFE_SHARE
 from damper3d.case.parts import USUAL_FILL_RATIO
 from damper3d.case.plan import plan, warnings
-from damper3d.case.settings import Settings, check_settings, known_keys, to_toml
+from damper3d.case.settings import Settings, check_settings, to_toml
 from damper3d.engine.enclosures import box, cylinder
 from damper3d.shapes.particle import parse_particle
 from granulab.campaign.runs.folder import digest
+from granulab.contact.files.casefile import known_keys
 from granulab.contact.files.datafile import data_file, data_root
 from granulab.errors import InputError
 
@@ -356,7 +357,7 @@ def test_all_keys_that_act_are_in_the_digests():
         "law.friction_wall", "law.restitution", "law.contact_treatment",
         "run.max_cycles", "output.frames",
     }  # fmt: skip
-    known = {f"{table}.{key}" for table, keys in known_keys().items() for key in keys}
+    known = {f"{table}.{key}" for table, keys in known_keys(Settings).items() for key in keys}
     assert known == named | other | OF_THE_MOTION.keys() | OF_THE_PACKING.keys()
     twins = [
         ({}, {"enclosure.shape": "box", "enclosure.width": "40 mm", "particles.count": 358}),
@@ -398,7 +399,7 @@ def test_the_template_is_the_thesis_case():
     case = DamperCase.load("damper")
     assert run_digest(case) == run_digest(case_with())
     text = template.read_text(encoding="utf-8")
-    for key in itertools.chain.from_iterable(known_keys().values()):
+    for key in itertools.chain.from_iterable(known_keys(Settings).values()):
         assert f"{key} = " in text
 
 
@@ -489,7 +490,7 @@ PLAUSIBLE: dict[str, st.SearchStrategy[Any]] = {
 
 
 def any_changes() -> st.SearchStrategy[dict[str, Any]]:
-    keys = [f"{table}.{key}" for table, keys in known_keys().items() for key in keys]
+    keys = [f"{table}.{key}" for table, keys in known_keys(Settings).items() for key in keys]
     likely = st.sampled_from(sorted(PLAUSIBLE)).flatmap(
         lambda key: st.tuples(st.just(key), PLAUSIBLE[key])
     )

@@ -12,7 +12,7 @@ from small_damper import damper3d
 from small_silo import silo2d
 
 from damper3d.case import settings as damper
-from granulab.contact.files.casefile import check_document, read_document, sections
+from granulab.contact.files.casefile import sections
 from granulab.contact.files.datafile import data_root
 from granulab.contact.files.keys import Keys
 from granulab.contact.files.reference import keys_of
@@ -40,16 +40,29 @@ def test_generated_files_are_up_to_date():
     assert not stale, "run: python docs/generate.py"
 
 
+@pytest.mark.parametrize("page", ["README.md", "docs/contributing.md"])
+def test_pages_name_files_that_exist(page):
+    """Paths with a slash between backticks, and links."""
+    text = (ROOT / page).read_text("utf-8")
+    text = re.sub(r"(?s)<!-- (?:map|modules).*?<!-- end of", "", text)  # tested above
+    named = re.findall(r"`([\w./]+/[\w.*]*)`", text)
+    named = [name for name in named if name.split("/")[0] in {p.name for p in ROOT.iterdir()}]
+    linked = re.findall(r"\]\(([\w./-]+)(?:#[\w-]+)?\)", text)
+    folder = (ROOT / page).parent
+    missing = [name for name in named if not list(ROOT.glob(name.rstrip("/")))]
+    assert missing + [name for name in linked if not (folder / name).exists()] == []
+
+
 @BOTH
 def test_the_commented_case_is_the_defaults(simulator, tmp_path):
     """Read again: the default settings, but for the name and the sizes that init spells out."""
     path = tmp_path / "mine.toml"
     path.write_text(simulator.commented_case(), encoding="utf-8")
-    read = check_document(simulator.Settings, read_document(path, simulator.SCHEMA), "mine")
+    read = simulator.check_settings(simulator.read_settings(path), "mine")
     sizes = {"silo": {"angle": "60 deg", "outlet": "150 mm", "width": "300 mm",
                       "height": "500 mm"}}  # fmt: skip
     sizes = sizes if simulator is silo else {"enclosure": {"diameter": "40 mm"}}
-    assert read == check_document(simulator.Settings, {"name": read.name, **sizes}, "defaults")
+    assert read == simulator.check_settings({"name": read.name, **sizes}, "defaults")
 
 
 @BOTH

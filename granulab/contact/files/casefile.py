@@ -11,7 +11,7 @@ import reprlib
 import typing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo
 
@@ -118,11 +118,48 @@ def known_keys(settings: type[Section]) -> dict[str, list[str]]:
     return {name: list(section.model_fields) for name, section in sections(settings).items()}
 
 
-def read_document(path: Path, schema: int) -> dict[str, Any]:
-    """The tables of a case file as they are written; InputError where it cannot be read."""
-    document = read_toml(path, "cases", schema)
-    document.setdefault("name", path.stem)
-    return document
+@dataclass(frozen=True)
+class CaseFile(Generic[Model]):
+    """The case files of a simulator: their schema and its number.
+
+    least: what a case must have at least, for the line about a table that is missing.
+    """
+
+    settings: type[Model]
+    schema: int
+    least: str = ""
+
+    def read(self, path: Path) -> dict[str, Any]:
+        """The tables of a case file as they are written; InputError where it cannot be read."""
+        document = read_toml(path, "cases", self.schema)
+        document.setdefault("name", path.stem)
+        return document
+
+    def check(self, document: dict[str, Any], where: str) -> Model:
+        """The settings of a document; InputError with one line for the first error in it."""
+        try:
+            return self.settings.model_validate(document)
+        except ValidationError as error:
+            line = _one_line(error, known_keys(self.settings), self.least)
+            raise InputError(f"{where}: {line}") from None
+
+    def to_toml(self, settings: Model) -> str:
+        """The settings as a case file, all in SI."""
+        lines = [
+            f"schema = {self.schema}",
+            f"name = {toml_value(settings.model_dump(include={'name'})['name'])}",
+        ]
+        for section in type(settings).model_fields:
+            table = getattr(settings, section)
+            if isinstance(table, Section):
+                lines += ["", f"[{section}]"]
+                for key, field in type(table).model_fields.items():
+                    value = getattr(table, key)
+                    if value is not None:
+                        lines.append(f"{key} = {toml_value(value, unit_of(field))}")
+                own = table.model_extra or {}  # keys of what is registered from outside, as written
+                lines += [f"{key} = {toml_value(value)}" for key, value in own.items()]
+        return "\n".join(lines) + "\n"
 
 
 def changed(
@@ -142,19 +179,6 @@ def changed(
     return document
 
 
-def check_document(
-    model: type[Model], document: dict[str, Any], where: str, least: str = ""
-) -> Model:
-    """The settings of a document; InputError with one line for the first error in it.
-
-    least: what a case must have at least, for the line about a table that is missing.
-    """
-    try:
-        return model.model_validate(document)
-    except ValidationError as error:
-        raise InputError(f"{where}: {_one_line(error, known_keys(model), least)}") from None
-
-
 def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) -> str:
     problem = error.errors()[0]
     place = [str(part) for part in problem["loc"]]
@@ -166,25 +190,6 @@ def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) 
     key = f"{section}{'.'.join(place[1:] if section else place)}"
     what = problem["msg"].lower().removeprefix("input should be ")
     return f"{key} = {reprlib.repr(problem['input'])}: must be {what}"
-
-
-def to_toml(settings: Section, schema: int) -> str:
-    """The settings as a case file, all in SI."""
-    lines = [
-        f"schema = {schema}",
-        f"name = {toml_value(settings.model_dump(include={'name'})['name'])}",
-    ]
-    for section in type(settings).model_fields:
-        table = getattr(settings, section)
-        if isinstance(table, Section):
-            lines += ["", f"[{section}]"]
-            for key, field in type(table).model_fields.items():
-                value = getattr(table, key)
-                if value is not None:
-                    lines.append(f"{key} = {toml_value(value, unit_of(field))}")
-            own = table.model_extra or {}  # keys of what is registered from outside, as written
-            lines += [f"{key} = {toml_value(value)}" for key, value in own.items()]
-    return "\n".join(lines) + "\n"
 
 
 def marks_of(field: Any) -> list[Any]:
