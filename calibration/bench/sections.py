@@ -15,6 +15,7 @@ from granulab.errors import InputError
 
 Columns = Mapping[str, NDArray[np.float64]]
 
+_EXTREME = 1e60  # SI
 _GROUPS = ("group", "pairing")  # columns that tell groups apart unless another is asked for
 
 
@@ -174,6 +175,7 @@ def _tables(
                 f"{path}: none of the columns {', '.join(one.name for one in inputs)}; it has "
                 f"{', '.join(table.texts)}; say which is which: --column '{inputs[0].name}=HEAD'"
             )
+        _refuse_extremes(table, columns)
         kept = np.ones(n, dtype=bool)
         for values in columns.values():
             kept &= np.isfinite(values)
@@ -184,6 +186,19 @@ def _tables(
                 f"{path}: {n - kept.sum()} of {n} rows left out: a field is empty or not finite"
             )
         yield table, columns, kept
+
+
+def _refuse_extremes(table: Table, columns: Columns) -> None:
+    """InputError for a value whose square or cube no floating-point number can hold."""
+    for name, values in columns.items():
+        size = np.abs(values)
+        extreme = np.isfinite(size) & (size > 0) & ((size < 1 / _EXTREME) | (size > _EXTREME))
+        if extreme.any():
+            k = int(extreme.argmax())
+            raise InputError(
+                f"{table.path}: line {table.lines[k]}: {name} = {values[k]:g} in SI: no "
+                "measurement is as large or small; check the value and the unit in the head"
+            )
 
 
 def _refuse_twice(files: Sequence[str | Path]) -> None:

@@ -11,6 +11,7 @@ from granulab.errors import InputError
 
 LEAST_WINDOW, MOST_OVERLAP = 8, 0.75  # windows that overlap more tell no more, and amplify noise
 METHODS = ("piv", "flow")
+_LEAST_OF_FLOW = 12  # px of a side, for the patches of OpenCV's DIS
 
 
 def displacement(
@@ -38,6 +39,11 @@ def displacement(
     _check_windows(first, window, overlap)
     inside = _inside(mask, first)
     if method == "flow":
+        if min(first.shape) < _LEAST_OF_FLOW:
+            raise InputError(
+                f"method = 'flow': {_size(first)} pixels are too few for optical flow, which takes "
+                f"{_LEAST_OF_FLOW} x {_LEAST_OF_FLOW} at least; take method 'piv'"
+            )
         from calibration.piv.optical_flow import optical_flow
 
         return optical_flow(first, second, window, overlap, inside)

@@ -16,6 +16,7 @@ from granulab.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_EXTREME = 1e60  # m/px, 1/s, or m/px/s
 _FEW = 0.75  # share of valid vectors below which a field is doubtful (Raffel et al. 2018, sec. 7.1:
 # a good recording has more than 95 %)
 
@@ -142,6 +143,12 @@ def measure_pair(
     """
     if dt is not None and not 0 < dt < np.inf:
         raise InputError(f"--dt = {dt:g} s: must be positive, the time from A to B")
+    factor = (scale or 1.0) / (dt or 1.0)
+    if not (1 / _EXTREME < factor < _EXTREME):
+        raise InputError(
+            f"--scale {scale or 1:g} m/px over --dt {dt or 1:g} s: no picture has such a scale or "
+            "rate; check their units"
+        )
     a, b = read_picture(first), read_picture(second)
     inside = None if mask is None else read_mask(mask)
     for path, other in ((second, b), (mask, inside)):

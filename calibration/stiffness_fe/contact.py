@@ -114,7 +114,10 @@ def solve_contact(
         state = _state(trial[:n], trial[n:], friction)
         if before is not None and np.array_equal(state, before):
             return forces, state
-        forces = _forces(yielding, free, state, friction)
+        try:
+            forces = _forces(yielding, free, state, friction)
+        except np.linalg.LinAlgError:
+            raise NoContactStateError from None
         before = state
     raise NoContactStateError
 
