@@ -82,16 +82,16 @@ def count_of(enclosure: Enclosure, particle: MultiSphere, given: int | None, whe
             f"{where}: [enclosure] {1e3 * enclosure.narrowest:g} mm at the narrowest: smaller than "
             f"a particle, {1e3 * size:g} mm; give a larger enclosure or smaller particles{unit}"
         )
-    room = enclosure.volume / particle.volume
-    count = max(round(_usual_fill_ratio(particle.kind) * room), 1) if given is None else given
+    capacity = enclosure.volume / particle.volume
+    count = max(round(_usual_fill_ratio(particle.kind) * capacity), 1) if given is None else given
     close = close_packing(particle.name)
     most = close.value if close else 1.0  # of a shape that is not known, the filling says
-    fit = max(math.floor(most * room), 1)
+    fit = max(math.floor(most * capacity), 1)
     if count > fit:
         above = f"random close packing, {most:.3g}" if close else "1"
         raise InputError(
-            f"{where}: [particles] count = {count}: fill ratio {count / room:.3f}, above {above}; "
-            f"at most {fit} fit"
+            f"{where}: [particles] count = {count}: fill ratio {count / capacity:.3f}, above "
+            f"{above}; at most {fit} fit"
         )
     if count > MOST_PARTICLES:
         raise InputError(

@@ -1,6 +1,6 @@
 """Shapes of particles, one file a family (thesis, chapter 4), and the registry of families.
 
-A family turns the numbers of a text such as "prolate:1.5" into a multi-sphere particle: spheres
+A family makes of the numbers of a text such as "prolate:1.5" a multi-sphere particle: spheres
 that move as one rigid body. A new one is a file with its Family and a line in FAMILIES; or, from
 outside, a call of `register` before the case is read:
 

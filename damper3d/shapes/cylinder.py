@@ -13,7 +13,7 @@ import numpy as np
 from damper3d.shapes.family import Family, Numbers, Value
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.surfaces.solid import Solid, filled
-from damper3d.shapes.surfaces.surface import turned
+from damper3d.shapes.surfaces.surface import revolved
 from granulab.errors import InputError
 
 _AROUND = 96  # corners of the triangles round the axis
@@ -34,7 +34,7 @@ def cylinder(slenderness: float, rounding: float) -> Solid:
     profile = _profile(p, h, r)
     rises = [radius * (1.0 - math.cos(math.pi / _AROUND)), r * (1.0 - math.cos(math.pi / 4 / _ARC))]
     return Solid(
-        surface=turned(profile, _AROUND),
+        surface=revolved(profile, _AROUND),
         flatness=sum(rises),
         volume=_volume(p, h, r),
         area=flank + 2.0 * bend * r + 4.0 * math.pi * r**2,

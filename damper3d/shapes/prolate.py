@@ -13,7 +13,7 @@ import numpy as np
 
 from damper3d.shapes.family import Family, Numbers, Value, counted
 from damper3d.shapes.multisphere import MultiSphere, sphere
-from damper3d.shapes.surfaces.covering import reaches
+from damper3d.shapes.surfaces.covering import needed_growth
 from damper3d.shapes.surfaces.surface import Surface, unit_sphere
 
 USUAL_SUB_SPHERES = 51  # the thesis's, sec. 8.2.1
@@ -26,7 +26,7 @@ def axes(ratio: float) -> tuple[float, float]:
 
 
 def centres(ratio: float, sub_spheres: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places x_i >= 0 of the centres and radii R_i of the sub-spheres 0..n, each (n + 1,) [m].
+    """Positions x_i >= 0 of the centres and radii R_i of the sub-spheres 0..n, each (n + 1,) [m].
 
     At an equal-volume radius of 1 m; sub_spheres = 2 n + 1, odd and at least 3; ratio above 1.
     """
@@ -35,8 +35,8 @@ def centres(ratio: float, sub_spheres: int) -> tuple[np.ndarray, np.ndarray]:
     a, b = axes(ratio)
     n = (sub_spheres - 1) // 2
     tip = a - b**2 / a  # eqs 4.12, 4.13
-    first = brentq(lambda d: _places(d, n, a, b)[-1] - tip, 0.0, tip, xtol=1e-15, rtol=1e-15)
-    x = _places(first, n, a, b)
+    first = brentq(lambda d: _positions(d, n, a, b)[-1] - tip, 0.0, tip, xtol=1e-15, rtol=1e-15)
+    x = _positions(first, n, a, b)
     x[-1] = tip  # to the last bit, as brentq cannot
     return x, b * np.sqrt(1.0 - x**2 / (a**2 - b**2))  # eq. 4.11
 
@@ -51,8 +51,8 @@ def fewest_sub_spheres(ratio: float) -> int:
         number += 2
 
 
-def _places(first: float, n: int, a: float, b: float) -> np.ndarray:
-    """x_0..x_n from d_1 by eqs 4.8, 4.10 and 4.15; a place beyond the tip has no height."""
+def _positions(first: float, n: int, a: float, b: float) -> np.ndarray:
+    """x_0..x_n from d_1 by eqs 4.8, 4.10 and 4.15; a position beyond the tip has no height."""
     x, distance = np.zeros(n + 1), first
     height = b
     for i in range(1, n + 1):
@@ -100,9 +100,9 @@ def _gap(a: float, b: float, offsets: np.ndarray, radii: np.ndarray) -> float:
     points = np.stack([a * np.cos(t), b * np.sin(t), np.zeros_like(t)], axis=1)
     chords = np.stack([points[:-1], points[1:]], axis=1)
     longest = float(np.linalg.norm(points[1:] - points[:-1], axis=1).max())
-    reach = np.empty((_PIECES, len(radii)))
-    reaches(chords, offsets, radii, reach)
-    return float(reach.min(axis=1).max()) + longest**2 * a / (8.0 * b**2)
+    growth = np.empty((_PIECES, len(radii)))
+    needed_growth(chords, offsets, radii, growth)
+    return float(growth.min(axis=1).max()) + longest**2 * a / (8.0 * b**2)
 
 
 def _build(numbers: Numbers, sub_spheres: int | None, tolerance: float | None) -> MultiSphere:

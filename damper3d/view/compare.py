@@ -188,10 +188,10 @@ def _histories(loss: "Axes", bed: "Axes", scene: Scene, label: str, colour: str)
 def _shares(axes: "Axes", rows: Sequence[dict[str, Any]], named: Sequence[str]) -> None:
     """Parts of what is dissipated, a bar for each run."""
     kinds = [(c, mechanism) for c in CLASSES for mechanism in MECHANISMS]
-    places = np.arange(len(kinds))
+    positions = np.arange(len(kinds))
     for k, (row, colour) in enumerate(zip(rows, _COLOURS, strict=True)):
         parts = [100 * (row["shares"][c][mechanism] or 0.0) for c, mechanism in kinds]
-        axes.barh(places - 0.2 + 0.4 * k, parts, 0.36, color=colour, label=named[k])
-    axes.set_yticks(places, [f"{m},\n{c}".replace("_", " ") for c, m in kinds])
+        axes.barh(positions - 0.2 + 0.4 * k, parts, 0.36, color=colour, label=named[k])
+    axes.set_yticks(positions, [f"{m},\n{c}".replace("_", " ") for c, m in kinds])
     axes.invert_yaxis()
     axes.set_xlabel("part of what is dissipated [%]")

@@ -53,17 +53,17 @@ def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> l
     if to not in FORMATS:
         raise InputError(f"--to {to!r}: {nearest(to, list(FORMATS))}")
     scene = read_scene(run_folder)
-    place = Path(run_folder) / "export"
-    return FORMATS[to](scene, place, None if path is None else Path(path))
+    folder = Path(run_folder) / "export"
+    return FORMATS[to](scene, folder, None if path is None else Path(path))
 
 
-def _to_vtkhdf(scene: Scene, place: Path, path: Path | None) -> list[Path]:
-    path = path or place / f"particles{_SUFFIX}"
+def _to_vtkhdf(scene: Scene, folder: Path, path: Path | None) -> list[Path]:
+    path = path or folder / f"particles{_SUFFIX}"
     if path.suffix != _SUFFIX:
         raise InputError(f"--output {path}: ParaView knows the format by {_SUFFIX}; add that")
     if not len(scene.tables):
         raise FolderError(
-            f"{place.parent}: it kept no particles (output.frames = 0), nothing to show; run it "
+            f"{folder.parent}: it kept no particles (output.frames = 0), nothing to show; run it "
             "with output.frames above 0"
         )
     makers = {"enclosure": enclosure_file}
@@ -71,12 +71,12 @@ def _to_vtkhdf(scene: Scene, place: Path, path: Path | None) -> list[Path]:
         makers["spheres"] = spheres_file
     written = [write_output(path, particles_file(scene))]
     for name, maker in makers.items():
-        other = path.with_name((name if path.parent == place else f"{path.stem}-{name}") + _SUFFIX)
+        other = path.with_name((name if path.parent == folder else f"{path.stem}-{name}") + _SUFFIX)
         written.append(write_output(other, maker(scene)))
     return written
 
 
-def _to_csv(scene: Scene, place: Path, path: Path | None) -> list[Path]:
+def _to_csv(scene: Scene, usual: Path, path: Path | None) -> list[Path]:
     from damper3d.view.export import bodies_csv, particles_csv, samples_csv, spheres_csv
 
     tables = {"samples": samples_csv, "bodies": bodies_csv}
@@ -84,7 +84,7 @@ def _to_csv(scene: Scene, place: Path, path: Path | None) -> list[Path]:
         tables["spheres"] = spheres_csv
     if len(scene.tables):
         tables["particles"] = particles_csv
-    folder = path or place
+    folder = path or usual
     return [write_output(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
 
 

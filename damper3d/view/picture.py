@@ -112,7 +112,7 @@ def _words(figure: "Figure", scene: Scene, total: float, in_space: bool) -> None
     headline(figure, f"{scene.title}: {scene.outcome}")
     downwards = "gravity points down" if scene.gravity.any() else "no gravity"
     text = f"{downwards}; the half in front of the middle plane is taken away; dashed: the "
-    text += "enclosure's place at rest; its amplitude: "
+    text += "enclosure's position at rest; its amplitude: "
     text = f"{downwards}; the enclosure's amplitude: " if in_space else text
     text += _length(scene)
     figure.text(0.01, 1 - 0.5 / total, text, color=GREY, va="center")

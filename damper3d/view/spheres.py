@@ -53,25 +53,25 @@ def draw_spheres(
     """
     rows, columns = window.shape
     scale = window.scale * _SMOOTH
-    place = np.empty((len(centre), 3))  # column, row, towards the eye, in small pixels
-    place[:, :2] = window.pixels(centre[:, :2]) * _SMOOTH
-    place[:, 2] = centre[:, 2] * scale
+    position = np.empty((len(centre), 3))  # column, row, towards the eye, in small pixels
+    position[:, :2] = window.pixels(centre[:, :2]) * _SMOOTH
+    position[:, 2] = centre[:, 2] * scale
     behind = centre[:, 2].max(initial=-np.inf) - centre[:, 2]
     light = 1 - _DIMMED * behind / max(behind.max(initial=0.0), 1e-30)
-    owner, depth = _nearest(place, radius * scale, rows * _SMOOTH, columns * _SMOOTH)
+    owner, depth = _nearest(position, radius * scale, rows * _SMOOTH, columns * _SMOOTH)
     picture = np.zeros((rows, columns, 3))
-    _shade(owner, depth, place, radius * scale, light, colour, np.array(paper), picture)
+    _shade(owner, depth, position, radius * scale, light, colour, np.array(paper), picture)
     return np.rint(255 / _SMOOTH**2 * picture).astype(np.uint8)
 
 
 @njit
-def _nearest(place, reach, rows, columns):
+def _nearest(position, radius, rows, columns):
     """Sphere that each pixel shows (-1: none), and the depth of its surface towards the eye."""
     owner = np.full((rows, columns), -1, dtype=np.int32)
     depth = np.full((rows, columns), -np.inf)
-    for k in range(len(place)):
-        x, y, z = place[k]
-        r = reach[k]
+    for k in range(len(position)):
+        x, y, z = position[k]
+        r = radius[k]
         for row in range(max(int(y - r), 0), min(int(y + r) + 2, rows)):
             for column in range(max(int(x - r), 0), min(int(x + r) + 2, columns)):
                 across, upwards = column + 0.5 - x, y - row - 0.5
@@ -85,7 +85,7 @@ def _nearest(place, reach, rows, columns):
 
 
 @njit
-def _shade(owner, depth, place, reach, light, colour, paper, picture):
+def _shade(owner, depth, position, radius, light, colour, paper, picture):
     """Add up the small pixels of each of the picture's: Lambert's law and a highlight, or paper."""
     for row in range(owner.shape[0]):
         for column in range(owner.shape[1]):
@@ -95,9 +95,9 @@ def _shade(owner, depth, place, reach, light, colour, paper, picture):
                 for part in range(3):
                     pixel[part] += paper[part]
                 continue
-            a = (column + 0.5 - place[k, 0]) / reach[k]
-            b = (place[k, 1] - row - 0.5) / reach[k]
-            c = (depth[row, column] - place[k, 2]) / reach[k]
+            a = (column + 0.5 - position[k, 0]) / radius[k]
+            b = (position[k, 1] - row - 0.5) / radius[k]
+            c = (depth[row, column] - position[k, 2]) / radius[k]
             facing = max(a * _LIGHT[0] + b * _LIGHT[1] + c * _LIGHT[2], 0.0)
             shine = max(a * _HALF[0] + b * _HALF[1] + c * _HALF[2], 0.0)
             for _ in range(5):
@@ -118,15 +118,17 @@ def corners(scene: Scene) -> Array:
 def window(scene: Scene, scale: float) -> Window:
     """Window that holds the enclosure wherever it goes, at a scale [px/m]."""
     low, high = corners(scene)
-    reach = scene.trajectory["displacement"]
-    moved = np.stack([scene.view.project(u * scene.direction) for u in (reach.min(), reach.max())])
+    displacement = scene.trajectory["displacement"]
+    moved = np.stack(
+        [scene.view.project(u * scene.direction) for u in (displacement.min(), displacement.max())]
+    )
     margin = _AROUND * max(high - low)
     left, bottom = low + moved[:, :2].min(axis=0) - margin
     right, top = high + moved[:, :2].max(axis=0) + margin
     return Window(float(left), float(right), float(bottom), float(top), scale)
 
 
-def cut(scene: Scene, frame: int) -> tuple[Array, NDArray[np.bool_]]:
+def cut_open(scene: Scene, frame: int) -> tuple[Array, NDArray[np.bool_]]:
     """Centres (n, 3) [m] as drawn, in the lab, and which are: the half that is nearer is away."""
     view = scene.view
     inside = view.project(scene.particles(frame).position)
@@ -139,7 +141,7 @@ def spheres_drawn(scene: Scene, frame: int) -> tuple[Array, Array, NDArray[np.in
 
     Centres (m, 3) [m] as seen, in the lab, radii (m,) [m], and the particles' numbers (m,).
     """
-    centre, kept = cut(scene, frame)
+    centre, kept = cut_open(scene, frame)
     arm, radius, whose = scene.spheres(frame)
     stays = kept[whose]
     return (centre[whose] + scene.view.project(arm))[stays], radius[stays], whose[stays]

@@ -9,7 +9,7 @@ from fake_damper_run import write_fake_damper_run
 
 from damper3d.view.film import film_frames, make_film
 from damper3d.view.scene import read_scene
-from damper3d.view.spheres import cut
+from damper3d.view.spheres import cut_open
 from granulab.campaign.output.figure import PAPER, WALL
 from granulab.campaign.output.film import FPS, rgb
 
@@ -52,7 +52,7 @@ def test_enclosure_and_spheres_move_together_in_the_film(scene, frames):
         moved = scene.trajectory["displacement"][scene.frame_sample[frame]]
         assert rows[0][1] - bottom == pytest.approx(scale * moved, abs=1.5)
         assert bottom - top == pytest.approx(20e-3 * scale, abs=1.5)
-        centre, kept = cut(scene, frame)
+        centre, kept = cut_open(scene, frame)
         x = (left + right) / 2 + scale * centre[kept, 0]
         y = rows[0][1] - scale * centre[kept, 1]
         at = np.rint(y).astype(int), np.rint(x).astype(int)

@@ -13,7 +13,7 @@ from damper3d.view.charts import efficiency_of_cycles, energy_chart, motion_char
 from damper3d.view.colouring import power
 from damper3d.view.picture import cycle_sheet, make_figures, panel_frames
 from damper3d.view.scene import read_scene
-from damper3d.view.spheres import corners, cut, window
+from damper3d.view.spheres import corners, cut_open, window
 from granulab.campaign.runs.folder import FolderError
 
 SHEETS = ["cycle.png", "energy.png", "motion.png"]
@@ -85,7 +85,7 @@ def test_the_window_holds_the_enclosure_wherever_it_goes(which, request):
         moved = one.view.project(one.shift(frame))[:2]
         assert (np.array([shown.left, shown.bottom]) < low + moved).all()
         assert (np.array([shown.right, shown.top]) > high + moved).all()
-        centre, kept = cut(one, frame)
+        centre, kept = cut_open(one, frame)
         assert kept.any()
         assert not kept.all()
         reach = one.radius[:, None] - 1e-8

@@ -58,8 +58,8 @@ def transport(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Mean positions about their centre; displacements over all whole cycles, less their mean."""
     cycles = (len(motion.x) - 1) // motion.n
     whole = motion.x[: cycles * motion.n + 1]
-    moved, place = whole[-1] - whole[0], whole.mean(axis=0)
-    return place - place.mean(axis=0), moved - moved.mean(axis=0)
+    moved, position = whole[-1] - whole[0], whole.mean(axis=0)
+    return position - position.mean(axis=0), moved - moved.mean(axis=0)
 
 
 def roll_share(motion: Motion) -> float:
@@ -67,13 +67,13 @@ def roll_share(motion: Motion) -> float:
 
     The transport regressed on the rotation e x r about the centre, e the line of its moment.
     """
-    place, moved = transport(motion)
-    moment = np.cross(place, moved).sum(axis=0)[:2]
+    position, moved = transport(motion)
+    moment = np.cross(position, moved).sum(axis=0)[:2]
     size = np.linalg.norm(moment)
     if size == 0.0:
         return 0.0
     line = np.array([*(moment / size), 0.0])
-    return _explained(np.cross(line, place), moved)
+    return _explained(np.cross(line, position), moved)
 
 
 def ring_share(motion: Motion) -> float:
@@ -82,10 +82,12 @@ def ring_share(motion: Motion) -> float:
     Up in the middle and down at the side, or the reverse: regressed on (-(z - z0), r - r0) in
     every half-plane through the axis, about the mean radius and height.
     """
-    place, moved = transport(motion)
-    r = np.hypot(place[:, 0], place[:, 1])
-    outwards = np.divide(place[:, :2], r[:, None], out=np.zeros((len(r), 2)), where=r[:, None] > 0)
-    field = np.column_stack([-place[:, 2:3] * outwards, r - r.mean()])
+    position, moved = transport(motion)
+    r = np.hypot(position[:, 0], position[:, 1])
+    outwards = np.divide(
+        position[:, :2], r[:, None], out=np.zeros((len(r), 2)), where=r[:, None] > 0
+    )
+    field = np.column_stack([-position[:, 2:3] * outwards, r - r.mean()])
     return _explained(field, moved)
 
 

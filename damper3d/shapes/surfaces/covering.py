@@ -9,7 +9,7 @@ _ROUNDING = 1e-9  # of the whole area, below which a gain is none
 
 
 @njit
-def reaches(corners, centres, radii, found):
+def needed_growth(corners, centres, radii, found):
     """By how much each sphere must grow to hold each piece, into found (m, n) [m].
 
     corners (m, c, 3): of m pieces [m]; centres (n, 3), radii (n,): of the spheres [m]. Spheres are
@@ -27,18 +27,18 @@ def reaches(corners, centres, radii, found):
 
 
 @njit
-def cover(reach, area, limit, chosen):
+def cover(growth, area, limit, chosen):
     """Choose spheres that hold all pieces when they grow by a limit [m]; their number, or -1.
 
-    reach as of `reaches`; area (m,): of the pieces [m2]. The next sphere is always the one that
-    holds most of the area that is left, the first of equals. chosen (most,): numbers of the
+    growth as of `needed_growth`; area (m,): of the pieces [m2]. The next sphere is always the one
+    that holds most of the area that is left, the first of equals. chosen (most,): numbers of the
     spheres, to be written; -1 where it is too short, or where some piece is in no sphere.
     """
-    left = np.ones(len(reach), np.bool_)
-    gain = np.zeros(reach.shape[1])
-    for m in range(len(reach)):
-        for k in range(reach.shape[1]):
-            gain[k] += area[m] * (reach[m, k] <= limit)
+    left = np.ones(len(growth), np.bool_)
+    gain = np.zeros(growth.shape[1])
+    for m in range(len(growth)):
+        for k in range(growth.shape[1]):
+            gain[k] += area[m] * (growth[m, k] <= limit)
     least = _ROUNDING * area.sum()
     number = 0
     while left.any():
@@ -47,11 +47,11 @@ def cover(reach, area, limit, chosen):
             return -1
         chosen[number] = best
         number += 1
-        for m in range(len(reach)):
-            if left[m] and reach[m, best] <= limit:
+        for m in range(len(growth)):
+            if left[m] and growth[m, best] <= limit:
                 left[m] = False
-                for k in range(reach.shape[1]):
-                    gain[k] -= area[m] * (reach[m, k] <= limit)
+                for k in range(growth.shape[1]):
+                    gain[k] -= area[m] * (growth[m, k] <= limit)
     return number
 
 
@@ -85,10 +85,10 @@ def to_triangle(p, a, b, c):
 
 
 @njit
-def to_surface(points, corners, middles, reaches):
+def to_surface(points, corners, middles, needed_growth):
     """Distance of each point (n, 3) to a surface of triangles (m, 3, 3), (n,) [m].
 
-    middles (m, 3) [m]: of the triangles; reaches (m,): from there to the farthest corner [m].
+    middles (m, 3) [m]: of the triangles; needed_growth (m,): from there to the farthest corner [m].
     """
     found = np.empty(len(points))
     for k in range(len(points)):
@@ -96,7 +96,7 @@ def to_surface(points, corners, middles, reaches):
         nearest = np.inf
         for m in range(len(corners)):
             to_middle = norm((p[0] - middles[m, 0], p[1] - middles[m, 1], p[2] - middles[m, 2]))
-            if to_middle - reaches[m] < nearest:
+            if to_middle - needed_growth[m] < nearest:
                 t = corners[m]
                 a = (t[0, 0], t[0, 1], t[0, 2])
                 b = (t[1, 0], t[1, 1], t[1, 2])

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper3d.shapes.surfaces.covering import cover, reaches, to_surface
+from damper3d.shapes.surfaces.covering import cover, needed_growth, to_surface
 from damper3d.shapes.surfaces.surface import area_of, normals_and_areas
 from damper3d.shapes.surfaces.union import of_any
 from granulab.errors import InputError
 
 MOST_SUB_SPHERES = 1000  # of one particle: 90 of them are as many spheres as 250 dampers of 358
 _PIECES = 4000  # of the surface, about: those of a sphere have edges of 0.085 of its radius
-_PLACES = 1500  # where spheres touch, from which to choose
+_POINTS = 1500  # where spheres touch, from which to choose
 _REFINEMENTS = 3  # halve the triangles where the shape is sharp
 _UNEVENNESS = 0.01  # of the equal-volume radius: half of the usual tolerance
 _GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
@@ -52,7 +52,7 @@ class Filler:
         self._flatness = flatness
         self._pieces = fine(corners)
         self._centres, self._radii = self._balls(np.arange(len(self._pieces)))
-        self._reach = self._reaches()
+        self._growth = self._growths()
 
     def by_tolerance(self, tolerance: float) -> Filling:
         """As few sub-spheres as are found for a bound on the surface error [m].
@@ -81,7 +81,7 @@ class Filler:
 
     def _least_depth(self, number: int) -> tuple[float, np.ndarray]:
         """The depth e [m] that so many spheres leave at least, as it is found, and the spheres."""
-        low, high = 0.0, float(self._reach.max(axis=0).min())  # one sphere alone does
+        low, high = 0.0, float(self._growth.max(axis=0).min())  # one sphere alone does
         found = self._chosen(high, number)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
@@ -96,7 +96,7 @@ class Filler:
     def _refine(self, depth: float) -> None:
         """Split the triangles that no sphere holds at half a depth [m], and add spheres there."""
         for _ in range(_REFINEMENTS):
-            rough = self._reach.min(axis=1) > 0.5 * depth
+            rough = self._growth.min(axis=1) > 0.5 * depth
             if not rough.any():
                 return
             parts = _split(self._pieces[rough], 2)
@@ -105,18 +105,18 @@ class Filler:
             centres, radii = self._balls(new)
             self._centres = np.concatenate([self._centres, centres])
             self._radii = np.concatenate([self._radii, radii])
-            self._reach = self._reaches()
+            self._growth = self._growths()
 
-    def _reaches(self) -> np.ndarray:
+    def _growths(self) -> np.ndarray:
         found = np.empty((len(self._pieces), len(self._centres)), np.float32)
-        reaches(self._pieces, self._centres, self._radii, found)
+        needed_growth(self._pieces, self._centres, self._radii, found)
         return found
 
     def _balls(self, pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Centres (n, 3) and radii (n,) [m] of spheres that touch some pieces from inside."""
         middles = self._pieces.mean(axis=1)
         widths = np.linalg.norm(self._pieces - middles[:, None], axis=2).max(axis=1)
-        at = pieces[_spread(len(pieces), _PLACES)]
+        at = pieces[_spread(len(pieces), _POINTS)]
         normals, _ = normals_and_areas(self._pieces[at])
         # Spheres that touch the triangles, and larger ones that pass over small unevenness.
         depths = (self._flatness, self._flatness + _UNEVENNESS * self._size)
@@ -126,17 +126,17 @@ class Filler:
 
     def _chosen(self, limit: float, most: int) -> np.ndarray | None:
         """Numbers of spheres, at most so many, that hold all when grown by the limit, or None."""
-        chosen = np.empty(2 * most, np.int64)  # room for those that turn out superfluous
-        number = cover(self._reach, normals_and_areas(self._pieces)[1], limit, chosen)
+        chosen = np.empty(2 * most, np.int64)  # capacity for those that turn out superfluous
+        number = cover(self._growth, normals_and_areas(self._pieces)[1], limit, chosen)
         if number < 0:
             return None
-        kept = _needed(self._reach[:, chosen[:number]] <= limit)
+        kept = _needed(self._growth[:, chosen[:number]] <= limit)
         return chosen[:number][kept] if len(kept) <= most else None
 
     def _grown(self, chosen: np.ndarray) -> Filling:
         """Spheres grown to the volume of the shape by Newton's method, as dV/dt is the surface."""
         centres, radii = self._centres[chosen], self._radii[chosen]
-        deepest = float(self._reach[:, chosen].min(axis=1).max()) + self._flatness
+        deepest = float(self._growth[:, chosen].min(axis=1).max()) + self._flatness
         growth = deepest / 3.0
         for _ in range(_NEWTON_STEPS):
             volume, area = of_any(centres, radii + growth, _LATITUDES)
@@ -160,10 +160,10 @@ def _split(corners: np.ndarray, n: int) -> np.ndarray:
     """Each triangle in n^2 of its own form."""
     a, ab, ac = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     upright = [((i, j), (i + 1, j), (i, j + 1)) for i in range(n) for j in range(n - i)]
-    turned = [
+    inverted = [
         ((i + 1, j), (i + 1, j + 1), (i, j + 1)) for i in range(n - 1) for j in range(n - 1 - i)
     ]
-    steps = np.array([*upright, *turned], float) / n  # (n^2, 3, 2)
+    steps = np.array([*upright, *inverted], float) / n  # (n^2, 3, 2)
     split = a[:, None, None] + steps[..., 0, None] * ab[:, None, None]
     split = split + steps[..., 1, None] * ac[:, None, None]
     return split.reshape(-1, 3, 3)
@@ -199,8 +199,8 @@ def _touching_balls(
 
 def _spread(number: int, wanted: int) -> np.ndarray:
     """Some of `number` items, about `wanted`, without a pattern and always the same."""
-    place = np.arange(1, number + 1) * _GOLDEN % 1.0
-    return np.flatnonzero(place < wanted / number)
+    position = np.arange(1, number + 1) * _GOLDEN % 1.0
+    return np.flatnonzero(position < wanted / number)
 
 
 def _needed(holds: np.ndarray) -> np.ndarray:

@@ -55,16 +55,16 @@ def _welded(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     points = corners.reshape(-1, 3)
     exact, which = np.unique(points, axis=0, return_inverse=True)
-    pairs = cKDTree(exact).query_pairs(_reach(corners), output_type="ndarray")
+    pairs = cKDTree(exact).query_pairs(_same_within(corners), output_type="ndarray")
     triangles = connected_component_labels(pairs, len(exact))[which.ravel()].reshape(-1, 3)
     different = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     used = triangles[different].ravel()
     _, first, number = np.unique(used, return_index=True, return_inverse=True)
     order = np.argsort(first)
-    place = np.empty(len(order), int)
-    place[order] = np.arange(len(order))
+    rank = np.empty(len(order), int)
+    rank[order] = np.arange(len(order))
     vertices = points.reshape(-1, 3, 3)[different].reshape(-1, 3)[first[order]]
-    return vertices, place[number.ravel()].reshape(-1, 3)
+    return vertices, rank[number.ravel()].reshape(-1, 3)
 
 
 def _check_edges(mesh: "trimesh.Trimesh", name: str) -> None:
@@ -99,7 +99,7 @@ def _check_heights(surface: Surface, name: str) -> None:
     areas = 0.5 * np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    thin = np.flatnonzero(2.0 * areas <= _reach(corners) * longest)
+    thin = np.flatnonzero(2.0 * areas <= _same_within(corners) * longest)
     if len(thin):
         x, y, z = corners[thin[0]].mean(axis=0)
         raise InputError(
@@ -108,7 +108,7 @@ def _check_heights(surface: Surface, name: str) -> None:
         )
 
 
-def _reach(corners: np.ndarray) -> float:
+def _same_within(corners: np.ndarray) -> float:
     """Distance below which corners are one, in the unit of the file."""
     points = corners.reshape(-1, 3)
     return _SAME * float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -145,7 +145,7 @@ def covering(surface: Surface) -> tuple[int, int] | None:
     i, j = _near_pairs(corners)
     normals, areas = normals_and_areas(corners)
     height = np.einsum("nkx,nx->nk", corners[j] - corners[i, :1], normals[i])
-    flat = np.abs(height).max(axis=1) <= _reach(corners)
+    flat = np.abs(height).max(axis=1) <= _same_within(corners)
     i, j = i[flat], j[flat]
     common = (surface.triangles[i][:, :, None] == surface.triangles[j][:, None, :]).sum((1, 2))
     facing = np.einsum("nx,nx->n", normals[i], normals[j])

@@ -66,7 +66,7 @@ def tube(radius: float, distance: float, around: int = 96, across: int = 32) -> 
     return Surface(vertices, _bands(around, across, j, (j + 1) % across))
 
 
-def turned(profile: np.ndarray, around: int) -> Surface:
+def revolved(profile: np.ndarray, around: int) -> Surface:
     """Surface of revolution round the z axis of a line from pole to pole.
 
     profile (k, 2) [m]: distance from the axis and height, upwards; the two ends are on the axis.
@@ -88,7 +88,7 @@ def turned(profile: np.ndarray, around: int) -> Surface:
 
 
 def _rings(profile: np.ndarray, around: int) -> np.ndarray:
-    """The points of a profile (k, 2), turned round z by equal angles: (around * k, 3)."""
+    """The points of a profile (k, 2), rotated round z by equal angles: (around * k, 3)."""
     phi = np.arange(around) * (2.0 * np.pi / around)
     x, y = np.outer(np.cos(phi), profile[:, 0]), np.outer(np.sin(phi), profile[:, 0])
     return np.stack([x, y, np.broadcast_to(profile[:, 1], x.shape)], axis=2).reshape(-1, 3)

@@ -85,10 +85,10 @@ def _exposed(
 def _free(u: np.ndarray, towards: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Begin and end of the free parts of each circle, (latitudes, parts) [rad]."""
     across = np.sqrt(1.0 - u**2)[:, None] * np.hypot(towards[:, 0], towards[:, 1])
-    room = limit - u[:, None] * towards[:, 2]
-    half = np.where(room < 0.0, math.pi, 0.0)  # of a circle that lies all inside or all outside
-    cut = np.abs(room) < across
-    half[cut] = np.arccos(room[cut] / across[cut])
+    margin = limit - u[:, None] * towards[:, 2]
+    half = np.where(margin < 0.0, math.pi, 0.0)  # of a circle that lies all inside or all outside
+    cut = np.abs(margin) < across
+    half[cut] = np.arccos(margin[cut] / across[cut])
     begin = (np.arctan2(towards[:, 1], towards[:, 0]) - half) % (2.0 * math.pi)
     begin = np.concatenate([begin, begin - 2.0 * math.pi], axis=1)
     end = begin + 2.0 * np.concatenate([half, half], axis=1)

@@ -73,7 +73,7 @@ def _draw_curve(axes: "Axes", result: MapResult, prediction: Prediction) -> None
     axes.set_axisbelow(True)
     label = "Γ [-]" if along_gamma else "frequency [Hz]"
     axes.set(xscale="log", xlabel=label, ylabel="efficiency [-]", ylim=(0, None))
-    _plain_ticks(axes.xaxis, _GAMMAS if along_gamma else _with_room(np.unique(x)))
+    _plain_ticks(axes.xaxis, _GAMMAS if along_gamma else _spaced(np.unique(x)))
     fixed = f"{result.frequency[0]:g} Hz" if along_gamma else f"Γ = {result.gamma[0]:g}"
     axes.set_title(fixed, loc="left", fontsize=9)
 
@@ -151,7 +151,7 @@ def draw_points(axes: "Axes", result: MapResult) -> None:
 def plane(axes: "Axes", result: MapResult) -> None:
     """Logarithmic axes from the first to the last frequency and Gamma, with their numbers."""
     axes.set(xscale="log", yscale="log", xlabel="frequency [Hz]", ylabel="Γ [-]")
-    _plain_ticks(axes.xaxis, _with_room(np.unique(result.frequency)))
+    _plain_ticks(axes.xaxis, _spaced(np.unique(result.frequency)))
     _plain_ticks(axes.yaxis, _GAMMAS)
     axes.set_xlim(result.frequency.min(), result.frequency.max())
     axes.set_ylim(result.gamma.min(), result.gamma.max())
@@ -172,20 +172,20 @@ def draw_peaks(axes: "Axes", on_ridges: list[OnRidge]) -> None:
         )  # fmt: skip
 
 
-def _plain_ticks(axis: "Axis", places: list[float]) -> None:
-    """Ticks at these places only, as numbers that people write."""
+def _plain_ticks(axis: "Axis", positions: list[float]) -> None:
+    """Ticks at these positions only, as numbers that people write."""
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-    axis.set_major_locator(FixedLocator(places))
+    axis.set_major_locator(FixedLocator(positions))
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
-def _with_room(frequencies: Floats) -> list[float]:
+def _spaced(frequencies: Floats) -> list[float]:
     """Those of the frequencies whose numbers do not touch on a logarithmic axis."""
-    room = 0.06 * np.log(frequencies[-1] / frequencies[0])
+    spacing = 0.06 * np.log(frequencies[-1] / frequencies[0])
     named = [float(frequencies[0])]
     for frequency in frequencies.tolist():
-        if np.log(frequency / named[-1]) > room:
+        if np.log(frequency / named[-1]) > spacing:
             named.append(frequency)
     return named

@@ -31,12 +31,12 @@ def ridges(result: MapResult, prediction: Prediction) -> list[OnRidge]:
     """
     found = []
     for frequency in sorted(set(result.frequency.tolist())):
-        places = {"fluidisation": FLUIDISATION}
+        predicted = {"fluidisation": FLUIDISATION}
         onset = prediction.best.onset(frequency)
         if onset is not None:
-            places["bouncing_bed"] = onset
+            predicted["bouncing_bed"] = onset
         peaks = result.peaks(frequency)
-        nearest = [_nearest(peak, places) for peak in peaks]
+        nearest = [_nearest(peak, predicted) for peak in peaks]
         for k, (peak, ridge) in enumerate(zip(peaks, nearest, strict=True)):
             rivals = [p.efficiency for p, r in zip(peaks, nearest, strict=True) if r == ridge]
             highest = peak.efficiency == max(rivals)
@@ -44,8 +44,8 @@ def ridges(result: MapResult, prediction: Prediction) -> list[OnRidge]:
     return found
 
 
-def _nearest(peak: Peak, places: dict[str, float]) -> str:
-    """The ridge whose place is nearest to a peak, or "other" beyond its reach."""
-    away = {ridge: abs(math.log(peak.gamma / place)) for ridge, place in places.items()}
+def _nearest(peak: Peak, predicted: dict[str, float]) -> str:
+    """The ridge whose position is nearest to a peak, or "other" beyond its range."""
+    away = {ridge: abs(math.log(peak.gamma / position)) for ridge, position in predicted.items()}
     ridge = min(away, key=lambda name: away[name])
     return ridge if away[ridge] <= _REACH else "other"

@@ -1,6 +1,6 @@
 """Random close packing: frictionless particles in a periodic cube that shrinks until they jam.
 
-The protocol of O'Hern et al. (2003), Phys. Rev. E 68, 011306: from places drawn at random, the
+The protocol of O'Hern et al. (2003), Phys. Rev. E 68, 011306: from positions drawn at random, the
 cube shrinks in small steps, and in each the particles move down the energy of their overlaps, as
 engine.periodic says. Where overlaps stay, the cube grows again by half of the last step, and
 so on to a resolution of 2e-4 of the fraction. No gravity, no friction, no walls: what is left is
@@ -32,7 +32,7 @@ RESOLUTION = 2e-4  # of the fraction between the last state that is free and the
 EXCESS = 3e-4  # of the fraction above jamming at which neighbours are counted
 _STEP = 0.01  # of the fraction between relaxations, at first
 _START = 0.3  # fraction of the bounding spheres to begin with, so that no ring holds one
-_DENSEST = 0.75  # no random packing of like particles is known to be denser: room for images
+_DENSEST = 0.75  # no random packing of like particles is known to be denser: capacity for images
 _STEADY = 1e-4  # force that is left over the mean push where a state counts as balanced
 _PATIENCE = 50_000  # steps of a relaxation; those about jamming take some thousands
 
@@ -85,7 +85,7 @@ def protocol() -> dict[str, float]:
 
 
 def squeeze(cell: Cell, fraction: float) -> None:
-    """Give the cube the size of a packing fraction; places go with it."""
+    """Give the cube the size of a packing fraction; positions scale with it."""
     side = side_of(fraction, len(cell.position))
     cell.position[:] *= side / cell.measure[SIDE]
     cell.measure[SIDE] = side
@@ -96,13 +96,15 @@ def side_of(fraction: float, bodies: int) -> float:
     return (bodies * 4.0 / 3.0 * math.pi / fraction) ** (1 / 3)
 
 
-def cell_of(particle: MultiSphere, places: np.ndarray, turns: np.ndarray, side: float) -> Cell:
-    """Bodies at places (n, 3) in a cube, turned by unit quaternions (n, 4)."""
-    radius, n, k = particle.equal_volume_radius, len(places), len(particle.radii)
+def cell_of(
+    particle: MultiSphere, positions: np.ndarray, orientations: np.ndarray, side: float
+) -> Cell:
+    """Particles at positions (n, 3) in a cube with unit quaternions (n, 4)."""
+    radius, n, k = particle.equal_volume_radius, len(positions), len(particle.radii)
     gyration = math.sqrt(float(np.mean(particle.inertia)) / particle.volume) / radius
     return Cell(
-        position=places,
-        turn=turns,
+        position=positions,
+        turn=orientations,
         offset=np.column_stack([particle.offsets, particle.radii]) / radius,
         arm=np.zeros((n * k, 3)),
         **_list_of(16 * n + 16 * k),
@@ -143,17 +145,17 @@ def least_bodies(particle: MultiSphere, bodies: int) -> None:
 def _scattered(particle: MultiSphere, bodies: int, rng: np.random.Generator) -> tuple[Cell, float]:
     """Particles at random positions and orientations whose bounding spheres are apart."""
     side = side_of(_START, bodies)
-    turns = rng.normal(size=(bodies, 4))  # evenly over all orientations (Muller 1959)
-    turns /= np.linalg.norm(turns, axis=1)[:, None]
-    places = rng.uniform(0.0, side, size=(bodies, 3))
-    balls = _relaxed(cell_of(ball_of(1.0), places, turns.copy(), side), ALLOWED)[0]
+    orientations = rng.normal(size=(bodies, 4))  # evenly over all orientations (Muller 1959)
+    orientations /= np.linalg.norm(orientations, axis=1)[:, None]
+    positions = rng.uniform(0.0, side, size=(bodies, 3))
+    balls = _relaxed(cell_of(ball_of(1.0), positions, orientations.copy(), side), ALLOWED)[0]
     ball = particle.bounding_radius / particle.equal_volume_radius
-    cell = cell_of(particle, balls.position * ball, turns, side * ball)
+    cell = cell_of(particle, balls.position * ball, orientations, side * ball)
     return cell, _START / ball**3
 
 
 def _relaxed(cell: Cell, allowed: float) -> tuple[Cell, int, float]:
-    """The cell after a relaxation, with a longer list where it lacked room; how it ended."""
+    """The cell after a relaxation, with a longer list where it lacked capacity; how it ended."""
     while True:
         outcome, overlap, _ = relax(cell, allowed, _PATIENCE, _STEADY)
         if outcome != FULL:

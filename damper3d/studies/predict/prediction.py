@@ -18,7 +18,7 @@ _ALONG = 1e-6  # how far a unit vector may be off an axis
 
 @dataclass(frozen=True)
 class Clearance:
-    """The room that a bed has when packed to a fill ratio; `length` None: it has none."""
+    """The free length that a bed has when packed to a fill ratio; `length` None: it has none."""
 
     name: str  # "loose", "close", "own" or "counted"
     packing: float | None  # None for "counted", which knows numbers of particles only
@@ -72,7 +72,7 @@ def predict(
 
     close: the shape's close packing, where it was computed; else that of the shipped table, and
     None of a shape that is not in it. Raises InputError where the motion does not meet two parallel
-    walls, or where the bed of one's own packing has no room.
+    walls, or where the bed of one's own packing has none.
     """
     length = _between_walls(case)
     fill, shape = case.fill_ratio, case.particle.name
@@ -104,15 +104,15 @@ def _packed(name: str, most: Fraction | None, fill: float, length: float) -> Cle
     """The clearance of eq. 6.13 with its uncertainty; none where no packing is known."""
     if most is None:
         return Clearance(name, None, None)
-    room = (1 - fill / most.value) * length if fill < most.value else None
+    free = (1 - fill / most.value) * length if fill < most.value else None
     source = f"{most.value:.3g}, {most.source}"
     if most.uncertainty is None:
-        return Clearance(name, most.value, room, None, source)
+        return Clearance(name, most.value, free, None, source)
     off = fill / most.value**2 * most.uncertainty * length
     source = f"{most.value:.3g} +- {most.uncertainty:.1g}, {most.source}"
-    if room:
-        source += f"; onset +- {100 * off / room:.2g} %"
-    return Clearance(name, most.value, room, off, source)
+    if free:
+        source += f"; onset +- {100 * off / free:.2g} %"
+    return Clearance(name, most.value, free, off, source)
 
 
 def fills(name: str | None, changes: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:

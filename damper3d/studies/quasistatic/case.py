@@ -55,7 +55,7 @@ class SlowTest:
             value("diameter", "m", 0.04), value("half_height", "m", 0.02),
             value("gap", "m", 0.5e-3, least=0.0),
         )  # fmt: skip
-        room = {
+        void = {
             "enclosure.diameter": f"{halves.diameter!r} m",
             "enclosure.height": f"{halves.enclosure.height!r} m",
             "run.seed": seed,
@@ -63,7 +63,7 @@ class SlowTest:
         }
         distance = value("distance", "m", DISTANCE[kind])
         test = cls(
-            kind, DamperCase.load("thesis", room | changes), halves,
+            kind, DamperCase.load("thesis", void | changes), halves,
             value("preload", "N", PRELOAD[kind]), value("speed", "m/s", SPEED), distance,
             value("at", "m", min(AT[kind], distance)),
         )  # fmt: skip

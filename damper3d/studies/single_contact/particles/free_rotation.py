@@ -1,4 +1,4 @@
-"""A free body that turns, against Jacobi's elliptic functions (triaxial) and a steady precession.
+"""Free rotation of a particle against Jacobi's elliptic functions (triaxial) and a precession.
 
 The moments are those of smooth shapes of 3.8 mm equal-volume radius; the triaxial one is the
 ellipsoid 1 : 0.75 : 0.5. It begins near its middle axis, where a turn is the least even.
@@ -59,7 +59,7 @@ def jacobi(inertia: np.ndarray, spin: np.ndarray, times: np.ndarray) -> np.ndarr
 
 
 def compute() -> Found:
-    """Errors against the time step, and the turning itself."""
+    """Errors against the time step, and the rotation itself."""
     body = triaxial()
     exact = jacobi(moments(body), np.array(SPIN), np.array([SECONDS]))[0]
     errors, gains = [], []
@@ -155,7 +155,7 @@ def _curve(body: MultiSphere) -> list[dict[str, Any]]:
 
 
 def draw(found: Found) -> "Figure":
-    """The turning, and the errors."""
+    """The rotation, and the errors."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.5, 4.4), layout="constrained")

@@ -15,7 +15,7 @@ from granulab.contact.hertz import HertzLaw
 _HELD = 1e-12  # [s] a step in which no force moves anything
 
 
-AS_IT_IS = np.array([1.0, 0.0, 0.0, 0.0])  # the orientation of a body that is not turned
+AS_IT_IS = np.array([1.0, 0.0, 0.0, 0.0])  # the orientation of a particle in its own axes
 
 
 def turn(axis: tuple[float, float, float], angle: float) -> np.ndarray:
@@ -24,7 +24,7 @@ def turn(axis: tuple[float, float, float], angle: float) -> np.ndarray:
 
 
 def combined(second: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """The quaternion of two turns, one after the other."""
+    """The quaternion of two rotations, one after the other."""
     return np.array(rotation.product.py_func(tuple(second), tuple(first)))
 
 
@@ -47,17 +47,17 @@ def over_floor(
 
     A negative gap is an overlap. They stand too far from each other and from the sides to touch.
     """
-    n, reach = len(gaps), particle.bounding_radius
+    n, radius = len(gaps), particle.bounding_radius
     side = math.ceil(math.sqrt(n))
-    pitch = 4.0 * reach
+    pitch = 4.0 * radius
     row, column = np.divmod(np.arange(n), side)
     heights = [depth_of(particle, q) for q in orientations] + np.asarray(gaps)
     middle = 0.5 * (side - 1)
-    places = np.column_stack([pitch * (column - middle), pitch * (row - middle), heights])
+    positions = np.column_stack([pitch * (column - middle), pitch * (row - middle), heights])
     width = pitch * (side + 1)
     world = build_cluster_world(
-        places, particle, np.asarray(orientations), density=density,
-        enclosure=box(width, width, 10.0 * reach), pair_law=law, wall_law=law,
+        positions, particle, np.asarray(orientations), density=density,
+        enclosure=box(width, width, 10.0 * radius), pair_law=law, wall_law=law,
         shaker=sine(0.0, 100.0, 9.81), direction=np.array([0.0, 0.0, 1.0]),
         gravity=np.zeros(3), time_step=time_step, treatment=treatment,
     )  # fmt: skip
@@ -72,8 +72,8 @@ def pressed(
     treatment: str,
 ) -> np.ndarray:
     """Normal forces (n,) [N] on a particle held at overlaps (n,) [m] of its lowest sub-sphere."""
-    turns = np.tile(orientation, (len(overlaps), 1))
-    sim = over_floor(particle, turns, -np.asarray(overlaps), law=law, treatment=treatment,
+    orientations = np.tile(orientation, (len(overlaps), 1))
+    sim = over_floor(particle, orientations, -np.asarray(overlaps), law=law, treatment=treatment,
                      density=1.0, time_step=_HELD)  # fmt: skip
     sim.step(1)
     return sim.world.bodies.force[:, 2].copy()

@@ -39,7 +39,7 @@ SPEED = 1.0  # of the impact; a vertical damper at 40 Hz and Gamma 20 reaches 0.
 N_TILTS = 61  # of the axis from the normal
 _STEP, _LOOK, _LONGEST = 2e-7, 5, 2e-3  # [s], steps between two looks, [s]
 _Y = (0.0, 1.0, 0.0)
-_GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # turns about the particle's axis, no two alike
+_GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # rotations about the particle's axis, no two alike
 _FLAT = 1e-9  # a cosine below which a face lies flat
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -75,23 +75,23 @@ def orientation(kind: str, tilt: float, about: float) -> np.ndarray:
     return combined(turn(_Y, tilt - 0.5 * math.pi), turn((1.0, 0.0, 0.0), about))
 
 
-def arm(particle: MultiSphere, turned: np.ndarray) -> np.ndarray:
+def arm(particle: MultiSphere, rotation: np.ndarray) -> np.ndarray:
     """From the centroid to the smooth body's lowest point (3,) in the laboratory [m].
 
-    turned (3, 3) takes the body's axes to the laboratory's. Where a circle, a face or a line are
+    rotation (3, 3) takes the body's axes to the laboratory's. Where a circle, a face or a line are
     lowest, their middle.
     """
-    down = -turned.T @ _UP
+    down = -rotation.T @ _UP
     down[np.abs(down) < _FLAT] = 0.0
     if particle.kind in ("toroid", "cylinder"):
         out, high, edge = _core(particle)
         aside = np.array([down[0], down[1], 0.0])
         size = float(np.linalg.norm(aside))
         middle = out / size * aside if size > 0.0 else aside
-        return turned @ (edge * down + middle + [0.0, 0.0, high * np.sign(down[2])])
+        return rotation @ (edge * down + middle + [0.0, 0.0, high * np.sign(down[2])])
     x, y, _ = particle.inertia
     square = np.array([2 * y - x, x, x]) * 2.5 / particle.volume  # of the half axes
-    return turned @ (square * down / math.sqrt(float(square @ down**2)))
+    return rotation @ (square * down / math.sqrt(float(square @ down**2)))
 
 
 def _core(particle: MultiSphere) -> tuple[float, float, float]:
@@ -108,20 +108,22 @@ def rebounds(
 ) -> list[dict[str, float]]:
     """A row for each tilt: what the particle does, and the rigid body."""
     angles = tilts()
-    turns = np.array([orientation(particle.kind, t, _GOLDEN * n) for n, t in enumerate(angles)])
+    orientations = np.array(
+        [orientation(particle.kind, t, _GOLDEN * n) for n, t in enumerate(angles)]
+    )
     gap = np.full(N_TILTS, 0.2 * _STEP * SPEED)
-    sim = over_floor(particle, turns, gap, law=law, treatment=treatment, density=density,
+    sim = over_floor(particle, orientations, gap, law=law, treatment=treatment, density=density,
                      time_step=_STEP)  # fmt: skip
     sim.set_velocity(np.tile(-SPEED * _UP, (N_TILTS, 1)), np.zeros((N_TILTS, 3)))
     velocity, spin, last = _left(sim)
     mass, inertia = density * particle.volume, density * particle.inertia
     rows = []
-    for n, q in enumerate(turns):
-        turned = matrix(q)
-        moment = turned.T @ np.cross(arm(particle, turned), _UP)
+    for n, q in enumerate(orientations):
+        rotation = matrix(q)
+        moment = rotation.T @ np.cross(arm(particle, rotation), _UP)
         yields = 1.0 / mass + float(moment @ (moment / inertia))
         impulse = (1.0 + restitution) * SPEED / yields
-        own = turned.T @ spin[n]  # it has turned by 1e-3 rad: left out
+        own = rotation.T @ spin[n]  # it has rotated by 1e-3 rad: left out
         after = 0.5 * mass * float(velocity[n] @ velocity[n]) + 0.5 * float(inertia @ own**2)
         before = 0.5 * mass * SPEED**2
         rows.append(

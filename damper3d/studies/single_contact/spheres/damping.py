@@ -14,7 +14,7 @@ from granulab.contact.restitution import ContactEnd, ratio_of_restitution, resti
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TABULATED = (0.2, 0.5, 0.7, 0.86, 0.9)  # restitutions asked for, in verification.md
+TABULATED = (0.2, 0.5, 0.7, 0.86, 0.9)  # restitutions requested, in verification.md
 _ENDS: tuple[ContactEnd, ContactEnd] = ("overlap", "force")
 
 
@@ -35,7 +35,7 @@ def compute() -> Found:
         )  # fmt: skip
     numbers = {f"{e:g}": _impacts(e) for e in TABULATED}
     remark = (
-        "columns of each restitution asked for: what an impact gives with eq. 5.31 to zero overlap "
+        "columns of each restitution requested: what an impact gives with eq. 5.31 to zero overlap "
         "and to zero force, and with the damping solved for zero force"
     )
     return Found(numbers, rows, (remark,))
@@ -64,20 +64,20 @@ def draw(found: Found) -> "Figure":
 
     figure = Figure(figsize=(10, 4.4), layout="constrained")
     ratio, out = figure.subplots(1, 2)
-    asked = [row["restitution"] for row in found.rows]
+    requested = [row["restitution"] for row in found.rows]
     for key, label, colour in (
         ("eq_5_29", "linear, to zero overlap (5.29)", BLUE),
         ("eq_5_30", "linear, to zero force (5.30)", VERMILION),
         ("eq_5_31", "Tsuji, to zero overlap (5.31)", GREEN),
     ):
-        ratio.plot(asked, [row[key] for row in found.rows], color=colour, label=label)
+        ratio.plot(requested, [row[key] for row in found.rows], color=colour, label=label)
     ratio.set(xlabel="restitution [-]", ylabel="damping ratio [-]", xlim=(0, 1), ylim=(0, 1.6))
     ratio.legend()
     for key, label, colour in (
         ("out_5_31_to_overlap", "5.29 or 5.31, to zero overlap", BLUE),
         ("out_5_31_to_force", "5.29 or 5.31, to zero force", VERMILION),
     ):
-        out.plot(asked, [row[key] for row in found.rows], color=colour, label=label)
+        out.plot(requested, [row[key] for row in found.rows], color=colour, label=label)
     points = [float(e) for e in found.numbers]
     for key, colour, marker, size in (
         ("published_to_overlap", BLUE, "o", 6), ("published_to_force", VERMILION, "o", 6),
@@ -87,7 +87,7 @@ def draw(found: Found) -> "Figure":
         out.plot(points, [n[key] for n in found.numbers.values()], marker, color=colour, ms=size,
                  mfc="none", ls="none", label=label or "_")  # fmt: skip
     out.plot([], [], "o", mfc="none", color=GREY, label="integrated impacts (Hertz, Tsuji)")
-    out.set(xlabel="restitution asked for [-]", ylabel="restitution of the impact [-]",
+    out.set(xlabel="restitution requested [-]", ylabel="restitution of the impact [-]",
             xlim=(0, 1), ylim=(0, 1))  # fmt: skip
     out.legend(loc="lower right")
     headline(figure, "Three dashpots and two ends of a contact")

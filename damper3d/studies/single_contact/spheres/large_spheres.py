@@ -28,7 +28,7 @@ def hit(impacts: list[Impact], printed: dict[str, Any], remarks: tuple[str, ...]
     for impact in impacts:
         for end in ("overlap", "force"):
             outcome = run(replace(impact, end=end))
-            numbers[f"{impact.speed:g} m/s, to zero {end}"] = _told(outcome)
+            numbers[f"{impact.speed:g} m/s, to zero {end}"] = _results(outcome)
             rows += [
                 {
                     "speed_m_s": impact.speed, "contact_end": end, "time_s": float(row[TIME]),
@@ -46,7 +46,7 @@ def _yields_at(impact: Impact) -> float:
     return yield_velocity(impact.first, impact.second, radius=radius, mass=mass)
 
 
-def _told(outcome: Outcome) -> dict[str, float]:
+def _results(outcome: Outcome) -> dict[str, float]:
     keys = ("normal_restitution", "dissipated_j", "contact_time_s", "max_overlap_m", "max_force_n")
     return {key: getattr(outcome, key) for key in keys}
 
