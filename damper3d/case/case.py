@@ -111,12 +111,12 @@ class DamperCase:
 
     @property
     def particle_mass(self) -> float:
-        """Of one particle [kg]."""
+        """Mass of one particle [kg]."""
         return self.density * self.particle.volume
 
     @property
     def mass(self) -> float:
-        """Of all particles [kg]."""
+        """Mass of all particles [kg]."""
         return self.count * self.particle_mass
 
     @property
@@ -131,7 +131,7 @@ class DamperCase:
 
     @property
     def period(self) -> float:
-        """Of a cycle [s]."""
+        """Length of a cycle [s]."""
         return 1.0 / self.settings.motion.frequency
 
     @property
@@ -163,7 +163,7 @@ class DamperCase:
 
     @property
     def wall_names(self) -> list[str]:
-        """In the order of the walls' numbers."""
+        """Names of the walls in the order of their numbers."""
         return self.enclosure.wall_names
 
     def to_toml(self) -> str:

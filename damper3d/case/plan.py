@@ -18,7 +18,7 @@ _FAST = 3.0  # peak speed of the enclosure over the yield velocity
 
 
 def steps_at_most(case: DamperCase) -> int:
-    """Of the motion."""
+    """Number of steps of the motion, at most."""
     run = case.settings.run
     cycles = run.max_cycles if run.steady else run.cycles
     return cycles * case.settings.output.samples * case.steps_per_sample

@@ -91,7 +91,7 @@ def _look_interval(case: DamperCase) -> int:
 
 
 def efficiencies_so_far(case: DamperCase, clock: Clock) -> np.ndarray:
-    """Of the cycles since the start-up that is discarded (n_cycles,) [-]."""
+    """Efficiencies of the cycles since the start-up that is discarded (n_cycles,) [-]."""
     reference = reference_energy(case.peak_speed, case.mass)
     return np.diff(clock.lost[case.settings.run.discard :]) / reference
 

@@ -49,6 +49,7 @@ def register(name: str, family: Family) -> None:
     """Let cases and commands name a family of shapes, as "name:1.5".
 
     The file of its `build` counts among the sources of runs: an edit calls them outdated.
+    A process that reads the case has to register the family too.
     Raises InputError where the name is taken or is no word, or the family builds nothing.
     """
     if name in FAMILIES or name in _OWN:

@@ -48,7 +48,7 @@ def _volume(p: float, h: float, r: float) -> float:
 
 
 def _inertia(p: float, h: float, r: float) -> np.ndarray:
-    """Of the discs of radius R(z): pi R^4/2 round the axis, pi R^4/4 + pi R^2 z^2 across."""
+    """Moments of discs of radius R(z): pi R^4/2 round the axis, pi R^4/4 + pi R^2 z^2 across."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     t, dt = math.pi / 4 * (nodes + 1.0), math.pi / 4 * weights
     section, height = p + r * np.cos(t), 0.5 * h + r * np.sin(t)

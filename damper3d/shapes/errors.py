@@ -26,7 +26,7 @@ class Section(NamedTuple):
 
 @dataclass(frozen=True)
 class Errors:
-    """Of sub-spheres taken together, over what the smooth shape has, less one [-]."""
+    """Relative errors of all sub-spheres together against the smooth shape [-]."""
 
     sub_spheres: int
     surface: float  # bound on the distance of the two surfaces over the equal-volume radius
@@ -37,7 +37,7 @@ class Errors:
 
 
 def errors_of(particle: MultiSphere) -> Errors:
-    """Of a particle; volume and area are exact for rows and rings, else good to some 1e-4."""
+    """Errors of a particle; volume and area are exact for rows and rings, else to some 1e-4."""
     volume, area = _together(particle)
     section, exact = _sections(particle)
     return Errors(

@@ -45,7 +45,7 @@ class MultiSphere:
 
     @property
     def smallest_radius(self) -> float:
-        """Of the spheres [m]; the Rayleigh step (thesis, eq. 3.31) goes with it."""
+        """Smallest radius of the spheres [m]; the Rayleigh step (thesis, eq. 3.31) goes with it."""
         return float(np.min(self.radii))
 
     @property

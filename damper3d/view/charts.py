@@ -49,7 +49,7 @@ def dissipated(scene: Scene) -> dict[str, Array]:
 
 
 def efficiency_of_cycles(scene: Scene) -> Array:
-    """Of each whole cycle (c,), from the budget (eqs 6.8 to 6.10)."""
+    """Efficiency of each whole cycle (c,), from the budget (eqs 6.8 to 6.10)."""
     per = scene.samples_per_cycle
     return efficiencies(cut(scene.trajectory, per, 0), per, scene.full_energy)["efficiency"]
 
@@ -184,7 +184,7 @@ def _each(axes: "Axes", scene: Scene, cycles: Array, label: str, colour: str) ->
 
 
 def _forces(axes: "Axes", scene: Scene) -> None:
-    """Of the bed on the enclosure along the motion: all walls, and those that bear of it.
+    """Force of the bed on the enclosure along the motion: all walls, and those that bear of it.
 
     A force is a mean over the time since the sample before.
     """
@@ -203,7 +203,7 @@ def _forces(axes: "Axes", scene: Scene) -> None:
 
 
 def _height(scene: Scene) -> Array:
-    """Of the bed's mass in the enclosure (S,) [m], along gravity or, without, along z."""
+    """Height of the bed's mass in the enclosure (S,) [m], along gravity or, without, along z."""
     up = scene.view.up
     lowest = np.minimum(up * scene.size / 2, -up * scene.size / 2)
     lowest[2] = min(0.0, up[2] * scene.size[2])

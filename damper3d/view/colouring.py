@@ -38,7 +38,7 @@ class Colouring:
 
 
 def velocity(scene: Scene, frame: int) -> Array:
-    """Of the particles (n,) along the motion, in the lab [m/s]."""
+    """Velocity of the particles (n,) along the motion, in the lab [m/s]."""
     return scene.along(scene.particles(frame).velocity)
 
 

@@ -115,7 +115,7 @@ class _Canvas:
         return np.rint((points - 0.5) * 2**_SHIFT).astype(np.int32)
 
     def _draw_velocities(self, image: Image, sample: int) -> None:
-        """Of the cycle before this sample and of it, up to now; a dot where they are."""
+        """Velocities of the cycle before this sample and of it, up to now; a dot where they are."""
         import cv2
 
         left, top, wide, high = self.strip

@@ -149,7 +149,7 @@ def draw_enclosure(
 
 
 def _velocities(strip: "Axes", scene: Scene, frames: list[int]) -> None:
-    """Of bed and enclosure in that cycle, as wide as the panels: each stands over its time."""
+    """Velocities of bed and enclosure in that cycle, as wide as the panels, each over its time."""
     phase = scene.phase
     bed = scene.by_cycle(scene.along(scene.trajectory["mean_velocity"]))[-1]
     enclosure = scene.by_cycle(scene.trajectory["velocity"])[-1]

@@ -33,7 +33,7 @@ class NothingKept(FolderError):
 
 
 class Particles(NamedTuple):
-    """Of one frame.
+    """Particles of one frame.
 
     position    (n, 3) [m] of the centres, relative to the enclosure
     velocity    (n, 3) [m/s] in the lab
@@ -76,12 +76,12 @@ class Scene:
 
     @property
     def time(self) -> Array:
-        """Of the samples (S,) [s], 0 where the vibration begins."""
+        """Times of the samples (S,) [s], 0 where the vibration begins."""
         return self.trajectory["time"]
 
     @property
     def period(self) -> float:
-        """Of a cycle [s]."""
+        """Length of a cycle [s]."""
         return 1 / self.settings.motion.frequency
 
     @property
@@ -91,17 +91,17 @@ class Scene:
 
     @property
     def masses(self) -> Array:
-        """Of the particles (n,) [kg]."""
+        """Masses of the particles (n,) [kg]."""
         return self.trajectory.static["mass"]
 
     @property
     def mass(self) -> float:
-        """Of all particles [kg]."""
+        """Mass of all particles [kg]."""
         return float(self.masses.sum())
 
     @property
     def radius(self) -> Array:
-        """Of the particles (n,) [m]."""
+        """Radii of the particles (n,) [m]."""
         return self.trajectory.static["radius"]
 
     @property
@@ -111,12 +111,12 @@ class Scene:
 
     @property
     def direction(self) -> Array:
-        """Of the enclosure's motion (3,), a unit vector."""
+        """Direction of the enclosure's motion (3,), a unit vector."""
         return np.asarray(self.trajectory.attributes["direction"], dtype=float)
 
     @property
     def gravity(self) -> Array:
-        """In the enclosure's frame (3,) [m/s2]; zeros where there is none."""
+        """Gravity in the enclosure's frame (3,) [m/s2]; zeros where there is none."""
         return np.asarray(self.trajectory.attributes["gravity"], dtype=float)
 
     @property

@@ -38,7 +38,7 @@ def particle_measures(motion: Motion) -> dict[str, float | None]:
 
 
 def carried_energy(motion: Motion) -> np.ndarray:
-    """Of each particle, mean square velocity against the enclosure over the latter's own (N,)."""
+    """Mean square velocity of each particle against the enclosure over the latter's own (N,)."""
     relative = motion.v.copy()
     relative[:, :, 2] -= motion.frame_speed[:, None]
     return (relative**2).sum(axis=2).mean(axis=0) / (motion.frame_speed**2).mean()
@@ -86,7 +86,7 @@ def near_pairs(x: np.ndarray, radius: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def travel(motion: Motion) -> np.ndarray:
-    """Of each particle, how far a cycle takes it over how far it went from its start (N,).
+    """Displacement of each particle in a cycle over the farthest from its start (N,).
 
     Both are distances in the laboratory, the second the largest within the cycle, averaged over
     the cycles that start at every frame. 0: it comes back as the enclosure does; 1: it goes on.

@@ -55,7 +55,7 @@ def draw_phase_map(
 def phases_of_points(
     rows: Iterable[Mapping[str, Any]],
 ) -> dict[tuple[float, float], tuple[str, float]]:
-    """Of each (frequency, Gamma) the commonest phase and the share of its runs that show it.
+    """Commonest phase of each (frequency, Gamma), and the share of its runs that show it.
 
     Of equally common ones, that of the first run.
     """
@@ -92,7 +92,7 @@ def _fill(
 
 
 def _cells(values: Iterable[float]) -> dict[float, tuple[float, float]]:
-    """Of each value, ascending, the two ends of its cell."""
+    """Ends of the cell of each value, ascending."""
     rising = sorted(set(values))
     inner = [math.sqrt(a * b) for a, b in pairwise(rising)]
     first = rising[0] ** 2 / inner[0] if inner else rising[0] / _CELL

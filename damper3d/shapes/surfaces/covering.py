@@ -10,7 +10,7 @@ _ROUNDING = 1e-9  # of the whole area, below which a gain is none
 
 @njit
 def needed_growth(corners, centres, radii, found):
-    """By how much each sphere must grow to hold each piece, into found (m, n) [m].
+    """Length by which each sphere must grow to hold each piece, into found (m, n) [m].
 
     corners (m, c, 3): of m pieces [m]; centres (n, 3), radii (n,): of the spheres [m]. Spheres are
     convex, so one that holds the corners of a piece holds the piece.

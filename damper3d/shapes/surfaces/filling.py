@@ -75,7 +75,7 @@ class Filler:
             limit *= _CLOSER * tolerance / found.surface_error
 
     def by_number(self, number: int) -> Filling:
-        """At most so many sub-spheres, at least 1, with the least depth e that is found."""
+        """Filling of at most so many sub-spheres (1 or more) with the least depth e found."""
         self._refine(self._least_depth(number)[0])
         return self._grown(self._least_depth(number)[1])
 

@@ -79,7 +79,7 @@ def _obj(data: bytes) -> np.ndarray | None:
 
 
 def _index(word: str, so_far: int) -> int:
-    """Of a corner such as "7/2/3", counted from 1, or back from the last if negative."""
+    """Index of a corner such as "7/2/3", counted from 1, or back from the last if negative."""
     number = int(word.partition("/")[0])
     if not (number > 0 or -so_far <= number < 0):
         raise ValueError(word)
@@ -103,7 +103,7 @@ class Mass(NamedTuple):
 
 
 def mass_of(corners: np.ndarray) -> Mass:
-    """Of closed triangles (m, 3, 3) [m] that face outwards."""
+    """Mass properties of closed triangles (m, 3, 3) [m] that face outwards."""
     origin = corners.reshape(-1, 3).mean(axis=0)  # near by, so that nothing cancels
     near = corners - origin
     sizes = np.linalg.det(near) / 6.0

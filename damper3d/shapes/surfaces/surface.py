@@ -111,6 +111,6 @@ def normals_and_areas(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def area_of(corners: np.ndarray) -> float:
-    """Of triangles (m, 3, 3) together [m2]."""
+    """Area of triangles (m, 3, 3) together [m2]."""
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return float(0.5 * np.linalg.norm(cross, axis=1).sum())

@@ -97,7 +97,7 @@ class MapResult:
 
     @cached_property
     def half_width(self) -> Floats:
-        """Of the efficiency's 95 % interval (n,), NaN where it is not known.
+        """Half width of the efficiency's 95 % interval (n,), NaN where it is not known.
 
         Over packings where there are several, else that over the cycles of the one run.
         """
@@ -200,7 +200,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _half_width(group: Rows) -> float:
-    """Of the interval of a point's efficiency, from its runs that are done."""
+    """Half width of the interval of a point's efficiency, from its runs that are done."""
     found = mean_sd([row["efficiency"] for row in group])
     if found.sd is not None:
         return quantile(found.n - 1) * found.sd / math.sqrt(found.n)

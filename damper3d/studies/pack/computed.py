@@ -71,7 +71,7 @@ def summary(particles: str, bodies: int, rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def as_text(particles: str, bodies: int, rows: Sequence[Row]) -> str:
-    """In words: a line for each fraction, and for each packing that failed."""
+    """Report: a line for each fraction, and for each packing that failed."""
     found = done(rows)
     lines = [f"{particles}: volume of the particles over that of the space"]
     for words, place, key in (

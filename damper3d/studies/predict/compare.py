@@ -51,7 +51,7 @@ def gammas(prediction: Prediction, frequency: float) -> list[float]:
 
 
 def _rounded_up(gamma: float) -> float:
-    """To DIGITS digits, and not below: the onset itself has an ideal efficiency, of one."""
+    """Gamma to DIGITS digits, and not below: the onset itself has an ideal efficiency, of one."""
     return float(f"{gamma * (1 + 0.5 * 10.0 ** (1 - DIGITS)):.{DIGITS}g}")
 
 

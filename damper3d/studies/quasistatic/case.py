@@ -106,7 +106,7 @@ class SlowTest:
 
     @property
     def pressure(self) -> float:
-        """Of the pre-load on the cross section [Pa]."""
+        """Pressure of the pre-load on the cross section [Pa]."""
         return self.preload / self.halves.area
 
     def inertial_speed(self, inertial_number: float) -> float:

@@ -40,7 +40,7 @@ class Course:
 
     @property
     def rows(self) -> Samples:
-        """Of the phase that goes on."""
+        """Rows of the phase that goes on."""
         return self.test if self.testing else self.preload
 
     @property

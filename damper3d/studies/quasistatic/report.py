@@ -139,7 +139,7 @@ def _with_interval(shape: Shape, column: str, scatter: Scatter | None, scale: fl
 
 
 def _quality(rows: Sequence[Row]) -> str:
-    """Of all tests the worst: inertia, balances of force and energy, pre-load, yield."""
+    """Worst of all tests: inertia, balances of force and energy, pre-load, yield."""
     closed = [abs(row["energy_closure"]) for row in rows if row["energy_closure"] is not None]
     parts = [
         f"inertial number at most {max(row['inertial_number'] for row in rows):.1e}",

@@ -42,12 +42,12 @@ class Halves:
 
     @property
     def area(self) -> float:
-        """Of the cross section [m2]."""
+        """Area of the cross section [m2]."""
         return 0.25 * math.pi * self.diameter**2
 
     @property
     def lines(self) -> np.ndarray:
-        """Of the walls in the order of WALLS (4, 4); see enclosures.lines.Lines."""
+        """Lines of the walls in the order of WALLS (4, 4); see enclosures.lines.Lines."""
         radius, top = 0.5 * self.diameter, 2.0 * self.height + self.gap
         return np.array([
             (0.0, radius, 0.0, 0.0),

@@ -53,7 +53,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Scatter:
-    """Of one packing about the mean of its shape, pooled over the shapes of a table.
+    """Scatter of one packing about the mean of its shape, pooled over the shapes of a table.
 
     A shape has few packings, a table many shapes. Stiffnesses of compression are scattered in
     proportion, from shape to shape by a factor of ten; shear forces alike, all near mu N.
@@ -70,7 +70,7 @@ class Scatter:
         return self.sd * scale / math.sqrt(sample.n)
 
     def half_width(self, *samples: Sample) -> float:
-        """Of the 95 % interval of a mean, or of the difference of two."""
+        """Half width of the 95 % interval of a mean, or of the difference of two."""
         return quantile(self.freedom) * math.hypot(*map(self.error, samples))
 
 

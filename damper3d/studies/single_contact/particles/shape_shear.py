@@ -59,7 +59,7 @@ class Smooth(NamedTuple):
 
 
 def ways() -> list[Way]:
-    """In the thesis's order; its text does not say along which axis the prolate is shifted."""
+    """Ways to shear, in the thesis's order, which does not name the axis of the prolate's shift."""
     named = {setting.key: setting for setting in settings()}
     oblate, prolate, toroid = (
         named[key] for key in ("oblate on its minor axis", "prolate lying", "toroid standing")

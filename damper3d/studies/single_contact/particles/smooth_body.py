@@ -22,7 +22,7 @@ class Elastic(NamedTuple):
 
     @property
     def reduced(self) -> float:
-        """Of body and wall together, eq. 5.6 with its erratum [Pa]."""
+        """Reduced modulus of body and wall, eq. 5.6 with its erratum [Pa]."""
         return float(reduced_modulus(self.modulus, self.poisson, self.modulus, self.poisson))
 
     @property
@@ -65,7 +65,7 @@ def ellipse(material: Elastic, radius: float, other: float) -> Ellipse:
 
 
 def tangential_stiffness(material: Elastic, contact: Ellipse, force: float, along: bool) -> float:
-    """Of a contact under a normal force [N] before any of it slides [N/m].
+    """Tangential stiffness of a contact under a normal force [N] before any of it slides [N/m].
 
     along: the long axis of the ellipse, else across it. A traction Q/(2 pi p q)
     (1 - x^2/p^2 - y^2/q^2)^(-1/2) moves all of the ellipse alike; Cerruti's solution (Johnson,

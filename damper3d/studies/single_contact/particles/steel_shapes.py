@@ -62,7 +62,7 @@ def steel() -> tuple[Elastic, HertzLaw]:
 
 
 def principal_radii() -> dict[str, tuple[float, float]]:
-    """Of the smooth bodies where they touch the wall at a point [m]."""
+    """Principal radii of the smooth bodies where they touch the wall at a point [m]."""
     (a_o, b_o), (a_p, b_p) = OBLATE, PROLATE
     return {
         "oblate on its minor axis": (b_o**2 / a_o, b_o**2 / a_o),
@@ -78,7 +78,7 @@ def contact_of(key: str, material: Elastic) -> Ellipse:
 
 
 def settings() -> list[Setting]:
-    """In the thesis's order."""
+    """Settings in the thesis's order."""
     (a_o, b_o), (a_p, b_p) = OBLATE, PROLATE
     prolate = (f"prolate:{a_p / b_p:g}", (a_p * b_p**2) ** (1 / 3))
     hole = (RING - TUBE) / (RING + TUBE)

@@ -86,7 +86,7 @@ class Impact:
 
     @property
     def mass(self) -> float:
-        """Of one sphere [kg]."""
+        """Mass of one sphere [kg]."""
         return sphere_mass(self.radius, self.first.density.value)
 
 

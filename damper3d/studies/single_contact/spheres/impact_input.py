@@ -69,7 +69,7 @@ def plain_or_unit(text: str, unit: str, field: str) -> float:
 
 
 def _angle(text: str) -> float:
-    """In radians; a plain number is in degrees."""
+    """Angle in radians; a plain number is in degrees."""
     try:
         degrees = float(text)
     except ValueError:
