@@ -103,16 +103,16 @@ class Into:
             self.put(key, one.estimate, method=one.method, files=files, source=one.source)
 
     def takes(self, key: str) -> bool:
-        """Whether the pair, or the material, that has this property was named."""
+        """True if the pair, or the material, that has this property was named."""
         return (self.pair if key in PAIR_KEYS else self.material) is not None
 
     def check(self) -> None:
         """Raise InputError now for what put would refuse after the work."""
-        from calibration.files.parameter_file import check_file, check_place
+        from calibration.files.parameter_file import check_file, check_section
 
         check_file(self.path)
         for key in [key for key in self.keys if self.takes(key)] or self.keys:
-            check_place(self._section(key), key)
+            check_section(self._section(key), key)
 
     def _section(self, key: str) -> str:
         kind = "pair" if key in PAIR_KEYS else "material"

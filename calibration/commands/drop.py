@@ -1,24 +1,24 @@
-"""The command that reads restitution off a thing that falls and bounces: drop."""
+"""The command that reads restitution off an object that falls and bounces: drop."""
 
 from pathlib import Path
 
 import click
 
-from calibration.commands.film_options import Box, fps_option, place, roi_option
-from calibration.commands.options import into_options, sheets_option
+from calibration.commands.film_options import Box, fps_option, position, roi_option
+from calibration.commands.options import figures_option, into_options
 from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 
 
-@click.command(short_help="Restitution of a thing that falls and bounces")
+@click.command(short_help="Restitution of an object that falls and bounces")
 @click.argument("file")
 @fps_option
 @click.option("--scale", metavar='"0.81 mm/px"', help="Length per unit of x and y.")
-@click.option("--track", metavar="NAME", help="Which of several things that bounce.")
+@click.option("--track", metavar="NAME", help="Which of several objects that bounce.")
 @click.option("--one-bounce", is_flag=True, help="Take a single bounce, unchecked by another.")
 @roi_option("Part of the picture to look at, in pixels.")
-@click.option("--at", metavar="frame,x,y", help="Where the thing is in some frame of a film.")
-@sheets_option("Put sheet and annotated film there.")
+@click.option("--at", metavar="frame,x,y", help="Where the object is in some frame of a film.")
+@figures_option("Put diagnostic figure and annotated film there.")
 @into_options("restitution")
 @quiet_option
 @json_option
@@ -27,13 +27,13 @@ def command(
     roi: Box | None, at: str | None, out: Path | None, into: Into | None, quiet: bool,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Restitution of a thing that falls on a plate and bounces (eq. 3.5).
+    """Restitution of an object that falls on a plate and bounces (eq. 3.5).
 
-    FILE is a film (mp4, avi, mov, ..., a folder of pictures, 'im*.png'), in which the thing is
+    FILE is a film (mp4, avi, mov, ..., a folder of pictures, 'im*.png'), in which the object is
     found by itself, or a table of frame or time, x, y, as trackers write it. Free fall gives the
     scale where the rate is known, and the rate where the scale is; with both, g is a check.
 
-    For example: calibrate drop marble.mp4 --fps 240 --out sheets
+    For example: calibrate drop marble.mp4 --fps 240 --out figures
     """
     from calibration.drop.measure import measure_drop
     from granulab.campaign.output.terminal import Progress
@@ -41,7 +41,7 @@ def command(
     with Progress(Path(file).name, quiet) as progress:
         drop = measure_drop(
             file, fps=fps, scale=scale, track=track, one_bounce=one_bounce, roi=roi,
-            hint=place(at), progress=progress.update, out=out,
+            hint=position(at), progress=progress.update, out=out,
         )  # fmt: skip
     finish(
         drop, as_json=as_json, quiet=quiet, into=into, measured=[file],

@@ -1,4 +1,4 @@
-"""Options of commands that read films: the camera's rate, a part of the picture, a place in it."""
+"""Options of commands that read films: the camera's rate, a part of the picture, a position."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +17,7 @@ def fps_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def roi_option(words: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """--roi "x,y,w,h" as four whole numbers of pixels; whether they lie in it, the film tells."""
+    """--roi "x,y,w,h" as four whole numbers of pixels; the film checks whether they lie in it."""
 
     def parsed(
         _context: click.Context, _option: click.Parameter, text: str | None
@@ -28,7 +28,7 @@ def roi_option(words: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]
     return click.option("--roi", metavar="x,y,w,h", callback=parsed, help=words)
 
 
-def place(text: str | None) -> tuple[float, float, float] | None:
+def position(text: str | None) -> tuple[float, float, float] | None:
     """--at "frame,x,y" as numbers."""
     found = _numbers("--at", text, "frame,x,y", "52,430,118")
     return None if found is None else (found[0], found[1], found[2])

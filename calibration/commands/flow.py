@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from calibration.commands.film_options import Box, fps_option, roi_option
-from calibration.commands.options import sheets_option
+from calibration.commands.options import figures_option
 from calibration.result import draw, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 
@@ -39,7 +39,7 @@ def film_options(command: Any) -> Any:
 @click.option("--layer-height", metavar='"45 mm"', help="Of layers to draw where none is painted.")
 @click.option("--no-velocity", is_flag=True, help="Leave out the velocity fields, which take time.")
 @click.option("--collapse", is_flag=True, help="A column that spreads on a plate: its front.")
-@sheets_option("Draw the diagnostic figure and write the tables there.")
+@figures_option("Draw the diagnostic figure and write the tables there.")
 @quiet_option
 @json_option  # fmt: skip
 def flow(
@@ -86,7 +86,7 @@ def flow(
 @click.argument("video")
 @film_options
 @click.option("--interval", metavar='"0.25 s"', help="Between profiles [default: 0.25 s].")
-@sheets_option("Draw the figure there.")
+@figures_option("Draw the figure there.")
 @quiet_option
 @json_option
 def compare(

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from calibration.commands.options import into_options, sheets_option
+from calibration.commands.options import figures_option, into_options
 from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 from granulab.contact.files.units import to_si
@@ -19,7 +19,7 @@ from granulab.contact.files.units import to_si
     help="Longer than a contact, shorter than a flight [default: 2 ms].",
 )  # fmt: skip
 @click.option("--drop-height", metavar='"1.5 m"', help="Of the first fall: a check.")
-@sheets_option("Folder for the sheet (PNG).")
+@figures_option("Folder for the diagnostic figure (PNG).")
 @into_options("restitution")
 @quiet_option
 @json_option
@@ -29,7 +29,7 @@ def command(
 ) -> None:  # fmt: skip
     """Restitution from the times between impacts: force, acceleration or sound (WAV, CSV).
 
-    For example: calibrate impacts drop.wav --out sheets
+    For example: calibrate impacts drop.wav --out figures
     """
     from calibration.impacts.measure import measure_impacts
     from calibration.impacts.search import WINDOW

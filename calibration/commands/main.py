@@ -32,7 +32,7 @@ _COMMANDS: dict[str, str] = {
 }
 
 
-# whose exceptions tell a user nothing
+# whose exceptions say nothing to a user
 _LIBRARIES = ("numpy", "scipy", "cv2", "pandas", "sklearn", "matplotlib", "PIL")
 
 

@@ -10,7 +10,7 @@ import click
 from calibration.result import PAIR_KEYS, Into
 
 
-def sheets_option(words: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def figures_option(words: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """-o, --out: a folder for what the command draws; refused before the work if not writable."""
 
     def checked(_context: click.Context, _option: click.Parameter, out: Path | None) -> Path | None:

@@ -1,11 +1,11 @@
-"""The command that reads restitution off things that swing on strings and collide: pendulum."""
+"""The command that reads restitution off objects that swing on strings and collide: pendulum."""
 
 from pathlib import Path
 
 import click
 
 from calibration.commands.film_options import Box, fps_option, roi_option
-from calibration.commands.options import into_options, sheets_option
+from calibration.commands.options import figures_option, into_options
 from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 from granulab.contact.files.units import to_si
@@ -16,9 +16,9 @@ from granulab.errors import InputError
 @click.argument("file")
 @fps_option
 @roi_option("Part of the picture to look at, in pixels.")
-@click.option("--track", multiple=True, metavar="NAME", help="Which thing; twice for two blocks.")
+@click.option("--track", multiple=True, metavar="NAME", help="Which object; twice for two blocks.")
 @click.option("--masses", metavar='"10 g,12 g"', help="Of the left and the right block: a check.")
-@sheets_option("Draw the sheet there.")
+@figures_option("Draw the diagnostic figure there.")
 @into_options("restitution")
 @quiet_option
 @json_option
@@ -31,7 +31,7 @@ def command(
     FILE is a film, or a table of frame or time, x, y of one ball or two blocks. The first block, or
     the ball, is held to one side and let go.
 
-    For example: calibrate pendulum blocks.mp4 --out sheets
+    For example: calibrate pendulum blocks.mp4 --out figures
     """
     from calibration.pendulum.measure import measure_pendulum
     from granulab.campaign.output.terminal import Progress
@@ -41,7 +41,7 @@ def command(
             file, fps=fps, tracks=track, roi=roi, masses=_masses(masses), progress=progress.update,
         )  # fmt: skip
     finish(
-        found, as_json=as_json, quiet=quiet, out=out, name=f"pendulum-{found.things.name}",
+        found, as_json=as_json, quiet=quiet, out=out, name=f"pendulum-{found.objects.name}",
         into=into, measured=[file],
     )  # fmt: skip
 

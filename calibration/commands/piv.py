@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from calibration.commands.options import sheets_option
+from calibration.commands.options import figures_option
 from calibration.result import finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 
@@ -23,7 +23,7 @@ from granulab.campaign.cli.commandline import json_option, quiet_option
 @click.option("--mask", type=click.Path(path_type=Path), help="A picture, white where to measure.")
 @click.option("--scale", metavar='"0.81 mm/px"', help="Length per pixel.")
 @click.option("--dt", metavar='"1 ms"', help="Time from A to B.")
-@sheets_option("Folder for table and diagnostic figure.")
+@figures_option("Folder for table and diagnostic figure.")
 @quiet_option
 @json_option
 def command(

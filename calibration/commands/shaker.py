@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from calibration.commands.options import sheets_option
+from calibration.commands.options import figures_option
 from calibration.result import finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 from granulab.contact.files.units import to_si
@@ -27,7 +27,7 @@ from granulab.contact.files.units import to_si
     help='force or acceleration that is called otherwise: "force=Kraft [kN]".',
 )  # fmt: skip
 @click.option("--rate", type=float, metavar="40000", help="Samples/s of tables without times.")
-@sheets_option("Folder for the sheet (PNG).")
+@figures_option("Folder for the diagnostic figure (PNG).")
 @quiet_option
 @json_option
 def command(
@@ -37,7 +37,7 @@ def command(
 ) -> None:  # fmt: skip
     """Dissipated power and efficiency from force and acceleration (thesis, eqs 7.6 to 7.12).
 
-    For example: calibrate shaker full.csv --empty empty.csv --particle-mass "27.9 g" -o sheets
+    For example: calibrate shaker full.csv --empty empty.csv --particle-mass "27.9 g" -o figures
     """
     from calibration.bench.sections import asked
     from calibration.shaker.measure import dissipation

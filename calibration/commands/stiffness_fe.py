@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from calibration.commands.options import into_options, sheets_option
+from calibration.commands.options import figures_option, into_options
 from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 
@@ -68,7 +68,7 @@ from granulab.campaign.cli.commandline import json_option, quiet_option
     metavar='"1e4 N/mm +- 18 %"',
     help="Measured kn, of which kt/kn makes kt: reported, and written by --into.",
 )
-@sheets_option("Folder for the diagnostic figure (PNG).")
+@figures_option("Folder for the diagnostic figure (PNG).")
 @into_options("kt")
 @quiet_option
 @json_option

@@ -1,1 +1,1 @@
-"""A drop test: from the track of a bouncing thing to restitution, speeds, scale and rate."""
+"""A drop test: from the track of a bouncing object to restitution, speeds, scale and rate."""

@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.drop.result import Drop
-from calibration.tracking.film.reader import Film, Frame, Told
+from calibration.tracking.film.reader import Film, Frame, Progress
 from calibration.tracking.track import Array
 from granulab.campaign.output.figure import BLUE, INK, ORANGE, PAPER, VERMILION
 from granulab.campaign.output.film import Image, font, pace, rgb, write_film, write_words
 
 _UNITS = ((1.0, "m"), (1e-2, "cm"), (1e-3, "mm"), (1e-6, "µm"))
-_SHIFT = 4  # OpenCV takes places in sixteenths of a pixel
+_SHIFT = 4  # OpenCV takes positions in sixteenths of a pixel
 _TRAIL = 15  # positions of late
-_RADIUS = 8.0  # px, of a circle around a thing whose size is not known
+_RADIUS = 8.0  # px, of a circle around an object whose size is not known
 _WIDEST, _HIGHEST = 960, 720  # px of a picture, as laptops show it
 _PANEL, _MARGIN, _LINE = 250, 14, 22  # px
 
@@ -36,11 +36,11 @@ def scale_bar(longest: float) -> tuple[float, str]:
 
 
 def with_sigma(value: float, sigma: float | None) -> str:
-    """Both to the first place of sigma, two to four of them; "0.80" where it is not known."""
+    """Both to the first decimal of sigma, two to four decimals; "0.80" where it is not known."""
     if sigma is None or not sigma > 0:
         return f"{value:.2f}"
-    places = min(max(-math.floor(math.log10(sigma)), 2), 4)
-    return f"{value:.{places}f} \N{PLUS-MINUS SIGN} {max(sigma, 10.0**-places):.{places}f}"
+    decimals = min(max(-math.floor(math.log10(sigma)), 2), 4)
+    return f"{value:.{decimals}f} \N{PLUS-MINUS SIGN} {max(sigma, 10.0**-decimals):.{decimals}f}"
 
 
 class Still(NamedTuple):
@@ -53,7 +53,7 @@ class Still(NamedTuple):
 
 
 class Marks:
-    """The same for all frames: places in the film, and how much larger it is shown.
+    """The same for all frames: positions in the film, and how much larger it is shown.
 
     zoom            pixels shown for one of the film
     width, height   of the pictures drawn [px]
@@ -92,7 +92,7 @@ class Marks:
         return image
 
     def _draw_track(self, image: Image, number: int, moved: Array) -> None:
-        """The path of late, and a circle around the thing where it was seen in this frame."""
+        """The path of late, and a circle around the object where it was seen in this frame."""
         import cv2
 
         last = int(np.searchsorted(self.frames, number, side="right"))
@@ -101,15 +101,15 @@ class Marks:
             return
         path = self._shown(self.x[late] + moved[0], self.y[late] + moved[1])
         cv2.polylines(image, [path], False, rgb(BLUE), 1, cv2.LINE_AA, _SHIFT)
-        for place in path:
-            cv2.circle(image, place, 1 << _SHIFT, rgb(BLUE), -1, cv2.LINE_AA, _SHIFT)
+        for position in path:
+            cv2.circle(image, position, 1 << _SHIFT, rgb(BLUE), -1, cv2.LINE_AA, _SHIFT)
         if self.frames[late[-1]] == number:
             radius = round((self.radius[late[-1]] * self.zoom + 3) * 2**_SHIFT)
-            for colour, wide in ((PAPER, 4), (VERMILION, 2)):  # seen on things of any colour
+            for colour, wide in ((PAPER, 4), (VERMILION, 2)):  # seen on objects of any colour
                 cv2.circle(image, path[-1], radius, rgb(colour), wide, cv2.LINE_AA, _SHIFT)
 
     def _draw_plate(self, image: Image, number: int, moved: Array) -> None:
-        """The plate's level under the thing, and a tick at each contact that has happened."""
+        """The plate's level under the object, and a tick at each contact that has happened."""
         import cv2
 
         under = np.interp(self.contact_frames, self.frames, self.radius)
@@ -119,23 +119,23 @@ class Marks:
         past = self.contact_frames <= number
         x = np.interp(self.contact_frames, self.frames, self.x)[past] + moved[0]
         y = (self.plate + under)[past] + moved[1]
-        for place in self._shown(x, y):
-            centre = (int(place[0]) >> _SHIFT, int(place[1]) >> _SHIFT)
+        for position in self._shown(x, y):
+            centre = (int(position[0]) >> _SHIFT, int(position[1]) >> _SHIFT)
             cv2.drawMarker(image, centre, rgb(ORANGE), cv2.MARKER_TRIANGLE_UP, 12, 2, cv2.LINE_AA)
 
     def _shown(self, x: Array, y: Array) -> np.ndarray:
-        """(n, 2) places of the film in the picture drawn, in sixteenths of a pixel."""
-        places = (np.stack([x, y], axis=1) + 0.5) * self.zoom - 0.5
-        return np.rint(np.clip(places, -1e4, 1e4) * 2**_SHIFT).astype(np.int32)
+        """(n, 2) positions of the film in the picture drawn, in sixteenths of a pixel."""
+        positions = (np.stack([x, y], axis=1) + 0.5) * self.zoom - 0.5
+        return np.rint(np.clip(positions, -1e4, 1e4) * 2**_SHIFT).astype(np.int32)
 
 
 def annotate(
-    drop: Drop, film: Film, path: Path, progress: Told | None = None
+    drop: Drop, film: Film, path: Path, progress: Progress | None = None
 ) -> tuple[Path, list[Still]]:
     """Write the annotated film as an mp4; its path, and stills, of one pass over the film.
 
     The track of `drop` must have been followed in `film`: its frames and pixels are the film's.
-    Stills show the moments that tell: let go, first contact, apex after it, last contact.
+    Stills show four moments: let go, first contact, apex after it, last contact.
     """
     kept: dict[int, Still] = {}  # by frame: a film is drawn again where a codec is not to be had
     pictures = partial(_pictures, drop, film, path.stem, kept, progress)
@@ -152,9 +152,9 @@ def _telling(drop: Drop) -> set[int]:
 
 
 def _pictures(
-    drop: Drop, film: Film, name: str, kept: dict[int, Still], progress: Told | None
+    drop: Drop, film: Film, name: str, kept: dict[int, Still], progress: Progress | None
 ) -> Iterator[Image]:
-    """All frames with marks and panel; those that tell are kept."""
+    """All frames with marks and panel; the four moments are kept."""
     marks = Marks(drop, film.width, film.height, _WIDEST, _HIGHEST)
     panel = _Panel(drop, marks, name)
     telling = _telling(drop)
@@ -174,7 +174,7 @@ def _even(image: Image) -> Image:
 
 
 class _Panel:
-    """What stands beside the picture."""
+    """The panel next to the picture."""
 
     def __init__(self, drop: Drop, marks: Marks, name: str) -> None:
         self.drop, self.marks = drop, marks
@@ -199,7 +199,7 @@ class _Panel:
         write_words(paper, words, _MARGIN, y - 26, self.font)
 
     def draw(self, number: int) -> Image:
-        """The panel beside frame `number`."""
+        """The panel next to frame `number`."""
         panel = self.paper.copy()
         write_words(panel, f"frame {number}", _MARGIN, 10 + _LINE, self.font)
         seconds = self.drop.seconds(self.marks.clock(number))

@@ -35,14 +35,14 @@ from granulab.errors import InputError
 
 STANDARD_GRAVITY = Estimate(9.80665, 0.03, 1)  # m/s2; sigma: what it varies by over the earth
 _EXACT = 1e-9  # sigma of restitution that numbers without noise have from their rounding
-_UNEVEN = 0.05  # of a frame: stamps that vary by more are set beside an even clock
+_UNEVEN = 0.05  # of a frame: stamps that vary by more are compared with an even clock
 
 _Formula = Callable[[Array, Array], Array]
 
 
 @dataclass(frozen=True)
 class Bounces:
-    """What a clip says; times in frames, lengths in the track's unit. Covariances are joint.
+    """Bounces of a clip; times in frames, lengths in the track's unit. Covariances are joint.
 
     track, base   the positions and the clock used; flights are fitted on base.clock
     flights       parabolas
@@ -78,7 +78,7 @@ class Bounces:
 
     @property
     def constant_within_noise(self) -> bool | None:
-        """Whether one number describes the clip (p at least 0.05); None for one bounce."""
+        """True if one number describes the clip (p at least 0.05); None for one bounce."""
         return None if self.p is None else self.p >= CHANCE
 
 
@@ -199,7 +199,7 @@ def _drift(levels: Array, covariance: Array) -> Estimate:
 
 
 def _warnings(found: Bounces) -> list[str]:
-    """What a person should look at before believing the numbers."""
+    """Warnings about the numbers."""
     warnings = list(found.track.remarks)
     fitted = found.flights
     if fitted.scatter:

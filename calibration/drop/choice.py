@@ -15,17 +15,17 @@ from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.track import Look, Track
 from granulab.errors import InputError
 
-_WITHIN = 1.2  # sums of the radii, within which the middles of a thing's parts stay
-_SAME = 0.5  # of the contrast, by which colours of one thing differ
+_WITHIN = 1.2  # sums of the radii, within which the middles of an object's parts stay
+_SAME = 0.5  # of the contrast, by which colours of one object differ
 _OFF = 0.2  # of the contrast, by which a shadow's colour may miss that of the wall made darker
 _FEWEST = 8  # positions of a drop
-_TOGETHER = 1.0  # frames: contacts of a thing and of its shadow or reflection
+_TOGETHER = 1.0  # frames: contacts of an object and of its shadow or reflection
 
 
 def is_shown_twice(one: Bounces, other: Bounces) -> bool:
-    """Whether `one`, seen in fewer places, is a reflection, a part or a shadow of `other`.
+    """True if `one`, seen in fewer positions, is a reflection, a part or a shadow of `other`.
 
-    Where only places are known, nothing tells two things from one.
+    Where only positions are known, nothing separates two objects from one.
     """
     if one.track.look is None or other.track.look is None:
         return one.track.radius is not None
@@ -37,7 +37,7 @@ def is_shown_twice(one: Bounces, other: Bounces) -> bool:
 
 
 def _part(one: Bounces, other: Bounces) -> bool:
-    """Whether the two are never farther apart than parts of one thing are."""
+    """True if the two are never farther apart than parts of one object are."""
     _, here, there = np.intersect1d(one.track.frame, other.track.frame, return_indices=True)
     a, b = one.track, other.track
     if not len(here) or a.radius is None or b.radius is None:
@@ -47,7 +47,7 @@ def _part(one: Bounces, other: Bounces) -> bool:
 
 
 def is_shadow(look: Look) -> bool:
-    """Whether a thing's colour is that behind it, darker."""
+    """True if an object's colour is that behind it, darker."""
     share = float(look.colour @ look.behind / (look.behind @ look.behind))
     miss = float(np.linalg.norm(look.colour - share * look.behind))
     return share < 1 and miss < _OFF * float(np.linalg.norm(look.colour - look.behind))
@@ -65,7 +65,7 @@ def the_one_that_bounces(
 ) -> Bounces:
     """The bounces of the track `name`, or of the only one that bounces.
 
-    A shadow or a reflection bounces when its thing does: the one with more positions counts.
+    A shadow or a reflection bounces when its object does: the one with more positions counts.
     Raises InputError where none bounces, or several do.
     """
     if name is not None:
@@ -107,14 +107,14 @@ def _other_drops(found: Bounces) -> list[str]:
             continue
         e, first = other.pooled, _frames(other)[0]
         said.append(
-            f"another drop of the same thing, from its contact at frame {first:.0f} on, has "
+            f"another drop of the same object, from its contact at frame {first:.0f} on, has "
             f"{e.value:.4f} +- {e.sigma or 0.0:.1g}: not used; cut the recording to measure it"
         )
     return said
 
 
 def _refuse_what_falls_sideways(tracks: list[Track], where: str) -> None:
-    """InputError where a thing bounces along x."""
+    """InputError where an object bounces along x."""
     for track in tracks:
         if np.ptp(track.y) > np.ptp(track.x):
             continue
@@ -143,7 +143,7 @@ def _refuse_what_is_no_restitution(pooled: Estimate, where: str) -> None:
 
 
 def _without_companions(found: list[Bounces]) -> list[Bounces]:
-    """Those that are no shadow, reflection or part of one that was seen in more places."""
+    """Those that are no shadow, reflection or part of one that was seen in more positions."""
     in_order = sorted(found, key=lambda one: -sum(map(len, one.flights.rows)))
     kept: list[Bounces] = []
     for one in in_order:
@@ -153,7 +153,7 @@ def _without_companions(found: list[Bounces]) -> list[Bounces]:
 
 
 def _together(one: Bounces, other: Bounces) -> bool:
-    """Whether each contact of the one that has fewer is one of the other's."""
+    """True if each contact of the one that has fewer is one of the other's."""
     few, many = sorted(([_frames(b) for b in (one, other)]), key=len)
     near = np.abs(few[:, None] - many[None, :]).min(axis=1)
     return len(few) > 1 and bool(np.all(near < _TOGETHER))
@@ -166,12 +166,12 @@ def _frames(found: Bounces) -> np.ndarray:
 
 
 def _several(found: list[Bounces]) -> str:
-    """What is said of more than one thing that bounces, with the value of each."""
+    """Refusal of more than one object that bounces, with the value of each."""
     first = [float(one.track.frame[0]) for one in found]
     last = [float(one.track.frame[-1]) for one in found]
     order = np.argsort(first)
     after = all(first[k] > last[j] for j, k in pairwise(order))
-    what = "drops follow one another" if after else "things bounce"
+    what = "drops follow one another" if after else "objects bounce"
     film = found[0].track.radius is not None
     ways = "--track, --at or --roi" if film else "--track"
     return f"{len(found)} {what}: choose one with {ways} ({', '.join(map(_named, found))})"
@@ -180,13 +180,13 @@ def _several(found: list[Bounces]) -> str:
 def _named(found: Bounces) -> str:
     """The name of a track, where it begins in a film, and its restitution."""
     track, e = found.track, found.pooled
-    told = f"{track.name!r}"
+    words = f"{track.name!r}"
     if track.radius is not None:
-        told += f" from {track.x[0]:.0f},{track.y[0]:.0f} px in frame {track.frame[0]:g}"
-    return f"{told}: {e.value:.3f} +- {e.sigma or 0.0:.1g}"
+        words += f" from {track.x[0]:.0f},{track.y[0]:.0f} px in frame {track.frame[0]:g}"
+    return f"{words}: {e.value:.3f} +- {e.sigma or 0.0:.1g}"
 
 
 def _range(track: Track) -> float:
-    """How far a track goes along y: the one that goes farthest says why nothing was found."""
+    """Range of a track along y: the one that goes farthest says why nothing was found."""
     seen = track.y[np.isfinite(track.y)]
     return float(np.ptp(seen)) if len(seen) else 0.0

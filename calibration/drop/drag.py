@@ -1,4 +1,4 @@
-"""Air drag on a thing that bounces: what its flights show of it, and what it does to restitution.
+"""Air drag on an object that bounces: what its flights show of it, and what it does to restitution.
 
 Drag that grows as the square of speed, y'' = a - |a| v|v|/w^2 with w the speed at which a fall
 ends, adds -a^3 s^3|s|/(12 w^2) to a parabola of acceleration a, s from its apex, to first order in
@@ -8,7 +8,7 @@ u (1 - u^2/2w^2): speed after over speed before is T(k+1)/T(k) (1 + (u(k)^2 + u(
 A shutter that reads the picture row by row adds c y v, odd about the apex as drag is: the one that
 explains the flights better is taken for the cause. Contacts, all in one row, are no less known for
 that.
-What scatters the flights' accelerations beyond what drag does to them (places seen wrong over a
+What scatters the flights' accelerations beyond what drag does to them (positions seen wrong over a
 whole flight) may bend them as drag does: sigma holds that, so that drag is not read out of it.
 """
 
@@ -23,7 +23,7 @@ from calibration.statistics.robust import for_correlation
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.track import Array
 
-_SIGMAS = 3.0  # by which drag must be known to be told
+_SIGMAS = 3.0  # by which drag must be known to be reported
 
 
 def slowness(found: Bounces) -> tuple[Estimate, bool]:
@@ -47,7 +47,7 @@ def slowness(found: Bounces) -> tuple[Estimate, bool]:
         taken_up = np.linalg.lstsq(own, shapes, rcond=None)[0]
         odd.append(shapes - own @ taken_up)
         turned.append(2 * taken_up[2, 0])  # what drag does to the flight's own acceleration
-        spread.append(np.std(s**2) / 2)  # of places, by one unit of acceleration
+        spread.append(np.std(s**2) / 2)  # of positions, by one unit of acceleration
         size.append(size[-1] + len(used))
     y, (air, shutter) = np.concatenate(left), np.concatenate(odd).T
     value = float(air @ y / (air @ air))
@@ -67,26 +67,26 @@ def slowness(found: Bounces) -> tuple[Estimate, bool]:
 
 
 def with_drag(found: Bounces) -> Bounces:
-    """The same, with what drag adds to restitution in its sigma and told, where it shows."""
+    """The same, with what drag adds to restitution in its sigma and warnings, where it shows."""
     slow, drags = slowness(found)
     assert slow.sigma is not None
     if not drags or slow.value < _SIGMAS * slow.sigma:
         return found
     more = _added(found, slow.value)
     sigma = float(np.hypot(found.pooled.sigma or 0.0, np.mean(more)))
-    told = (
+    warning = (
         f"air drag shows in the flights (a fall would end at {slow.value**-0.5:.3g} +- "
         f"{slow.value**-1.5 * slow.sigma / 2:.1g} px/frame): speed after over speed before is "
         f"higher than {found.method} say by {np.mean(more):.2g}; it is in the sigma"
     )
     return replace(
-        found, sigma=np.hypot(found.sigma, more), warnings=[*found.warnings, told],
+        found, sigma=np.hypot(found.sigma, more), warnings=[*found.warnings, warning],
         pooled=replace(found.pooled, sigma=sigma),
     )  # fmt: skip
 
 
 def _added(found: Bounces, slow: float) -> Array:
-    """What each restitution of `best` lacks for the drag of the flights before and after it."""
+    """Share that each restitution of `best` lacks for the drag of the flights around it."""
     first = (len(found.contacts) - len(found.best)) // 2
     before = found.speeds[first : first + len(found.best), 0]
     return np.asarray(found.best * before**2 * (1 + found.best**2) * slow / 4)

@@ -16,7 +16,7 @@ from calibration.statistics.uncertainty import Estimate, through
 
 _SIGMAS = 4.0  # by which a tilt must be known to be said
 _LEAST = 1.0  # degrees: what a tripod's level shows
-_ROOM = 3.0  # m: laboratories drop things within a room
+_ROOM = 3.0  # m: laboratories drop objects within a room
 _FAR = 0.05  # share by which g may miss before scale or rate is doubted
 
 
@@ -26,7 +26,7 @@ def tilt(found: Bounces) -> Estimate:
     for rows in found.flights.rows:
         t, x = found.base.clock[rows], found.track.x[found.base.rows[rows]]
         line = np.stack([np.ones_like(t), t - t.mean()], axis=1)
-        # what a straight path leaves of the place and of s^2/2
+        # what a straight path leaves of the position and of s^2/2
         left, bend = (
             one - line @ np.linalg.lstsq(line, one, rcond=None)[0]
             for one in (x, (t - t.mean()) ** 2 / 2)
@@ -75,7 +75,7 @@ def with_free_fall(
     gravity, remarks, warnings = None, list(found.base.remarks), list(found.warnings)
     if rate and length:
         gravity = through(lambda a, f, s: a * s * f**2, fall, rate, length)
-        warnings += _doubts(gravity, rate, length)
+        warnings += _warnings(gravity, rate, length)
     elif rate:
         length = through(lambda g, a, f: g / (a * f**2), STANDARD_GRAVITY, fall, rate)
         remarks.append("no scale: free fall gives it")
@@ -90,7 +90,7 @@ def with_free_fall(
     return Drop(found, header, rate, length, gravity, tuple(remarks), tuple(warnings))
 
 
-def _doubts(gravity: Estimate, rate: Estimate, scale: Estimate) -> list[str]:
+def _warnings(gravity: Estimate, rate: Estimate, scale: Estimate) -> list[str]:
     ratio = gravity.value / STANDARD_GRAVITY.value
     assert gravity.sigma is not None
     off = abs(gravity.value - STANDARD_GRAVITY.value)
@@ -116,7 +116,7 @@ def _too_high(found: Bounces, rate: Estimate, scale: Estimate) -> list[str]:
 
 
 def nearer(found: Bounces) -> list[str]:
-    """A warning where the thing grows in the picture, or shrinks, by more than chance."""
+    """A warning where the object grows in the picture, or shrinks, by more than chance."""
     radius = found.track.radius
     if radius is None:
         return []
@@ -124,7 +124,7 @@ def nearer(found: Bounces) -> list[str]:
 
     flying = np.concatenate(found.flights.rows)
     fall = np.abs(np.gradient(found.track.y[found.base.rows], found.base.clock)[flying])
-    slow = fall <= np.quantile(fall, 0.3)  # the blur of motion makes things larger
+    slow = fall <= np.quantile(fall, 0.3)  # the blur of motion makes objects larger
     rows = found.base.rows[flying[slow]]
     if len(rows) < 8:
         return []
@@ -135,6 +135,6 @@ def nearer(found: Bounces) -> list[str]:
         return []
     way = "nearer" if grown > 0 else "farther"
     return [
-        f"the thing comes {way}: its radius changes by {np.expm1(grown):+.0%} over the flights, "
+        f"the object comes {way}: its radius changes by {np.expm1(grown):+.0%} over the flights, "
         "and the scale with it; restitution from times does not need it"
     ]

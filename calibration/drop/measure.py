@@ -1,4 +1,4 @@
-"""measure_drop: a film or a track of a bouncing thing to restitution, speeds, scale and rate."""
+"""measure_drop: a film or a track of a bouncing object to restitution, speeds, scale and rate."""
 
 import math
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from calibration.drop.result import Drop
 from calibration.files.track_table import read_tracks
 from calibration.result import draw
 from calibration.statistics.quantity import metres_per_pixel
-from calibration.tracking.film.reader import Told, is_film, is_pattern, open_film, said_rate
+from calibration.tracking.film.reader import Progress, is_film, is_pattern, open_film, said_rate
 from calibration.tracking.track import Track
 from granulab.errors import InputError
 
@@ -26,19 +26,19 @@ def measure_drop(
     one_bounce: bool = False,
     roi: tuple[int, int, int, int] | None = None,
     hint: tuple[float, float, float] | None = None,
-    progress: Told | None = None,
+    progress: Progress | None = None,
     out: str | Path | None = None,
 ) -> Drop:
-    """Restitution of a thing that falls on a plate and bounces, from its track.
+    """Restitution of an object that falls on a plate and bounces, from its track.
 
     source      a film (see film/reader.py), a track table (see track_table), or tracks
     fps         frames per second of the camera; overrides what time stamps say
     scale       "0.81 mm/px", or metres per unit of x and y
-    track       name of the track, where several things bounce
+    track       name of the track, where several objects bounce
     one_bounce  take a clip with a single bounce: eq. 3.5 without a check of one bounce by another
     roi         x, y, width, height of the part of a film to look at [px]
-    hint        frame, x, y [px] of the thing in a film
-    progress    told the share of a film that is read, and a few words
+    hint        frame, x, y [px] of the object in a film
+    progress    receives the share of a film that is read, and a few words
     out         folder for the diagnostic figure and the annotated film
 
     Raises InputError, one line, for what cannot be measured.
@@ -71,7 +71,7 @@ def _tracks(
     source: str | Path | Track | Sequence[Track],
     roi: tuple[int, int, int, int] | None,
     hint: tuple[float, float, float] | None,
-    progress: Told | None,
+    progress: Progress | None,
 ) -> tuple[list[Track], float | None]:
     """All tracks of a source, and the frames/s that the header of a film says."""
     if isinstance(source, Track):
@@ -90,7 +90,7 @@ def with_pictures(
     drop: Drop,
     source: str | Path | Track | Sequence[Track],
     folder: Path,
-    progress: Told | None = None,
+    progress: Progress | None = None,
 ) -> Drop:
     """The drop test with `sheet`, drop-NAME.png, and `film`, drop-NAME.mp4, where it was filmed.
 

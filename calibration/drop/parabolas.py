@@ -20,7 +20,7 @@ from calibration.tracking.track import Array, Rows
 from granulab.errors import InputError
 
 _REFUTED = 0.05  # p of a common acceleration below which the flights' own scatter about it
-_FEWEST = 3  # points of a flight: two tell its place and speed where others tell the fall
+_FEWEST = 3  # points of a flight: two give its position and speed where others give the fall
 
 
 def contact_times(centre: Array, coefficients: Array) -> Array:
@@ -43,18 +43,18 @@ def contact_times(centre: Array, coefficients: Array) -> Array:
 
 
 def _difference(centre: Array, coefficients: Array, k: int, t: float) -> tuple[float, float]:
-    """Flight k + 1 less flight k at time t: in place and in speed."""
-    place, speed = [], []
+    """Flight k + 1 less flight k at time t: in position and in speed."""
+    position, speed = [], []
     for i in (k, k + 1):
         s = t - centre[i]
         c = coefficients[i]
-        place.append(c[0] + c[1] * s + c[2] * s**2 / 2)
+        position.append(c[0] + c[1] * s + c[2] * s**2 / 2)
         speed.append(c[1] + c[2] * s)
-    return place[1] - place[0], speed[1] - speed[0]
+    return position[1] - position[0], speed[1] - speed[0]
 
 
 def levels(centre: Array, c: Array) -> Array:
-    """Place of each contact: the plate's level."""
+    """Position of each contact: the plate's level."""
     s = contact_times(centre, c) - centre[:-1]
     return c[:-1, 0] + c[:-1, 1] * s + c[:-1, 2] * s**2 / 2
 
@@ -160,7 +160,7 @@ def _fit(t: Array, y: Array, rows: list[Rows], spread: Array | None) -> Flights:
         _design(t, rows, centre) @ mapping, t, y, rows, spread, _lean(len(rows), scatter)
     )
     acceleration = float(beta[-1]), float(np.sqrt(max(covariance[-1, -1], 0.0)))
-    covariance = mapping @ covariance @ mapping.T + _of_places_or_fall(t, rows, scatter)
+    covariance = mapping @ covariance @ mapping.T + _of_positions_or_fall(t, rows, scatter)
     return Flights(
         centre, (mapping @ beta).reshape(-1, 3), covariance, rows, residuals, weights,
         sigma, acceleration, scatter, own, p,
@@ -204,12 +204,13 @@ def _on_rows(
     return beta, covariance, residuals, weights, sigma
 
 
-def _of_places_or_fall(t: Array, rows: list[Rows], scatter: float) -> Array:
+def _of_positions_or_fall(t: Array, rows: list[Rows], scatter: float) -> Array:
     """(3m, 3m) variance of the coefficients from not knowing what the scatter of c2 is of.
 
-    It may be of the fall, or of places that are seen wrong over a whole flight (light, blur), which
-    residuals do not show. The two differ by c2 - a in c2, and by -(c2 - a) T^2/8 in c0: at the
-    plate neighbouring flights see the same place, with the same error, and still meet when they do.
+    It may be of the fall, or of positions that are seen wrong over a whole flight (light, blur),
+    which residuals do not show. The two differ by c2 - a in c2, and by -(c2 - a) T^2/8 in c0: at
+    the plate neighbouring flights see the same position, with the same error, and still meet when
+    they do.
     """
     extra = np.zeros((3 * len(rows), 3 * len(rows)))
     for k, one in enumerate(rows):

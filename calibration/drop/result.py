@@ -1,4 +1,4 @@
-"""What a drop test gives: restitution, the time base, scale and rate; as one object and as JSON."""
+"""The result of a drop test: restitution, time base, scale and rate; as numbers and as text."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Drop:
-    """What a drop test gives; see Bounces for the parts without scale and rate.
+    """Result of a drop test; see Bounces for the parts without scale and rate.
 
     rate_header   frames/s that the track's time stamps say; None without them
     rate          frames/s used; sigma 0 where it was given

@@ -2,7 +2,7 @@
 
 A flight is one parabola. Where the frames after some moment fit the parabola before it only when
 they are moved in time by a whole number of frames, the recording repeated or left out that many.
-Nothing can be said about what happens within a contact, or while the thing is held.
+Nothing can be said about what happens within a contact, or while the object is held.
 """
 
 from dataclasses import dataclass, field, replace
@@ -25,13 +25,13 @@ from calibration.tracking.track import Array, Rows, Track
 
 _WHOLE = 0.25  # of a frame: how near to a whole number a shift must be
 _MOST = 5  # frames at one place
-_CURVED = 0.1  # sigma of a stretch's own acceleration over it, for the stretch to tell anything
+_CURVED = 0.1  # sigma of a stretch's own acceleration over it, for the stretch to show anything
 _REPAIRS = 20  # places in one clip
 
 
 @dataclass(frozen=True)
 class TimeBase:
-    """What was found, and the clock that is used.
+    """The clock that is used, and what was wrong with the recording's.
 
     clock               (n,) time of the positions that are kept [frames of the recording]
     rows                (n,) which positions of the track these are
@@ -66,7 +66,7 @@ def check(track: Track, clock: Array) -> TimeBase:
 def _repeats(track: Track, clock: Array) -> tuple[Rows, NDArray[np.bool_]]:
     """Positions equal to the one before, in flight; and whether the clock ran on in vain.
 
-    In a film a repeated picture, coded anew, may give a position off by its noise.
+    In a film a repeated picture, coded again, may give a position off by its noise.
     """
     sigma = noise(clock, track.y)
     step = np.diff(track.y)

@@ -1,4 +1,4 @@
-"""What the lines of a table are written in: separator, fields, numbers, names with their units."""
+"""Dialect of a table's lines: separator, fields, numbers, names with their units."""
 
 import csv
 import re
@@ -12,7 +12,7 @@ _UNIT = re.compile(r"\s*\[(?P<unit>[^\]]*)\]"), re.compile(r"\s*\((?P<unit>[^)]*
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+(?:[eE][-+]?[0-9]+)?")
 _SPACED_FIELD = re.compile(r'"[^"]*"|\S+')
 _SEPARATOR_LINE = re.compile(r'"?sep=(?P<separator>.)"?')  # what Excel reads and writes on top
-_LOOKED_AT = 50  # lines at either end that tell the separator
+_LOOKED_AT = 50  # lines at either end that show the separator
 _MISSING = ("", "nan", "na", "n/a", "null", "none")
 _SHEET_ERROR = re.compile(r"#(?:N/A|NV|[A-ZÄÖÜ0/]+[!?])")  # #DIV/0!, #WERT!: no value there
 
@@ -31,11 +31,11 @@ def rows(text: str, where: str) -> list[Row]:
     lines = lines[1:] if said else lines
     if not lines:
         raise InputError(f"{where}: empty")
-    told = [line for _, line in lines]
-    ends = told[:_LOOKED_AT] + told[_LOOKED_AT:][-_LOOKED_AT:]
+    plain = [line for _, line in lines]
+    ends = plain[:_LOOKED_AT] + plain[_LOOKED_AT:][-_LOOKED_AT:]
     separator = said["separator"] if said else _separator(ends)
     read = [(number, _fields(line, separator, where, number)) for number, line in lines]
-    return read if separator else _spaced_words(read, told)
+    return read if separator else _spaced_words(read, plain)
 
 
 def number(field: str) -> float | None:
@@ -52,12 +52,12 @@ def number(field: str) -> float | None:
 
 
 def is_missing(field: str) -> bool:
-    """Whether a field says that there is no number: empty, "n/a", an error of a spreadsheet."""
+    """True if a field says that there is no number: empty, "n/a", an error of a spreadsheet."""
     return field.lower() in _MISSING or _SHEET_ERROR.fullmatch(field) is not None
 
 
 def is_number(field: str) -> bool:
-    """Whether a field holds a number; an empty one does not."""
+    """True if a field holds a number; an empty one does not."""
     return not is_missing(field) and number(field) is not None
 
 

@@ -1,8 +1,8 @@
-"""Which lines of a table hold names, units and numbers, and which are words around them.
+"""Layout of a table: lines that hold names, units and numbers, and words around them.
 
 Spreadsheets write a title and remarks above the head, means and notes below the numbers. Some
 columns hold numbers in most lines; the table reaches from the first line with numbers in most of
-these columns to the last one. What is left out is told.
+these columns to the last one. What is left out is reported.
 """
 
 import re
@@ -21,7 +21,7 @@ _MEANS = {  # what spreadsheets call the lines that they make of others,
     "sd", "std", "stdev", "std dev", "std. dev", "stdabw", "standardabweichung", "sum", "summe",
     "total", "cv", "rsd",
 }  # fmt: skip
-_BESIDE = {"min", "max", "minimum", "maximum", "n", "count", "anzahl"}  # and beside these
+_WITH_MEANS = {"min", "max", "minimum", "maximum", "n", "count", "anzahl"}  # and next to these
 
 
 @dataclass(frozen=True)
@@ -56,14 +56,16 @@ def layout(rows: Sequence[Row], where: str) -> Layout:
         _refuse_half_a_head(rows[:begin], len(counts), where)
         head = [f"column {k + 1}" for k in range(width)]
     names, units_of = _named(head, units, where)
-    told = [f"{where}: {len(spare)} lines above the head left out"] if any(map(any, spare)) else []
-    told += [
+    remarks = (
+        [f"{where}: {len(spare)} lines above the head left out"] if any(map(any, spare)) else []
+    )
+    remarks += [
         f"{where}: line {line} left out, a note or made from other lines: "
         f"{' '.join(filter(None, fields))[:60]!r}"
         for line, fields in below
         if any(fields)
     ]
-    return Layout(names, units_of, body, tuple(told))
+    return Layout(names, units_of, body, tuple(remarks))
 
 
 def _counted(rows: Sequence[Row]) -> list[int]:
@@ -94,7 +96,7 @@ def _at(fields: Sequence[str], counted: Sequence[int]) -> list[str]:
 
 
 def _is_data(fields: Sequence[str], counted: Sequence[int]) -> bool:
-    """Whether most of the counted columns hold numbers; some may be missing, or be words."""
+    """True if most of the counted columns hold numbers; some may be missing, or be words."""
     held = _at(fields, counted)
     words = sum(number(field) is None for field in held)
     return 2 * words < len(held) and any(map(is_number, held))
@@ -106,7 +108,7 @@ def _parted(rows: Sequence[Row], counted: Sequence[int]) -> tuple[list[Row], lis
     while end > 1 and _is_note(rows[end - 1][1], counted):
         end -= 1
     labels = [_label(fields) for _, fields in rows[:end]]
-    made = _MEANS | _BESIDE if _MEANS.intersection(labels) else set()
+    made = _MEANS | _WITH_MEANS if _MEANS.intersection(labels) else set()
     kept = [row for row, label in zip(rows[:end], labels, strict=True) if label not in made]
     spare = [row for row, label in zip(rows[:end], labels, strict=True) if label in made]
     return kept, spare + list(rows[end:])
@@ -119,7 +121,7 @@ def _label(fields: Sequence[str]) -> str:
 
 
 def _is_note(fields: Sequence[str], counted: Sequence[int]) -> bool:
-    """Whether words stand where the numbers stood; what begins like a number is a slip."""
+    """True if words stand where the numbers stood; what begins like a number is a slip."""
     held = [field for field in _at(fields, counted) if not is_missing(field)]
     slips = any(map(_LIKE_A_NUMBER.match, held))
     return not any(fields) or (bool(held) and not slips and not _is_data(fields, counted))
@@ -141,7 +143,7 @@ def _head(
 
 
 def _are_units(fields: Sequence[str], names: Sequence[str]) -> bool:
-    """Whether most fields are units and stand below names (some of cells that were merged)."""
+    """True if most fields are units and stand below names (some of cells that were merged)."""
     said = [(field, names[k] if k < len(names) else "") for k, field in enumerate(fields) if field]
     known = sum(is_unit(field.strip("[]() ")) for field, _ in said)
     named = sum(bool(name) for _, name in said)

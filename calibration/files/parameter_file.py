@@ -36,7 +36,7 @@ _NAMES = {"material": r"\w+", "pair": r"\w+-\w+"}
 
 @dataclasses.dataclass(frozen=True)
 class Written:
-    """What became of a value that was put into a file."""
+    """Report on a value that was put into a file."""
 
     path: Path
     section: str  # such as pair.wood-steel
@@ -73,7 +73,7 @@ def into(
     cannot hold the key, and for a file that is wrong or cannot be written.
     """
     path = check_file(path)
-    section = check_place(where, key)
+    section = check_section(where, key)
     measured = Measured(
         estimate.value, estimate.sigma, source, method, estimate.trials or None,
         date or datetime.date.today(), estimate.scatter, digest,
@@ -94,7 +94,7 @@ def check_file(path: str | Path) -> Path:
     return path
 
 
-def check_place(where: str, key: str) -> list[str]:
+def check_section(where: str, key: str) -> list[str]:
     """The section "material.NAME" or "pair.NAME-NAME" in parts, with linear where the key stands.
 
     Raises InputError where no such section can hold the key.
@@ -162,7 +162,7 @@ def _as_in_file(tables: dict[str, Any], section: list[str]) -> list[str]:
 
 
 def _value_and_unit(old: Any, key: str) -> tuple[float | None, str | None]:
-    """What a value was in SI, and the unit it is written in; None where there is none."""
+    """A value in SI, and the unit it is written in; None where there is none."""
     if isinstance(old, dict):
         old = old["value"]
     if old is None:
@@ -175,7 +175,7 @@ def _value_and_unit(old: Any, key: str) -> tuple[float | None, str | None]:
 
 
 def _same(old: Any, new: dict[str, Any]) -> bool:
-    """Whether an entry says what the new one says, at whatever date."""
+    """True if an entry says what the new one says, at whatever date."""
     apart = ("date", "history")
     return isinstance(old, dict) and all(
         old.get(key) == new.get(key) for key in {*old, *new}.difference(apart)

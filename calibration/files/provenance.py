@@ -40,13 +40,13 @@ def read_values(
 
 
 def _entries(
-    path: Path, place: list[str], table: dict[str, Any], known: Any
+    path: Path, names: list[str], table: dict[str, Any], known: Any
 ) -> dict[tuple[str, str], Measured]:
     found = {}
-    with located(f"{path}: {section(*place)}"):
+    with located(f"{path}: {section(*names)}"):
         for key, written in table.items():
             if key in known and key in PROPERTIES:
-                value = found[".".join(place), key] = measured(key, Entry.model_validate(written))
+                value = found[".".join(names), key] = measured(key, Entry.model_validate(written))
                 check_range(key, value)
     return found
 
@@ -54,7 +54,7 @@ def _entries(
 def as_json(
     path: Path, values: dict[tuple[str, str], Measured], needs: list[str]
 ) -> dict[str, Any]:
-    """The answer of calibrate report: numbers in the SI unit that stands beside them."""
+    """Numbers in the SI unit that stands with them."""
     rows = [
         {"section": where, "key": key, "unit": PROPERTIES[key].unit, **_fields(value)}
         for (where, key), value in values.items()

@@ -153,7 +153,7 @@ def _called(table: Table, name: str) -> str | None:
 
 
 def _counts_up(table: Table) -> bool:
-    """Whether the first of several columns without names grows from line to line, as times do."""
+    """True if the first of several columns without names grows from line to line, as times do."""
     first = next(iter(table.columns.values()))
     nameless = next(iter(table.columns)).startswith("column ")
     return nameless and len(table.columns) > 1 and bool((np.diff(first) > 0).all())
@@ -162,8 +162,8 @@ def _counts_up(table: Table) -> bool:
 def _times(table: Table, name: str) -> tuple[NDArray[np.float64], tuple[str, ...]]:
     """The times [s]; InputError where they do not grow evenly, rounding left aside."""
     short = name if name.lower() in _TIME_NAMES else name.split("_")[0]
-    told = table.units[name] or short != name
-    remarks = () if told else (f"the column {name!r} was taken to be in seconds",)
+    known = table.units[name] or short != name
+    remarks = () if known else (f"the column {name!r} was taken to be in seconds",)
     times = table.column(short if table.has(short, "s") else name, "s", "s")
     n = len(times)
     if n < _LEAST_SAMPLES:

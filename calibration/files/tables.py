@@ -57,7 +57,7 @@ class Table:
         return self._numbers(found) * factor
 
     def has(self, name: str, unit: str = "1") -> bool:
-        """Whether there is a column of that name, or of that name with a unit behind it."""
+        """True if there is a column of that name, or of that name with a unit behind it."""
         return self._search(name, unit) is not None
 
     def labels(self, name: str) -> tuple[str, ...]:
@@ -168,7 +168,7 @@ def _all_numbers(fields: tuple[str, ...], where: str) -> NDArray[np.float64] | N
 
 
 def _text(path: Path) -> str:
-    """What a file says, in UTF-8, UTF-16 with its mark, or the older code of Windows."""
+    """Text of a file, in UTF-8, UTF-16 with its mark, or the older code of Windows."""
     try:
         endless = path.is_char_device() or path.is_block_device()
         data = b"" if endless else _start(path)

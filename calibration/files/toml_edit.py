@@ -92,7 +92,7 @@ def _add_after_last(table: Any, key: str, written: str) -> None:
     """Put a key behind the last one of a table, or behind its head.
 
     Not at the table's end, where tomlkit would: blank lines and comments there belong to the head
-    of the next one. The text goes into what trails the last key, so that its place is certain.
+    of the next one. The text goes into what trails the last key, so that its position is certain.
     """
     if isinstance(table, OutOfOrderTableProxy):  # other heads stand between it and its own tables
         table = next(part for part in table._tables if not part.is_super_table())
@@ -105,7 +105,7 @@ def _add_after_last(table: Any, key: str, written: str) -> None:
 
 @contextmanager
 def alone(path: Path) -> Iterator[None]:
-    """Keep other writers off a file; remove what a killed one left beside it.
+    """Keep other writers off a file; remove what a killed one left next to it.
 
     Raises InputError where one holds it for a minute, or the folder cannot be written.
     """

@@ -1,7 +1,7 @@
 """Track tables as other tools write them: which column is what, several tracks in one file.
 
-Understood: one line per frame with x, y (or X1 Y1 X2 Y2 ...), or one line per frame and thing with
-a column that names the thing (particle, track id). Comma, semicolon, tab or spaces; decimal comma;
+Understood: one line per frame with x, y (or X1 Y1 X2 Y2 ...), or one line per frame and object with
+a column that names the object (particle, track id). Comma, semicolon, tab or spaces; decimal comma;
 short lines; more than one line of words at the top; words after the numbers end the table.
 Some trackers leave out empty fields, so that a number does not stand below its name: such lines are
 read as a frame and pairs, and the pairs are linked to tracks by where they are.
@@ -25,7 +25,7 @@ _KINDS = {
     "time": r"t|time|times|timestamp|position_t|sec|seconds",
     "x": r"(position_|pos_?|centroid_)?x(?P<x>_?\d+|_[a-z]\w*)?",
     "y": r"(position_|pos_?|centroid_)?y(?P<y>_?\d+|_[a-z]\w*)?",
-    "thing": r"particle|track|track[ _]?id|object|trajectory|id",
+    "object": r"particle|track|track[ _]?id|object|trajectory|id",
     "flag": r"flag\d*",
 }
 _UNIT = re.compile(r"(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])]|_(?P<tail>px|mm|cm|m|s|ms))?")
@@ -147,7 +147,7 @@ def _column(field: str) -> _Column:
 
 
 def _columns(path: Path, head: list[str], width: int, rows: list[list[float]]) -> list[_Column]:
-    """What each column holds, by its name, or by its place where there is no head."""
+    """Meaning of each column, by its name, or by its position where there is no head."""
     if not head:
         if width not in (2, 3):
             raise InputError(
@@ -164,7 +164,7 @@ def _columns(path: Path, head: list[str], width: int, rows: list[list[float]]) -
 
 
 def _packed(columns: list[_Column], rows: list[list[float]]) -> bool:
-    """Whether numbers stand where the head has flags, or lines are shorter than a single track."""
+    """True if numbers stand where the head has flags, or lines are shorter than a single track."""
     flags = [k for k, column in enumerate(columns) if column.kind == "flag"]
     pairs = sum(column.kind == "y" for column in columns)
     kinds = [column.kind for column in columns if column.kind != "flag"]
@@ -190,7 +190,7 @@ def _from_pairs(path: Path, rows: list[list[float]]) -> tuple[list[Track], list[
         points.append(np.reshape(numbers[1:], (-1, 2)))
     if not frames:
         raise InputError(f"{path}: no line with a frame, x and y")
-    remarks = ["numbers do not stand below their names: pairs linked to tracks by their places"]
+    remarks = ["numbers do not stand below their names: pairs linked to tracks by their positions"]
     if left_out:
         remarks.append(f"{left_out} lines left out: not a frame and pairs of x, y")
     return link(np.array(frames), points), remarks
@@ -205,15 +205,15 @@ def _from_columns(path: Path, columns: list[_Column], wide: Array) -> tuple[list
         factor, scale = _length(path, columns[k])
         x = factor * wide[:, with_it[0]] if with_it else np.zeros(len(wide))
         track = Track(frame, x, factor * wide[:, k], time, None, scale, columns[k].which)
-        tracks += _by_thing(track, wide[:, of_kind["thing"][0]]) if of_kind["thing"] else [track]
+        tracks += _by_object(track, wide[:, of_kind["object"][0]]) if of_kind["object"] else [track]
     return tracks, remarks
 
 
-def _by_thing(track: Track, thing: Array) -> list[Track]:
-    names = np.unique(thing[np.isfinite(thing)])
+def _by_object(track: Track, object: Array) -> list[Track]:
+    names = np.unique(object[np.isfinite(object)])
     if not len(names):
         return [track]
-    each = [(track.chosen(np.flatnonzero(thing == name)), f"{name:g}") for name in names]
+    each = [(track.chosen(np.flatnonzero(object == name)), f"{name:g}") for name in names]
     return [replace(one, name=name) for one, name in each]
 
 

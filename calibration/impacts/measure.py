@@ -10,7 +10,7 @@ from calibration.impacts.onset import edge_of, onsets_of, with_shape
 from calibration.impacts.ratios import Restitution, first_restitution, restitution
 from calibration.impacts.result import Impacts
 from calibration.impacts.search import RISE, WINDOW, Search, search
-from calibration.impacts.sequence import bouncing, doubt
+from calibration.impacts.sequence import bouncing, weakness
 from granulab.errors import InputError
 
 _MOST_LISTED = 6  # events that a warning names
@@ -54,7 +54,7 @@ def measure_signal(
     times, sigmas = _timed(signal, found, [(int(starts[k]), int(ends[k])) for k in chosen])
     events[chosen] = times
     if row:
-        problem = doubt(row, events, found.level[found.peaks])
+        problem = weakness(row, events, found.level[found.peaks])
     others = np.delete(events, chosen) + signal.start
     value, first = _restitution(times, sigmas, drop_height, problem is None)
     remarks = [problem] if problem else []
@@ -101,7 +101,7 @@ def _said(found: Search, signal: Signal) -> list[str]:
 
 
 def _no_row(path: Path, n: int, drop_height: float | None) -> str:
-    """What to say where no three events make a row; InputError for fewer than two events."""
+    """Warning where no three events make a row; InputError for fewer than two events."""
     if n == 0:
         raise InputError(f"{path}: no impact: nothing rises by {RISE:g} dB out of the noise")
     if n == 1:
@@ -133,10 +133,10 @@ def _restitution(
 
 
 def _remarks(found: Restitution, first: float | None, others: NDArray[np.float64]) -> list[str]:
-    """What a person should know before believing the value."""
+    """Warnings about the value."""
     words = []
     if len(found.per_pair) == 1:
-        words.append("three impacts give one ratio: nothing tells whether they are of one body")
+        words.append("three impacts give one ratio: nothing shows whether they are of one body")
     if found.constant_within_noise is False:
         low, high = min(found.per_pair), max(found.per_pair)
         words.append(

@@ -199,7 +199,7 @@ def _with_power(found: Sequence[Onset], power: float) -> list[Onset]:
     if not slopes:
         return list(found)
     information = sum(known for _, known in slopes.values())
-    even = (_POWERS[1] - _POWERS[0]) / np.sqrt(12.0)  # of a power that nothing tells
+    even = (_POWERS[1] - _POWERS[0]) / np.sqrt(12.0)  # of a power that nothing shows
     sigma = min(even, information**-0.5) if information > 0 else even
     mean = float(np.mean([moved for moved, _ in slopes.values()]))
     return [
@@ -211,7 +211,7 @@ def _with_power(found: Sequence[Onset], power: float) -> list[Onset]:
 
 
 def _slopes(one: Onset, power: float) -> tuple[float, float]:
-    """Samples by which an onset moves with the power, and what its edge tells of the power."""
+    """Samples by which an onset moves with the power, and what its edge shows of the power."""
     from scipy.optimize import approx_fprime
 
     t, _ = one.edge.rising()
@@ -241,7 +241,7 @@ def with_shape(x: NDArray[np.float64], onsets: Sequence[Onset]) -> NDArray[np.fl
 def _shifts(
     x: NDArray[np.float64], onsets: Sequence[Onset]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """How far each impact lies behind the mean of the others (m,), and the noise in that."""
+    """Distance by which each impact lies behind the mean of the others (m,), and its noise."""
     rise = max(_LEAST_RISE, float(np.median([one.rise for one in onsets])))
     u = np.arange(-1.0, 2.0, max(0.25 / rise, 0.01))  # in rises
     swings = np.array([_swing(x, one, u, 0.0, 1.0) for one in onsets])

@@ -3,7 +3,7 @@
 e = T(k+1)/T(k) (thesis, eq. 7.5; eq. 7.2 with leaving over arriving, see the errata), and the body
 arrives with v = g T(k)/2 (eq. 7.3). Neighbouring ratios share impacts, so that their errors hang
 together: they are pooled by generalised least squares, and their chi-squared about the pooled
-value tells whether one number describes them.
+value tests whether one number describes them.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Restitution:
 
     @property
     def constant_within_noise(self) -> bool | None:
-        """Whether one number describes all pairs (p at least 0.05); None for fewer than two."""
+        """True if one number describes all pairs (p at least 0.05); None for fewer than two."""
         return None if self.p is None else self.p >= 0.05
 
 

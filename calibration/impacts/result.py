@@ -24,7 +24,7 @@ _MOST_COLUMNS = 3000  # of a drawn signal: more than a page can show
 
 @dataclass(frozen=True)
 class Impacts:
-    """What a signal says.
+    """Impacts in a signal and the restitution that follows.
 
     times_s, sigmas_s   (n,) of the impacts, and their standard uncertainty
     rejected_times_s    events that are no impacts of the row: echoes, ringing, knocks
@@ -74,10 +74,8 @@ class Impacts:
         ):
             lines.append(f"impact {k}: e = {plus_minus(value, sigma)} at {speed:.2f} m/s")
         if one.value is not None and one.sigma is not None:
-            told = (
-                "" if one.p is None else f" (p = {one.p:.2g} that one number describes the pairs)"
-            )
-            lines.append(f"restitution {plus_minus(one.value, one.sigma)}{told}")
+            p = "" if one.p is None else f" (p = {one.p:.2g} that one number describes the pairs)"
+            lines.append(f"restitution {plus_minus(one.value, one.sigma)}{p}")
         if self.first_restitution is not None:
             lines.append(f"drop height and first flight: {self.first_restitution:.4f}")
         return "\n".join([*lines, *(f"warning: {words}" for words in self.warnings)])

@@ -28,7 +28,7 @@ _BITS = 24  # no converter resolves more: the least noise, relative to the large
 
 @dataclass(frozen=True)
 class Search:
-    """What was found in a signal.
+    """Candidates for impacts in a signal.
 
     white      (n, c) channels through their prediction filter, in units of their noise
     level      (b,) energy in a window over the noise's [dB]; window k starts at block k
@@ -82,7 +82,7 @@ def search(signal: Signal, window: float = WINDOW) -> Search:
 def _begin(level: NDArray[np.float64], previous: int, peak: int, threshold: float) -> int:
     """The first window of the rise to a peak, after the peak before it.
 
-    The peak may be an echo that follows its impact too soon to be told from it, and is louder.
+    The peak may be an echo that follows its impact too soon to be separated from it, and is louder.
     """
     rise = level[previous:peak]
     for foot in (max(level[peak] - RISE - _ECHO, threshold), level[peak] - RISE):

@@ -53,7 +53,7 @@ def bouncing(times: ArrayLike, levels: ArrayLike) -> list[int]:
 def _is_echo(
     member: int, row: list[int], t: NDArray[np.float64], weight: NDArray[np.float64]
 ) -> bool:
-    """Whether a member follows another as weaker events follow others, more often than by chance.
+    """True if a member follows another as weaker events follow others, more often than by chance.
 
     Flights shrink and never repeat; the way by a wall is as long for every impact.
     """
@@ -137,7 +137,7 @@ def _rows_that_end(
 
 
 def _fits(change: float, ratio: float) -> bool:
-    """Whether the level may change so [dB] when the speed falls by a ratio."""
+    """True if the level may change so [dB] when the speed falls by a ratio."""
     softest = _STEEPEST * 20.0 * np.log10(ratio) - LOUDER
     return bool(softest <= change <= LOUDER)
 
@@ -148,8 +148,8 @@ def _louder(before: int, after: int, weight: NDArray[np.float64]) -> float:
     return float(between[between > weight[before] + LOUDER].sum())
 
 
-def doubt(row: list[int], times: NDArray[np.float64], levels: NDArray[np.float64]) -> str | None:
-    """Why a row of three events or more (of times (m,) [s], levels (m,) [dB]) is not believed."""
+def weakness(row: list[int], times: NDArray[np.float64], levels: NDArray[np.float64]) -> str | None:
+    """Reason not to believe a row of three events or more: times (m,) [s], levels (m,) [dB]."""
     loud = _as_loud(row, times, levels)
     if loud >= len(row) - 2:  # as many as the row has ratios
         return (
@@ -193,7 +193,7 @@ def _expected(row: list[int], t: NDArray[np.float64], level: NDArray[np.float64]
 
 
 def _echoes(k: int, row: list[int], t: NDArray[np.float64]) -> bool:
-    """Whether an event follows an impact as another event follows another impact."""
+    """True if an event follows an impact as another event follows another impact."""
     outside = np.delete(t, row)
     for source in [member for member in row if member < k]:
         after = t[[member for member in row if member != source]] + t[k] - t[source]

@@ -1,1 +1,1 @@
-"""Restitution from things that swing on strings and collide: paper eq. 3.6."""
+"""Restitution from objects that swing on strings and collide: paper eq. 3.6."""

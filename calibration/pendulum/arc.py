@@ -1,4 +1,4 @@
-"""The arc that a thing on a string describes: pivot and length, and whether it is one at all."""
+"""The arc that an object on a string describes: pivot and length, and whether it is one at all."""
 
 from dataclasses import dataclass
 
@@ -36,13 +36,13 @@ class Arc:
 
     @property
     def known(self) -> bool:
-        """Whether the path is seen to be curved."""
+        """True if the path is seen to be curved."""
         assert self.curvature.sigma is not None
         return self.curvature.value > _CURVED * self.curvature.sigma
 
     @property
     def planar(self) -> bool | None:
-        """Whether heights can be read off the path to two hundredths of the highest.
+        """True if heights can be read off the path to two hundredths of the highest.
 
         None where the path is straight within the noise: nothing is seen of its plane.
         """
@@ -57,7 +57,7 @@ class Arc:
 
 
 def planar(arcs: tuple[Arc, ...]) -> bool | None:
-    """Of all things: False where one is not, None where nothing is seen of it."""
+    """Of all objects: False where one is not, None where nothing is seen of it."""
     seen = [arc.planar for arc in arcs if arc.planar is not None]
     return all(seen) if seen else None
 
@@ -131,7 +131,7 @@ def _distance(p: Array, x: Array, y: Array) -> Array:
 
 
 def _apart(x: Array, off: Array, swing: Rows) -> Estimate:
-    """How far the path out is from the path back, as in an ellipse: with the speed along x."""
+    """Distance of the path out from the path back, as in an ellipse: with the speed along x."""
     speed = np.gradient(x[swing])
     u = (x[swing] - x[swing].mean()) / np.ptp(x[swing])
     design = np.stack([u**0, u, u**2, speed / np.abs(speed).max() / 2], axis=1)

@@ -1,11 +1,11 @@
-"""What the swings before and after a contact say of it: when, where, and the restitution.
+"""Collisions from the swings before and after: when, where, and the restitution.
 
-The gap is the second thing's place less the first's, or one thing's place before a wall. Contact is
-where the gaps of both swings meet; restitution is -(gap' after)/(gap' before), Newton's, which is
-eq. 3.6 where the second thing hangs at rest and the contact is at the lowest point: there
+The gap is the second object's position less the first's, or one object's position before a wall.
+Contact is where the gaps of both swings meet; restitution is -(gap' after)/(gap' before), Newton's,
+which is eq. 3.6 where the second object hangs at rest and the contact is at the lowest point: there
 speed = omega sqrt(2 H/kappa), H = (1 - cos theta)/kappa the height of the swing. Speeds are those
-at the contact, so that neither the air between contacts nor a contact beside the lowest point is in
-them; eq. 3.6 itself, with the heights of whole swings, is given beside them.
+at the contact, so that neither the air between contacts nor a contact off the lowest point is in
+them; eq. 3.6 itself, with the heights of whole swings, is given for comparison.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ _NEWTON = 20  # steps: a contact moves by less than a frame from where the parab
 
 
 class _Meeting(NamedTuple):
-    """At each of n contacts: time, gap, its speed before and after; speeds of things (b, n)."""
+    """At each of n contacts: time, gap, its speed before and after; speeds of objects (b, n)."""
 
     time: Array
     gap: Array
@@ -35,15 +35,15 @@ class _Meeting(NamedTuple):
 
 @dataclass(frozen=True)
 class Collisions:
-    """Of n contacts of b things; pairs are value and sigma.
+    """Of n contacts of b objects; pairs are value and sigma.
 
     times         (n, 2) [frames]
-    gaps          (n, 2) place of the wall, or distance of the things in contact [px]
+    gaps          (n, 2) position of the wall, or distance of the objects in contact [px]
     speeds        (n, 2) of approach [px/frame]
     restitution   (n,) with its covariance, which has what the contacts share
     from_heights  (n, 2) eq. 3.6 with the heights of the whole swings; the air is in it
-    before, after  (b, n) speed of each thing about the contact [px/frame]
-    mass_ratio    (2,) second thing's over the first's, from the momentum; None for a wall
+    before, after  (b, n) speed of each object about the contact [px/frame]
+    mass_ratio    (2,) second object's over the first's, from the momentum; None for a wall
     """
 
     times: Array
@@ -96,9 +96,9 @@ def _meet(p: Array, fitted: Fit, swings: Swings, time: Array, steps: int) -> _Me
     return _Meeting(time, _gap(q) + _gap(rests(p, len(q))[:, None]), _gap(v), _gap(w), v, w)
 
 
-def _gap(places: Array) -> Array:
-    """Of the second thing from the first; of one thing its place."""
-    return np.asarray(places[-1] - places[0] if len(places) == 2 else places[0])
+def _gap(positions: Array) -> Array:
+    """Of the second object from the first; of one object its position."""
+    return np.asarray(positions[-1] - positions[0] if len(positions) == 2 else positions[0])
 
 
 def _mass_ratio(at: _Meeting) -> float:

@@ -1,8 +1,8 @@
-"""Things that swing, found by their colours: those that are seen more often in motion than at rest.
+"""Objects that swing, found by their colours: those seen more often in motion than at rest.
 
 A string, a shadow or a hand has the colours of what stands still around it, or is there for a
-moment only; a thing that swings carries its own. Things on strings cannot pass each other: where
-two are seen they are told apart by their order, and where they touch none is.
+moment only; an object that swings carries its own. Objects on strings cannot pass each other: where
+two are seen they are kept apart by their order, and where they touch none is.
 """
 
 import math
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.tracking.camera_motion import CameraMotion, lasting_motion, offsets, scaled
-from calibration.tracking.film.reader import Film, Picture, Region, Told
+from calibration.tracking.film.reader import Film, Picture, Progress, Region
 from calibration.tracking.film.stamps import clean_stamps
 from calibration.tracking.track import Array, Track
 from granulab.errors import InputError
@@ -21,13 +21,13 @@ from granulab.errors import InputError
 _BINS = 32  # of each of three channels
 _SAMPLES = 60  # frames that the colours are learned from
 _BYTES = 2**28  # of memory for them
-_SEARCHED = 640  # px of a picture that things are searched in
+_SEARCHED = 640  # px of a picture that objects are searched in
 _STEP = 16  # grey levels by which a pixel differs from its median when something else is there
-_PART = 0.25  # of the area of the larger thing: what is smaller is no second one
-_OFTEN = 0.6  # share of frames in which all things must be found
-_ALIKE = 3.0  # times the usual area, or a third: more is another thing, or two that touch
+_PART = 0.25  # of the area of the larger object: what is smaller is no second one
+_OFTEN = 0.6  # share of frames in which all objects must be found
+_ALIKE = 3.0  # times the usual area, or a third: more is another object, or two that touch
 _MOVES = 1.0  # px of what is searched, from which the camera's motion is taken off
-_LEAST = 12  # px of a thing's area
+_LEAST = 12  # px of an object's area
 
 
 class _Spot(NamedTuple):
@@ -38,11 +38,11 @@ class _Spot(NamedTuple):
 
 @dataclass(frozen=True)
 class _Look:
-    """What a film looks like.
+    """Look of a film.
 
-    share    (bins, bins, bins) how likely a colour is that of a thing in motion
-    still    (height, width, 3) the picture without the things
-    skip     every how many pixels things are searched for
+    share    (bins, bins, bins) how likely a colour is that of an object in motion
+    still    (height, width, 3) the picture without the objects
+    skip     every how many pixels objects are searched for
     """
 
     share: NDArray[np.float32]
@@ -56,7 +56,7 @@ class _Look:
         few = self.share[_binned(picture[:: self.skip, :: self.skip])]
         return np.asarray(cv2.GaussianBlur(few, (0, 0), 1.0))
 
-    def things(self, picture: Picture) -> Picture:
+    def objects(self, picture: Picture) -> Picture:
         """Where they are in the pixels that are searched, and what is next to them (255)."""
         import cv2
 
@@ -68,9 +68,9 @@ def by_colour(
     film: Film,
     *,
     roi: Region | None = None,
-    progress: Told | None = None,
+    progress: Progress | None = None,
 ) -> list[Track]:
-    """One or two tracks of the things that swing; radius is that of a circle of their area.
+    """One or two tracks of the objects that swing; radius is that of a circle of their area.
 
     Raises InputError where no colour is that of something that moves.
     """
@@ -87,13 +87,13 @@ def by_colour(
         spots.append(_spots(look, picture))
         few = np.ascontiguousarray(picture[:: look.skip, :: look.skip])
         if not motion:
-            camera.look_at(few, look.things(picture))
+            camera.look_at(few, look.objects(picture))
         motion.append(camera.follow(few))
         numbers.append(frame.number)
         stamps.append(frame.stamp)
         if progress is not None and film.count:
             progress((frame.number + 1) / film.count, f"frame {frame.number + 1} of {film.count}")
-    found = _things(film, spots)
+    found = _objects(film, spots)
     time, remarks = clean_stamps(numbers, stamps, film.rate)
     moved, remark = lasting_motion(
         scaled(np.array(motion), look.skip, look.skip), width, height, _MOVES * look.skip
@@ -137,7 +137,7 @@ def _samples(film: Film, view: tuple[slice, slice]) -> Picture:
 
 
 def _without_things(median: Picture, share: NDArray[np.float32]) -> NDArray[np.float32]:
-    """The median, painted over where a thing hangs at rest in it."""
+    """The median, painted over where an object hangs at rest in it."""
     import cv2
 
     there = (cv2.GaussianBlur(share[_binned(median)], (0, 0), 1.0) > 0.5).astype(np.uint8)
@@ -179,7 +179,7 @@ def _placed(
     picture: Picture, still: NDArray[np.float32], mask: NDArray[np.bool_],
     here: tuple[slice, slice],
 ) -> _Spot:  # fmt: skip
-    """The centroid of how far a thing covers each pixel: its colour mixed with what is behind."""
+    """The centroid of how far an object covers each pixel: its colour mixed with what is behind."""
     import cv2
 
     rows, columns = (min(n) for n in zip(mask.shape, picture.shape[:2], strict=True))
@@ -197,7 +197,7 @@ def _placed(
     )
 
 
-def _things(film: Film, spots: list[list[_Spot]]) -> list[list[_Spot | None]]:
+def _objects(film: Film, spots: list[list[_Spot]]) -> list[list[_Spot | None]]:
     """One or two spots of each frame, from left to right; None in all where one is missing."""
     largest = [one[0].area for one in spots if one]
     if len(largest) < _OFTEN * len(spots):
@@ -225,15 +225,15 @@ def _like(spots: list[_Spot], areas: Array) -> list[_Spot] | None:
 def _track(
     whole: Track, spots: list[_Spot | None], corner: tuple[int, int], motion: Array | None
 ) -> Track:
-    """The frames, and times if any, of `whole` in which there is a spot; places in the first."""
+    """The frames, and times if any, of `whole` in which there is a spot; positions in the first."""
     rows = np.array([k for k, one in enumerate(spots) if one is not None])
     known = np.array([[one.area, one.x, one.y] for one in spots if one is not None])
     offset = None if motion is None else offsets(motion[rows], known[:, 1], known[:, 2])
-    place = known[:, 1:] if offset is None else known[:, 1:] - offset
+    position = known[:, 1:] if offset is None else known[:, 1:] - offset
     return Track(
         whole.frame[rows],
-        place[:, 0] + corner[0],
-        place[:, 1] + corner[1],
+        position[:, 0] + corner[0],
+        position[:, 1] + corner[1],
         None if whole.time is None else whole.time[rows],
         radius=np.sqrt(known[:, 0] / np.pi),
         camera=offset,

@@ -1,4 +1,4 @@
-"""Contacts of a thing that swings against another: where its velocity turns all at once.
+"""Contacts of an object that swings against another: where its velocity turns all at once.
 
 The gap between the two, against time, is cut into parabolas (segments.stretches). At a turning
 point of a swing the velocity passes through zero; in a contact it turns within a frame.
@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibration.tracking.segments import Stretch, noise, place, speed, stretches
+from calibration.tracking.segments import Stretch, noise, position, speed, stretches
 from calibration.tracking.track import Array, Rows
 from granulab.errors import InputError
 
-FEWEST = 4  # points of a swing: its place and speed, and two to see noise by
-_SEEN = 8  # times the noise that the thing must move within a frame's width about a contact
+FEWEST = 4  # points of a swing: its position and speed, and two to see noise by
+_SEEN = 8  # times the noise that the object must move within a frame's width about a contact
 _SHORT = 0.25  # of its neighbours' duration: a stretch that is a contact that takes time
-_GAINS = 1.1  # times the speed: less may be the noise of places that speeds are told from
+_GAINS = 1.1  # times the speed: less may be the noise of positions that speeds are taken from
 SHARE = 0.5  # of the speed of impact: a hand, or another contact, may be nearer to the ends
 
 
@@ -50,7 +50,7 @@ def contacts(t: Array, gap: Array) -> tuple[Array, int]:
     if not turns:
         raise InputError(
             "no contact: the velocity nowhere turns within a frame; a swing against a wall, or two "
-            "things on strings, are needed"
+            "objects on strings, are needed"
         )
     jumps = np.array([jump for _, jump in turns])
     side = int(np.sign(jumps.sum()))
@@ -68,7 +68,7 @@ def _turn(last: Stretch, one: Stretch, step: float, sigma: float) -> tuple[float
     jump = speed(one, middle) - speed(last, middle)
     if jump == 0:
         return None
-    time = middle - (place(one, middle) - place(last, middle)) / jump
+    time = middle - (position(one, middle) - position(last, middle)) / jump
     if not last.end - 2 * step <= time <= one.start + 2 * step:
         return None
     before, after = speed(last, time), speed(one, time)
@@ -134,7 +134,7 @@ def _swings(t: Array, gap: Array, times: Array, sign: int) -> Swings:
 
 
 def _broken(durations: Array, k: int) -> bool:
-    """Whether the thing was caught between contacts k and k + 1: far longer than before and after.
+    """True if the object was caught between contacts k and k + 1: far longer than before and after.
 
     A swing against a wall lasts between half a period and less than one, so less than twice.
     """
@@ -144,7 +144,7 @@ def _broken(durations: Array, k: int) -> bool:
 
 
 def _driven(t: Array, gap: Array, rows: Rows) -> bool:
-    """Whether the thing comes back faster than it left: a swing alone cannot do that."""
+    """True if the object comes back faster than it left: a swing alone cannot do that."""
     if len(rows) <= 2 * FEWEST:
         return False
     left, back = np.abs(_speed(t, gap, rows)[[0, -1]])

@@ -46,7 +46,7 @@ def draw_figure(found: Pendulum) -> "Figure":
         for k, (number, picture) in enumerate(pictures):
             _frame(figure.add_subplot(row[0, k]), found, number, picture)
     e = found.pooled
-    words = f"{found.things.name}: restitution {e.value:.3f} \N{PLUS-MINUS SIGN} {e.sigma:.3f}"
+    words = f"{found.objects.name}: restitution {e.value:.3f} \N{PLUS-MINUS SIGN} {e.sigma:.3f}"
     if found.planar is False:
         words += ", not planar"
     if found.constant_within_noise is False:
@@ -76,7 +76,7 @@ def _swings(axes: "Axes", found: Pendulum) -> None:
         axes.axvline(time, color=INK, lw=0.5, ls=(0, (2, 2)), label=None if i else "contacts")
     ends = seen.t[seen.rows[0][0]], seen.t[seen.rows[-1][-1]]
     axes.set_xlim(ends[0] - 0.08 * (ends[1] - ends[0]), ends[1] + 0.03 * (ends[1] - ends[0]))
-    axes.set_ylabel(f"{'arc length' if seen.angles else 'x'} [{found.things.unit}]")
+    axes.set_ylabel(f"{'arc length' if seen.angles else 'x'} [{found.objects.unit}]")
     axes.margins(y=0.18)
     axes.legend(loc="upper right", ncols=4)
 
@@ -90,8 +90,8 @@ def _residuals(axes: "Axes", found: Pendulum) -> None:
     axes.set_ylim(-limit, limit)
     for time in found.times[:, 0]:
         axes.axvline(time, color=INK, lw=0.5, ls=(0, (2, 2)))
-    axes.set_ylabel(f"residual [{found.things.unit}]")
-    rate = "" if found.things.rate is None else f", {found.things.rate:.4g} frames/s"
+    axes.set_ylabel(f"residual [{found.objects.unit}]")
+    rate = "" if found.objects.rate is None else f", {found.objects.rate:.4g} frames/s"
     axes.set_xlabel(f"time [frames{rate}]")
 
 
@@ -99,7 +99,7 @@ def _path(axes: "Axes", found: Pendulum, picture: Picture | None) -> None:
     """The path in the picture, and the circles where they are known."""
     if picture is not None:
         axes.imshow(picture[:, :, ::-1], alpha=0.6)
-    for k, (arc, x, y) in enumerate(zip(found.arcs, found.things.x, found.things.y, strict=True)):
+    for k, (arc, x, y) in enumerate(zip(found.arcs, found.objects.x, found.objects.y, strict=True)):
         axes.plot(x, y, ".", color=_COLOURS[k], ms=3, label=_of(found, k))
         if not arc.known:
             continue
@@ -114,8 +114,8 @@ def _path(axes: "Axes", found: Pendulum, picture: Picture | None) -> None:
         axes.set_aspect("equal", adjustable="datalim")
         if all(arc.down == 1 for arc in found.arcs):
             axes.invert_yaxis()
-    axes.set_xlabel(f"x [{found.things.unit}]")
-    axes.set_ylabel(f"y [{found.things.unit}]")
+    axes.set_xlabel(f"x [{found.objects.unit}]")
+    axes.set_ylabel(f"y [{found.objects.unit}]")
     axes.legend(loc="upper right", fontsize=8)
 
 
@@ -130,7 +130,7 @@ def _restitution(axes: "Axes", found: Pendulum) -> None:
     assert e.sigma is not None
     axes.axhspan(e.value - e.sigma, e.value + e.sigma, color=GREY, alpha=0.25, lw=0)
     axes.axhline(e.value, color=GREY, lw=0.8)
-    axes.set_xlabel(f"speed of approach [{found.things.unit}/frame]")
+    axes.set_xlabel(f"speed of approach [{found.objects.unit}/frame]")
     axes.set_ylabel("restitution")
     axes.margins(y=0.25)
     axes.legend(loc="best", fontsize=8)
@@ -138,7 +138,7 @@ def _restitution(axes: "Axes", found: Pendulum) -> None:
 
 def _frames(found: Pendulum) -> list[tuple[int, Picture]]:
     """Frames of the film at contacts and in the swings between; [] for a table."""
-    path = found.things.source
+    path = found.objects.source
     if path is None or not is_film(path):
         return []
     times: Array = np.sort(np.concatenate([found.fitted.seen.centre, found.times[:, 0]]))
@@ -148,9 +148,9 @@ def _frames(found: Pendulum) -> list[tuple[int, Picture]]:
 
 def _frame(axes: "Axes", found: Pendulum, number: int, picture: Picture) -> None:
     axes.imshow(picture[:, :, ::-1])
-    near = np.abs(found.things.frame - number) <= 8
-    here = found.things.frame == number
-    for k, (x, y) in enumerate(zip(found.things.x, found.things.y, strict=True)):
+    near = np.abs(found.objects.frame - number) <= 8
+    here = found.objects.frame == number
+    for k, (x, y) in enumerate(zip(found.objects.x, found.objects.y, strict=True)):
         axes.plot(x[near], y[near], "-", color="white", lw=0.8)
         axes.plot(x[here], y[here], "+", color=_COLOURS[k], ms=8)
     axes.set_title(f"frame {number}", fontsize=8)

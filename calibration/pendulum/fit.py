@@ -1,8 +1,8 @@
-"""All swings of one or two things on equal strings in one robust fit (Gauss-Newton on robust.py).
+"""All swings of one or two objects on equal strings in one robust fit (Gauss-Newton on robust.py).
 
-Common to all are omega, beta and kappa of motion.Law; each thing has its place of rest, and each of
-its swings a place and a speed at the swing's middle. sigma comes from the residuals alone, widened
-where neighbouring residuals agree.
+Common to all are omega, beta and kappa of motion.Law; each object has its position of rest, and
+each of its swings a position and a speed at the swing's middle. sigma comes from the residuals
+alone, widened where neighbouring residuals agree.
 """
 
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ _SETTLED = 1e-3  # of the scale of the residuals: what a round moves the fit by 
 
 @dataclass(frozen=True)
 class Seen:
-    """What is fitted, of b things.
+    """Data of the fit, of b objects.
 
     t          (n,) time [frames]
-    z          (b, n) place: arc length where `angles`, else horizontal [px]
-    rows       points of each of the s swings, the same for all things
+    z          (b, n) position: arc length where `angles`, else horizontal [px]
+    rows       points of each of the s swings, the same for all objects
     curvature  1/length of the strings [1/px]; None for isochronous swings
     """
 
@@ -44,7 +44,7 @@ class Seen:
 
 @dataclass(frozen=True)
 class Fit:
-    """parameters  (p,) omega, beta, kappa, rest of each thing, place and speed of each swing
+    """parameters  (p,) omega, beta, kappa, rest of each object, position and speed of each swing
     covariance   (p, p)
     residuals    (b, n) NaN in no swing
     weights      (b, n) 0 where the fit took a point for an outlier
@@ -74,18 +74,18 @@ def law_of(p: Array) -> Law:
     return Law(*map(float, p[:_LAW]))
 
 
-def rests(p: Array, things: int) -> Array:
-    """(b,) place of rest of each thing."""
-    return p[_LAW : _LAW + things]
+def rests(p: Array, objects: int) -> Array:
+    """(b,) position of rest of each object."""
+    return p[_LAW : _LAW + objects]
 
 
-def starts(p: Array, things: int) -> Array:
-    """(b, s, 2) place from rest and speed in the middle of each swing."""
-    return p[_LAW + things :].reshape(things, -1, 2)
+def starts(p: Array, objects: int) -> Array:
+    """(b, s, 2) position from rest and speed in the middle of each swing."""
+    return p[_LAW + objects :].reshape(objects, -1, 2)
 
 
 def states(p: Array, seen: Seen, swings: Rows, times: Array) -> tuple[Array, Array]:
-    """Place from rest and speed of each thing, (b, k), in swing swings[k] at times[k]."""
+    """Position from rest and speed of each object, (b, k), in swing swings[k] at times[k]."""
     start = starts(p, len(seen.z))[:, swings]
     s = np.broadcast_to(times - seen.centre[swings], start.shape[:2])
     return swung(law_of(p), start[..., 0], start[..., 1], s)
@@ -150,27 +150,27 @@ def _isochronous(seen: Seen, omega: float) -> tuple[Array, Array]:
 
 
 def _model(p: Array, seen: Seen) -> Array:
-    """What p says of every point: things one after another, swing by swing."""
+    """Positions by p of every point: objects one after another, swing by swing."""
     which = np.repeat(np.arange(len(seen.rows)), [len(one) for one in seen.rows])
     q, _ = states(p, seen, which, seen.t[np.concatenate(seen.rows)])
-    place = q if seen.angles else across(law_of(p), q)
-    return np.asarray((rests(p, len(seen.z))[:, None] + place).ravel())
+    position = q if seen.angles else across(law_of(p), q)
+    return np.asarray((rests(p, len(seen.z))[:, None] + position).ravel())
 
 
 def _slopes(p: Array, seen: Seen, model: Array) -> Array:
     """(points, p) by forward differences; swings are independent, so all are moved at once."""
-    things, lengths = len(seen.z), [len(one) for one in seen.rows]
+    objects, lengths = len(seen.z), [len(one) for one in seen.rows]
     slopes = np.zeros((len(model), len(p)))
     for k, step in enumerate([1e-6 * p[0], 1e-6 * p[0], 1e-6 * max(p[2], 1e-9)]):
         slopes[:, k] = (_model(p + step * np.eye(len(p))[k], seen) - model) / step
     size = float(np.ptp(seen.z)) or 1.0
-    thing = np.repeat(np.arange(things), sum(lengths))
-    swing = np.tile(np.repeat(np.arange(len(lengths)), lengths), things)
-    slopes[np.arange(len(model)), _LAW + thing] = 1.0
+    object = np.repeat(np.arange(objects), sum(lengths))
+    swing = np.tile(np.repeat(np.arange(len(lengths)), lengths), objects)
+    slopes[np.arange(len(model)), _LAW + object] = 1.0
     for k, step in enumerate([1e-6 * size, 1e-6 * size * p[0]]):
         moved = p.copy()
-        moved[_LAW + things + k :: 2] += step
-        column = _LAW + things + 2 * (thing * len(lengths) + swing) + k
+        moved[_LAW + objects + k :: 2] += step
+        column = _LAW + objects + 2 * (object * len(lengths) + swing) + k
         slopes[np.arange(len(model)), column] = (_model(moved, seen) - model) / step
     return slopes
 
@@ -197,6 +197,6 @@ def _unstacked(seen: Seen, values: Array) -> Array:
 
 
 def _in_a_row(residuals: Array, rows: list[Rows]) -> tuple[Array, list[Rows]]:
-    """Residuals of all things one after another, and the rows of each thing's swings in them."""
-    things, n = residuals.shape
-    return residuals.ravel(), [one + k * n for k in range(things) for one in rows]
+    """Residuals of all objects one after another, and the rows of each object's swings in them."""
+    objects, n = residuals.shape
+    return residuals.ravel(), [one + k * n for k in range(objects) for one in rows]

@@ -10,12 +10,12 @@ from calibration.pendulum.arc import Arc, arc_through, planar
 from calibration.pendulum.collisions import collide
 from calibration.pendulum.contacts import Swings, found_swings
 from calibration.pendulum.fit import Seen, fit
-from calibration.pendulum.objects import Things, things_in
+from calibration.pendulum.objects import Objects, objects_in
 from calibration.pendulum.result import Pendulum
-from calibration.pendulum.warnings import doubts
+from calibration.pendulum.warnings import warnings_of
 from calibration.result import draw
 from calibration.statistics.correlated import pool
-from calibration.tracking.film.reader import Told
+from calibration.tracking.film.reader import Progress
 from calibration.tracking.segments import noise
 from calibration.tracking.track import Array, Track
 from granulab.errors import InputError
@@ -31,33 +31,33 @@ def measure_pendulum(
     roi: tuple[int, int, int, int] | None = None,
     masses: tuple[float, float] | None = None,
     out: str | Path | None = None,
-    progress: Told | None = None,
+    progress: Progress | None = None,
 ) -> Pendulum:
-    """Restitution of two things on strings (eq. 3.6), or of one against a wall.
+    """Restitution of two objects on strings (eq. 3.6), or of one against a wall.
 
     source    a film, a track table, or tracks
     fps       frames per second of the camera; overrides what time stamps say
-    tracks    names of the one or two tracks wanted, where more things move
+    tracks    names of the one or two tracks wanted, where more objects move
     roi       x, y, width, height of the part of a film to look at [px]
-    masses    of the left and the right thing [kg]; their ratio is checked by momentum
+    masses    of the left and the right object [kg]; their ratio is checked by momentum
     out       folder for the diagnostic figure
 
     Raises InputError, one line, for what cannot be measured.
     """
-    things = things_in(source, fps=fps, names=tracks, roi=roi, progress=progress)
-    if masses is not None and len(things.x) == 1:
-        raise InputError("--masses: of two blocks; this is one thing against a wall")
-    rough, found = found_swings(things.t, things.gap)
+    objects = objects_in(source, fps=fps, names=tracks, roi=roi, progress=progress)
+    if masses is not None and len(objects.x) == 1:
+        raise InputError("--masses: of two blocks; this is one object against a wall")
+    rough, found = found_swings(objects.t, objects.gap)
     arcs = tuple(
-        arc_through(x, y, found.rows, noise(things.t, y))
-        for x, y in zip(things.x, things.y, strict=True)
+        arc_through(x, y, found.rows, noise(objects.t, y))
+        for x, y in zip(objects.x, objects.y, strict=True)
     )
-    pendulum = _measured(things, arcs, found, rough, masses)
+    pendulum = _measured(objects, arcs, found, rough, masses)
     _refuse_impossible(pendulum)
-    pendulum = replace(pendulum, warnings=tuple(doubts(pendulum)))
+    pendulum = replace(pendulum, warnings=tuple(warnings_of(pendulum)))
     if out is None:
         return pendulum
-    return replace(pendulum, sheet=draw(pendulum, Path(out) / f"pendulum-{things.name}.png"))
+    return replace(pendulum, sheet=draw(pendulum, Path(out) / f"pendulum-{objects.name}.png"))
 
 
 def _refuse_impossible(found: Pendulum) -> None:
@@ -66,20 +66,20 @@ def _refuse_impossible(found: Pendulum) -> None:
     assert sigma is not None
     if value < -_SURE * sigma or value > 1 + _SURE * sigma:
         raise InputError(
-            f"{found.things.name}: the speeds about its turning points give a restitution of "
-            f"{value:.2f} (sigma {sigma:.2g}), outside 0 to 1: these are no contacts of things "
+            f"{found.objects.name}: the speeds about its turning points give a restitution of "
+            f"{value:.2f} (sigma {sigma:.2g}), outside 0 to 1: these are no contacts of objects "
             "that swing freely; give the part of the film where they are (--roi, or cut it)"
         )
 
 
 def _measured(
-    things: Things,
+    objects: Objects,
     arcs: tuple[Arc, ...],
     found: Swings,
     rough: Array,
     masses: tuple[float, float] | None,
 ) -> Pendulum:
-    damped = fit(_seen(things, arcs, found))
+    damped = fit(_seen(objects, arcs, found))
     free = collide(damped, found, rough)
     fitted, collisions = damped, free
     if planar(arcs) is False:
@@ -87,22 +87,22 @@ def _measured(
         fitted = fit(damped.seen, damped=False)
         collisions = collide(fitted, found, rough)
     (pooled, p), with_air = (pool(one.restitution, one.covariance) for one in (collisions, free))
-    untold = with_air[0].value - pooled.value
+    left_in = with_air[0].value - pooled.value
     assert pooled.sigma is not None
     # Any share of it may be air: a rectangular distribution (GUM 4.3.7) about the end that is used.
-    pooled = replace(pooled, sigma=float(np.hypot(pooled.sigma, untold / np.sqrt(3))))
+    pooled = replace(pooled, sigma=float(np.hypot(pooled.sigma, left_in / np.sqrt(3))))
     return Pendulum(
-        things, arcs, found, fitted, damped, collisions, free.times, untold, pooled, p, masses
+        objects, arcs, found, fitted, damped, collisions, free.times, left_in, pooled, p, masses
     )
 
 
-def _seen(things: Things, arcs: tuple[Arc, ...], found: Swings) -> Seen:
+def _seen(objects: Objects, arcs: tuple[Arc, ...], found: Swings) -> Seen:
     """Arc lengths where the path is an arc, else x; with the length of the best arc, if any."""
     angles = all(arc.known for arc in arcs) and bool(planar(arcs))
     lengths = [arc.curvature for arc in arcs if arc.known]
     best = min(lengths, key=lambda one: one.sigma or np.inf) if lengths else None
-    z = things.x
+    z = objects.x
     if angles:
-        each = zip(arcs, things.x, things.y, strict=True)
+        each = zip(arcs, objects.x, objects.y, strict=True)
         z = np.array([arc.along(x, y) for arc, x, y in each])
-    return Seen(things.t, z, found.rows, angles, best)
+    return Seen(objects.t, z, found.rows, angles, best)

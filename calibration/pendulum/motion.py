@@ -1,9 +1,9 @@
-"""The motion of a thing on a string, without collisions: a damped pendulum in its arc length.
+"""The motion of an object on a string, without collisions: a damped pendulum in its arc length.
 
     q'' = -omega^2 sin(kappa q)/kappa - 2 beta q'
 
 q [px] along the arc from where it hangs at rest, kappa = 1/length of the string [1/px]; kappa = 0
-is the isochronous swing. The damping is linear in the speed, as of a slow thing in air.
+is the isochronous swing. The damping is linear in the speed, as of a slow object in air.
 """
 
 from typing import NamedTuple
@@ -24,7 +24,7 @@ class Law(NamedTuple):
 
 
 def across(law: Law, q: Array) -> Array:
-    """sin(kappa q)/kappa: the horizontal distance from the place of rest [px]."""
+    """sin(kappa q)/kappa: the horizontal distance from the position of rest [px]."""
     return q if law.kappa == 0 else np.asarray(np.sin(law.kappa * q) / law.kappa)
 
 
@@ -34,7 +34,7 @@ def acceleration(law: Law, q: Array, v: Array) -> Array:
 
 
 def swung(law: Law, q: Array, v: Array, s: Array) -> tuple[Array, Array]:
-    """Place and speed a time s [frames] after (q, v), each element by itself (Runge-Kutta)."""
+    """Position and speed a time s [frames] after (q, v), each element by itself (Runge-Kutta)."""
     h = s / _STEPS
     for _ in range(_STEPS):
         k1, a1 = v, acceleration(law, q, v)

@@ -15,16 +15,16 @@ from calibration.files.track_table import read_tracks
 from calibration.pendulum.colours import by_colour
 from calibration.pendulum.contacts import FEWEST, found_swings
 from calibration.statistics.repeated import repeated
-from calibration.tracking.film.reader import Film, Told, is_film, open_film, said_rate
+from calibration.tracking.film.reader import Film, Progress, is_film, open_film, said_rate
 from calibration.tracking.segments import noise
 from calibration.tracking.track import Array, Rows, Track
 from granulab.errors import InputError
 
-_NEAR = 4  # steps on either side that say how fast the thing goes
+_NEAR = 4  # steps on either side that say how fast the object goes
 _SAME = 0.1  # of the usual step: a picture shown again, within what compression changes
 _STILL = 4  # times the noise: what moves less is held
 _MOST = 4  # tracks that are looked at, of those that go farthest
-_MOVES = 0.05  # of the widest track's range: what moves less is no thing that swings
+_MOVES = 0.05  # of the widest track's range: what moves less is no object that swings
 _SURE = 5  # sigma by which a velocity must change at a contact
 _UPRIGHT = 2  # times as far along y as along x: no swing, or a film that is turned
 
@@ -46,8 +46,8 @@ def held_until(t: Array, gap: Array) -> int | None:
 
 
 @dataclass(frozen=True)
-class Things:
-    """b things on n common frames, from left to right.
+class Objects:
+    """b objects on n common frames, from left to right.
 
     t          (n,) clock [frames]
     frame      (n,) numbers in the file
@@ -72,7 +72,7 @@ class Things:
 
     @property
     def gap(self) -> Array:
-        """(n,) the second's distance from the first along x; the place of one alone."""
+        """(n,) the second's distance from the first along x; the position of one alone."""
         return np.asarray(self.x[-1] - self.x[0] if len(self.x) == 2 else self.x[0])
 
     @property
@@ -81,15 +81,15 @@ class Things:
         return "m" if self.tracks[0].scale == 1 else "px"
 
 
-def things_in(
+def objects_in(
     source: str | Path | Track | Sequence[Track],
     *,
     fps: float | None = None,
     names: Sequence[str] = (),
     roi: tuple[int, int, int, int] | None = None,
-    progress: Told | None = None,
-) -> Things:
-    """What swings in a film, a table or tracks; see measure_pendulum. Raises InputError."""
+    progress: Progress | None = None,
+) -> Objects:
+    """Objects that swing in a film, a table or tracks; see measure_pendulum. Raises InputError."""
     fps = said_rate(fps)
     path = Path(source) if isinstance(source, str | Path) else None
     where = "" if path is None else f"{path}: "
@@ -110,7 +110,7 @@ def things_in(
 def _read(
     source: str | Path | Track | Sequence[Track],
     roi: tuple[int, int, int, int] | None,
-    progress: Told | None,
+    progress: Progress | None,
 ) -> list[Track]:
     if isinstance(source, Track):
         return [source]
@@ -126,7 +126,7 @@ def _read(
 def _of_film(
     film: Film,
     roi: tuple[int, int, int, int] | None,
-    progress: Told | None,
+    progress: Progress | None,
 ) -> list[Track]:
     """By colour; where no colour is that of what moves (grey on grey), by what moves."""
     from calibration.tracking.film.reader import inside
@@ -151,7 +151,7 @@ def _named(tracks: list[Track], names: Sequence[str], where: str) -> list[Track]
     return [track for track in tracks if track.name in names]
 
 
-def _chosen(tracks: list[Track]) -> Things:
+def _chosen(tracks: list[Track]) -> Objects:
     """Two that push each other at their contact; else the one that goes farthest and has one.
 
     Raises InputError that says why the widest track has none.
@@ -184,14 +184,14 @@ def _chosen(tracks: list[Track]) -> Things:
 
 
 def _range(track: Track) -> float:
-    """How far a track goes along x, without the farthest hundredth: a bad position is no swing."""
+    """Range of a track along x, without the farthest hundredth: a bad position is no swing."""
     return float(np.subtract(*np.percentile(track.x, [99.5, 0.5]))) if len(track.x) else 0.0
 
 
-def _pair(pair: tuple[Track, Track]) -> Things | None:
+def _pair(pair: tuple[Track, Track]) -> Objects | None:
     """Both on common frames where their velocities change at their contact, in opposite ways.
 
-    A thing and its shadow change in the same way.
+    An object and its shadow change in the same way.
     """
     found = _together(pair)
     if len(found.t) < 3 * FEWEST:
@@ -218,7 +218,7 @@ def _jump(t: Array, x: Array, time: float) -> tuple[float, float]:
     return float(after - before), noise(t, x) * float(np.sqrt(1 / a + 1 / b))
 
 
-def _together(tracks: Sequence[Track]) -> Things:
+def _together(tracks: Sequence[Track]) -> Objects:
     """Tracks on the frames that all have, from left to right."""
     frames = tracks[0].frame
     for one in tracks[1:]:
@@ -227,7 +227,7 @@ def _together(tracks: Sequence[Track]) -> Things:
     each = [one.chosen(kept) for one, kept in zip(tracks, rows, strict=True)]
     each.sort(key=lambda one: float(np.median(one.x)) if len(one.x) else 0.0)
     known = [one.radius for one in each if one.radius is not None]
-    return Things(
+    return Objects(
         "", None, tuple(each), each[0].clock if len(frames) else frames, frames,
         np.array([one.x for one in each]), np.array([one.y for one in each]),
         np.array(known) if len(known) == len(each) else None, None, None,
@@ -235,17 +235,17 @@ def _together(tracks: Sequence[Track]) -> Things:
     )  # fmt: skip
 
 
-def put_right(things: Things) -> Things:
+def put_right(objects: Objects) -> Objects:
     """Without positions that repeat the one before in a swing, and without the time they take."""
-    rows, late, remarks = *repeats(things.t, things.gap), []
-    told = {float(frame) for one in things.tracks for frame in one.repeated}
-    numbers = sorted(told | {float(things.frame[k]) for k in rows})
-    held = held_until(things.t, things.gap)
+    rows, late, remarks = *repeats(objects.t, objects.gap), []
+    copied = {float(frame) for one in objects.tracks for frame in one.repeated}
+    numbers = sorted(copied | {float(objects.frame[k]) for k in rows})
+    held = held_until(objects.t, objects.gap)
     if held is not None:
         remarks.append(
-            f"held until frame {things.frame[held]:g}: what the clock does until then is not used"
+            f"held until frame {objects.frame[held]:g}: what the clock does until then is not used"
         )
-    clock = things.t.copy()
+    clock = objects.t.copy()
     for k in rows[late]:
         clock[k:] -= 1
     if len(rows):
@@ -254,8 +254,8 @@ def put_right(things: Things) -> Things:
             f"{int(late.sum())} of them took no time"
         )
     kept = np.setdiff1d(np.arange(len(clock)), rows)
-    radius = None if things.radius is None else things.radius[:, kept]
+    radius = None if objects.radius is None else objects.radius[:, kept]
     return replace(
-        things, t=clock[kept], frame=things.frame[kept], x=things.x[:, kept], y=things.y[:, kept],
-        radius=radius, repeated=tuple(numbers), time_remarks=tuple(remarks),
+        objects, t=clock[kept], frame=objects.frame[kept], x=objects.x[:, kept],
+        y=objects.y[:, kept], radius=radius, repeated=tuple(numbers), time_remarks=tuple(remarks),
     )  # fmt: skip

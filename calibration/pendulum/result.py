@@ -1,4 +1,4 @@
-"""What a clip of things on strings says: swings, collisions, restitution, amplitudes, heights."""
+"""The result of a pendulum test: swings, collisions, restitution, amplitudes, heights."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,7 @@ from calibration.pendulum.collisions import Collisions
 from calibration.pendulum.contacts import Swings
 from calibration.pendulum.fit import Fit, rests, starts
 from calibration.pendulum.motion import across, amplitude, root_of_height
-from calibration.pendulum.objects import Things
+from calibration.pendulum.objects import Objects
 from calibration.result import Parameter
 from calibration.statistics.correlated import CHANCE
 from calibration.statistics.uncertainty import Estimate, as_pair
@@ -24,28 +24,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Pendulum:
-    """What a clip says of b things on strings and n contacts.
+    """Result of a clip of b objects on strings and n contacts.
 
-    things       their tracks, from left to right
+    objects       their tracks, from left to right
     arcs         the circle of each
     rough        the swings, and the contacts where parabolas had them [frames]
-    fitted       all swings; without damping where that cannot be told from leaving the plane
+    fitted       all swings; without damping where that cannot be separated from leaving the plane
     damped       the same with the damping free, which is what the contacts' times come from
     collisions   by `fitted`
     times        (n, 2) contacts, where the swings of `damped` meet; sigma [frames]
-    untold       what the damping of `damped` would add to the restitution, where it is left in
+    left_in       what the damping of `damped` would add to the restitution, where it is left in
     pooled       one restitution, and p of the test that it describes the clip
     masses       of the two blocks, where they were given
     """
 
-    things: Things
+    objects: Objects
     arcs: tuple[Arc, ...]
     swings: Swings
     fitted: Fit
     damped: Fit
     collisions: Collisions
     times: Array
-    untold: float
+    left_in: float
     pooled: Estimate
     p: float | None
     masses: tuple[float, float] | None
@@ -59,17 +59,17 @@ class Pendulum:
 
     @property
     def planar(self) -> bool | None:
-        """Whether the path is an arc that heights can be read off; None where it looks straight."""
+        """True if the path is an arc that heights can be read off; None where it looks straight."""
         return planar(self.arcs)
 
     @property
     def constant_within_noise(self) -> bool | None:
-        """Whether one number describes the clip (p at least 0.05); None for one contact."""
+        """True if one number describes the clip (p at least 0.05); None for one contact."""
         return None if self.p is None else self.p >= CHANCE
 
     def frame(self, clock: float) -> float:
         """The frame number of the file at a time of the clock."""
-        return float(np.interp(clock, self.things.t, self.things.frame))
+        return float(np.interp(clock, self.objects.t, self.objects.frame))
 
     def amplitudes(self) -> tuple[Array, Array]:
         """(b, n) before and after each contact [px]: how far a swing turns from where it hangs.
@@ -104,15 +104,15 @@ class Pendulum:
 
     def length_m(self) -> Estimate | None:
         """Of the string, from the period: g/omega^2; None without a rate."""
-        if self.things.rate is None:
+        if self.objects.rate is None:
             return None
         omega, sigma = self.fitted.law.omega, float(np.sqrt(self.fitted.covariance[0, 0]))
-        length = STANDARD_GRAVITY.value / (omega * self.things.rate) ** 2
+        length = STANDARD_GRAVITY.value / (omega * self.objects.rate) ** 2
         return Estimate(length, 2 * length * sigma / omega, 1)
 
     def to_dict(self) -> dict[str, Any]:
         """The object that `calibrate pendulum --json` prints; None where a value does not exist."""
-        hit, damping, things = self.collisions, self.damped.damping, self.things
+        hit, damping, objects = self.collisions, self.damped.damping, self.objects
         assert damping.sigma is not None
         length, heights = self.length_m(), self.heights()
         before, after = self.amplitudes()
@@ -136,7 +136,7 @@ class Pendulum:
             "amplitudes_before": _each(before),
             "heights": None if heights is None else _each(heights[1]),
             "heights_before": None if heights is None else _each(heights[0]),
-            "unit": things.unit,
+            "unit": objects.unit,
             "planar": self.planar,
             "coordinate": "angle" if self.fitted.seen.angles else "x",
             "string_length": _best([one.length for one in self.arcs if one.known]),
@@ -151,12 +151,12 @@ class Pendulum:
             "mass_ratio": None if hit.mass_ratio is None else hit.mass_ratio[0],
             "mass_ratio_sigma": None if hit.mass_ratio is None else hit.mass_ratio[1],
             "things": "ball and wall" if len(self.arcs) == 1 else "two blocks",
-            "tracks": [one.name for one in things.tracks],
-            "fps_header": things.rate_header,
-            "fps_used": things.rate,
+            "tracks": [one.name for one in objects.tracks],
+            "fps_header": objects.rate_header,
+            "fps_used": objects.rate,
             "time_base": {
-                "duplicated_frames": list(things.repeated),
-                "remark": "; ".join(things.time_remarks) or "even",
+                "duplicated_frames": list(objects.repeated),
+                "remark": "; ".join(objects.time_remarks) or "even",
             },
             "warnings": list(self.warnings),
         }
@@ -169,7 +169,7 @@ class Pendulum:
             None: "one value: nothing to compare it with",
         }[self.constant_within_noise]
         what = "a ball against a wall" if len(self.arcs) == 1 else "two blocks"
-        rate = self.things.rate
+        rate = self.objects.rate
         lines = [
             f"restitution {self.pooled.value:.4f} +- {self.pooled.sigma:.2g}, {what}; {one}",
             *_contacts(self),
@@ -181,7 +181,7 @@ class Pendulum:
         if self.collisions.mass_ratio is not None:
             value, sigma = self.collisions.mass_ratio
             lines.append(f"masses  right over left {value:.4g} +- {sigma:.1g}, by momentum")
-        lines += [f"time base: {remark}" for remark in self.things.time_remarks]
+        lines += [f"time base: {remark}" for remark in self.objects.time_remarks]
         lines += [f"warning: {warning}" for warning in self.warnings]
         return "\n".join(lines)
 
@@ -198,7 +198,7 @@ class Pendulum:
 
 def _contacts(found: Pendulum) -> list[str]:
     hit, (before, after) = found.collisions, found.amplitudes()
-    unit = found.things.unit
+    unit = found.objects.unit
     lines = [
         f"{'frame':>16} {'restitution':>18} {'from heights':>18} "
         f"{f'amplitudes [{unit}], before -> after':>36}"
@@ -223,7 +223,7 @@ def _plane(found: Pendulum) -> str:
 
 
 def _string(found: Pendulum) -> str:
-    unit, length = found.things.unit, found.length_m()
+    unit, length = found.objects.unit, found.length_m()
     known = [
         f"{one.length.value:.4g} +- {one.length.sigma:.2g} {unit}"
         for one in found.arcs
@@ -256,11 +256,11 @@ def _best(known: list[Any]) -> dict[str, float | None] | None:
 
 
 def _seconds(found: Pendulum) -> list[float] | None:
-    things = found.things
-    if things.rate is None:
+    objects = found.objects
+    if objects.rate is None:
         return None
-    stamps = things.tracks[0].time
-    start = things.t[0] / things.rate
-    if stamps is not None and things.rate == things.rate_header:
+    stamps = objects.tracks[0].time
+    start = objects.t[0] / objects.rate
+    if stamps is not None and objects.rate == objects.rate_header:
         start = float(stamps[0])
-    return [start + (time - things.t[0]) / things.rate for time in found.times[:, 0]]
+    return [start + (time - objects.t[0]) / objects.rate for time in found.times[:, 0]]

@@ -1,4 +1,4 @@
-"""What a person should look at before believing the restitution of a pendulum."""
+"""Warnings about the restitution of a pendulum, before it is believed."""
 
 import numpy as np
 
@@ -12,14 +12,14 @@ _GROWS = 0.02  # share by which the apparent size may change: more, and the scal
 _MISFIT = 3  # times the noise of positions
 
 
-def doubts(found: Pendulum) -> list[str]:
+def warnings_of(found: Pendulum) -> list[str]:
     """One line each."""
     return [
-        *found.things.remarks,
+        *found.objects.remarks,
         *_plane(found),
         *_size(found),
         *_air(found),
-        *_place(found),
+        *_position(found),
         *_misfit(found),
         *_mass(found),
         *_one_number(found),
@@ -27,7 +27,7 @@ def doubts(found: Pendulum) -> list[str]:
 
 
 def _plane(found: Pendulum) -> list[str]:
-    unit, lines = found.things.unit, []
+    unit, lines = found.objects.unit, []
     for arc in found.arcs:
         assert arc.apart.sigma is not None
         if arc.planar is False:
@@ -45,11 +45,11 @@ def _plane(found: Pendulum) -> list[str]:
 
 
 def _size(found: Pendulum) -> list[str]:
-    """Whether the things look larger or smaller at one end: they come nearer, or go away."""
-    if found.things.radius is None:
+    """True if the objects look larger or smaller at one end: they come nearer, or go away."""
+    if found.objects.radius is None:
         return []
     lines = []
-    for x, radius in zip(found.things.x, found.things.radius, strict=True):
+    for x, radius in zip(found.objects.x, found.objects.radius, strict=True):
         rows = np.concatenate(found.swings.rows)
         rows = rows[np.isfinite(radius[rows])]
         if len(rows) < 12 or np.ptp(x[rows]) == 0:
@@ -57,7 +57,7 @@ def _size(found: Pendulum) -> list[str]:
         thirds = np.array_split(rows[np.argsort(x[rows])], 3)
         ends = np.array([np.median(radius[one]) for one in (thirds[0], thirds[2])])
         change = float(np.ptp(ends) / ends.mean())
-        scatter = noise(found.things.t[rows], radius[rows]) * np.sqrt(
+        scatter = noise(found.objects.t[rows], radius[rows]) * np.sqrt(
             np.pi / len(thirds[0])
         )  # of medians
         if change > _GROWS and np.ptp(ends) > _SURE * scatter:
@@ -76,9 +76,9 @@ def _air(found: Pendulum) -> list[str]:
         if not known:
             return []
         return [
-            "what the air takes between contacts cannot be told from the swing's leaving its "
+            "what the air takes between contacts cannot be separated from the swing's leaving its "
             f"plane: not taken off; with all of it taken off restitution would be "
-            f"{found.pooled.value + found.untold:.3f}, a rectangular share of that is in sigma"
+            f"{found.pooled.value + found.left_in:.3f}, a rectangular share of that is in sigma"
         ]
     if known and beta.value < 0:
         return [
@@ -87,8 +87,8 @@ def _air(found: Pendulum) -> list[str]:
     return []
 
 
-def _place(found: Pendulum) -> list[str]:
-    """Whether contacts are where the swing is fastest, which eq. 3.6 needs."""
+def _position(found: Pendulum) -> list[str]:
+    """True if contacts are where the swing is fastest, which eq. 3.6 needs."""
     whole = found.collisions.from_heights
     seen = found.from_amplitudes()
     mean = pool(whole[:, 0], np.diag(whole[:, 1] ** 2))[0].value
@@ -97,7 +97,7 @@ def _place(found: Pendulum) -> list[str]:
     if abs(mean - found.pooled.value) > _SURE * found.pooled.sigma:
         ratio = "" if seen is None else f", amplitudes seen from the wall {np.mean(seen):.3f}"
         lines.append(
-            f"heights of whole swings (eq. 3.6) give {mean:.3f}{ratio}: contacts are beside the "
+            f"heights of whole swings (eq. 3.6) give {mean:.3f}{ratio}: contacts are off the "
             "lowest point, or air slows the swings; the speeds at the contacts are used"
         )
     gaps = found.collisions.gaps
@@ -105,7 +105,7 @@ def _place(found: Pendulum) -> list[str]:
         drift = gaps[-1, 0] - gaps[0, 0]
         if abs(drift) > _SURE * np.hypot(gaps[0, 1], gaps[-1, 1]):
             lines.append(
-                f"the place of contact moves by {drift:.3g} {found.things.unit} from the first "
+                f"the position of contact moves by {drift:.3g} {found.objects.unit} from the first "
                 "contact to the last"
             )
     return lines
@@ -113,13 +113,13 @@ def _place(found: Pendulum) -> list[str]:
 
 def _misfit(found: Pendulum) -> list[str]:
     fitted = found.fitted
-    own = max(noise(found.things.t, z) for z in fitted.seen.z)
+    own = max(noise(found.objects.t, z) for z in fitted.seen.z)
     used = np.isfinite(fitted.weights)
     out, lines = int(np.sum(fitted.weights[used] == 0)), []
     if fitted.sigma > _MISFIT * own:
         lines.append(
             f"the swings are no pendulum's to within the noise: residuals of {fitted.sigma:.2g} "
-            f"{found.things.unit}, noise {own:.2g}; the thing turns on its string, leaves "
+            f"{found.objects.unit}, noise {own:.2g}; the object turns on its string, leaves "
             "its plane, or its tracking depends on where it is"
         )
     if out:
@@ -128,7 +128,7 @@ def _misfit(found: Pendulum) -> list[str]:
 
 
 def _mass(found: Pendulum) -> list[str]:
-    """Momentum, for two things: equal ones where no masses are given."""
+    """Momentum, for two objects: equal ones where no masses are given."""
     if found.collisions.mass_ratio is None:
         return []
     first, second = found.masses or (1.0, 1.0)

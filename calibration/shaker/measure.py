@@ -50,7 +50,7 @@ def dissipation(
         tones.append(_with_efficiency(_tone(loaded, k, (error, sigma), flow),
                                       particle_mass if loaded.shaken[k] else None))  # fmt: skip
     power = _total(totals, tones)
-    warnings += _doubts(loaded, tones, power)
+    warnings += _warnings(loaded, tones, power)
     return _with_cycle(loaded, tones, power, empty, particle_mass, warnings)
 
 
@@ -73,8 +73,8 @@ def _total(totals: NDArray[np.float64], tones: Sequence[Tone]) -> Estimate:
     return Estimate(float(totals.mean()), sigma, BLOCKS)
 
 
-def _doubts(loaded: Record, tones: Sequence[Tone], power: Estimate) -> list[str]:
-    """What a person should know before believing the power."""
+def _warnings(loaded: Record, tones: Sequence[Tone], power: Estimate) -> list[str]:
+    """Warnings about the power."""
     words = []
     if power.sigma is None:
         each = 1e-3 * float(np.linalg.norm([tone.reactive_power_w for tone in tones]))
@@ -131,7 +131,7 @@ def _with_cycle(
     particle_mass: float | None,
     warnings: Sequence[str],
 ) -> Dissipation:
-    """What follows from the power: eqs 7.7, 7.8, 6.10."""
+    """Energy per cycle and efficiency from the power: eqs 7.7, 7.8, 6.10."""
     first = tones[0]
     speed = first.acceleration_m_s2 / (2.0 * np.pi * first.frequency_hz)
 

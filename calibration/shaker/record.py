@@ -51,7 +51,7 @@ def remainder(
     frequencies: NDArray[np.float64],
     found: NDArray[np.complex128],
 ) -> NDArray[np.float64]:
-    """What tones (k,) [Hz] of amplitudes (blocks, k) leave of samples (n,), drift taken off."""
+    """Samples (n,) less tones (k,) [Hz] of amplitudes (blocks, k), drift taken off."""
     from scipy.signal import detrend
 
     blocks = len(found)
@@ -88,7 +88,7 @@ def tuned(x: NDArray[np.float64], rate: float, frequency: float, blocks: int) ->
 class Record:
     """Force [N] and acceleration [m/s2] at tones (k,) [Hz] in each of b blocks: (b, k) complex.
 
-    shaken (k,) tells the tones that the shaker was given from their harmonics; samples (2, n) are
+    shaken (k,) marks the tones that the shaker was given, not their harmonics; samples (2, n) are
     force and acceleration as read, `rate` [Hz] of them a second. left_out is the strongest steady
     tone that is not among them, and the power [W] it could carry at most; None where there is none.
     """

@@ -20,7 +20,7 @@ _DECADES = 8  # that a spectrum shows
 class Tone:
     """One line of the sum: amplitudes, the phase error taken off, its power.
 
-    phase_error_sigma and sigma_w are None where no record of the empty enclosure tells the error.
+    phase_error_sigma and sigma_w are None where no record of the empty enclosure gives the error.
     efficiency of a tone that is shaken: P_k/f_k over 4 V_k^2 M (eqs 7.8, 6.10); None for harmonics,
     whose motion is an accident, and without a particle mass.
     """
@@ -186,8 +186,8 @@ def _efficiencies(axes: "Axes", found: Dissipation) -> None:
 
 def _marks(axes: "Axes", tones: tuple[Tone, ...], values: list[float], sigmas: list[float]) -> None:
     """A value and its sigma for each tone, side by side, with the frequencies under them."""
-    places = np.arange(len(tones))
+    positions = np.arange(len(tones))
     axes.axhline(0.0, color=INK, linewidth=0.6)
-    axes.errorbar(places, values, yerr=sigmas, fmt="o", color=BLUE, capsize=3)
-    axes.set_xticks(places, [f"{tone.frequency_hz:.4g}" for tone in tones])
+    axes.errorbar(positions, values, yerr=sigmas, fmt="o", color=BLUE, capsize=3)
+    axes.set_xticks(positions, [f"{tone.frequency_hz:.4g}" for tone in tones])
     axes.set_xlim(-0.5, len(tones) - 0.5)

@@ -35,7 +35,7 @@ def pool(values: Array, covariance: Array) -> tuple[Estimate, float | None]:
     """The weighted mean of correlated values; p of the chi-square test that they are one.
 
     Where they are not one, their scatter beyond noise counts with every value: the mean is then
-    that of such values, and its sigma how well these few tell it. p is None for one value.
+    that of such values, and its sigma how well these few give it. p is None for one value.
     """
     from scipy.stats import chi2
 

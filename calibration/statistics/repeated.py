@@ -1,11 +1,11 @@
-"""Positions of a thing in motion that repeat the one before: pictures that were shown again."""
+"""Positions of an object in motion that repeat the one before: pictures that were shown again."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibration.tracking.track import Array, Rows
 
-_NEAR = 4  # steps on either side that say how fast the thing goes
+_NEAR = 4  # steps on either side that say how fast the object goes
 
 
 def repeated(step: Array, same: NDArray[np.bool_], sigma: float) -> tuple[Rows, NDArray[np.bool_]]:
@@ -15,7 +15,7 @@ def repeated(step: Array, same: NDArray[np.bool_], sigma: float) -> tuple[Rows, 
     same     (n - 1,) whether a position may be that before it
     sigma    noise of a position [px]
 
-    A position is one where the thing moves on steadily about it, onward before and after: about an
+    A position is one where the object moves on steadily about it, onward before and after: about an
     apex, or where it comes to rest, a position is like that before it without being its copy. The
     clock ran on in vain where the next position is one step on, and did not (the copy took the
     place of a lost frame) where it is two.

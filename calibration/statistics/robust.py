@@ -60,7 +60,7 @@ def _variance(residual: Array, sigma: float, p: int) -> float:
 
 
 def influence(residual: Array, sigma: float) -> Array:
-    """What each residual does to the coefficients: those that least squares would see so.
+    """Effect of each residual on the coefficients: those that least squares would see so.
 
     psi/mean(psi'); their variance is that of the covariance of robust_fit.
     """
@@ -88,7 +88,7 @@ def for_correlation(residuals: Array, rows: list[Rows]) -> float:
 
 
 def run_left_out(residuals: Array, weights: Array) -> bool:
-    """Whether three points in a row were left out that lie on one side and off by about as much.
+    """True if three points in a row were left out that lie on one side and off by about as much.
 
     Bad points come alone, and lie anywhere; a row of them, each off by less than twice its
     neighbour, says that the path is no parabola there (perspective, a lens, drag, blur). They then

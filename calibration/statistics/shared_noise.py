@@ -1,14 +1,14 @@
-"""Noise that neighbouring places share: its share and length from residuals, and what a fit knows.
+"""Noise that neighbouring positions share: its share and length from residuals.
 
-What lies behind the rim of a thing moves the place at which it is found, alike in frames between
-which it moves by less than a length. Residuals r of one flight then have the covariance
+What lies behind the rim of an object moves the position at which it is found, alike in frames
+between which it moves by less than a length. Residuals r of one flight then have the covariance
 
     v ((1 - q) 1 + q exp(-|y_i - y_j|/l))
 
 of the share q that is common at one place. The restricted likelihood (Patterson and Thompson 1971,
 doi 10.1093/biomet/58.3.545) of the residuals about each flight's own parabola, flat in q and ln l,
 is set against that of white noise, q = 0. Where it is less likely the noise is taken as white; else
-the covariance is the mean over q and l with these weights: what few residuals do not tell counts as
+the covariance is the mean over q and l with these weights: what few residuals do not show counts as
 not known.
 """
 
@@ -24,13 +24,13 @@ _LONGEST = 200  # points of a stretch whose likelihood is taken as a whole
 _OWN = 3  # coefficients of a flight's own parabola
 
 
-def covariances(residuals: Array, place: Array, time: Array, rows: list[Rows]) -> list[Array]:
+def covariances(residuals: Array, position: Array, time: Array, rows: list[Rows]) -> list[Array]:
     """(k, k) covariance of the k points of each flight, Student's factor for few residuals in it.
 
-    residuals, place, time   (n,) of all points; place is where the thing was seen, in one unit
+    residuals, position, time   (n,) of all points; position of the object, in one unit
     rows                     the points of each flight
     """
-    lengths = _lengths(place, rows)
+    lengths = _lengths(position, rows)
     pieces = [part for one in rows for part in _pieces(one) if len(part) > _OWN]
     freedom = sum(len(part) - _OWN for part in pieces)
     if not freedom:  # three points in every flight: the fit's own residuals are all there is
@@ -38,8 +38,8 @@ def covariances(residuals: Array, place: Array, time: Array, rows: list[Rows]) -
         freedom = max(len(every) - 2 * len(rows) - 1, 1)
         alone, common = float(np.sum(residuals[every] ** 2)) / freedom, np.zeros(len(lengths))
     else:
-        alone, common = _parts(residuals, place, time, pieces, lengths, freedom)
-    alike = [_alike(place[one], lengths) for one in rows]
+        alone, common = _parts(residuals, position, time, pieces, lengths, freedom)
+    alike = [_alike(position[one], lengths) for one in rows]
     return [
         student(freedom) ** 2 * (alone * np.eye(len(one)) + np.tensordot(common, near, 1))
         for one, near in zip(rows, alike, strict=True)
@@ -62,12 +62,12 @@ def of_parameters(design: Array, noise: list[Array], lean: Array) -> Array:
 
 
 def _parts(
-    residuals: Array, place: Array, time: Array, pieces: list[Rows], lengths: Array, freedom: int
+    residuals: Array, position: Array, time: Array, pieces: list[Rows], lengths: Array, freedom: int
 ) -> tuple[float, Array]:
     """Variance that is each point's own, and that which is common, (lengths,) by its length."""
     log_weight = np.empty((len(lengths), len(_SHARES)))
     variance = np.empty_like(log_weight)
-    spectra = [_spectra(residuals[i], place[i], time[i], lengths) for i in pieces]
+    spectra = [_spectra(residuals[i], position[i], time[i], lengths) for i in pieces]
     for k in range(len(lengths)):
         spread = np.concatenate([one[0][k] for one in spectra])
         square = np.concatenate([one[1][k] for one in spectra])
@@ -84,13 +84,13 @@ def _parts(
     return float(np.sum(weight @ (1 - _SHARES))), weight @ _SHARES
 
 
-def _lengths(place: Array, rows: list[Rows]) -> Array:
+def _lengths(position: Array, rows: list[Rows]) -> Array:
     """From the step between frames at which half of the neighbours differ to an eighth of a flight.
 
     A flight's own parabola takes up longer ones.
     """
-    step = np.median(np.abs(np.concatenate([np.diff(place[one]) for one in rows])))
-    range_ = max(float(np.ptp(place[one])) for one in rows)
+    step = np.median(np.abs(np.concatenate([np.diff(position[one]) for one in rows])))
+    range_ = max(float(np.ptp(position[one])) for one in rows)
     step = max(float(step), 1e-6 * range_, 1e-300)
     octaves = int(np.log2(max(range_ / 8 / step, 1)))
     return step * 2.0 ** np.arange(octaves + 1, dtype=np.float64)
@@ -100,28 +100,28 @@ def _pieces(one: Rows) -> list[Rows]:
     return np.array_split(one, -(-len(one) // _LONGEST))
 
 
-def _alike(place: Array, lengths: Array) -> Array:
+def _alike(position: Array, lengths: Array) -> Array:
     """(lengths, k, k) correlation of the common part."""
-    apart = np.abs(place[:, None] - place[None])
+    apart = np.abs(position[:, None] - position[None])
     return np.asarray(np.exp(-apart / lengths[:, None, None]), dtype=float)
 
 
-def _spectra(residual: Array, place: Array, time: Array, lengths: Array) -> tuple[Array, Array]:
-    """Eigenvalues of the common part beside the parabola, and squares of residuals along them.
+def _spectra(residual: Array, position: Array, time: Array, lengths: Array) -> tuple[Array, Array]:
+    """Eigenvalues of the common part across the parabola, and squares of residuals along them.
 
     Each (lengths, k - 3).
     """
-    known = (np.asarray(one, dtype=np.float64).tobytes() for one in (place, time, lengths))
-    spread, beside = _basis(*known)
-    return spread, (beside @ residual) ** 2
+    known = (np.asarray(one, dtype=np.float64).tobytes() for one in (position, time, lengths))
+    spread, across = _basis(*known)
+    return spread, (across @ residual) ** 2
 
 
 @lru_cache(maxsize=32)  # a fit with one acceleration, and one with each flight's own, share it
-def _basis(place: bytes, time: bytes, lengths: bytes) -> tuple[Array, Array]:
-    """Eigenvalues (lengths, k - 3) of the common part and its directions beside the parabola."""
-    at, s, length = (np.frombuffer(one) for one in (place, time, lengths))
+def _basis(position: bytes, time: bytes, lengths: bytes) -> tuple[Array, Array]:
+    """Eigenvalues (lengths, k - 3) of the common part and its directions across the parabola."""
+    at, s, length = (np.frombuffer(one) for one in (position, time, lengths))
     s = s - s.mean()
     powers = np.stack([s**0, s, s**2], axis=1)
-    beside = np.linalg.qr(powers, mode="complete")[0][:, _OWN:]
-    spread, turn = np.linalg.eigh(beside.T @ _alike(at, length) @ beside)
-    return np.maximum(spread, 0.0), np.swapaxes(turn, 1, 2) @ beside.T
+    across = np.linalg.qr(powers, mode="complete")[0][:, _OWN:]
+    spread, turn = np.linalg.eigh(across.T @ _alike(at, length) @ across)
+    return np.maximum(spread, 0.0), np.swapaxes(turn, 1, 2) @ across.T

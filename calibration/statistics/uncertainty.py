@@ -1,7 +1,7 @@
 """A measured value and how well it is known: from trials, from groups of trials, through a formula.
 
 sigma is such that value +- sigma covers the truth in 68.3 % of all measurements: one standard
-deviation where that is known, Student's t times the standard error where a few trials must tell it
+deviation where that is known, Student's t times the standard error where a few trials must give it
 (GUM, JCGM 100:2008, sec. G.3). scatter is the standard deviation of a single trial. Formulas carry
 sigma to first order (sec. 5.1).
 """
@@ -44,14 +44,14 @@ class Pooled:
 
     @property
     def alike(self) -> bool | None:
-        """Whether one value describes all groups (p at least 0.05)."""
+        """True if one value describes all groups (p at least 0.05)."""
         return None if self.p is None else self.p >= 0.05
 
 
 def of_trials(values: Sequence[float]) -> Estimate:
     """The mean of trials, half its 68.3 % interval (Student's t), and their scatter.
 
-    Trials that do not differ at all tell no sigma: their readings were too coarse. Raises
+    Trials that do not differ at all give no sigma: their readings were too coarse. Raises
     InputError where there is no trial, or one is not a finite number.
     """
     if not values:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from calibration.tracking.film.reader import Picture
 
-_SAMPLED = 1024  # pixels or so that tell the light: to a thousandth, where each does to 3 %
+_SAMPLED = 1024  # pixels or so that show the light: to a thousandth, where each does to 3 %
 _DARK, _BRIGHT = 16, 250  # grey levels between which a pixel is in proportion to the light
 _FEWEST = 64  # such pixels in the sample
 _ALIKE = 3.0  # scatter about the middle ratio within which a pixel shows what it showed before
@@ -30,9 +30,9 @@ _ROUNDING = 1.0  # grey levels: both pictures are whole numbers
 
 
 def gains(picture: Picture, background: Picture) -> NDArray[np.float64]:
-    """(3,) brightness of each channel over that of the background, 1 where it cannot be told.
+    """(3,) brightness of each channel over that of the background, 1 where it cannot be known.
 
-    The ratio of the sums of those pixels whose own ratio is near the median of all: things that
+    The ratio of the sums of those pixels whose own ratio is near the median of all: objects that
     move, and edges where the camera does, are not among them.
     """
     step = max(int(np.sqrt(picture[..., 0].size / _SAMPLED)), 1)
@@ -118,19 +118,19 @@ class Background:
         return self._limit
 
     def due(self) -> bool:
-        """Whether it is this frame's turn to be learned; asked once a frame."""
+        """True if it is this frame's turn to be learned; asked once a frame."""
         self._frames += 1
         return self._seen < _MEMORY / 2 or self._frames % _EVERY == 0
 
-    def learn(self, picture: Picture, difference: Picture, things: Mask) -> None:
-        """Take in a picture but for the things in it."""
+    def learn(self, picture: Picture, difference: Picture, objects: Mask) -> None:
+        """Take in a picture but for the objects in it."""
         import cv2
 
         self._seen += 1
         if self._seen < _MEMORY or self._seen % _LIMIT_FOR == 0:
             self._limit = None
         share = 1 / min(self._seen, _MEMORY)
-        still = cv2.bitwise_not(things)
+        still = cv2.bitwise_not(objects)
         cv2.accumulateWeighted(picture, self._mean, share, still)
         cv2.accumulateWeighted(difference, self._spread, share, still)
         cv2.convertScaleAbs(self._mean, dst=self.picture)
@@ -165,12 +165,12 @@ def _mean_of_quiet(difference: Picture) -> float:
     return float(quiet @ np.arange(len(quiet)) / quiet.sum())
 
 
-def is_ghost(picture: Picture, background: Picture, thing: Mask) -> bool:
-    """Whether the outline of a thing stands in the background rather than in the picture."""
+def is_ghost(picture: Picture, background: Picture, object: Mask) -> bool:
+    """True if the outline of an object stands in the background rather than in the picture."""
     import cv2
 
     kernel = np.ones((3, 3), np.uint8)
-    outside, inside = (change(thing, kernel, iterations=2) for change in (cv2.dilate, cv2.erode))
+    outside, inside = (change(object, kernel, iterations=2) for change in (cv2.dilate, cv2.erode))
     ring = cv2.subtract(outside, inside)
     if not cv2.countNonZero(ring):
         return False

@@ -18,16 +18,16 @@ from calibration.tracking.background import Mask
 from calibration.tracking.film.reader import Picture
 
 Outline = NDArray[np.int32]  # (n, 1, 2) x, y of pixels
-_LOW, _HIGH = 0.25, 0.75  # share of a thing from and to which a pixel counts in part
+_LOW, _HIGH = 0.25, 0.75  # share of an object from and to which a pixel counts in part
 _NEW = 1.13  # mean difference of two normal deviates, in their sigma
 _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
-_SHADED = 0.6  # share to which shade may bring the inside of a thing: shadows have less
+_SHADED = 0.6  # share to which shade may bring the inside of an object: shadows have less
 _CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
-_LARGEST = 0.2  # share of the picture: a thing and the place it left are half of _CUT
-_FEWEST = 3  # pixels of the difference that make a thing
-_MOST = 6  # things in one picture: the strongest
-_ACROSS = 80  # px of a thing's window; larger ones are reduced, their place is no less known
-_THIN = 0.5  # of the half thickness of a thing: what is thinner hangs on it (strings, fingers)
+_LARGEST = 0.2  # share of the picture: an object and the position it left are half of _CUT
+_FEWEST = 3  # pixels of the difference that make an object
+_MOST = 6  # objects in one picture: the strongest
+_ACROSS = 80  # px of an object's window; larger ones are reduced, their position is no less known
+_THIN = 0.5  # of the half thickness of an object: what is thinner hangs on it (strings, fingers)
 Channels = NDArray[np.float32]
 _SUM: Channels = np.ones((1, 3), np.float32)
 
@@ -42,7 +42,7 @@ def outlines(mask: Mask) -> list[Outline]:
 
 
 def pixels_within(outline: Outline) -> float:
-    """How many pixels an outline of two and more encloses with its own (Pick's theorem)."""
+    """Number of pixels that an outline of two and more encloses with its own (Pick's theorem)."""
     import cv2
 
     return cv2.contourArea(outline) + len(outline) / 2 + 1
@@ -67,7 +67,7 @@ def largest(mask: Mask) -> Mask | None:
 
 
 class Blob(NamedTuple):
-    """A thing in one picture; lengths in pixels of that picture.
+    """An object in one picture; lengths in pixels of that picture.
 
     x, y       centroid
     xx, xy, yy covariance of the centroid from the noise of the pixels and the edge's shading
@@ -108,7 +108,7 @@ class Candidate(NamedTuple):
 
 
 def candidates(difference: Picture, limit: Picture, reduce: int) -> list[Candidate] | None:
-    """Things that differ, the strongest first; None where the picture shows something else.
+    """Objects that differ, the strongest first; None where the picture shows something else.
 
     They are looked for in the picture reduced by a whole number, in which noise is less.
     """
@@ -156,7 +156,7 @@ def _enlarged(one: Candidate, factor: int) -> Candidate:
 
 
 def measure(picture: Picture, background: Picture, noise: float, one: Candidate) -> Blob | None:
-    """A candidate's place; None where it has no core, or is too large to be one thing."""
+    """A candidate's position; None where it has no core, or is too large to be one object."""
     import cv2
 
     height, width = picture.shape[:2]
@@ -209,9 +209,9 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
 
 
 def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool:
-    """Whether a thing's picture is another than in the frame before, by more than noise.
+    """True if an object's picture is another than in the frame before, by more than noise.
 
-    Half of the thing's rim is new where it moves: a repeated picture, coded anew, differs less.
+    Half of the object's rim is new where it moves: a repeated picture, coded again, differs less.
     """
     import cv2
 
@@ -247,11 +247,11 @@ def _shares(
 ) -> tuple[
     Channels | None, tuple[NDArray[np.float64], NDArray[np.float64]], float, Channels
 ]:  # fmt: skip
-    """Share of the thing in each pixel, colours of it and behind it, contrast, its square by pixel.
+    """Share of the object in each pixel, colours of it and behind it, contrast, square of that.
 
     The colour is that of the pixels that differ nearly as much as any: a shadow differs less.
-    Of a thing of several colours other parts count by how much they differ. Where the background
-    has nearly the thing's colour the share is not known, and taken as zero.
+    Of an object of several colours other parts count by how much they differ. Where the background
+    has nearly the object's colour the share is not known, and taken as zero.
     """
     behind_it = behind.astype(np.float32)
     away = seen - behind_it
@@ -269,14 +269,14 @@ def _shares(
     known = square > least
     np.maximum(square, least, out=square)
     share = _dot(away, towards) / square * known
-    np.maximum(share, size / max(contrast, np.sqrt(least)), out=share)  # things of several colours
+    np.maximum(share, size / max(contrast, np.sqrt(least)), out=share)  # objects of several colours
     return share, (colour, beneath), contrast, square
 
 
 def _of_what_is_near(share: Channels) -> Channels:
-    """Shares of the most that a pixel shows within three: shade ends inside a thing, not its rim.
+    """Shares of the most that a pixel shows within three: shade ends inside an object, not its rim.
 
-    Without that the dark side of a lit thing counts less, and its place turns with its marks.
+    Without that the dark side of a lit object counts less, and its position turns with its marks.
     """
     import cv2
 
@@ -292,7 +292,7 @@ def _median(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _near_largest(values: Channels) -> float:
-    """What three in a hundred exceed: highlights do not count."""
+    """The size that three in a hundred exceed: highlights do not count."""
     k = int(0.97 * (len(values) - 1))
     return float(np.partition(values, k)[k])
 
@@ -305,12 +305,12 @@ def _dot(a: Channels, b: Channels) -> Channels:
 
 
 def _body(share: Channels, mask: Mask) -> Mask | None:
-    """The largest connected part that is half the thing or more, without what is thin."""
+    """The largest connected part that is half the object or more, without what is thin."""
     import cv2
 
     more = np.where(share > (_LOW + _HIGH) / 2, np.uint8(255), np.uint8(0))
     more[cv2.dilate(mask, np.ones((5, 5), np.uint8)) == 0] = 0
-    half = largest(more)  # without holes: highlights and marks on a thing
+    half = largest(more)  # without holes: highlights and marks on an object
     if half is None:
         return None
     edged = cv2.copyMakeBorder(half, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)

@@ -1,4 +1,4 @@
-"""How the camera moved since the first frame: corners of what stands still, followed.
+"""Motion of the camera since the first frame: corners of what stands still, followed.
 
 Corners of the background are found in each picture by the pyramid of Lucas and Kanade (Bouguet
 2001); the similarity (shift, turn, zoom) that most of them agree on is the camera's, whatever moves
@@ -16,27 +16,27 @@ from calibration.tracking.track import Array
 
 _CORNERS = 100
 _APART = 24  # corners that fit side by side along the longer side of a picture
-_FEWEST = 12  # corners that must agree: a similarity has four unknowns, things that move have some
+_FEWEST = 12  # corners that must agree: a similarity has four unknowns, objects that move have some
 _SPREAD = 0.2  # standard deviation of corners all over a picture is 0.29 of its sides
 _CHANCE = 1e-4  # p below which turn and zoom are believed: one frame in ten thousand by mistake
 _BACK = 0.5  # px by which a corner followed there and back may miss
 
 
 class CameraMotion:
-    """The similarity from places in the background to places in the last picture given."""
+    """The similarity from positions in the background to positions in the last picture given."""
 
     def __init__(self) -> None:
         self._grey: Picture | None = None
         self._corners: Any = None
         self.now = np.eye(3)
 
-    def look_at(self, background: Picture, things: Picture | None = None) -> None:
-        """Take corners from here on from this picture, where no thing is (mask, 255)."""
+    def look_at(self, background: Picture, objects: Picture | None = None) -> None:
+        """Take corners from here on from this picture, where no object is (mask, 255)."""
         import cv2
 
         grey = _grey(background)
         apart = max(grey.shape) / _APART
-        free = None if things is None else cv2.bitwise_not(things)
+        free = None if objects is None else cv2.bitwise_not(objects)
         self._corners = cv2.goodFeaturesToTrack(grey, _CORNERS, 0.005, apart, mask=free)
         self._grey = grey
 
@@ -76,8 +76,9 @@ def _grey(picture: Picture) -> Picture:
 def _agreed(
     corners: NDArray[np.float32], there: NDArray[np.float32], shape: tuple[int, ...], before: Array
 ) -> Array | None:
-    """What most corners agree on; None where too few do. Turn and zoom stay as they were before
-    where the corners that agree do not lie all over the picture.
+    """Motion on which most corners agree; None where too few do.
+
+    Rotation and zoom stay as before where the corners that agree do not lie all over the picture.
     """
     import cv2
 
@@ -100,7 +101,7 @@ def _agreed(
 def _better(
     corners: NDArray[np.float32], there: NDArray[np.float32], matrix: Array, shift: Array
 ) -> bool:
-    """Whether a new turn and zoom, two more numbers, explain more than chance (F test)."""
+    """True if a new turn and zoom, two more numbers, explain more than chance (F test)."""
     from scipy.special import fdtrc
 
     by_both, by_shift = (
@@ -114,7 +115,7 @@ def _better(
 
 
 def largest_shift(motion: Array, width: float, height: float) -> float:
-    """How far the corners of a picture are moved at most [px]; motion (..., 3, 3)."""
+    """Largest shift of a picture's corners [px]; motion (..., 3, 3)."""
     ends = np.array([[0, 0, 1], [width, 0, 1], [0, height, 1], [width, height, 1]], dtype=float)
     moved = (motion @ ends.T)[..., :2, :] - ends.T[:2]
     return float(np.hypot(moved[..., 0, :], moved[..., 1, :]).max())
@@ -134,7 +135,7 @@ def lasting_motion(
 
 
 def offsets(motion: Array, x: Array, y: Array) -> Array:
-    """(n, 2) how far motion (n, 3, 3) took places (n,) from where the first frame has them."""
+    """(n, 2) how far motion (n, 3, 3) took positions (n,) from where the first frame has them."""
     there = np.stack([x, y, np.ones_like(x)], axis=1)
     first = np.einsum("nij,nj->ni", np.linalg.inv(motion), there)
     return np.asarray(there[:, :2] - first[:, :2])

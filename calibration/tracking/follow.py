@@ -12,20 +12,20 @@ from typing import NamedTuple
 import numpy as np
 
 from calibration.tracking.camera_motion import lasting_motion, offsets, scaled
-from calibration.tracking.film.reader import Film, Region, Told, inside
+from calibration.tracking.film.reader import Film, Progress, Region, inside
 from calibration.tracking.film.stamps import clean_stamps
 from calibration.tracking.linking import Path
 from calibration.tracking.search import Notes, Search
 from calibration.tracking.track import Array, Look, Track
 from granulab.errors import InputError
 
-_POINTED = 3  # own radii by which a hint may miss a thing
+_POINTED = 3  # own radii by which a hint may miss an object
 _MOVES = 1.0  # px of the picture measured in, from which the camera's motion is taken off
 _FEWEST = 8  # positions of a track
 
 
 class Hint(NamedTuple):
-    """Where a thing is in some frame [px]."""
+    """Where an object is in some frame [px]."""
 
     frame: float
     x: float
@@ -37,16 +37,16 @@ def follow(
     *,
     roi: Region | tuple[int, int, int, int] | None = None,
     hint: Hint | tuple[float, float, float] | None = None,
-    progress: Told | None = None,
+    progress: Progress | None = None,
 ) -> list[Track]:
-    """Tracks of all things that move as wholes, that which went farthest first.
+    """Tracks of all objects that move as wholes, that which went farthest first.
 
     roi       x, y, width, height of the part of the picture to look at [px]
-    hint      frame, x, y of the thing wanted: its track alone
-    progress  told the share done and a few words
+    hint      frame, x, y of the object wanted: its track alone
+    progress  receives the share done and a few words
 
     x, y are in pixels of the film, y downwards, the centre of the first pixel is 0, 0; where the
-    camera moves they are places in its first frame. Raises InputError where nothing moves.
+    camera moves they are positions in its first frame. Raises InputError where nothing moves.
     """
     region = inside(film, roi)
     if hint is not None:
@@ -89,7 +89,7 @@ def _nearest(film: Film, tracks: list[Track], hint: Hint) -> Track:
     """The track that the hint points at."""
 
     def off(track: Track) -> float:
-        """In radii; before it moves a thing is where its track begins."""
+        """In radii; before it moves an object is where its track begins."""
         k = int(np.argmin(np.abs(track.frame - hint.frame)))
         late = max(hint.frame - float(track.frame[k]), 0.0)
         assert track.radius is not None
@@ -106,7 +106,7 @@ def _nearest(film: Film, tracks: list[Track], hint: Hint) -> Track:
 
 
 def tracks_of(film: Film, search: Search, notes: Notes, region: Region) -> list[Track]:
-    """Of all things that move, that which went farthest first."""
+    """Of all objects that move, that which went farthest first."""
     time, remarks = clean_stamps(notes.numbers, notes.stamps, film.rate)
     whole = scaled(np.array(notes.motion), *search.scale)
     motion, remark = lasting_motion(whole, region.width, region.height, _MOVES * search.scale[0])
@@ -133,7 +133,7 @@ def tracks_of(film: Film, search: Search, notes: Notes, region: Region) -> list[
 
 
 def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
-    """In pixels of the film, without positions in which the thing was not whole."""
+    """In pixels of the film, without positions in which the object was not whole."""
     area = np.array([one.area for one in path.blobs])
     kept = np.flatnonzero(_usual(area) & [one.whole for one in path.blobs])
     blobs = [path.blobs[k] for k in kept]
@@ -153,7 +153,7 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
 
 
 def _usual(area: Array) -> np.ndarray:
-    """Whether each area is near those around it: else two things are one blob, or one is cut."""
+    """True if each area is near those around it: else two objects are one blob, or one is cut."""
     from scipy.ndimage import median_filter
 
     off = np.abs(np.log(area / median_filter(area, size=min(31, len(area)), mode="nearest")))
@@ -161,7 +161,7 @@ def _usual(area: Array) -> np.ndarray:
 
 
 def _remarks(film: Film, notes: Notes) -> list[str]:
-    """What was wrong with the file."""
+    """Remarks on what was wrong with the file."""
     remarks = []
     read = len(notes.numbers)
     if film.corrupt:

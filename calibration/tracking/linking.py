@@ -1,9 +1,9 @@
-"""Blobs of many pictures linked to things: by where they are, their size and their colour.
+"""Blobs of many pictures linked to objects: by where they are, their size and their colour.
 
-A thing may go on from where it was, or as it moved (straight on, or bending as in free fall); after
-a bounce it lies somewhere between. Blobs of one picture are given to things all together, at least
-cost (Hungarian method). Pieces of one thing's path, cut where it was hidden or out of the picture,
-are joined where nothing speaks against it: same look, one after the other, within reach.
+An object may go on from where it was, or as it moved (straight on, or bending as in free fall);
+after a bounce it lies somewhere between. Blobs of one picture are given to objects all together, at
+least cost (Hungarian method). Pieces of one object's path, cut where it was hidden or out of the
+picture, are joined where nothing speaks against it: same look, one after the other, within reach.
 """
 
 import math
@@ -16,25 +16,25 @@ from calibration.tracking.segments import noise
 
 _PIECE = 4  # pictures in which a piece is seen, for it to be joined to another
 _SMOOTH = 10  # ratio of the length of a path to its noise
-_GAP = 6  # pictures for which a thing may be out of sight and be followed
-_LARGER = math.log(2.0)  # logarithm of the ratio of areas at which two blobs are not one thing
-_OFF_COLOUR = 0.5  # of the contrast, by which the colour of a thing may change
-_FIRST_STEP = 8  # own sizes that a thing may go from the first picture of it to the second
-_IMPOSSIBLE = 2.0  # cost, of which place and look have up to 1 each
+_GAP = 6  # pictures for which an object may be out of sight and be followed
+_LARGER = math.log(2.0)  # logarithm of the ratio of areas at which two blobs are not one object
+_OFF_COLOUR = 0.5  # of the contrast, by which the colour of an object may change
+_FIRST_STEP = 8  # own sizes that an object may go from the first picture of it to the second
+_IMPOSSIBLE = 2.0  # cost, of which position and look have up to 1 each
 
 
 @dataclass
 class Path:
-    """One thing in the pictures in which it was seen."""
+    """One object in the pictures in which it was seen."""
 
     frames: list[int] = field(default_factory=list)
     blobs: list[Blob] = field(default_factory=list)
 
     @property
     def length(self) -> float:
-        """Of the diagonal of all its places [px]."""
-        places = np.array([(one.x, one.y) for one in self.blobs])
-        return float(np.hypot(*np.ptp(places, axis=0)))
+        """Of the diagonal of all its positions [px]."""
+        positions = np.array([(one.x, one.y) for one in self.blobs])
+        return float(np.hypot(*np.ptp(positions, axis=0)))
 
     def add(self, frame: int, blob: Blob) -> None:
         """Go on with a blob."""
@@ -42,18 +42,18 @@ class Path:
         self.blobs.append(blob)
 
     def costs(self, frame: int, blobs: list[Blob], farthest: float) -> list[float]:
-        """How ill each blob goes on with this thing: below 1 in place, look; or impossible."""
+        """Cost of each blob as next of this object: below 1 in position, look; or impossible."""
         last = self.blobs[-1]
-        places, reach = self._expected(frame)
+        positions, reach = self._expected(frame)
         found = []
         for blob in blobs:
-            off = _off(blob, places, reach, farthest)
+            off = _off(blob, positions, reach, farthest)
             look = unlike(last, blob) if off < 1 else 1.0
             found.append(off + look if look < 1 else _IMPOSSIBLE)
         return found
 
     def may_become(self, piece: "Path") -> bool:
-        """Whether a later piece may be the same thing: alike, within reach, soon enough."""
+        """True if a later piece may be the same object: alike, within reach, soon enough."""
         gap = piece.frames[0] - self.frames[-1]
         if gap <= 0 or min(len(self.frames), len(piece.frames)) < _PIECE:
             return False
@@ -66,7 +66,7 @@ class Path:
         return near and unlike(_typical(self), _typical(piece)) < 1
 
     def is_smooth(self) -> bool:
-        """Whether it goes along a path, rather than flickers within the noise."""
+        """True if it goes along a path, rather than flickers within the noise."""
         t = np.array(self.frames, dtype=float)
         x, y = np.array([(one.x, one.y) for one in self.blobs]).T
         return self.length > _SMOOTH * float(np.hypot(noise(t, x), noise(t, y)))
@@ -86,29 +86,29 @@ class Path:
             step = t[k] - t[k - 1]
             speeds.append(((p[k][0] - p[k - 1][0]) / step, (p[k][1] - p[k - 1][1]) / step))
         (x, y), (u, v) = p[-1], speeds[-1]
-        places = [(x, y), (x + u * ahead, y + v * ahead)]
+        positions = [(x, y), (x + u * ahead, y + v * ahead)]
         if len(t) > 2:
             bent = ahead * (ahead + t[-1] - t[-2]) / (t[-1] - t[-3])
-            places.append((places[1][0] + (u - speeds[-2][0]) * bent,
-                           places[1][1] + (v - speeds[-2][1]) * bent))  # fmt: skip
-        return places, max(math.hypot(*speed) for speed in speeds) * ahead
+            positions.append((positions[1][0] + (u - speeds[-2][0]) * bent,
+                           positions[1][1] + (v - speeds[-2][1]) * bent))  # fmt: skip
+        return positions, max(math.hypot(*speed) for speed in speeds) * ahead
 
 
 def _off(
-    blob: Blob, places: list[tuple[float, float]], reach: float | None, farthest: float
+    blob: Blob, positions: list[tuple[float, float]], reach: float | None, farthest: float
 ) -> float:
-    """How far a blob is from where a thing may be; 1 and more is out of reach."""
+    """Distance of a blob from where an object may be; 1 and more is out of reach."""
     size = math.sqrt(blob.area)
     here = (blob.x, blob.y)
     if reach is None:
-        return math.dist(here, places[0]) / min(farthest, _FIRST_STEP * size)
-    stays = math.dist(here, places[0]) / (size + 1.5 * reach)
-    goes = min(math.dist(here, place) for place in places[1:]) / (size + 0.5 * reach)
+        return math.dist(here, positions[0]) / min(farthest, _FIRST_STEP * size)
+    stays = math.dist(here, positions[0]) / (size + 1.5 * reach)
+    goes = min(math.dist(here, position) for position in positions[1:]) / (size + 0.5 * reach)
     return min(stays, goes)
 
 
 def unlike(one: Blob, other: Blob) -> float:
-    """How different two blobs look; 1 and more is another thing."""
+    """Difference between the looks of two blobs; 1 and more is another object."""
     larger = abs(math.log(one.area / other.area)) / _LARGER
     contrast = math.sqrt(one.contrast * other.contrast)
     colour = math.dist(one.colour, other.colour)
@@ -116,7 +116,7 @@ def unlike(one: Blob, other: Blob) -> float:
 
 
 class Linker:
-    """Takes the blobs picture by picture; `paths` has all things so far."""
+    """Takes the blobs picture by picture; `paths` has all objects so far."""
 
     def __init__(self, width: float, height: float) -> None:
         self._farthest = float(np.hypot(width, height)) / 4
@@ -141,7 +141,7 @@ class Linker:
         self._alive += [Path([frame], [blobs[k]]) for k in sorted(free)]
 
     def paths(self) -> list[Path]:
-        """Things seen twice or more, pieces of one joined, in order of their beginning."""
+        """Objects seen twice or more, pieces of one joined, in order of their beginning."""
         pieces = sorted(
             (one for one in self._ended + self._alive if len(one.frames) > 1),
             key=lambda one: one.frames[0],

@@ -22,19 +22,19 @@ _SMOOTH = 1.5  # px: texture is coarser than noise
 _SLOPE = 0.75  # halfway between what noise of the background alone gives, and motion
 _SIGMAS = 4.0  # by which the slope must be known
 _QUIET = 3.0  # medians of the difference that something explains
-_LONGEST = 1280  # px of a picture that things are measured in
+_LONGEST = 1280  # px of a picture that objects are measured in
 _SEARCHED = 640  # px of a picture that they are looked for in
 _DRIFT = 0.5  # px of the picture searched, from which pictures are steadied
 _NEW_VIEW = 3  # frames in a row that show something else are another view
 _CORNERS_FOR = 32  # frames for which the same corners show how the camera moves
 _STANDS = 16  # frames for which it has stood, from which on
 _SEEN_TO = 4  # it is looked at in every such frame alone
-_GHOST = 3  # frames for which a thing that has left its image behind stands still
+_GHOST = 3  # frames for which an object that has left its image behind stands still
 _GHOST_AGAIN = 4  # frames from one look at what stands still to the next
 
 
 def shows_motion(picture: Picture, background: Picture, motion: Array) -> bool:
-    """Whether `motion` (3, 3), from background to picture, explains how they differ."""
+    """True if `motion` (3, 3), from background to picture, explains how they differ."""
     import cv2
 
     seen, stood = (
@@ -58,7 +58,7 @@ def shows_motion(picture: Picture, background: Picture, motion: Array) -> bool:
 
 @dataclass
 class Notes:
-    """What is kept of each frame that was read."""
+    """Notes on each frame that was read."""
 
     numbers: list[int] = field(default_factory=list)
     stamps: list[float | None] = field(default_factory=list)
@@ -110,10 +110,10 @@ class Search:
         self.linker.add(number, [_moved(blob, taken_off) for blob in blobs])
         self._before = picture
         if self._background.due():
-            things = self._mask(found)
-            self._background.learn(picture, difference, things)
+            objects = self._mask(found)
+            self._background.learn(picture, difference, objects)
             if number % _CORNERS_FOR == 0:
-                self._camera.look_at(self._small(self._background.picture), self._small(things))
+                self._camera.look_at(self._small(self._background.picture), self._small(objects))
 
     def _motion(self, picture: Picture) -> Array:
         """The camera's, in the picture measured in; looked for now and then while it stands."""
@@ -133,7 +133,7 @@ class Search:
         return self._moved
 
     def _small(self, picture: Picture) -> Picture:
-        """The picture that things are looked for in."""
+        """The picture that objects are looked for in."""
         import cv2
 
         if self._further == 1:
@@ -177,7 +177,7 @@ class Search:
         return np.asarray(cv2.dilate(mask, np.ones((9, 9), np.uint8)), dtype=np.uint8)
 
     def _measured(self, picture: Picture, found: list[Candidate]) -> list[Blob]:
-        """Places of all candidates; ghosts are told to the background."""
+        """Positions of all candidates; ghosts are passed to the background."""
         assert self._background is not None
         still, self._still = self._still, {}
         blobs = []
@@ -198,7 +198,7 @@ class Search:
         return blobs
 
     def _left_behind(self, picture: Picture, one: Candidate) -> bool:
-        """Whether it is a ghost; the background is then put right."""
+        """True if it is a ghost; the background is then put right."""
         import cv2
 
         assert self._background is not None

@@ -2,7 +2,7 @@
 
 Every stretch of the track is a parabola within the noise, or a single position that fits none:
 the cut that costs least is found exactly, by dynamic programming (optimal partitioning, Jackson et
-al. 2005, doi 10.1109/LSP.2001.838216), whatever is done to the thing before it falls. Flights are
+al. 2005, doi 10.1109/LSP.2001.838216), whatever is done to the object before it falls. Flights are
 the stretches that share the acceleration that draws the largest parabolas; a contact is where the
 velocity turns from along it to against it.
 """
@@ -190,10 +190,10 @@ def _off(t: Array, y: Array, one: Stretch) -> Array:
 def _without_doubtful_ends(
     t: Array, chain: list[Stretch], ranges: list[tuple[int, int]], acceleration: float, sigma: float
 ) -> list[tuple[int, int]]:
-    """The ranges without the points at either end whose place in a flight was chosen by noise.
+    """The ranges without the points at either end whose position in a flight was chosen by noise.
 
-    After its release a thing at rest is within four sigma of where it was held for sqrt(8 sigma/a).
-    Where the chain ends, the last point may be within a contact that is not resolved.
+    After its release an object at rest is within four sigma of where it was held for sqrt(8
+    sigma/a). Where the chain ends, the last point may be within a contact that is not resolved.
     """
     if not chain:
         return ranges
@@ -209,7 +209,7 @@ def _without_doubtful_ends(
 
 
 def is_flight(one: Stretch, acceleration: float) -> bool:
-    """Whether a stretch has the acceleration of the clip, and is known not to be at rest."""
+    """True if a stretch has the acceleration of the clip, and is known not to be at rest."""
     own = one.coefficients[2] * np.sign(acceleration)
     off = abs(one.coefficients[2] - acceleration)
     alike = off <= max(_ALIKE * abs(acceleration), 4 * one.acceleration_sigma)
@@ -231,16 +231,16 @@ def speed(one: Stretch, time: float) -> float:
     return float(one.coefficients[1] + one.coefficients[2] * (time - one.centre))
 
 
-def place(one: Stretch, time: float) -> float:
+def position(one: Stretch, time: float) -> float:
     """Position on the stretch's parabola."""
     s = time - one.centre
     return float(one.coefficients @ [1.0, s, s**2 / 2])
 
 
 def _meets(last: Stretch, one: Stretch, acceleration: float, step: float) -> bool:
-    """Whether two parabolas meet in a contact between them, where the velocity turns.
+    """True if two parabolas meet in a contact between them, where the velocity turns.
 
-    Where it was seen in more places between them than in either, it did something else there.
+    Where it was seen in more positions between them than in either, it did something else there.
     """
     if one.i - last.j > max(last.j - last.i, one.j - one.i):
         return False
@@ -248,7 +248,7 @@ def _meets(last: Stretch, one: Stretch, acceleration: float, step: float) -> boo
     jump = speed(one, middle) - speed(last, middle)
     if jump * acceleration >= 0:
         return False
-    contact = middle - (place(one, middle) - place(last, middle)) / jump
+    contact = middle - (position(one, middle) - position(last, middle)) / jump
     between = last.end - 2 * step <= contact <= one.start + 2 * step
     down, up = np.sign(acceleration) * np.array([speed(last, contact), speed(one, contact)])
     least = abs(acceleration) * step  # what a frame of flight changes: less turns nothing
@@ -256,7 +256,7 @@ def _meets(last: Stretch, one: Stretch, acceleration: float, step: float) -> boo
 
 
 def _continues(last: Stretch, one: Stretch, acceleration: float) -> bool:
-    """Whether two stretches are one flight cut in two: by a bad point, a gap, or its length."""
+    """True if two stretches are one flight cut in two: by a bad point, a gap, or its length."""
     middle = (last.end + one.start) / 2
     jump = abs(speed(one, middle) - speed(last, middle))
     # A contact turns the velocity: it changes by at least that which the shorter flight loses to

@@ -1,4 +1,4 @@
-"""A track: where one thing was seen, frame by frame; what every way of tracking hands on."""
+"""A track: where one object was seen, frame by frame; what every way of tracking hands on."""
 
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -13,7 +13,7 @@ Rows = NDArray[np.intp]
 
 
 class Look(NamedTuple):
-    """What colour a thing is, and what is behind it: blue, green, red, (3,) each [grey levels]."""
+    """Colour of an object, and of what is behind it: blue, green, red, (3,) each [grey levels]."""
 
     colour: Array
     behind: Array
@@ -21,7 +21,7 @@ class Look(NamedTuple):
 
 @dataclass(frozen=True)
 class Track:
-    """Positions of one thing against time.
+    """Positions of one object against time.
 
     frame        (n,) frame numbers, increasing; not whole where only times were written
     x, y         (n,) position [px, or m where scale is 1]
@@ -29,10 +29,10 @@ class Track:
     covariance   (n, 2, 2) of x, y [the same, squared]; None where it is not known
     scale        metres per unit of x, y; None where it is not known
     name         which of several tracks of a file
-    radius       (n,) of a circle of the thing's area [px]; None where only places are known
-    look         its colour and that of its background; None where only places are known
+    radius       (n,) of a circle of the object's area [px]; None where only positions are known
+    look         its colour and that of its background; None where only positions are known
     camera       (n, 2) what the camera's motion added to x, y in the picture, and was taken off
-    repeated     frame numbers whose picture of the thing is that of the frame before
+    repeated     frame numbers whose picture of the object is that of the frame before
     remarks      what its reader had to assume or leave out
     """
 
@@ -65,7 +65,7 @@ class Track:
         return self.frame[0] + (self.time - self.time[0]) * rate
 
     def seen(self) -> "Track":
-        """The track without the frames in which the thing was not seen (NaN), in order of time.
+        """The track without the frames in which the object was not seen (NaN), in order of time.
 
         Raises InputError where two positions belong to one frame.
         """
@@ -75,7 +75,7 @@ class Track:
         if len(twice):
             raise InputError(
                 f"track {self.name!r}: frame {self.frame[kept][twice[0]]:g} stands twice; a file "
-                "with several tracks needs a column that tells them apart, such as 'particle'"
+                "with several tracks needs a column that separates them, such as 'particle'"
             )
         return self.chosen(kept)
 
@@ -94,8 +94,8 @@ class Track:
 def link(frame: Array, points: list[Array]) -> list[Track]:
     """Tracks from positions that carry no name: (k, 2) points of each frame, k may change.
 
-    A point goes on with the track whose last place, or last place moved on, is nearest, all pairs
-    of a frame together. A step of more than a quarter of the picture begins another track.
+    A point goes on with the track whose last position, or last position moved on, is nearest, all
+    pairs of a frame together. A step of more than a quarter of the picture begins another track.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -118,10 +118,12 @@ def link(frame: Array, points: list[Array]) -> list[Track]:
 
 
 def _step(track: list[tuple[float, float, float]], number: float, point: Array) -> float:
-    """How far a point lies from where a track was, or from where it would have moved to."""
+    """Distance of a point from where a track was, or from where it would have moved to."""
     last = np.array(track[-1])
-    places = [last[1:]]
+    positions = [last[1:]]
     if len(track) > 1:
         before = np.array(track[-2])
-        places.append(last[1:] + (last - before)[1:] * (number - last[0]) / (last[0] - before[0]))
-    return float(min(np.hypot(*(point - place)) for place in places))
+        positions.append(
+            last[1:] + (last - before)[1:] * (number - last[0]) / (last[0] - before[0])
+        )
+    return float(min(np.hypot(*(point - position)) for position in positions))

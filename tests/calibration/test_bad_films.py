@@ -74,7 +74,7 @@ def test_a_film_cut_off_after_its_first_contact_has_one_bounce(tmp_path, good):
         (
             replace(SCENE, balls=(BALL, replace(BALL, place=0.8, release=0.06))),
             0.36,
-            "2 things bounce",
+            "2 objects bounce",
         ),
     ],
 )

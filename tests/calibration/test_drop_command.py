@@ -105,7 +105,7 @@ def test_two_things_that_bounce_are_told_apart_by_name(tmp_path):
     path.write_text("\n".join(["frame,x1,y1,x2,y2", *lines]), encoding="utf-8")
     code, out, err = calibrate("drop", path)
     assert (code, out) == (2, "")
-    assert "2 things bounce: choose one with --track ('1': 0.700" in err
+    assert "2 objects bounce: choose one with --track ('1': 0.700" in err
     answer = json.loads(calibrate("drop", path, "--track", "2", "--json")[1])
     assert answer["restitution"]["value"] == pytest.approx(0.5, abs=0.02)
 

@@ -117,7 +117,7 @@ def test_two_balls_are_named_and_chosen(tmp_path):
     other = replace(BALL, place=0.8, release=0.18, restitution=0.7, colour=(0.8, 0.3, 0.2))
     path, _ = filmed(tmp_path / "two.mp4", replace(SCENE, balls=(BALL, other)))
     tracks = follow(open_film(path))
-    with pytest.raises(InputError, match=r"2 things bounce: .* or --roi \('1' from"):
+    with pytest.raises(InputError, match=r"2 objects bounce: .* or --roi \('1' from"):
         measure_drop(tracks)
     named = [measure_drop(tracks, track=name).restitution.value for name in "12"]
     assert sorted(named) == pytest.approx([0.7, 0.8], abs=0.01)
@@ -137,7 +137,7 @@ def test_a_ball_that_comes_nearer_is_told(growth, told):
     noise = np.random.default_rng(2).normal(0, 0.1, len(along))
     radius = 20 * growth**along + 0.1 * fall + noise
     found = measure_drop(replace(track, radius=radius), fps=100)
-    assert any("the thing comes" in warning for warning in found.warnings) == told
+    assert any("the object comes" in warning for warning in found.warnings) == told
 
 
 def test_scale_and_header_that_contradict_free_fall_are_told():

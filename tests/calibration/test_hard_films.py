@@ -84,7 +84,7 @@ def _spot():
 
 def test_two_balls_that_bounce_together_are_named(tmp_path):
     words = refused("two alike, together", tmp_path)
-    assert "2 things bounce" in words
+    assert "2 objects bounce" in words
     assert "0.800" in words
 
 

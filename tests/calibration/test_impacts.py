@@ -13,7 +13,7 @@ from made_signals import Bounces, Room, half_sine, hertz, tone, write_csv, write
 from calibration import measure_impacts
 from calibration.commands.main import app
 from calibration.impacts.ratios import restitution
-from calibration.impacts.sequence import bouncing, doubt
+from calibration.impacts.sequence import bouncing, weakness
 from granulab.errors import InputError
 
 MEDIA = Path(os.environ.get("GRANULAB_MEDIA", Path(__file__).parents[3] / "shared" / "media"))
@@ -248,9 +248,9 @@ def test_a_row_that_chance_may_make_is_not_believed():
     levels = np.array([35.0, 40.0, 38.0, 36.0, 34.0, 32.0, 35.0, 35.0])
     for late, believed in ((1e-3, True), (0.1, False)):
         row = impacts + np.array([0.0, 0.0, 0.0, late, 2 * late])
-        words = doubt([1, 2, 3, 4, 5], np.sort(np.concatenate([row, strange])), levels)
+        words = weakness([1, 2, 3, 4, 5], np.sort(np.concatenate([row, strange])), levels)
         assert (words is None) == believed, words
-    assert doubt([0, 1, 2, 3, 4], row, levels[1:6]) is None  # nothing is left out
+    assert weakness([0, 1, 2, 3, 4], row, levels[1:6]) is None  # nothing is left out
 
 
 def test_an_impact_that_began_before_the_signal_is_left_out(tmp_path):

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from small_silo import silo2d
 
-from calibration.files.parameter_file import check_place, digest_of, into
+from calibration.files.parameter_file import check_section, digest_of, into
 from calibration.statistics.uncertainty import Estimate
 from granulab.contact.files.datafile import data_root
 from granulab.contact.files.table import load_table, write_table
@@ -284,7 +284,7 @@ def test_a_section_written_on_one_line_takes_a_key(tmp_path):
 _WRITER = """
 import datetime, os, pathlib, sys
 from calibration.files.parameter_file import into
-from calibration.uncertainty import Estimate
+from calibration.statistics.uncertainty import Estimate
 def put(value):
     into(sys.argv[1], "pair.wood-wood", "restitution", Estimate(value, None, 1), method="m",
          source="s", date=datetime.date(2026, 3, 14))
@@ -454,5 +454,5 @@ def test_the_digest_is_that_of_sha256sum(tmp_path):
 
 
 def test_stiffness_and_damping_stand_in_the_linear_section():
-    assert check_place("pair.a-b", "kn") == ["pair", "a-b", "linear"]
-    assert check_place("pair.a-b", "friction") == ["pair", "a-b"]
+    assert check_section("pair.a-b", "kn") == ["pair", "a-b", "linear"]
+    assert check_section("pair.a-b", "friction") == ["pair", "a-b"]

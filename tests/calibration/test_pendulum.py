@@ -169,7 +169,7 @@ def test_repeated_frames_in_a_swing_are_left_out():
     rows = np.insert(np.arange(len(track.x)), at, at - 1)
     again = Track(np.arange(float(len(rows))), track.x[rows], track.y[rows])
     found = measure_pendulum(again)
-    assert found.things.repeated == (float(at),)
+    assert found.objects.repeated == (float(at),)
     assert found.restitution.value == pytest.approx(0.7, abs=4 * found.restitution.sigma)
     assert [found.frame(t) for t in found.times[1:, 0]] == pytest.approx(
         clip.contacts[1:] + 1, abs=0.1
@@ -241,7 +241,7 @@ def test_what_is_no_pendulum_is_refused(change, match):
         (["--masses", "10 g"], "--masses"),
         (["--masses", "10 g,-1 g"], "--masses"),
         (["--masses", "10 mm,1 g"], "--masses"),
-        (["--masses", "10 g,10 g"], "one thing"),
+        (["--masses", "10 g,10 g"], "one object"),
     ],
 )
 def test_bad_options_are_one_line(tmp_path, options, match):

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from granulab.errors import InputError
 
 Picture = NDArray[np.uint8]
-Told = Callable[[float, str], None]  # share of a film that is read, and a few words
+Progress = Callable[[float, str], None]  # share of a film that is read, and a few words
 
 _PICTURES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 _FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm", ".wmv")
 
-# What is wrong with a file is told in our own lines; FFmpeg reads this when it is first used.
+# What is wrong with a file is reported in our own lines; FFmpeg reads this when it is first used.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
 _BAD_IN_A_ROW = 1000  # frames that may be missing before a film is taken to end
@@ -119,7 +119,7 @@ def open_film(path: str | Path) -> Film:
 
 
 def is_film(path: str | Path) -> bool:
-    """Whether a file is to be read as a film: a folder, a pattern, a film's ending, no text."""
+    """True if a file is to be read as a film: a folder, a pattern, a film's ending, no text."""
     path = Path(path)
     if path.is_dir() or is_pattern(path):
         return True
@@ -132,7 +132,7 @@ def is_film(path: str | Path) -> bool:
 
 
 def is_pattern(path: Path) -> bool:
-    """Whether a path stands for several pictures: "im*.png"."""
+    """True if a path stands for several pictures: "im*.png"."""
     return any(mark in path.name for mark in "*?[")
 
 

@@ -43,7 +43,7 @@ def clean_stamps(
 
 
 def _going_on(time: Array) -> np.ndarray:
-    """Which stamps are later than all before them (but for one far ahead of the rest)."""
+    """Marks of the stamps later than all before them (but for one far ahead of the rest)."""
     good = np.ones(len(time), dtype=bool)
     highest = time[0]
     for k in range(1, len(time)):
