@@ -66,7 +66,7 @@ def _law(law: Any) -> str:
             f"kn {law.kn:g} N/m, kt {law.kt:g} N/m, mu {law.mu:g}, gamma_n {law.gamma_n:g} 1/s, "
             f"gamma_t {law.gamma_t:g} 1/s"
         )
-    return f"{type(law).__name__}: " + ", ".join(f"{k} {v}" for k, v in law._asdict().items())
+    return f"{type(law).__name__}: " + ", ".join(f"{k} {v:g}" for k, v in law._asdict().items())
 
 
 def _engine(case: SiloCase) -> list[str]:
@@ -88,7 +88,7 @@ def _restitution(case: SiloCase) -> str:
         f"{values['face_to_face']:.2f} face to face"
         for pair, values in case.restitution().items()
     ]
-    return "; ".join(parts)
+    return "; ".join(parts) or "not reckoned for this law"
 
 
 def _disorder(case: SiloCase) -> list[str]:
