@@ -60,8 +60,10 @@ def compare_tables(before: str, after: str) -> tuple[list[str], bool]:
     first, second = columns(before), columns(after)
     kept = [name for name in first if name in second]
     unlike = [name for name in kept if first[name] != second[name]]
-    lines = [f"  {len(kept)} columns kept, {len(kept) - len(unlike)} equal to the last bit, "
-             f"{len(next(iter(second.values())))} rows; {len(before):,} -> {len(after):,} bytes"]
+    lines = [
+        f"  {len(kept)} columns kept, {len(kept) - len(unlike)} equal to the last bit, "
+        f"{len(next(iter(second.values())))} rows; {len(before):,} -> {len(after):,} bytes"
+    ]
     for word, names in (
         ("DIFFER", unlike),
         ("dropped", [name for name in first if name not in second]),
@@ -77,8 +79,10 @@ def compare_reports(before: str, after: str) -> tuple[list[str], bool]:
     first, second = verdicts(before), verdicts(after)
     gone, new = numbers(before) - numbers(after), numbers(after) - numbers(before)
     count = ", ".join(f"{n} {word}" for word, n in sorted(Counter(second).items()))
-    lines = [f"  verdicts {'equal' if first == second else 'DIFFER'}: {count or 'none'}; "
-             f"numbers {'DIFFER' if gone or new else 'equal'}"]
+    lines = [
+        f"  verdicts {'equal' if first == second else 'DIFFER'}: {count or 'none'}; "
+        f"numbers {'DIFFER' if gone or new else 'equal'}"
+    ]
     if gone or new:
         lines.append(f"  numbers gone: {dict(gone)}; new: {dict(new)}")
     if first == second and body(before) != body(after):

@@ -19,7 +19,7 @@ TABLES: dict[str, tuple[str, str]] = {
         "cycles",
         "within the cycle (thesis, Figs 6.7, 6.10, 6.16 and 6.18)",
     ),
-    "map": ("maps", "efficiency over frequency and Gamma, 4 fills (thesis, Figs 6.4 and 6.5)"),
+    "map": ("map", "efficiency over frequency and Gamma, 4 fills (thesis, Figs 6.4 and 6.5)"),
     "optimum": ("optimum", "where the bouncing bed damps best (thesis, Table 6.3)"),
     "packing": ("packing", "how densely each shape packs (thesis, eq. 6.13 and sec. 8.5.1.2)"),
     "sensitivity": ("sensitivity", "the optimum against four properties (thesis, Fig. 6.13)"),

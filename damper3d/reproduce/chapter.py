@@ -5,33 +5,45 @@ alike; here all are computed, at its nine frequencies and nineteen Gammas, one p
 """
 
 import itertools
-import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper3d.reproduce.dampers import HEIGHTS, ORIENTATIONS, SPHERES, panel
-from damper3d.reproduce.fluidisation_statements import statements as fluidised
-from damper3d.reproduce.map_statements import Ridges, likeness, points_of, statements
-from damper3d.reproduce.maps import ridges_by_panel
-from damper3d.reproduce.maps import run as run_maps
-from damper3d.reproduce.runs import Panel, Row, labels_of
-from damper3d.reproduce.standing import standing
-from damper3d.reproduce.statements import report_statements
+from damper3d.reproduce.completeness import completeness
+from damper3d.reproduce.panels import (
+    HEIGHTS,
+    ORIENTATIONS,
+    SPHERES,
+    Panel,
+    Row,
+    labels_of,
+    panel,
+    run_of_panels,
+)
+from damper3d.reproduce.quantities.maps import (
+    MAPS,
+    Ridges,
+    exponent,
+    geometric_mean,
+    likeness,
+    ridges_by_panel,
+)
 from damper3d.studies.map.grid import FREQUENCIES, GAMMAS
-from granulab.campaign.output.layout import columns
+from granulab.campaign.claims.claim import claims_of
+from granulab.campaign.claims.judge import report_claims
+from granulab.campaign.output.layout import columns, paragraphs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SEEDS = 1
+COLUMNS = ("fill_ratio", "efficiency", "efficiency_interval")
 
-_STANDARD = 5  # mm, that the others are set beside
+_STANDARD = 5  # mm, that the others are compared with
 _CRITERION = """\
 fluidisation, bouncing bed: of the peaks of each ridge that can be seen (docs/damper-map.md), the
-geometric mean of Gamma and the exponent of f, and the range of eta. beside 5 mm: over the points
+geometric mean of Gamma and the exponent of f, and the range of eta. against 5 mm: over the points
 that both have, correlation of eta and root-mean-square difference."""
 
 
@@ -42,18 +54,7 @@ def panels() -> list[Panel]:
     return [panel(o, h, size, points) for size in sizes for o in ORIENTATIONS for h in HEIGHTS]
 
 
-def run(
-    *,
-    out: Path,
-    seeds: Sequence[int],
-    workers: int | None,
-    quiet: bool,
-    grid: Sequence[Panel] | None = None,
-    **engine: str,
-) -> list[Row]:
-    """All points of the 32 maps, or of another grid, with all packings."""
-    grid = panels() if grid is None else grid
-    return run_maps(out=out, seeds=seeds, workers=workers, quiet=quiet, grid=grid, **engine)
+run = run_of_panels(panels)
 
 
 def by_size(rows: Sequence[Row]) -> dict[int, dict[tuple[str, int], Ridges]]:
@@ -66,24 +67,18 @@ def by_size(rows: Sequence[Row]) -> dict[int, dict[tuple[str, int], Ridges]]:
 
 
 def report(rows: list[Row]) -> str:
-    """What lacks, a line for each map, and the statements about the maps of each size."""
+    """What lacks, a line for each map, and the claims about the maps of each size."""
     found = by_size(rows)
     table = columns(
         ["size", "orientation", "height", "best eta", "at f [Hz]", "Gamma", "fluidisation", "f^",
-         "eta", "bouncing bed", "f^", "eta", "beside 5 mm", "rms"],
+         "eta", "bouncing bed", "f^", "eta", "against 5 mm", "rms"],
         [_line(size, key, found) for size, maps in found.items() for key in maps],
     )  # fmt: skip
     judged = [
-        f"spheres of {size} mm, {report_statements([*statements(maps), *fluidised(maps)])}"
+        f"spheres of {size} mm, {report_claims(MAPS.judge(claims_of('damper_map'), maps))}"
         for size, maps in found.items()
     ]
-    parts = [
-        standing(rows, labels_of(panels()), SEEDS),
-        table,
-        *judged,
-        _CRITERION,
-    ]
-    return "\n\n".join(filter(None, parts))
+    return paragraphs(completeness(rows, labels_of(panels()), SEEDS), table, *judged, _CRITERION)
 
 
 def _line(
@@ -101,24 +96,25 @@ def _line(
         f"{one.result.gamma[best]:g}",
         *_ridge(one, "fluidisation"),
         *_ridge(one, "bouncing_bed"),
-        *_beside(one, found.get(_STANDARD, {}).get(key), size),
+        *_compared(one, found.get(_STANDARD, {}).get(key), size),
     ]
 
 
 def _ridge(one: Ridges, ridge: str) -> list[str]:
-    points, exponent = points_of(one, ridge)
+    points = one.along(ridge)
     if not points:
         return ["-", "-", "-"]
-    mean = math.exp(sum(math.log(peak.gamma) for _, peak in points) / len(points))
+    gammas = [peak.gamma for _, peak in points]
     etas = [peak.efficiency for _, peak in points]
+    power = exponent([f for f, _ in points], gammas)
     return [
-        f"{mean:.3g} ({len(points)})",
-        "-" if exponent is None else f"{exponent:+.2f}",
+        f"{geometric_mean(gammas):.3g} ({len(points)})",
+        "-" if power is None else f"{power:+.2f}",
         f"{min(etas):.2f} to {max(etas):.2f}",
     ]
 
 
-def _beside(one: Ridges, standard: Ridges | None, size: int) -> list[str]:
+def _compared(one: Ridges, standard: Ridges | None, size: int) -> list[str]:
     if standard is None or size == _STANDARD:
         return ["-", "-"]
     alike = likeness(one.result, standard.result)
@@ -127,6 +123,6 @@ def _beside(one: Ridges, standard: Ridges | None, size: int) -> list[str]:
 
 def draw(rows: list[Row]) -> "Figure":
     """Contours with onset lines: a column for each size, a row for each fill and orientation."""
-    from damper3d.reproduce.chapter_panels import draw_chapter
+    from damper3d.reproduce.figures.maps import draw_chapter
 
     return draw_chapter(by_size(rows))

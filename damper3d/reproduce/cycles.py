@@ -8,22 +8,29 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from damper3d.reproduce.cycle_histories import BOUNCING, FREQUENCY, points, with_history
-from damper3d.reproduce.cycle_statements import Readings, cycle_statements, ideal_since, readings
-from damper3d.reproduce.standing import standing
-from damper3d.reproduce.statements import report_statements
+import numpy as np
+
+from damper3d.reproduce.completeness import completeness
+from damper3d.reproduce.quantities.cycles import CYCLES, FREQUENCY, ideal_since, readings
+from granulab.campaign.claims.claim import claims_of
+from granulab.campaign.claims.judge import report_claims
 from granulab.campaign.output.layout import columns, done
+from granulab.campaign.runs.folder import FolderError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from granulab.campaign.sweeps.sweep import Labelled
 
 Row = dict[str, Any]
 
 SEEDS = 3
+COLUMNS = ("frequency_hz", "mass_kg", "phase", "cycle.")
 
-
+BOUNCING = (20.0, 30.0, 40.0, 60.0, 100.0)  # Gamma; the thesis names 20 and 100 (Fig. 6.10)
+FLUIDISED = (1.5, 3.0, 4.0)  # Fig. 6.18; 3 is that of Fig. 6.16 too
+_DIGITS = 5  # of what a row keeps of a history
 _CYCLES, _DISCARD = 13, 3  # five pairs of cycles
 _READING = """\
 step: a stretch of the cycle in which more than the mean power is dissipated, with at least a tenth
@@ -38,6 +45,12 @@ Velocities over V = Gamma g/omega. enclosure, half way: its speed when a step st
   uneven: |b - a|/(b + a) of the energies of cycles in turn.
 Histories are means over five pairs of cycles after three that do not count, so cycles 4 to 13; the
   thesis shows steady cycles and does not say which. Gamma 30, 40 and 60 are our choice."""
+
+
+def points() -> list[Row]:
+    """The labels of each point of the table."""
+    chosen = [("vertical", (*FLUIDISED, *BOUNCING)), ("horizontal", FLUIDISED)]
+    return [{"orientation": o, "gamma": gamma} for o, gammas in chosen for gamma in gammas]
 
 
 def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[Labelled]":
@@ -62,36 +75,66 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> list[Row]:
     """Every point for each seed, with its histories; runs that are there are not done again."""
-    from damper3d.reproduce.runs import run_all
+    from damper3d.reproduce.panels import run_all
 
     rows = run_all(cases(seeds), out=out, workers=workers, quiet=quiet, **engine)
     return [with_history(row) for row in rows]
 
 
+def with_history(row: Row) -> Row:
+    """A row with its mean pair of counted cycles, read from its run folder.
+
+    cycle.dissipated       (2 n + 1,) [J] since the pair began
+    cycle.bed_velocity     (2 n + 1,) [m/s] along the motion, in the lab
+    A run whose samples are not there any more becomes a failed one.
+    """
+    from damper3d.measures.efficiency import dissipated
+    from damper3d.view.scene import read_scene
+
+    if row["state"] != "done":
+        return row
+    try:
+        scene = read_scene(row["run_folder"])
+    except FolderError as error:
+        return row | {"state": "failed", "reason": str(error)}
+    energy = dissipated(scene.trajectory)
+    bed = scene.along(scene.trajectory["mean_velocity"])
+    per_pair, first = 2 * scene.samples_per_cycle, scene.counted.start * scene.samples_per_cycle
+    pairs = len(scene.counted) // 2
+    at = first + per_pair * np.arange(pairs)[:, None] + np.arange(per_pair + 1)
+    histories = {"dissipated": energy[at] - energy[at[:, :1]], "bed_velocity": bed[at]}
+    return row | {f"cycle.{name}": _short(pairs.mean(axis=0)) for name, pairs in histories.items()}
+
+
+def _short(history: np.ndarray) -> list[float]:
+    return [float(f"{value:.{_DIGITS}g}") for value in history]
+
+
 def report(rows: list[Row]) -> str:
-    """What is there, the statements of secs 6.4.1 and 6.4.3 judged, and the readings."""
+    """What is there, the claims of secs 6.4.1 and 6.4.3 judged, and the readings."""
     found = readings(rows)
     parts = [
-        standing(rows, points(), SEEDS),
-        report_statements(cycle_statements(found)),
+        completeness(rows, points(), SEEDS),
+        report_claims(CYCLES.judge(claims_of("damper_cycles"), found)),
         _table(rows, found),
         _READING,
     ]
     return "\n\n".join(filter(None, parts))
 
 
-def _table(rows: list[Row], found: Readings) -> str:
+def _table(rows: list[Row], found: "DataFrame") -> str:
     """A line a point: means over the packings."""
     numbers = ("enclosure", "half_way", "against", "bed", "relative", "together", "within")
     lines = []
-    for (orientation, gamma), mean in found.items():
+    for mean in found.to_dict("records"):
+        point = mean["orientation"], mean["gamma"]
         phases = [str(row.get("phase")).replace("_", " ") for row in done(rows)
-                  if (row["orientation"], row["gamma"]) == (orientation, gamma)]  # fmt: skip
-        ideal = ideal_since(gamma) if gamma in BOUNCING else None
-        since = _cell(mean.get("since")) + (f" ({ideal:.2f})" if ideal else "")
-        cells = [_cell(mean.get(name)) for name in ("duration", *numbers)]
+                  if (row["orientation"], row["gamma"]) == point]  # fmt: skip
+        ideal = ideal_since(point[1]) if point[1] in BOUNCING else None
+        since = _cell(mean["since"]) + (f" ({ideal:.2f})" if ideal else "")
+        cells = [_cell(mean[name]) for name in ("duration", *numbers)]
         lines.append([
-            f"  {orientation}", f"{gamma:g}", f"{mean['steps']:.2g}", since, *cells,
+            f"  {point[0]}", f"{point[1]:g}", f"{mean['steps']:.2g}", since, *cells,
             f"{mean['deceleration']:.0f}", _cell(mean["unevenness"]),
             ", ".join(dict.fromkeys(phases)),
         ])  # fmt: skip
@@ -101,12 +144,12 @@ def _table(rows: list[Row], found: Readings) -> str:
     return columns(header, lines) if lines else ""
 
 
-def _cell(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
+def _cell(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.2f}"
 
 
 def draw(rows: list[Row]) -> "Figure":
     """Five panels after the thesis's figures, and when the bouncing bed collides."""
-    from damper3d.reproduce.cycle_panels import cycle_panels
+    from damper3d.reproduce.figures.cycles import cycle_panels
 
     return cycle_panels(rows)

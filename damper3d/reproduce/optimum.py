@@ -1,37 +1,51 @@
-"""Table 6.3: the Gamma at which the bouncing bed damps best, beside the thesis's own and eq. 6.11.
+"""Table 6.3: the Gamma at which the bouncing bed damps best, with the thesis's and eq. 6.11.
 
 Both orientations, the four heights with 358 spheres of 5 mm, 20 and 40 Hz, and 80 Hz where the
 close packing's onset is within Gamma 100. The thesis's Gammas within a factor of two of that onset,
-and 120 and 150, are run for each packing; then the intervals beside each peak are halved three
+and 120 and 150, are run for each packing; then the intervals next to each peak are halved three
 times.
 """
 
 import csv
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from damper3d.reproduce.dampers import HEIGHTS, ORIENTATIONS, about, close_onset, panel
-from damper3d.reproduce.optima import Optimum, optimum, pooled_scatter, with_scatter
-from damper3d.reproduce.optimum_statements import statements
-from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
-from damper3d.reproduce.standing import standing
-from damper3d.reproduce.statements import report_statements
+from damper3d.reproduce.completeness import completeness
+from damper3d.reproduce.panels import (
+    HEIGHTS,
+    ORIENTATIONS,
+    Panel,
+    Row,
+    about,
+    close_onset,
+    labels_of,
+    panel,
+    run_of_panels,
+)
+from damper3d.reproduce.quantities.optima import (
+    OPTIMA,
+    Line,
+    Optimum,
+    Table63,
+    optimum,
+    with_scatter,
+)
 from damper3d.studies.map.grid import GAMMAS
-from granulab.campaign.output.layout import columns, signed
+from granulab.campaign.claims.claim import claims_of
+from granulab.campaign.claims.judge import report_claims
+from granulab.campaign.output.layout import columns, paragraphs, signed
 from granulab.contact.files.datafile import data_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SEEDS = 3
+COLUMNS = ("fill_ratio", "efficiency", "efficiency_interval")
 FREQUENCIES = 20.0, 40.0, 80.0  # Hz
 REFINE = 3
 _AROUND = 2.0  # factor about the onset within which Gammas are run
 _BEYOND = 120.0, 150.0  # Gammas that the thesis has not, so that a peak near 90 can stand out
-
-Line = tuple[int, float, str]  # height [mm], frequency [Hz], orientation
 
 _CRITERION = """\
 ours: where the bouncing bed's peak of eta along Gamma lies, geometric mean +- standard deviation
@@ -57,21 +71,7 @@ def panels() -> list[Panel]:
     ]  # fmt: skip
 
 
-def run(
-    *,
-    out: Path,
-    seeds: Sequence[int],
-    workers: int | None,
-    quiet: bool,
-    grid: Sequence[Panel] | None = None,
-    refine: int = REFINE,
-    **engine: str,
-) -> list[Row]:
-    """All points of the table, or of another grid, with all packings."""
-    return run_panels(
-        panels() if grid is None else grid, seeds, refine=refine, out=out, workers=workers,
-        quiet=quiet, **engine,
-    )  # fmt: skip
+run = run_of_panels(lambda: panels(), REFINE)
 
 
 def published(height: int, orientation: str) -> dict[float, float | None]:
@@ -97,22 +97,21 @@ def optima(rows: Sequence[Row]) -> dict[Line, Optimum | None]:
 
 
 def report(rows: list[Row]) -> str:
-    """What lacks, each line beside the thesis's, the statements, the criterion."""
+    """What lacks, each line with the thesis's, the claims, the criterion."""
     found = optima(rows)
-    pooled = pooled_scatter(list(found.values()))
+    judged = Table63.of(found)
     table = columns(
         ["height", "f [Hz]", "orientation", "thesis", "ours", "top", "bracket", "eta", "difference",
          "LP", "CP"],
-        [_line(line, one, pooled) for line, one in found.items()],
+        [_line(line, one, judged.pooled) for line, one in found.items()],
     )  # fmt: skip
-    parts = [
-        standing(rows, labels_of(panels()), SEEDS),
+    return paragraphs(
+        completeness(rows, labels_of(panels()), SEEDS),
         table,
-        _scatter(pooled),
-        report_statements(statements(found, pooled)),
+        _scatter(judged.pooled),
+        report_claims(OPTIMA.judge(claims_of("damper_optimum"), judged)),
         _CRITERION,
-    ]
-    return "\n\n".join(parts)
+    )
 
 
 def _line(line: Line, found: Optimum | None, pooled: tuple[float, int] | None) -> list[str]:
@@ -154,6 +153,6 @@ def _or_dash(value: float | None) -> str:
 
 def draw(rows: list[Row]) -> "Figure":
     """Optimum against clearance at each frequency, with eq. 6.11; and eta against Gamma."""
-    from damper3d.reproduce.optimum_chart import draw_optima
+    from damper3d.reproduce.figures.optimum import draw_optima
 
     return draw_optima(rows, optima(rows), published)

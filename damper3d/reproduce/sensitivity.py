@@ -1,18 +1,19 @@
 """What the efficiency depends on: density, modulus, restitution, friction (Fig. 6.13).
 
 Vertical motion at 20 Hz, 358 spheres of 5 mm, fill ratio 0.466, one property changed at a time.
-The values are those of sensitivity_values.
+The values are those of the module properties.
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from damper3d.reproduce.sensitivity_statements import Peaks, peaks_of, sensitivity_statements
-from damper3d.reproduce.sensitivity_values import FREQUENCY, change, in_words, points
-from damper3d.reproduce.standing import standing
-from damper3d.reproduce.statements import report_statements
-from granulab.campaign.output.layout import columns, done
+from damper3d.reproduce.completeness import completeness
+from damper3d.reproduce.panels import point_cases, run_of_cases
+from damper3d.reproduce.properties import FREQUENCY, change, in_words, points
+from damper3d.reproduce.quantities.sensitivity import SENSITIVITY, Peaks, peaks_of
+from granulab.campaign.claims.claim import claims_of
+from granulab.campaign.claims.judge import report_claims
+from granulab.campaign.output.layout import columns, done, paragraphs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 
 SEEDS = 3
+COLUMNS = (
+    "frequency_hz", "efficiency", "efficiency_interval", "energy_closure",
+    "max_impact_over_yield_velocity.",
+)  # fmt: skip
 
 _READING = """\
 Values are our choice, the thesis prints none. optimum: highest peak of eta along Gamma, from the
@@ -34,43 +39,33 @@ Density and modulus enter as E/rho alone (forces grow with E, masses with rho, t
   twice the density is half the modulus."""
 
 
-def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[Labelled]":
-    """Each point once for each seed; `changes` go before what the table sets."""
-    from damper3d.case.case import DamperCase
-    from granulab.campaign.sweeps.sweep import over_seeds
-
-    found: list[Labelled] = []
-    for point in points():
-        own = {
-            "motion.frequency": FREQUENCY,
-            "motion.gamma": point["gamma"],
-            "output.keep": "summary",
-        }
-        own |= change(point["property"], point["value"])
-        found += over_seeds(point, DamperCase.load("thesis", own | (changes or {})), seeds)
-    return found
+def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
+    """Each point once for each seed; `changes` go over what the table sets."""
+    return point_cases(points(), _settings, seeds, changes)
 
 
-def run(
-    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
-) -> list[Row]:
-    """Every point for each seed; runs that are there are not done again."""
-    from damper3d.reproduce.runs import run_all
+def _settings(point: Row) -> Row:
+    return {
+        "motion.frequency": FREQUENCY,
+        "motion.gamma": point["gamma"],
+        "output.keep": "summary",
+        **change(point["property"], point["value"]),
+    }
 
-    return run_all(cases(seeds), out=out, workers=workers, quiet=quiet, **engine)
+
+run = run_of_cases(cases)
 
 
 def report(rows: list[Row]) -> str:
-    """What is there, the statements judged, and a line a value with its optimum."""
+    """What is there, the claims judged, and a line a value with its optimum."""
     found = peaks_of(rows)
-    parts = [
-        standing(rows, points(), SEEDS),
-        report_statements(sensitivity_statements(rows, found)),
+    return paragraphs(
+        completeness(rows, points(), SEEDS),
+        report_claims(SENSITIVITY.judge(claims_of("damper_sensitivity"), found)),
         _table(found),
         _READING,
         _ended(rows),
-    ]
-    return "\n\n".join(filter(None, parts))
+    )
 
 
 def _table(found: Peaks) -> str:
@@ -80,7 +75,8 @@ def _table(found: Peaks) -> str:
             f"{own.peak.gamma:.2f} [{own.peak.low:.2f}, {own.peak.high:.2f}]" if own.peak else "-"
         )
         eta = f"{own.peak.efficiency:.3f}" if own.peak else "-"
-        level = "-" if own.level is None else f"{own.level:.3f}"
+        mean = own.level()
+        level = "-" if mean is None else f"{mean:.3f}"
         lines.append([f"  {name}", in_words(name, value), optimum, eta, level])
     header = ["  property", "value", "optimum Gamma", "eta there", "bouncing bed"]
     return columns(header, lines) if lines else ""
@@ -107,6 +103,6 @@ def _ended(rows: list[Row]) -> str:
 
 def draw(rows: list[Row]) -> "Figure":
     """Four panels as in Fig. 6.13: eta against Gamma, a line a value."""
-    from damper3d.reproduce.sensitivity_panels import sensitivity_panels
+    from damper3d.reproduce.figures.sensitivity import sensitivity_panels
 
-    return sensitivity_panels(rows, peaks_of(rows))
+    return sensitivity_panels(peaks_of(rows))

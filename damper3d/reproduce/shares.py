@@ -1,27 +1,29 @@
 """Where the energy goes: shares of particle-particle contacts and of friction (Figs 6.28, 6.29).
 
 Vertical motion at 40 and 160 Hz, fill ratio 0.466, spheres of 3 to 6 mm, over the thesis's Gammas.
-Each share is told twice: of what our budget finds dissipated, and of the thesis's count (eq. 6.7),
+Each share is given twice: of what our budget finds dissipated, and of the thesis's count (eq. 6.7),
 in which friction is the whole force mu Fn times the sliding velocity, so that it is more.
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from damper3d.reproduce.curves import curve
-from damper3d.reproduce.share_statements import (
+from damper3d.reproduce.completeness import completeness
+from damper3d.reproduce.panels import SPHERES, point_cases, run_of_cases
+from damper3d.reproduce.quantities.curves import curve
+from damper3d.reproduce.quantities.shares import (
     COUNTS,
+    SHARES,
     Landmarks,
+    Readings,
     landmarks,
     of_size,
     quantities,
-    share_statements,
     tangential_damping,
 )
-from damper3d.reproduce.standing import standing
-from damper3d.reproduce.statements import report_statements
-from granulab.campaign.output.layout import columns, done
+from granulab.campaign.claims.claim import claims_of
+from granulab.campaign.claims.judge import report_claims
+from granulab.campaign.output.layout import columns, done, paragraphs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,8 +33,9 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 
 SEEDS = 3
+COLUMNS = ("efficiency", "efficiency_interval", "fill_ratio", "shares.", "shares_contact_count.")
 
-COUNT_OF = {5: 358, 4: 700, 6: 207, 3: 1659}  # by the diameter [mm] (Table 6.1), dearest last
+SIZES = (5, 4, 6, 3)  # [mm], dearest last
 FREQUENCIES = (40.0, 160.0)  # [Hz]
 GAMMAS = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 40.0, 50.0,
           60.0, 80.0, 100.0)  # fmt: skip
@@ -46,60 +49,50 @@ onset and optimum: peaks of eta along Gamma of the same runs, as `damper3d map` 
   noise; the thesis took them from Figs 6.8 and 6.22."""
 
 
-def points() -> list[dict[str, Any]]:
+def points() -> list[Row]:
     """The labels of each point of the table."""
     return [
         dict(zip(_LABELS, (diameter, frequency, gamma), strict=True))
-        for diameter in COUNT_OF
+        for diameter in SIZES
         for frequency in FREQUENCIES
         for gamma in GAMMAS
     ]
 
 
-def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[Labelled]":
-    """Each point once for each seed; `changes` go before what the table sets."""
-    from damper3d.case.case import DamperCase
-    from granulab.campaign.sweeps.sweep import over_seeds
-
-    found: list[Labelled] = []
-    for point in points():
-        own = {
-            "particles.shape": f"sphere:{point['diameter_mm']}mm",
-            "particles.count": COUNT_OF[point["diameter_mm"]],
-            "motion.frequency": point["frequency_hz"],
-            "motion.gamma": point["gamma"],
-            "output.keep": "summary",
-        }
-        found += over_seeds(point, DamperCase.load("thesis", own | (changes or {})), seeds)
-    return found
+def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
+    """Each point once for each seed; `changes` go over what the table sets."""
+    return point_cases(points(), _settings, seeds, changes)
 
 
-def run(
-    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
-) -> list[Row]:
-    """Every point for each seed; runs that are there are not done again."""
-    from damper3d.reproduce.runs import run_all
+def _settings(point: Row) -> Row:
+    return {
+        "particles.shape": f"sphere:{point['diameter_mm']}mm",
+        "particles.count": SPHERES[point["diameter_mm"]],
+        "motion.frequency": point["frequency_hz"],
+        "motion.gamma": point["gamma"],
+        "output.keep": "summary",
+    }
 
-    return run_all(cases(seeds), out=out, workers=workers, quiet=quiet, **engine)
+
+run = run_of_cases(cases)
 
 
 def report(rows: list[Row]) -> str:
-    """What is there, the statements of sec. 6.5 judged, and the shares in figures."""
+    """What is there, the claims of sec. 6.5 judged, and the shares in figures."""
     found = landmarks(rows)
-    parts = [
-        standing(rows, points(), SEEDS),
-        report_statements(share_statements(rows, found)),
+    return paragraphs(
+        completeness(rows, points(), SEEDS),
+        report_claims(SHARES.judge(claims_of("damper_shares"), Readings(rows, found))),
         *(_table(rows, found, frequency) for frequency in FREQUENCIES),
         tangential_damping(rows),
         _without_count(rows),
         _READING,
-    ]
-    return "\n\n".join(filter(None, parts))
+    )
 
 
 def _table(rows: list[Row], found: Landmarks, frequency: float) -> str:
     """A line a Gamma: for each size the three shares, budget then the thesis's count."""
-    sizes = [size for size in sorted(COUNT_OF) if of_size(rows, size, frequency)]
+    sizes = [size for size in sorted(SIZES) if of_size(rows, size, frequency)]
     if not sizes:
         return ""
     curves = {
@@ -131,12 +124,12 @@ def _without_count(rows: list[Row]) -> str:
         return ""
     return (
         f"{old} of {len(done(rows))} runs were made before the shares of the thesis's count were "
-        "kept; delete their folders and the same command makes them anew"
+        "kept; delete their folders and the same command makes them again"
     )
 
 
 def draw(rows: list[Row]) -> "Figure":
-    """Three rows of panels as in Figs 6.28 and 6.29; see share_panels."""
-    from damper3d.reproduce.share_panels import share_panels
+    """Three rows of panels as in Figs 6.28 and 6.29; see figures.shares."""
+    from damper3d.reproduce.figures.shares import share_panels
 
     return share_panels(rows, landmarks(rows), FREQUENCIES)

@@ -2,43 +2,56 @@
 
 In the cylinder of 40 mm (fill ratio 0.466), in both orientations. At 20 Hz the optimum is the
 bouncing bed's onset, at 160 Hz that of fluidisation. The thesis's Gammas are run for each packing,
-then the intervals beside each peak are halved twice.
+then the intervals next to each peak are halved twice.
 """
 
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from damper3d.reproduce.dampers import ORIENTATIONS, SPHERES, about, close_onset, panel
-from damper3d.reproduce.optima import Optimum, optimum, pooled_scatter, with_scatter
-from damper3d.reproduce.runs import Panel, Row, labels_of, run_panels
-from damper3d.reproduce.standing import standing
-from damper3d.reproduce.statements import Check, Statement, all_of, report_statements
+from damper3d.reproduce.completeness import completeness
+from damper3d.reproduce.panels import (
+    ORIENTATIONS,
+    SPHERES,
+    Panel,
+    Row,
+    about,
+    close_onset,
+    labels_of,
+    panel,
+    run_of_panels,
+)
+from damper3d.reproduce.quantities.optima import (
+    Optimum,
+    optimum,
+    pooled_scatter,
+    with_scatter,
+)
 from damper3d.studies.map.grid import MapResult
-from granulab.campaign.output.layout import columns
+from granulab.campaign.claims.claim import claims_of
+from granulab.campaign.claims.judge import Quantities, report_claims
+from granulab.campaign.output.layout import columns, paragraphs
 from granulab.campaign.output.statistics import slope
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SEEDS = 3
+COLUMNS = ("fill_ratio", "efficiency", "efficiency_interval")
 RIDGES = {20.0: "bouncing_bed", 160.0: "fluidisation"}  # by frequency [Hz]
 REFINE = 2
 _HEIGHT = 40  # mm
 _FLUIDISED = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0]  # Gammas at 160 Hz
 _AROUND = 2.5  # factor about the onset of the bouncing bed at 20 Hz
-_SMALL = 1.5  # largest over least optimum that is a small effect; see sizes in the docs
-_NOTABLE = 0.1  # of eta: root-mean-square difference of two sizes that is notable
 
 Key = tuple[str, float]  # orientation, frequency [Hz]
 
-_CRITERION = f"""\
+_CRITERION = """\
 ours: where eta peaks along Gamma on the ridge named, geometric mean +- standard deviation over the
   packings, each with its own peak (their number); bracket: between which Gammas the peak of the
   mean curve lies by more than noise; +-: the scatter of the mean, pooled over all lines, and
-  half the bracket together. A small effect: largest over least optimum at most {_SMALL:g}, about
+  half the bracket together. A small effect: largest over least optimum at most 1.5, about
   what 5 mm of height do at 40 mm (eq. 6.11, close packing). The trend is the slope of ln Gamma
   against ln diameter through the optima of all packings, with its 95 % interval."""
 
@@ -50,24 +63,20 @@ def panels() -> list[Panel]:
     return [panel(o, _HEIGHT, diameter, points) for o in ORIENTATIONS for diameter in SPHERES]
 
 
-def run(
-    *,
-    out: Path,
-    seeds: Sequence[int],
-    workers: int | None,
-    quiet: bool,
-    grid: Sequence[Panel] | None = None,
-    refine: int = REFINE,
-    **engine: str,
-) -> list[Row]:
-    """All points of the table, or of another grid, with all packings."""
-    return run_panels(
-        panels() if grid is None else grid, seeds, refine=refine, out=out, workers=workers,
-        quiet=quiet, **engine,
-    )  # fmt: skip
+run = run_of_panels(panels, REFINE)
 
 
 Found = Mapping[Key, Mapping[int, Optimum | None]]  # then by diameter [mm]
+
+
+class Readings(NamedTuple):
+    """What the claims go by: the rows and their optima."""
+
+    rows: Sequence[Row]
+    found: Found
+
+
+QUANTITIES = Quantities()
 
 
 def optima(rows: Sequence[Row]) -> dict[Key, dict[int, Optimum | None]]:
@@ -90,7 +99,7 @@ def _is_of(row: Row, key: Key, diameter: int) -> bool:
 
 
 def report(rows: list[Row]) -> str:
-    """What lacks, the optimum of each size, the statements, the criterion."""
+    """What lacks, the optimum of each size, the claims, the criterion."""
     found = optima(rows)
     pooled = pooled_scatter([one for own in found.values() for one in own.values()])
     lines = [
@@ -110,13 +119,12 @@ def report(rows: list[Row]) -> str:
         "LP",
         "CP",
     ]
-    parts = [
-        standing(rows, labels_of(panels()), SEEDS),
+    return paragraphs(
+        completeness(rows, labels_of(panels()), SEEDS),
         columns(heads, lines),
-        report_statements(statements(rows, found)),
+        report_claims(QUANTITIES.judge(claims_of("damper_sizes"), Readings(rows, found))),
         _CRITERION,
-    ]
-    return "\n\n".join(filter(None, parts))
+    )
 
 
 def _line(
@@ -135,65 +143,49 @@ def _line(
             f"{one.mean.efficiency:.3f}", *shown]  # fmt: skip
 
 
-def statements(rows: Sequence[Row], found: Found) -> list[Statement]:
-    """What the thesis says of the sizes: sec. 6.4.1 of 20 Hz, sec. 6.4.3.2 of 160 Hz."""
-    bouncing = {key: own for key, own in found.items() if key[1] == 20.0}
-    fluidised = {key: own for key, own in found.items() if key[1] == 160.0}
+@QUANTITIES.quantity
+def optimum_by_size(readings: Readings) -> list[Row]:
+    """Gamma of the optimum of each size that has one."""
     return [
-        _small_effect(bouncing, "the bouncing bed's optimum"),
-        _falls_with_size(bouncing),
-        _small_effect(fluidised, "the fluidisation optimum"),
-        _curves_alike(rows, [key for key in fluidised if key[0] == "vertical"]),
+        _labels(key) | {"diameter_mm": diameter, "value": one.gamma}
+        for key, own in readings.found.items()
+        for diameter, one in own.items()
+        if one
     ]
 
 
-def _small_effect(found: Found, what: str) -> Statement:
-    words = f"size has a small effect on {what}: largest over least at most {_SMALL:g}"
-    ratios = {}
-    for key, own in found.items():
-        gammas = [one.gamma for one in own.values() if one]
-        if len(gammas) > 1:
-            ratios[key] = max(gammas) / min(gammas)
-    shown = ", ".join(f"{_place(key)} {ratio:.2f}" for key, ratio in ratios.items())
-    return Statement(words, [Check(all_of([ratio <= _SMALL for ratio in ratios.values()]), shown)])
-
-
-def _falls_with_size(found: Found) -> Statement:
-    holds, shown = [], []
-    for key, own in found.items():
-        known = {diameter: one for diameter, one in own.items() if one}
-        x = [math.log(d) for d, one in known.items() for _ in range(max(one.logarithms.n, 1))]
-        y = [v for one in known.values() for v in _alone(one)]
-        trend = slope(x, y)
+@QUANTITIES.quantity
+def exponent_of_size(readings: Readings) -> list[Row]:
+    """Slope of ln Gamma over ln diameter through the optima of all packings, with its noise."""
+    found = []
+    for key, own in readings.found.items():
+        points = [
+            (math.log(diameter), gamma)
+            for diameter, one in own.items()
+            if one
+            for gamma in one.alone or (math.log(one.gamma),)
+        ]
+        trend = slope([x for x, _ in points], [y for _, y in points])
         if trend is not None:
-            holds.append(trend.value < 0)
-            noise = " (within noise)" if abs(trend.value) <= trend.half_width else ""
-            shown.append(f"{_place(key)} d^{trend.value:.2f} +- {trend.half_width:.2f}{noise}")
-    words = "the bouncing bed's optimum generally falls with size: slope below 0"
-    return Statement(words, [Check(all_of(holds), ", ".join(shown))])
+            hidden = abs(trend.value) <= trend.half_width
+            found.append(_labels(key) | {"value": trend.value, "noise": trend.half_width,
+                                         "remark": " (within noise)" * hidden})  # fmt: skip
+    return found
 
 
-def _alone(one: Optimum) -> tuple[float, ...]:
-    """ln Gamma of each packing's peak; of none, that of the mean curve."""
-    return one.alone or (math.log(one.gamma),)
-
-
-def _curves_alike(rows: Sequence[Row], keys: Sequence[Key]) -> Statement:
-    """Each size's curve against that of 5 mm, at the Gammas that both have."""
-    words = (
-        "vertical fluidisation and convection are not notably affected by size: eta within "
-        f"{_NOTABLE:g} (rms) of 5 mm"
-    )
-    away = {}
-    for key in keys:
-        curves = {d: _curve([r for r in rows if _is_of(r, key, d)]) for d in SPHERES}
+@QUANTITIES.quantity
+def distance_from_5_mm(readings: Readings) -> list[Row]:
+    """Root-mean-square difference of each size's eta from that of 5 mm, where both have Gammas."""
+    found = []
+    for key in readings.found:
+        curves = {d: _curve([r for r in readings.rows if _is_of(r, key, d)]) for d in SPHERES}
         for diameter, curve in curves.items():
             common = curve.keys() & curves[5].keys()
             if diameter != 5 and common:
                 squares = [(curve[gamma] - curves[5][gamma]) ** 2 for gamma in common]
-                away[f"{diameter} mm"] = math.sqrt(math.fsum(squares) / len(squares))
-    shown = ", ".join(f"{name} {value:.3f}" for name, value in away.items())
-    return Statement(words, [Check(all_of([value <= _NOTABLE for value in away.values()]), shown)])
+                rms = math.sqrt(math.fsum(squares) / len(squares))
+                found.append(_labels(key) | {"diameter_mm": diameter, "value": rms})
+    return found
 
 
 def _curve(rows: Sequence[Row]) -> dict[float, float]:
@@ -202,12 +194,12 @@ def _curve(rows: Sequence[Row]) -> dict[float, float]:
     return {gamma: eta for gamma, eta in known if math.isfinite(eta)}
 
 
-def _place(key: Key) -> str:
-    return f"{key[0]} {key[1]:g} Hz"
+def _labels(key: Key) -> Row:
+    return {"orientation": key[0], "frequency_hz": key[1]}
 
 
 def draw(rows: list[Row]) -> "Figure":
     """Efficiency against Gamma of each size, a panel for each orientation and frequency."""
-    from damper3d.reproduce.sizes_chart import draw_sizes
+    from damper3d.reproduce.figures.sizes import draw_sizes
 
     return draw_sizes(rows, optima(rows))

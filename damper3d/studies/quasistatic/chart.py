@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from damper3d.studies.quasistatic.claims import MEASURE
 from damper3d.studies.quasistatic.shapes import Scatter, Shape, by_shape, ratio_of, scatter_of
-from damper3d.studies.quasistatic.statements import MEASURE
 from damper3d.view.charts import ruled
 from granulab.campaign.output.figure import (
     BLUE,

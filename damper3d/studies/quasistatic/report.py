@@ -1,12 +1,12 @@
-"""A table of slow tests in words: the stiffness of each shape, and the thesis's statements."""
+"""A table of slow tests in words: the stiffness of each shape, and the thesis's claims."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from damper3d.reproduce.statements import report_statements
+from damper3d.studies.quasistatic.claims import verdicts
 from damper3d.studies.quasistatic.measure import Result
 from damper3d.studies.quasistatic.shapes import Scatter, Shape, by_shape, scatter_of
-from damper3d.studies.quasistatic.statements import statements
+from granulab.campaign.claims.judge import report_claims
 from granulab.campaign.output.layout import columns, done, not_done
 from granulab.campaign.runs.folder import RunFolder
 
@@ -21,7 +21,7 @@ _TITLES = {
 
 
 def report(rows: Sequence[Row]) -> str:
-    """Report of a table: a line a shape, the statements judged, and the quality of the tests."""
+    """Report of a table: a line a shape, the claims judged, and the quality of the tests."""
     shapes = by_shape(rows)
     lines = not_done(rows, ["shape", "seed"])
     if not shapes:
@@ -34,7 +34,7 @@ def report(rows: Sequence[Row]) -> str:
                 f"{first['test']}: {_TITLES[first['test']]}\n{_how(first, shapes)}",
                 "\n".join(lines),
                 _table(shapes),
-                report_statements(statements(first["test"], shapes)),
+                report_claims(verdicts(first["test"], shapes)),
                 _quality(done(rows)),
             ],
         )
@@ -74,7 +74,7 @@ def one_test(found: Result) -> str:
 
 
 def summary(test: str, rows: Sequence[Row]) -> dict[str, Any]:
-    """The table for --json: a word a shape, the statements, and all runs."""
+    """The table for --json: a word a shape, the claims, and all runs."""
     shapes = by_shape(rows)
     return {
         "test": test,
@@ -84,7 +84,7 @@ def summary(test: str, rows: Sequence[Row]) -> dict[str, Any]:
             for name, shape in shapes.items()
         ],
         "statements": [
-            {"statement": one.words, "holds": one.holds} for one in statements(test, shapes)
+            {"statement": one.words, "holds": one.holds} for one in verdicts(test, shapes)
         ],
         "rows": list(rows),
     }

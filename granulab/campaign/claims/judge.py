@@ -75,11 +75,13 @@ class Quantities:
             if key not in known:
                 found = self.quantities[criterion.quantity](readings, **criterion.arguments)
                 known[key] = DataFrame(found)
+                if "value" in known[key]:
+                    known[key] = known[key].astype({"value": float})
             return known[key]
 
         def checks(criterion: Criterion) -> Sequence[Check]:
             if criterion.function:
-                return self.functions[criterion.function](readings)
+                return self.functions[criterion.function](readings, **criterion.arguments)
             return _checks(criterion, select(items(criterion), criterion.where))
 
         return [Verdict(c, [x for one in c.criteria for x in checks(one)]) for c in claims]
@@ -95,7 +97,10 @@ def _checks(criterion: Criterion, items: "DataFrame") -> list[Check]:
         parts = groups(items, criterion.each)
     else:
         parts = [({}, items)]
-    return [_check(criterion, labels, own) for labels, own in parts or [({}, items)]]
+    if not parts:
+        words = criterion.words
+        return [Check(None, str(words.get("empty", "")), str(words.get("of_empty", "")))]
+    return [_check(criterion, labels, own) for labels, own in parts]
 
 
 def _check(criterion: Criterion, labels: dict[str, Any], items: "DataFrame") -> Check:

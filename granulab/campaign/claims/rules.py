@@ -28,7 +28,7 @@ class Outcome:
 
     items: "DataFrame"
     cases: "DataFrame"
-    verdicts: list[bool | None]
+    verdicts: Sequence[bool | None]
 
     @property
     def holds(self) -> bool | None:
@@ -96,7 +96,7 @@ def ordered(
     """One value is above or below (way) another, or a factor times it, in every group.
 
     Where a selection has several values, their mean counts; all that it names must be there. The
-    value of a case is first over second.
+    value of a case is first over second, its change that less one.
     """
     from pandas import DataFrame
 
@@ -108,7 +108,8 @@ def ordered(
         if len(one) < _named(first) or len(other) < _named(second):
             continue
         a, b = float(one["value"].mean()), float(other["value"].mean())
-        cases.append(labels | {"first": a, "second": b, "value": a / b if b else np.nan})
+        times = a / b if b else np.nan
+        cases.append(labels | {"first": a, "second": b, "value": times, "change": times - 1})
         verdicts.append(sign * (a - factor * b) > 0)
     return Outcome(items, DataFrame(cases), verdicts)
 
@@ -125,9 +126,7 @@ def extreme(items: "DataFrame", *, least: Mapping[str, Any] | None = None,
     return Outcome(items, case, [len(select(case, point)) == 1])
 
 
-def ratio(
-    items: "DataFrame", *, at_most: float, per: Sequence[str] = (), need: int = 2
-) -> Outcome:
+def ratio(items: "DataFrame", *, at_most: float, per: Sequence[str] = (), need: int = 2) -> Outcome:
     """The largest value over the least is within a limit, in every group."""
     from pandas import DataFrame
 

@@ -3,15 +3,16 @@
 Templates are those of str.format over an item's columns, or over these:
 
     items                    all items by the template `item`, joined by `separator`
-    n, passed                how many cases there are, and how many hold
+    n, passed, number        how many cases there are and how many hold; how many items
     least, largest, mean     of the items' values; least_item, largest_item: where
-    case                     the cases by the template `case` (default: `item`)
+    case                     the cases by the template `case` (items: by `item`)
     case_...                 a column of the first case, such as case_first
     mean_...                 the mean of a column of the cases
 
-`found` is told where a case was judged, `but` after it where one fails ({failed}: those that do, the
-first `most` of them), `none` where items are too few to judge, `empty` without any. Numbers take the format
-specifications of Python, "percent" and "signed" (of layout), and "+.0f %" for a part in per cent.
+`found` is written where a case was judged, `but` after it where one fails ({failed}: those that do,
+the first `most` of them), `none` where items are too few to judge, `empty` without any. Numbers
+take the format specifications of Python, "percent" and "signed" (of layout), and "+.0f %" for a
+part in per cent.
 """
 
 from collections.abc import Mapping
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class Number(float):
-    """A number that can be told as a part in per cent."""
+    """A number that can be written as a part in per cent."""
 
     def __format__(self, spec: str) -> str:
         if spec in ("percent", "signed"):
@@ -57,12 +58,13 @@ def _facts(words: Mapping[str, Any], outcome: Outcome, items: "DataFrame") -> di
     told, cases = _records(outcome.items), _records(outcome.cases)
     failed = [c for c, v in zip(cases, outcome.verdicts, strict=False) if v is False]
     most = words.get("most", len(failed))
-    case = words.get("case", item)
+    case = words.get("case", item if outcome.cases is outcome.items else "")
     facts: dict[str, Any] = dict(_records(items.head(1))[0]) if len(items) else {}
     facts |= {
         "items": separator.join(_fill(item, one) for one in told),
         "case": separator.join(_fill(case, one) for one in cases) if outcome.verdicts else "",
         "n": len(outcome.verdicts),
+        "number": len(outcome.items),
         "passed": outcome.verdicts.count(True),
         "fails": len(failed),
         "failed": separator.join(_fill(case, one) for one in failed[:most])

@@ -18,6 +18,11 @@ def columns(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
     return "\n".join(row.rstrip() for row in rows)
 
 
+def paragraphs(*parts: str) -> str:
+    """The parts that say something, with an empty line between."""
+    return "\n\n".join(filter(None, parts))
+
+
 def with_sd(sample: Sample, digits: int = 3) -> str:
     """ "1.234 +- 0.012 (3)": mean, standard deviation, number."""
     if sample.mean is None:

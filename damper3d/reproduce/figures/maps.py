@@ -1,0 +1,108 @@
+"""The tables of maps as figures: contours with onset lines, phases and peaks; small multiples."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from damper3d.reproduce.quantities.maps import Ridges
+from damper3d.studies.map.chart import (
+    LEVELS,
+    draw_onsets,
+    draw_peaks,
+    draw_points,
+    fill_contours,
+    plane,
+)
+from granulab.campaign.output.figure import headline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def draw_panels(maps: Mapping[tuple[str, int], Ridges]) -> "Figure":
+    """A column for each orientation, with its own bar and legend, and in it a row a height."""
+    from matplotlib.figure import Figure
+
+    orientations = list(dict.fromkeys(orientation for orientation, _ in maps))
+    heights = sorted({height for _, height in maps})
+    size = (1.0 + 6.2 * max(len(orientations), 1), 2.6 + 3.1 * max(len(heights), 1))
+    figure = Figure(figsize=size, layout="constrained")
+    headline(figure, "Efficiency of 358 spheres of 5 mm")
+    if not maps:
+        return figure
+    columns = figure.subfigures(1, len(orientations), squeeze=False)[0]
+    for column, orientation in zip(columns, orientations, strict=True):
+        *grid, below = column.subplots(
+            len(heights) + 1, 1, height_ratios=[*[1] * len(heights), 0.4]
+        )
+        for axes, height in zip(grid, heights, strict=True):
+            one = maps.get((orientation, height))
+            if one is None or len(one.frequencies) < 2:
+                axes.axis("off")
+                continue
+            filled = _draw(axes, one)
+            title = f"{orientation}, {height} mm, fill ratio {one.prediction.fill_ratio:.3f}"
+            axes.set_title(title, loc="left", fontsize=9)
+            column.colorbar(filled, ax=axes, label="efficiency [-]", ticks=LEVELS)
+        _legend(below, grid)
+    return figure
+
+
+def _draw(axes: "Axes", one: Ridges) -> Any:
+    filled = fill_contours(axes, one.result)
+    draw_onsets(axes, one.prediction, one.result)
+    draw_points(axes, one.result)
+    draw_peaks(axes, one.peaks)
+    plane(axes, one.result)
+    return filled
+
+
+def _legend(below: "Axes", panels: "list[Axes]") -> None:
+    """All that any panel of a column shows."""
+    named: dict[str, Any] = {}
+    for axes in panels:
+        named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    named.pop("runs", None)  # white dots, which a white ground does not show
+    below.axis("off")
+    below.legend(
+        list(named.values()), list(named), loc="upper center", ncols=3, fontsize=7, markerscale=0.8
+    )
+
+
+def draw_chapter(maps: Mapping[int, Mapping[tuple[str, int], Ridges]]) -> "Figure":
+    """A column for each diameter, a row for each orientation and height; one legend, one bar."""
+    from matplotlib.figure import Figure
+
+    found = {key for own in maps.values() for key in own}
+    keys = sorted(found, key=lambda key: (key[0] != "vertical", key[1]))
+    size = (1.0 + 3.2 * max(len(maps), 1), 1.4 + 2.4 * max(len(keys), 1))
+    figure = Figure(figsize=size, layout="constrained")
+    headline(figure, "Efficiency, spheres of the same volume in all columns")
+    if not keys:
+        return figure
+    grid = figure.subplots(len(keys), len(maps), squeeze=False, sharex=True, sharey=True)
+    filled = None
+    named: dict[str, Any] = {}
+    for column, (diameter, own) in zip(grid.T, maps.items(), strict=True):
+        for axes, key in zip(column, keys, strict=True):
+            one = own.get(key)
+            if one is None or len(one.frequencies) < 2:
+                axes.axis("off")
+                continue
+            filled = fill_contours(axes, one.result)
+            draw_onsets(axes, one.prediction, one.result)
+            _plane(axes, one)
+            axes.set_title(f"{diameter} mm, {key[0]}, {key[1]} mm", loc="left", fontsize=8)
+            named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    if filled is not None:
+        figure.colorbar(filled, ax=grid, label="efficiency [-]", ticks=LEVELS, shrink=0.25)
+        handles, labels = list(named.values()), list(named)
+        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
+    return figure
+
+
+def _plane(axes: "Axes", one: Ridges) -> None:
+    plane(axes, one.result)
+    axes.tick_params(labelsize=6)
+    axes.tick_params(axis="x", rotation=60)
+    axes.label_outer()

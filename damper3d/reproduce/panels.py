@@ -1,0 +1,181 @@
+"""Run plans of the tables: dampers of the thesis's Table 6.1 as panels, and from cases to rows."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import click
+
+from damper3d.case.case import DamperCase
+from damper3d.case.closed_forms import PACKINGS, bouncing_bed_onset, fluidisation_threshold
+from damper3d.run import sweep
+from damper3d.studies.map.grid import GAMMAS, MapResult
+from damper3d.studies.predict.prediction import Clearance, Prediction
+from granulab.campaign.sweeps.overview import cost
+from granulab.campaign.sweeps.sweep import Labelled, over_seeds
+
+Row = dict[str, Any]
+Point = tuple[float, float]  # frequency [Hz] and Gamma
+Run = Callable[..., list[Row]]
+
+ORIENTATIONS = "vertical", "horizontal"
+HEIGHTS = 40, 45, 50, 55  # mm
+SPHERES = {3: 1659, 4: 700, 5: 358, 6: 207}  # how many of a diameter [mm]: the same volume
+_FRICTION = 0.52  # of acrylic on acrylic (Table 6.2)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One damper of a table, and the points at which it is run.
+
+    labels    what tells its rows from those of the other panels
+    changes   of the thesis's case, as DamperCase.load takes them
+    points    (frequency [Hz], Gamma), before they are refined
+    """
+
+    labels: Row
+    changes: dict[str, Any]
+    points: tuple[Point, ...] = field(default=())
+
+    def of(self, rows: Sequence[Row]) -> list[Row]:
+        """Its rows among those of a table."""
+        return [row for row in rows if all(row[key] == v for key, v in self.labels.items())]
+
+    def cases(self, seeds: Sequence[int], points: Sequence[Point] | None = None) -> list[Labelled]:
+        """A case at each of its points, or at others, once for each packing."""
+        cases: list[Labelled] = []
+        for frequency, gamma in self.points if points is None else points:
+            here = {"motion.frequency": frequency, "motion.gamma": gamma, "output.keep": "summary"}
+            case = DamperCase.load("thesis", self.changes | here)
+            cases += over_seeds(self._labels(frequency, gamma), case, seeds)
+        return cases
+
+    def labelled(self) -> list[Row]:
+        """The labels of each of its points, without the seed."""
+        return [self._labels(*point) for point in self.points]
+
+    def _labels(self, frequency: float, gamma: float) -> Row:
+        return {**self.labels, "frequency_hz": frequency, "gamma": gamma}
+
+
+def labels_of(panels: Sequence[Panel]) -> list[Row]:
+    """The labels of each point of a table of panels, before it is refined."""
+    return [labels for panel in panels for labels in panel.labelled()]
+
+
+def run_all(
+    cases: Sequence[Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
+) -> list[Row]:
+    """The rows of the cases, in their order; see damper3d.run.sweep.run_cases."""
+    if not quiet:
+        click.echo(cost(sweep.DAMPER, cases), err=True)
+    return sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
+
+
+def run_panels(
+    panels: Sequence[Panel], seeds: Sequence[int], *, refine: int = 0, quiet: bool, **options: Any
+) -> list[Row]:
+    """All points of all panels; then, `refine` times, the middles beside each peak along Gamma.
+
+    A round begins when the one before is whole, so that whatever was interrupted comes to the same
+    points; see damper3d.studies.map.grid. `options` are those of run_all.
+    """
+    rows = run_all([c for p in panels for c in p.cases(seeds)], quiet=quiet, **options)
+    for number in range(1, refine + 1):
+        if any(row["state"] == "interrupted" for row in rows):
+            break
+        added = [
+            case
+            for panel in panels
+            for case in panel.cases(seeds, MapResult.of(panel.of(rows)).to_add())
+        ]
+        if not added:
+            break
+        if not quiet:
+            click.echo(f"refinement {number} of {refine} about the peaks:", err=True)
+        rows += run_all(added, quiet=quiet, **options)
+    return rows
+
+
+def panel(
+    orientation: str, height: int, diameter: int, points: Iterable[Point], **changes: object
+) -> Panel:
+    """A damper of Table 6.1 by its height and the spheres' diameter [mm]; with changes, another.
+
+    The names of changes are keys with "__" for the point, such as particles__count.
+    """
+    labels: Row = {"orientation": orientation, "height_mm": height, "diameter_mm": diameter}
+    case: Row = {
+        "motion.orientation": orientation,
+        "enclosure.height": f"{height} mm",
+        "particles.shape": f"sphere:{diameter}mm",
+        "particles.count": SPHERES.get(diameter),
+    }
+    case |= {key.replace("__", "."): value for key, value in changes.items()}
+    return Panel(labels, case, tuple(points))
+
+
+def about(onset: float, factor: float, beyond: tuple[float, ...] = ()) -> list[float]:
+    """The thesis's Gammas, and those `beyond`, within a factor of an onset."""
+    return [gamma for gamma in GAMMAS + beyond if onset / factor <= gamma <= onset * factor]
+
+
+def close_onset(height: int, frequency: float) -> float:
+    """Gamma of eq. 6.11 for the close packing in the thesis's cylinder of a height [mm]."""
+    fill = SPHERES[5] * (5 / 40) ** 2 * 5 / height * 2 / 3  # spheres of 5 mm in 40 mm, eq. 6.1
+    clearance = (1 - fill / PACKINGS["close"]) * height / 1e3
+    return float(bouncing_bed_onset(frequency, clearance))
+
+
+def prediction_of(rows: Sequence[Row]) -> Prediction | None:
+    """What is predicted of the damper that rows were computed with; None where none is done."""
+    row = next((row for row in rows if row["state"] == "done"), None)
+    if row is None:
+        return None
+    fill, length = row["fill_ratio"], row["height_mm"] / 1e3
+    clearances = tuple(
+        Clearance(name, most, (1 - fill / most) * length if fill < most else None)
+        for name, most in PACKINGS.items()
+    )
+    threshold = fluidisation_threshold(row["orientation"], _FRICTION)
+    name = f"{row['height_mm']} mm, spheres of {row['diameter_mm']} mm"
+    return Prediction(name, fill, length, row["orientation"], clearances, threshold)
+
+
+def point_cases(
+    points: Sequence[Row], settings: Callable[[Row], Row], seeds: Sequence[int],
+    changes: Row | None = None,
+) -> list[Labelled]:  # fmt: skip
+    """The thesis's case with the settings of each point, once for each seed.
+
+    `changes` go over what the table sets.
+    """
+    return [
+        labelled
+        for point in points
+        for labelled in over_seeds(
+            point, DamperCase.load("thesis", settings(point) | (changes or {})), seeds
+        )
+    ]
+
+
+def run_of_cases(cases: Callable[[Sequence[int]], list[Labelled]]) -> Run:
+    """The `run` of a table (granulab.campaign.cli.reproduce) whose cases are all known before."""
+
+    def run(*, seeds: Sequence[int], **options: Any) -> list[Row]:
+        return run_all(cases(seeds), **options)
+
+    return run
+
+
+def run_of_panels(panels: Callable[[], Sequence[Panel]], refine: int = 0) -> Run:
+    """The `run` of a table of panels; also of another `grid` of them, or refined otherwise."""
+
+    def run(
+        *, seeds: Sequence[int], grid: Sequence[Panel] | None = None, refine: int = refine,
+        **options: Any,
+    ) -> list[Row]:  # fmt: skip
+        return run_panels(panels() if grid is None else grid, seeds, refine=refine, **options)
+
+    return run

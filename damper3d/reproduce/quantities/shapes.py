@@ -1,0 +1,372 @@
+"""Quantities of particle shapes: where eta peaks along Gamma, what eq. 6.11 says, what changes it.
+
+The thesis takes the highest peak of a curve: at 20 and 40 Hz the onset of the bouncing bed (sec.
+8.5.1), at higher frequencies the fluidisation optimum (sec. 8.5.2).
+"""
+
+import csv
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from itertools import product
+from typing import NamedTuple
+
+from damper3d.case.random_packing import CLOSE_PACKING, close_packing
+from damper3d.reproduce.panels import ORIENTATIONS, Row
+from damper3d.reproduce.properties import STANDARD, VALUES, in_words
+from damper3d.reproduce.quantities.curves import curve
+from damper3d.reproduce.quantities.optima import Optimum, located
+from damper3d.studies.map.grid import MapResult
+from damper3d.studies.map.peaks import Peak
+from damper3d.studies.predict.prediction import Clearance, Prediction
+from granulab.campaign.claims.judge import Quantities
+from granulab.campaign.output.layout import done
+from granulab.campaign.output.statistics import Slope, mean_sd, slope
+from granulab.contact.files.datafile import data_file
+
+Shape = tuple[str, float]  # family of the thesis's tables, and ratio
+
+BOUNCING = 20.0, 40.0  # Hz at which the thesis finds the bouncing bed (sec. 8.5.1)
+HEIGHT = 40  # mm
+
+SHAPES = Quantities()
+
+
+def shapes() -> tuple[Shape, ...]:
+    """The shapes of Tables 8.1 and 8.2 that the thesis simulated."""
+    return tuple(sphericities())
+
+
+@cache
+def sphericities() -> dict[Shape, float]:
+    """Sphericity (eq. 8.3) of each shape, as these tables print it."""
+    path = data_file("published", "nonspherical_shapes")
+    assert path is not None  # shipped
+    lines = path.read_text(encoding="utf-8").splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    return {
+        (row["shape"], float(row["ratio"])): float(row["sphericity"])
+        for row in rows
+        if row["simulated"] == "yes"
+    }
+
+
+def particle_text(shape: Shape) -> str:
+    """As `--particles` takes it; the sphere of a family is its ratio of 1 or 0."""
+    family, ratio = shape
+    if family == "toroid":
+        return f"toroid:{ratio:g}"
+    return f"{'oblate' if ratio < 1 else 'prolate'}:{ratio:g}"
+
+
+class Line(NamedTuple):
+    """What a curve of eta along Gamma is of."""
+
+    shape: Shape
+    orientation: str
+    frequency: float  # [Hz]
+    treatment: str = "sum"
+
+
+Found = Mapping[Line, Optimum | None]
+
+
+def rows_of(rows: Sequence[Row], line: Line) -> list[Row]:
+    """The rows of a curve."""
+    return [row for row in rows if row["part"] == "curves" and line_of(row) == line]
+
+
+def line_of(row: Row) -> Line:
+    """The curve that a row belongs to."""
+    shape = (row["shape"], row["ratio"])
+    return Line(shape, row["orientation"], row["frequency_hz"], row["treatment"])
+
+
+def optima(rows: Sequence[Row]) -> dict[Line, Optimum | None]:
+    """The highest peak of each curve that there are rows of; None where none stands out."""
+    groups: dict[Line, list[Row]] = {}
+    for row in rows:
+        if row["part"] == "curves":
+            groups.setdefault(line_of(row), []).append(row)
+    return {line: _optimum(own, line) for line, own in sorted(groups.items())}
+
+
+def _optimum(rows: Sequence[Row], line: Line) -> Optimum | None:
+    def highest(result: MapResult) -> Peak | None:
+        return max(result.peaks(line.frequency), key=lambda peak: peak.efficiency, default=None)
+
+    if not any(row["state"] == "done" for row in rows):
+        return None
+    return located(rows, line.frequency, highest, _prediction(rows, line))
+
+
+def _prediction(rows: Sequence[Row], line: Line) -> Prediction:
+    """Eq. 6.11 with the clearance of the shape's close packing, and of that of spheres."""
+    fill = next(row["fill_ratio"] for row in rows if row["state"] == "done")
+    length = HEIGHT / 1e3
+    own = close_packing(particle_text(line.shape))
+    packings = {"close": own.value if own else None, "spheres": CLOSE_PACKING}
+    clearances = tuple(
+        Clearance(name, most, (1 - fill / most) * length) for name, most in packings.items() if most
+    )
+    name = f"{line.shape[0]} {line.shape[1]:g}"
+    return Prediction(name, fill, length, line.orientation, clearances, None)
+
+
+class Readings(NamedTuple):
+    """What the claims go by: the rows and the optima of their curves."""
+
+    rows: Sequence[Row]
+    found: Found
+
+
+def onsets(found: Found, family: str, like: Line) -> dict[float, Optimum]:
+    """The optima of a family that agree with a line in all but the shape, by rising ratio."""
+    return {
+        line.shape[1]: one
+        for line, one in sorted(found.items())
+        if one is not None and line.shape[0] == family and line[1:] == like[1:]
+    }
+
+
+def bouncing_lines() -> list[Line]:
+    """A line of spheres at each frequency and orientation of the bouncing bed."""
+    return [Line(("spheroid", 1.0), o, f) for f, o in product(BOUNCING, ORIENTATIONS)]
+
+
+def by_sphericity(found: Found, line: Line) -> list[tuple[float, float]]:
+    """(sphericity, onset over the sphere's of its family) of prolates and toroids, falling."""
+    pairs = []
+    for family, sphere in (("spheroid", 1.0), ("toroid", 0.0)):
+        own = onsets(found, family, line)
+        pairs += [
+            (sphericities()[family, ratio], one.gamma / own[sphere].gamma)
+            for ratio, one in own.items()
+            if sphere in own and (family == "toroid" or ratio >= 1)
+        ]
+    return sorted(pairs, reverse=True)
+
+
+@SHAPES.quantity
+def onset(readings: Readings) -> list[Row]:
+    """Gamma of the bouncing bed's onset of each shape; eta there, and the bracket in `shown`."""
+    return [
+        _at(line) | {"family": family, "ratio": ratio, "value": one.gamma,
+                     "eta": one.mean.efficiency, "shown": _shown(ratio, one)}
+        for line in bouncing_lines()
+        for family in ("spheroid", "toroid")
+        for ratio, one in onsets(readings.found, family, line).items()
+    ]  # fmt: skip
+
+
+@SHAPES.quantity
+def best_efficiency(readings: Readings) -> list[Row]:
+    """Efficiency at the onset of each shape."""
+    return [one | {"value": one["eta"]} for one in onset(readings)]
+
+
+@SHAPES.quantity
+def departure_from_plateau(readings: Readings) -> list[Row]:
+    """How far the onsets of 1.5 and more are from that of 1.5, over the rise from 1 to 1.5.
+
+    Infinite where there is no rise. rise, away: in Gamma, the rise and the largest departure.
+    """
+    found: list[Row] = []
+    for line in bouncing_lines():
+        own = onsets(readings.found, "spheroid", line)
+        zone = {ratio: one for ratio, one in own.items() if ratio >= 1.5}
+        if 1.0 not in own or 1.5 not in own or len(zone) < 3:
+            continue
+        rise = own[1.5].gamma - own[1.0].gamma
+        away = {ratio: abs(one.gamma - own[1.5].gamma) for ratio, one in zone.items()}
+        found += [
+            _at(line) | {"value": away[ratio] / rise if rise > 0 else math.inf, "rise": rise,
+                         "away": max(away.values()), "shown": _shown(ratio, one)}
+            for ratio, one in zone.items()
+        ]  # fmt: skip
+    return found
+
+
+@SHAPES.quantity
+def rise_beyond_packing(readings: Readings) -> list[Row]:
+    """Onset of 1.5 over that of the sphere; `packed`: the same of eq. 6.11 with close packings."""
+    found = []
+    for line in bouncing_lines():
+        own = onsets(readings.found, "spheroid", line)
+        if 1.0 in own and 1.5 in own:
+            closer, sphere = own[1.5].predicted("close"), own[1.0].predicted("close")
+            if closer and sphere:
+                times, packed = own[1.5].gamma / own[1.0].gamma, closer / sphere
+                found.append(_at(line) | {"value": times, "packed": packed, "change": times - 1,
+                                          "of_packing": packed - 1})  # fmt: skip
+    return found
+
+
+@SHAPES.quantity
+def slope_over_hole_ratio(readings: Readings) -> list[Row]:
+    """Slope of ln onset over the hole ratio of toroids; `change` from 0.05 to 0.33."""
+    found = []
+    for line in bouncing_lines():
+        own = {r: one for r, one in onsets(readings.found, "toroid", line).items() if r > 0}
+        trend = slope(list(own), [math.log(one.gamma) for one in own.values()])
+        if trend is not None:
+            hidden = abs(trend.value) <= trend.half_width
+            found.append(_at(line) | {
+                "value": trend.value, "change": math.exp(0.28 * trend.value) - 1,
+                "remark": " (within noise)" * hidden,
+                "shown": ", ".join(_shown(ratio, one) for ratio, one in own.items()),
+            })  # fmt: skip
+    return found
+
+
+@SHAPES.quantity
+def gain_past_onset(readings: Readings) -> list[Row]:
+    """Least and largest (most) gain of eta of a prolate over the sphere from its onset on."""
+    found = []
+    for at, ratio in product(bouncing_lines(), (1.5, 3.0)):
+        line = at._replace(shape=("spheroid", ratio))
+        own = readings.found.get(line)
+        if own is None:
+            continue
+        theirs, ours = (
+            curve(rows_of(readings.rows, one), "efficiency").points for one in (at, line)
+        )
+        gains = [ours[g] - theirs[g] for g in ours.keys() & theirs.keys() if g >= own.gamma]
+        if gains:
+            found.append(_at(at) | {"ratio": ratio, "value": min(gains), "most": max(gains)})
+    return found
+
+
+@SHAPES.quantity
+def fluidisation_optimum(readings: Readings) -> list[Row]:
+    """Gamma of each shape's optimum above 40 Hz (NaN: no peak); eta; how many have peaks."""
+    lines = {line: one for line, one in readings.found.items() if line.frequency > max(BOUNCING)}
+    found: list[Row] = []
+    for frequency in sorted({line.frequency for line in lines}):
+        own = {line.shape: one for line, one in lines.items() if line.frequency == frequency}
+        known = sum(one is not None for one in own.values())
+        found += [
+            {"frequency_hz": frequency, "family": shape[0], "ratio": shape[1],
+             "value": one.gamma if one else math.nan,
+             "eta": one.mean.efficiency if one else math.nan, "peaks": known, "curves": len(own)}
+            for shape, one in own.items()
+        ]  # fmt: skip
+    return found
+
+
+@SHAPES.quantity
+def trend_over_shape(readings: Readings) -> list[Row]:
+    """Slopes of ln Gamma over ln aspect ratio of prolates, and over the hole ratio of toroids."""
+    from pandas import DataFrame
+
+    optima = DataFrame(fluidisation_optimum(readings))
+    found = []
+    for frequency, own in optima.groupby("frequency_hz") if len(optima) else ():
+        counts = own.iloc[0][["peaks", "curves"]].to_dict()
+        own = own.dropna(subset="value")
+        prolates = own[(own["family"] == "spheroid") & (own["ratio"] >= 1)]
+        toroids = own[own["family"] == "toroid"]
+        for name, x, gamma in (
+            ("prolates", map(math.log, prolates["ratio"]), prolates["value"]),
+            ("toroids", toroids["ratio"], toroids["value"]),
+        ):
+            trend = slope(list(x), list(map(math.log, gamma)))
+            value, noise = (trend.value, trend.half_width) if trend else (math.nan, math.nan)
+            found.append(counts | {"frequency_hz": frequency, "name": name, "value": value,
+                                   "noise": noise})  # fmt: skip
+    return found
+
+
+@SHAPES.quantity
+def slope_over_frequency(readings: Readings, of: str) -> list[Row]:
+    """Slope of ln of each shape's optimum ("value") or of its "eta" over ln f, of three or more."""
+    curves: dict[Shape, list[tuple[float, float]]] = {}
+    for one in fluidisation_optimum(readings):
+        if not math.isnan(one["value"]):
+            point = one["frequency_hz"], math.log(one[of])
+            curves.setdefault((one["family"], one["ratio"]), []).append(point)
+    trends = {shape: _per_e_fold(points) for shape, points in sorted(curves.items())}
+    return [
+        {"family": shape[0], "ratio": shape[1], "value": trend.value}
+        for shape, trend in trends.items()
+        if trend
+    ]
+
+
+def _per_e_fold(points: Iterable[tuple[float, float]]) -> Slope | None:
+    """Slope of y over ln x."""
+    pairs = list(points)
+    return slope([math.log(x) for x, _ in pairs], [y for _, y in pairs])
+
+
+def values_of(rows: Sequence[Row], name: str) -> dict[float, dict[float, float]]:
+    """By rising value of a property: mean efficiency over the packings, by aspect ratio."""
+    groups: dict[float, dict[float, list[float]]] = {}
+    for value, row in _varied(rows, name):
+        groups.setdefault(value, {}).setdefault(row["ratio"], []).append(row["efficiency"])
+    return {
+        value: {ratio: mean_sd(etas).mean or 0.0 for ratio, etas in sorted(own.items())}
+        for value, own in sorted(groups.items())
+    }
+
+
+def _varied(rows: Sequence[Row], name: str) -> list[tuple[float, Row]]:
+    """The runs that differ in one property only, its standard among them, with its value."""
+    own = [row for row in rows if row["part"] == "sensitivity"]
+    return [
+        (STANDARD[name] if row["property"] == "standard" else row["value"], row)
+        for row in done(own)
+        if row["property"] in (name, "standard")
+    ]
+
+
+@SHAPES.quantity
+def slope_over_property(readings: Readings, name: str) -> list[Row]:
+    """Slope of eta over ln of a property, of all packings of each aspect ratio, with its noise."""
+    points: dict[float, list[tuple[float, float]]] = {}
+    for value, row in _varied(readings.rows, name):
+        points.setdefault(row["ratio"], []).append((value, row["efficiency"]))
+    trends = {ratio: _per_e_fold(own) for ratio, own in sorted(points.items())}
+    return [
+        {"ratio": ratio, "value": trend.value, "noise": trend.half_width}
+        for ratio, trend in trends.items()
+        if trend
+    ]
+
+
+@SHAPES.quantity
+def gain_of_prolates(readings: Readings) -> list[Row]:
+    """Least gain of eta of prolates of 1.5 and more over the sphere, for each property's values.
+
+    eta at Gamma 35 stands for the onset there (the thesis's own argument).
+    """
+    return [
+        {"property": name, "setting": in_words(name, value),
+         "value": min(eta for ratio, eta in etas.items() if ratio >= 1.5) - etas[1.0]}
+        for name in VALUES
+        for value, etas in values_of(readings.rows, name).items()
+        if 1.0 in etas and 1.5 in etas
+    ]  # fmt: skip
+
+
+@SHAPES.quantity
+def slope_over_friction(readings: Readings) -> list[Row]:
+    """Slope over friction of eta(1.5) - eta(1), of three values or more; `shown`: each."""
+    gains = {
+        value: etas[1.5] - etas[1.0]
+        for value, etas in values_of(readings.rows, "friction").items()
+        if 1.0 in etas and 1.5 in etas
+    }
+    trend = slope(list(gains), list(gains.values()))
+    shown = ", ".join(f"mu {value:g} {gain:+.3f}" for value, gain in gains.items())
+    return [{"value": trend.value, "shown": shown}] if trend else []
+
+
+def _at(line: Line) -> Row:
+    return {"frequency_hz": line.frequency, "orientation": line.orientation}
+
+
+def _shown(ratio: float, one: Optimum) -> str:
+    """An onset with what grid and noise leave open."""
+    low, high = one.mean.bracket
+    return f"{ratio:g}: {one.gamma:.3g} [{low:.3g}, {high:.3g}]"
