@@ -6,9 +6,6 @@ import click
 
 from granulab.campaign.cli.reproduce import reproduce_options, reproduce_table
 
-# Columns that no table needs; with them the rows of a map would be some megabytes.
-_LEFT_OUT = ("phase_next", "phase_measures.", "effective_mass.", "efficiency_per_cycle")
-
 
 @click.command()
 @reproduce_options
@@ -26,4 +23,4 @@ def reproduce(table: str | None, **options: Any) -> None:
     found = find(table)
     from damper3d.run.sweep import DAMPER
 
-    reproduce_table(DAMPER, table, found, left_out=_LEFT_OUT, **options)
+    reproduce_table(DAMPER, table, found, **options)

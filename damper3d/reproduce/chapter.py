@@ -14,6 +14,7 @@ from damper3d.reproduce.completeness import completeness
 from damper3d.reproduce.panels import (
     HEIGHTS,
     ORIENTATIONS,
+    PANEL_COLUMNS,
     SPHERES,
     Panel,
     Row,
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SEEDS = 1
-COLUMNS = ("fill_ratio", "efficiency", "efficiency_interval")
+COLUMNS = PANEL_COLUMNS
 
 _STANDARD = 5  # mm, that the others are compared with
 _CRITERION = """\

@@ -5,16 +5,16 @@ and 4 about the fluidisation optimum in both orientations. The rows hold the his
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from damper3d.reproduce.completeness import completeness
+from damper3d.reproduce.panels import point_cases, run_of_cases
 from damper3d.reproduce.quantities.cycles import CYCLES, FREQUENCY, ideal_since, readings
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.layout import columns, done
+from granulab.campaign.output.layout import columns, done, paragraphs
 from granulab.campaign.runs.folder import FolderError
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 
 SEEDS = 3
-COLUMNS = ("frequency_hz", "mass_kg", "phase", "cycle.")
+COLUMNS = ("orientation", "gamma", "frequency_hz", "mass_kg", "phase", "cycle.")
 
 BOUNCING = (20.0, 30.0, 40.0, 60.0, 100.0)  # Gamma; the thesis names 20 and 100 (Fig. 6.10)
 FLUIDISED = (1.5, 3.0, 4.0)  # Fig. 6.18; 3 is that of Fig. 6.16 too
@@ -53,31 +53,24 @@ def points() -> list[Row]:
     return [{"orientation": o, "gamma": gamma} for o, gammas in chosen for gamma in gammas]
 
 
-def cases(seeds: Sequence[int], changes: dict[str, Any] | None = None) -> "list[Labelled]":
-    """Each point once for each seed; `changes` go before what the table sets."""
-    from damper3d.case.case import DamperCase
-    from granulab.campaign.sweeps.sweep import over_seeds
-
-    found: list[Labelled] = []
-    for point in points():
-        own = {
-            "motion.orientation": point["orientation"],
-            "motion.frequency": FREQUENCY,
-            "motion.gamma": point["gamma"],
-            "run.cycles": _CYCLES,
-            "run.discard": _DISCARD,
-        }
-        found += over_seeds(point, DamperCase.load("thesis", own | (changes or {})), seeds)
-    return found
+def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
+    """Each point once for each seed; `changes` go over what the table sets."""
+    return point_cases(points(), _settings, seeds, changes)
 
 
-def run(
-    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
-) -> list[Row]:
+def _settings(point: Row) -> Row:
+    return {
+        "motion.orientation": point["orientation"],
+        "motion.frequency": FREQUENCY,
+        "motion.gamma": point["gamma"],
+        "run.cycles": _CYCLES,
+        "run.discard": _DISCARD,
+    }
+
+
+def run(**options: Any) -> list[Row]:
     """Every point for each seed, with its histories; runs that are there are not done again."""
-    from damper3d.reproduce.panels import run_all
-
-    rows = run_all(cases(seeds), out=out, workers=workers, quiet=quiet, **engine)
+    rows = run_of_cases(lambda seeds: cases(seeds))(**options)
     return [with_history(row) for row in rows]
 
 
@@ -113,13 +106,12 @@ def _short(history: np.ndarray) -> list[float]:
 def report(rows: list[Row]) -> str:
     """What is there, the claims of secs 6.4.1 and 6.4.3 judged, and the readings."""
     found = readings(rows)
-    parts = [
+    return paragraphs(
         completeness(rows, points(), SEEDS),
         report_claims(CYCLES.judge(claims_of("damper_cycles"), found)),
         _table(rows, found),
         _READING,
-    ]
-    return "\n\n".join(filter(None, parts))
+    )
 
 
 def _table(rows: list[Row], found: "DataFrame") -> str:

@@ -12,6 +12,7 @@ from damper3d.reproduce.completeness import completeness
 from damper3d.reproduce.panels import (
     HEIGHTS,
     ORIENTATIONS,
+    PANEL_COLUMNS,
     Panel,
     Row,
     labels_of,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SEEDS = 1
-COLUMNS = ("fill_ratio", "efficiency", "efficiency_interval", "efficiency_wall_work", "phase")
+COLUMNS = (*PANEL_COLUMNS, "efficiency_wall_work", "phase")
 
 _WALL_WORK = "efficiency_wall_work"
 

@@ -15,6 +15,7 @@ from damper3d.reproduce.completeness import completeness
 from damper3d.reproduce.panels import (
     HEIGHTS,
     ORIENTATIONS,
+    PANEL_COLUMNS,
     Panel,
     Row,
     about,
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SEEDS = 3
-COLUMNS = ("fill_ratio", "efficiency", "efficiency_interval")
+COLUMNS = PANEL_COLUMNS
 FREQUENCIES = 20.0, 40.0, 80.0  # Hz
 REFINE = 3
 _AROUND = 2.0  # factor about the onset within which Gammas are run

@@ -33,7 +33,10 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 
 SEEDS = 3
-COLUMNS = ("fraction", "coordination", "rattlers", "overlap", "loose", "close")
+COLUMNS = (
+    "shape", "ratio", "place", "bodies", "fraction", "coordination", "rattlers", "overlap", "loose",
+    "close",
+)  # fmt: skip
 SPHEROIDS = (0.7, 0.85, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0)
 TOROIDS = (0.05, 0.11, 0.2, 0.33)
 # Also in the cell; 200 of many sub-spheres would take longer than all the rest.

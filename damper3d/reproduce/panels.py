@@ -22,6 +22,11 @@ Run = Callable[..., list[Row]]
 ORIENTATIONS = "vertical", "horizontal"
 HEIGHTS = 40, 45, 50, 55  # mm
 SPHERES = {3: 1659, 4: 700, 5: 358, 6: 207}  # how many of a diameter [mm]: the same volume
+# What labels, report and figure of a table of panels read of a row.
+PANEL_COLUMNS = (
+    "orientation", "height_mm", "diameter_mm", "frequency_hz", "gamma", "fill_ratio", "efficiency",
+    "efficiency_interval",
+)  # fmt: skip
 _FRICTION = 0.52  # of acrylic on acrylic (Table 6.2)
 
 

@@ -24,8 +24,8 @@ Row = dict[str, Any]
 
 SEEDS = 3
 COLUMNS = (
-    "frequency_hz", "efficiency", "efficiency_interval", "energy_closure",
-    "max_impact_over_yield_velocity.",
+    "property", "value", "gamma", "frequency_hz", "efficiency", "efficiency_interval",
+    "energy_closure", "max_impact_over_yield_velocity.",
 )  # fmt: skip
 
 _READING = """\
@@ -53,7 +53,7 @@ def _settings(point: Row) -> Row:
     }
 
 
-run = run_of_cases(cases)
+run = run_of_cases(lambda seeds: cases(seeds))
 
 
 def report(rows: list[Row]) -> str:

@@ -43,7 +43,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SEEDS = 3
-COLUMNS = ("fill_ratio", "efficiency", "efficiency_interval", "energy_closure")
+COLUMNS = (
+    "part", "shape", "ratio", "orientation", "treatment", "property", "value", "frequency_hz",
+    "gamma", "fill_ratio", "efficiency", "efficiency_interval", "energy_closure",
+)  # fmt: skip
 SELDOM = 3  # every third packing alone runs what costs most
 REFINE = 2
 FLUIDISED = 125.0, 160.0, 200.0, 320.0, 625.0, 1024.0  # Hz of Figs 8.21-8.26, vertical

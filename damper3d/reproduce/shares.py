@@ -33,7 +33,10 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 
 SEEDS = 3
-COLUMNS = ("efficiency", "efficiency_interval", "fill_ratio", "shares.", "shares_contact_count.")
+COLUMNS = (
+    "diameter_mm", "frequency_hz", "gamma", "efficiency", "efficiency_interval", "shares.",
+    "shares_contact_count.",
+)  # fmt: skip
 
 SIZES = (5, 4, 6, 3)  # [mm], dearest last
 FREQUENCIES = (40.0, 160.0)  # [Hz]
@@ -74,7 +77,7 @@ def _settings(point: Row) -> Row:
     }
 
 
-run = run_of_cases(cases)
+run = run_of_cases(lambda seeds: cases(seeds))
 
 
 def report(rows: list[Row]) -> str:

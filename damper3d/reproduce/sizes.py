@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from damper3d.reproduce.completeness import completeness
 from damper3d.reproduce.panels import (
     ORIENTATIONS,
+    PANEL_COLUMNS,
     SPHERES,
     Panel,
     Row,
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SEEDS = 3
-COLUMNS = ("fill_ratio", "efficiency", "efficiency_interval")
+COLUMNS = PANEL_COLUMNS
 RIDGES = {20.0: "bouncing_bed", 160.0: "fluidisation"}  # by frequency [Hz]
 REFINE = 2
 _HEIGHT = 40  # mm

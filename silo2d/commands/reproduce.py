@@ -6,9 +6,6 @@ import click
 
 from granulab.campaign.cli.reproduce import reproduce_options, reproduce_table
 
-# Columns that stand in data/published, or matter to no table.
-_LEFT_OUT = ("published.", "dissipated_j.")
-
 
 @click.command()
 @reproduce_options
@@ -25,4 +22,4 @@ def reproduce(table: str | None, **options: Any) -> None:
     found = find(table)
     from silo2d.run.sweep import SILO
 
-    reproduce_table(SILO, table, found, left_out=_LEFT_OUT, **options)
+    reproduce_table(SILO, table, found, **options)

@@ -1,23 +1,24 @@
-"""How often the silos with outlets of 40, 60 and 100 mm clog, beside the experiment's counts."""
+"""How often outlets of 40, 60 and 100 mm clog, compared with the experiment's counts."""
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 from granulab.campaign.output.layout import columns, not_done, share
 from granulab.campaign.output.statistics import wilson
 from silo2d.case.outline import PRESETS
-from silo2d.reproduce.outcomes import by_silo, outcome_word, outcomes, unfinished
-from silo2d.reproduce.published import trials
+from silo2d.reproduce.published import by_silo, outcome_word, outcomes, trials, unfinished
+from silo2d.reproduce.runs import run_of_cases
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from granulab.campaign.sweeps.sweep import Labelled
     from silo2d.reproduce import Row
 
 SEEDS = 20
+COLUMNS = ("silo", "outcome")
 
 _SILOS = [name for name in PRESETS if name[1] != "4"]
 _OUTLETS = {"1": "40 mm", "2": "60 mm", "3": "100 mm"}
@@ -32,16 +33,15 @@ outcome: "agrees" where the interval of ours and that of the experiment overlap:
   that clogs is compatible with any share above 0.21."""
 
 
-def run(
-    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
-) -> "list[Row]":
+def cases(seeds: Sequence[int]) -> "list[Labelled]":
     """The twelve silos with the smaller outlets, each with all seeds."""
     from granulab.campaign.sweeps.sweep import over_seeds
     from silo2d.case.case import SiloCase
-    from silo2d.reproduce.runs import run_all
 
-    cases = [c for s in _SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
-    return run_all(cases, out=out, workers=workers, quiet=quiet, **engine)
+    return [c for s in _SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
+
+
+run = run_of_cases(cases)
 
 
 def report(rows: "list[Row]") -> str:

@@ -1,8 +1,7 @@
-"""Discharge times and outcomes of the sixteen silos beside the experiment's and SPOLY's."""
+"""Discharge times and outcomes of the sixteen silos, the experiment's and SPOLY's."""
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, SKY, VERMILION
 from granulab.campaign.output.layout import (
@@ -16,16 +15,25 @@ from granulab.campaign.output.layout import (
 )
 from granulab.campaign.output.statistics import Sample, mean_sd
 from silo2d.case.outline import PRESETS
-from silo2d.reproduce.outcomes import by_silo, outcome_word, outcomes, unfinished
-from silo2d.reproduce.published import Trials, trials
+from silo2d.reproduce.published import (
+    Trials,
+    by_silo,
+    outcome_word,
+    outcomes,
+    trials,
+    unfinished,
+)
+from silo2d.reproduce.runs import run_of_cases
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from granulab.campaign.sweeps.sweep import Labelled
     from silo2d.reproduce import Row
 
 SEEDS = 5
+COLUMNS = ("silo", "outcome", "discharge_time_s", "t90_s", "packing_fraction")
 
 _CRITERION = """\
 time: mean +- standard deviation (number) of the runs and trials that did not clog. "agrees" where
@@ -37,16 +45,15 @@ outcome: clogged of all, with Wilson's 95 % interval; "agrees" where the two int
   40 and 60 mm were tried once each: 1 of 1 is compatible with any share above 0.21."""
 
 
-def run(
-    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
-) -> "list[Row]":
+def cases(seeds: Sequence[int]) -> "list[Labelled]":
     """The sixteen silos, each with all seeds."""
     from granulab.campaign.sweeps.sweep import over_seeds
     from silo2d.case.case import SiloCase
-    from silo2d.reproduce.runs import run_all
 
-    cases = [c for s in PRESETS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
-    return run_all(cases, out=out, workers=workers, quiet=quiet, **engine)
+    return [c for s in PRESETS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
+
+
+run = run_of_cases(cases)
 
 
 def report(rows: "list[Row]") -> str:

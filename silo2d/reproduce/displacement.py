@@ -1,4 +1,4 @@
-"""Displacement profiles of silos A4 and D4 every 0.25 s over seeds, beside what the paper says.
+"""Displacement profiles of silos A4 and D4 every 0.25 s over seeds, and the paper's claims.
 
 Granular Matter 15 (2013) 811, sec. 4.2.1 and Figs. 14 and 15: pictures of the painted layers and
 three statements, no numbers. Line, depth, width and scatter are those of measures/profile.py.
@@ -10,18 +10,36 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from granulab.campaign.claims.claim import claims_of
+from granulab.campaign.claims.judge import report_claims
+from granulab.campaign.output.layout import columns, paragraphs
 from silo2d.measures.basics.particles import Series, numbers, particle_size
 from silo2d.measures.profile import layer_lines, profile_frames, v_shapes
+from silo2d.reproduce.quantities.displacement import (
+    PROFILES,
+    deeper_in_second,
+    in_mm,
+    profiles,
+)
 from silo2d.view.scene import read_scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 Row = dict[str, Any]
 
 SEEDS = 5
+COLUMNS = None
 SILOS = "A4", "D4"
 LAST = 1.25  # s, the last picture of the paper
+_NOTE = """\
+V depth / V width [mm], mean +- sample sd over the seeds that have one, (n) where not all do; layers
+of 45 mm from the bottom up; "cut": the layer has no grains above the middle of the outlet but some
+beside it; "-": fewer than two grains of it in any column."""
+_ELSEWHERE = """\
+Slip-stick motion at the walls is measured by `silo2d observe RUN stickslip`,
+intermittent flow by `silo2d observe RUN curve`. The paper prints no depth or width."""
 _KEPT = ["silo", "seed", "state", "reason", "outcome", "n_particles", "n_out", "discharge_time_s"]
 
 
@@ -81,14 +99,59 @@ def _rounded(keys: list[str], values: Series) -> dict[str, float | None]:
 
 
 def report(rows: list[Row]) -> str:
-    """Tables of V depth and width, and a word on each of the paper's statements."""
-    from silo2d.reproduce.displacement_report import statements, tables
+    """Tables of V depth and width, and the claims of the paper judged."""
+    found = profiles(rows)
+    judged = report_claims(PROFILES.judge(claims_of("silo_displacement"), found))
+    failed = [
+        f"{row['state']}: {row['silo']}, seed {row['seed']}: {row['reason']}"
+        for row in rows
+        if row["state"] != "done"
+    ]
+    return paragraphs(
+        *(_table(silo, own) for silo, own in found.groupby("silo", sort=False)),
+        _NOTE,
+        "\n".join(failed),
+        f"What the paper says (sec. 4.2.1, Figs. 12 to 15), and what these runs show:\n{judged}",
+        _deeper(found),
+        _ELSEWHERE,
+    )
 
-    return f"{tables(rows)}\n\n{statements(rows)}"
+
+def _table(silo: str, own: "DataFrame") -> str:
+    """Layers down, times across."""
+    seeds = own["seed"].nunique()
+    moved = own[own["time_s"] > 0]
+    times = sorted(moved["time_s"].unique())
+    lines = []
+    for layer in sorted(own["layer"].unique(), reverse=True):
+        at = {time: moved[(moved["layer"] == layer) & (moved["time_s"] == time)] for time in times}
+        lines.append([f"layer {layer:.0f}", *(_cell(at[time], seeds) for time in times)])
+    return columns([f"{silo}, {seeds} seeds", *(f"{time:.2f} s" for time in times)], lines)
+
+
+def _cell(own: "DataFrame", seeds: int) -> str:
+    depth, width = own["depth_m"].dropna().tolist(), own["width_m"].dropna().tolist()
+    cut = int(own["pierced"].sum())
+    if not depth:
+        return f"cut ({cut})" if cut else "-"
+    of = f" ({len(depth)})" if len(depth) < seeds else ""
+    return f"{in_mm(depth)} / {in_mm(width)}{of}"
+
+
+def _deeper(found: "DataFrame") -> str:
+    """Not said by the paper: which V is deeper, layer by layer, where both silos have one."""
+    first, second = (found[found["silo"] == silo] for silo in SILOS)
+    if not len(first) or not len(second):
+        return ""
+    differ = deeper_in_second(first, second).tolist()
+    return (
+        f"Not said by the paper: at the same layer and time D4's V is deeper than A4's in\n"
+        f"  {sum(d > 0 for d in differ)} of {len(differ)} cases, by {in_mm(differ)} mm (mean +- sd)"
+    )
 
 
 def draw(rows: list[Row]) -> "Figure":
     """The lines every 0.25 s, a row of panels a silo: thin for each seed, thick for their mean."""
-    from silo2d.reproduce.displacement_report import sheet
+    from silo2d.reproduce.figures.displacement import draw_profiles
 
-    return sheet(rows)
+    return draw_profiles(profiles(rows))

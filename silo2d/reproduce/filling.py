@@ -6,17 +6,19 @@ drawn to the right at 0.5 m/s, which takes 0.2 s. Times count from the start of 
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from silo2d.reproduce.variants import draw_arms, report_arms
+from silo2d.reproduce.runs import run_of_cases
+from silo2d.reproduce.variants import draw_variants, report_variants
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from granulab.campaign.sweeps.sweep import Labelled
     from silo2d.reproduce import Row
 
 SEEDS = 20
+COLUMNS = ("silo", "filling", "door", "packing_fraction", "outcome", "discharge_time_s", "t90_s")
 
 _SILOS = "A3", "B3"
 _FILLINGS: dict[str, dict[str, Any]] = {
@@ -27,15 +29,12 @@ _FILLINGS: dict[str, dict[str, Any]] = {
 _DOORS: dict[str, dict[str, Any]] = {"at once": {}, "drawn": {"run.door_speed": "0.5 m/s"}}
 
 
-def run(
-    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
-) -> "list[Row]":
+def cases(seeds: Sequence[int]) -> "list[Labelled]":
     """Both silos, each filling with each door, each with all seeds."""
     from granulab.campaign.sweeps.sweep import over_seeds
     from silo2d.case.case import SiloCase
-    from silo2d.reproduce.runs import run_all
 
-    cases = [
+    return [
         labelled
         for silo in _SILOS
         for filling, poured in _FILLINGS.items()
@@ -46,16 +45,18 @@ def run(
             seeds,
         )
     ]
-    return run_all(cases, out=out, workers=workers, quiet=quiet, **engine)
 
 
-def _arm(row: "Row") -> str:
+run = run_of_cases(cases)
+
+
+def _variant(row: "Row") -> str:
     return f"{row['filling']}, door {row['door']}"
 
 
 def report(rows: "list[Row]") -> str:
-    """Times, counts and packing fractions of each arm beside the paper's way."""
-    return f"{report_arms(rows, _arm)}\n\n{_packings(rows)}"
+    """Times, counts and packing fractions of each variant, compared with the paper's way."""
+    return f"{report_variants(rows, _variant)}\n\n{_packings(rows)}"
 
 
 def _packings(rows: "list[Row]") -> str:
@@ -79,5 +80,5 @@ def _packings(rows: "list[Row]") -> str:
 
 
 def draw(rows: "list[Row]") -> "Figure":
-    """Times and shares of each arm."""
-    return draw_arms(rows, _arm)
+    """Times and shares of each variant."""
+    return draw_variants(rows, _variant)

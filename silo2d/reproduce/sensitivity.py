@@ -1,7 +1,6 @@
-"""A4's discharge time against each contact parameter, from two baselines, beside SPOLY's."""
+"""A4's discharge time against each contact parameter, from two baselines, compared with SPOLY's."""
 
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granulab.campaign.output.layout import columns, done, not_done, percent, signed, with_sd
@@ -10,18 +9,22 @@ from granulab.campaign.output.statistics import (
     noise_of_one_more,
     pooled_sd,
 )
-from silo2d.reproduce.outcomes import outcomes
 from silo2d.reproduce.parameters import BASELINES, Pairs
-from silo2d.reproduce.published import ROUNDING, Point, sensitivity
-from silo2d.reproduce.series import Series, series_of
-from silo2d.reproduce.trend import Trend
+from silo2d.reproduce.published import ROUNDING, Point, outcomes, sensitivity
+from silo2d.reproduce.quantities.trends import Series, Trend, series_of
+from silo2d.reproduce.runs import run_of_cases
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from granulab.campaign.sweeps.sweep import Labelled
     from silo2d.reproduce import Row
 
 SEEDS = 3
+COLUMNS = (
+    "baseline", "parameter", "pairs", "value", "unit", "outcome", "discharge_time_s", "t90_s",
+    "restitution.", "state_digest",
+)  # fmt: skip
 
 # Parameter and pairs of contacts, in the order of the paper's tables: a heading each.
 SERIES: dict[tuple[str, Pairs], str] = {
@@ -48,21 +51,21 @@ baselines: Table 4: kn 1e4, kt 650 N/mm, mu 0.38 and 0.44 (wall), gamma_n 6085 a
   contacts, the rest as in Table 4."""
 
 
-def run(
-    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
-) -> "list[Row]":
+def cases(seeds: Sequence[int]) -> "list[Labelled]":
     """Every row of Tables 7 to 11 from both baselines; a case that two rows share runs once."""
-    from granulab.campaign.sweeps.sweep import Labelled, over_seeds
+    from granulab.campaign.sweeps.sweep import over_seeds
     from silo2d.case.case import SiloCase
-    from silo2d.reproduce.runs import run_all
 
     loaded: dict[tuple, SiloCase] = {}
-    cases: list[Labelled] = []
+    found: list[Labelled] = []
     for labels, changes in _wanted():
         law = tuple(changes.items())
         loaded[law] = loaded.get(law) or SiloCase.load("A4", changes)
-        cases += over_seeds(labels, loaded[law], seeds)
-    return run_all(cases, out=out, workers=workers, quiet=quiet, **engine)
+        found += over_seeds(labels, loaded[law], seeds)
+    return found
+
+
+run = run_of_cases(cases)
 
 
 def _wanted() -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
@@ -171,14 +174,14 @@ def _trends(one: dict[str, Series]) -> str:
         if mine is None or of_t90 is None:
             lines.append(f"  {name}: too few runs for a trend")
             continue
-        beside = f": {mine.beside(published)}" if pairs == "both" and published else ""
-        lines.append(f"  {name}: {mine.words()}{beside}; T90 {of_t90.words()}")
+        word = f": {mine.compared_with(published)}" if pairs == "both" and published else ""
+        lines.append(f"  {name}: {mine.words()}{word}; T90 {of_t90.words()}")
     return "\n".join(lines)
 
 
 def draw(rows: "list[Row]") -> "Figure":
-    """Five panels, a parameter each; see silo2d.reproduce.panels."""
-    from silo2d.reproduce.panels import sensitivity_panels
+    """Five panels, a parameter each; see silo2d.reproduce.figures.sensitivity."""
+    from silo2d.reproduce.figures.sensitivity import sensitivity_panels
 
     published = {p: _published(p) for p in dict.fromkeys(key for key, _ in SERIES)}
     return sensitivity_panels(series_of(rows), published)

@@ -1,4 +1,4 @@
-"""Arms of a study against its first: the same packings or seeds, one thing done otherwise.
+"""Variants of a study against its first: the same packings or seeds, one thing done otherwise.
 
 Times are compared seed by seed: the mean of the differences, with Student's t over its standard
 error, in which what the seeds share cancels. Counts of clogged runs are compared by Fisher's exact
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION
 from granulab.campaign.output.layout import columns, done, not_done, percent, share, with_sd
 from granulab.campaign.output.statistics import CONFIDENCE, Sample, mean_sd, quantile, wilson
-from silo2d.reproduce.outcomes import outcomes
+from silo2d.reproduce.published import outcomes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,37 +21,38 @@ if TYPE_CHECKING:
 
     from silo2d.reproduce import Row
 
-Arms = dict[str, "list[Row]"]  # name of an arm -> its rows, the one to compare with first
+Variants = dict[str, "list[Row]"]  # name of a variant -> its rows, the one to compare with first
 NameOf = Callable[["Row"], str]
 
 _CRITERION = """\
 time and T90: mean +- standard deviation (number) over the runs that emptied, and the mean
-  difference from the first arm over the seeds that emptied in both, with its 95 % interval.
-clogged, at opening: with Wilson's 95 % interval; p of Fisher's exact test against the first arm."""
+  difference from the first variant over the seeds that emptied in both, with its 95 % interval.
+clogged, at opening: with Wilson's 95 % interval; p of Fisher's exact test against the first
+  variant."""
 
 
-def arms_of(rows: "Sequence[Row]", name_of: NameOf) -> dict[str, Arms]:
-    """The rows of each silo and arm, in their order."""
-    silos: dict[str, Arms] = {}
+def variants_of(rows: "Sequence[Row]", name_of: NameOf) -> dict[str, Variants]:
+    """The rows of each silo and variant, in their order."""
+    silos: dict[str, Variants] = {}
     for row in rows:
         silos.setdefault(row["silo"], {}).setdefault(name_of(row), []).append(row)
     return silos
 
 
-def report_arms(rows: "list[Row]", name_of: NameOf) -> str:
-    """A line an arm with its times and counts, how they differ from the first, and words."""
-    header = ["silo", "arm", "time [s]", "difference", "T90 [s]", "difference", "clogged", "p",
+def report_variants(rows: "list[Row]", name_of: NameOf) -> str:
+    """A line a variant with its times and counts, how they differ from the first, and words."""
+    header = ["silo", "variant", "time [s]", "difference", "T90 [s]", "difference", "clogged", "p",
               "at opening", "p"]  # fmt: skip
-    silos = arms_of(rows, name_of)
+    silos = variants_of(rows, name_of)
     lines = [
-        _line(silo, name, own, next(iter(arms.values())))
-        for silo, arms in silos.items()
-        for name, own in arms.items()
+        _line(silo, name, own, next(iter(variants.values())))
+        for silo, variants in silos.items()
+        for name, own in variants.items()
     ]
     words = [
-        f"{silo}, {name}: {'; '.join(findings(own, next(iter(arms.values()))))}"
-        for silo, arms in silos.items()
-        for name, own in list(arms.items())[1:]
+        f"{silo}, {name}: {'; '.join(findings(own, next(iter(variants.values()))))}"
+        for silo, variants in silos.items()
+        for name, own in list(variants.items())[1:]
     ]
     failed = "\n".join(not_done(rows, ["silo", "seed"]))
     parts = [columns(header, lines), "\n".join(words), _CRITERION, failed]
@@ -65,7 +66,7 @@ def _line(silo: str, name: str, rows: "list[Row]", first: "list[Row]") -> list[s
     k, at_opening, n = outcomes(rows)
     k1, at_opening1, n1 = outcomes(first)
     for own, other in ((k, k1), (at_opening, at_opening1)):
-        p = chance(own, n, other, n1)
+        p = fisher_p(own, n, other, n1)
         line += [share(own, n), "-" if rows is first or p is None else f"{p:.2f}"]
     return line
 
@@ -75,7 +76,7 @@ def _values(rows: "list[Row]", key: str) -> list[float]:
 
 
 def paired(rows: "list[Row]", first: "list[Row]", key: str) -> tuple[Sample, float | None]:
-    """Differences over the seeds with a value in both arms; half width of the mean's interval."""
+    """Differences over the seeds with a value in both; half width of the mean's interval."""
     known = {row["seed"]: row[key] for row in done(first) if row[key] is not None}
     both = [row for row in done(rows) if row[key] is not None and row["seed"] in known]
     sample = mean_sd([row[key] - known[row["seed"]] for row in both])
@@ -91,7 +92,7 @@ def _difference(rows: "list[Row]", first: "list[Row]", key: str) -> str:
     return f"{sample.mean:+.3f}" + ("" if half is None else f" +- {half:.3f}") + f" ({sample.n})"
 
 
-def chance(k: int, n: int, other_k: int, other_n: int) -> float | None:
+def fisher_p(k: int, n: int, other_k: int, other_n: int) -> float | None:
     """Fisher's p of k of n against another count; None where one has no run."""
     from scipy.stats import fisher_exact
 
@@ -116,7 +117,7 @@ def findings(rows: "list[Row]", first: "list[Row]") -> list[str]:
             )
     (k, at_opening, n), (k1, at_opening1, n1) = outcomes(rows), outcomes(first)
     for name, own, other in (("clogs", k, k1), ("at the opening", at_opening, at_opening1)):
-        p = chance(own, n, other, n1)
+        p = fisher_p(own, n, other, n1)
         if p is None:
             words.append(f"{name}: no run to judge by")
         elif p >= 1 - CONFIDENCE:
@@ -126,30 +127,30 @@ def findings(rows: "list[Row]", first: "list[Row]") -> list[str]:
     return words
 
 
-def draw_arms(rows: "list[Row]", name_of: NameOf) -> "Figure":
-    """For each silo: T90 of every run by arm, and how often each arm clogs, with intervals."""
+def draw_variants(rows: "list[Row]", name_of: NameOf) -> "Figure":
+    """For each silo: T90 of every run by variant, and how often each clogs, with intervals."""
     from matplotlib.figure import Figure
 
-    silos = arms_of(rows, name_of)
-    longest = max(len(arms) for arms in silos.values())
+    silos = variants_of(rows, name_of)
+    longest = max(len(variants) for variants in silos.values())
     figure = Figure(figsize=(9.2, len(silos) * (1.1 + 0.36 * longest)), layout="constrained")
     panels = figure.subplots(len(silos), 2, squeeze=False, width_ratios=[1.3, 1])
-    for (silo, arms), (times, shares) in zip(silos.items(), panels, strict=True):
-        _draw_times(times, arms)
-        _draw_shares(shares, arms)
+    for (silo, variants), (times, shares) in zip(silos.items(), panels, strict=True):
+        _draw_times(times, variants)
+        _draw_shares(shares, variants)
         times.set_title(silo, loc="left", fontweight="bold")
         shares.sharey(times)
         shares.tick_params(labelleft=False)
-        times.set_yticks(range(len(arms)), list(arms))
-        times.set_ylim(len(arms) - 0.5, -0.5)
+        times.set_yticks(range(len(variants)), list(variants))
+        times.set_ylim(len(variants) - 0.5, -0.5)
     panels[-1, 0].set_xlabel("T90 [s]: runs, mean and its 95 % interval")
     panels[-1, 1].set_xlabel("share of runs (95 % interval)")
     panels[0, 1].legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderaxespad=0.1)
     return figure
 
 
-def _draw_times(axes: "Axes", arms: Arms) -> None:
-    for k, rows in enumerate(arms.values()):
+def _draw_times(axes: "Axes", variants: Variants) -> None:
+    for k, rows in enumerate(variants.values()):
         times = _values(rows, "t90_s")
         axes.plot(times, [k] * len(times), "o", color=GREY, ms=4, alpha=0.5, mew=0)
         sample = mean_sd(times)
@@ -160,8 +161,8 @@ def _draw_times(axes: "Axes", arms: Arms) -> None:
     axes.set_axisbelow(True)
 
 
-def _draw_shares(axes: "Axes", arms: Arms) -> None:
-    for k, rows in enumerate(arms.values()):
+def _draw_shares(axes: "Axes", variants: Variants) -> None:
+    for k, rows in enumerate(variants.values()):
         clogged, at_opening, n = outcomes(rows)
         for count, place, colour, label in (
             (clogged, k - 0.12, BLUE, "clogged"),

@@ -7,7 +7,8 @@ import pytest
 from made_tables import FLUIDISED, made_onset, made_table
 from small_damper import CASE, damper3d
 
-from damper3d.reproduce import TABLES, chapter, dampers, find, maps, optimum, sizes
+from damper3d.reproduce import TABLES, chapter, find, optimum, panels, sizes
+from damper3d.reproduce import map as maps
 from damper3d.reproduce.optimum import optima, published
 from damper3d.run import sweep
 from damper3d.studies.predict.prediction import predict
@@ -23,7 +24,7 @@ FEW = [(f, g) for f in (20.0, 40.0, 80.0) for g in (1.0, 2.0, 3.0, 4.0, 5.0, 6.0
 
 
 def verdict(text, words):
-    """PASS, FAIL or ---- of the statement with these words."""
+    """PASS, FAIL or ---- of the claim with these words."""
     (line,) = [line for line in text.splitlines() if words in line and line[:4] in VERDICTS]
     return line[:4]
 
@@ -42,16 +43,16 @@ def made(monkeypatch):
     return rows
 
 
-@pytest.mark.parametrize("height", dampers.HEIGHTS)
+@pytest.mark.parametrize("height", panels.HEIGHTS)
 def test_onset_of_close_packing_is_that_of_predict(height):
     """Eqs 6.11 and 6.13 for the thesis's cylinder, as damper3d predict has them."""
-    (case,) = {case for _, case in dampers.panel("vertical", height, 5, [(40.0, 20.0)]).cases([1])}
-    assert dampers.close_onset(height, 40.0) == pytest.approx(predict(case).best.onset(40.0))
+    (case,) = {case for _, case in panels.panel("vertical", height, 5, [(40.0, 20.0)]).cases([1])}
+    assert panels.close_onset(height, 40.0) == pytest.approx(predict(case).best.onset(40.0))
 
 
 def test_sizes_have_the_same_volume():
     """Table 6.1: the numbers of 3, 4, 5 and 6 mm fill the same part, to the last particle."""
-    volumes = {d: n * d**3 for d, n in dampers.SPHERES.items()}
+    volumes = {d: n * d**3 for d, n in panels.SPHERES.items()}
     assert all(abs(v - volumes[5]) <= max(d, 5) ** 3 for d, v in volumes.items())
 
 
@@ -80,12 +81,12 @@ def test_optimum_finds_known_onsets_and_the_square_of_frequency(made):
         assert verdict(text, words) == "PASS"
 
 
-def test_a_bed_that_packs_loosely_fails_the_statement_on_packing(made):
+def test_a_bed_that_packs_loosely_fails_the_claim_on_packing(made):
     assert verdict(optimum.report(made(optimum, packing=0.57)), "close packing") == "FAIL"
 
 
 def test_difference_from_the_thesis_counts_the_scatter(made):
-    """19.6 beside a made 22.3 or more: beyond a scatter of 0.5 %, within one of 20 %."""
+    """19.6 against a made 22.3 or more: beyond a scatter of 0.5 %, within one of 20 %."""
     one = optima(made(optimum))[40, 40.0, "vertical"]
     assert optimum.difference(one, 19.6, (0.005, 30)).startswith("high")
     assert optimum.difference(one, 19.6, (0.2, 30)).startswith("agrees")
@@ -116,7 +117,7 @@ def test_table_without_any_run_done_can_be_reported_and_drawn(made, table):
 
 
 def test_map_finds_both_ridges(made):
-    grid = [dampers.panel(o, 40, 5, FEW) for o in dampers.ORIENTATIONS]
+    grid = [panels.panel(o, 40, 5, FEW) for o in panels.ORIENTATIONS]
     text = maps.report(made(maps, seeds=[1], grid=grid))
     assert text.startswith("INCOMPLETE: ")
     for words in (
@@ -127,7 +128,7 @@ def test_map_finds_both_ridges(made):
 
 
 def test_a_weak_fluidisation_ridge_fails(made):
-    grid = [dampers.panel("vertical", 40, 5, FEW)]
+    grid = [panels.panel("vertical", 40, 5, FEW)]
     text = maps.report(made(maps, seeds=[1], grid=grid, ridge=0.2))
     assert verdict(text, "on the ridge of fluidisation") == "FAIL"
     assert verdict(text, "on the ridge of the bouncing bed") == "PASS"
@@ -145,15 +146,15 @@ def test_fluidisation_optimum_over_frequency_orientation_and_fill(made, how, exp
     4^0.2 = 1.3, between 3 and 2, so that more frequencies are run.
     """
     points = [(f, g) for f in (80.0, 160.0, 320.0, 625.0) for _, g in FEW[:14]]
-    grid = [dampers.panel(o, h, 5, points) for o in dampers.ORIENTATIONS for h in (40, 55)]
+    grid = [panels.panel(o, h, 5, points) for o in panels.ORIENTATIONS for h in (40, 55)]
     text = maps.report(made(maps, seeds=[1], grid=grid, **how))
     words = "falls with frequency", "rises with frequency", "smaller in the horiz", "insensitive to"
     assert [verdict(text, one) for one in words] == expected, text
 
 
-def test_chapter_judges_each_size_and_sets_it_beside_5_mm(made, tmp_path):
+def test_chapter_judges_each_size_and_compares_it_with_5_mm(made, tmp_path):
     """The made optima go as d^exponent, so that a map of 3 mm is shifted against that of 5 mm."""
-    grid = [dampers.panel(o, 40, d, FEW) for d in (3, 5) for o in dampers.ORIENTATIONS]
+    grid = [panels.panel(o, 40, d, FEW) for d in (3, 5) for o in panels.ORIENTATIONS]
     rows = made(chapter, seeds=[1], grid=grid, size_exponent=-0.3)
     text = chapter.report(rows)
     assert text.startswith("INCOMPLETE: ")
@@ -163,10 +164,10 @@ def test_chapter_judges_each_size_and_sets_it_beside_5_mm(made, tmp_path):
     assert any(line.startswith(start) for line in text.splitlines())
     of_3, of_5 = ([line.split() for line in text.splitlines() if line.startswith(f"{d} mm  ")]
                   for d in (3, 5))  # fmt: skip
-    assert [line[2] for line in of_3] == [line[2] for line in of_5] == list(dampers.ORIENTATIONS)
+    assert [line[2] for line in of_3] == [line[2] for line in of_5] == list(panels.ORIENTATIONS)
     assert all(0.5 < float(line[-2]) < 1 and float(line[-1]) > 0.01 for line in of_3)
     assert all(line[-2:] == ["-", "-"] for line in of_5)
-    assert text.count("spheres of 3 mm, statements: ") == 1
+    assert text.count("spheres of 3 mm, claims: ") == 1
     assert text.count("PASS  eta > 0.3 on the ridge of fluidisation") == 2
     kept, *_ = write_results(
         tmp_path, "chapter", rows, ["command: x"], text, lambda: chapter.draw(rows)
@@ -222,7 +223,7 @@ def test_command_computes_a_small_damper_and_goes_on_where_it_was(monkeypatch, t
     small = {key.replace(".", "__"): value for key, value in CASE.items()}
     small |= {"particles__count": 30}
     points = [(80.0, 5.0), (80.0, 10.0)]
-    grid = [dampers.panel("vertical", 25, 5, points, **small)]
+    grid = [panels.panel("vertical", 25, 5, points, **small)]
     monkeypatch.setattr(optimum, "panels", lambda: grid)
     words = ["reproduce", "optimum", "--seeds", 1, "--workers", 1, "--out", tmp_path]
     answer = damper3d(*words)
@@ -232,7 +233,9 @@ def test_command_computes_a_small_damper_and_goes_on_where_it_was(monkeypatch, t
     head, rows = read_results(tmp_path / "reproduce-optimum.csv")
     assert head["command"] == "damper3d reproduce optimum --seeds 1"
     assert [row["gamma"] for row in rows] == [5.0, 10.0]
-    assert all(row["n_particles"] == 30 for row in rows)
+    _, whole = read_results(tmp_path / "reproduce-optimum.parquet")
+    assert all(row["n_particles"] == 30 for row in whole)
+    assert [row["efficiency"] for row in whole] == [row["efficiency"] for row in rows]
     again = damper3d(*words, "--json")
     assert all(row["reused"] for row in json.loads(again.out)["rows"])
 

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from made_damper_rows import done, failed, history, ideal_bouncing_bed
 
 from damper3d.reproduce import cycles
-from damper3d.reproduce.cycle_histories import points, with_history
-from damper3d.reproduce.cycle_statements import cycle_statements, ideal_since, readings
-from damper3d.reproduce.cycle_steps import read, steps_of
+from damper3d.reproduce.cycles import points, with_history
+from damper3d.reproduce.quantities.cycle_steps import read, steps_of
+from damper3d.reproduce.quantities.cycles import CYCLES, ideal_since, readings
+from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.output.figure import write_figure
 
 _TENTH = 1.2816  # standard deviations from the middle of a Gaussian to its first tenth
@@ -110,19 +111,24 @@ def test_the_ideal_meeting_is_none_below_the_onset():
     assert ideal_since(22.5) == pytest.approx(0.5, abs=0.06)  # phi nears pi as a square root
 
 
-def test_statements_on_the_bouncing_bed_hold_for_the_ideal_one():
+def judged(rows):
+    """The verdict of each claim."""
+    found = CYCLES.judge(claims_of("damper_cycles"), readings(rows))
+    return {one.claim.id: one.holds for one in found}
+
+
+def test_claims_on_the_bouncing_bed_hold_for_the_ideal_one():
     widths = {20.0: 0.03, 30.0: 0.025, 40.0: 0.02, 60.0: 0.017, 100.0: 0.014}
     rows = [ideal_bouncing_bed(gamma, 18.0, width) for gamma, width in widths.items()]
-    by_words = {s.words: [c.holds for c in s.checks] for s in cycle_statements(readings(rows))}
-    assert by_words["Fig. 6.7: two steps a cycle in the bouncing bed."] == [True]
-    assert by_words["... and shorter."] == [True]
-    assert by_words["... each collision is earlier in the cycle the larger Gamma."] == [True]
-    assert by_words["... and the bed moves with the enclosure for longer."] == [True]
-    assert by_words["Fig. 6.16: one step a cycle in the vertical fluidisation (Gamma 3)."] == [None]
+    found = judged(rows)
+    assert found["two-steps-in-the-bouncing-bed"] is True
+    assert found["collisions-shorter"] is True
+    assert found["collisions-earlier"] is True
+    assert found["longer-together-at-100"] is True
+    assert found["one-step-vertical"] is None
     swapped = [{**row, "gamma": 2000.0 / row["gamma"]} for row in rows]  # 20 <-> 100
     swapped = [row for row in swapped if row["gamma"] in widths]
-    by_words = {s.words: [c.holds for c in s.checks] for s in cycle_statements(readings(swapped))}
-    assert by_words["... each collision is earlier in the cycle the larger Gamma."] == [False]
+    assert judged(swapped)["collisions-earlier"] is False
 
 
 def test_a_report_says_first_what_is_missing(tmp_path):

@@ -1,4 +1,4 @@
-"""Whether the optimum moves with a property: statements on made-up rows, and a law of scale."""
+"""Whether the optimum moves with a property: claims on made-up rows, and a law of scale."""
 
 import math
 
@@ -7,10 +7,11 @@ from made_damper_rows import done
 from small_damper import CASE
 
 from damper3d.case.case import DamperCase
+from damper3d.reproduce.properties import STANDARD, VALUES, points, span
+from damper3d.reproduce.quantities.sensitivity import SENSITIVITY, peaks_of
 from damper3d.reproduce.sensitivity import cases, draw, report
-from damper3d.reproduce.sensitivity_statements import peaks_of, sensitivity_statements
-from damper3d.reproduce.sensitivity_values import STANDARD, VALUES, points, span
 from damper3d.run.protocol import run
+from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.output.figure import write_figure
 
 
@@ -36,11 +37,11 @@ def _rows(optimum=lambda name, value: 5.2, level=_level) -> list[dict]:
 
 
 def _checks(rows: list[dict]) -> list[list[bool | None]]:
-    found = sensitivity_statements(rows, peaks_of(rows))
-    return [[check.holds for check in statement.checks] for statement in found]
+    found = SENSITIVITY.judge(claims_of("damper_sensitivity"), peaks_of(rows))
+    return [[check.holds for check in verdict.checks] for verdict in found]
 
 
-def test_rows_as_the_thesis_says_hold_in_every_statement():
+def test_rows_as_the_thesis_says_hold_in_every_claim():
     """The noise of the packings is 0.01 about each mean, the trends are 0.1 and more of it."""
     assert _checks(_rows()) == [[True] * 4, [True] * 4, [True], [True], [True]]
 

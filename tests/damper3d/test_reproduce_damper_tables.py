@@ -7,7 +7,7 @@ import pytest
 from small_damper import CASE, damper3d
 
 from damper3d.commands.reproduce import reproduce
-from damper3d.reproduce import TABLES, cycles, find, sensitivity, sensitivity_values, shares
+from damper3d.reproduce import TABLES, cycles, find, properties, sensitivity, shares
 from granulab.campaign.cli.reproduce import PublishedTable
 from granulab.campaign.output.results import read_results
 
@@ -18,13 +18,14 @@ _SMALL |= {"run.cycles": 5, "run.discard": 1, "output.samples": 40}
 
 def _few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two or three points of each table, fast ones."""
-    monkeypatch.setattr(shares, "COUNT_OF", {5: 20})
+    monkeypatch.setattr(shares, "SIZES", (5,))
+    monkeypatch.setitem(shares.SPHERES, 5, 20)
     monkeypatch.setattr(shares, "FREQUENCIES", (160.0,))
     monkeypatch.setattr(shares, "GAMMAS", (5.0, 20.0))
-    monkeypatch.setattr(sensitivity_values, "GAMMAS", (20.0,))
-    for name in sensitivity_values.VALUES:
+    monkeypatch.setattr(properties, "GAMMAS", (20.0,))
+    for name in properties.VALUES:
         one = (0.3,) if name == "friction" else ()
-        monkeypatch.setitem(sensitivity_values.VALUES, name, one)
+        monkeypatch.setitem(properties.VALUES, name, one)
     motion: dict[str, Any] = {"motion.frequency": 80.0}
     for table, changes in ((shares, {}), (sensitivity, motion), (cycles, motion)):
         monkeypatch.setattr(table, "cases", partial(table.cases, changes=_SMALL | changes))

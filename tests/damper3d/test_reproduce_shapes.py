@@ -5,9 +5,11 @@ import math
 import pytest
 
 from damper3d.case.closed_forms import bouncing_bed_onset
-from damper3d.reproduce import shape_effects, shape_plan, shape_statements, shapes
-from damper3d.reproduce.runs import labels_of
-from damper3d.reproduce.shape_optima import Line, optima
+from damper3d.reproduce import shapes
+from damper3d.reproduce.panels import labels_of
+from damper3d.reproduce.quantities import shapes as quantities
+from damper3d.reproduce.quantities.shapes import SHAPES, Line, Readings, optima
+from granulab.campaign.claims.claim import claims_of
 
 SPHERE_ONSET = float(bouncing_bed_onset(40.0, 0.0143))
 
@@ -49,17 +51,22 @@ def onset_rows(onset):
 
 
 def onset_panels():
-    return [panel for f in shape_plan.BOUNCING for panel in shape_plan.onset_panels(f)]
+    return [panel for f in quantities.BOUNCING for panel in shapes.onset_panels(f)]
 
 
-def verdicts(statements):
-    return {one.words: one.holds for one in statements}
+def verdicts(rows):
+    """The verdict on each claim by its sentence."""
+    return {one.words: one.holds for one in judged(rows)}
+
+
+def judged(rows):
+    return SHAPES.judge(claims_of("damper_shapes"), Readings(rows, optima(rows)))
 
 
 def test_plan_has_the_shapes_and_counts_of_chapter_8():
     """Tables 8.1 and 8.2: 11 spheroids and 6 toroids; sec. 8.3: 90 and 110 of them."""
-    assert [family for family, _ in shape_plan.shapes()].count("spheroid") == 11
-    assert [family for family, _ in shape_plan.shapes()].count("toroid") == 6
+    assert [family for family, _ in quantities.shapes()].count("spheroid") == 11
+    assert [family for family, _ in quantities.shapes()].count("toroid") == 6
     counts = {p.labels["shape"]: p.changes["particles.count"] for p in onset_panels()}
     assert counts == {"spheroid": 90, "toroid": 110}
     cycles = {(p.changes["run.cycles"], p.changes["run.discard"]) for p in onset_panels()}
@@ -72,15 +79,15 @@ def test_plan_has_the_shapes_and_counts_of_chapter_8():
     (("toroid", 0.33), "toroid:0.33"),
 ])  # fmt: skip
 def test_shapes_are_called_as_the_command_takes_them(shape, text):
-    assert shape_plan.particle_text(shape) == text
+    assert quantities.particle_text(shape) == text
 
 
 def test_fill_ratios_of_the_plan_are_those_of_its_cases():
     """The Gammas of the plan go by them (eq. 6.13); to the digits that it states."""
     for family, reference in (("spheroid", 1.0), ("toroid", 0.0)):
-        panel = shape_plan.panel((family, reference), "vertical", [(40.0, 20.0)])
+        panel = shapes.panel((family, reference), "vertical", [(40.0, 20.0)])
         ((_, case),) = panel.cases([1])
-        assert case.fill_ratio == pytest.approx(shape_plan.FILL[family], abs=5e-4)
+        assert case.fill_ratio == pytest.approx(shapes.FILL[family], abs=5e-4)
         assert case.particle.is_sphere
 
 
@@ -91,7 +98,7 @@ def test_time_step_shortens_with_stiffer_and_lighter_particles():
     """
     steps = {
         (p.labels["property"], p.labels["value"]): float(p.changes["run.time_step"].split()[0])
-        for p in shape_plan.sensitivity_panels()
+        for p in shapes.sensitivity_panels()
     }
     assert steps["standard", 1.0] == 2.0
     assert steps["modulus", 33e9] == pytest.approx(2 / math.sqrt(10), rel=5e-3)
@@ -100,13 +107,13 @@ def test_time_step_shortens_with_stiffer_and_lighter_particles():
 
 
 def test_statements_hold_for_onsets_as_the_thesis_tells_them():
-    found = optima(onset_rows(thesis_like))
-    assert set(verdicts(shape_statements.bouncing_statements(found)).values()) == {True}
+    found = verdicts(onset_rows(thesis_like))
+    assert set(list(found.values())[:9]) == {True}
 
 
 def test_statements_of_a_shift_fail_where_shape_does_nothing():
     """The rise to 1.5, its flat, the rises to 0.7 and to the toroid of 0.05."""
-    found = verdicts(shape_statements.bouncing_statements(optima(onset_rows(alike))))
+    found = verdicts(onset_rows(alike))
     shift = ["50 % higher by 1.5", "flat from 1.5", "rises to 0.7", "rises to 0.05"]
     for part in shift:
         (holds,) = [holds for words, holds in found.items() if part in words]
@@ -122,16 +129,15 @@ def test_onset_is_found_where_it_was_made():
 
 
 def test_prolates_past_their_onset_damp_more_where_it_is_later():
-    made = onset_rows(thesis_like)
-    assert shape_effects.past_onset(made, optima(made)).holds
+    words = "prolates of 1.5 and 3.0 damp more than spheres beyond their onset"
+    assert verdicts(onset_rows(thesis_like))[words]
     made = onset_rows(lambda shape, f: alike(shape, f) / (1.5 if shape[1] > 1 else 1.0))
-    assert shape_effects.past_onset(made, optima(made)).holds is False
+    assert verdicts(made)[words] is False
 
 
 def test_fluidisation_optimum_that_goes_with_frequency_alone_passes():
-    made = rows(alike, labels_of(shape_plan.curve_panels()))
-    found = verdicts(shape_effects.fluidisation_statements(optima(made)))
-    independent, _, level, place = found.values()
+    made = rows(alike, labels_of(shapes.curve_panels()))
+    independent, _, level, place = list(verdicts(made).values())[10:14]
     assert independent
     assert level
     assert place
@@ -139,32 +145,35 @@ def test_fluidisation_optimum_that_goes_with_frequency_alone_passes():
 
 def test_curves_without_a_peak_are_told_from_curves_without_runs():
     flat = [{**row, "efficiency": 0.5, "efficiency_interval": [0.4, 0.6]}
-            for row in rows(alike, labels_of(shape_plan.curve_panels()))]  # fmt: skip
-    independent, trend, *_ = shape_effects.fluidisation_statements(optima(flat))
+            for row in rows(alike, labels_of(shapes.curve_panels()))]  # fmt: skip
+    independent, trend = judged(flat)[10:12]
     words = {check.found for check in (*independent.checks, *trend.checks)}
     assert words == {"0 of 17 shapes have a peak"}
-    nothing = shape_effects.fluidisation_statements({})
-    assert {check.found for check in nothing[0].checks} == {""}
+    assert {check.found for check in judged([])[10].checks} == {""}
 
 
 def test_sphericity_orders_prolates_and_toroids():
     """Figs 8.13, 8.14: from the sphere down; oblates are left out (sec. 8.5.1.1)."""
     found = optima(onset_rows(thesis_like))
-    pairs = shape_statements.by_sphericity(found, Line(("spheroid", 1.0), "vertical", 40.0))
+    pairs = quantities.by_sphericity(found, Line(("spheroid", 1.0), "vertical", 40.0))
     assert [x for x, _ in pairs] == sorted((x for x, _ in pairs), reverse=True)
     assert len(pairs) == 6 + 6
     assert pairs[0][0] == 1.0
 
 
+def properties(rows):
+    return dict(list(verdicts(rows).items())[14:])
+
+
 def made_properties(sign=1.0, scatter=0.0):
     """Each point of two packings, which differ by twice the scatter."""
     found = []
-    for labels in labels_of(shape_plan.sensitivity_panels()):
+    for labels in labels_of(shapes.sensitivity_panels()):
         ratio, name, value = labels["ratio"], labels["property"], labels["value"]
         friction = value if name == "friction" else 0.52
         eta = 0.3 + (0.2 if ratio > 1 else 0.0) * (1.5 - friction)
         if name in ("density", "modulus", "restitution"):
-            standard = shape_plan.STANDARD[name]
+            standard = shapes.STANDARD[name]
             eta += (
                 {"density": -1, "modulus": 1, "restitution": 1}[name]
                 * sign
@@ -180,15 +189,13 @@ def made_properties(sign=1.0, scatter=0.0):
 
 def test_property_statements_follow_the_made_trends():
     """Sec. 8.5.1.3: density down, modulus and restitution up; less friction, more shape."""
-    assert set(verdicts(shape_effects.property_statements(made_properties())).values()) == {True}
-    turned = verdicts(shape_effects.property_statements(made_properties(-1.0)))
+    assert set(properties(made_properties()).values()) == {True}
+    turned = properties(made_properties(-1.0))
     assert [turned[words] for words in list(turned)[:3]] == [False] * 3
-    clear, hidden = (
-        verdicts(shape_effects.property_statements(made_properties(scatter=s))) for s in (1e-3, 0.2)
-    )
+    clear, hidden = (properties(made_properties(scatter=s)) for s in (1e-3, 0.2))
     assert [clear[words] for words in list(clear)[:3]] == [True] * 3
     assert [hidden[words] for words in list(hidden)[:3]] == [None] * 3
-    level = verdicts(shape_effects.property_statements(made_properties(0.0)))
+    level = properties(made_properties(0.0))
     assert [level[words] for words in list(level)[:3]] == [None] * 3
 
 

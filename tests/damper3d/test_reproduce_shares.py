@@ -1,4 +1,4 @@
-"""Shares of friction and of particle-particle contacts: the thesis's statements on made-up rows."""
+"""Shares of friction and of particle-particle contacts: the thesis's claims on made-up rows."""
 
 import math
 from typing import Any
@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 from made_damper_rows import done, shares, two_peaks
 
-from damper3d.reproduce.share_statements import landmarks, share_statements
+from damper3d.reproduce.quantities.shares import SHARES, Readings, landmarks
 from damper3d.reproduce.shares import cases, draw, points, report
+from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.output.figure import write_figure
 
 ONSET, OPTIMUM = 20.0, 3.0
@@ -44,8 +45,11 @@ def _rows(shape=_as_the_thesis_says, **changed: Any) -> list[dict]:
 
 
 def _checks(rows: list[dict]) -> dict[str, dict[str, bool | None]]:
-    found = share_statements(rows, landmarks(rows))
-    return {s.words: {check.of: check.holds for check in s.checks} for s in found}
+    return {s.words: {check.of: check.holds for check in s.checks} for s in _verdicts(rows)}
+
+
+def _verdicts(rows: list[dict]) -> list[Any]:
+    return SHARES.judge(claims_of("damper_shares"), Readings(rows, landmarks(rows)))
 
 
 def test_peaks_of_the_runs_themselves_part_the_curves():
@@ -57,7 +61,7 @@ def test_peaks_of_the_runs_themselves_part_the_curves():
     assert found.bouncing_bed[3, 40.0] == pytest.approx(ONSET, rel=0.02)
 
 
-def test_rows_as_the_thesis_says_hold_in_every_statement():
+def test_rows_as_the_thesis_says_hold_in_every_claim():
     checks = _checks(_rows())
     assert len(checks) == 11
     assert all(holds for by_count in checks.values() for holds in by_count.values())
@@ -68,7 +72,7 @@ def test_a_point_below_sixty_per_cent_is_found_and_named():
     low = next(r for r in rows if r["diameter_mm"] == 6 and r["gamma"] == 7.0)
     low |= shares(0.55, 0.7)
     words = "Particle-particle contacts dissipate more than 60 % everywhere."
-    found = next(s for s in share_statements(rows, landmarks(rows)) if s.words == words)
+    found = next(one for one in _verdicts(rows) if one.words == words)
     budget, counted = found.checks
     assert (budget.holds, counted.holds) == (False, True)
     assert "least 55 % (6 mm, 40 Hz, Gamma 7)" in budget.found
@@ -85,7 +89,7 @@ def test_a_point_below_sixty_per_cent_is_found_and_named():
         (lambda size, gamma: (0.3, 0.8), "... mainly between particles"),
     ],
 )
-def test_a_statement_fails_on_rows_that_say_otherwise(shape, words):
+def test_a_claim_fails_on_rows_that_say_otherwise(shape, words):
     checks = _checks(_rows(shape))
     own = next(holds for text, holds in checks.items() if text.startswith(words))
     assert own["budget"] is False

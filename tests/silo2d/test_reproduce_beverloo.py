@@ -8,7 +8,7 @@ import pytest
 from granulab.campaign.output.figure import write_figure
 from silo2d.case.case import SiloCase
 from silo2d.reproduce import beverloo
-from silo2d.reproduce.beverloo_law import fit_law, law
+from silo2d.reproduce.quantities.beverloo_law import fit_law, law
 
 C, K, DENSITY, SIZE = 0.95, 1.4, 45.0, 0.005
 OUTLETS = np.repeat([0.03, 0.036, 0.042, 0.048, 0.054, 0.06], 3)

@@ -7,9 +7,9 @@ import pytest
 from moved_run import falling, write_moved_run
 
 from granulab.campaign.output.figure import write_figure
+from granulab.campaign.output.layout import done
 from silo2d.case.outline import preset
 from silo2d.reproduce import displacement
-from silo2d.reproduce.displacement_report import done
 
 DEEP = {"A4": 0.1, "D4": 0.2}  # m/s: how much faster the middle falls than the walls
 SEEDS = 2
@@ -65,24 +65,24 @@ def test_report_gives_mean_and_spread_over_the_seeds(rows):
     assert "failed: D4, seed 3: the disk is full" in text
 
 
-def test_statements_of_the_paper_are_checked(rows):
+def test_claims_of_the_paper_are_checked(rows):
     """V shapes in both, the deeper in D4 wherever both have one; A4 empties and D4 does not.
 
     Shear alone scatters displacements alike at all heights: mixing cannot be told from these.
     """
     text = displacement.report(rows)
-    assert "A4, V shape: agrees" in text
-    assert "A4, the silo empties: agrees: 0 of 600 grains stay" in text
-    assert "D4, grains stay beside the outlet: agrees: 20 of 600" in text
+    assert "  PASS  A4  of " in text
+    assert "  PASS  A4  0 of 600 grains stay" in text
+    assert "  PASS  D4  20 of 600 grains stay" in text
     (verdict,) = [line for line in text.splitlines() if " cases, by " in line]
     deeper, _, cases = verdict.split()[:3]
     assert deeper == cases
 
 
 def test_flat_lines_do_not_agree_with_a_v(rows):
-    """The statement can fail: depths of nought."""
+    """The claim can fail: depths of nought."""
     flat = [{**row, "depth_m": 0.0} if row.get("depth_m") else row for row in rows]
-    assert "A4, V shape: does not agree" in displacement.report(flat)
+    assert "  FAIL  A4  of " in displacement.report(flat)
 
 
 def test_picture(rows, tmp_path):

@@ -21,7 +21,10 @@ Row = dict[str, Any]
 class PublishedTable(Protocol):
     """What the module of a table offers."""
 
-    SEEDS: int  # how many seeds it takes unless told otherwise
+    SEEDS: int  # how many seeds it takes unless another number is given
+    # Names of the columns that are labels, or that report and figure read: "shares." for all that
+    # begin so. None: all there are.
+    COLUMNS: tuple[str, ...] | None
 
     def run(
         self, *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
@@ -74,13 +77,12 @@ def reproduce_table(
     scheduler: str | None,
     as_json: bool,
     quiet: bool,
-    left_out: tuple[str, ...] = (),
 ) -> None:
-    """Compute a table, print it, and keep it as reproduce-NAME.csv, .txt and .png.
+    """Compute a table, print it, and keep it as reproduce-NAME.csv, .parquet, .txt and .png.
 
-    left_out: beginnings of names of columns that the CSV does not keep. Raises Ended where runs
-    lack or failed, click.UsageError for options that do not go with the table, and FolderError
-    where a folder cannot be written: before anything is run, or at the end, when it is printed.
+    Raises Ended where runs lack or failed, click.UsageError for options that do not go with the
+    table, and FolderError where a folder cannot be written: before anything is run, or at the end,
+    when it is printed.
     """
     from granulab.campaign.output.results import origin, write_results
     from granulab.campaign.runs.folder import refuse_unless_writable
@@ -96,7 +98,7 @@ def reproduce_table(
     lines = origin(f"{simulator.name} reproduce {name} --seeds {len(numbers)}", simulator)
     files = write_results(
         Path(write or out), f"reproduce-{name}", rows, lines, text, lambda: table.draw(rows),
-        left_out,
+        table.COLUMNS,
     )  # fmt: skip
     if not quiet:
         click.echo("\n".join(map(str, files)), err=True)

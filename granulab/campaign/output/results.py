@@ -1,4 +1,4 @@
-"""The rows of a table as files to keep: CSV with where it comes from, report and picture."""
+"""The rows of a table as files to keep: CSV and Parquet with their origin, report and picture."""
 
 import csv
 import json
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granulab.campaign.output.figure import write_figure
-from granulab.campaign.output.table import as_csv
+from granulab.campaign.output.table import as_csv, as_parquet, read_parquet
 from granulab.campaign.runs.folder import FolderError, write_atomic, writing
 from granulab.campaign.runs.provenance import provenance
 
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 
-_LEFT_OUT = ("run_folder", "reused")  # they tell of this computer's folders
+_OF_THIS_MACHINE = ("run_folder", "reused")  # no part of a result
+_ALWAYS = ("seed", "state", "reason")
 _WORDS = {"": None, "true": True, "false": False}
 
 
@@ -45,41 +46,51 @@ def write_results(
     lines: Sequence[str],
     text: str,
     draw: "Callable[[], Figure]",
-    left_out: tuple[str, ...] = (),
+    kept: tuple[str, ...] | None = None,
 ) -> list[Path]:
-    """Write NAME.csv, NAME.txt and NAME.png into a folder; FolderError where that cannot be.
+    """Write NAME.csv, .parquet, .txt and .png into a folder; FolderError where that cannot be.
 
-    left_out: beginnings of names of columns that the CSV does not keep.
+    kept: the columns of the CSV, as PublishedTable.COLUMNS names them; Parquet has all of them.
     """
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
     head = "".join(f"# {line}\n" for line in lines)
-    table, words = folder / f"{name}.csv", folder / f"{name}.txt"
-    write_atomic(table, head + as_csv(rows, _LEFT_OUT + left_out))
+    table, whole, words = (folder / f"{name}.{kind}" for kind in ("csv", "parquet", "txt"))
+    own = [{k: v for k, v in row.items() if k not in _OF_THIS_MACHINE} for row in rows]
+    write_atomic(table, head + as_csv(own, None if kept is None else kept + _ALWAYS))
+    write_atomic(whole, as_parquet(own, origin_words(lines)))
     write_atomic(words, f"{head}\n{text}\n")
-    return [table, words, write_figure(folder / f"{name}.png", draw)]
+    return [table, whole, words, write_figure(folder / f"{name}.png", draw)]
+
+
+def origin_words(lines: Sequence[str]) -> dict[str, str]:
+    """The lines of `origin` by their first word: command, versions, date, machine."""
+    parts = [line.partition(": ") for line in lines]
+    return {word: text for word, _, text in parts}
 
 
 def read_results(path: Path) -> tuple[dict[str, str], list[Row]]:
-    """Where the rows of a CSV come from, by word (command, versions, date, machine), and the rows.
+    """Where the rows of a CSV or Parquet file come from, by word (see origin_words), and the rows.
 
     Numbers are numbers again, and what a run does not have is None. FolderError where the file
     is missing or is no such table.
     """
     try:
+        if path.suffix == ".parquet":
+            return read_parquet(path)
         lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise FolderError(
             f"{path}: cannot be read ({error}); make it with the command reproduce"
         ) from None
-    head = [line[2:].partition(": ") for line in lines if line.startswith("# ")]
+    head = origin_words([line[2:] for line in lines if line.startswith("# ")])
     table = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     if not table or any("state" not in row or None in row or None in row.values() for row in table):
         raise FolderError(
             f"{path}: not a table of the command reproduce, or cut short; make it again"
         )
     rows = [{key: _value(key, text) for key, text in row.items()} for row in table]
-    return {word: text for word, _, text in head}, rows
+    return head, rows
 
 
 def _value(key: str, text: str) -> Any:

@@ -1,44 +1,76 @@
-"""A tidy table of rows as files: CSV for eyes and spreadsheets, HDF5 with every bit."""
+"""A tidy table of rows as files: CSV for eyes and spreadsheets, Parquet and HDF5 with every bit."""
 
-import csv
 import io
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
 from granulab.campaign.runs.folder import write_atomic
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 Row = Mapping[str, Any]
 
 
 def write_table(folder: Path, rows: Sequence[Row]) -> None:
-    """Write table.csv and table.h5, each as one whole file; what a row lacks is empty or NaN.
+    """Write table.csv, table.parquet and table.h5, each as one whole file.
 
-    The columns are all keys in the order in which they first appear; in HDF5 each is a dataset,
-    of integers, of floating-point numbers, or of texts. Raises FolderError where they cannot be
-    written.
+    The columns are all keys in the order in which they first appear; what a row lacks is empty or
+    NaN. In HDF5 each is a dataset, of integers, of floating-point numbers, or of texts. Raises
+    FolderError where they cannot be written.
     """
-    names = list(dict.fromkeys(name for row in rows for name in row))
     write_atomic(folder / "table.csv", as_csv(rows))
+    write_atomic(folder / "table.parquet", as_parquet(rows))
     image = io.BytesIO()  # not on disk: HDF5 that meets a full disk itself ends the process
     with h5py.File(image, "w", track_order=True) as file:
-        for name in names:
+        for name in _names(rows):
             file.create_dataset(name, data=_column([row.get(name) for row in rows]))
     write_atomic(folder / "table.h5", image.getvalue())
 
 
-def as_csv(rows: Sequence[Row], left_out: tuple[str, ...] = ()) -> str:
-    """Rows as CSV, but for the columns whose names begin with one of `left_out`."""
-    names = dict.fromkeys(n for row in rows for n in row if not n.startswith(left_out))
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(names), extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
-    return text.getvalue()
+def as_csv(rows: Sequence[Row], kept: tuple[str, ...] | None = None) -> str:
+    """Rows as CSV, all columns or those `kept`: by name, or "shares." for all that begin so."""
+    from pandas import DataFrame
+
+    names = _names(rows)
+    if kept is not None:
+        groups = tuple(name for name in kept if name.endswith("."))
+        names = [name for name in names if name in kept or name.startswith(groups)]
+    cells = [[_cell(row.get(name)) for name in names] for row in rows]
+    text: str = DataFrame(cells, columns=names, dtype=object).to_csv(index=False)
+    return text
+
+
+def as_parquet(rows: Sequence[Row], about: Mapping[str, str] | None = None) -> bytes:
+    """Rows as the bytes of a Parquet file, with words on where they come from (`about`)."""
+    from pandas import DataFrame
+
+    table = DataFrame({name: _typed([row.get(name) for row in rows]) for name in _names(rows)})
+    table.attrs |= about or {}
+    image = io.BytesIO()
+    table.to_parquet(image, index=False)
+    return image.getvalue()
+
+
+def read_parquet(path: Path) -> tuple[dict[str, str], "list[dict[str, Any]]"]:
+    """The words on where a table comes from and its rows; what a row lacks is None."""
+    from pandas import read_parquet as read
+
+    table: DataFrame = read(path, dtype_backend="numpy_nullable")
+    columns = {name: [_plain(value) for value in table[name]] for name in table}
+    rows = [
+        dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
+    ]
+    return table.attrs, rows
+
+
+def _names(rows: Sequence[Row]) -> list[str]:
+    return list(dict.fromkeys(name for row in rows for name in row))
 
 
 def _cell(value: Any) -> Any:
@@ -47,8 +79,31 @@ def _cell(value: Any) -> Any:
     return str(value).lower() if isinstance(value, bool) else value
 
 
+def _typed(values: list[Any]) -> Any:
+    """A column of one type for Parquet, missing ones being missing; of several types, texts."""
+    from pandas import array
+
+    values = [value.item() if isinstance(value, np.generic) else value for value in values]
+    kinds = {type(value) for value in values if value is not None}
+    for names, dtype in (({bool}, "boolean"), ({int}, "Int64"), ({int, float}, "Float64")):
+        if kinds and kinds <= names:
+            return array(values, dtype)
+    if kinds <= {list, tuple}:
+        return values
+    return array([None if value is None else str(_cell(value)) for value in values], "string")
+
+
+def _plain(value: Any) -> Any:
+    """A cell as Python has it."""
+    from pandas import NA
+
+    if value is None or value is NA:
+        return None
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+
+
 def _column(values: list[Any]) -> Any:
-    """The values of a column in one type."""
+    """The values of a column in one type for HDF5."""
     values = [value.item() if isinstance(value, np.generic) else value for value in values]
     kinds = {type(value) for value in values if value is not None}
     if kinds and kinds <= {int, float}:

@@ -1,8 +1,9 @@
-"""Compare the shown results of two revisions, table by table: python benchmarks/compare_results.py.
+"""Compare the shown results of two revisions: python tests/helpers/compare_results.py REVISION.
 
-The old ones are those of a git revision (by default HEAD), the new ones lie in docs/results. Kept
-columns must be equal to the last bit, verdicts equal and in the same order, and so must all numbers
-of a report; columns that are gone or new are listed. Ends with code 1 where anything differs.
+The old ones are those of a git revision (by default HEAD), the new ones lie in docs/results. Table
+by table, kept columns must be equal to the last bit, the verdict on every claim the same, and no
+number of a report may be gone; columns that are gone or new, and new numbers, are listed. Ends with
+code 1 where anything differs.
 """
 
 import argparse
@@ -14,9 +15,9 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 RESULTS = Path("docs/results")
-_VERDICT = re.compile(r"^\s*(PASS|FAIL|----) ")
+_VERDICT = re.compile(r"^(?:  )?(PASS|FAIL|----) ")
 _AGREES = re.compile(r": (agrees|does not agree)(?=[: ])")  # of the displacement profiles, once
 _NUMBER = re.compile(r"(?<![\w.])[+-]?\d[\d.]*(?:[eE][+-]?\d+)?")
 
@@ -39,8 +40,8 @@ def body(text: str) -> list[str]:
     return [line for line in text.splitlines() if not line.startswith("# ")]
 
 
-def verdicts(text: str) -> list[str]:
-    """PASS, FAIL and ---- of a report, in its order."""
+def checks(text: str) -> list[str]:
+    """PASS, FAIL or ---- of every check of a report, in its order."""
     found = []
     for line in body(text):
         if match := _VERDICT.match(line):
@@ -48,6 +49,26 @@ def verdicts(text: str) -> list[str]:
         elif match := _AGREES.search(line):
             found.append("PASS" if match[1] == "agrees" else "FAIL")
     return found
+
+
+def claims(text: str) -> list[str]:
+    """PASS, FAIL or ---- of every claim of a report, in its order.
+
+    A claim with several checks, a line each below its sentence, fails where one does and is not
+    known where one is not.
+    """
+    found: list[list[str]] = []
+    for line in body(text):
+        match = _VERDICT.match(line)
+        if not line.startswith(" "):
+            found.append([])
+        if match:
+            found[-1].append(match[1])
+    return [_of_all(own) for own in found if own]
+
+
+def _of_all(own: list[str]) -> str:
+    return next((word for word in ("FAIL", "----") if word in own), "PASS")
 
 
 def numbers(text: str) -> Counter[str]:
@@ -75,19 +96,17 @@ def compare_tables(before: str, after: str) -> tuple[list[str], bool]:
 
 
 def compare_reports(before: str, after: str) -> tuple[list[str], bool]:
-    """Lines on a report, and whether its verdicts and numbers are the same."""
-    first, second = verdicts(before), verdicts(after)
+    """Lines on a report, and whether its verdicts are the same and its numbers are all there."""
+    same = claims(before) == claims(after) or checks(before) == checks(after)
     gone, new = numbers(before) - numbers(after), numbers(after) - numbers(before)
-    count = ", ".join(f"{n} {word}" for word, n in sorted(Counter(second).items()))
-    lines = [
-        f"  verdicts {'equal' if first == second else 'DIFFER'}: {count or 'none'}; "
-        f"numbers {'DIFFER' if gone or new else 'equal'}"
-    ]
+    count = ", ".join(f"{n} {word}" for word, n in sorted(Counter(claims(after)).items()))
+    lines = [f"  verdicts {'equal' if same else 'DIFFER'}: {count or 'none'}; "
+             f"numbers {'GONE' if gone else 'all there'}"]  # fmt: skip
     if gone or new:
         lines.append(f"  numbers gone: {dict(gone)}; new: {dict(new)}")
-    if first == second and body(before) != body(after):
+    if body(before) != body(after):
         lines.append(f"  words differ in {len(set(body(before)) ^ set(body(after)))} lines")
-    return lines, first == second and not gone and not new
+    return lines, same and not gone
 
 
 def main() -> int:

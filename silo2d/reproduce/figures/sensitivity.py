@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 from granulab.campaign.output.figure import BLUE, ORANGE, VERMILION
 from silo2d.reproduce.published import Point
-from silo2d.reproduce.trend import LOGARITHMIC
+from silo2d.reproduce.quantities.trends import LOGARITHMIC
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from silo2d.reproduce.series import Series
+    from silo2d.reproduce.quantities.trends import Series
 
 _LABELS = {
     "kn": "kn [N/mm], kt/kn and gamma_n/omega_0 held",

@@ -1,4 +1,4 @@
-"""Studies of disorder and filling: their cases, and how an arm is judged against the first."""
+"""Studies of disorder and filling: their cases, and how a variant is judged against the first."""
 
 import math
 from pathlib import Path
@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import fisher_exact, ttest_rel
 
 from silo2d.reproduce import disorder, filling, find
-from silo2d.reproduce.variants import chance, findings, paired
+from silo2d.reproduce.variants import findings, fisher_p, paired
 from silo2d.run.packing import packing_digest
 from silo2d.run.protocol import run_digest
 
@@ -25,10 +25,10 @@ def row(seed: int, time: float | None, outcome: str = "empty", **labels: str) ->
     }  # fmt: skip
 
 
-def arm(
+def variant(
     shift: float, clogged: int = 0, at_opening: int = 0, noise: int = 2, **labels: str
 ) -> list[dict[str, Any]]:
-    """Twenty seeds whose times scatter alike in each arm; the first ones clog."""
+    """Twenty seeds whose times scatter alike in each variant; the first ones clog."""
     times = 1.9 + 0.1 * np.random.default_rng(1).standard_normal(20)
     own = 1e-3 * np.random.default_rng(noise).standard_normal(20)
     ends = [OPENING] * at_opening + ["clogged"] * clogged
@@ -45,7 +45,7 @@ def cases_of(study, seeds=(1, 2)) -> list:
         return study.run(out=Path("nowhere"), seeds=seeds, workers=None, quiet=True)
 
 
-def test_the_arms_of_disorder_share_packings_and_steps():
+def test_the_variants_of_disorder_share_packings_and_steps():
     cases = cases_of(disorder)
     assert len(cases) == 2 * 3 * 2
     assert len({run_digest(case) for _, case in cases}) == len(cases)
@@ -70,7 +70,7 @@ def test_the_fillings_have_a_packing_each_for_both_doors():
 
 def test_times_are_compared_seed_by_seed():
     """Student's paired t: the interval just excludes zero where p is 0.05."""
-    first, other = arm(0.0, disorder="none"), arm(0.002, noise=3, disorder="pair")
+    first, other = variant(0.0, disorder="none"), variant(0.002, noise=3, disorder="pair")
     sample, half = paired(other, first, "discharge_time_s")
     assert half is not None
     assert sample.mean is not None
@@ -82,19 +82,25 @@ def test_times_are_compared_seed_by_seed():
     assert "longer by 0.1 %" in findings(other, first)[0]
 
 
-def test_only_seeds_that_emptied_in_both_arms_are_paired():
-    first, other = arm(0.0, clogged=3, disorder="none"), arm(0.0, clogged=5, disorder="pair")
+def test_only_seeds_that_emptied_in_both_variants_are_paired():
+    first, other = (
+        variant(0.0, clogged=3, disorder="none"),
+        variant(0.0, clogged=5, disorder="pair"),
+    )
     assert paired(other, first, "t90_s")[0].n == 15
 
 
 def test_counts_are_compared_by_fishers_test():
-    assert chance(9, 20, 1, 20) == pytest.approx(fisher_exact([[9, 11], [1, 19]]).pvalue)
-    assert chance(0, 0, 1, 20) is None
-    first, other = arm(0.0, clogged=1, disorder="none"), arm(0.0, clogged=9, disorder="pair")
+    assert fisher_p(9, 20, 1, 20) == pytest.approx(fisher_exact([[9, 11], [1, 19]]).pvalue)
+    assert fisher_p(0, 0, 1, 20) is None
+    first, other = (
+        variant(0.0, clogged=1, disorder="none"),
+        variant(0.0, clogged=9, disorder="pair"),
+    )
     words = findings(other, first)
     assert words[2] == "clogs more often (p 0.0084)"
     assert words[3] == "at the opening as often within noise"
-    assert math.isclose(chance(2, 20, 3, 20) or 0, 1.0)
+    assert math.isclose(fisher_p(2, 20, 3, 20) or 0, 1.0)
 
 
 def study_rows() -> list[dict[str, Any]]:
@@ -102,7 +108,7 @@ def study_rows() -> list[dict[str, Any]]:
     return [
         r
         for noise, (per, (shift, k)) in enumerate(kinds.items())
-        for r in arm(shift, clogged=k, noise=noise, disorder=per)
+        for r in variant(shift, clogged=k, noise=noise, disorder=per)
     ]  # fmt: skip
 
 
@@ -115,7 +121,7 @@ def test_the_report_tells_numbers_and_words():
         {**r, "filling": f, "door": d}
         for f in ("frictionless", "friction", "layers")
         for d in ("at once", "drawn")
-        for r in arm(0.0, at_opening=2)
+        for r in variant(0.0, at_opening=2)
     ]
     text = filling.report(rows)
     assert "A3, layers, door drawn" in text

@@ -1,0 +1,1 @@
+"""Numbers that the reports and the claims go by: functions of the rows of a table."""
