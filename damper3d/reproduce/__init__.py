@@ -1,4 +1,4 @@
-"""The thesis's tables and figures beside ours: a table of names, each a module of this package.
+"""The thesis's tables and figures, and ours: a table of names, each a module of this package.
 
 A module offers what granulab.campaign.cli.reproduce.PublishedTable says.
 """

@@ -1,4 +1,4 @@
-"""The paper's tables beside ours: a table of names, each a module of this package.
+"""The paper's tables and ours: a table of names, each a module of this package.
 
 A module offers what granulab.campaign.cli.reproduce.PublishedTable says.
 """

@@ -6,7 +6,7 @@ import json
 
 from fake_simulator import FAKE, fake
 
-from granulab.campaign.output.table import write_table
+from granulab.campaign.output.table import as_csv, as_parquet, read_parquet, write_table
 from granulab.campaign.sweeps.sweep import over_seeds, run_labelled
 
 
@@ -76,6 +76,25 @@ def test_compilation_is_told_where_something_is_still_to_be_run(tmp_path, capsys
     for told in (1, 0):
         run_labelled(uncompiled, [({}, fake(2))], out=tmp_path, workers=1)
         assert capsys.readouterr().err.count("compiling the kernels") == told
+
+
+def test_parquet_keeps_every_bit_and_the_kinds_of_columns(tmp_path):
+    """A third, a whole number, a truth, a text and a list, each also where it lacks."""
+    rows = [
+        {"x": 1 / 3, "n": 3, "ok": True, "word": "a", "each": [0.1, None], "mixed": 1},
+        {"x": None, "n": None, "ok": None, "word": None, "each": None, "mixed": "two"},
+    ]
+    path = tmp_path / "table.parquet"
+    path.write_bytes(as_parquet(rows, {"command": "x"}))
+    about, back = read_parquet(path)
+    assert about == {"command": "x"}
+    assert back == [rows[0] | {"mixed": "1"}, rows[1]]
+
+
+def test_csv_keeps_the_named_columns_and_groups():
+    rows = [{"a": 1, "ab": 2, "shares.x": 0.1, "shares.y": None, "seed": 1}]
+    assert as_csv(rows, ("a", "shares.")) == "a,shares.x,shares.y\n1,0.1,\n"
+    assert as_csv(rows) == "a,ab,shares.x,shares.y,seed\n1,2,0.1,,1\n"
 
 
 def test_a_list_is_one_cell_of_the_table_that_json_reads(tmp_path):

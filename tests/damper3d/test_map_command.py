@@ -37,7 +37,7 @@ def test_map_prints_its_ridges_and_leaves_its_table(damper3d, tmp_path):
     assert code == 0
     assert {peak["ridge"] for peak in answers["ridges"]} == {"bouncing_bed", "fluidisation"}
     (folder,) = (tmp_path / "maps").iterdir()
-    names = {"provenance.json", "summary.json", "table.csv", "table.h5", "runs"}
+    names = {"provenance.json", "summary.json", "table.csv", "table.parquet", "table.h5", "runs"}
     assert {path.name for path in folder.iterdir()} == names
     assert str(folder) == answers["folder"]
 

@@ -94,12 +94,14 @@ def _typed(values: list[Any]) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """A cell as Python has it."""
+    """A cell as Python has it; what lacks in a list, which pandas gives as NaN, is None."""
     from pandas import NA
 
     if value is None or value is NA:
         return None
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    if isinstance(value, np.ndarray):
+        return [None if one != one else one for one in value.tolist()]
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _column(values: list[Any]) -> Any:
