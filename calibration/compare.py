@@ -80,7 +80,7 @@ class Comparison:
         }
 
     def text(self) -> str:
-        """How far lines, curves and discharge times are apart."""
+        """Distances of lines, curves and discharge times."""
         d, c = self.distance, self.curve_distance
         apart = plus_minus(1e3 * d.value, 1e3 * (d.sigma or 0))
         lines = [

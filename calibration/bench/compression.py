@@ -36,7 +36,7 @@ _PAPER, _PAPER_KN = (242e6, 1200e-6, 20e-3), 1.0e7
 
 @dataclass(frozen=True)
 class Branch:
-    """Which part of a record counts: shares of the fall of the load, and of its whole range.
+    """The part of a record that counts: shares of the fall of the load, and of its whole range.
 
     upper, lower  the fit takes the unloading between these shares of its fall
     least         a fall by less than this share of the range of the load is no cycle
@@ -55,7 +55,7 @@ class Branch:
 
 
 class _Records:
-    """What follows from the curve of one trial; its cycles are looked for once."""
+    """Cycles, slope and modulus of the curves of trials; the cycles of each are found once."""
 
     def __init__(self, by_load: bool, branch: Branch) -> None:
         self.x, self.y = _CURVE if by_load else _STRESS

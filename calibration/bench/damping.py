@@ -257,7 +257,7 @@ class Damping:
         return self.values | {"warnings": self.impact.remarks, "into": self.written}
 
     def text(self) -> str:
-        """What went in, the damping for both ends of a contact, and contacts in parallel."""
+        """The inputs, the damping for both ends of a contact, and contacts in parallel."""
         values = self.values
         lines = [
             f"restitution   {_shown(values['restitution'])} of {self._contacts}",

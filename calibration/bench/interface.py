@@ -1,4 +1,4 @@
-"""Ratio of tangential to normal stiffness from markers beside an interface, eq. 3.3.
+"""Ratio of tangential to normal stiffness from markers next to an interface, eq. 3.3.
 
 kt/kn = (sigma_t/sigma_n) (dx_n/dx_t), of absolute values: the forces of eq. 3.2 act on the same
 area of contact. A ratio of small displacements: where a reading's sigma (--reading dx_t=...) is a

@@ -92,7 +92,7 @@ def _one(section: Section, evaluate: Evaluate, what: Asked) -> Estimate:
 
 
 def _half_difference(section: Section, evaluate: Evaluate, name: str, sigma: float) -> float:
-    """By how much a trial moves with an input that is one sigma off: a central difference."""
+    """Change of a trial by an input that is one sigma off: a central difference."""
     high, low = (
         evaluate(section.columns | {name: section.columns[name] + by}).value
         for by in (sigma, -sigma)
@@ -101,7 +101,7 @@ def _half_difference(section: Section, evaluate: Evaluate, name: str, sigma: flo
 
 
 def _pooled(sections: Sequence[Section], values: Sequence[Estimate]) -> Pooled:
-    """Of the trials by group; a group of one trial has that trial's own sigma."""
+    """Pooled values of the trials by group; a group of one trial has that trial's own sigma."""
     groups: dict[str, list[Estimate]] = {}
     for section, value in zip(sections, values, strict=True):
         groups.setdefault(section.group, []).append(value)

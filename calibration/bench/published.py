@@ -1,4 +1,4 @@
-"""What follows from the sources' printed measurements by the methods of the bench, beside theirs.
+"""The sources' printed measurements compared with what follows from their own parts.
 
 Only means and standard deviations of the trials are printed, but for the markers of Table 1: means
 of means, whether samples are alike, and what is computed from them can be found again; single

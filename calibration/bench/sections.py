@@ -16,7 +16,7 @@ from granulab.errors import InputError
 Columns = Mapping[str, NDArray[np.float64]]
 
 _EXTREME = 1e60  # SI
-_GROUPS = ("group", "pairing")  # columns that tell groups apart unless another is asked for
+_GROUPS = ("group", "pairing")  # columns that distinguish groups unless another is given
 
 
 class Input(NamedTuple):
@@ -37,13 +37,13 @@ class Section(NamedTuple):
 
 @dataclass(frozen=True)
 class Asked:
-    """What the command line says about the inputs; sigmas in SI.
+    """Inputs as the command line describes them; sigmas in SI.
 
     columns     {input: head in the file}, such as {"load": "Force [kN]"}
     constants   {input: value} for what is the same in all trials
     shared      {input: sigma} of what all trials share: an instrument, a constant
     single      {input: sigma} of what differs from trial to trial: a reading
-    group       the column that tells groups apart, None for "group" or "pairing" if there is one
+    group       the column that holds the groups, None for "group" or "pairing" if there is one
     only        the one group to be evaluated, None for all
     """
 
@@ -148,8 +148,8 @@ def _chosen(sections: list[Section], only: str | None) -> list[Section]:
         there = dict.fromkeys(section.group for section in sections)
         if len(there) == 1:
             raise InputError(
-                f"--only {only}: the trials are not in groups; name the column that tells them "
-                "apart: --group surface"
+                f"--only {only}: the trials are not in groups; name the column that "
+                "distinguishes them: --group surface"
             )
         raise InputError(f"--only {only}: no such group; {nearest(only, there)}")
     return kept
@@ -227,7 +227,7 @@ def _labels(table: Table, group: str | None, remarks: list[str]) -> tuple[str, .
 
 
 def need(section: Section, choices: Sequence[Sequence[str]], inputs: Sequence[Input]) -> int:
-    """Which of several sets of inputs is there, the first that is whole; InputError for none."""
+    """Number of the first set of inputs that is whole; InputError where none is."""
     for k, names in enumerate(choices):
         if all(name in section.columns for name in names):
             return k

@@ -40,7 +40,7 @@ _CURVE, _TERMINAL = ["time", "velocity"], ["terminal_velocity", "incline", "fric
 
 
 class _Curves:
-    """What follows from the fit of one curve; each is fitted once."""
+    """Fits of curves, and their quantities; each curve is fitted once."""
 
     def __init__(self, start: str) -> None:
         self.start = start
@@ -114,7 +114,7 @@ def _refuse_moving(section: Section) -> None:
     """InputError where the curve itself says that t = 0 is not the release, by _MOVING sigmas."""
     try:
         p, covariance = fit(section.columns["time"], section.columns["velocity"], "any")
-    except InputError:  # too few points to tell
+    except InputError:  # too few points to decide
         return
     sigma = float(np.sqrt(covariance[2, 2]))
     if abs(p[2]) > max(_MOVING * sigma, _RESTS * abs(p[0])):
@@ -145,7 +145,7 @@ def fit(time: NDArray[np.float64], velocity: NDArray[np.float64], start: str) ->
         p = np.full(unknown, np.nan)
     if not np.all(np.isfinite(p)) or p[1] <= 0 or covariance[1, 1] > p[1] ** 2:
         raise InputError(
-            f"the velocities over {span:g} s do not tell gamma_t: they do not bend towards a "
+            f"the velocities over {span:g} s leave gamma_t open: they do not bend towards a "
             "terminal velocity; measure longer"
         )
     return p, covariance
@@ -204,7 +204,7 @@ def _gamma_t(
 def _not_random(section: Section, p: NDArray[np.float64]) -> list[str]:
     """A remark where neighbouring residuals go together, as they do not in white noise.
 
-    Their correlation then has a standard deviation of 1/sqrt(n); beyond three it is told.
+    Their correlation then has a standard deviation of 1/sqrt(n); beyond three it is reported.
     """
     order = np.argsort(section.columns["time"])
     time, velocity = (section.columns[name][order] for name in _CURVE)

@@ -38,7 +38,7 @@ class Method:
 
 _TRIAL = click.option(
     "--trial", metavar="HEAD",
-    help='Column that tells curves in one file apart [default: "trial", if there is one].',
+    help='Column that distinguishes curves in one file [default: "trial", if there is one].',
 )  # fmt: skip
 
 METHODS = {
@@ -149,7 +149,7 @@ _INPUT_OPTIONS = (
     ),
     click.option(
         "--constant", "constants", multiple=True, metavar="NAME=VALUE",
-        help='What is the same in all trials, in place of a column: "length=300 mm +- 1 mm".',
+        help='Value that all trials share, instead of a column: "length=300 mm +- 1 mm".',
     ),
     click.option(
         "--instrument", "instruments", multiple=True, metavar="NAME=SIGMA",
@@ -161,7 +161,7 @@ _INPUT_OPTIONS = (
     ),
     click.option(
         "--group", metavar="HEAD",
-        help='Column that tells pairings apart [default: "group" or "pairing", if there is one].',
+        help='Column that distinguishes pairings [default: "group" or "pairing", if there is one].',
     ),
     click.option("--only", metavar="GROUP", help="Evaluate this group and no other."),
     quiet_option,
@@ -220,7 +220,7 @@ def _command(name: str, method: Method) -> click.Command:
 @click.option("--restitution", metavar='"0.53 +- 0.02"', help="[default: the pair's in the file]")
 @click.option("--kn", metavar='"1e4 N/mm +- 18 %"', help="Of one contact [default: likewise].")
 @click.option("--mass", metavar='"10.8 g +- 6 %"', help="Of a particle; the other is its like.")
-@click.option("--area", metavar='"200 mm2"', help="In its place: of a prism of the material.")
+@click.option("--area", metavar='"200 mm2"', help="Instead: of a prism of the material.")
 @click.option("--other-mass", metavar='"12 g"', help="Of the other particle, weighed by itself.")
 @click.option("--wall", is_flag=True, help="The other one is a wall that does not move.")
 @click.option(

@@ -96,7 +96,7 @@ def _write_example(path: Path) -> None:
 
 
 def _plan(loaded: "Fit") -> dict[str, Any]:
-    """What a fit would do; nothing is written."""
+    """Plan of a fit; nothing is written."""
     costs = [
         sum(loaded.simulated.campaign.expected_cpu_s(loaded.case(number, loaded.middle)))
         for number in range(len(loaded.cases))

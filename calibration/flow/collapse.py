@@ -1,7 +1,7 @@
 """A column that spreads on a plate: position of its front and of its free surface against time.
 
 The material is what differs from the first picture by more than half of how much backing and
-material differ (which do is told by Otsu's threshold, IEEE Trans. SMC 9 (1979) 62, of the last
+material differ (which do is decided by Otsu's threshold, IEEE Trans. SMC 9 (1979) 62, of the last
 picture): its largest patch. The front is where the patch ends on the left and on the right. Half of
 its width is the radius of a heap that spreads evenly, whichever way a camera looks down on it.
 """
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.flow.result import numbers, write_rows
-from calibration.flow.silo import Roi, check_said
+from calibration.flow.silo import Roi, check_options
 from calibration.flow.survey import CLEAR, Grey, Survey, clock_warnings, survey, to_grey
 from calibration.statistics.quantity import metres_per_pixel
 from calibration.statistics.robust import MEDIAN_TO_SIGMA
@@ -121,7 +121,7 @@ def measure_collapse(
 
     film = open_film(path)
     rate = frame_rate(film, fps)
-    check_said(film, roi, scale, None)
+    check_options(film, roi, scale, None)
     seen = survey(film, lambda part: report(0.3 * part))
     x, y, w, h = inside(film, roi)
     part = slice(y, y + h), slice(x, x + w)

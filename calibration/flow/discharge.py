@@ -32,8 +32,8 @@ from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
 
-_CLEAR = 3.0  # standard deviations of the place of the lowest tracers that make a fall
-_PLACE = 0.1  # px: standard deviation of their mean place from frame to frame
+_CLEAR = 3.0  # standard deviations of the position of the lowest tracers that make a fall
+_POSITION = 0.1  # px: standard deviation of their mean position from frame to frame
 _WIDE = 0.25  # grains across, from which on something is no speck
 _FEWEST = 4  # moments of a fall: when it began, its pull, how that changes, and one to spare
 _MANY = 40  # moments of a fall that are used, of more: their errors are mostly shared
@@ -45,7 +45,7 @@ UNIFORM = 1 / np.sqrt(12)  # standard deviation of a uniform distribution of wid
 
 
 class Opening:
-    """Falls of the lowest tracers, frame by frame, until they tell when they began.
+    """Falls of the lowest tracers, frame by frame, until their beginning is known.
 
     clock    frame of the opening and its standard deviation [frames]; None as long as unknown
     """
@@ -58,14 +58,14 @@ class Opening:
 
     @property
     def moving(self) -> bool:
-        """Whether a fall has been seen."""
+        """True once a fall has been seen."""
         return bool(self._falls)
 
     def see(self, frame: float, fall: float) -> None:
         """The mean fall of the lowest tracers [px] in a frame."""
         if self.clock is not None:
             return
-        if fall < _CLEAR * _PLACE and not self._falls:
+        if fall < _CLEAR * _POSITION and not self._falls:
             self._still = frame, fall
             return
         self._falls.append((frame, fall))
@@ -73,7 +73,7 @@ class Opening:
             self.clock = self._start()
 
     def _start(self) -> Estimate:
-        """When the fall from rest begins; between two frames if it is seen in few."""
+        """Frame in which the fall from rest begins; between two frames if it is seen in few."""
         last, first = self._still[0], self._falls[0][0]
         if len(self._falls) < _FEWEST:
             return Estimate((last + first) / 2, (first - last) * UNIFORM, 1)
@@ -90,7 +90,7 @@ class Opening:
 
 
 def _likely(t: Floats, s: Floats, begins: Floats) -> Floats:
-    """How likely falls s(t) [px] make each beginning (n,), in sum 1, whatever pull and rho are."""
+    """Probability (n,) that falls s(t) [px] give each beginning, for any pull and rho; in sum 1."""
     tau = np.maximum(t - begins[:, None], 0.0)
     mean = np.square(tau) / 2
     pull = s[-1] / mean[:, -1]
@@ -100,7 +100,7 @@ def _likely(t: Floats, s: Floats, begins: Floats) -> Floats:
     walk *= (pull**2 / tau[:, -1])[:, None, None]
     logs = []
     for rho in _CHANGES:
-        root = np.linalg.cholesky(rho**2 * walk + _PLACE**2 * np.eye(len(t)))
+        root = np.linalg.cholesky(rho**2 * walk + _POSITION**2 * np.eye(len(t)))
         known = np.stack([mean, np.broadcast_to(s, mean.shape)], axis=-1)
         h, y = np.moveaxis(np.linalg.solve(root, known), -1, 0)
         hh, hy, yy = (h * h).sum(axis=1), (h * y).sum(axis=1), (y * y).sum(axis=1)
@@ -111,7 +111,7 @@ def _likely(t: Floats, s: Floats, begins: Floats) -> Floats:
 
 
 class Crossing:
-    """What crosses the outlet's row, frame by frame."""
+    """Crossings of the outlet's row, frame by frame."""
 
     def __init__(self, grain: float) -> None:
         self._grain = grain  # px
@@ -119,7 +119,7 @@ class Crossing:
         self._steps: deque[float] = deque(maxlen=_LAST)
 
     def see(self, frame: float, crossed: NDArray[np.bool_], steps: Floats) -> None:
-        """Where something stands in the outlet's row (w,); steps of tracers that cross it [px]."""
+        """Take where something stands in the outlet's row (w,); steps of crossing tracers [px]."""
         if crossed.sum() > _WIDE * self._grain:
             self._last = frame
         self._steps.extend(steps.tolist())
@@ -140,8 +140,8 @@ class Crossing:
 # Of plane grains the area that is seen is their mass, and does not grow; shadows and grains that
 # tilt change it by a hundredth or two.
 _AGAIN = 0.05
-# By how much falls differ, over their mean, when a twentieth has left: 0 for a thing that falls as
-# one, 1 where they go with the height down to none (in rendered discharges 0.7 to 1.4).
+# By how much falls differ, over their mean, when a twentieth has left: 0 for an object that falls
+# as one, 1 where they go with the height down to none (in rendered discharges 0.7 to 1.4).
 _ALIKE, _LEFT = 0.25, 0.05
 _MAJORITY = 0.5  # of what stands above the outlet, and of what leaves, for it to be so on the whole
 _ELSE = "is it a silo from before its opening on, and --roi its inside from the outlet up?"
@@ -169,7 +169,7 @@ class Plausible:
                 self._refuse(f"{again:.0%} of the material comes back after it left")
         if share < 1 - _LEFT and not self._deforms:
             if falls.std() < _ALIKE * abs(falls.mean()):
-                self._refuse("all of it falls alike, as a thing and no material does")
+                self._refuse("all of it falls alike, as an object and no material does")
             self._deforms = True
 
     def end(self, across: Floats, ends: tuple[float, float]) -> None:

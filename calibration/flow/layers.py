@@ -74,7 +74,7 @@ class Pieces(NamedTuple):
 class Profile:
     """Lines of the layers (l, c), and how well they are known, in the silo's unit; NaN for none.
 
-    grains    (l, c) in each column, as far as squares of a grain's area tell
+    grains    (l, c) in each column, as far as squares of a particle's area show
     """
 
     time: float
@@ -111,7 +111,7 @@ def painted_bands(labels: Labels, silo: Silo, use: NDArray[np.bool_], grain: flo
 
 
 def _long_runs(light: NDArray[np.bool_], least: float) -> list[int]:
-    """Where runs as long as `least` begin; shorter ones join their neighbours."""
+    """Beginnings of runs as long as `least`; shorter ones join their neighbours."""
     changes = np.flatnonzero(np.diff(light)) + 1
     kept: list[int] = []
     for k, at in enumerate(changes):
@@ -136,9 +136,11 @@ def drawn_bands(silo: Silo, height: float, top: float) -> list[Band]:
     ]
 
 
-def of_bands(bands: list[Band], place: NDArray, tone: NDArray, grain: float) -> NDArray[np.int64]:
-    """The band of each tracer (n,): the nearest of its tone within a grain, else where it lies."""
-    y = place[:, 1]
+def of_bands(
+    bands: list[Band], position: NDArray, tone: NDArray, grain: float
+) -> NDArray[np.int64]:
+    """Band of each tracer (n,): the nearest of its tone within a particle, else where it lies."""
+    y = position[:, 1]
     far = np.array([np.maximum(np.maximum(b.top - y, y - b.bottom), 0.0) for b in bands])
     other = np.array([(b.tone >= 0) & (tone != b.tone) for b in bands])
     own = np.where(other, np.inf, far)
@@ -187,9 +189,9 @@ class Lines:
         """Mean height of each layer at the start (l,)."""
         return np.bincount(self._layer, self._start[:, 1]) / np.bincount(self._layer)
 
-    def at(self, time: float, place: Floats, variance: Floats) -> Profile:
-        """The profile of tracers that are now at `place` (n, 2), with the variance of each (n,)."""
-        found = [self._lines(parting, place, variance) for parting in self._partings]
+    def at(self, time: float, position: Floats, variance: Floats) -> Profile:
+        """Profile of tracers that are now at `position` (n, 2), with the variance of each (n,)."""
+        found = [self._lines(parting, position, variance) for parting in self._partings]
         lines, own, grains = (np.array(part) for part in zip(*found, strict=True))
         known = np.isfinite(lines)
         usual = known.mean(axis=0) >= 0.5
@@ -202,12 +204,12 @@ class Lines:
                        grains.mean(axis=0))  # fmt: skip
 
     def _lines(
-        self, parting: Pieces, place: Floats, variance: Floats
+        self, parting: Pieces, position: Floats, variance: Floats
     ) -> tuple[Floats, Floats, Floats]:
         """Lines (l, c), the variance of each from that of the tracers, and the grains."""
-        inside = parting.medians(place[:, 1]) > 0
-        fall = parting.medians(place[:, 1] - self._start[:, 1])[inside]
-        column = np.digitize(parting.medians(place[:, 0])[inside], self.edges[1:-1])
+        inside = parting.medians(position[:, 1]) > 0
+        fall = parting.medians(position[:, 1] - self._start[:, 1])[inside]
+        column = np.digitize(parting.medians(position[:, 0])[inside], self.edges[1:-1])
         shape = self._count, len(self.edges) - 1
         cell = np.ravel_multi_index((parting.layer[inside], column), shape)
 

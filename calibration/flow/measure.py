@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from calibration.flow.result import Flow
-from calibration.flow.silo import Settings, check_said, find_silo
+from calibration.flow.silo import Settings, check_options, find_silo
 from calibration.flow.survey import survey
 from calibration.flow.watch import Watch
 from calibration.tracking.film.reader import frame_rate, open_film
@@ -34,7 +34,7 @@ def measure_flow(
         )
     if settings.columns < 3 or settings.columns % 2 == 0:
         raise InputError(f"--columns {settings.columns}: an odd number, 3 at least")
-    check_said(film, settings.roi, settings.scale, settings.width)
+    check_options(film, settings.roi, settings.scale, settings.width)
     try:
         seen = survey(film, lambda part: report(0.2 * part, "first look"))
         silo = find_silo(film, seen, settings.roi, settings.scale, settings.width)

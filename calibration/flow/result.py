@@ -44,7 +44,7 @@ class Curve:
 
     @property
     def sigma(self) -> float | None:
-        """Of the share that remains: how far its two measures differ, root mean square."""
+        """Root mean square difference of the two measures of the share that remains."""
         if not np.isfinite(self.area).all():
             return None
         return float(np.sqrt(np.mean(np.square(self.area - self.tracers))))
@@ -98,7 +98,7 @@ class Flow:
 
     @property
     def end(self) -> str:
-        """How the discharge ended, and when, in words."""
+        """End of the discharge, and its time, in words."""
         text = self.outcome.replace("_", " ")
         if self.discharge is None:
             return text

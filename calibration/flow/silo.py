@@ -1,4 +1,4 @@
-"""Where the silo's inside lies in the picture, and the axes and scale that follow from it.
+"""Inside of the silo in the picture, and the axes and scale that follow from it.
 
 x counts from the silo's left side, y from the outlet's level upwards, as silo2d measures.
 """
@@ -19,7 +19,7 @@ COLUMNS = 11  # two grains wide each in the paper's silo
 
 @dataclass(frozen=True)
 class Settings:
-    """What a person says of a film; lengths as text with units, roi as x, y, width, height [px]."""
+    """Options of a measurement; lengths as text with units, roi as x, y, width, height [px]."""
 
     fps: float | None = None
     scale: str | None = None
@@ -77,7 +77,7 @@ class Silo:
         return slice(top, round(self.outlet)), slice(left, round(self.left + self.width))
 
 
-def check_said(film: Film, roi: Roi, scale: str | None, width: str | None) -> None:
+def check_options(film: Film, roi: Roi, scale: str | None, width: str | None) -> None:
     """Raise InputError, before the film is read, for what find_silo would refuse after it."""
     if scale is not None and width is not None:
         raise InputError("--scale and --width: give one; each gives the scale by itself")
@@ -90,7 +90,7 @@ def find_silo(film: Film, seen: Survey, roi: Roi, scale: str | None, width: str 
 
     Found: the part of the picture that differs between the first and the last frame.
     """
-    check_said(film, roi, scale, width)
+    check_options(film, roi, scale, width)
     said = None if roi is None else inside(film, roi, SMALLEST)
     x, y, w, h = said or _changed_box(seen)
     edge = _EDGE if said is None else 0.5  # px: whoever wrote whole pixels
@@ -113,9 +113,9 @@ def _scale(
 
 
 def changes(seen: Survey, limit: float) -> tuple[NDArray[np.float32], Mask]:
-    """By how much each pixel's colour differs from the first to the last picture [grey levels].
+    """Difference of each pixel's colour from the first to the last picture [grey levels].
 
-    And whether the mean over 3 x 3 pixels does by more than a limit.
+    And where the mean of it over 3 x 3 pixels is above a limit.
     """
     import cv2
 
@@ -125,7 +125,7 @@ def changes(seen: Survey, limit: float) -> tuple[NDArray[np.float32], Mask]:
 
 
 def _changed_box(seen: Survey) -> tuple[float, float, float, float]:
-    """What differs by more than noise, and in it what differs by half of the contrast."""
+    """Box of what differs by more than noise, and in it by half of the contrast."""
     rows, columns = _patch(seen, CLEAR * seen.noise * np.sqrt(2))[0]
     limit = find_tones(seen, (rows, columns)).limit(seen.noise)
     (rows, columns), there = _patch(seen, limit)
@@ -170,7 +170,7 @@ def _without_door(grey: NDArray[np.uint8], there: Mask) -> float:
     """Rows down to where grains end: a door that is taken away is plain.
 
     Blur smears that edge: it stands midway between the roughness of grains and that of the door.
-    A row of which hardly anything changed tells nothing: a codec's errors are rough, too.
+    A row of which hardly anything changed shows nothing: a codec's errors are rough, too.
     """
     steps = np.abs(np.diff(grey.astype(np.float32), axis=1))
     both = there[:, 1:] & there[:, :-1]

@@ -81,7 +81,7 @@ def to_grey(picture: Picture) -> Grey:
 
 
 def _differences(one: Grey, other: Grey) -> NDArray[np.float64]:
-    """How many pixels differ by 0, 1, ... 255 grey levels."""
+    """Number of pixels that differ by 0, 1, ... 255 grey levels."""
     import cv2
 
     apart = cv2.absdiff(one, other)
@@ -89,11 +89,11 @@ def _differences(one: Grey, other: Grey) -> NDArray[np.float64]:
 
 
 def _deviation(counts: NDArray[np.float64]) -> float:
-    """Of one picture's pixels, from the differences of two, counted by grey level."""
+    """Standard deviation of a pixel from the differences of two pictures, by grey level."""
     below = np.cumsum(counts)
     k = int(np.searchsorted(below, below[-1] / 2))
     under = below[k - 1] if k else 0
-    # Grey levels are whole numbers: where in its bin the median lies is told by the counts.
+    # Grey levels are whole numbers: where in its bin the median lies follows from the counts.
     median = k - 0.5 + (below[-1] / 2 - under) / max(counts[k], 1)
     return MEDIAN_TO_SIGMA * max(median, 0.0) / np.sqrt(2)
 
@@ -110,7 +110,7 @@ Labels = NDArray[np.int64]
 
 _SAMPLE = 20_000  # pixels of each picture that are looked at
 _GROWTH = 0.02  # of the inside that must be uncovered for the backing to be known
-_MEDIAN = 5  # px over which a picture is smoothed before its tones are told
+_MEDIAN = 5  # px over which a picture is smoothed before its tones are found
 
 
 @dataclass(frozen=True)
@@ -126,12 +126,12 @@ class Tones:
 
     @property
     def contrast(self) -> float:
-        """Between the backing and the nearer tone of the material [grey levels]."""
+        """Difference of the backing and the nearer tone of the material [grey levels]."""
         apart = np.linalg.norm(self.colours[:2] - self.colours[2], axis=1)
         return float(apart.min())
 
     def limit(self, noise: float) -> float:
-        """By how much a colour must differ [grey levels] to be another thing: half of the contrast.
+        """Difference of colours [grey levels] that are of different things: half of the contrast.
 
         Five standard deviations of the difference of two pictures with `noise` at least. The noise
         alone will not do: a codec leaves still pixels alone, and about a strong edge it is off by
@@ -141,7 +141,7 @@ class Tones:
         return clear if self.backing is None else max(self.contrast / 2, clear)
 
     def stands(self, rows: Picture, behind: Picture, noise: float) -> NDArray[np.bool_]:
-        """Where (width,) material stands in most of some rows, before what else is seen there.
+        """Columns (width,) in most of whose rows material hides what is behind it.
 
         Pixel by pixel, by half of the contrast there: at the outlet the backing ends, and what is
         seen below may be of any tone; by the spread of a tone at least, by which grains differ.

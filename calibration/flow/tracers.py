@@ -21,7 +21,7 @@ _WINDOW = 2 / 3  # of a grain: what a window sees should mostly be of one grain
 _SMALLEST = 7  # px
 _NEIGHBOURS = 8
 _MEDIAN_LIMIT = 3.0  # residuals over the neighbours' median residual
-_FLOOR = 0.1  # px of noise that is allowed beside it (as in the reference)
+_FLOOR = 0.1  # px of noise that is allowed in addition (as in the reference)
 _LEVELS = 3  # halvings of the picture: steps of eight times half a window are found
 _STOP = (3, 20, 0.03)  # iterations or px
 
@@ -31,7 +31,7 @@ class Tracers:
 
     def __init__(self, start: Points, grain: float) -> None:
         self.start = start.astype(np.float32)
-        self.place = self.start.copy()
+        self.position = self.start.copy()
         self.variance = np.zeros(len(start))
         self.alive = np.ones(len(start), dtype=bool)
         self._window = max(round(_WINDOW * grain) | 1, _SMALLEST)
@@ -44,7 +44,7 @@ class Tracers:
         if len(live) <= _NEIGHBOURS:
             self.alive[:] = False
             return
-        at = (self.place[live] - np.float32(0.5))[:, None]  # OpenCV counts from pixels' middles
+        at = (self.position[live] - np.float32(0.5))[:, None]  # OpenCV counts from pixels' middles
         size = self._window, self._window
         there, found, _ = cv2.calcOpticalFlowPyrLK(
             before, after, at, at.copy(), winSize=size, maxLevel=_LEVELS, criteria=_STOP
@@ -54,8 +54,8 @@ class Tracers:
         )
         miss = np.hypot(*(back - at)[:, 0].T)
         good = (found[:, 0] > 0) & (again[:, 0] > 0) & (miss < _RETURN)
-        step, variance = _carried((there - at)[:, 0], self.place[live], miss, good)
-        self.place[live] += step
+        step, variance = _carried((there - at)[:, 0], self.position[live], miss, good)
+        self.position[live] += step
         self.variance[live] = np.square(np.sqrt(self.variance[live]) + np.sqrt(variance))
 
     def drop(self, gone: NDArray[np.bool_]) -> None:
@@ -64,7 +64,7 @@ class Tracers:
 
 
 def _carried(
-    step: Points, place: Points, miss: NDArray[np.float32], good: NDArray[np.bool_]
+    step: Points, position: Points, miss: NDArray[np.float32], good: NDArray[np.bool_]
 ) -> tuple[Points, NDArray[np.float64]]:
     """Steps with those that are bad replaced by their neighbours' median, and their variance.
 
@@ -75,7 +75,7 @@ def _carried(
     known = np.flatnonzero(good)
     if len(known) <= _NEIGHBOURS:
         return np.zeros_like(step), np.full(len(step), _RETURN**2)
-    _, near = cKDTree(place[known]).query(place, k=_NEIGHBOURS + 1)
+    _, near = cKDTree(position[known]).query(position, k=_NEIGHBOURS + 1)
     around = step[known][near]
     median = np.median(around, axis=1)
     residual = np.median(np.linalg.norm(around - median[:, None], axis=2), axis=1)

@@ -28,7 +28,7 @@ class VelocityField:
     x, y          (nx,), (ny,)
     vx, vy        (ny, nx) per s, y upwards; NaN where no displacement was found
     sigma         (ny, nx) of either component: scatter between pairs, scale, and the opening's time
-    count         (ny, nx) pairs of pictures that told
+    count         (ny, nx) pairs of pictures that gave one
     """
 
     start: float
@@ -44,7 +44,7 @@ class VelocityField:
 class _Sum:
     """Velocities (ny, nx) of an interval's pairs, summed: the latest [px/s], and how they change.
 
-    A flow that changes steadily does so in all pairs. What of their differences is noise is told by
+    A flow that changes steadily does so in all pairs. The noise of their differences follows from
     those of successive ones, half of whose mean square is the variance (von Neumann 1941).
     """
 
@@ -55,19 +55,19 @@ class _Sum:
 
     def add(self, u: Floats, v: Floats, variance: Floats) -> None:
         """Velocities and the variance of either component, NaN where none was found."""
-        told = np.isfinite(u)
-        self.count += told
+        known = np.isfinite(u)
+        self.count += known
         for total, one in ((self.u, u), (self.v, v), (self._variance, variance)):
-            total += np.where(told, one, 0.0)
+            total += np.where(known, one, 0.0)
         change = np.square(np.stack([u, v]) - self._last).mean(axis=0)
         self._changes += np.isfinite(change)
         self._squares += np.nan_to_num(change)
-        self._last = np.where(told, np.stack([u, v]), self._last)
+        self._last = np.where(known, np.stack([u, v]), self._last)
 
     def variance(self, seconds: float, grain: float) -> Floats:
-        """Of the means over an interval [s]: by the scatter of pairs, and by what each is known to.
+        """Variance of the means over an interval [s], by the scatter of pairs and that of each.
 
-        What is wrong of a window is so by its grains [px]: it is another thing when they have gone
+        What is wrong of a window is so by its grains [px]: it is another error when they have gone
         on by one, and the same in all pairs as long as they have not.
         """
         n, changes = np.maximum(self.count, 1), np.maximum(self._changes, 1)
@@ -87,7 +87,7 @@ class Velocities:
         self._grid: tuple[Floats, Floats] | None = None
 
     def wants(self, time: float, length: float) -> bool:
-        """Whether a pair at a time [s] is one of the few that are measured in its interval [s]."""
+        """True where a pair at a time [s] is one of the few measured in its interval [s]."""
         index = int(time / length)
         return time >= (index + (self._pairs.get(index, 0) + 0.5) / PAIRS) * length
 
@@ -165,8 +165,8 @@ def _gained(fields: list[VelocityField], k: int) -> Floats:
     here = np.stack([fields[k].vx, fields[k].vy])
 
     def towards(other: VelocityField) -> Floats:
-        beside = np.stack([other.vx, other.vy])
-        return np.where(np.isfinite(beside), (here + beside) / 2, here)
+        there = np.stack([other.vx, other.vy])
+        return np.where(np.isfinite(there), (here + there) / 2, here)
 
     before = towards(fields[k - 1]) if k > 0 else np.zeros_like(here)
     after = towards(fields[k + 1]) if k + 1 < len(fields) else here

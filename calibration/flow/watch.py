@@ -32,12 +32,12 @@ class _Moment(NamedTuple):
     number: int
     grey: Grey
     bed: NDArray[np.bool_]
-    place: Floats
+    position: Floats
     variance: Floats  # px^2
 
 
 class Watch:
-    """What is kept while a film goes by: the tracers, a few frames, and series of numbers."""
+    """Tracers, a few frames and series of numbers, kept while a film goes by."""
 
     def __init__(
         self, film: Film, rate: float, interval: float, seen: Survey, silo: Silo, settings: Settings
@@ -75,7 +75,7 @@ class Watch:
         self._area = 0.0
 
     def _without_edges(self) -> NDArray[np.bool_]:
-        """What is left in the last picture (rows, columns); lines along walls go from the mask."""
+        """Material left in the last picture (rows, columns); lines along walls leave the mask."""
         import cv2
 
         box = self.silo.box
@@ -103,7 +103,7 @@ class Watch:
         return Lines(self.silo.metres(start.astype(float)), layer, edges, share)
 
     def tracers_step(self) -> float:
-        """Between tracers [px]."""
+        """Distance of tracers [px]."""
         return float(np.min(np.diff(np.unique(self.tracers.start[:, 0]))))
 
     def _above_outlet(self, start: NDArray) -> NDArray[np.bool_]:
@@ -115,10 +115,10 @@ class Watch:
     def see(self, number: int, picture: Picture) -> None:
         """Take the next frame."""
         grey = to_grey(picture)
-        height = self.tracers.place[:, 1].copy()
+        height = self.tracers.position[:, 1].copy()
         if self._grey is not None and self._differs(self._grey, grey):
             self.tracers.follow(self._grey, grey)
-            self.tracers.drop(self.tracers.place[:, 1] > self.silo.outlet + 2 * self.grain)
+            self.tracers.drop(self.tracers.position[:, 1] > self.silo.outlet + 2 * self.grain)
             self._grey, self._moved = grey, number
         elif self._grey is None:
             self._grey = grey
@@ -127,7 +127,7 @@ class Watch:
         area, surface = self._seen_area(picture)
         share = self._share()
         self._series.append((float(number), area, surface, share))
-        falls = (self.tracers.place[:, 1] - self.tracers.start[:, 1]).astype(float)
+        falls = (self.tracers.position[:, 1] - self.tracers.start[:, 1]).astype(float)
         self.opening.see(number, float(falls[self._lowest].mean()))
         self._plausible.see(area, share, falls)
         self._keep(number, grey)
@@ -145,7 +145,7 @@ class Watch:
         """See what stands in the outlet's row, and how fast tracers that began above it pass."""
         seen, lip = self.seen, self._lip
         crossed = self.tones.stands(picture[lip], seen.last[lip], seen.noise)
-        now = self.tracers.place[:, 1]
+        now = self.tracers.position[:, 1]
         passing = (before < self.silo.outlet) & (now >= self.silo.outlet)
         steps = (now - before)[passing].astype(float)
         self.crossing.see(number, crossed, steps)
@@ -176,11 +176,11 @@ class Watch:
         return cv2.morphologyEx(material.astype(np.uint8), cv2.MORPH_CLOSE, kernel).astype(bool)
 
     def _share(self) -> float:
-        return float((self.tracers.place[:, 1] < self.silo.outlet).mean())
+        return float((self.tracers.position[:, 1] < self.silo.outlet).mean())
 
     def _keep(self, number: int, grey: Grey) -> None:
         """Hold frames back until the opening is known, then measure in turn what they show."""
-        here = self.silo.metres(self.tracers.place.astype(float))
+        here = self.silo.metres(self.tracers.position.astype(float))
         self._waiting.append(_Moment(number, grey, self._bed, here, self.tracers.variance.copy()))
         if self.opening.clock is None:
             while not self.opening.moving and len(self._waiting) > 3:
@@ -198,9 +198,9 @@ class Watch:
         scale = self.silo.scale.value
         while (wanted := len(self.profiles) * self.interval) <= last:
             part = np.clip((wanted - first) / max(last - first, 1e-12), 0.0, 1.0)
-            place = before.place + part * (now.place - before.place)
+            position = before.position + part * (now.position - before.position)
             variance = before.variance + part * (now.variance - before.variance)
-            self.profiles.append(self.lines.at(wanted, place, variance * scale**2))
+            self.profiles.append(self.lines.at(wanted, position, variance * scale**2))
         middle = (first + last) / 2
         if self.settings.velocity and self.velocities.wants(middle, self.interval):
             step = (now.number - before.number) / self.rate
@@ -210,21 +210,23 @@ class Watch:
             )  # fmt: skip
 
     def _steps(self, before: _Moment, now: _Moment) -> Steps:
-        first, last = (self.silo.pixels(one.place) for one in (before, now))
+        first, last = (self.silo.pixels(one.position) for one in (before, now))
         off = np.sqrt(now.variance) - np.sqrt(before.variance)  # errors along a way add up
         return Steps((first + last) / 2, last - first, np.square(off))
 
     def flow(self) -> Flow:
-        """All that the film told."""
+        """Result of the film."""
         opening = self.opening.clock
         if opening is None:
             raise InputError(
                 f"{self.film.path}: no material falls at the outlet; does the film show the "
                 "opening, is --roi the silo's inside from the outlet up, or is it --collapse?"
             )
-        place = self.tracers.place[self.tracers.place[:, 1] > self.silo.outlet].astype(float)
+        position = self.tracers.position[self.tracers.position[:, 1] > self.silo.outlet].astype(
+            float
+        )
         ends = self.outlet[0] - self.grain, self.outlet[1] + self.grain
-        self._plausible.end(place[:, 0], ends)
+        self._plausible.end(position[:, 0], ends)
         frame, area, surface, share = np.array(self._series).T
         time = (frame - opening.value) / self.rate
         still = time <= 0
@@ -249,7 +251,7 @@ class Watch:
         return left, right
 
     def _outcome(self) -> str:
-        """How the discharge ended, by what the last picture shows (spec: clogged, dead zones)."""
+        """Outcome of the discharge, by what the last picture shows (spec: clogged, dead zones)."""
         if (self._last - self._moved) / self.rate < _REST:
             return "unfinished"
         columns, left = self.silo.box[1], self.left
@@ -277,11 +279,11 @@ class Watch:
         return out
 
     def _warnings(self, curve: Curve) -> list[str]:
-        told = clock_warnings(self.film, self.seen)
+        found = clock_warnings(self.film, self.seen)
         if self.tones.backing is None:
-            told.append("the backing is not seen: what remains is told by the tracers alone")
+            found.append("the backing is not seen: what remains follows from the tracers alone")
         if len(self.bands) == 1:
-            told.append("no painted layers were found: one line for all; see --layer-height")
+            found.append("no painted layers were found: one line for all; see --layer-height")
         if self.opening.moving and self._series and curve.time[0] > -1 / self.rate:
-            told.append("the film begins with the opening or after it: times count from there")
-        return told
+            found.append("the film begins with the opening or after it: times count from there")
+        return found

@@ -1,4 +1,4 @@
-"""The figures of a fit: posterior, observation against prediction, what cannot be told apart."""
+"""Figures of a fit: posterior, observation and prediction, identifiability."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -110,18 +110,18 @@ def _two(axes: "Axes", found: Fitted, values: np.ndarray, points: np.ndarray,
 
 
 def draw_prediction(found: Fitted) -> "Figure":
-    """What was observed, and what the fitted simulator gives: 95 % of its trials in the band."""
+    """Observation and prediction of the fitted simulator: 95 % of its trials in the band."""
     from matplotlib.figure import Figure
 
-    sheets = panels(found)
-    columns = min(len(sheets), 3)
-    rows = -(-len(sheets) // columns)
+    drawn = panels(found)
+    columns = min(len(drawn), 3)
+    rows = -(-len(drawn) // columns)
     figure = Figure(figsize=(4.4 * columns + 0.4, 3.4 * rows + 0.6), layout="constrained")
     headline(figure, f"{found.fit.name}: observed (+- sigma), and predicted by the fit (95 %)")
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
-    for axes, panel in zip(grid, sheets, strict=False):
+    for axes, panel in zip(grid, drawn, strict=False):
         _panel(axes, panel)
-    for axes in grid[len(sheets) :]:
+    for axes in grid[len(drawn) :]:
         axes.set_axis_off()
     return figure
 
@@ -137,8 +137,8 @@ def _panel(axes: "Axes", panel: Panel) -> None:
             axes.fill_between(line.x, line.low, line.high, color=colour, alpha=0.2, lw=0)
         else:
             off = [[line.median[0] - line.low[0]], [line.high[0] - line.median[0]]]
-            place = line.x + panel.aside
-            axes.errorbar(place, line.median, yerr=off, fmt="s", mfc="none", label=line.name or
+            position = line.x + panel.aside
+            axes.errorbar(position, line.median, yerr=off, fmt="s", mfc="none", label=line.name or
                           None, **shown)  # fmt: skip
     if panel.abscissa:
         axes.set_xlabel(panel.abscissa)
@@ -158,11 +158,11 @@ def draw_identifiability(found: Fitted) -> "Figure":
     count = len(found.fit.priors)
     if count == 1:
         figure = Figure(figsize=(6.5, 2.4), layout="constrained")
-        headline(figure, f"{found.fit.name}: what the observation tells")
+        headline(figure, f"{found.fit.name}: what the observation determines")
         _widths(figure.subplots(), found)
         return figure
     figure = Figure(figsize=(13.0, max(0.55 * count + 2.0, 3.2)), layout="constrained")
-    headline(figure, f"{found.fit.name}: what the observation tells, and what it cannot tell apart")
+    headline(figure, f"{found.fit.name}: what the observation determines, and what it cannot")
     bars, matrix, along = figure.subplots(1, 3, width_ratios=[1.1, 1.0, 1.2])
     names = [_label(found, k) for k in range(count)]
     _widths(bars, found)

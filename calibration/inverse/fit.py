@@ -131,10 +131,10 @@ def run_fit(fit: Fit, *, out: Path, **engine: Any) -> Fitted:
         raise Ended(_none_passed(evaluate, folder), 3) from None
     finally:
         write_table(folder.path, evaluate.rows)
-    return judged(fit, folder, runs, posterior)
+    return fitted(fit, folder, runs, posterior)
 
 
-def judged(fit: Fit, folder: RunFolder, runs: Runs, posterior: Posterior) -> Fitted:
+def fitted(fit: Fit, folder: RunFolder, runs: Runs, posterior: Posterior) -> Fitted:
     """A posterior with all that is reported of it."""
     values = posterior.values()
     return Fitted(

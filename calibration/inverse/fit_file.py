@@ -61,7 +61,7 @@ class Fit:
 
     @property
     def runs(self) -> int:
-        """How many runs it takes."""
+        """Number of runs that it takes."""
         return self.points * self.seeds * len(self.cases)
 
     @property
@@ -243,7 +243,7 @@ def _count(document: dict[str, Any], key: str, usual: int, least: int) -> int:
 
 
 def _points(document: dict[str, Any], a_point: int, parameters: int) -> int:
-    """How many points the runs are enough for; InputError for too few to fit to."""
+    """Number of points that the runs suffice for; InputError for too few to fit to."""
     least = _LEAST_POINTS * parameters
     runs = _count(document, "runs", _USUAL_POINTS * parameters * a_point, 1)
     if runs // a_point < least:

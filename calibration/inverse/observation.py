@@ -1,4 +1,4 @@
-"""What a fit file may give as measured: numbers, and tables of them."""
+"""Observations of a fit file, numbers and tables; and what a simulator must offer for them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class Observation:
 
     changes    of the case that they go with, by key ("motion.gamma"), in SI
     values     (n,) SI; sigma (n,); trials: how many trials each is the mean of
-    at         (n, c) where they stand: times, or times, layers and places
+    at         (n, c) where they stand: times, or times, layers and positions
     series     (n,) words for lines of a figure; abscissa (n,)
     blocked    trials that gave no such value; values is then empty
     """
@@ -40,7 +40,7 @@ class Observation:
 
     @property
     def label(self) -> str:
-        """What it is called in a report."""
+        """Name in a report."""
         return self.kind.replace("_", " ") + (f" of {self.file.name}" if self.file else "")
 
 
@@ -80,7 +80,7 @@ class Written:
         return value
 
     def table(self) -> Table:
-        """The table of the key `file`, looked for beside the fit file."""
+        """The table of the key `file`, looked for in the fit file's folder."""
         self._known.append("file")
         name = self._table.pop("file", None)
         if not isinstance(name, str):
@@ -88,7 +88,7 @@ class Written:
         return read_table(self._folder / name)
 
     def sigma(self, table: Table, unit: str) -> Array:
-        """Of each row (n,): the column sigma, else the key sigma; above 0."""
+        """Uncertainty of each row (n,): the column sigma, else the key sigma; above 0."""
         if table.has("sigma", unit):
             if "sigma" in self._table:
                 raise InputError(f"{self.where} sigma: {table.path} has a column sigma; give one")

@@ -26,7 +26,7 @@ def refuse_unless_written(found: Fitted) -> None:
 def write_into(found: Fitted, path: Path) -> list[Written]:
     """Write what the identifiable parameters say of pairs and materials; method "inverse".
 
-    A parameter may stand in several places (kn in both pairs); sigma is half of the 68.3 %
+    A parameter may stand in several sections (kn in both pairs); sigma is half of the 68.3 %
     interval. Raises InputError; see calibration.files.parameter_file.into.
     """
     refuse_unless_written(found)
@@ -45,7 +45,7 @@ def write_into(found: Fitted, path: Path) -> list[Written]:
 
 
 def check_into(path: Path, fit: Fit) -> None:
-    """InputError before the work, where a parameter of a fit has no place in a parameter file."""
+    """InputError before the work, where a parameter of a fit has no section in a parameter file."""
     check_file(path)
     for k, prior in enumerate(fit.priors):
         moved = fit.middle
@@ -66,7 +66,8 @@ def _follows(found: Fitted, k: int) -> dict[tuple[str, str], tuple[float, float]
     coordinates = [_coordinates(found, k, value) for value in (low, found.mean[k], high)]
     below, at, above = (fit.simulated.parameters(fit.case(0, x)) for x in coordinates)
     return {
-        place: (at[place], abs(above[place] - below[place]) / 2) for place in _changed(below, above)
+        section: (at[section], abs(above[section] - below[section]) / 2)
+        for section in _changed(below, above)
     }
 
 
@@ -78,4 +79,4 @@ def _coordinates(found: Fitted, k: int, value: float) -> np.ndarray:
 
 
 def _changed(before: Values, after: Values) -> list[tuple[str, str]]:
-    return [place for place in before if before[place] != after[place]]
+    return [section for section in before if before[section] != after[section]]

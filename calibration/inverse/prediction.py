@@ -1,4 +1,4 @@
-"""What the fitted simulator gives for each observed value, as lines for figures."""
+"""Predictions of the fitted simulator for each observed value, as lines for figures."""
 
 from dataclasses import dataclass
 
@@ -64,7 +64,7 @@ def panels(found: Fitted) -> list[Panel]:
 
 
 def _panel_of(found: Fitted, number: int, one: Observation, k: int) -> tuple[str, ...]:
-    """What the values of a panel have in common, its title first."""
+    """Properties that the values of a panel share, its title first."""
     if one.kind == "profile":
         return f"profile at {one.at[k, 0]:.3g} s", str(one.file)
     if one.changes:
@@ -97,7 +97,7 @@ def _panel(
 
 
 def _starts(found: Fitted) -> dict[int, int]:
-    """Where the values of each observation begin, by its identity."""
+    """Index at which the values of each observation begin, by its identity."""
     starts, start = {}, 0
     for _, one in found.fit.observations:
         starts[id(one)] = start

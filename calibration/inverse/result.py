@@ -1,4 +1,4 @@
-"""Result of a fit: posterior, what it tells of the parameters, and how well it meets the data."""
+"""Result of a fit: posterior, identifiability of the parameters, and how well it meets the data."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -82,7 +82,7 @@ class Fitted:
         }  # fmt: skip
 
     def text(self) -> str:
-        """Parameters with their intervals, what the observation tells, and how well it is met."""
+        """Parameters with their intervals, what the observation determines, and the fit."""
         name = self.fit.simulated.campaign.name
         ended = [run.ended for run in self.runs.runs]
         blocked, failed = ended.count("blocked"), ended.count("failed")
@@ -96,7 +96,11 @@ class Fitted:
         lines += ["", "width: of the posterior over that of the prior; identifiable up to "
                   f"{NARROWER:g}"]  # fmt: skip
         if len(self.fit.priors) > 1:
-            lines += ["", *_correlated(self), "what the observation tells, the best known first:"]
+            lines += [
+                "",
+                *_correlated(self),
+                "what the observation determines, the best known first:",
+            ]
             lines += [f"  {_combination(self, direction)}" for direction in self.directions]
         return "\n".join([*lines, "", *_fits(self), *(f"warning: {w}" for w in self.warnings)])
 

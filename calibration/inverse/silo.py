@@ -72,7 +72,7 @@ def _read_curve(written: Written) -> list[Observation]:
 
 
 def _curve_of(observation: Observation, row: Row) -> Array:
-    """What has left at the times; masses are those of the simulated grains."""
+    """Discharged share, mass or number at the times; masses are those of the run."""
     frames = read_trajectory(row["run_folder"])
     out, mass = frames["out_time"][-1], frames.static["mass"]
     name = observation.series[0]

@@ -1,4 +1,4 @@
-"""What a measurement of displacement between two pictures gives: vectors on a grid."""
+"""Displacement between two pictures: vectors on a grid, and which of them count."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -88,7 +88,7 @@ class Vectors(NamedTuple):
         return np.asarray(self.reason == Reason.MEASURED)
 
 
-def judged(found: Vectors) -> Vectors:
+def screened(found: Vectors) -> Vectors:
     """The same with those marked that are unlike their neighbours."""
     u, v = (np.where(found.good, one, np.nan) for one in found[:2])
     reason = np.where(outliers(u, v), np.int8(Reason.OUTLIER), found.reason)
@@ -104,7 +104,7 @@ def replaced(found: Vectors) -> tuple[Array, Array]:
 def field(found: Vectors, sigma_u: Array, sigma_v: Array, where: Grid, method: str) -> Field:
     """Vectors that are well enough known, and the others replaced."""
     vague = found.good & ~(np.maximum(sigma_u, sigma_v) <= _MOST_SIGMA)
-    found = judged(found._replace(reason=np.where(vague, np.int8(Reason.VAGUE), found.reason)))
+    found = screened(found._replace(reason=np.where(vague, np.int8(Reason.VAGUE), found.reason)))
     masked = found.reason == Reason.MASKED
     u, v = (np.where(masked, np.nan, one) for one in replaced(found))
     sigma_u, sigma_v = (np.where(found.good, one, np.nan) for one in (sigma_u, sigma_v))

@@ -36,7 +36,7 @@ def draw(result: Displacement) -> "Figure":
 
 
 def _vectors(axes: "Axes", result: Displacement) -> None:
-    """Over the first picture, each from its window's middle; the key has a round length."""
+    """Vectors over the first picture, each from its window's middle; the key has a round length."""
     field = result.field
     grey = grey_levels(read_picture(result.first), str(result.first))
     low, high = np.percentile(grey, (1, 99))

@@ -1,4 +1,4 @@
-"""displacement: the one way into both methods, and what they refuse."""
+"""Displacement by either method, and what both refuse."""
 
 import math
 
@@ -9,7 +9,7 @@ from calibration.piv.field import Field, Flags
 from calibration.piv.pictures import Pixels, grey_levels
 from granulab.errors import InputError
 
-LEAST_WINDOW, MOST_OVERLAP = 8, 0.75  # windows that overlap more tell no more, and amplify noise
+LEAST_WINDOW, MOST_OVERLAP = 8, 0.75  # windows that overlap more add nothing, and amplify noise
 METHODS = ("piv", "flow")
 _LEAST_OF_FLOW = 12  # px of a side, for the patches of OpenCV's DIS
 
@@ -18,10 +18,10 @@ def displacement(
     a: NDArray, b: NDArray, *, window: int = 32, overlap: float = 0.5, mask: NDArray | None = None,
     method: str = "piv",
 ) -> Field:  # fmt: skip
-    """How far the texture of picture a has moved in picture b, on a grid of square windows.
+    """Displacement of the texture of picture a in picture b, on a grid of square windows.
 
     a, b      (height, width) grey or (height, width, 3) blue, green, red; of one size
-    window    side of a window [px]; at least four grains or particles should fit across it, and it
+    window    side of a window [px]; at least four particles should fit across it, and it
               is the largest displacement along x or y that is found
     overlap   share of its side by which a window overlaps the next, 0 to 0.75
     mask      (height, width) true where the bed is: what does not move with it, such as walls and

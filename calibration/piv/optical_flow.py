@@ -81,6 +81,6 @@ def _read(flow: Dense, at: Dense) -> Dense:
 
     height, width = flow.shape[:2]
     y, x = np.mgrid[:height, :width].astype(np.float32)
-    place = cv2.INTER_LINEAR
-    return np.asarray(cv2.remap(flow, x + at[..., 0], y + at[..., 1], place,
+    linear = cv2.INTER_LINEAR
+    return np.asarray(cv2.remap(flow, x + at[..., 0], y + at[..., 1], linear,
                                 borderMode=cv2.BORDER_REPLICATE))  # fmt: skip

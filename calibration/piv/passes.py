@@ -10,7 +10,7 @@ import numpy as np
 
 from calibration.piv.correlation import correlate, find_peaks
 from calibration.piv.deformation import deformable, deformed, everywhere
-from calibration.piv.field import Field, Flags, Reason, Vectors, field, judged, replaced
+from calibration.piv.field import Field, Flags, Reason, Vectors, field, replaced, screened
 from calibration.piv.pictures import Pixels, Texture, texture
 from calibration.piv.statistics import noise_gain, sigmas
 from calibration.piv.validation import smoothed
@@ -67,5 +67,5 @@ def _correlated(a: Texture, b: Texture, where: Grid) -> Vectors:
 
 def _between(found: Vectors, where: Grid, shape: tuple[int, int]) -> tuple[Pixels, Pixels]:
     """(height, width) u and v: replaced where not valid, smoothed, interpolated."""
-    u, v = (everywhere(smoothed(one), where, shape) for one in replaced(judged(found)))
+    u, v = (everywhere(smoothed(one), where, shape) for one in replaced(screened(found)))
     return u, v

@@ -1,4 +1,7 @@
-"""Pictures and masks from files."""
+"""Pictures and masks from files, and their texture: grey levels less their local mean.
+
+Uneven light and the edges of layers are larger than particles and would outweigh them.
+"""
 
 from pathlib import Path
 from typing import NamedTuple

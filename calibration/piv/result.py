@@ -38,12 +38,12 @@ class Displacement:
 
     @property
     def unit(self) -> str:
-        """Of the vectors in their largest unit known: m/s, px/s, m or px."""
+        """Unit of the vectors, the largest known: m/s, px/s, m or px."""
         return ("px" if self.scale is None else "m") + ("" if self.dt is None else "/s")
 
     @property
     def factor(self) -> float:
-        """From pixels to `unit`."""
+        """Factor from pixels to `unit`."""
         return (self.scale or 1.0) / (self.dt or 1.0)
 
     @property
@@ -103,7 +103,7 @@ class Displacement:
         }
 
     def text(self) -> str:
-        """How many vectors are valid, and what their numbers are."""
+        """Number of valid vectors, and their spread."""
         found = self.to_dict()
         window = found["window_px"]
         lines = [f"{found['valid']} of {found['vectors']} vectors valid, windows of {window} px"]

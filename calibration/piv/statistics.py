@@ -44,11 +44,11 @@ def _sigma(a: Texture, b: Texture, where: Grid, axis: int) -> Array:
     forwards, backwards = first[:-1] * second[1:] * both, first[1:] * second[:-1] * both
     at_peak = (first[:-1] * second[:-1] + first[1:] * second[1:]) * both / 2
     # a pixel and its next one; the last has none
-    peak, beside, difference = (
+    peak, next_to, difference = (
         np.moveaxis(np.pad(one, ((0, 1), (0, 0))), 0, axis)
         for one in (at_peak, (forwards + backwards) / 2, forwards - backwards)
     )
-    s, high, near = _spread(difference, where), where.sums(peak), where.sums(beside)
+    s, high, near = _spread(difference, where), where.sums(peak), where.sums(next_to)
     with np.errstate(divide="ignore", invalid="ignore"):
         # where C1 is not positive, the parabola's: its peak is then narrower than a pixel
         slope = np.where(near > 0, near * np.log(high / near), high - near)
@@ -58,7 +58,7 @@ def _sigma(a: Texture, b: Texture, where: Grid, axis: int) -> Array:
 def _spread(difference: Pixels, where: Grid) -> Array:
     """(rows, columns) standard deviation of the sum of d over a window.
 
-    What covariance adds to the variance is pooled with the neighbours: one window tells it badly.
+    What covariance adds to the variance is pooled with the neighbours: one window shows it badly.
     """
     # a sum over a window is a difference of sums over all: it may round to below zero
     alone = np.maximum(where.sums(difference**2), 0.0)
@@ -69,7 +69,7 @@ def _spread(difference: Pixels, where: Grid) -> Array:
 
 
 def _near(d: Pixels) -> Pixels:
-    """For each pixel the sum of d over those near enough to be correlated with it."""
+    """Sum at each pixel of d over those near enough to be correlated with it."""
     import cv2
 
     width, height = (2 * _length(d, axis) + 1 for axis in (1, 0))
@@ -88,7 +88,7 @@ def _length(d: Pixels, axis: int) -> int:
 
 
 def noise_gain(window: int, step: int) -> float:
-    """How much the deformation raises the noise of a vector, after many passes.
+    """Factor by which the deformation raises the noise of a vector, after many passes.
 
     A pass adds what is left in the mean of the window to what the deformation has at its middle.
     Where a wave has k [rad per step], the window sees m = sinc(k window/(2 pi step)) of it and the

@@ -1,9 +1,9 @@
-"""Vectors that cannot be: unlike their neighbours, and what stands in their place.
+"""Vectors that cannot be: unlike their neighbours, and what replaces them.
 
 Universal outlier detection (Westerweel and Scarano 2005, Exp. Fluids 39, 1096): the distance of a
 vector from the median of its eight neighbours, over the median of the neighbours' own distances
-from it plus eps, may be no more than 2. Here the neighbours are first moved to the vector's place
-along the local gradient: at the border of a sheared field they all lie on one side of it.
+from it plus eps, may be no more than 2. Here the neighbours are first moved to the vector's
+position along the local gradient: at the border of a sheared field they all lie on one side of it.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ def neighbours(values: Array) -> Array:
 def outliers(u: Array, v: Array) -> Flags:
     """(rows, columns) which vectors are unlike their neighbours; NaN are no vectors.
 
-    Judged anew, all of them, by the neighbours that were not found strange: one that is spoils the
+    All are judged again, by the neighbours that were not found strange: one that is spoils the
     median of its neighbours, and they may be good.
     """
     strange = np.zeros(u.shape, dtype=bool)
@@ -44,7 +44,7 @@ def outliers(u: Array, v: Array) -> Flags:
 
 
 def _residual(values: Array, trusted: Array) -> Array:
-    """Normalised residual of one component; NaN where too few trusted neighbours can tell."""
+    """Normalised residual of one component; NaN where too few trusted neighbours are there."""
     around = neighbours(trusted)
     spread = _median(np.abs(around - _median(around)))
     middle = _median(around - _trend(trusted))
@@ -63,8 +63,8 @@ def _slope(values: Array) -> Array:
     """(rows, columns) slope along the rows: the median of six differences about each vector."""
     step = np.diff(values, axis=0)
     above, below = (np.insert(step, at, np.nan, axis=0) for at in (0, len(step)))
-    beside = [one for both in (above, below) for one in (both, *neighbours(both)[3:5])]
-    return np.nan_to_num(_median(np.stack(beside)))
+    around = [one for both in (above, below) for one in (both, *neighbours(both)[3:5])]
+    return np.nan_to_num(_median(np.stack(around)))
 
 
 def _median(stack: Array) -> Array:

@@ -81,7 +81,7 @@ class Grid:
 
 
 def grid(shape: tuple[int, int], size: int, overlap: float) -> Grid:
-    """As many windows as fit, overlapping by that share of their side, centred in the picture."""
+    """Windows, as many as fit, overlapping by that share of their side, centred in the picture."""
     step = max(1, round(size * (1 - overlap)))
     first = []
     for length in shape:

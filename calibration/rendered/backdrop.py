@@ -1,4 +1,4 @@
-"""What stands in a rendered scene: a textured wall and plate, shaded discs, a hand."""
+"""Objects of a rendered scene: a textured wall and plate, shaded discs, a hand."""
 
 import math
 from dataclasses import dataclass
@@ -121,7 +121,7 @@ def hand(x: float, y: float, radius: float) -> Patch:
 def _grid(
     x: float, y: float, radius: float, up: float | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], int, int]:
-    """dx, dy of the pixels around a place from it, and the first row and column of them."""
+    """dx, dy of the pixels around a position from it, and the first row and column of them."""
     reach = math.ceil(radius) + 2
     above = reach if up is None else max(math.ceil(up), reach)
     row, column = math.floor(y) - above, math.floor(x) - reach

@@ -1,4 +1,4 @@
-"""What a camera makes of a scene: lens blur, uneven light, noise; and the file that it writes.
+"""Camera that films a scene: lens blur, uneven light, noise; and the file that it writes.
 
 A scene is painted as light in [0, 1], (height, width, 3), blue, green, red, without gamma.
 """
@@ -56,7 +56,7 @@ class Camera:
 
 @lru_cache(maxsize=2)
 def _light(height: int, width: int, falloff: float) -> Light:
-    """(height, width, 1) light against the place: a parabola, 1 - falloff in the corners."""
+    """(height, width, 1) light against the position: a parabola, 1 - falloff in the corners."""
     y, x = np.linspace(-1, 1, height), np.linspace(-1, 1, width)
     light = 1 - falloff * (x[None, :, None] ** 2 + y[:, None, None] ** 2) / 2
     return light.astype(np.float32)

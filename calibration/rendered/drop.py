@@ -59,7 +59,7 @@ class Ball:
         return found[0], found[1], found[2]
 
     def height(self, time: float) -> float:
-        """Of the lowest point over the plate [m]."""
+        """Height of the lowest point over the plate [m]."""
         times, restitutions, speeds = self.contacts()
         k = int(np.searchsorted(times, time, side="right")) - 1
         if k < 0:
@@ -70,7 +70,7 @@ class Ball:
 
 @dataclass(frozen=True)
 class Truth:
-    """What a film shows, for the contacts within it; times from its first frame on, at true speed.
+    """Truth of a film, for the contacts within it; times from its first frame on, at true speed.
 
     contacts      (n,) times [s]
     restitution   (n,) at each
@@ -188,7 +188,7 @@ def film_drop(
 
 
 def truth(scene: DropScene, camera: Camera, shown: Sequence[int]) -> Truth:
-    """What a film of these frames of the camera shows of the first ball; empty without one."""
+    """Truth of a film of these frames of the camera, of the first ball; empty without one."""
     if not scene.balls:
         none = np.empty(0)
         return Truth(none, none, none, none, np.empty((0, 2)), none, camera.rate, scene.scale)

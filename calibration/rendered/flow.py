@@ -31,7 +31,7 @@ _WALL = 0.006  # m, how thick walls are drawn
 
 @dataclass(frozen=True)
 class Look:
-    """What stands before the camera.
+    """Scene before the camera.
 
     scale          m/px
     paint, bare    colour of the painted and of the other layers (blue, green, red), of 1
@@ -94,7 +94,7 @@ class Stage:
         return np.asarray(cv2.resize(canvas, size, interpolation=cv2.INTER_AREA), np.float32)
 
     def index(self, places: Places) -> NDArray[np.int32]:
-        """Which of the places each fine pixel shows (2 height, 2 width); -1 for none."""
+        """Index of the position that each fine pixel shows (2 height, 2 width); -1 for none."""
         import cv2
 
         index = np.full((self.height * _FINER, self.width * _FINER), -1, np.int32)
@@ -210,7 +210,7 @@ def simulated(case: str | Path, out: str | Path) -> Path:
 def truth(
     folder: str | Path, stage: Stage, times: Floats, camera: Camera, interval: float
 ) -> dict[str, Any]:
-    """What a film shows, in SI; `times` of its pictures [s of the run].
+    """Truth of a film, in SI; `times` of its pictures [s of the run].
 
     opening_frame    number of the picture, with a part of one, at the opening
     silo_px          x, y, width, height of the silo's inside, outlet to rim

@@ -36,7 +36,7 @@ class TrueField(NamedTuple):
 
 
 def true_field(stage: Stage, times: Floats, field: VelocityField) -> TrueField:
-    """What a field measured on the film should be; `times` of its pictures [s of the run].
+    """True field of the film; `times` of its pictures [s of the run].
 
     Windows overlap by half, so that their side is twice the grid's step.
     """

@@ -23,7 +23,7 @@ _WALL = (0.45, 0.5, 0.5)
 
 @dataclass(frozen=True)
 class Truth:
-    """What a film shows; times from its first frame on.
+    """Truth of a film; times from its first frame on.
 
     contacts      (n,) times [s]
     frame         (n,) of each contact

@@ -1,6 +1,6 @@
-"""What had to be assumed, and how kt/kn changes with it.
+"""Assumptions, and how kt/kn changes with each.
 
-Each row changes one thing, with half as many columns and load steps and with few profiles, the same
+Each row has one change, with half as many columns and load steps and with few profiles, the same
 for all rows: what differs between rows is the change. For the uncertainty that all assumptions make
 together the larger change of each counts as its standard uncertainty.
 """
@@ -39,7 +39,7 @@ class Values(NamedTuple):
 
 @dataclass(frozen=True)
 class Row:
-    """One thing changed: how, and the values with it. assumed: the paper does not give it."""
+    """One change, and the values with it. assumed: the paper does not give it."""
 
     what: str
     change: str
@@ -60,7 +60,7 @@ def vary(setting: Setting, seed: int, progress: Progress) -> list[Row]:
 
 
 def applied(found: Found, rows: list[Row]) -> Found:
-    """What was found, the ratios with the uncertainty that all assumptions make together."""
+    """Result whose ratios have the uncertainty that all assumptions make together."""
     assert found.flat is not None
     assert found.rough is not None
     assert found.stress is not None

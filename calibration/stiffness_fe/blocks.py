@@ -72,14 +72,14 @@ class Block:
         return ((whole + whole.T) / 2).reshape(2, *self._surface.shape[1:], 2, -1)
 
     def displacements(self, forces: Array) -> Array:
-        """Of all degrees of freedom [m] under forces (2, n) [N/m] on the surface."""
+        """Displacements of all degrees of freedom [m] under forces (2, n) [N/m] on the surface."""
         load = np.zeros(self.basis.N)
         load[self._surface] = forces
         moved: Array = self._spread @ self._solver.solve(self._spread.T @ load)
         return moved
 
     def reaction(self, moved: Array) -> Array:
-        """What the platen bears, (2,) [N/m], from the stresses in the elements."""
+        """Reaction of the platen, (2,) [N/m], from the stresses in the elements."""
         inner = self._stiffness @ moved
         return np.array([inner[dofs].sum() for dofs in self._platen])
 
@@ -103,7 +103,7 @@ class Block:
         return values @ scalar.probes(points.T).T.toarray()
 
     def holds(self, points: Array) -> bool:
-        """Whether points (p, 2) lie within the block, away from its surface's roughness."""
+        """True where points (p, 2) lie within the block, away from its surface's roughness."""
         x, z = self.points.T
         sides = (points[:, 0] >= x[0]) & (points[:, 0] <= x[-1])
         near, far = sorted((self.base, z.max() if self.base > z.max() else z.min()))

@@ -1,9 +1,14 @@
-"""Which points of two elastic surfaces touch, stick and slide: Signorini's and Coulomb's laws.
+"""Contact of two elastic surfaces: which points meet, and which touch, stick and slide.
 
+Each point of the upper surface faces the segment of the lower one that it stands over; beyond the
+lower surface's ends it faces nothing, or the next period. The normal goes from the lower to the
+upper body, the tangent a quarter rotation clockwise from it: to the right on level ground.
+
+Signorini's and Coulomb's laws:
 A contact's gap g >= 0, its pressing force p >= 0 and p g = 0; its friction |q| <= mu p, where no
 slip s happens below the limit and slip is against the friction at it. The surfaces yield linearly:
 (g, s) = (g0, s0) + W (p, q). Solved by a semismooth Newton method (Alart and Curnier 1991), which
-in the plane is an active-set method: guess who touches, sticks and slides; solve; ask again.
+in the plane is an active-set method: guess who touches, sticks and slides; solve; repeat.
 """
 
 from dataclasses import dataclass
@@ -16,28 +21,28 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Pairing:
-    """Contacts of k points of the upper surface with places on the lower one.
+    """Contacts of k points of the upper surface with positions on the lower one.
 
     points       (k,) which of the upper surface's points
     left, share  (k,) the segment's left point, and how far along the segment, 0 to 1
-    turn         (2, 2, k) rows: normal and tangent in x and y
+    rotation     (2, 2, k) rows: normal and tangent in x and y
     gap          (k,) along the normal [m]; negative where the surfaces overlap
     """
 
     points: NDArray[np.int64]
     left: NDArray[np.int64]
     share: Array
-    turn: Array
+    rotation: Array
     gap: Array
 
     def below(self, values: Array) -> Array:
-        """Values (..., m) of the lower surface's points in the places that are faced, (..., k)."""
+        """Values (..., m) of the lower surface's points in the faced positions, (..., k)."""
         found: Array = (1 - self.share) * values[..., self.left]
         found += self.share * values[..., self.left + 1]
         return found
 
     def handed_down(self, forces: Array, n_points: int) -> Array:
-        """Forces (2, k) on the faced places as forces (2, m) on the lower surface's points."""
+        """Forces (2, k) on the faced positions as forces (2, m) on the lower surface's points."""
         found = np.zeros((2, n_points))
         for axis in (0, 1):
             np.add.at(found[axis], self.left, (1 - self.share) * forces[axis])
@@ -45,21 +50,21 @@ class Pairing:
         return found
 
     def yielding(self, upper: Array, lower: Array) -> Array:
-        """By how much unit forces (p of all, q of all) part the surfaces, (2k, 2k) [m2/N].
+        """Gaps and slips by unit forces (p of all, q of all), (2k, 2k) [m2/N].
 
         From the flexibilities (2, n, 2, n) and (2, m, 2, m) of the two surfaces.
         """
         k = len(self.points)
         above = upper[:, self.points][..., self.points]
         under = np.moveaxis(self.below(np.moveaxis(self.below(lower), 1, -1)), -1, 1)
-        whole: Array = np.einsum("aci,cidj,bdj->aibj", self.turn, above + under, self.turn)
+        whole: Array = np.einsum("aci,cidj,bdj->aibj", self.rotation, above + under, self.rotation)
         return whole.reshape(2 * k, 2 * k)
 
     def parted(self, upper: Array, lower: Array) -> Array:
-        """By how much displacements (2, n) and (2, m) part the surfaces, (2, k) [m]."""
+        """Gaps and slips by displacements (2, n) and (2, m) of the surfaces, (2, k) [m]."""
         apart = upper[:, self.points] - self.below(lower)
-        turned: Array = np.einsum("aci,ci->ai", self.turn, apart)
-        return turned
+        rotated: Array = np.einsum("aci,ci->ai", self.rotation, apart)
+        return rotated
 
 
 def pair(upper: Array, lower: Array, period: float | None = None) -> Pairing:
@@ -82,9 +87,9 @@ def pair(upper: Array, lower: Array, period: float | None = None) -> Pairing:
     # the slope of smooth ground: a segment's own would jump at its ends
     slope = (1 - share) * slopes[left] + share * slopes[left + 1]
     cos, sin = 1 / np.hypot(1, slope), slope / np.hypot(1, slope)
-    turn = np.array([[-sin, cos], [cos, sin]])
+    rotation = np.array([[-sin, cos], [cos, sin]])
     height = (1 - share) * z[left] + share * z[left + 1]
-    return Pairing(points, left, share, turn, (upper[points, 1] - height) * cos)
+    return Pairing(points, left, share, rotation, (upper[points, 1] - height) * cos)
 
 
 OPEN, STICK, SLIDE = 0, 1, 2  # a sliding contact is SLIDE or -SLIDE, by the sign of its friction
@@ -122,11 +127,11 @@ def solve_contact(
     raise NoContactStateError
 
 
-def _state(pressing: Array, rubbing: Array, friction: float) -> NDArray[np.int64]:
-    """Who touches, sticks and slides, from the forces and what they would be for the motion."""
+def _state(pressing: Array, friction_force: Array, friction: float) -> NDArray[np.int64]:
+    """State of each contact, from the forces and what they would be for the motion."""
     touches = pressing > 0
-    slides = np.abs(rubbing) >= friction * pressing
-    state = np.where(slides, np.where(rubbing < 0, -SLIDE, SLIDE), STICK)
+    slides = np.abs(friction_force) >= friction * pressing
+    state = np.where(slides, np.where(friction_force < 0, -SLIDE, SLIDE), STICK)
     found: NDArray[np.int64] = np.where(touches, state, OPEN).astype(np.int64)
     return found
 

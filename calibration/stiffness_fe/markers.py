@@ -28,7 +28,7 @@ class Printed:
 
 
 def printed(surface: str) -> Printed:
-    """What Table 1 has of the "flat" or the "rough" surface."""
+    """Means in Table 1 of the "flat" or the "rough" surface."""
     table = _table()
     rows = np.array([label == surface for label in table.labels("surface")])
     names = ("dx_n_mm", "dx_t_mm", "sigma_n_MPa", "sigma_t_MPa")

@@ -36,7 +36,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Contact:
-    """What tests of one kind of surface gave; stiffnesses in N/m of the whole depth.
+    """Result of the tests of one kind of surface; stiffnesses in N/m of the whole depth.
 
     ratio     kt/kn by eq. 3.3 at the end of shear; onset: of its first step
     outcomes  one for each pair of profiles
@@ -106,7 +106,7 @@ def one_test(
 def contact(
     case: Case, load: Load, pairs: Sequence[tuple[Outcome, Outcome]], sigma_e: float
 ) -> Contact:
-    """What fine and coarse outcomes of one kind of surface say together."""
+    """Result of fine and coarse outcomes of one kind of surface."""
 
     def kt(one: Outcome) -> float:
         return case.depth * one.kt

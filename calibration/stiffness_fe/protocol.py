@@ -48,7 +48,7 @@ class Load:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a test gave; per unit depth, N/m where nothing else is said.
+    """Outcome of a test; per unit depth, N/m where nothing else is said.
 
     platen   (k, 2) travel along and towards each other [m], at the load steps, from 0 on
     force    (k, 2) T and N
@@ -90,12 +90,12 @@ class Outcome:
     def unaccounted(self) -> float:
         """Work that is neither stored nor lost in friction, over the work."""
         state = self.state
-        left = state.work - self.stack.stored(state) - state.rubbed
+        left = state.work - self.stack.stored(state) - state.dissipated
         return float(left / state.work)
 
     @property
     def imbalance(self) -> float:
-        """How far the platens' reactions, from the elements, differ from the contact's force."""
+        """Difference of the platens' reactions, from the elements, and the contact's force."""
         stack, state = self.stack, self.state
         bears = [
             block.reaction(block.displacements(forces))

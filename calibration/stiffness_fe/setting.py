@@ -1,4 +1,4 @@
-"""From the command's options to the test: what the paper gives, what is ours, what would not do.
+"""Setting of the test from the command's options: what the paper gives, and what is ours.
 
 The paper gives E, nu, both frictions and the markers' displacements (Table 1); an amplitude of
 100 um for the roughness across the fibres; and A = 10 mm x 120 mm with L = 20 mm (sec. 3.2.1),

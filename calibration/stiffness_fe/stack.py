@@ -1,6 +1,6 @@
 """Two blocks between platens: what they bear when one platen moves, step by step.
 
-The lower platen rests; the upper one is moved and does not turn. Contacts are paired anew from
+The lower platen rests; the upper one is moved and does not rotate. Contacts are paired again from
 the positions at the beginning of each step, so that surfaces may slide over each other; friction
 remembers where it holds. Forces are per unit depth.
 """
@@ -27,14 +27,14 @@ _HALVINGS = 6  # of a load step for which no state of the contacts is found
 
 @dataclass(frozen=True)
 class State:
-    """Where the stack stands.
+    """State of the stack.
 
     platen        (2,) displacement of the upper platen [m]
     upper, lower  (2, n) forces on the surfaces' points [N/m]
     contact       (2, n) pressing force, and friction on the upper surface, of its points [N/m]
     doing         (n,) what each of them does: contact.OPEN, STICK, +-SLIDE; with periodic sides
                   the last point is the first one again
-    work, rubbed  of the platen; lost in friction [J/m]
+    work, dissipated   of the platen; in friction [J/m]
     """
 
     platen: Array
@@ -43,7 +43,7 @@ class State:
     contact: Array
     doing: NDArray[np.int64]
     work: float = 0.0
-    rubbed: float = 0.0
+    dissipated: float = 0.0
 
     @property
     def force(self) -> Array:
@@ -118,7 +118,7 @@ class Stack:
         slip: Array,
     ) -> State:  # fmt: skip
         """The state with these forces (2, k) on the contacts, and the energy that the step took."""
-        pushes = np.einsum("aci,ai->ci", here.turn, forces)
+        pushes = np.einsum("aci,ai->ci", here.rotation, forces)
         new = self.at_rest()
         new.upper[:, here.points], new.contact[:, here.points] = pushes, forces
         new.doing[here.points] = doing
@@ -128,8 +128,8 @@ class Stack:
             new, platen=state.platen + by, lower=-here.handed_down(pushes, new.lower.shape[1])
         )
         drag, press = (state.force + new.force) / 2
-        rubbing = (state.contact[1, here.points] + forces[1]) / 2
-        lost = float(rubbing[doing != OPEN] @ slip[doing != OPEN])
+        friction = (state.contact[1, here.points] + forces[1]) / 2
+        lost = float(friction[doing != OPEN] @ slip[doing != OPEN])
         return replace(
-            new, work=state.work + drag * by[0] - press * by[1], rubbed=state.rubbed - lost
+            new, work=state.work + drag * by[0] - press * by[1], dissipated=state.dissipated - lost
         )

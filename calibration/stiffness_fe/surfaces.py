@@ -41,7 +41,7 @@ class Waves:
         return lower, np.zeros_like(x) if self.one_sided else -self._one(x, numbers, rng)
 
     def _numbers(self, width: float) -> NDArray[np.int64]:
-        """How many of each wave fit on the width."""
+        """Numbers of waves that fit on the width."""
         rounding = 1e-9
         first = int(np.ceil(width / (self.longest or width) - rounding))
         numbers = np.arange(max(first, 1), int(width / self.wavelength + rounding) + 1)

@@ -127,7 +127,7 @@ def test_noise_that_is_not_white_is_told(tmp_path):
 @pytest.mark.parametrize(
     ("columns", "options", "line"),
     [
-        (["time_s;velocity_m_s", TIME, 0.5 * TIME], [], "do not tell gamma_t"),
+        (["time_s;velocity_m_s", TIME, 0.5 * TIME], [], "leave gamma_t open"),
         (["time_s;velocity_m_s", TIME[:3], TIME[:3]], [], "at least 4"),
         (["time_s;v_m_s", TIME, TIME], [], "this needs the columns time [s], velocity [m/s] or"),
         (

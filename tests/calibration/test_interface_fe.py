@@ -95,7 +95,7 @@ def test_work_is_stored_or_lost_in_friction():
     press = outcome.state.force[1]
     slip = 1e-3 - 0.1 * press / (0.375 * outcome.kn)
     assert abs(outcome.unaccounted) < ROUNDING
-    lost = outcome.state.rubbed
+    lost = outcome.state.dissipated
     assert 0.1 * press * (slip - 1e-3 / 50 / 2) < lost < 0.1 * press * slip * (1 + ROUNDING)
 
 

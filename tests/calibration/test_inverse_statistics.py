@@ -77,7 +77,7 @@ def test_an_exact_observation_gives_the_parameter_back():
 
 
 def test_a_sum_is_told_and_its_parts_are_not():
-    """A time 0.6 + 1.2 mu + 0.3 gamma alone: mu and gamma cannot be told apart.
+    """A time 0.6 + 1.2 mu + 0.3 gamma alone: mu and gamma cannot be separated.
 
     In widths of the priors the time changes by 1.2 x 0.202 and 0.3 x 0.2, so that the direction
     that it tells is (0.970, 0.240); across it, the posterior is as wide as the prior.

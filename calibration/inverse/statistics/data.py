@@ -1,4 +1,4 @@
-"""What is fitted: an observation as numbers with their noise, and the runs that answer it."""
+"""Data of a fit: an observation as numbers with their noise, and the runs compared with it."""
 
 from dataclasses import dataclass, field
 from typing import Literal

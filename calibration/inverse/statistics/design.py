@@ -1,4 +1,4 @@
-"""Where to run the simulator: first all over the prior, then where the posterior is."""
+"""Points at which the simulator is run: first all over the prior, then where the posterior is."""
 
 from collections.abc import Callable, Sequence
 

@@ -1,4 +1,4 @@
-"""What the simulator would give between the points where it was run, and how sure that is.
+"""Emulator: the simulator's values between the points where it was run, with uncertainty.
 
 Each combination z of the observation is a Gaussian process of the parameters' coordinates
 (squared exponential, a length for each parameter) with the seeds' scatter as known noise at each
@@ -26,7 +26,7 @@ _LOWEST_CHANCE = 1e-3  # that no classifier is sure of from tens of runs
 
 @dataclass(frozen=True)
 class Processes:
-    """k Gaussian processes over the same n points, as arrays, so that many are asked at once.
+    """k Gaussian processes over the same n points, as arrays, so that many are evaluated at once.
 
     points (n, p); lengths (k, p) and amplitude (k,) of the kernel; mean (k,) far from all points
     weights (k, n) = (K + noise)^-1 (z - mean); root (k, n, n): inverse of its Cholesky factor
@@ -41,8 +41,8 @@ class Processes:
 
     def predict(self, x: Array) -> tuple[Array, Array]:
         """Mean (m, k), and variance of that mean (m, k), at coordinates (m, p)."""
-        answers = [self._one(k, x) for k in range(len(self.mean))]
-        mean, variance = zip(*answers, strict=True)
+        parts = [self._one(k, x) for k in range(len(self.mean))]
+        mean, variance = zip(*parts, strict=True)
         return np.stack(mean, axis=1), np.stack(variance, axis=1)
 
     def _one(self, k: int, x: Array) -> tuple[Array, Array]:
@@ -50,9 +50,9 @@ class Processes:
         # |a - b|^2 multiplied out: no array larger than (m, n) is made
         apart = (here**2).sum(axis=1)[:, None] + (there**2).sum(axis=1) - 2 * here @ there.T
         kernel = self.amplitude[k] * np.exp(-0.5 * np.maximum(apart, 0.0))
-        told = ((kernel @ self.root[k].T) ** 2).sum(axis=1)
+        known = ((kernel @ self.root[k].T) ** 2).sum(axis=1)
         mean = self.mean[k] + kernel @ self.weights[k]
-        return mean, np.maximum(self.amplitude[k] - told, 0.0)
+        return mean, np.maximum(self.amplitude[k] - known, 0.0)
 
 
 def processes_of(
@@ -88,7 +88,7 @@ def processes_of(
 
 @dataclass(frozen=True)
 class Chance:
-    """How likely a trial passes; `classifier` is None where no run says that it may not."""
+    """Probability that a trial passes; `classifier` is None where no run says that it may not."""
 
     classifier: Any
 
@@ -102,7 +102,7 @@ class Chance:
 
 
 def chance_of(runs: Runs, seed: int) -> Chance:
-    """How likely a trial passes, from all runs; not known where all of them end alike."""
+    """Probability that a trial passes, from all runs; not known where all of them end alike."""
     which, passed = runs.outcomes()
     if len(set(passed.tolist())) < 2:
         return Chance(None)
@@ -115,7 +115,7 @@ def chance_of(runs: Runs, seed: int) -> Chance:
 
 
 def _quietly(fit: Callable[[], Any]) -> Any:
-    """Without the warning that a length ended at its bound, where the answer is flat."""
+    """Fit without the warning that a length ended at its bound, where the likelihood is flat."""
     from sklearn.exceptions import ConvergenceWarning
 
     with warnings.catch_warnings():

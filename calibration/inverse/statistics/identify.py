@@ -1,4 +1,4 @@
-"""What the observation tells of the parameters and what it cannot tell apart.
+"""Identifiability: what the observation determines of the parameters, and what it cannot.
 
 In coordinates whose prior has the width 1, the Fisher information of the observation is
 
@@ -45,9 +45,9 @@ class Direction:
 
 @dataclass(frozen=True)
 class Goodness:
-    """Whether the simulator can make the observation, at whatever parameters of the prior.
+    """Judgement whether the simulator can make the observation at any parameters of the prior.
 
-    chi2, freedom    least of the posterior's samples; values less parameters that they tell
+    chi2, freedom    least of the posterior's samples; values less parameters that they determine
     p                chance of so much or more
     p_rest           likewise, of what does not depend on the parameters; None where all does
     off              (d,) observed less expected where the posterior is, in standard deviations
@@ -120,7 +120,7 @@ def at_the_edge(posterior: Posterior) -> list[tuple[int, str]]:
 
 
 def goodness(posterior: Posterior) -> Goodness | None:
-    """Whether the simulator can make the observation; None where only outcomes were observed."""
+    """Goodness of the best fit; None where only outcomes were observed."""
     from scipy.stats import chi2
 
     model = posterior.model
@@ -128,8 +128,8 @@ def goodness(posterior: Posterior) -> Goodness | None:
         return None
     samples = posterior.samples[:: max(len(posterior.samples) // 4000, 1)]
     least = float(model.chi2(samples).min())
-    told = sum(d.information / (1 + d.information) for d in directions(posterior))
-    freedom = max(len(model.z) - told, 1.0)
+    determined = sum(d.information / (1 + d.information) for d in directions(posterior))
+    freedom = max(len(model.z) - determined, 1.0)
     expected = model.reduction.back(model.processes.predict(samples)[0])
     observed = model.observed
     variance = observed.sigma**2 + np.diag(observed.over_trials(model.single))

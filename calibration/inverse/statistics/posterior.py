@@ -38,7 +38,7 @@ class NothingPassed(Exception):
 
 @dataclass(frozen=True)
 class Model:
-    """What is known after some runs: the likelihood of coordinates.
+    """Likelihood of coordinates, as known after some runs.
 
     chance       that a trial passes
     reduction    to the combinations z; None where only outcomes were observed
@@ -142,7 +142,7 @@ def model_of(
 
 
 def sample(model: Model, seed: int, most: int = _MOST) -> Posterior:
-    """Samples of a model's posterior; the same for the same seed. Few are enough for its place."""
+    """Samples of a model's posterior; the same for the same seed. Few suffice for its position."""
     import emcee
 
     random = np.random.RandomState(seed)  # what emcee takes

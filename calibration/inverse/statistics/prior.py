@@ -1,4 +1,4 @@
-"""What is known of a parameter before the fit, in a coordinate in which all priors are alike.
+"""Prior of a parameter, in a coordinate in which all priors are alike.
 
     x = (value - centre)/width,    for a lognormal prior (ln value - centre)/width
 
@@ -46,7 +46,7 @@ class Prior:
 
     @property
     def name(self) -> str:
-        """As the fit file has it."""
+        """Keys as the fit file has them."""
         return ", ".join(self.keys)
 
     def value(self, x: Any) -> Any:
@@ -74,7 +74,7 @@ class Prior:
         return ndtri(below + share * (above - below))
 
     def share(self, x: Array) -> Array:
-        """How much of the prior lies below a coordinate."""
+        """Share of the prior that lies below a coordinate."""
         if self.kind == "uniform":
             return (x - self.low) / (self.high - self.low)
         from scipy.special import ndtr
@@ -90,7 +90,7 @@ class Prior:
 
     @property
     def sd(self) -> float:
-        """Of the coordinate: 1, or less where the prior is cut off."""
+        """Standard deviation of the coordinate: 1, or less where the prior is cut off."""
         if self.kind == "uniform":
             return (self.high - self.low) / math.sqrt(12)
         from scipy.stats import truncnorm

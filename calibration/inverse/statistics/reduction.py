@@ -8,7 +8,7 @@ covariance that follows from that of s: what the choice costs is information, ne
 
 Kept are those that differ from point to point by more than chance (one-way analysis of variance,
 p < 0.01) and by a third of the noise at least: one that varies less over all of the prior makes it
-no narrower than by 5 %. What is left tells next to nothing of the parameters, and serves to ask
+no narrower than by 5 %. What is left says next to nothing of the parameters, and serves to ask
 whether the simulator can make such an observation at all.
 """
 
@@ -27,7 +27,7 @@ _FREEDOM_EACH = 3  # degrees of freedom of the scatter for each combination, at 
 
 @dataclass(frozen=True)
 class Reduction:
-    """z = weights (s - centre), and back, s = centre + modes z, as far as the z tell.
+    """z = weights (s - centre), and back, s = centre + modes z, as far as the z determine it.
 
     noise      (d,) what values were divided by
     weights    (k, d); modes (d, k); centre (d,)
@@ -47,7 +47,7 @@ class Reduction:
         return self.centre + z @ self.modes.T
 
     def rest(self, values: Array) -> Array:
-        """What the z do not hold, in units of the noise (..., d)."""
+        """Remainder that the z do not hold, in units of the noise (..., d)."""
         return (values - self.back(self.of(values))) / self.noise
 
 
@@ -70,7 +70,7 @@ def scatter(which: np.ndarray, values: Array, near: np.ndarray | None = None) ->
 
 
 def inflation(freedom: int, combinations: int) -> float:
-    """By how much a scatter counts that few runs tell.
+    """Factor by which a scatter from few runs counts.
 
     The inverse of an estimated covariance is too large, by f/(f - k - 1) on average (Hartlap et
     al., Astron. Astrophys. 464 (2007) 399); without it, intervals would be too short.
@@ -104,7 +104,7 @@ def reduce(observed: Observed, which: np.ndarray, values: Array) -> Reduction:
 
 
 def _differs(which: np.ndarray, score: Array) -> bool:
-    """Whether points differ by more than their runs do; no, where runs do not differ at all."""
+    """True where points differ by more than their runs do; no, where runs do not differ at all."""
     from scipy.stats import f
 
     _, means, counts = point_means(which, score[:, None])
