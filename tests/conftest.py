@@ -1,15 +1,20 @@
-"""Runs of the small silo that several test files look at, made once for all workers of pytest."""
+"""Runs of the small silo and of small dampers that several test files look at.
+
+Each is made once for all workers of pytest.
+"""
 
 import logging
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from compiling import share_compilation
 from filelock import FileLock
 from fuzzing import examples
 from hypothesis import HealthCheck, settings
+from small_damper import damper3d, write_damper
 from small_silo import silo2d, the_run, write_case
 
 from granulab.campaign.runs.folder import RunFolder
@@ -23,20 +28,62 @@ settings.load_profile("test")
 
 
 @pytest.fixture(scope="session")
-def _finished_root(tmp_path_factory) -> Path:
-    """Made by the first worker that asks for it; the others wait, and find the kernels compiled."""
-    of_all = tmp_path_factory.getbasetemp()
+def _of_all_workers(tmp_path_factory) -> Path:
+    """A folder that all workers of pytest share."""
+    folder = tmp_path_factory.getbasetemp()
+    return folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _kernels_are_compiled_once(_of_all_workers) -> None:
+    """No worker compiles what another one compiles."""
     if "PYTEST_XDIST_WORKER" in os.environ:
-        of_all = of_all.parent
-    root = of_all / "reference"
-    with FileLock(of_all / "reference.lock"):
+        share_compilation(_of_all_workers / "compiling")
+
+
+def _made_once(shared: Path, name: str, make: Callable[[Path], None]) -> Path:
+    """The folder of that name, made by the first worker that asks; the others wait for it."""
+    root = shared / name
+    with FileLock(shared / f"{name}.lock"):
         if not (root / "finished").exists():
             shutil.rmtree(root, ignore_errors=True)  # of a worker that failed in it
             root.mkdir()
-            answer = silo2d("run", write_case(root), "-o", root / "runs", "--no-figures", "--quiet")
-            assert answer.code == 0, answer.err
+            make(root)
             (root / "finished").touch()
     return root
+
+
+def _silo_run(root: Path) -> None:
+    answer = silo2d("run", write_case(root), "-o", root / "runs", "--no-figures", "--quiet")
+    assert answer.code == 0, answer.err
+
+
+def _damper_run(root: Path) -> None:
+    answer = damper3d("run", write_damper(root), "-o", root / "runs", "--no-figures", "--quiet")
+    assert (answer.code, answer.err) == (0, ""), answer.err
+    (root / "said.txt").write_text(answer.out, encoding="utf-8")
+
+
+def _damper_of_spheres(root: Path) -> None:
+    from damper_runs import small
+
+    from damper3d.run import protocol  # loads numba, which few tests need
+
+    protocol.run(small(), out=root / "runs")
+
+
+def _damper_of_spheroids(root: Path) -> None:
+    from damper_runs import small_spheroids
+
+    from damper3d.run import protocol
+
+    protocol.run(small_spheroids(), out=root / "runs")
+
+
+@pytest.fixture(scope="session")
+def _finished_root(_of_all_workers) -> Path:
+    """A folder with the case of the small silo and its finished run; to be read only."""
+    return _made_once(_of_all_workers, "reference", _silo_run)
 
 
 @pytest.fixture(scope="session")
@@ -57,6 +104,39 @@ def finished(_finished_root, tmp_path) -> Path:
     """A copy, to be damaged, of the folder with the finished run of the small silo."""
     shutil.copytree(_finished_root / "runs", tmp_path / "finished")
     return tmp_path / "finished"
+
+
+@pytest.fixture(scope="session")
+def damper_root(_of_all_workers) -> Path:
+    """The small damper's case, its run by the command in runs/, what it said; to be read only."""
+    return _made_once(_of_all_workers, "damper", _damper_run)
+
+
+@pytest.fixture(scope="module")
+def damper_folder(damper_root, tmp_path_factory) -> Path:
+    """A copy of damper_root that the tests of a file may add to."""
+    folder = tmp_path_factory.mktemp("damper") / "copy"
+    return Path(shutil.copytree(damper_root, folder))
+
+
+@pytest.fixture(scope="session")
+def damper_reference(_of_all_workers) -> RunFolder:
+    """The finished run of damper_runs.small, seed 1, never interrupted; to be read only."""
+    return the_run(_made_once(_of_all_workers, "damper_of_spheres", _damper_of_spheres) / "runs")
+
+
+@pytest.fixture
+def damper_packings(damper_reference, tmp_path) -> Path:
+    """A folder for runs that has the packing of damper_reference already."""
+    shutil.copytree(damper_reference.path.parent / "packings", tmp_path / "runs" / "packings")
+    return tmp_path / "runs"
+
+
+@pytest.fixture(scope="session")
+def spheroid_reference(_of_all_workers) -> RunFolder:
+    """The same of damper_runs.small_spheroids, particles of several spheres; to be read only."""
+    root = _made_once(_of_all_workers, "damper_of_spheroids", _damper_of_spheroids)
+    return the_run(root / "runs")
 
 
 @pytest.fixture(scope="module")  # its threads draw random numbers, which hypothesis resents

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cluster_beds import rotation
 from damper_runs import forked
+from damper_runs import small_spheroids as small
 from same_run import assert_same_run
 from small_damper import damper3d
 from small_silo import the_run
@@ -18,29 +19,6 @@ from damper3d.run.fill import fill, random_start
 from damper3d.view.scene import read_scene
 from granulab.campaign.runs.trajectory import read_tables
 from granulab.errors import InputError
-
-CASE = {
-    "enclosure.diameter": "20 mm",
-    "enclosure.height": "20 mm",
-    "particles.shape": "prolate:1.5",
-    "particles.equal_volume_radius": "2.2 mm",
-    "particles.count": 30,
-    "motion.frequency": 80,
-    "motion.gamma": 10,
-    "law.restitution": 0.5,  # at rest the sooner
-    "fill.settle_time": "60 ms",
-    "run.cycles": 3,
-    "run.discard": 1,
-    "run.time_step": "2 us",
-    "output.samples": 20,
-    "output.frames": 4,
-}
-
-
-def small(**changes) -> DamperCase:
-    """The case, with changes such as motion__gamma=5."""
-    named = {key.replace("__", "."): value for key, value in changes.items()}
-    return DamperCase.load("thesis", CASE | named)
 
 
 @pytest.mark.parametrize("shape", ["prolate:2", "toroid:0.2"])
@@ -80,32 +58,24 @@ def test_too_many_clusters_are_refused_with_the_number_that_fits():
         fill(small(particles__count=88, particles__shape="prolate:2"), lambda *_: None)
 
 
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    """The small damper, never interrupted; to be read only."""
-    root = tmp_path_factory.mktemp("undisturbed")
-    protocol.run(small(), out=root)
-    return the_run(root)
-
-
-def test_a_run_answers_and_keeps_how_the_particles_lie(undisturbed):
+def test_a_run_answers_and_keeps_how_the_particles_lie(spheroid_reference):
     """Books closed, the mass of the smooth shape, unit quaternions in single precision."""
-    answers = undisturbed.read_summary()
+    answers = spheroid_reference.read_summary()
     assert answers["particles"] == "prolate:1.5"
     mass = 1190 * 4 / 3 * math.pi * 2.2e-3**3
     assert answers["particle_mass_kg"] == pytest.approx(mass, rel=1e-12)
     assert abs(answers["energy_closure"]) < 0.02  # 0.005 at 1 us, four times that at 2 us
     assert 0.0 < answers["efficiency"] < 1.0
     assert 1.0 < answers["packing"]["coordination"] < 10.0  # particles and walls, not spheres
-    last = read_tables(undisturbed.path, "particles").at(-1)
+    last = read_tables(spheroid_reference.path, "particles").at(-1)
     size = sum(last[f"turn_{c}"].astype(float) ** 2 for c in "wxyz")
     assert size == pytest.approx(1.0, abs=1e-6)
 
 
-def test_pictures_show_the_spheres_where_they_are(undisturbed):
+def test_pictures_show_the_spheres_where_they_are(spheroid_reference):
     """Those of each particle, turned by its quaternion, in single precision: 10 mm to 1e-9 m."""
-    scene, particle = read_scene(undisturbed.path), small().particle
-    table = read_tables(undisturbed.path, "particles").at(-1)
+    scene, particle = read_scene(spheroid_reference.path), small().particle
+    table = read_tables(spheroid_reference.path, "particles").at(-1)
     arm, radius, whose = scene.spheres(len(scene.frame_sample) - 1)
     k = len(particle.radii)
     for n in (0, 17):
@@ -116,13 +86,15 @@ def test_pictures_show_the_spheres_where_they_are(undisturbed):
 
 
 @pytest.mark.parametrize("write", [3, 6])
-def test_a_run_that_is_killed_goes_on_to_the_same_bits(undisturbed, tmp_path, monkeypatch, write):
+def test_a_run_that_is_killed_goes_on_to_the_same_bits(
+    spheroid_reference, tmp_path, monkeypatch, write
+):
     """Killed at its so many-th write, with a checkpoint every three samples."""
     monkeypatch.setattr(vibration, "CHECKPOINT_WORK", 3 * 30 * 315 + 1)
-    shutil.copytree(undisturbed.path.parent / "packings", tmp_path / "packings")
+    shutil.copytree(spheroid_reference.path.parent / "packings", tmp_path / "packings")
     assert forked(lambda: protocol.run(small(), out=tmp_path), kill_at_write=write + 5) == -9
     protocol.run(small(), out=tmp_path)
-    assert_same_run(the_run(tmp_path), undisturbed)
+    assert_same_run(the_run(tmp_path), spheroid_reference)
 
 
 def test_the_treatment_of_contacts_names_the_run_of_clusters_alone():

@@ -5,7 +5,6 @@ import math
 import os
 import random
 import shlex
-import shutil
 import signal
 import threading
 import time
@@ -20,7 +19,7 @@ from small_silo import finish, the_run
 from damper3d.engine.simulation import Simulation
 from damper3d.run import protocol, vibration
 from damper3d.run.steady import BLOCK
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.folder import FolderError
 from granulab.campaign.runs.lock import alone
 from granulab.campaign.runs.trajectory import read_tables, read_trajectory
 from granulab.errors import SimulationError, Stopped
@@ -29,19 +28,10 @@ from granulab.errors import SimulationError, Stopped
 OFTEN = 3 * 20 * 315 + 1
 
 
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory) -> RunFolder:
-    """The small damper, never interrupted; to be read only."""
-    root = tmp_path_factory.mktemp("undisturbed")
-    protocol.run(small(), out=root)
-    return the_run(root)
-
-
 @pytest.fixture
-def runs(undisturbed, tmp_path) -> Path:
+def runs(damper_packings) -> Path:
     """A folder for runs that has the packing of the small damper already."""
-    shutil.copytree(undisturbed.path.parent / "packings", tmp_path / "runs" / "packings")
-    return tmp_path / "runs"
+    return damper_packings
 
 
 @pytest.fixture
@@ -50,30 +40,30 @@ def often(monkeypatch) -> None:
     monkeypatch.setattr(vibration, "CHECKPOINT_WORK", OFTEN)
 
 
-def test_the_same_case_and_seed_give_the_same_bits(undisturbed, tmp_path):
+def test_the_same_case_and_seed_give_the_same_bits(damper_reference, tmp_path):
     """In another folder, filled again; another seed gives another bed."""
     protocol.run(small(), out=tmp_path)
-    assert_same_run(the_run(tmp_path), undisturbed)
+    assert_same_run(the_run(tmp_path), damper_reference)
     other = protocol.run(small(run__seed=2, run__cycles=2), out=tmp_path / "other")
-    assert other.state_digest != results(undisturbed)["state_digest"]
+    assert other.state_digest != results(damper_reference)["state_digest"]
 
 
-def test_checkpoints_and_frames_do_not_change_the_bits(undisturbed, runs, often):
+def test_checkpoints_and_frames_do_not_change_the_bits(damper_reference, runs, often):
     """Checkpoints every three samples, tables at every one, or none at all."""
     protocol.run(small(), out=runs)
-    assert_same_run(the_run(runs), undisturbed)
+    assert_same_run(the_run(runs), damper_reference)
     for frames in (20, 0):
         result = protocol.run(small(output__frames=frames), out=runs)
-        assert result.state_digest == results(undisturbed)["state_digest"]
+        assert result.state_digest == results(damper_reference)["state_digest"]
 
 
-def test_what_a_run_keeps_has_the_rows_that_it_says(undisturbed):
+def test_what_a_run_keeps_has_the_rows_that_it_says(damper_reference):
     """A sample before the first cycle, 20 a cycle, and tables with every fifth."""
-    samples = read_trajectory(undisturbed.path)
+    samples = read_trajectory(damper_reference.path)
     assert len(samples["time"]) == 4 * 20 + 1
     assert samples["time"][0] == samples["displacement"][0] == samples["wall_work"][0] == 0.0
     assert samples["time"][20] == pytest.approx(1 / 80)
-    particles, contacts = (read_tables(undisturbed.path, n) for n in ("particles", "contacts"))
+    particles, contacts = (read_tables(damper_reference.path, n) for n in ("particles", "contacts"))
     assert particles.frame.tolist() == contacts.frame.tolist() == list(range(0, 81, 5))
     assert set(particles.length) == {20}
     last = particles.at(-1)
@@ -83,7 +73,7 @@ def test_what_a_run_keeps_has_the_rows_that_it_says(undisturbed):
     assert contacts.columns["body_2"].max() < 20 + 3
 
 
-def test_the_out_of_phase_mass_takes_the_work_of_the_enclosure(undisturbed, runs):
+def test_the_out_of_phase_mass_takes_the_work_of_the_enclosure(damper_reference, runs):
     """E = pi V^2 m'', whatever the harmonics of the force: one from its samples, one from its work.
 
     With 100 samples a cycle the 99th and 101st harmonic look like the first, at a hundredth of
@@ -94,7 +84,7 @@ def test_the_out_of_phase_mass_takes_the_work_of_the_enclosure(undisturbed, runs
     assert math.pi * found.effective_mass["out_of_phase_kg"] == pytest.approx(work, rel=0.04)
 
 
-def test_a_run_stopped_many_times_ends_with_the_same_bits(undisturbed, runs):
+def test_a_run_stopped_many_times_ends_with_the_same_bits(damper_reference, runs):
     chance, stops, result = random.Random(3), 0, None
     while result is None:
         try:
@@ -103,11 +93,11 @@ def test_a_run_stopped_many_times_ends_with_the_same_bits(undisturbed, runs):
             stops += 1
     assert stops >= 3
     assert not result.reused
-    assert_same_run(the_run(runs), undisturbed)
+    assert_same_run(the_run(runs), damper_reference)
     assert protocol.run(small(), out=runs).reused
 
 
-def test_a_run_killed_at_any_moment_ends_with_the_same_bits(undisturbed, tmp_path, often):
+def test_a_run_killed_at_any_moment_ends_with_the_same_bits(damper_reference, tmp_path, often):
     """kill -9 by somebody else, some milliseconds after each start, in filling and shaking."""
     chance, killed = random.Random(7), 0
     for _ in range(40):
@@ -125,10 +115,10 @@ def test_a_run_killed_at_any_moment_ends_with_the_same_bits(undisturbed, tmp_pat
             break
     assert killed >= 2
     protocol.run(small(), out=tmp_path)
-    assert_same_run(the_run(tmp_path), undisturbed)
+    assert_same_run(the_run(tmp_path), damper_reference)
 
 
-def test_a_run_killed_while_it_writes_ends_with_the_same_bits(undisturbed, runs, often):
+def test_a_run_killed_while_it_writes_ends_with_the_same_bits(damper_reference, runs, often):
     """kill -9 at the first write of a process, at the second of the next, and so on to the end.
 
     What is written: case, samples, checkpoints, the merged trajectory, the summary.
@@ -140,19 +130,19 @@ def test_a_run_killed_while_it_writes_ends_with_the_same_bits(undisturbed, runs,
             break
     assert codes == [-signal.SIGKILL] * (len(codes) - 1) + [0]
     assert len(codes) > 5
-    assert_same_run(the_run(runs), undisturbed)
+    assert_same_run(the_run(runs), damper_reference)
     assert not list(runs.rglob(".*.tmp"))  # what the killed ones had begun is gone
     assert not list(runs.glob("*/parts"))
     assert not list(runs.glob("*/checkpoint.h5"))
 
 
-def test_a_filling_that_is_killed_leaves_no_lock(undisturbed, tmp_path):
+def test_a_filling_that_is_killed_leaves_no_lock(damper_reference, tmp_path):
     """The packing is the first file that a process writes after the three of its run folder."""
     assert forked(lambda: protocol.run(small(), out=tmp_path), kill_at_write=4) == -signal.SIGKILL
     assert the_run(tmp_path).state == "unfinished"
     assert not list(tmp_path.glob("packings/*/packing.h5"))
     protocol.run(small(), out=tmp_path)
-    assert_same_run(the_run(tmp_path), undisturbed)
+    assert_same_run(the_run(tmp_path), damper_reference)
 
 
 def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(tmp_path):
@@ -178,7 +168,7 @@ def test_ctrl_c_while_filling_says_that_it_is_filled_again(tmp_path):
     assert not list(tmp_path.glob("packings/*/*"))
 
 
-def test_resume_goes_on_in_its_folder_and_refuses_a_changed_case(undisturbed, runs):
+def test_resume_goes_on_in_its_folder_and_refuses_a_changed_case(damper_reference, runs):
     stops = iter([False, True])
     with pytest.raises(Stopped, match=r"^go on with: damper3d run --resume "):
         protocol.run(small(), out=runs, stop=lambda: next(stops))
@@ -189,7 +179,7 @@ def test_resume_goes_on_in_its_folder_and_refuses_a_changed_case(undisturbed, ru
         protocol.resume(folder.path)
     (folder.path / "case.toml").write_text(text)
     assert not protocol.resume(folder.path).reused
-    assert_same_run(folder, undisturbed)
+    assert_same_run(folder, damper_reference)
 
 
 @pytest.mark.parametrize(("factor", "words"), [(2.0, "came from nowhere"), (0.0, "went nowhere")])
@@ -257,7 +247,9 @@ def test_a_damaged_packing_is_named_and_not_used(runs):
         protocol.run(small(), out=runs)
 
 
-def test_a_run_that_keeps_its_summary_has_the_same_answers_and_no_trajectory(undisturbed, runs):
+def test_a_run_that_keeps_its_summary_has_the_same_answers_and_no_trajectory(
+    damper_reference, runs
+):
     """Killed or not, nothing but the answers stays."""
     case = small(output__keep="summary")
     codes = [forked(lambda: protocol.run(case, out=runs), kill_at_write=k) for k in range(4, 12)]
@@ -269,7 +261,7 @@ def test_a_run_that_keeps_its_summary_has_the_same_answers_and_no_trajectory(und
     (folder.path / "parts").mkdir()  # as if killed after its summary stood
     assert protocol.run(case, out=runs).reused
     assert {path.name for path in folder.path.iterdir()} == kept
-    assert results(folder) == results(undisturbed)
+    assert results(folder) == results(damper_reference)
 
 
 def test_a_steady_run_ends_when_it_is_steady_or_at_the_most_cycles(runs):

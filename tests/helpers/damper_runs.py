@@ -27,16 +27,32 @@ CASE: dict[str, Any] = {
     "output.samples": 20,
     "output.frames": 4,
 }
+# Particles of several spheres in the same enclosure.
+SPHEROIDS = CASE | {
+    "particles.shape": "prolate:1.5",
+    "particles.equal_volume_radius": "2.2 mm",
+    "particles.count": 30,
+    "fill.settle_time": "60 ms",
+    "run.cycles": 3,
+}
 # Options of the command for a like one.
 OPTIONS = ["--diameter", "20 mm", "--height", "20 mm", "--count", 20, "--frequency", 80,
            "--gamma", 10, "--cycles", 4, "--discard", 1, "--time-step", "2 us"]  # fmt: skip
 
 
 def small(**changes: Any) -> DamperCase:
-    """The case, with changes such as motion__gamma=5."""
-    return DamperCase.load(
-        "thesis", CASE | {key.replace("__", "."): value for key, value in changes.items()}
-    )
+    """The case of spheres, with changes such as motion__gamma=5."""
+    return _case(CASE, changes)
+
+
+def small_spheroids(**changes: Any) -> DamperCase:
+    """The case of particles of several spheres, with changes such as motion__gamma=5."""
+    return _case(SPHEROIDS, changes)
+
+
+def _case(usual: dict[str, Any], changes: dict[str, Any]) -> DamperCase:
+    named = {key.replace("__", "."): value for key, value in changes.items()}
+    return DamperCase.load("thesis", usual | named)
 
 
 def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:

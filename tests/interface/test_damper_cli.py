@@ -3,19 +3,19 @@
 from pathlib import Path
 
 import pytest
-from small_damper import KEYS, damper3d, write_damper
+from small_damper import KEYS, damper3d
 from small_silo import contents
 
 
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory) -> Path:
-    """A folder with the case and its finished run."""
-    root = tmp_path_factory.mktemp("damper")
-    answer = damper3d("run", write_damper(root), "-o", root / "runs", "--quiet", "--no-figures")
-    assert answer.code == 0, answer.err
-    assert answer.err == ""
-    assert answer.out.startswith("20 of sphere:5mm, vertical, 80 Hz, gamma 10, seed 1: efficiency")
-    return root
+@pytest.fixture
+def finished(damper_folder) -> Path:
+    """A folder with the case and its finished run; tests of this file add to it."""
+    return damper_folder
+
+
+def test_a_run_says_its_case_and_its_efficiency(damper_root):
+    said = (damper_root / "said.txt").read_text(encoding="utf-8")
+    assert said.startswith("20 of sphere:5mm, vertical, 80 Hz, gamma 10, seed 1: efficiency")
 
 
 def test_a_finished_run_is_given_again_and_nothing_changes(finished):
