@@ -3,8 +3,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 RUNS ?= runs
-# Of a file's tests all run in one worker, so that what they share is made once.
-TESTERS := --numprocesses logical --maxprocesses 4 --dist loadfile
+# Of a file's tests all run in one worker, so that what they share is made once; tests/conftest.py
+# says which files come first.
+TESTERS := --numprocesses logical --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 # A worker a core is enough: the linear algebra of small matrices only loses by threads of its own.
 test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
