@@ -5,6 +5,7 @@ from dataclasses import replace
 import calibrating
 import numpy as np
 import pytest
+from refusals import assert_refused
 
 from calibration.drop.measure import measure_drop
 from calibration.rendered.camera import Camera
@@ -28,9 +29,7 @@ def good(tmp_path_factory):
 def refused(*arguments):
     """What stderr says, after checks that it is one line, with exit code 2 and nothing else."""
     found = calibrating.calibrate("drop", *arguments, "--quiet")
-    assert (found.code, found.out) == (2, "")
-    assert found.err.startswith("calibrate: ")
-    assert found.err.count("\n") == 1
+    assert_refused(found)
     return found.err
 
 

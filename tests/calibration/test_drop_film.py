@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 from made_tracks import made_track
+from refusals import assert_refused
 
 from calibration.drop.measure import measure_drop
 from calibration.rendered.backdrop import Backdrop
@@ -196,9 +197,7 @@ def test_damaged_frames_are_skipped_and_counted(tmp_path):
 )
 def test_options_that_cannot_be_are_refused(tmp_path, still_and_ball, arguments, words):
     found = calibrating.calibrate("drop", still_and_ball, *arguments, "--quiet")
-    assert (found.code, found.out) == (2, "")
-    assert words in found.err
-    assert found.err.count("\n") == 1
+    assert_refused(found, words)
 
 
 @pytest.fixture(scope="module")

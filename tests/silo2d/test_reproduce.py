@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from made_rows import clogged, emptied, ended, failed, line_of
+from refusals import assert_refused
 from small_silo import Answer, silo2d
 
 from granulab.campaign.output.results import read_results, write_results
@@ -300,8 +301,5 @@ def test_without_a_table_it_lists_them():
 def test_a_bad_command_line(arguments, words, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     answer: Answer = silo2d("reproduce", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.count("\n") == 1
-    for word in words:
-        assert word in answer.err
+    assert_refused(answer, *words)
     assert not list(tmp_path.iterdir())
