@@ -9,6 +9,7 @@ sigma to first order (sec. 5.1).
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 from granulab.campaign.output.statistics import mean_sd
 from granulab.errors import InputError
@@ -70,6 +71,7 @@ def _of_mean(scatter: float, n: int) -> float | None:
     return student(n - 1) * scatter / math.sqrt(n) or None
 
 
+@cache
 def student(freedom: int) -> float:
     """Half the 68.3 % interval of a mean, in standard errors; 1.84 for one degree of freedom."""
     from scipy.stats import norm, t

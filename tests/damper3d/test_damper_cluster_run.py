@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cluster_beds import rotation
-from damper_runs import forked
 from damper_runs import small_spheroids as small
+from forking import forked
 from refusals import assert_refused
 from same_run import assert_same_run
 from small_damper import damper3d

@@ -11,7 +11,8 @@ import time
 from pathlib import Path
 
 import pytest
-from damper_runs import OPTIONS, fork, forked, small, start
+from damper_runs import OPTIONS, small, start
+from forking import fork, forked
 from same_run import assert_same_run, results
 from small_damper import damper3d
 from small_silo import finish, the_run

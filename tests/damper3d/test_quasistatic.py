@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cluster_beds import particle
 from damper_beds import DENSITY, acrylic
-from damper_runs import forked
+from forking import forked
 from refusals import assert_refused
 from same_run import results
 from slow_rigs import HALVES, UP, bed, rig

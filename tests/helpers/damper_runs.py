@@ -1,14 +1,8 @@
 """A damper of twenty spheres that fills and is shaken in a second: its runs, begun and killed."""
 
-import os
-import signal
 import subprocess
 import sys
-import warnings
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
-from unittest import mock
 
 from damper3d.case.case import DamperCase
 
@@ -64,36 +58,3 @@ def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
     )
-
-
-def fork() -> int:
-    """os.fork; Python 3.12 warns of the threads by which a worker of pytest is told what to do."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)
-        return os.fork()
-
-
-def forked(work: Callable[[], object], kill_at_write: int = 0) -> int:
-    """Do a work in a copy of this process, which has the kernels; what ended it.
-
-    0 where it came to its end, -9 where it was killed: with kill_at_write it kills itself at its
-    so many-th write, the new file written but not in place.
-    """
-    child = fork()
-    if child:
-        _, status = os.waitpid(child, 0)
-        return os.waitstatus_to_exitcode(status)
-    replace, left = Path.replace, [kill_at_write]
-
-    def killed(part: Path, target: Path) -> Path:
-        left[0] -= 1
-        if left[0] == 0:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return replace(part, target)
-
-    try:
-        with mock.patch.object(Path, "replace", killed):
-            work()
-        os._exit(0)
-    except BaseException:
-        os._exit(1)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from forking import forked, killed_at
 from refusals import assert_refused
 from same_run import COSTS, assert_same_run
 from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
@@ -26,18 +27,6 @@ SLOW = {
     "output.checkpoint_interval": "10 ms",
     "output.contact_interval": "20 ms",  # in one part of two, and after every checkpoint
 }
-# Python for a process that kills itself at its N-th write, the new file written but not in place.
-KILLED_AT_WRITE = """
-import os, signal
-from pathlib import Path
-replace, left = Path.replace, [{}]
-def killed(part, target):
-    left[0] -= 1
-    if left[0] == 0:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return replace(part, target)
-Path.replace = killed
-"""
 
 
 def run_quietly(case: Path, root: Path) -> RunFolder:
@@ -116,26 +105,22 @@ def test_a_run_stopped_many_times_ends_with_the_same_bits(reference, runs, tmp_p
 
 def test_a_run_killed_at_any_moment_ends_with_the_same_bits(slow_reference, tmp_path):
     """kill -9 while it fills, once it has filled, and after random checkpoints."""
-    case, root = write_case(tmp_path, SLOW), tmp_path / "runs"
-    arguments = ["run", case, "-o", root, "--no-figures", "--quiet"]
+    case, root = SiloCase.load(write_case(tmp_path, SLOW)), tmp_path / "runs"
     chance = random.Random(7)
     moments: list[Callable[[], object]] = [
         lambda: list(root.glob("*/case.toml")),
         lambda: list(root.glob("packings/*/packing.h5")),
         *(part_is_there(root, k) for k in sorted(chance.sample(range(1, 20), 3))),
     ]
-    killed = 0
-    for moment in moments:
-        process = start(*arguments)
-        wait_for(process, moment)
-        time.sleep(chance.uniform(0.0, 0.02))
-        process.kill()
-        killed += finish(process).code == -signal.SIGKILL
-    assert killed >= 4  # a process that was over before its moment tests nothing
-    assert_same_run(run_quietly(case, root), slow_reference)
+    killed = [
+        killed_at(moment, chance.uniform(0.0, 0.02), lambda: protocol.run(case, out=root))
+        for moment in moments
+    ]
+    assert sum(killed) >= 4  # a process that was over before its moment tests nothing
+    protocol.run(case, out=root)
+    assert_same_run(the_run(root), slow_reference)
 
 
-@pytest.mark.validation
 def test_a_run_killed_while_it_writes_ends_with_the_same_bits(runs, tmp_path):
     """kill -9 at the first write, at a later one of the next process, and so on to the end.
 
@@ -147,18 +132,17 @@ def test_a_run_killed_while_it_writes_ends_with_the_same_bits(runs, tmp_path):
         "output.checkpoint_interval": "10 ms",
         "output.contact_interval": "10 ms",
     }
-    case = write_case(tmp_path, brief)
+    case = SiloCase.load(write_case(tmp_path, brief))
     codes = []
     for write in (1, 3, *range(5, 20)):
-        arguments = ["run", case, "-o", runs, "--no-figures", "--quiet"]
-        answer = finish(start(*arguments, before=KILLED_AT_WRITE.format(write)))
-        codes.append(answer.code)
-        if answer.code == 0:
+        codes.append(forked(lambda: protocol.run(case, out=runs), kill_at_write=write))
+        if codes[-1] == 0:
             break
     assert codes == [-signal.SIGKILL] * (len(codes) - 1) + [0]
     assert len(codes) > 5
     shutil.copytree(runs / "packings", tmp_path / "other" / "packings")
-    assert_same_run(the_run(runs), run_quietly(case, tmp_path / "other"))
+    protocol.run(case, out=tmp_path / "other")
+    assert_same_run(the_run(runs), the_run(tmp_path / "other"))
     assert not list(runs.rglob(".*.tmp"))  # what the killed ones had begun is gone
 
 

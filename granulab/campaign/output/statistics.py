@@ -7,6 +7,7 @@ trials that clog as independent draws.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 CONFIDENCE = 0.95
 
@@ -41,6 +42,7 @@ def wilson(k: int, n: int) -> tuple[float, float]:
     return float(low), float(high)
 
 
+@lru_cache(maxsize=1024)
 def quantile(freedom: float) -> float:
     """Student's t that |t| stays below with the confidence, for degrees of freedom > 0."""
     from scipy.stats import t
