@@ -24,9 +24,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-_NOT_COPIED = shutil.ignore_patterns(
-    ".git", ".venv", "__pycache__", ".*_cache", ".hypothesis", "runs", "dist", "*.pyc"
-)
+_NOT_COPIED = shutil.ignore_patterns(".git", ".venv", "__pycache__", ".*_cache", ".hypothesis")
+
+
+def not_copied(folder: str, names: list[str]) -> set[str]:
+    """What a copy of the tree does without; runs and wheels lie at the top only."""
+    at_the_top = {"runs", "dist"} if Path(folder) == ROOT else set()
+    return _NOT_COPIED(folder, names) | at_the_top & set(names)
 
 
 @dataclass(frozen=True)
@@ -91,13 +95,13 @@ def table_row(mistake: Mistake, tree: Path) -> tuple[str, bool]:
 def main() -> int:
     """The table of all mistakes; 1 where one is not caught."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--only", default="", help="a word of the names of those to plant")
+    parser.add_argument("--only", nargs="+", default=[""], help="words of names of those to plant")
     parser.add_argument("--find", action="store_true", help="say where they are; run nothing")
     parser.add_argument("--sound", action="store_true", help="take the sound tree as tested")
     parser.add_argument("--write", type=Path, help="a file for the table")
     words = parser.parse_args()
     mistakes = read_mistakes(Path(__file__).with_name("mistakes.toml"))
-    chosen = [mistake for mistake in mistakes if words.only in mistake.name]
+    chosen = [m for m in mistakes if any(word in m.name for word in words.only)]
     if words.find:
         for mistake in chosen:
             print(f"{mistake.name}: {mistake.file(ROOT).relative_to(ROOT)}")
@@ -106,7 +110,7 @@ def main() -> int:
     missed = 0
     with tempfile.TemporaryDirectory() as folder:
         tree = Path(folder) / "tree"
-        shutil.copytree(ROOT, tree, ignore=_NOT_COPIED, symlinks=True)
+        shutil.copytree(ROOT, tree, ignore=not_copied, symlinks=True)
         if not words.sound:
             every = sorted({file for mistake in chosen for file in mistake.tests})
             fails = first_failure(tree, every)
