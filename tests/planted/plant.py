@@ -65,7 +65,7 @@ def first_failure(tree: Path, tests: list[str]) -> str | None:
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider",
          "-m", "not validation", *tests],
-        cwd=tree, env=os.environ | {"PYTHONPATH": str(tree), "HYPOTHESIS_DATABASE_FILE": ""},
+        cwd=tree, env=os.environ | {"PYTHONPATH": str(tree)},
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     if done.returncode == 0:
