@@ -42,6 +42,20 @@ def test_mass_properties_of_a_box_wherever_it_is_and_however_it_is_turned(
     assert np.linalg.det(axes) == pytest.approx(1.0)
 
 
+def test_mass_properties_of_a_pyramid_whose_corners_are_not_about_its_centroid():
+    """V = a^2 h/3, centroid at h/4, I = V a^2/10 about its axis, V (a^2/20 + 3 h^2/80) across."""
+    a, h = 2.0, 3.0
+    base = 0.5 * a * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], float)
+    corners = np.vstack([base, [0.0, 0.0, h]])
+    faces = [(0, 2, 1), (0, 3, 2), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    mass = mass_of(corners[np.array(faces)])
+    volume = a**2 * h / 3.0
+    assert mass.volume == pytest.approx(volume, rel=1e-12)
+    assert mass.centroid == pytest.approx([0.0, 0.0, h / 4.0], abs=1e-12)
+    across = volume * (a**2 / 20.0 + 3.0 * h**2 / 80.0)
+    assert np.diag(mass.inertia) == pytest.approx([across, across, volume * a**2 / 10.0], rel=1e-12)
+
+
 def test_mass_properties_of_a_regular_tetrahedron():
     """V = s^3/(6 sqrt 2), I = V s^2/20 about any axis through its centroid."""
     corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], float)
