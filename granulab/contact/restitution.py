@@ -56,7 +56,7 @@ def restitution_of_ratio(ratio: float, end: ContactEnd = "overlap") -> float:
 
 
 def slope_of_restitution(ratio: float, end: ContactEnd = "overlap") -> float:
-    """How restitution_of_ratio changes with the ratio [-]; never above 0.
+    """Return how restitution_of_ratio changes with the ratio [-]; never above 0.
 
     From eq. 3.8, de/dr = -pi e/w^3 with w = sqrt(1 - r^2). From eq. 5.30, which is
     ln e = -2 r arccos(r)/w, de/dr = -2 e (arccos(r) - r w)/w^3, and beyond critical damping the

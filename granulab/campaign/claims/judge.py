@@ -22,7 +22,7 @@ _WORDS = {True: "PASS", False: "FAIL", None: "----"}
 
 @dataclass(frozen=True)
 class Check:
-    """Whether ours agrees (None: too few runs), what was found, and the name of the check."""
+    """Verdict on ours (None: too few runs), what was found, and the name of the check."""
 
     holds: bool | None
     found: str  # "" where there is no run
@@ -43,7 +43,7 @@ class Verdict:
 
     @property
     def holds(self) -> bool | None:
-        """Whether all checks hold; see all_of."""
+        """Return whether all checks hold; see all_of."""
         return all_of([check.holds for check in self.checks])
 
 
@@ -112,7 +112,7 @@ def _check(criterion: Criterion, labels: dict[str, Any], items: "DataFrame") -> 
 
 
 def report_claims(verdicts: Sequence[Verdict]) -> str:
-    """How many claims hold, then each with a line for what was found in every check."""
+    """Return how many claims hold, then each with a line for what was found in every check."""
     holds = [one.holds for one in verdicts]
     unknown = holds.count(None)
     head = f"claims: {holds.count(True)} of {len(holds) - unknown} hold"

@@ -32,7 +32,7 @@ class Outcome:
 
     @property
     def holds(self) -> bool | None:
-        """Whether all cases hold; None where one is not known and none fails, or without any."""
+        """Return whether all hold; None without any, or where one is unknown and none fails."""
         return all_of(self.verdicts)
 
 
@@ -189,7 +189,7 @@ def groups(items: "DataFrame", per: Sequence[str]) -> list[tuple[dict[str, Any],
 
 
 def _named(selection: Mapping[str, Any]) -> int:
-    """How many items a selection names."""
+    """Return how many items a selection names."""
     return int(np.prod([len(v) if isinstance(v, list) else 1 for v in selection.values()]))
 
 

@@ -1,4 +1,4 @@
-"""What was found, in words: the templates of a claim filled in with its numbers.
+"""Findings in words: the templates of a claim filled in with its numbers.
 
 Templates are those of str.format over an item's columns, or over these:
 
@@ -42,7 +42,7 @@ def named(words: Mapping[str, Any], labels: Mapping[str, Any]) -> str:
 
 
 def found_words(words: Mapping[str, Any], outcome: Outcome, items: "DataFrame") -> str:
-    """What decided a check; "" where nothing was there and no word is set for that."""
+    """Return what decided a check; "" where nothing was there and no word is set for that."""
     if not len(items):
         return str(words.get("empty", ""))
     facts = _facts(words, outcome, items)

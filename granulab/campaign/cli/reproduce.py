@@ -19,7 +19,7 @@ Row = dict[str, Any]
 
 
 class PublishedTable(Protocol):
-    """What the module of a table offers."""
+    """Interface of the module of a table."""
 
     SEEDS: int  # how many seeds it takes unless another number is given
     # Names of the columns that are labels, or that report and figure read: "shares." for all that
@@ -35,7 +35,7 @@ class PublishedTable(Protocol):
         """
 
     def report(self, rows: list[Row]) -> str:
-        """What a person reads: our numbers beside the published ones, and a word on each."""
+        """Return what a person reads: our numbers beside the published ones, and a word on each."""
 
     def draw(self, rows: list[Row]) -> "Figure":
         """The table as a picture."""
@@ -116,7 +116,7 @@ def _numbers(seeds: int | None, workers: int | None, table: PublishedTable) -> S
 
 
 def _stop_unless_whole(rows: list[Row]) -> None:
-    """Where Ctrl-C or a lost scheduler cut the runs off: write nothing over earlier results."""
+    """Stop where Ctrl-C or a lost scheduler cut the runs off: earlier results stay as they are."""
     missing = [row["reason"] for row in rows if row["state"] == "interrupted"]
     if missing:
         lost = next((f" ({reason})" for reason in missing if reason.endswith("went away")), "")

@@ -38,7 +38,7 @@ def write_film(folder: Path, pictures: Callable[[], Iterator[Image]], name: str 
 
 
 def pace(time: NDArray[np.float64]) -> str:
-    """How the film's time runs against that of frames at `time` [s]: "2.5x slower"."""
+    """Return how the film's time runs against that of frames at `time` [s]: "2.5x slower"."""
     if len(time) < 2:
         return ""
     factor = 1 / (FPS * float(np.median(np.diff(time))))
@@ -77,7 +77,7 @@ def write_words(image: Image, words: str, x: int, y: int, font: Any, right: bool
 
 
 def _h264(path: Path, frames: Iterator[Image]) -> bool:
-    """Whether H.264 could be written: imageio-ffmpeg is there, with an ffmpeg that can."""
+    """Return whether H.264 could be written: imageio-ffmpeg is there, with an ffmpeg that can."""
     try:
         import imageio_ffmpeg
 
@@ -107,7 +107,7 @@ def _h264(path: Path, frames: Iterator[Image]) -> bool:
 
 
 def _vp9(path: Path, frames: Iterator[Image]) -> bool:
-    """Whether VP9 could be written: OpenCV was built with it."""
+    """Return whether VP9 could be written: OpenCV was built with it."""
     import cv2
 
     first = next(frames)

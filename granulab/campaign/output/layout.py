@@ -42,7 +42,7 @@ def signed(change: float) -> str:
 
 
 def verdict(ours: Sample, theirs: Sample) -> str:
-    """Whether two means agree within noise, else by how much ours is high or low."""
+    """Return whether two means agree within noise, else by how much ours is high or low."""
     if ours.mean is None or theirs.mean is None:
         return "-"
     off = ours.mean / theirs.mean - 1

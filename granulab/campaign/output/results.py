@@ -70,7 +70,7 @@ def origin_words(lines: Sequence[str]) -> dict[str, str]:
 
 
 def read_results(path: Path) -> tuple[dict[str, str], list[Row]]:
-    """Where the rows of a CSV or Parquet file come from, by word (see origin_words), and the rows.
+    """Return the origin of a CSV or Parquet file, by word (see origin_words), and its rows.
 
     Numbers are numbers again, and what a run does not have is None. FolderError where the file
     is missing or is no such table.

@@ -14,7 +14,7 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Sample:
-    """How many values there are, their mean, and their sample standard deviation."""
+    """Number of values, their mean, and their sample standard deviation."""
 
     n: int
     mean: float | None  # None where there is no value
@@ -81,12 +81,12 @@ def pooled_sd(samples: Sequence[Sample]) -> tuple[float, int] | None:
 
 
 def noise_of_one_more(n: int, sd: float, freedom: float) -> float:
-    """How far one more value may lie from the mean of n: t sd sqrt(1 + 1/n)."""
+    """Return how far one more value may lie from the mean of n: t sd sqrt(1 + 1/n)."""
     return quantile(freedom) * sd * math.sqrt(1 + 1 / n)
 
 
 def overlap(first: tuple[float, float], second: tuple[float, float]) -> bool:
-    """Whether two intervals have a point in common."""
+    """Return whether two intervals have a point in common."""
     return first[0] <= second[1] and second[0] <= first[1]
 
 

@@ -113,5 +113,5 @@ class PolyDataFile:
 
 
 def _before(counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """How many there were in all earlier steps."""
+    """Return how many there were in all earlier steps."""
     return np.cumsum(counts, axis=0) - counts

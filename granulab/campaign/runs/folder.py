@@ -94,19 +94,19 @@ class RunFolder:
 
     @property
     def state(self) -> Literal["new", "unfinished", "finished"]:
-        """How far the run is, as the folder shows it now; finished is where a summary stands."""
+        """State of the run, as the folder shows it now; finished where a summary stands."""
         if (self.path / "summary.json").exists():
             return "finished"
         return "unfinished" if (self.path / "case.toml").exists() else "new"
 
     @property
     def checkpoint(self) -> Path:
-        """Where the checkpoint is kept."""
+        """Path of the checkpoint."""
         return self.path / "checkpoint.h5"
 
     @property
     def figures(self) -> Path:
-        """Where pictures go; who draws the first one makes the folder."""
+        """Folder of the pictures; who draws the first one makes it."""
         return self.path / "figures"
 
     @contextmanager
@@ -147,7 +147,7 @@ class RunFolder:
         _write_json(self.path / "provenance.json", provenance)
 
     def read_provenance(self) -> dict[str, Any]:
-        """What write_provenance kept; FolderError when missing, damaged or of another schema."""
+        """Return the provenance; FolderError when missing, damaged or of another schema."""
         return _read_json(self.path / "provenance.json")
 
     def write_summary(self, summary: Mapping[str, Any]) -> None:
@@ -158,7 +158,7 @@ class RunFolder:
         _write_json(self.path / "summary.json", summary)
 
     def read_summary(self) -> dict[str, Any]:
-        """What write_summary kept; FolderError when missing, damaged or of another schema."""
+        """Return the summary; FolderError when missing, damaged or of another schema."""
         return _read_json(self.path / "summary.json")
 
 

@@ -1,4 +1,4 @@
-"""What the run of any simulator goes through: its folder begun or found, its packing shared."""
+"""Steps that the run of any simulator goes through: folder begun or found, packing shared."""
 
 import sys
 import time

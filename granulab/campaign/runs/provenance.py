@@ -1,4 +1,4 @@
-"""Where the numbers of a run come from: command, versions, sources, seed, machine, time."""
+"""Provenance of a run: command, versions, sources, seed, machine, time."""
 
 import hashlib
 import os
@@ -80,7 +80,7 @@ class Sources:
 def provenance(
     *, command: list[str], seed: int, packages: list[str], sources: Iterable[str | Path]
 ) -> dict[str, Any]:
-    """What provenance.json keeps of a run that starts now.
+    """Return the provenance of a run that starts now, as provenance.json keeps it.
 
     `packages` are distributions whose versions matter to the last bit; `sources` are the
     package folders that hold the simulation. A distribution that is not installed is None.

@@ -95,7 +95,7 @@ def write(group: h5py.Group, tables: Tables, storage: Any) -> None:
 
 
 def read(group: h5py.Group) -> Tables:
-    """What `write` wrote. Raises FolderError where lengths do not fit."""
+    """Return what `write` wrote. Raises FolderError where lengths do not fit."""
     columns = {name: rows[()] for name, rows in group["columns"].items()}
     tables = Tables(group["frame"][()], group["length"][()], columns)
     if any(len(rows) != tables.start[-1] for rows in columns.values()):

@@ -1,4 +1,4 @@
-"""The answers of a finished run, read back from its folder and checked against their type."""
+"""The results of a finished run, read back from its folder and checked against their type."""
 
 from functools import cache
 from typing import Self
@@ -9,11 +9,11 @@ from granulab.campaign.runs.folder import FolderError, RunFolder
 
 
 class Answers:
-    """What a dataclass of answers inherits; it has the fields `reused` and `run_folder`."""
+    """Base of a dataclass of results, which has the fields `reused` and `run_folder`."""
 
     @classmethod
     def read(cls, folder: RunFolder, *, reused: bool) -> Self:
-        """The answers kept in a finished run folder; FolderError where they are damaged."""
+        """Return the results kept in a finished run folder; FolderError where they are damaged."""
         kept = {**folder.read_summary(), "reused": reused, "run_folder": str(folder.path)}
         try:
             return cls._adapter().validate_python(kept)
@@ -27,5 +27,5 @@ class Answers:
     @classmethod
     @cache
     def _adapter(cls) -> TypeAdapter[Self]:
-        """What checks a summary; a sweep reads many."""
+        """Return what checks a summary; a sweep reads many."""
         return TypeAdapter(cls)

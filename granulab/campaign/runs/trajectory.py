@@ -190,7 +190,7 @@ def stored_tables(folder: str | Path) -> dict[str, Tables]:
 
 
 def _from_run(folder: Path, read: Callable[[list[Path]], T]) -> T:
-    """What `read` finds in the files of a run: the parts while it goes on, else the whole."""
+    """Return the arrays in the files of a run: the parts while it goes on, else the whole."""
     merged, parts = folder / "trajectory.h5", folder / "parts"
     if not merged.exists() and parts.is_dir():
         try:

@@ -15,7 +15,7 @@ from granulab.campaign.sweeps.sweep import Labelled, Simulator, over_seeds, run_
 
 
 class Keys(Protocol):
-    """What is known of the keys of a simulator's case files; granulab.contact.files.keys has it."""
+    """Keys of a simulator's case files, as granulab.contact.files.keys knows them."""
 
     def read(self, where: str, key: str, value: Any) -> Any:
         """A value as written for a key: a number in SI, or a word."""

@@ -74,7 +74,7 @@ class DaskCluster:
             self._client.run(_ask, self._name, wait=False)
 
     def lost(self) -> str:
-        """Why no more outcomes can come, in one line, or nothing."""
+        """Return why no more outcomes can come, in one line, or nothing."""
         if not self._is_lost and self._client.status == "running":
             return ""
         return f"scheduler {self._scheduler} went away"

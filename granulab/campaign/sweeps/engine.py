@@ -25,7 +25,7 @@ _LOOK = 0.2  # [s] between looks for Ctrl-C
 
 @dataclass
 class Tally:
-    """How many tasks there are and how far they are."""
+    """Number of tasks, and how far they are."""
 
     total: int
     done: int = 0
@@ -146,7 +146,7 @@ def _pool(engine: str, workers: int | None, scheduler: str | None, n_tasks: int)
 
 
 def _cores() -> int:
-    """How many cores this process may use."""
+    """Return how many cores this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -1,4 +1,4 @@
-"""What a person reads of many runs: what they will cost, what would be run, what came out."""
+"""Words on many runs: their cost, the plan before them, and the summary after them."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ Rows = list[dict[str, Any]]
 
 
 def cost(simulator: Simulator, cases: Sequence[Labelled]) -> str:
-    """What cases will cost if nothing of them is there, in words."""
+    """Return what cases will cost if nothing of them is there, in words."""
     distinct = {simulator.digest(case): case for _, case in cases}
     packings: dict[Path, float] = {}
     runs = 0.0
@@ -36,7 +36,7 @@ def in_minutes(seconds: float) -> str:
 
 
 def plan(simulator: Simulator, loaded: LabelledStudy, out: Path) -> dict[str, Any]:
-    """What running a study would do; nothing is written."""
+    """Return what running a study would do; nothing is written."""
     folders = [simulator.run_folder(case, out) for _, case in loaded.cases]
     todo = {
         folder.path: case
@@ -76,7 +76,7 @@ def plan_as_text(loaded: LabelledStudy, planned: dict[str, Any]) -> str:
 def summary(
     simulator: Simulator, loaded: LabelledStudy, folder: Path, rows: Rows
 ) -> dict[str, Any]:
-    """What came of a study: counts, and for each combination means and deviations over seeds."""
+    """Return the results of a study: counts, and means and deviations over seeds by combination."""
     groups: dict[tuple[Any, ...], Rows] = {}
     for row in rows:
         groups.setdefault(_key(loaded.columns, row), []).append(row)

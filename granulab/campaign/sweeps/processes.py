@@ -81,7 +81,7 @@ class Processes:
         self._stop.value = True
 
     def lost(self) -> str:
-        """Why no more outcomes can come; nothing here."""
+        """Return why no more outcomes can come; nothing here."""
         return ""
 
     def _new(self) -> ProcessPoolExecutor:
@@ -103,7 +103,7 @@ class Processes:
 
 @contextmanager
 def _worker_surroundings() -> Iterator[None]:
-    """What a process that starts here inherits: one thread, and signals left to this process."""
+    """Let a process that starts here inherit one thread, and leave signals to this process."""
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)

@@ -1,4 +1,4 @@
-"""What a study file may say, and the list of combinations that it stands for; no physics.
+"""Study files: keys and series, and the list of combinations that it stands for; no physics.
 
 A key is a word such as "law.kn" whose meaning the caller knows: it hands over a reader that
 turns what is written for a key into a number (in SI) or a word.
@@ -39,7 +39,7 @@ class Study:
 
     @property
     def n_runs(self) -> int:
-        """How many runs it stands for."""
+        """Return how many runs it stands for."""
         return len(self.cases) * len(self.combinations) * len(self.seeds)
 
 

@@ -29,7 +29,7 @@ Labelled = tuple[Labels, Any]  # the labels and the case that they name
 
 
 class Task(NamedTuple):
-    """What a worker is given."""
+    """Task of a worker."""
 
     case: Any
     out: Path
@@ -38,7 +38,7 @@ class Task(NamedTuple):
 
 @dataclass(frozen=True)
 class Simulator:
-    """What a sweep asks of a simulator.
+    """Interface of a simulator for sweeps.
 
     name           of its command
     digest         names a run of a case, with its seed
@@ -73,7 +73,7 @@ class Simulator:
     compiled: Callable[[], bool] = lambda: True
 
     def run_folder(self, case: Any, out: Path) -> RunFolder:
-        """Where a case is run, which a single run finds too; it may not exist yet."""
+        """Return where a case is run, which a single run finds too; it may not exist yet."""
         return find_run(out, f"{case.name}-seed{case.settings.run.seed}", self.digest(case))
 
     def packing_file(self, case: Any, out: Path) -> Path:
@@ -218,7 +218,7 @@ def _origin(folder: RunFolder) -> dict[str, Any]:
 
 
 def _read(simulator: Simulator, folder: RunFolder) -> Outcome:
-    """What a finished run found; damaged, it is refused and left as it is."""
+    """Return what a finished run found; damaged, it is refused and left as it is."""
     try:
         return Outcome("done", simulator.read(folder))
     except FolderError as error:
@@ -246,7 +246,7 @@ def _tasks(simulator: Simulator, cases: list[Any], out: Path) -> tuple[list[Task
 
 
 def _words(tally: Tally, before: int) -> tuple[float, str]:
-    """How far a sweep is, and the same in words."""
+    """Return how far a sweep is, and the same in words."""
     ended = tally.done + tally.failed
     there = f" and {before} before" if before else ""
     return (

@@ -1,4 +1,4 @@
-"""A task of an engine: what it is given, what comes of it, and the call that finds out."""
+"""Tasks of an engine: the call that runs one, and its outcome."""
 
 import time
 import traceback
@@ -23,7 +23,7 @@ class WorkerLost(Exception):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a task."""
+    """Outcome of a task."""
 
     state: Literal["done", "failed", "interrupted"]
     value: Any = None  # what the function returned
@@ -32,7 +32,7 @@ class Outcome:
 
 
 def call(function: Function, task: Any, stop: Stop) -> Outcome:
-    """What comes of a task, in the process that runs it."""
+    """Return what comes of a task, in the process that runs it."""
     if stop():
         return Outcome("interrupted", reason="not started")
     begun = time.perf_counter()
