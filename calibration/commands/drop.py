@@ -4,8 +4,14 @@ from pathlib import Path
 
 import click
 
-from calibration.commands.film_options import Box, fps_option, position, roi_option
-from calibration.commands.options import figures_option, into_options
+from calibration.commands.options import (
+    Box,
+    figures_option,
+    fps_option,
+    into_options,
+    position,
+    roi_option,
+)
 from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 

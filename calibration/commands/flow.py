@@ -6,8 +6,7 @@ from typing import Any
 
 import click
 
-from calibration.commands.film_options import Box, fps_option, roi_option
-from calibration.commands.options import figures_option
+from calibration.commands.options import Box, figures_option, fps_option, roi_option
 from calibration.result import draw, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 
