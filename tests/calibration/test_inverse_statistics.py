@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from made_models import DAMPING, FRICTION, Model, discharge, level, prior
 from scipy.special import ndtri
-from scipy.stats import chi2
+from scipy.stats import chi2, multivariate_normal
 
 from calibration.inverse.figures import draw_identifiability
+from calibration.inverse.statistics import posterior
 from calibration.inverse.statistics.data import Observed, Run, Runs
 from calibration.inverse.statistics.design import added_points, first_points
 from calibration.inverse.statistics.identify import (
@@ -46,6 +47,23 @@ def test_the_posterior_of_one_parameter_is_as_wide_as_its_errors_are():
     """
     z = ndtri(levels(Model(priors=(FRICTION,)), 12, 8))
     assert chi2.ppf(0.025, 12) < (z**2).sum() < chi2.ppf(0.975, 12)
+
+
+def test_the_likelihood_is_that_of_normal_errors_of_a_width_that_changes():
+    """But for a constant: where the emulator knows less, a miss counts less and so does a hit."""
+    rng = random()
+    mean, variance = rng.normal(size=(5, 2)), rng.uniform(0.1, 2.0, (5, 2))
+    noise, z = np.array([[0.5, 0.2], [0.2, 0.3]]), np.array([0.3, -0.4])
+    model = posterior.Model(
+        priors=(), observed=None, chance=SimpleNamespace(classifier=None), z=z, noise=noise,
+        processes=SimpleNamespace(predict=lambda x: (mean, variance)),
+    )  # fmt: skip
+    exact = [
+        multivariate_normal.logpdf(z, m, noise + np.diag(v))
+        for m, v in zip(mean, variance, strict=True)
+    ]
+    found = model.log_likelihood(np.zeros((5, 1)))
+    assert np.diff(found) == pytest.approx(np.diff(exact), rel=1e-9)
 
 
 @pytest.mark.validation
