@@ -13,7 +13,7 @@ _MOST = 12  # lines of points that lack, and of runs that failed or were cut off
 def completeness(rows: Sequence[dict[str, Any]], points: Sequence[Row], seeds: int) -> str:
     """Whether a table is whole, which points lack, and which runs failed or were cut off.
 
-    points   the labels of each point, without the seed; the last label is told as a list
+    points   the labels of each point, without the seed; the last label is listed
     seeds    the packings of a point by default; with fewer a table is not whole
 
     A point lacks where it has no run that is done, or fewer packings than another has.

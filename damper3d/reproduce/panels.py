@@ -34,7 +34,7 @@ _FRICTION = 0.52  # of acrylic on acrylic (Table 6.2)
 class Panel:
     """One damper of a table, and the points at which it is run.
 
-    labels    what tells its rows from those of the other panels
+    labels    that its rows have and those of other panels have not
     changes   of the thesis's case, as DamperCase.load takes them
     points    (frequency [Hz], Gamma), before they are refined
     """
@@ -81,7 +81,7 @@ def run_all(
 def run_panels(
     panels: Sequence[Panel], seeds: Sequence[int], *, refine: int = 0, quiet: bool, **options: Any
 ) -> list[Row]:
-    """All points of all panels; then, `refine` times, the middles beside each peak along Gamma.
+    """All points of all panels; then, `refine` times, the middles next to each peak along Gamma.
 
     A round begins when the one before is whole, so that whatever was interrupted comes to the same
     points; see damper3d.studies.map.grid. `options` are those of run_all.

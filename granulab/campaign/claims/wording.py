@@ -55,13 +55,13 @@ def found_words(words: Mapping[str, Any], outcome: Outcome, items: "DataFrame") 
 def _facts(words: Mapping[str, Any], outcome: Outcome, items: "DataFrame") -> dict[str, Any]:
     item = words.get("item", "")
     separator = words.get("separator", ", ")
-    told, cases = _records(outcome.items), _records(outcome.cases)
+    shown, cases = _records(outcome.items), _records(outcome.cases)
     failed = [c for c, v in zip(cases, outcome.verdicts, strict=False) if v is False]
     most = words.get("most", len(failed))
     case = words.get("case", item if outcome.cases is outcome.items else "")
     facts: dict[str, Any] = dict(_records(items.head(1))[0]) if len(items) else {}
     facts |= {
-        "items": separator.join(_fill(item, one) for one in told),
+        "items": separator.join(_fill(item, one) for one in shown),
         "case": separator.join(_fill(case, one) for one in cases) if outcome.verdicts else "",
         "n": len(outcome.verdicts),
         "number": len(outcome.items),
@@ -73,10 +73,10 @@ def _facts(words: Mapping[str, Any], outcome: Outcome, items: "DataFrame") -> di
     facts |= {f"case_{name}": value for name, value in (cases[0] if cases else {}).items()}
     for name in outcome.cases.select_dtypes("number"):
         facts[f"mean_{name}"] = Number(outcome.cases[name].mean())
-    return facts | _extremes(item, outcome.items, told)
+    return facts | _extremes(item, outcome.items, shown)
 
 
-def _extremes(item: str, items: "DataFrame", told: list[dict[str, Any]]) -> dict[str, Any]:
+def _extremes(item: str, items: "DataFrame", shown: list[dict[str, Any]]) -> dict[str, Any]:
     if not len(items) or not items["value"].notna().any():
         return {}
     values = items["value"].reset_index(drop=True)
@@ -85,8 +85,8 @@ def _extremes(item: str, items: "DataFrame", told: list[dict[str, Any]]) -> dict
         "least": Number(values[least]),
         "largest": Number(values[largest]),
         "mean": Number(values.mean()),
-        "least_item": _fill(item, told[least]),
-        "largest_item": _fill(item, told[largest]),
+        "least_item": _fill(item, shown[least]),
+        "largest_item": _fill(item, shown[largest]),
     }
 
 

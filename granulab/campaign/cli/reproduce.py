@@ -1,4 +1,4 @@
-"""The command `reproduce` of any simulator: published tables beside ours, printed and kept."""
+"""The command `reproduce` of any simulator: published tables and ours, printed and kept."""
 
 import inspect
 import json
@@ -35,7 +35,7 @@ class PublishedTable(Protocol):
         """
 
     def report(self, rows: list[Row]) -> str:
-        """Return what a person reads: our numbers beside the published ones, and a word on each."""
+        """Report for a person: our numbers, the published ones, and a word on each."""
 
     def draw(self, rows: list[Row]) -> "Figure":
         """The table as a picture."""
