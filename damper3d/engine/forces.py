@@ -13,7 +13,7 @@ import numpy as np
 
 from damper3d.engine.geometry import between_spheres, place, put, vector
 from damper3d.engine.kinds import find_at_wall, find_pairs
-from damper3d.engine.lanes import add_loads, gather, keep_history, whole
+from damper3d.engine.simd import add_loads, gather, keep_history, whole
 from damper3d.engine.state import (
     BLOCK,
     DAMPING,

@@ -1,6 +1,6 @@
 """Geometry: where spheres, and spheres and walls, touch, and how fast they pass there.
 
-Each pass takes what engine.lanes.gather has put into a block, and adds normal, overlap, arms and
+Each pass takes what simd.gather has put into a block, and adds normal, overlap, arms and
 the relative velocity of the two surfaces. The arms add up to the distance, so that angular momentum
 is kept. The passes have no branch, so that the compiler vectorises them.
 """

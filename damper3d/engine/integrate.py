@@ -9,8 +9,8 @@ extrapolated u makes them second order. The enclosure's motion is known at all t
 
 from damper3d.engine.forces import apply_forces
 from damper3d.engine.kinds import move, search_pairs, search_walls
-from damper3d.engine.lists import DONE
 from damper3d.engine.motions import displacement, velocity
+from damper3d.engine.neighbours import DONE
 from damper3d.engine.state import STALE_CLOSE, STALE_WALL, STEP
 from granulab.contact.jit import uncounted
 

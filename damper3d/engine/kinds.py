@@ -1,62 +1,66 @@
-"""What a step does in one way with balls and in another with clusters, chosen when compiled.
+"""Specialisations of a step by the type of the world, chosen when compiled.
 
-Each name stands for the kernel that goes with the kind of world it is given: state.World, whose
-bodies are balls, or clusters.state.ClusterWorld, whose bodies have many spheres and turn them.
+Each name stands for the kernel that goes with the world it is given: state.World, whose particles
+are one sphere each (spheres/), or multisphere.state.ClusterWorld, whose particles are many spheres
+and rotate (multisphere/).
 """
 
-from damper3d.engine import moving, neighbours, touching, wall_list
-from damper3d.engine.clusters import motion, pairs, treatments, walls
-from damper3d.engine.clusters.state import ClusterWorld
+from damper3d.engine.multisphere import contact_models
+from damper3d.engine.multisphere import motion as multisphere_motion
+from damper3d.engine.multisphere import pairs as multisphere_pairs
+from damper3d.engine.multisphere import walls as multisphere_walls
+from damper3d.engine.multisphere.state import ClusterWorld
+from damper3d.engine.spheres import motion, pairs, touching, walls
 from damper3d.engine.state import CLOSE
 from granulab.contact.jit import substituted
 
 
 def search_pairs(world, shift):
-    """Make the list of pairs of spheres anew; DONE, or what is wrong."""
+    """Make the inner list of pairs of spheres again; DONE, or what is wrong."""
 
 
 def search_walls(world, shift):
-    """Make the list of contacts with walls anew; DONE, or what is wrong."""
+    """Make the list of contacts with walls again; DONE, or what is wrong."""
 
 
 def find_pairs(world):
-    """Let `touching` of the list of pairs name those that act; how many they are."""
+    """Let `touching` of the inner list name the pairs that act; return their number."""
 
 
 def find_at_wall(world, w):
-    """The same of the contacts with wall w."""
+    """Let `touching` of the wall list name the contacts with wall w that act; their number."""
 
 
 def move(world, shift):
-    """One step of the bodies; the enclosure is displaced by shift after it."""
+    """Move the particles by one step; the enclosure is displaced by shift after it."""
 
 
 def mean_motion(world, shift, row):
-    """Kinetic and potential energy, mean place in the enclosure and mean velocity, into a row."""
+    """Write kinetic and potential energy, mean position in the enclosure and velocity to a row."""
 
 
-def _are_clusters(world):
+def _of_many_spheres(world):
     return getattr(world, "instance_class", None) is ClusterWorld
 
 
 @substituted(search_pairs)
 def _search_pairs(world, shift):
-    if _are_clusters(world):
-        return lambda world, shift: pairs.search_pairs(world, shift)
-    return lambda world, shift: neighbours.search_pairs(world, shift)
+    if _of_many_spheres(world):
+        return lambda world, shift: multisphere_pairs.search_pairs(world, shift)
+    return lambda world, shift: pairs.search_pairs(world, shift)
 
 
 @substituted(search_walls)
 def _search_walls(world, shift):
-    if _are_clusters(world):
-        return lambda world, shift: walls.search_walls(world, shift)
-    return lambda world, shift: wall_list.search_walls(world, shift)
+    if _of_many_spheres(world):
+        return lambda world, shift: multisphere_walls.search_walls(world, shift)
+    return lambda world, shift: walls.search_walls(world, shift)
 
 
 @substituted(find_pairs)
 def _find_pairs(world):
-    if _are_clusters(world):
-        return lambda world: treatments.acting_pairs(world)
+    if _of_many_spheres(world):
+        return lambda world: contact_models.acting_pairs(world)
     return lambda world: touching.touching_pairs(
         world.spheres, world.close, world.counts[CLOSE], world.block
     )
@@ -64,8 +68,8 @@ def _find_pairs(world):
 
 @substituted(find_at_wall)
 def _find_at_wall(world, w):
-    if _are_clusters(world):
-        return lambda world, w: treatments.acting_at_wall(world, w)
+    if _of_many_spheres(world):
+        return lambda world, w: contact_models.acting_at_wall(world, w)
     return lambda world, w: touching.touching_wall(
         world.spheres, world.walls, world.wall, w, world.block
     )
@@ -73,13 +77,13 @@ def _find_at_wall(world, w):
 
 @substituted(move)
 def _move(world, shift):
-    if _are_clusters(world):
-        return lambda world, shift: motion.move(world, shift)
-    return lambda world, shift: moving.move(world, shift)
+    if _of_many_spheres(world):
+        return lambda world, shift: multisphere_motion.move(world, shift)
+    return lambda world, shift: motion.move(world, shift)
 
 
 @substituted(mean_motion)
 def _mean_motion(world, shift, row):
-    if _are_clusters(world):
-        return lambda world, shift, row: motion.mean_motion(world, shift, row)
-    return lambda world, shift, row: moving.mean_motion(world, shift, row)
+    if _of_many_spheres(world):
+        return lambda world, shift, row: multisphere_motion.mean_motion(world, shift, row)
+    return lambda world, shift, row: motion.mean_motion(world, shift, row)

@@ -2,31 +2,29 @@
 
 import numpy as np
 
-from damper3d.engine.columns import (
-    CONTACTS_PP,
-    CONTACTS_PW,
-    DISPLACEMENT,
-    ELASTIC_NORMAL,
-    ELASTIC_TANGENTIAL,
-    IMPACT_PP,
-    N_COLUMNS,
-    TIME,
-    VELOCITY,
-)
 from damper3d.engine.forces import contact_law, meet_wall, surface_motion, without_slip
 from damper3d.engine.geometry import between_spheres, place
 from damper3d.engine.integrate import advance, enclosure_at
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
-from damper3d.engine.lanes import gather
-from damper3d.engine.lists import DONE
+from damper3d.engine.neighbours import DONE
+from damper3d.engine.simd import gather
 from damper3d.engine.state import (
     BLOCK,
+    CONTACTS_PP,
+    CONTACTS_PW,
     DAMPING,
+    DISPLACEMENT,
+    ELASTIC_NORMAL,
+    ELASTIC_TANGENTIAL,
     HERTZ,
+    IMPACT_PP,
     MASS,
     N_BOOKS,
+    N_COLUMNS,
     STEP,
     STIFFNESS,
+    TIME,
+    VELOCITY,
 )
 from damper3d.engine.walls import place_wall
 from granulab.contact.hertz import hertz_force, mindlin_force, spring_energy

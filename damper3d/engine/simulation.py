@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from damper3d.engine import columns, sampling, state
+from damper3d.engine import sampling, state
 from damper3d.engine.integrate import advance, enclosure_at, search
-from damper3d.engine.lists import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL
+from damper3d.engine.neighbours import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL
 from damper3d.engine.records import CLASSES, MECHANISMS
 from damper3d.engine.world import roomier
 from granulab.errors import SimulationError
@@ -16,20 +16,20 @@ from granulab.errors import SimulationError
 _BOOKS = (*MECHANISMS, "law_term", "slip_count")
 _FULL = {NEAR_FULL: "near", CLOSE_FULL: "close", WALL_FULL: "wall"}
 _COLUMNS = {
-    "time": columns.TIME,
-    "displacement": columns.DISPLACEMENT,
-    "velocity": columns.VELOCITY,
-    "kinetic": columns.KINETIC,
-    "potential": columns.POTENTIAL,
-    "elastic_normal": columns.ELASTIC_NORMAL,
-    "elastic_tangential": columns.ELASTIC_TANGENTIAL,
-    "contacts_particle_particle": columns.CONTACTS_PP,
-    "contacts_particle_wall": columns.CONTACTS_PW,
-    "impact_speed_particle_particle": columns.IMPACT_PP,
-    "impact_speed_particle_wall": columns.IMPACT_PW,
-    "wall_work": columns.N_COLUMNS + state.WALL_WORK,
+    "time": state.TIME,
+    "displacement": state.DISPLACEMENT,
+    "velocity": state.VELOCITY,
+    "kinetic": state.KINETIC,
+    "potential": state.POTENTIAL,
+    "elastic_normal": state.ELASTIC_NORMAL,
+    "elastic_tangential": state.ELASTIC_TANGENTIAL,
+    "contacts_particle_particle": state.CONTACTS_PP,
+    "contacts_particle_wall": state.CONTACTS_PW,
+    "impact_speed_particle_particle": state.IMPACT_PP,
+    "impact_speed_particle_wall": state.IMPACT_PW,
+    "wall_work": state.N_COLUMNS + state.WALL_WORK,
 } | {
-    f"{mechanism}_{name}": columns.N_COLUMNS + c * state.N_MECHANISMS + m
+    f"{mechanism}_{name}": state.N_COLUMNS + c * state.N_MECHANISMS + m
     for c, name in enumerate(CLASSES)
     for m, mechanism in enumerate(_BOOKS)
 }
@@ -77,7 +77,7 @@ class Simulation:
         finite or an overlap is beyond belief.
         """
         n_walls = len(self.world.walls.force)
-        rows = np.zeros((n_samples, columns.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        rows = np.zeros((n_samples, state.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
         done = 0
         while done < n_samples:
             filled, over, outcome = sampling.advance_sampling(
@@ -105,14 +105,14 @@ class Simulation:
         """One row of samples for the state as it is; forces on the walls are not known."""
         self.refresh()
         n_walls = len(self.world.walls.force)
-        rows = np.zeros((1, columns.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        rows = np.zeros((1, state.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
         sampling.sample(self.world, 1, rows[0])
         return _named(rows, n_walls)
 
     def compile(self) -> None:
         """Compile or load the kernels now, so that their time is not taken for a step's."""
         n_walls = len(self.world.walls.force)
-        rows = np.zeros((0, columns.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        rows = np.zeros((0, state.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
         sampling.advance_sampling(self.world, self.steps_per_sample, rows)
 
     def refresh(self) -> None:
@@ -292,9 +292,9 @@ class Simulation:
 def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:
     """The columns of samples by name."""
     named = {name: rows[:, column].copy() for name, column in _COLUMNS.items()}
-    named["mean_position"] = rows[:, columns.POSITION_X : columns.VELOCITY_X].copy()
-    named["mean_velocity"] = rows[:, columns.VELOCITY_X : columns.N_COLUMNS].copy()
-    forces = rows[:, columns.N_COLUMNS + state.N_BOOKS :]
+    named["mean_position"] = rows[:, state.POSITION_X : state.VELOCITY_X].copy()
+    named["mean_velocity"] = rows[:, state.VELOCITY_X : state.N_COLUMNS].copy()
+    forces = rows[:, state.N_COLUMNS + state.N_BOOKS :]
     named["wall_force"] = forces.reshape(len(rows), n_walls, 3).copy()
     return named
 

@@ -38,6 +38,14 @@ SPRING_X, SPRING_Y, SPRING_Z, MOVED_X, MOVED_Y, MOVED_Z, STIFFNESS, DAMPING = ra
 N_HISTORY = 8
 NO_CONTACT = -1.0
 
+# Columns of a sample; the energies and then the forces on the walls follow.
+(
+    TIME, DISPLACEMENT, VELOCITY, KINETIC, POTENTIAL, ELASTIC_NORMAL, ELASTIC_TANGENTIAL,
+    CONTACTS_PP, CONTACTS_PW, IMPACT_PP, IMPACT_PW, POSITION_X, POSITION_Y, POSITION_Z,
+    VELOCITY_X, VELOCITY_Y, VELOCITY_Z,
+) = range(17)  # fmt: skip
+N_COLUMNS = 17
+
 BLOCK = 32  # contacts that the force pass works on at once: what it finds stays in the first cache
 
 LANES = 8  # the vectorised passes go on to a whole number of these: the lists have as much room

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from damper3d.case.case import GRAVITY, DamperCase
-from damper3d.engine.clusters.grow import grow_clusters, random_places
-from damper3d.engine.clusters.simulation import ClusterSimulation
-from damper3d.engine.clusters.state import ClusterWorld
-from damper3d.engine.clusters.world import build_cluster_world
-from damper3d.engine.grow import grow
 from damper3d.engine.motions import at_rest
+from damper3d.engine.multisphere.growth import grow_clusters, random_places
+from damper3d.engine.multisphere.simulation import ClusterSimulation
+from damper3d.engine.multisphere.state import ClusterWorld
+from damper3d.engine.multisphere.world import build_cluster_world
 from damper3d.engine.simulation import Simulation
+from damper3d.engine.spheres.growth import grow
 from damper3d.engine.world import build_world
 from damper3d.run.packing import Packing, lowest, packing_fraction
 from granulab.errors import InputError

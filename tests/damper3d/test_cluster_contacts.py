@@ -8,7 +8,7 @@ from cluster_beds import bed, particle, spheres_of, world_of
 from damper_beds import DENSITY, acrylic
 
 from damper3d.engine import state
-from damper3d.engine.clusters import world as building
+from damper3d.engine.multisphere import world as building
 from damper3d.engine.records import CLASSES, HELD, MECHANISMS
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact.particles import shape_force, shape_shear

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from damper3d.engine.lanes import add_loads, gather, keep_history, separate
+from damper3d.engine.simd import add_loads, gather, keep_history, separate
+from damper3d.engine.spheres.touching import touching_pairs
 from damper3d.engine.state import BLOCK, DAMPING, N_CONSTANTS, N_HISTORY, NO_CONTACT, Spheres
-from damper3d.engine.touching import touching_pairs
 from damper3d.engine.world import block as empty_block
 from damper3d.engine.world import contacts_with_room
 

@@ -9,9 +9,9 @@ from cluster_beds import about, asymmetric, bed, particle, rotation, world_of
 from damper_beds import DENSITY, NOWHERE, STILL, G, acrylic
 from scipy.integrate import solve_ivp
 
-from damper3d.engine.clusters.simulation import ClusterSimulation
-from damper3d.engine.clusters.world import build_cluster_world
 from damper3d.engine.enclosures import box
+from damper3d.engine.multisphere.simulation import ClusterSimulation
+from damper3d.engine.multisphere.world import build_cluster_world
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
 from damper3d.shapes.cylinder import cylinder

@@ -6,9 +6,9 @@ import math
 import numpy as np
 from damper_beds import DENSITY, DOWN, NOWHERE, SHAKEN, STILL, acrylic
 
-from damper3d.engine.clusters.simulation import ClusterSimulation
-from damper3d.engine.clusters.world import build_cluster_world
 from damper3d.engine.enclosures import box, cylinder
+from damper3d.engine.multisphere.simulation import ClusterSimulation
+from damper3d.engine.multisphere.world import build_cluster_world
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import parse_particle
 from granulab.contact.hertz import HertzLaw

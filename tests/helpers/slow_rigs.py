@@ -6,7 +6,7 @@ import numpy as np
 from cluster_beds import SMALL, particle
 from damper_beds import DENSITY, DOWN, NOWHERE, STILL, acrylic
 
-from damper3d.engine.clusters.world import build_cluster_world
+from damper3d.engine.multisphere.world import build_cluster_world
 from damper3d.studies.quasistatic.rig import Halves, RigSimulation
 
 HALVES = Halves(diameter=0.0176, height=0.0088, gap=0.5e-3)

@@ -2,7 +2,7 @@
 
 The protocol of O'Hern et al. (2003), Phys. Rev. E 68, 011306: from positions drawn at random, the
 cube shrinks in small steps, and in each the particles move down the energy of their overlaps, as
-engine.periodic says. Where overlaps stay, the cube grows again by half of the last step, and
+multisphere.periodic says. Where overlaps stay, the cube grows again by half of the last step, and
 so on to a resolution of 2e-4 of the fraction. No gravity, no friction, no walls: what is left is
 the shape. It is the first jammed state that a random start is driven into, the densest that is not
 ordered; friction or gravity would only stop it earlier. The volume is that of the smooth shape.
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper3d.engine.periodic import (
+from damper3d.engine.multisphere.periodic import (
     FULL,
     SIDE,
     UNJAMMED,

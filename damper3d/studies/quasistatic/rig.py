@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from damper3d.engine import state, world
-from damper3d.engine.clusters.simulation import ClusterSimulation
-from damper3d.engine.clusters.state import ClusterWorld
 from damper3d.engine.enclosures import Enclosure, cylinder
 from damper3d.engine.enclosures.lines import Lines
+from damper3d.engine.multisphere.simulation import ClusterSimulation
+from damper3d.engine.multisphere.state import ClusterWorld
 from damper3d.engine.walls import N_SERVO, ON, Drive
 
 WALLS = ("base", "bottom_side", "top_side", "table")

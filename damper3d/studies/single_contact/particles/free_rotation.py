@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.engine.clusters.simulation import ClusterSimulation
+from damper3d.engine.multisphere.simulation import ClusterSimulation
 from damper3d.shapes.multisphere import MultiSphere, sphere
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact import Found

@@ -4,11 +4,13 @@ import math
 
 import numpy as np
 
-from damper3d.engine.clusters import rotation  # its kernels are called as Python here, uncompiled
-from damper3d.engine.clusters.simulation import ClusterSimulation
-from damper3d.engine.clusters.world import build_cluster_world
 from damper3d.engine.enclosures import box
 from damper3d.engine.motions import sine
+from damper3d.engine.multisphere import (
+    rotation,  # its kernels are called as Python here, uncompiled
+)
+from damper3d.engine.multisphere.simulation import ClusterSimulation
+from damper3d.engine.multisphere.world import build_cluster_world
 from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.hertz import HertzLaw
 

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.engine.clusters.simulation import ClusterSimulation
-from damper3d.engine.clusters.state import TREATMENTS
+from damper3d.engine.multisphere.simulation import ClusterSimulation
+from damper3d.engine.multisphere.state import TREATMENTS
 from damper3d.shapes import FAMILIES
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import parse_particle

@@ -10,8 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from damper3d.engine import collision
-from damper3d.engine.collision import Bodies, Meeting, collide
+from damper3d.engine.spheres import collision
+from damper3d.engine.spheres.collision import Bodies, Meeting, collide
 from granulab.contact.hertz import HertzLaw, damping_of_impact
 from granulab.contact.material import Material
 from granulab.contact.mindlin_deresiewicz import N_SPRINGS

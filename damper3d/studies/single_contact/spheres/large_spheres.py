@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from damper3d.engine.collision import NORMAL_FORCE, OVERLAP, TIME
+from damper3d.engine.spheres.collision import NORMAL_FORCE, OVERLAP, TIME
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.spheres.impact import Impact, Outcome, run
 from granulab.campaign.output.figure import BLUE, GREY, VERMILION, headline

@@ -1,4 +1,4 @@
-"""Rows of four numbers to lanes and back: where the processor's vectors are spelt out.
+"""The processor's vectors, spelt out where a compiler does not find them: rows of four numbers.
 
 A contact needs nine rows (position, velocity and spin of two spheres, its own constants and its
 history) and adds to four (forces and torques), while the passes over contacts want one array a
@@ -6,25 +6,112 @@ quantity. A compiler makes of that some forty scattered loads, insertions and st
 which take half of the time of a step. Here four contacts are worked at once: rows are loaded whole
 and transposed in registers. What is left over at the end of a block, fewer than four contacts, is
 done one by one, in the plain form.
+In order: instructions on rows, which write vector code into a kernel while numba compiles it
+(builder is llvmlite's); rows of contacts to lanes and back; from a particle to its spheres and
+back. A sphere at r from the centroid of its particle is at x + r and has the velocity u + w x r;
+the force f and torque t on it give f and t + r x f to the particle. The plain forms that these must
+equal to the last bit stand in tests/damper3d/test_damper_engine_lanes.py.
 """
 
 import numpy as np
+from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from damper3d.engine.rows import (
-    NOTHING,
-    begin_of,
-    data,
-    load,
-    named,
-    spread,
-    store,
-    store_columns,
-    transposed,
-)  # fmt: skip
 from damper3d.engine.state import BLOCK, LANES, N_CONSTANTS, N_HISTORY
 from granulab.contact.jit import inlined
+
+_ROW = ir.VectorType(ir.DoubleType(), 4)
+_NUMBER = ir.IntType(64)
+NOTHING = ir.Constant(_ROW, [0.0] * 4)
+
+
+def _lanes(*numbers):
+    return ir.Constant(ir.VectorType(ir.IntType(32), len(numbers)), list(numbers))
+
+
+def transposed(builder, rows):
+    """Four rows of four as four columns."""
+    a, b, c, d = rows
+    even, odd = _lanes(0, 4, 2, 6), _lanes(1, 5, 3, 7)
+    ab0, ab1 = builder.shuffle_vector(a, b, even), builder.shuffle_vector(a, b, odd)
+    cd0, cd1 = builder.shuffle_vector(c, d, even), builder.shuffle_vector(c, d, odd)
+    low, high = _lanes(0, 1, 4, 5), _lanes(2, 3, 6, 7)
+    return [
+        builder.shuffle_vector(ab0, cd0, low),
+        builder.shuffle_vector(ab1, cd1, low),
+        builder.shuffle_vector(ab0, cd0, high),
+        builder.shuffle_vector(ab1, cd1, high),
+    ]
+
+
+def spread(builder, vector, lane):
+    """A vector with one lane of another in all of its own."""
+    return builder.shuffle_vector(vector, vector, _lanes(*[lane] * 4))
+
+
+def pointer_to(builder, pointer, number, ahead=0):
+    """The four numbers of an array of doubles from number + ahead on, as a pointer to a vector."""
+    if ahead:
+        number = builder.add(number, ir.Constant(_NUMBER, ahead))
+    return builder.bitcast(builder.gep(pointer, [number]), _ROW.as_pointer())
+
+
+def load(builder, pointer, number, ahead=0):
+    """These four numbers."""
+    return builder.load(pointer_to(builder, pointer, number, ahead), align=8)
+
+
+def store(builder, vector, pointer, number, ahead=0):
+    """Four numbers to there."""
+    builder.store(vector, pointer_to(builder, pointer, number, ahead), align=8)
+
+
+def store_columns(builder, rows, out, k, columns):
+    """Four rows to lanes k ... of columns of a block, as many as are named."""
+    for c, column in zip(columns, transposed(builder, rows), strict=False):
+        store(builder, column, out, k, c * BLOCK)
+
+
+def named(builder, numbers, begin, lane):
+    """Entry begin + lane of an array of uint32, as a number."""
+    n = builder.add(begin, ir.Constant(_NUMBER, lane))
+    return builder.zext(builder.load(builder.gep(numbers, [n])), _NUMBER)
+
+
+def begin_of(builder, number, rows_of_four=1):
+    """Where a row begins that has so many times four numbers."""
+    return builder.mul(number, ir.Constant(_NUMBER, 4 * rows_of_four))
+
+
+def data(context, builder, signature, arguments):
+    """Pointers to the data of the arrays among the arguments; the numbers as they are."""
+    return [
+        context.make_array(kind)(context, builder, argument).data
+        if isinstance(kind, types.Array)
+        else argument
+        for kind, argument in zip(signature.args, arguments, strict=True)
+    ]
+
+
+def filled(builder, number):
+    """A row that has one number four times."""
+    return spread(builder, row_of(builder, [number]), 0)
+
+
+def row_of(builder, numbers):
+    """A row that begins with these numbers; the others are zero."""
+    made = NOTHING
+    for lane, number in enumerate(numbers):
+        made = builder.insert_element(made, number, ir.Constant(ir.IntType(32), lane))
+    return made
+
+
+def square(builder, row):
+    """The sum of the squares of the first three numbers of a row."""
+    x, y, z = (builder.extract_element(row, ir.Constant(ir.IntType(32), c)) for c in range(3))
+    xx, yy, zz = (builder.fmul(number, number) for number in (x, y, z))
+    return builder.fadd(builder.fadd(xx, yy), zz)
 
 
 @inlined
@@ -230,3 +317,69 @@ def add_loads(spheres, contacts, begin, n_contacts, block):
             force[j, c] += block.push[c * BLOCK + k]
             torque[i, c] -= block.arm_i[k] * block.couple[c * BLOCK + k]
             torque[j, c] -= block.arm_j[k] * block.couple[c * BLOCK + k]
+
+
+_LAST = ir.Constant(ir.IntType(32), 3)
+_NEXT, _AFTER = (ir.Constant(ir.VectorType(ir.IntType(32), 4), lanes)
+                 for lanes in ([1, 2, 0, 3], [2, 0, 1, 3]))  # fmt: skip
+
+
+def _cross(builder, a, b):
+    """a x b of the first three numbers of two rows."""
+    turned = [
+        builder.shuffle_vector(row, row, lanes) for row in (a, b) for lanes in (_NEXT, _AFTER)
+    ]
+    ahead = builder.fmul(turned[0], turned[3])
+    return builder.fsub(ahead, builder.fmul(turned[1], turned[2]))
+
+
+@intrinsic
+def place_sphere(
+    typingctx, x, u, w, axes, offset, position, velocity, spin, b, s, i,
+):  # fmt: skip
+    """Let row i of position, velocity and spin be those of sphere s of body b."""
+    signature = types.void(x, u, w, axes, offset, position, velocity, spin, b, s, i)
+
+    def generate(context, builder, signature, arguments):
+        x, u, w, axes, offset, position, velocity, spin, b, s, i = data(
+            context, builder, signature, arguments
+        )
+        at_b, at_i, at_axes = begin_of(builder, b), begin_of(builder, i), begin_of(builder, b, 3)
+        own = load(builder, offset, begin_of(builder, s))
+        parts = [
+            builder.fmul(spread(builder, own, c), load(builder, axes, at_axes, 4 * c))
+            for c in range(3)
+        ]
+        arm = builder.fadd(builder.fadd(parts[0], parts[1]), parts[2])
+        place = builder.fadd(load(builder, x, at_b), arm)
+        radius = builder.extract_element(own, _LAST)
+        store(builder, builder.insert_element(place, radius, _LAST), position, at_i)
+        turning = load(builder, w, at_b)
+        swing = _cross(builder, turning, arm)
+        store(builder, builder.fadd(load(builder, u, at_b), swing), velocity, at_i)
+        store(builder, turning, spin, at_i)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
+def take_load(typingctx, force, torque, position, x, total, turning, i, b):
+    """Add force and torque of sphere i to the total and the turning of body b, and wipe them."""
+    signature = types.void(force, torque, position, x, total, turning, i, b)
+
+    def generate(context, builder, signature, arguments):
+        force, torque, position, x, total, turning, i, b = data(
+            context, builder, signature, arguments
+        )
+        at_b, at_i = begin_of(builder, b), begin_of(builder, i)
+        push = load(builder, force, at_i)
+        arm = builder.fsub(load(builder, position, at_i), load(builder, x, at_b))
+        turn = builder.fadd(load(builder, torque, at_i), _cross(builder, arm, push))
+        store(builder, builder.fadd(load(builder, total, at_b), push), total, at_b)
+        store(builder, builder.fadd(load(builder, turning, at_b), turn), turning, at_b)
+        store(builder, NOTHING, force, at_i)
+        store(builder, NOTHING, torque, at_i)
+        return context.get_dummy_value()
+
+    return signature, generate

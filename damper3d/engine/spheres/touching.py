@@ -8,7 +8,7 @@ once more, so that its history ends.
 import numpy as np
 
 from damper3d.engine.geometry import vector
-from damper3d.engine.lanes import separate, whole
+from damper3d.engine.simd import separate, whole
 from damper3d.engine.state import BLOCK, DAMPING
 from damper3d.engine.walls import clear_of_wall
 from granulab.contact.jit import inlined

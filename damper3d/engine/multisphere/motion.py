@@ -4,15 +4,24 @@
     L += T dt,           q turns freely with L for dt,   w = I^-1 (L + T dt/2)
 
 with F and T the sums over the body's spheres, T about the centroid; a sphere at r from there has
-the velocity u + w x r. Free rotation: clusters.rotation.
+the velocity u + w x r. Free rotation: rotation.py.
 """
 
 import numpy as np
 
-from damper3d.engine.clusters.rotation import axes_of, freely_turned
-from damper3d.engine.clusters.rows import place_sphere, take_load
-from damper3d.engine.columns import KINETIC, POSITION_X, POTENTIAL, VELOCITY_X, VELOCITY_Z
-from damper3d.engine.state import CLOSE_MADE, STALE_CLOSE, STALE_WALL, STEP
+from damper3d.engine.multisphere.rotation import axes_of, freely_turned
+from damper3d.engine.simd import place_sphere, take_load
+from damper3d.engine.state import (
+    CLOSE_MADE,
+    KINETIC,
+    POSITION_X,
+    POTENTIAL,
+    STALE_CLOSE,
+    STALE_WALL,
+    STEP,
+    VELOCITY_X,
+    VELOCITY_Z,
+)
 from damper3d.engine.walls import drive_walls
 from granulab.contact.jit import inlined_inner, inner, uncounted
 

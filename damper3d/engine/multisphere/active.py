@@ -1,6 +1,6 @@
 """Which spheres stand in a list: the only ones of a cluster that are kept up to date."""
 
-from damper3d.engine.clusters.motion import place_active
+from damper3d.engine.multisphere.motion import place_active
 from damper3d.engine.state import CLOSE, WALL
 from granulab.contact.jit import inner
 

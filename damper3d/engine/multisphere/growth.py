@@ -1,6 +1,6 @@
 """Random start of clusters: small ones at random places, turned at random, that grow and yield.
 
-They begin so small that the balls round them, packed by engine.grow, do not overlap: so no ring
+They begin so small that the balls round them, packed by spheres.growth, do not overlap: so no ring
 holds another. Then they grow as balls do, but turn as well. Of several overlaps of one body
 with another (or a wall) the deepest says how hard they push, and each takes part by its depth: so
 the push does not grow with the number of spheres. A body's turns are weighed by its mean radius of
@@ -9,13 +9,13 @@ gyration.
 
 import numpy as np
 
-from damper3d.engine.clusters.motion import arm_of, note_axes
-from damper3d.engine.clusters.pairs import pairs_of_bodies, search_near
-from damper3d.engine.clusters.rotation import half_turn, product
-from damper3d.engine.clusters.state import ClusterWorld
-from damper3d.engine.clusters.world import columns_of, roomier
 from damper3d.engine.enclosures import Enclosure, Round
-from damper3d.engine.grow import (
+from damper3d.engine.multisphere.motion import arm_of, note_axes
+from damper3d.engine.multisphere.pairs import pairs_of_bodies, search_near
+from damper3d.engine.multisphere.rotation import half_turn, product
+from damper3d.engine.multisphere.state import ClusterWorld, Particle
+from damper3d.engine.multisphere.world import columns_of, roomier
+from damper3d.engine.spheres.growth import (
     FIRST_PACE,
     MARGIN,
     PATIENCE,
@@ -25,10 +25,9 @@ from damper3d.engine.grow import (
     grow,
     stages,
 )
-from damper3d.engine.neighbours import near_reach_left
+from damper3d.engine.spheres.pairs import near_reach_left
 from damper3d.engine.state import NEAR, NEAR_SKIN
 from damper3d.engine.walls import gap_to_wall, nearest
-from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.jit import inlined_inner, inner, njit, specialised
 from granulab.contact.vectors import cross
 
@@ -39,7 +38,7 @@ _NOWHERE = 0.0, 0.0, 0.0
 
 
 def random_places(
-    enclosure: Enclosure, particle: MultiSphere, count: int, rng: np.random.Generator
+    enclosure: Enclosure, particle: Particle, count: int, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Centres (count, 3) [m] and orientations (count, 4) to start with, and at what size [-]."""
     radius = particle.bounding_radius
@@ -50,7 +49,7 @@ def random_places(
     return centres, turns / np.linalg.norm(turns, axis=1)[:, None], first * reached
 
 
-def grow_clusters(world: ClusterWorld, particle: MultiSphere, first: float) -> float:
+def grow_clusters(world: ClusterWorld, particle: Particle, first: float) -> float:
     """Let the bodies of a world grow to their size, without overlaps; the part that they reached.
 
     They stand where random_places put them, at their first size. Less than 1: they found no place,
@@ -73,7 +72,7 @@ def grow_clusters(world: ClusterWorld, particle: MultiSphere, first: float) -> f
     return reached
 
 
-def _resize(world: ClusterWorld, particle: MultiSphere, size: float) -> None:
+def _resize(world: ClusterWorld, particle: Particle, size: float) -> None:
     world.shape.offset[:, :3] = size * particle.offsets
     world.shape.offset[:, 3] = size * particle.radii
     world.shape.columns[:] = columns_of(world.shape.offset)

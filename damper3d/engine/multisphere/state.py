@@ -5,7 +5,7 @@ lists go by it, so that the passes over contacts are those of balls. Only the sp
 a list are kept up to date ("active"). Vectors stand in rows of four, as in damper3d.engine.state.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -14,6 +14,34 @@ from damper3d.engine.state import Block, Cells, Contacts, Spheres, Walls
 # What becomes of several contacts of one body with another, or with a wall: World.treatment.
 TREATMENTS = ("sum", "deepest", "scaled")
 SUM, DEEPEST, SCALED = range(3)
+
+
+class Particle(Protocol):
+    """A multi-sphere particle in its principal axes about its centroid, as the engine needs it."""
+
+    @property
+    def offsets(self) -> np.ndarray:
+        """Centres of the spheres (k, 3) [m]."""
+
+    @property
+    def radii(self) -> np.ndarray:
+        """Radii of the spheres (k,) [m]."""
+
+    @property
+    def volume(self) -> float:
+        """Volume of the smooth shape [m3]."""
+
+    @property
+    def inertia(self) -> np.ndarray:
+        """Principal moments over the density (3,) [m5]."""
+
+    @property
+    def bounding_radius(self) -> float:
+        """Radius of the sphere about the centroid that holds the particle [m]."""
+
+    @property
+    def smallest_radius(self) -> float:
+        """Radius of its smallest sphere [m]."""
 
 
 class Shape(NamedTuple):
@@ -64,7 +92,7 @@ class Kept(NamedTuple):
     """Histories of pairs in contact, while the list of pairs is made anew."""
 
     number: np.ndarray  # (1,) how many
-    key: np.ndarray  # (capacity,) see clusters.pairs.key_of; ascending
+    key: np.ndarray  # (capacity,) see pairs.key_of; ascending
     history: np.ndarray  # (capacity, N_HISTORY)
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damper3d.engine.grow import FIRST_PACE, descend
+from damper3d.engine.spheres.growth import FIRST_PACE, descend
 from granulab.contact.jit import inner, njit
 
 UNJAMMED, JAMMED, IMPATIENT, FULL = range(4)  # how a relaxation ends

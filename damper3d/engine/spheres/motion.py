@@ -9,9 +9,20 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from damper3d.engine.columns import KINETIC, POSITION_X, POTENTIAL, VELOCITY_X, VELOCITY_Z
-from damper3d.engine.rows import NOTHING, begin_of, data, filled, load, row_of, square, store
-from damper3d.engine.state import CLOSE_MADE, CLOSE_SKIN, STALE_CLOSE, STALE_WALL, STEP, WALL_SKIN
+from damper3d.engine.simd import NOTHING, begin_of, data, filled, load, row_of, square, store
+from damper3d.engine.state import (
+    CLOSE_MADE,
+    CLOSE_SKIN,
+    KINETIC,
+    POSITION_X,
+    POTENTIAL,
+    STALE_CLOSE,
+    STALE_WALL,
+    STEP,
+    VELOCITY_X,
+    VELOCITY_Z,
+    WALL_SKIN,
+)
 from granulab.contact.jit import inlined_inner, inner
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damper3d.engine.lists import DEEPEST, DONE, TOO_DEEP, WALL_FULL, adapt, copy_rows
+from damper3d.engine.neighbours import DEEPEST, DONE, TOO_DEEP, WALL_FULL, adapt, copy_rows
 from damper3d.engine.state import (
     DAMPING,
     HERTZ,

@@ -13,9 +13,9 @@ mass is shared like the stiffness: then dashpots, and with them the restitution,
 
 import numpy as np
 
-from damper3d.engine.clusters.state import DEEPEST, SUM
+from damper3d.engine.multisphere.state import DEEPEST, SUM
+from damper3d.engine.spheres.touching import touching_pairs, touching_wall
 from damper3d.engine.state import CLOSE, DAMPING, HERTZ, MASS, N_HISTORY, NO_CONTACT
-from damper3d.engine.touching import touching_pairs, touching_wall
 from damper3d.engine.walls import distance_to_wall
 from granulab.contact.jit import inlined_inner, inner
 

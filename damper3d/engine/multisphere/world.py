@@ -5,20 +5,20 @@ from typing import Any
 import numpy as np
 
 from damper3d.engine import state, world
-from damper3d.engine.clusters.motion import note_axes, note_spin
-from damper3d.engine.clusters.state import (
+from damper3d.engine.enclosures import Enclosure
+from damper3d.engine.multisphere.motion import note_axes, note_spin
+from damper3d.engine.multisphere.state import (
     TREATMENTS,
     BodyPairs,
     ClusterWorld,
     Kept,
+    Particle,
     Rigid,
     Scratch,
     Seen,
     Shape,
 )
-from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.state import Contacts
-from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.hertz import HertzLaw
 
 _ROUNDING = 1e-9  # by which moments may differ that are meant to be equal
@@ -26,7 +26,7 @@ _ROUNDING = 1e-9  # by which moments may differ that are meant to be equal
 
 def build_cluster_world(
     positions: np.ndarray,
-    particle: MultiSphere,
+    particle: Particle,
     orientations: np.ndarray | None = None,
     *,
     density: float,
@@ -82,7 +82,7 @@ def build_cluster_world(
     return built
 
 
-def shape_of(particle: MultiSphere, density: float) -> Shape:
+def shape_of(particle: Particle, density: float) -> Shape:
     """What the kernels know of a cluster."""
     inertia = density * np.asarray(particle.inertia, float)
     odd = _odd_axis(inertia)

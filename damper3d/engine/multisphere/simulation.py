@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from damper3d.engine import state
-from damper3d.engine.clusters import world as building
+from damper3d.engine.multisphere import world as building
 from damper3d.engine.simulation import Simulation
 
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from damper3d.engine.clusters.active import list_active
-from damper3d.engine.clusters.motion import arm_of, note_seen
-from damper3d.engine.lists import DONE, TOO_DEEP, WALL_FULL, adapt
+from damper3d.engine.multisphere.active import list_active
+from damper3d.engine.multisphere.motion import arm_of, note_seen
+from damper3d.engine.neighbours import DONE, TOO_DEEP, WALL_FULL, adapt
+from damper3d.engine.spheres.walls import contacts_of_wall, store_wall_history
 from damper3d.engine.state import (
     HERTZ,
     MASS,
@@ -15,7 +16,6 @@ from damper3d.engine.state import (
     WALL_SEARCHES,
     WALL_SKIN,
 )
-from damper3d.engine.wall_list import contacts_of_wall, store_wall_history
 from damper3d.engine.walls import gap_to_wall, note_listed
 from granulab.contact.jit import inner
 

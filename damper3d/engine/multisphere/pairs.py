@@ -13,10 +13,9 @@ much room may go far before the list is made anew: it must only know what touche
 
 import numpy as np
 
-from damper3d.engine.cells import fill_cells, pairs_of
-from damper3d.engine.clusters.active import list_active
-from damper3d.engine.clusters.motion import arm_of, note_seen, ways_since
-from damper3d.engine.lists import (
+from damper3d.engine.multisphere.active import list_active
+from damper3d.engine.multisphere.motion import arm_of, note_seen, ways_since
+from damper3d.engine.neighbours import (
     CLOSE_FULL,
     DEEPEST,
     DONE,
@@ -26,8 +25,10 @@ from damper3d.engine.lists import (
     adapt,
     copy,
     copy_rows,
+    fill_cells,
+    pairs_of,
 )
-from damper3d.engine.neighbours import near_reach_left
+from damper3d.engine.spheres.pairs import near_reach_left
 from damper3d.engine.state import (
     CLOSE,
     CLOSE_MADE,

@@ -1,1 +1,0 @@
-"""Bodies that are rigid clusters of spheres: their state, motion, lists and contacts."""

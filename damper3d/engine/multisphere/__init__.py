@@ -1,0 +1,1 @@
+"""Specialisations for particles of many spheres: pairs, walls, rotation, growth, contact models."""

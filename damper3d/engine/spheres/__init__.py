@@ -1,0 +1,1 @@
+"""Specialisations for particles of one sphere: pairs, walls, motion, growth, impact."""
