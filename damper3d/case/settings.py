@@ -74,7 +74,7 @@ class Extensible(Section):
             own = _registered(name).get(str(table.get(name, default)), {})
             for key in unknown:
                 if key not in own:
-                    known = [*cls.model_fields, *own]
+                    known = dict.fromkeys([*cls.model_fields, *own])
                     raise ValueError(f"unknown key {key!r}; {nearest(key, known)}")
         return table
 

@@ -103,8 +103,9 @@ def test_unknown_study_is_refused():
 def test_study_leaves_picture_curves_and_report(tmp_path):
     result = CliRunner().invoke(contact, ["force", "--out", str(tmp_path), "--json"])
     found = json.loads(result.stdout)
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["force.csv", "force.png", "force.txt"]
-    assert found["files"] == [str(tmp_path / f"force.{end}") for end in ("csv", "txt", "png")]
+    kinds = ("csv", "parquet", "txt", "png")
+    assert {p.name for p in tmp_path.iterdir()} == {f"force.{kind}" for kind in kinds}
+    assert found["files"] == [str(tmp_path / f"force.{kind}") for kind in kinds]
     surface = found["particle-surface"]
     assert surface["tangential_over_normal_stiffness"] == pytest.approx(2 * 0.7 / 1.7)
     # The simplified law slides where the exact force is mu N (1 - 3^(-3/2)).

@@ -10,7 +10,7 @@ from scipy.spatial.distance import pdist
 from small_damper import damper3d
 
 from damper3d.case.case import GRAVITY
-from damper3d.engine.enclosures import Enclosure, box, cylinder
+from damper3d.engine.enclosures import box, cylinder
 from damper3d.engine.spheres.growth import grow, push_pairs
 from damper3d.run import packing as packing_module
 from damper3d.run.fill import fill, random_start, resting
@@ -219,7 +219,7 @@ def test_a_cubic_lattice_has_a_packing_fraction_of_pi_over_six(monkeypatch):
     side = 8 * 2 * RADIUS
     line = (np.arange(8) + 0.5) * 2 * RADIUS
     grid = np.stack(np.meshgrid(line - side / 2, line - side / 2, line), axis=-1).reshape(-1, 3)
-    own = Enclosure("box", None, side, side, side)
+    own = box(side, side, side)
     found = packing_fraction(grid, 4 / 3 * math.pi * RADIUS**3, own, UP)
     assert found == pytest.approx(math.pi / 6, rel=1e-12)
 

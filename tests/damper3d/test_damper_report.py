@@ -14,7 +14,7 @@ from damper3d.run.result import Result
 from damper3d.view.report import report
 from granulab.campaign.runs.folder import FolderError, RunFolder
 
-HEAVY = {"numba", "cv2", "matplotlib", "pydantic", "pint", "h5py", "scipy", "shapely", "numpy"}
+HEAVY = {"numba", "cv2", "matplotlib", "pint", "h5py", "scipy", "shapely", "numpy"}
 
 ANSWER = Result(
     frequency_hz=40.0, gamma=20.0, orientation="vertical", particles="sphere:5mm",

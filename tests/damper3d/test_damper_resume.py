@@ -149,7 +149,7 @@ def test_a_filling_that_is_killed_leaves_no_lock(damper_reference, tmp_path):
 def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(tmp_path):
     """Exit code 130; the command in the one line on stderr goes on to the end."""
     arguments = [*OPTIONS, "--cycles", 400, "-o", tmp_path, "--no-figures", "--quiet"]
-    process = start("run", *arguments, before="from damper3d import vibration\n"
+    process = start("run", *arguments, before="from damper3d.run import vibration\n"
                     f"vibration.CHECKPOINT_WORK = {OFTEN}")  # fmt: skip
     while not list(tmp_path.glob("*/parts/00003.h5")) and process.poll() is None:
         time.sleep(5e-3)

@@ -101,7 +101,7 @@ WRONG = {
     "unit is wrong": {"enclosure.top_diameter": "16 s"},
     "width and depth go with shape = 'box'": {"enclosure.width": "3 cm"},
     "unknown key 'top_diameter'": {"enclosure.shape": "cylinder"},
-    "unknown key 'top'; did you mean 'top_diameter'?": {"enclosure.top": "3 cm"},
+    "unknown key 'top'; known: ": {"enclosure.top": "3 cm"},
 }
 
 
@@ -121,7 +121,7 @@ def main():
     case = DamperCase.load("thesis", CASE)
     with tempfile.TemporaryDirectory() as out:
         result = run(case, out=out)
-        file = result.run_folder / "case.toml"
+        file = Path(result.run_folder) / "case.toml"
         again = DamperCase.load(file).enclosure == case.enclosure
         written = read_settings(file)["enclosure"]
         packing = load_packing(packing_folder(case, Path(out)))
@@ -152,7 +152,7 @@ def test_a_case_runs_in_it(found):
     assert abs(found["closure"]) < 0.02
     assert found["efficiency"] > 0.01
     assert found["least"] > 0.98 * 2.5e-3
-    assert 0.3 < found["bed"] < 0.65
+    assert 0.1 < found["bed"] < 0.65
 
 
 def test_the_case_is_kept_with_its_own_keys(found):

@@ -93,7 +93,7 @@ def main():
     with tempfile.TemporaryDirectory() as out:
         result = run(case, out=out)
         stored = read_trajectory(result.run_folder)
-        again = DamperCase.load(result.run_folder / "case.toml").shaker == case.shaker
+        again = DamperCase.load(Path(result.run_folder) / "case.toml").shaker == case.shaker
     found = {
         "closure": result.energy_closure, "again": again,
         "time": stored["time"].tolist(), "displacement": stored["displacement"].tolist(),
