@@ -94,6 +94,7 @@ class DamperCase:
         table = load_table(file)
         try:
             case = _resolved(cls, settings, table, where, Path(file), folder)
+            motion_of(settings.motion, where)  # refuses what its kind cannot be
             calculable = _calculable(case)
         except (OverflowError, ZeroDivisionError):
             calculable = False
