@@ -1,4 +1,4 @@
-"""Where each number of a parameter file came from."""
+"""Origin of each number of a parameter file."""
 
 from pathlib import Path
 from typing import Any

@@ -112,7 +112,7 @@ def _table(table: Table, rate: float | None, column: str | None) -> Signal:
 
 @dataclass(frozen=True)
 class Clock:
-    """When the samples of a table were taken: rate [Hz], start [s], and the column of times."""
+    """Times of the samples of a table: rate [Hz], start [s], and the column of times."""
 
     rate: float
     start: float

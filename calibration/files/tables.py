@@ -147,7 +147,7 @@ def read_table(path: str | Path) -> Table:
 
 
 def _slip(texts: Mapping[str, tuple[str, ...]], lines: tuple[int, ...]) -> str:
-    """Where a column holds something like a number that is none."""
+    """Return where a column holds something like a number that is none."""
     slips = (
         f"; line {line}: {name} = {field!r} is no number"
         for name, fields in texts.items()

@@ -71,7 +71,7 @@ class Edge:
 
 @dataclass(frozen=True)
 class Onset:
-    """When an impact begins and how long it rises, in samples; sigma of the time from the noise.
+    """Begin of an impact and how long it rises, in samples; sigma of the time from the noise.
 
     fit: base, height, time and rise of the model in the edge's own samples; None where too few
     samples rise.

@@ -1,4 +1,4 @@
-"""Where a signal holds something that noise and ringing do not explain: candidates for impacts.
+"""Candidates for impacts: where a signal holds what noise and ringing do not explain.
 
 The signal is whitened by the prediction filter of its own quiet parts, so that hum and rumble weigh
 little; its energy in a short window is set against the noise's. A candidate is a peak of the energy

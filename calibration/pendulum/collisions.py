@@ -87,7 +87,7 @@ def collide(fitted: Fit, swings: Swings, rough: Array) -> Collisions:
 
 
 def _meet(p: Array, fitted: Fit, swings: Swings, time: Array, steps: int) -> _Meeting:
-    """Where the gaps of the swings before and after each contact meet, from `time` on."""
+    """Return where the gaps of the swings before and after each contact meet, from `time` on."""
     for _ in range(steps):
         q, v = states(p, fitted.seen, swings.before, time)
         r, w = states(p, fitted.seen, swings.after, time)

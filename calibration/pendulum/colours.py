@@ -57,7 +57,7 @@ class _Look:
         return np.asarray(cv2.GaussianBlur(few, (0, 0), 1.0))
 
     def objects(self, picture: Picture) -> Picture:
-        """Where they are in the pixels that are searched, and what is next to them (255)."""
+        """Return where they are in the pixels that are searched, and what is next to them (255)."""
         import cv2
 
         there = (self.likely(picture) > 0.5).astype(np.uint8)

@@ -15,7 +15,7 @@ Flags = NDArray[np.bool_]
 
 
 class Reason(IntEnum):
-    """Why a vector counts, or does not; the first that holds."""
+    """Reason why a vector counts, or does not; the first that holds."""
 
     MEASURED = 0
     MASKED = 1  # less than half of the window is inside the mask

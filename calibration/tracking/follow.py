@@ -25,7 +25,7 @@ _FEWEST = 8  # positions of a track
 
 
 class Hint(NamedTuple):
-    """Where an object is in some frame [px]."""
+    """Position of an object in some frame [px]."""
 
     frame: float
     x: float

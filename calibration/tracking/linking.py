@@ -72,7 +72,7 @@ class Path:
         return self.length > _SMOOTH * float(np.hypot(noise(t, x), noise(t, y)))
 
     def _expected(self, frame: int) -> tuple[list[tuple[float, float]], float | None]:
-        """Where it was; where it would be, straight on and bending; how far it may go till then.
+        """Position it had; those it would have, straight on and bending; how far it may go by then.
 
         That is as far as at its fastest of late: in the frame of a bounce it hardly moves.
         """

@@ -38,7 +38,7 @@ from damper3d.engine.state import (
 from damper3d.engine.walls import place_wall, with_wall
 from granulab.contact.hertz import damping_of_impact, hertz_force, mindlin_force, with_history
 from granulab.contact.jit import inlined_inner, inner
-from granulab.contact.spring_books import spring_books
+from granulab.contact.spring_account import spring_account
 from granulab.contact.vectors import add, cross, dot, scale
 
 
@@ -132,7 +132,7 @@ def apply_law(law, n_contacts, block, dt):
         moved = scale(0.5 * dt, slip_rate)
         held_before, trial = without_slip(law, history, k, normal, kt_before, kt, moved)
         force, held, power, slides = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
-        rubbed, gained = spring_books(law, kt_before, kt, held_before, trial, held)
+        rubbed, gained = spring_account(law, kt_before, kt, held_before, trial, held)
 
         nothing = 0.0, 0.0, 0.0  # not a product with 0: that may be -0
         held, moved = (held, moved) if overlap > 0.0 else (nothing, nothing)
@@ -152,7 +152,7 @@ def apply_law(law, n_contacts, block, dt):
 
 @inner
 def without_slip(law, history, k, normal, kt_before, kt, moved):
-    """What the spring of contact k held at the step before, and would hold now if it did not slip.
+    """Load of the spring of contact k at the step before, and the one of now if it did not slip.
 
     Both in the tangent plane of now. The displacement since then is the mean of the velocities of
     then and now times the step: half of it is known from then, the other half is `moved` [m].

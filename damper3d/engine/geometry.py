@@ -14,7 +14,7 @@ from granulab.contact.vectors import cross, dot, scale
 
 @uncounted
 def place(row, k):
-    """Where lane k of a row of a block stands.
+    """Return where lane k of a row of a block stands.
 
     Rows lie one behind the other at a distance that the compiler knows, unlike that of the rows of
     an array of two dimensions: it then knows that they do not overlap, and vectorises.

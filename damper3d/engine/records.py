@@ -48,5 +48,5 @@ def cut(samples: Samples, per_cycle: int, first: int, last: int | None = None) -
 
 
 def per_cycle_change(column: np.ndarray, per_cycle: int) -> np.ndarray:
-    """How much a column, as cut, grows in each of its cycles (n_cycles,)."""
+    """Return how much a column, as cut, grows in each of its cycles (n_cycles,)."""
     return np.diff(column[::per_cycle])

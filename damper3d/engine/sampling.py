@@ -1,4 +1,4 @@
-"""What is known of the bed at a moment: energies, mean motion, contacts; a row of it a sample."""
+"""Samples: energies, mean motion and contacts of the bed at a moment, a row each."""
 
 import numpy as np
 
@@ -75,7 +75,7 @@ def sample(world, steps, row):
 
 @inner
 def elastic_energies(world, shift, speed, row):
-    """What the springs of all contacts hold, and how many contacts there are."""
+    """Return what the springs of all contacts hold, and how many contacts there are."""
     spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
     row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
     row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0

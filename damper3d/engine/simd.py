@@ -80,7 +80,7 @@ def named(builder, numbers, begin, lane):
 
 
 def begin_of(builder, number, rows_of_four=1):
-    """Where a row begins that has so many times four numbers."""
+    """Return where a row begins that has so many times four numbers."""
     return builder.mul(number, ir.Constant(_NUMBER, 4 * rows_of_four))
 
 
@@ -161,7 +161,7 @@ def _gather_four(
     typingctx, x, u, w, i, j, constants, history, touching, separation, passing, turning, spin,
     own, known, begin, k,
 ):  # fmt: skip
-    """What the contacts that entries begin + k ... + 3 name need, to lanes k ... of the block."""
+    """Load rows of the contacts that entries begin + k ... + 3 name to lanes k ... of the block."""
     number = types.int64
     signature = types.void(
         x, u, w, i, j, constants, history, touching, separation, passing, turning, spin, own,
@@ -200,7 +200,7 @@ def _gather_four(
 
 @inlined
 def gather(spheres, contacts, begin, n_contacts, block):
-    """What the contacts need that entries begin ... begin + n_contacts - 1 of `touching` name.
+    """Load rows of the contacts that entries begin ... begin + n_contacts - 1 of `touching` name.
 
     Fills rows of the block: separation x_j - x_i [m], passing u_j - u_i [m/s], turning
     R_i w_i + R_j w_j [m/s] and spin w_i + w_j [rad/s], constants and history of the contacts.

@@ -49,7 +49,7 @@ class Simulation:
 
     @property
     def n_bodies(self) -> int:
-        """How many particles there are."""
+        """Return how many particles there are."""
         return len(self.world.bodies.inverse_mass)
 
     @property
@@ -300,5 +300,5 @@ def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:
 
 
 def _touching(contacts: state.Contacts, n: int) -> np.ndarray:
-    """Which of the first n contacts of a list touch."""
+    """Return which of the first n contacts of a list touch."""
     return np.flatnonzero(contacts.history[:n, state.DAMPING] >= 0.0)

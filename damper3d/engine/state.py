@@ -119,7 +119,7 @@ class Walls(NamedTuple):
 
 
 class Block(NamedTuple):
-    """What the passes over one block of contacts hand on; vectors (3 BLOCK,), numbers (BLOCK,).
+    """Arrays that passes over a block of contacts hand on; vectors (3 BLOCK,), numbers (BLOCK,).
 
     The second row of a vector begins at BLOCK; see damper3d.engine.geometry.place.
     """

@@ -63,7 +63,7 @@ def _nearest(surface, wall, x, y, z):
 
 
 def is_driven(walls):
-    """Whether walls of a type, as numba has it, move each by itself."""
+    """Return whether walls of a type, as numba has it, move each by itself."""
     return not isinstance(walls[walls.fields.index("drive")], types.NoneType)
 
 

@@ -68,7 +68,7 @@ def by_size(rows: Sequence[Row]) -> dict[int, dict[tuple[str, int], Ridges]]:
 
 
 def report(rows: list[Row]) -> str:
-    """What lacks, a line for each map, and the claims about the maps of each size."""
+    """Return what lacks, a line for each map, and the claims about the maps of each size."""
     found = by_size(rows)
     table = columns(
         ["size", "orientation", "height", "best eta", "at f [Hz]", "Gamma", "fluidisation", "f^",

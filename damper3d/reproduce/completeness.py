@@ -1,4 +1,4 @@
-"""How much of a table is there: the first lines of its report."""
+"""Completeness of a table: the first lines of its report."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,7 +11,7 @@ _MOST = 12  # lines of points that lack, and of runs that failed or were cut off
 
 
 def completeness(rows: Sequence[dict[str, Any]], points: Sequence[Row], seeds: int) -> str:
-    """Whether a table is whole, which points lack, and which runs failed or were cut off.
+    """Return whether a table is whole, which points lack, and which runs failed or were cut off.
 
     points   the labels of each point, without the seed; the last label is listed
     seeds    the packings of a point by default; with fewer a table is not whole

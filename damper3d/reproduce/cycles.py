@@ -1,4 +1,4 @@
-"""How a cycle goes: dissipation and the bed's velocity within it (Figs 6.7, 6.10, 6.16, 6.18).
+"""Course of a cycle: dissipation and the bed's velocity within it (Figs 6.7, 6.10, 6.16, 6.18).
 
 358 spheres of 5 mm, fill ratio 0.466, 40 Hz: the bouncing bed at Gamma 20 to 100, and Gamma 1.5, 3
 and 4 about the fluidisation optimum in both orientations. The rows hold the histories.
@@ -104,7 +104,7 @@ def _short(history: np.ndarray) -> list[float]:
 
 
 def report(rows: list[Row]) -> str:
-    """What is there, the claims of secs 6.4.1 and 6.4.3 judged, and the readings."""
+    """Return what is there, the claims of secs 6.4.1 and 6.4.3 judged, and the readings."""
     found = readings(rows)
     return paragraphs(
         completeness(rows, points(), SEEDS),

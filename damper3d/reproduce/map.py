@@ -51,7 +51,7 @@ run = run_of_panels(panels)
 
 
 def report(rows: list[Row]) -> str:
-    """What lacks, the ridges of each map, the claims, the shares of the phases."""
+    """Return what lacks, the ridges of each map, the claims, the shares of the phases."""
     found = ridges_by_panel(rows)
     table = columns(
         ["orientation", "height", "f [Hz]", "fluidisation", "eta", "bouncing bed", "eta", "CP",
@@ -105,7 +105,7 @@ def _peak(one: Ridges, frequency: float, ridge: str) -> list[str]:
 
 
 def _phases(found: dict[tuple[str, int], Ridges]) -> str:
-    """How many points of each map show which phase (thesis, Figs 6.2 and 6.3)."""
+    """Return how many points of each map show which phase (thesis, Figs 6.2 and 6.3)."""
     lines = []
     for (orientation, height), one in found.items():
         names = [phase for phase in one.result.phases if phase]

@@ -98,7 +98,7 @@ def optima(rows: Sequence[Row]) -> dict[Line, Optimum | None]:
 
 
 def report(rows: list[Row]) -> str:
-    """What lacks, each line with the thesis's, the claims, the criterion."""
+    """Return what lacks, each line with the thesis's, the claims, the criterion."""
     found = optima(rows)
     judged = Table63.of(found)
     table = columns(
@@ -134,7 +134,7 @@ def _line(line: Line, found: Optimum | None, pooled: tuple[float, int] | None) -
 
 
 def difference(found: Optimum, theirs: float | None, pooled: tuple[float, int] | None) -> str:
-    """How far ours is from the thesis's, and whether that is within the scatter."""
+    """Return how far ours is from the thesis's, and whether that is within the scatter."""
     if theirs is None:
         return "-"
     off, allowed = math.log(found.gamma / theirs), found.allowance(pooled)

@@ -92,7 +92,7 @@ close: frictionless, jammed in a periodic cell of 100; +- standard deviation ove
 
 
 def report(rows: list[Row]) -> str:
-    """What lacks, a line a shape, the sizes, the claims."""
+    """Return what lacks, a line a shape, the sizes, the claims."""
     found = values(done(rows))
     table = [_line(shape, own, found) for shape, own in found.items()]
     heads = ["shape", "ratio", "close", "held", "rattlers", "loose", "shaken down", "onset"]

@@ -134,7 +134,7 @@ def close_onset(height: int, frequency: float) -> float:
 
 
 def prediction_of(rows: Sequence[Row]) -> Prediction | None:
-    """What is predicted of the damper that rows were computed with; None where none is done."""
+    """Return the prediction for the damper that rows were computed with; None without a run."""
     row = next((row for row in rows if row["state"] == "done"), None)
     if row is None:
         return None

@@ -49,7 +49,7 @@ def span(name: str, value: float) -> float:
 
 
 def change(name: str, value: float) -> dict[str, Any]:
-    """What DamperCase.load takes for a value; nothing for the standard."""
+    """Return what DamperCase.load takes for a value; nothing for the standard."""
     if name not in _KEYS:
         return {}
     with_unit = name in ("density", "modulus")

@@ -1,4 +1,4 @@
-"""What the efficiency depends on: density, modulus, restitution, friction (Fig. 6.13).
+"""Dependence of the efficiency on density, modulus, restitution, friction (Fig. 6.13).
 
 Vertical motion at 20 Hz, 358 spheres of 5 mm, fill ratio 0.466, one property changed at a time.
 The values are those of the module properties.
@@ -57,7 +57,7 @@ run = run_of_cases(lambda seeds: cases(seeds))
 
 
 def report(rows: list[Row]) -> str:
-    """What is there, the claims judged, and a line a value with its optimum."""
+    """Return what is there, the claims judged, and a line a value with its optimum."""
     found = peaks_of(rows)
     return paragraphs(
         completeness(rows, points(), SEEDS),
@@ -83,7 +83,7 @@ def _table(found: Peaks) -> str:
 
 
 def _ended(rows: list[Row]) -> str:
-    """How well the law holds where it was strained most."""
+    """Return how well the law holds where it was strained most."""
     ratios = [
         (ratio, row)
         for row in done(rows)

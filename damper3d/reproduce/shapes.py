@@ -91,7 +91,7 @@ class Part(NamedTuple):
     every: int = 1
 
     def completeness(self, rows: Sequence[Row]) -> str:
-        """How much of it there is."""
+        """Return how much of it there is."""
         frequencies = {frequency for panel in self.panels for frequency, _ in panel.points}
         own = [
             row
@@ -104,7 +104,7 @@ class Part(NamedTuple):
 
 
 def plan() -> list[Part]:
-    """What the table runs, in this order."""
+    """Return what the table runs, in this order."""
     low, high = BOUNCING
     return [
         Part(f"{high:g} Hz", onset_panels(high), refine=REFINE),
@@ -214,7 +214,7 @@ def _about(shape: Shape, frequency: float) -> list[float]:
 
 
 def report(rows: list[Row]) -> str:
-    """What lacks, the onsets, the treatments, the optima of fluidisation, the claims."""
+    """Return what lacks, the onsets, the treatments, the optima of fluidisation, the claims."""
     found = optima(rows)
     pooled = pooled_scatter(list(found.values()))
     return paragraphs(

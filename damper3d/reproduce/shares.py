@@ -1,4 +1,4 @@
-"""Where the energy goes: shares of particle-particle contacts and of friction (Figs 6.28, 6.29).
+"""Shares of the dissipated energy: particle-particle contacts, friction (Figs 6.28, 6.29).
 
 Vertical motion at 40 and 160 Hz, fill ratio 0.466, spheres of 3 to 6 mm, over the thesis's Gammas.
 Each share is given twice: of what our budget finds dissipated, and of the thesis's count (eq. 6.7),
@@ -81,7 +81,7 @@ run = run_of_cases(lambda seeds: cases(seeds))
 
 
 def report(rows: list[Row]) -> str:
-    """What is there, the claims of sec. 6.5 judged, and the shares in figures."""
+    """Return what is there, the claims of sec. 6.5 judged, and the shares in figures."""
     found = landmarks(rows)
     return paragraphs(
         completeness(rows, points(), SEEDS),
@@ -119,7 +119,7 @@ def _table(rows: list[Row], found: Landmarks, frequency: float) -> str:
 
 
 def _without_count(rows: list[Row]) -> str:
-    """How many runs do not know the thesis's shares."""
+    """Return how many runs do not know the thesis's shares."""
     column = "shares_contact_count.particle_particle.friction"
     old = sum(row.get("shares.particle_particle.friction") is not None and row.get(column) is None
               for row in done(rows))  # fmt: skip

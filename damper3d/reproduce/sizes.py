@@ -71,7 +71,7 @@ Found = Mapping[Key, Mapping[int, Optimum | None]]  # then by diameter [mm]
 
 
 class Readings(NamedTuple):
-    """What the claims go by: the rows and their optima."""
+    """Data of the claims: the rows and their optima."""
 
     rows: Sequence[Row]
     found: Found
@@ -100,7 +100,7 @@ def _is_of(row: Row, key: Key, diameter: int) -> bool:
 
 
 def report(rows: list[Row]) -> str:
-    """What lacks, the optimum of each size, the claims, the criterion."""
+    """Return what lacks, the optimum of each size, the claims, the criterion."""
     found = optima(rows)
     pooled = pooled_scatter([one for own in found.values() for one in own.values()])
     lines = [

@@ -98,7 +98,7 @@ def clusters(
 
 
 def _surroundings(case: DamperCase) -> dict[str, Any]:
-    """What particles at rest are in."""
+    """Return what particles at rest are in."""
     return {
         "density": case.density,
         "enclosure": case.enclosure,

@@ -144,7 +144,7 @@ def _all_kernels() -> Path:
 
 
 def already_compiled(room: Path) -> bool:
-    """Whether kernels of a room were compiled from these sources: then a start takes no time."""
+    """Return whether kernels of a room are compiled already: then a start takes no time."""
     return any(Path(cache_folder(room)).glob("*/*.nbc"))
 
 

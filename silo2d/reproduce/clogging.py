@@ -1,4 +1,4 @@
-"""How often outlets of 40, 60 and 100 mm clog, compared with the experiment's counts."""
+"""Shares of runs that clog at outlets of 40, 60, 100 mm, compared with the experiment's."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""What disorder does: A4 and A3 with parameters that are all alike, or drawn from pair to pair.
+"""Effect of disorder: A4 and A3 with parameters that are all alike, or drawn from pair to pair.
 
 The authors' open question (Granular Matter 15 (2013) 811, sec. 5): friction, stiffness and
 restitution scatter from sample to sample, and the simulation has one value of each. The three

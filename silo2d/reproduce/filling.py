@@ -1,4 +1,4 @@
-"""What the filling and the door do: A3 and B3 poured in three ways, opened in two.
+"""Effect of the filling and of the door: A3 and B3 poured in three ways, opened in two.
 
 The paper pours without friction, all at once, and takes the door away at once. Here also with the
 friction of the discharge, and without friction in five layers of 95 mm; and with a door that is

@@ -29,7 +29,7 @@ class Parameters:
     gamma_t: float  # [1/s]
 
     def changes(self) -> dict[str, Any]:
-        """What a case needs to have them; nothing of what it has anyway, from Table 4."""
+        """Return what a case needs to have them; nothing of what it has anyway, from Table 4."""
         written = {
             "law.kn": _written(self.kn, "N/mm"),
             "law.kt": _written(self.kt, "N/mm"),

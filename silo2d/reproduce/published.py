@@ -17,7 +17,7 @@ ROUNDING = 0.01  # [s] of all printed times
 
 @dataclass(frozen=True)
 class Trials:
-    """What was published for a silo: the experiment's trials, and SPOLY's one run."""
+    """Published numbers of a silo: the experiment's trials, and SPOLY's one run."""
 
     time: Sample  # of the trials that did not clog [s]
     n: int  # trials, 0 where the silo is not the paper's
@@ -64,7 +64,7 @@ def sensitivity() -> list[Point]:
 
 
 def outcomes(rows: Sequence[Row]) -> tuple[int, int, int]:
-    """How many runs clogged, of these at the opening, of how many that flowed to an end or clogged.
+    """Numbers of runs that clogged, did so at the opening, and flowed to an end or clogged.
 
     A run that the time limit cut off is in neither number.
     """
@@ -80,7 +80,7 @@ def by_silo(rows: Sequence[Row]) -> dict[str, list[Row]]:
 
 
 def unfinished(rows: Sequence[Row], n: int) -> str:
-    """What else there is than n runs that flowed to an end or clogged."""
+    """Return what else there is than n runs that flowed to an end or clogged."""
     counts = {"at the time limit": len(done(rows)) - n}
     for state in ("failed", "interrupted"):
         counts[state] = sum(row["state"] == state for row in rows)
@@ -88,7 +88,7 @@ def unfinished(rows: Sequence[Row], n: int) -> str:
 
 
 def outcome_word(known: Trials, k: int, n: int) -> str:
-    """Whether k of n clogged runs are compatible with the experiment: their intervals overlap."""
+    """Return whether k of n clogged runs agree with the experiment: their intervals overlap."""
     if not known.n or not n:
         return "-"
     if overlap(wilson(known.clogged, known.n), wilson(k, n)):

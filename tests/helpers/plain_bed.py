@@ -2,7 +2,7 @@
 
 Granular-damper thesis, eqs 5.6, 5.7, 5.15, 5.16, 5.22, 5.24, 5.32, 5.33, with errata. Shares the
 engine's conventions (arms that add up to the distance, displacement by the mean of the velocities
-at both ends of a step, the spring's energy as contact/spring_books.py has it) and none of its code:
+at both ends of a step, the spring's energy by contact/spring_account.py) and none of its code:
 no lists, no blocks, no lanes.
 """
 
@@ -61,7 +61,7 @@ class Springs:
         books = [
             ((f_n - kn * overlap) * rate)[touches].sum() * dt,
             (c_t * (slip**2).sum(axis=1))[~slides].sum() * dt,
-            *self._spring_books(law, kt, held, trial, now, touches),
+            *self._spring_account(law, kt, held, trial, now, touches),
             -(f_t * slip).sum(axis=1)[slides].sum() * dt,
         ]
         self.held = np.where(touches[:, None], now, 0.0)
@@ -69,7 +69,7 @@ class Springs:
         self.stiffness = np.where(touches, kt, 0.0)
         return f_t + f_n[:, None] * normal, np.array(books)
 
-    def _spring_books(self, law, kt, before, trial, now, touches):
+    def _spring_account(self, law, kt, before, trial, now, touches):
         """Lost to friction, and gained by the spring as its stiffness changes [J]."""
         b, n, slip = before[touches], now[touches], (trial - now)[touches]
         k_b, k_n = self.stiffness[touches], kt[touches]

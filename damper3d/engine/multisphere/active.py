@@ -1,4 +1,4 @@
-"""Which spheres stand in a list: the only ones of a cluster that are kept up to date."""
+"""Active spheres: those that stand in a list, the only ones that are kept up to date."""
 
 from damper3d.engine.multisphere.motion import place_active
 from damper3d.engine.state import CLOSE, WALL

@@ -1,4 +1,4 @@
-"""What becomes of the several contacts that a body has with another, or with a wall.
+"""Multi-contact models: forces of the several contacts of a particle with another, or a wall.
 
     sum        each acts as if it were alone, as in the thesis: n of them are n times as stiff
     deepest    only the deepest acts; the spring goes with it from sphere to sphere
@@ -120,5 +120,5 @@ def share(contacts, whole, depth, begin, end):
 
 @inner
 def energy(whole, n, depth):
-    """What contact n would hold alone, but for the factor 2/5 [J]."""
+    """Return what contact n would hold alone, but for the factor 2/5 [J]."""
     return whole[n, 0] * depth * depth * np.sqrt(depth)

@@ -140,7 +140,7 @@ def arm_of(axes, offset, b, s):
 
 @inlined_inner
 def has_left(bodies, seen, arm, b, carried):
-    """Whether a body may have come farther than its leeway; also where its place is no number."""
+    """Return whether a particle may have passed its margin; also if its position is no number."""
     straight, turned = ways_since(bodies, seen, arm, b, carried)
     leeway = seen.leeway[b]
     if 2.0 * (straight + turned) <= leeway * leeway:  # (a + b)^2 <= 2 (a^2 + b^2)
@@ -167,7 +167,7 @@ def ways_since(bodies, seen, arm, b, carried):
 
 @inner
 def note_seen(bodies, seen):
-    """Where all bodies are now, for the list that was just made."""
+    """Return where all bodies are now, for the list that was just made."""
     for b in range(len(bodies.inverse_mass)):
         for c in range(4):
             seen.place[b, c] = bodies.position[b, c]

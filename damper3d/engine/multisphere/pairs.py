@@ -136,7 +136,7 @@ def list_pairs(world, skin, left):
 
 @inner
 def note_drift(bodies, seen):
-    """How fast the bodies move on the whole."""
+    """Return how fast the bodies move on the whole."""
     n = len(bodies.inverse_mass)
     for c in range(3):
         total = 0.0
@@ -225,7 +225,7 @@ def pairs_of_bodies(world, k, skin, n):
 
 @inner
 def reach(height, columns, axes, d, sign):
-    """How far a body reaches from its centroid along sign d [m]; height: how far each sphere.
+    """Return the extent of a particle from its centroid along sign d [m]; height: of each sphere.
 
     Four largest ones at once, so that none waits for the one before it.
     """
@@ -300,7 +300,7 @@ def deepest_share(world, n_pairs):
 
 @inlined_inner
 def note_constants(world, n_pairs):
-    """What the law needs to know of the pairs; the reduced mass is that of the bodies."""
+    """Return what the law needs to know of the pairs; the reduced mass is that of the bodies."""
     close, whole, radius = world.close, world.scratch.whole, world.spheres.position
     mass = 0.5 / world.bodies.inverse_mass[0]
     for n in range(np.uintp(n_pairs)):

@@ -69,7 +69,7 @@ def relax(cell, allowed, patience, steady):
 
 @inner
 def has_moved(cell):
-    """Whether some body has used up half of the skin by moving and turning."""
+    """Return whether some body has used up half of the skin by moving and turning."""
     for b in range(len(cell.position)):
         way = cosine = 0.0
         for c in range(3):
@@ -123,7 +123,7 @@ def list_pairs(cell):
 
 @inner
 def image_of(number, few, home):
-    """How many sides away an image stands: the nearest one, or up to `few` beyond it."""
+    """Return how many sides away an image stands: the nearest one, or up to `few` beyond it."""
     each = 2 * few + 1
     return (number // each**2 - few - home[0], number // each % each - few - home[1],
             number % each - few - home[2])  # fmt: skip
@@ -187,7 +187,7 @@ def turn_arms(cell):
 
 @njit
 def push(cell, force):
-    """What overlaps push (n, :3) and turn (n, 3:) the bodies with; deepest overlap, mean push."""
+    """Pushes (n, :3) and torques (n, 3:) of the overlaps; return deepest overlap and mean push."""
     k, gyration, arm = len(cell.offset), cell.measure[GYRATION], cell.arm
     scale = 1.0 / cell.tally[MOST]
     turn_arms(cell)
@@ -241,7 +241,7 @@ def displace(cell, velocity, dt):
 
 @njit
 def touching(cell):
-    """Which bodies overlap, (n, n) bools, by the list and the arms as they stand."""
+    """Return which bodies overlap, (n, n) bools, by the list and the arms as they stand."""
     n, k = len(cell.position), len(cell.offset)
     found = np.zeros((n, n), np.bool_)
     for m in range(cell.tally[PAIRS]):

@@ -97,7 +97,7 @@ class Kept(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """Where the bodies were when a list was made."""
+    """Positions of the particles when a list was made."""
 
     place: np.ndarray  # (n, 4) [m]
     turn: np.ndarray  # (n, 4) orientation

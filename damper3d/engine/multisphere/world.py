@@ -83,7 +83,7 @@ def build_cluster_world(
 
 
 def shape_of(particle: Particle, density: float) -> Shape:
-    """What the kernels know of a cluster."""
+    """Return what the kernels know of a cluster."""
     inertia = density * np.asarray(particle.inertia, float)
     odd = _odd_axis(inertia)
     others = [(odd + 1) % 3, (odd + 2) % 3]

@@ -2,7 +2,7 @@
 
 The scheme is the engine's, at much smaller steps: leapfrog with the velocity extrapolated to the
 time of the forces (v half a step back, u = v + a dt/2), and springs half a step ahead. The books
-are those of granulab/contact/spring_books.py.
+are those of granulab/contact/spring_account.py.
 """
 
 from typing import NamedTuple
@@ -12,7 +12,7 @@ import numpy as np
 from granulab.contact.hertz import hertz_force, mindlin_force
 from granulab.contact.jit import njit
 from granulab.contact.mindlin_deresiewicz import partial_slip_force
-from granulab.contact.spring_books import spring_books
+from granulab.contact.spring_account import spring_account
 from granulab.contact.vectors import add, cross, dot, norm, scale
 
 # Columns of the history of a contact: time [s], overlap [m], normal force [N], length of the
@@ -85,7 +85,7 @@ def collide(law, meeting, bodies, springs, reach, dt, most_steps, rows):
             ahead, held = across(ahead, normal), across(held, normal)
             trial = add(ahead, moved)
             f_t, kept, power, _ = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
-            rubbed, gained = spring_books(law, kt_before, kt, held, trial, kept)
+            rubbed, gained = spring_account(law, kt_before, kt, held, trial, kept)
             totals[LAW_TERM] += gained
             ahead, held, kt_before = add(kept, moved), kept, kt
         totals[NORMAL_DAMPING] += dt * inelastic * rate
@@ -137,7 +137,7 @@ def surface_velocity(bodies, normal, arms):
 
 @njit
 def keep_largest(totals, overlap, f_n, f_t, normal):
-    """What is asked of a whole contact."""
+    """Return what is asked of a whole contact."""
     totals[MAX_OVERLAP] = max(totals[MAX_OVERLAP], overlap)
     totals[MAX_FORCE] = max(totals[MAX_FORCE], f_n)
     size = norm(f_t)

@@ -216,7 +216,7 @@ def cells_over(centres, size):
 
 @njit
 def sort_into_cells(centres, size, shape, origin):
-    """Where each cell begins (n_cells + 1,) and the balls cell by cell (n,), ascending in each."""
+    """Return the begin of each cell (n_cells + 1,) and the spheres by cell (n,), ascending."""
     start = np.zeros(shape[0] * shape[1] * shape[2] + 1, np.int64)
     home = np.empty(len(centres), np.int64)
     for n in range(len(centres)):

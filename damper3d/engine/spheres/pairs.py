@@ -135,7 +135,7 @@ def search_near(world, skin, shift):
 
 @inner
 def note_constants(near, spheres, law, i, begin, end):
-    """What the law needs to know of the pairs of sphere i."""
+    """Return what the law needs to know of the pairs of sphere i."""
     radius = spheres.position[:, 3]
     for n in range(begin, end):
         j = near.j[n]
@@ -204,7 +204,7 @@ def gaps(near, x, n_near):
 
 @inner
 def note_places(close, spheres):
-    """Where the spheres are now, and how fast they move on the whole."""
+    """Return where the spheres are now, and how fast they move on the whole."""
     u, place = spheres.velocity, close.place
     copy_rows(place, spheres.position)
     a = b = c = 0.0

@@ -1,4 +1,4 @@
-"""Which contacts of a list touch, or did a step ago: the only ones that the laws are asked about.
+"""Contacts of a list that touch, or did a step ago: the only ones that the laws are applied to.
 
 In a bed that flies few of the pairs that may touch do. Finding out takes their places alone; what
 is left out would add exact zeros, so that no bit depends on it. What touched a step ago is asked
@@ -18,7 +18,7 @@ _ROUNDING = 1.0 + 1e-12  # squares may say "apart" where the root, rounded, says
 
 @inlined
 def touching_pairs(spheres, contacts, n_contacts, block):
-    """How many of the first contacts of a list touch; `touching` names them."""
+    """Return how many of the first contacts of a list touch; `touching` names them."""
     found = np.int64(0)  # a typed number: numba would compile the passes once more for a literal
     for begin in range(np.int64(0), n_contacts, BLOCK):
         n = min(n_contacts - begin, BLOCK)

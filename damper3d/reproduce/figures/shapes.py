@@ -135,7 +135,7 @@ def _by_sphericity(panels: "Sequence[Axes]", found: Found) -> None:
 
 
 def _treatments(panels: "Sequence[Axes]", rows: Sequence[Row], found: Found) -> None:
-    """What the treatment of several contacts of one pair does to eta and to the onset."""
+    """Return what the treatment of several contacts of one pair does to eta and to the onset."""
     for axes, shape in zip(panels, TREATED, strict=True):
         for colour, treatment in zip((INK, BLUE, VERMILION), TREATMENTS, strict=True):
             line = Line(shape, "vertical", TREATED_AT, treatment)
@@ -201,6 +201,6 @@ def _with_gamma(axes: "Axes", title: str) -> None:
 
 
 def _legend(axes: "Axes", place: Any) -> None:
-    """Where there is anything to name."""
+    """Return where there is anything to name."""
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc=place, fontsize=7)

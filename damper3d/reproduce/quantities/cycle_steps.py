@@ -41,7 +41,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Reading:
-    """What a run's mean pair of cycles says; velocities over the enclosure's greatest, V.
+    """Measures of a run's mean pair of cycles; velocities over the enclosure's greatest, V.
 
     steps          a cycle
     since          part of the cycle from when the enclosure was fastest the other way to a step's

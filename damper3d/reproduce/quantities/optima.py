@@ -68,7 +68,7 @@ class Optimum:
         return math.hypot(scatter, self.resolution)
 
     def allowance(self, pooled: tuple[float, int] | None) -> float:
-        """How far in ln Gamma one more packing's optimum may lie: t s sqrt(1 + 1/n), resolution."""
+        """Return the scatter in ln Gamma of one more optimum: t s sqrt(1 + 1/n), resolution."""
         n = max(self.logarithms.n, 1)
         scatter = quantile(pooled[1]) * pooled[0] * math.sqrt(1 + 1 / n) if pooled else 0.0
         return math.hypot(scatter, self.resolution)

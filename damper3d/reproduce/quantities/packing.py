@@ -28,7 +28,7 @@ _HEAD = """\
 
 @dataclass
 class Values:
-    """What is known of a shape; of the cell by the number of bodies in it."""
+    """Packing fractions of a shape; of the cell by the number of particles in it."""
 
     close: dict[int, Sample] = field(default_factory=dict)
     held: dict[int, float] = field(default_factory=dict)  # mean coordination [-]
@@ -120,7 +120,7 @@ def shipped(rows: Sequence[Row]) -> str:
 
 
 class Readings(NamedTuple):
-    """What the claims go by: the rows and the numbers of each shape."""
+    """Data of the claims: the rows and the numbers of each shape."""
 
     rows: Sequence[Row]
     found: dict[Shape, Values]

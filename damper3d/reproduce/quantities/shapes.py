@@ -60,7 +60,7 @@ def particle_text(shape: Shape) -> str:
 
 
 class Line(NamedTuple):
-    """What a curve of eta along Gamma is of."""
+    """Labels of a curve of eta along Gamma."""
 
     shape: Shape
     orientation: str
@@ -114,7 +114,7 @@ def _prediction(rows: Sequence[Row], line: Line) -> Prediction:
 
 
 class Readings(NamedTuple):
-    """What the claims go by: the rows and the optima of their curves."""
+    """Data of the claims: the rows and the optima of their curves."""
 
     rows: Sequence[Row]
     found: Found
@@ -167,7 +167,7 @@ def best_efficiency(readings: Readings) -> list[Row]:
 
 @SHAPES.quantity
 def departure_from_plateau(readings: Readings) -> list[Row]:
-    """How far the onsets of 1.5 and more are from that of 1.5, over the rise from 1 to 1.5.
+    """Return how far the onsets of 1.5 and more are from that of 1.5, over the rise from 1 to 1.5.
 
     Infinite where there is no rise. rise, away: in Gamma, the rise and the largest departure.
     """

@@ -90,7 +90,7 @@ def of_size(rows: Sequence[Row], size: int, frequency: float) -> list[Row]:
 
 @dataclass(frozen=True)
 class Readings:
-    """What the claims go by: the rows and the peaks of the efficiency in them."""
+    """Data of the claims: the rows and the peaks of the efficiency in them."""
 
     rows: Sequence[Row]
     marks: Landmarks
@@ -172,7 +172,7 @@ def _part(name: str, marks: dict[str, float]) -> tuple[float, float]:
 
 
 def tangential_damping(rows: list[Row]) -> str:
-    """What friction would have more if tangential damping were counted with it."""
+    """Return what friction would have more if tangential damping were counted with it."""
     value = _sum_of("shares", CLASSES, (_DASHPOT,))
     shares = [share for row in done(rows) if (share := value(row)) is not None]
     if not shares:

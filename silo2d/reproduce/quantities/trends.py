@@ -41,7 +41,7 @@ class Trend:
         )
 
     def compared_with(self, published: "Trend") -> str:
-        """How this one compares with the published one."""
+        """Return how this one compares with the published one."""
         mine, theirs = self.slope, published.slope
         allowed = welch_half_width([mine.error**2, theirs.error**2], [mine.freedom, theirs.freedom])
         if abs(mine.value - theirs.value) <= allowed:

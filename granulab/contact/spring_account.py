@@ -1,4 +1,4 @@
-"""What a tangential spring of contact/hertz.py gives to friction and takes from its law, in a step.
+"""Energy account of a tangential spring (contact/hertz.py): friction and work of its law.
 
 Its stiffness k changes with the overlap, so that its energy changes without work. In a step from
 b to n the trial displacement (or force) is what the spring would hold if it did not slip, and k the
@@ -8,10 +8,11 @@ mean of k_b and k_n. With F = k s:
     stored force          E_n - E_b = (F_b + F_n)/2 (F_n - F_b)/k
                                       + F_n^2 (1/k_n - 1/k)/2 - F_b^2 (1/k_b - 1/k)/2
 
-are identities: work of the mean force over the spring's displacement, and the law's own gain. The
-rest of the trial, the slip, is friction's. So the books of a contact close as its motion does, to
-second order in the step, also where the spring begins with much displacement and no stiffness
-(a damped normal force lets it slide at once: s ~ mu f_n/kt is then unbounded, at finite energy).
+are identities: work of the mean force over the spring's displacement, and work of the changing
+stiffness. The rest of the trial, the slip, is friction's. So the energy balance of a contact closes
+as its motion does, to second order in the step, also where the spring begins with much displacement
+and no stiffness (a damped normal force lets it slide at once: s ~ mu f_n/kt is then unbounded, at
+finite energy).
 """
 
 from granulab.contact.jit import njit
@@ -19,8 +20,8 @@ from granulab.contact.vectors import add, dot, scale
 
 
 @njit
-def spring_books(law, kt_before, kt, held_before, trial, held):
-    """Energy [J] lost to friction in a step, and gained by the spring because kt changes.
+def spring_account(law, kt_before, kt, held_before, trial, held):
+    """Energy [J] lost to friction in a step, and the work of the changing stiffness.
 
     kt_before, kt: tangential stiffness at both ends of the step [N/m]; held_before, held: what the
     spring holds there, trial: what it would hold without slip; tuples of three, displacements [m],
