@@ -78,6 +78,11 @@ def end(
     folder.write_summary(summary)
 
 
+def is_measured_by(folder: RunFolder, measures: Sources) -> bool:
+    """Return whether the results of a finished run were made by these measures."""
+    return folder.read_provenance().get("measures_digest") == measures.digest
+
+
 def measure_again(
     folder: RunFolder,
     measures: Sources,
