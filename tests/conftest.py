@@ -3,21 +3,28 @@
 Each is made once for all workers of pytest.
 """
 
+import json
 import logging
 import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from compiling import share_compilation
 from filelock import FileLock
 from fuzzing import examples
 from hypothesis import HealthCheck, settings
+from in_process import ThisProcess
 from small_damper import damper3d, write_damper
 from small_silo import silo2d, the_run, write_case
 
 from granulab.campaign.runs.folder import RunFolder
+
+_HERE = Path(__file__).parent
 
 # How long an example takes says how busy the machine is, with another worker beside this one.
 # `make fuzz` takes the other profile and the tests that draw their input alone; counts that a test
@@ -160,6 +167,26 @@ def spheroid_reference(_of_all_workers) -> RunFolder:
     """The same of damper_runs.small_spheroids, particles of several spheres; to be read only."""
     root = _made_once(_of_all_workers, "damper_of_spheroids", _damper_of_spheroids)
     return the_run(root / "runs")
+
+
+def _extended_damper(root: Path) -> None:
+    command = [sys.executable, _HERE / "helpers" / "extended_damper.py", _HERE / "damper3d"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    (root / "found.json").write_text(done.stdout, encoding="utf-8")
+
+
+@pytest.fixture
+def in_this_process(monkeypatch) -> None:
+    """Sweeps without workers: each would load the kernels for a run of a tenth of a second."""
+    monkeypatch.setattr("granulab.campaign.sweeps.engine._pool", ThisProcess)
+
+
+@pytest.fixture(scope="session")
+def extended_damper(_of_all_workers) -> dict[str, Any]:
+    """What a process found that registers an enclosure and a motion from outside the package."""
+    root = _made_once(_of_all_workers, "extended_damper", _extended_damper)
+    return json.loads((root / "found.json").read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="module")  # its threads draw random numbers, which hypothesis resents

@@ -123,13 +123,14 @@ def test_a_sweep_has_the_bits_of_single_runs_and_one_packing(swept, tmp_path):
     assert single["n_particles"] == CASE["particles.count"]
 
 
-def test_a_sweep_of_shapes_has_the_same_bits_whatever_the_workers(tmp_path):
+def test_a_sweep_of_shapes_has_the_same_bits_whatever_the_workers(tmp_path, request):
+    """Two workers, then none."""
     study = write_study(tmp_path, STUDY.replace("motion.gamma = [5, 10]", SHAPES))
     digests = []
-    for workers in (1, 2):
-        out = tmp_path / f"runs-{workers}"
-        words = ["-o", out, "--workers", workers, "--quiet", "--json"]
+    for out in (tmp_path / "workers", tmp_path / "here"):
+        words = ["-o", out, "--workers", 2, "--quiet", "--json"]
         table = Path(damper3d("sweep", study, *words).json["table"]).read_text()
+        request.getfixturevalue("in_this_process")
         rows = csv.DictReader(table.splitlines())
         digests.append([(row["particles"], row["state_digest"]) for row in rows])
     assert digests[0] == digests[1]
@@ -145,6 +146,7 @@ def test_a_finished_run_is_not_done_again(swept):
     assert {path: contents(path) for path in folders} == before
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_damaged_packing_is_a_row_that_says_what_to_delete(tmp_path):
     study = write_study(tmp_path, STUDY.replace("[5, 10]", "5"))
     case = load_study(study).cases[0][1]

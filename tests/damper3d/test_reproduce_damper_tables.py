@@ -33,6 +33,7 @@ def _few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cycles, "points", lambda: some)
 
 
+@pytest.mark.usefixtures("in_this_process")
 @pytest.mark.parametrize(("name", "runs"), [("shares", 2), ("sensitivity", 2), ("cycles", 2)])
 def test_a_table_runs_once_and_its_rows_are_reported_again(tmp_path, monkeypatch, name, runs):
     """What is committed is enough for the text: the same from the CSV as from the runs."""

@@ -6,8 +6,10 @@ import json
 import os
 import shutil
 import signal
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -159,6 +161,7 @@ def test_hdf5_holds_what_csv_holds(swept):
                 assert column.asstr()[()].tolist() == texts
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_the_same_case_twice_is_run_once(tmp_path, packings):
     make_study(tmp_path, packings)
     case = SiloCase.load(tmp_path / "small.toml")
@@ -197,6 +200,7 @@ def test_a_dry_run_says_what_would_be_done_and_writes_nothing(study):
 # What fails
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_failed_run_is_a_row_with_its_reason(tmp_path, packings):
     """A damaged packing: exit code 3; the runs of the other one are done."""
     study = make_study(tmp_path, packings)
@@ -217,6 +221,7 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path, packings):
     assert sum(row["state"] == "done" for row in rows) == 2
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_checkpoint_that_does_not_fit_is_a_row_that_says_what_to_delete(swept):
     """As one of another version is: its arrays are of other lengths."""
     folder = run_folders(swept)[0]
@@ -230,6 +235,7 @@ def test_a_checkpoint_that_does_not_fit_is_a_row_that_says_what_to_delete(swept)
     assert "delete it and the run starts from its opening" in row["reason"]
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_what_other_sources_made_is_told_once(swept):
     """Not once a packing and run; a sweep has no --again to offer."""
     for folder in run_folders(swept)[:3]:
@@ -257,6 +263,7 @@ def test_a_sweep_offers_no_again(line, told):
     assert without_again(line) == told
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_damaged_summary_of_a_finished_run(swept, digests):
     """Refused with the folder to delete, and left as it is; deleted, it is done again."""
     study = swept
@@ -283,47 +290,37 @@ def test_a_damaged_table_is_written_anew(swept, digests):
     assert [row["state_digest"] for row in rows_of(study)] == digests
 
 
-def test_a_full_disk_while_the_table_is_written(swept, digests, monkeypatch):
-    """Simulated: one line; the runs stay, and the same command writes the table."""
-    study = swept
+def full_disk(concerns: Callable[[Path], bool]) -> Any:
+    """A context in which no file that it concerns is put in its place."""
     replace = Path.replace
 
     def full(part: Path, target: Path) -> Path:
-        if "studies" in target.parts and target.name.startswith("table"):
+        if concerns(target):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         return replace(part, target)
 
-    monkeypatch.setattr(campaign_folder.Path, "replace", full)
-    answer = sweep(study)
+    return mock.patch.object(campaign_folder.Path, "replace", full)
+
+
+def test_a_full_disk_while_the_table_is_written(swept, digests):
+    """Simulated: one line; the runs stay, and the same command writes the table."""
+    study = swept
+    with full_disk(lambda file: "studies" in file.parts and file.name.startswith("table")):
+        answer = sweep(study)
     assert_refused(answer, "table.csv: cannot be written (No space left on device)")
-    monkeypatch.undo()
     assert sweep(study, "--json").json["reused"] == 4
     assert [row["state_digest"] for row in rows_of(study)] == digests
     assert not list(study.parent.rglob(".*.tmp"))
 
 
-FULL_DISK = """
-import errno, os
-from pathlib import Path
-replace = Path.replace
-def full(part, target):
-    if "seed2" in str(target) and target.name == "summary.json":
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    return replace(part, target)
-Path.replace = full
-"""
-
-
-def test_a_full_disk_in_a_run(swept, digests, tmp_path, monkeypatch):
-    """Simulated in the workers: rows that fail with the reason; afterwards they go on."""
+@pytest.mark.usefixtures("in_this_process")
+def test_a_full_disk_in_a_run(swept, digests):
+    """Simulated: rows that fail with the reason; afterwards they go on."""
     study = swept
     for folder in run_folders(study):
         if "seed2" in folder.name:
             shutil.rmtree(folder)
-    (tmp_path / "sitecustomize.py").write_text(FULL_DISK)
-    paths = [str(tmp_path), os.environ.get("PYTHONPATH", "")]
-    with monkeypatch.context() as patch:
-        patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, paths)))
+    with full_disk(lambda file: "seed2" in str(file) and file.name == "summary.json"):
         answer = sweep(study, "--workers", 1)
     assert answer.code == 3
     failed = [row for row in rows_of(study) if row["state"] == "failed"]
@@ -335,12 +332,12 @@ def test_a_full_disk_in_a_run(swept, digests, tmp_path, monkeypatch):
 
 # Killed and stopped
 
-SLOW = {"run.max_time": "0.2 s", "run.time_step": "4 us", "output.checkpoint_interval": "5 ms"}
+SLOW = {"run.max_time": "0.12 s", "run.time_step": "4 us", "output.checkpoint_interval": "5 ms"}
 
 
 @pytest.fixture
 def slow(tmp_path, packings) -> Path:
-    """A study of four runs of some seconds each."""
+    """A study of four runs of a second each."""
     return make_study(tmp_path, packings, **SLOW)
 
 

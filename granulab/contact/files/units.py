@@ -7,7 +7,7 @@ import re
 import sys
 from collections.abc import Iterable, Iterator
 from decimal import Context, Decimal
-from functools import cache
+from functools import cache, lru_cache
 
 from granulab.errors import InputError
 
@@ -66,6 +66,7 @@ def to_si(value: object, unit: str, field: str) -> float:
     return number
 
 
+@lru_cache(maxsize=4096)  # a table of results reads the same few quantities thousands of times
 def _parse(text: str, unit: str, field: str, example: str) -> float:
     import pint
 
