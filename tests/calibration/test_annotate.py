@@ -1,6 +1,7 @@
 """The annotated film and the sheet of a film: marks stand where things are, files play and open."""
 
 import json
+from unittest import mock
 
 import calibrating
 import cv2
@@ -20,6 +21,22 @@ CLIP = data_file("media", "drop")
 @pytest.fixture(scope="module")
 def drop():
     return measure_drop(CLIP)
+
+
+@pytest.fixture(scope="module")
+def sheets(tmp_path_factory):
+    """What the command answers, its folder, and the stills that its sheet shows."""
+    folder, stills = tmp_path_factory.mktemp("marked") / "sheets", []
+
+    def noted(*arguments, **options):
+        film, found = annotate(*arguments, **options)
+        stills.extend(found)
+        return film, found
+
+    with mock.patch("calibration.drop.annotate.annotate", noted):
+        done = calibrating.calibrate("drop", CLIP, "--json", "--quiet", "-o", folder)
+    assert (done.code, done.err) == (0, "")
+    return json.loads(done.out), folder, stills
 
 
 def near(image, colour):
@@ -55,8 +72,8 @@ def test_contacts_appear_when_they_have_happened(drop):
     assert after > before
 
 
-def test_stills_are_of_release_first_contact_apex_and_last_contact(drop, tmp_path):
-    _, found = annotate(drop, open_film(CLIP), tmp_path / "marked.mp4")
+def test_stills_are_of_release_first_contact_apex_and_last_contact(drop, sheets):
+    found = sheets[2]
     contacts = [drop.frame(t) for t in drop.bounces.contacts[:, 0]]
     numbers = [one.number for one in found]
     assert len(numbers) == 4
@@ -66,11 +83,9 @@ def test_stills_are_of_release_first_contact_apex_and_last_contact(drop, tmp_pat
     assert (found[0].width, found[0].height) == (160, 320)
 
 
-def test_out_writes_a_sheet_and_a_film_with_every_frame(tmp_path):
-    found = calibrating.calibrate("drop", CLIP, "--json", "--quiet", "-o", tmp_path / "sheets")
-    assert (found.code, found.err) == (0, "")
-    answer = json.loads(found.out)
-    sheet, film = tmp_path / "sheets" / "drop-drop.png", tmp_path / "sheets" / "drop-drop.mp4"
+def test_out_writes_a_sheet_and_a_film_with_every_frame(sheets):
+    answer, folder, _ = sheets
+    sheet, film = folder / "drop-drop.png", folder / "drop-drop.mp4"
     assert (answer["sheet"], answer["annotated_film"]) == (str(sheet), str(film))
     assert cv2.imread(str(sheet)).shape[1] == 1760
     pictures = [frame.picture for frame in open_film(film).frames()]

@@ -198,7 +198,7 @@ def test_what_does_not_bounce_is_refused_with_the_reason():
     assert abs(e.value - 0.7) < 4 * e.sigma
 
 
-@settings(max_examples=examples(40), deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(
     pieces=st.lists(
         st.tuples(

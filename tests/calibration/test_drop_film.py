@@ -50,9 +50,15 @@ def check(found, truth, sigmas=4.0):
     assert e.sigma < 0.02
 
 
-def test_a_ball_is_found_and_its_bounces_measured(tmp_path):
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory):
+    """The film of a ball and its truth."""
+    return filmed(tmp_path_factory.mktemp("ball") / "ball.mp4")
+
+
+def test_a_ball_is_found_and_its_bounces_measured(ball):
     """Shadow, texture, uneven light, noise: place to a fifth of a pixel, e within its sigma."""
-    path, truth = filmed(tmp_path / "ball.mp4")
+    path, truth = ball
     found = measure_drop(path)
     check(found, truth)
     track = found.bounces.track
@@ -216,8 +222,8 @@ def test_a_film_in_which_nothing_moves_is_refused(tmp_path, capfd):
     assert capfd.readouterr().err == ""  # nor does FFmpeg add lines of its own
 
 
-def test_pictures_in_a_folder_are_a_film(tmp_path):
-    path, truth = filmed(tmp_path / "a.mp4")
+def test_pictures_in_a_folder_are_a_film(ball, tmp_path):
+    path, truth = ball
     folder = tmp_path / "pictures"
     folder.mkdir()
     for frame in open_film(path).frames():

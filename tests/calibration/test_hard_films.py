@@ -8,6 +8,7 @@ from hard_films import CASES
 from made_tracks import made_track
 
 from calibration.drop.measure import measure_drop
+from calibration.rendered.camera import write_film
 from calibration.tracking.background import gains, relit
 from calibration.tracking.search import shows_motion
 from granulab.errors import InputError
@@ -143,7 +144,8 @@ def test_a_fall_higher_than_a_room_is_told(fps, told):
 )
 def test_a_hint_beyond_the_film_is_refused_before_it_is_read(tmp_path, hint, words):
     case = replace(CASES["--at beyond the end"], options={"hint": hint})
-    path = case.film(tmp_path / "film.mp4")
+    pictures = [np.zeros((case.scene.height, case.scene.width, 3), np.uint8)] * 110
+    path = write_film(pictures, tmp_path / "film.mp4", case.camera.rate)
     heard = []
     with pytest.raises(InputError, match=words):
         measure_drop(path, progress=lambda *told: heard.append(told), **case.options)

@@ -252,7 +252,7 @@ def test_bad_options_are_one_line(tmp_path, options, match):
     assert done.err.count("\n") == 1
 
 
-@settings(max_examples=examples(15), deadline=None)
+@settings(max_examples=examples(8), deadline=None)
 @given(
     pieces=st.lists(
         st.tuples(st.integers(1, 25), st.floats(-20, 20), st.floats(-2, 2)), min_size=1, max_size=6

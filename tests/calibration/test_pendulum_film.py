@@ -88,6 +88,7 @@ def test_progress_is_lines_where_stderr_is_no_terminal(tmp_path):
     assert not any("\r" in line or "\033" in line for line in lines)
 
 
+@pytest.mark.validation
 def test_a_strangers_ball_on_a_string_gives_its_reference():
     """Reference of another's measurement: e = 0.79 (0.03), not planar, eight contacts.
 

@@ -17,7 +17,7 @@ from calibration.rendered.pendulum import PendulumScene
 from calibration.rendered.strings import Strings, swing
 from granulab.errors import InputError
 
-CAMERA = Camera(60, noise=2)
+CAMERA = Camera(60, noise=2, moments=3)
 BLOCKS = PendulumScene(
     Strings(length=0.3, restitution=0.6, mass_ratio=1.0, beta=0.02, contacts=2), width=200,
     height=120, size=0.03, pivot=-110.0,

@@ -101,7 +101,7 @@ def test_a_run_stopped_many_times_ends_with_the_same_bits(damper_reference, runs
 def test_a_run_killed_at_any_moment_ends_with_the_same_bits(damper_reference, tmp_path, often):
     """kill -9 by somebody else, some milliseconds after each start, in filling and shaking."""
     chance, killed = random.Random(7), 0
-    for _ in range(40):
+    for _ in range(15):
         child = fork()
         if not child:
             try:

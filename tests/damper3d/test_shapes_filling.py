@@ -72,7 +72,7 @@ def test_more_sub_spheres_are_nearer_to_the_shape():
 def test_a_filling_is_the_same_every_time():
     from damper3d.shapes.surfaces.solid import filled
 
-    first, second = (filled(oblate(0.8), "oblate", None, 0.05) for _ in range(2))
+    first, second = (filled(oblate(0.8), "oblate", None, 0.1) for _ in range(2))
     assert np.array_equal(first.offsets, second.offsets)
     assert np.array_equal(first.radii, second.radii)
 

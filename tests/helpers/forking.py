@@ -1,12 +1,16 @@
 """Work in a copy of this process, which has the kernels; killed at a moment or at a write."""
 
+import json
 import os
 import signal
 import time
 import warnings
 from collections.abc import Callable
+from dataclasses import astuple
 from pathlib import Path
 from unittest import mock
+
+from small_silo import Answer
 
 
 def fork() -> int:
@@ -60,3 +64,35 @@ def killed_at(moment: Callable[[], object], wait: float, work: Callable[[], obje
     os.kill(child, signal.SIGKILL)
     _, status = os.waitpid(child, 0)
     return os.waitstatus_to_exitcode(status) == -signal.SIGKILL
+
+
+class Forked:
+    """A command in a copy of this process, which has the kernels; cf. small_silo.start."""
+
+    def __init__(self, command: Callable[..., Answer], *arguments: object) -> None:
+        self._answer, write = os.pipe()
+        self.pid = fork()
+        if not self.pid:
+            try:
+                os.write(write, json.dumps(astuple(command(*arguments))).encode())
+            finally:
+                os._exit(0)
+        os.close(write)
+        self._ended = False
+
+    def poll(self) -> int | None:
+        """0 once it has ended."""
+        if not self._ended:
+            self._ended = os.waitpid(self.pid, os.WNOHANG)[0] == self.pid
+        return 0 if self._ended else None
+
+    def send_signal(self, number: int) -> None:
+        os.kill(self.pid, number)
+
+    def finish(self) -> Answer:
+        """Wait for it and give what it said."""
+        with os.fdopen(self._answer) as answer:
+            said = Answer(*json.loads(answer.read()))
+        if not self._ended:
+            os.waitpid(self.pid, 0)
+        return said

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from forking import forked, killed_at
+from forking import Forked, forked, killed_at
 from refusals import assert_refused
 from same_run import COSTS, assert_same_run
 from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
@@ -23,7 +23,7 @@ from silo2d.run import protocol
 
 # More steps, and some thirty checkpoints: more time to be killed in.
 SLOW = {
-    "run.time_step": "4 us",
+    "run.time_step": "6 us",
     "output.checkpoint_interval": "10 ms",
     "output.contact_interval": "20 ms",  # in one part of two, and after every checkpoint
 }
@@ -153,10 +153,11 @@ def test_a_run_killed_while_it_writes_ends_with_the_same_bits(runs, tmp_path):
 def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(slow_reference, runs, tmp_path, number):
     """Exit code 130; the command in the one line on stderr ends with the same bits."""
     case = write_case(tmp_path, SLOW)
-    process = start("run", case, "-o", runs, "--no-figures", "--quiet")
+    arguments = ["run", case, "-o", runs, "--no-figures", "--quiet"]
+    process = start(*arguments) if number == signal.SIGINT else Forked(silo2d, *arguments)
     wait_for(process, part_is_there(runs, 3))
     process.send_signal(number)
-    answer = finish(process)
+    answer = finish(process) if number == signal.SIGINT else process.finish()
     assert (answer.code, answer.out) == (130, "")
     assert answer.err.count("\n") == 1
     folder = the_run(runs)
@@ -173,10 +174,10 @@ def test_ctrl_c_while_filling_says_that_the_silo_is_filled_anew(reference, tmp_p
     """Nothing of the filling is kept: the same command begins with it."""
     case, root = write_case(tmp_path), tmp_path / "runs"
     arguments = ["run", case, "-o", root, "--no-figures", "--quiet"]
-    process = start(*arguments)
+    process = Forked(silo2d, *arguments)
     wait_for(process, lambda: list(root.glob("*/case.toml")))
     process.send_signal(signal.SIGINT)
-    answer = finish(process)
+    answer = process.finish()
     assert (answer.code, answer.out) == (130, "")
     assert answer.err == "silo2d: stopped; the same command fills the silo again, from its seed\n"
     assert not list(root.glob("packings/*/*"))
@@ -201,13 +202,13 @@ def test_a_second_process_is_kept_off_a_run(runs, tmp_path):
     """It ends with one line; the first one goes on and finishes."""
     case = write_case(tmp_path, SLOW)
     arguments = ["run", case, "-o", runs, "--no-figures", "--json", "--quiet"]
-    process = start(*arguments)
+    process = Forked(silo2d, *arguments)
     wait_for(process, part_is_there(runs, 1))
     process.send_signal(signal.SIGSTOP)
     second = silo2d(*arguments)
     process.send_signal(signal.SIGCONT)
     assert_refused(second, "another process computes this run now")
-    first = finish(process)
+    first = process.finish()
     assert first.code == 0
     assert json.loads(first.out)["outcome"] == "empty"
 
