@@ -33,7 +33,7 @@ def filmed(tmp_path_factory):
     assert answer.code == 0, answer.err
     run = the_run(root / "runs").path
     look = Look(scale=0.4e-3, lead=0.05, rest=0.2, texture_size=0.8e-3)
-    stage, camera = Stage(run, look), Camera(rate=150, moments=2)
+    stage, camera = Stage(run, look), Camera(rate=120, moments=2)
     times, pictures = film_of_run(stage, camera)
     film = write_film(pictures, root / "silo.mp4", camera.rate)
     return run, film, truth(run, stage, times, camera, INTERVAL), (stage, times)

@@ -190,7 +190,7 @@ def tables(draw) -> ContactTable:
 
 
 @given(table=tables())
-@settings(deadline=None, max_examples=examples(25))
+@settings(deadline=None, max_examples=examples(15))
 def test_a_written_table_reads_back_equal(table, tmp_path_factory):
     """To the bit: numbers are written with the digits that hold them."""
     path = tmp_path_factory.mktemp("table") / "table.toml"

@@ -4,6 +4,7 @@ import csv
 from pathlib import Path
 
 import pytest
+from in_process import ThisProcess
 from refusals import assert_refused
 from small_damper import CASE, damper3d, write_damper
 from small_silo import contents
@@ -11,6 +12,7 @@ from small_silo import contents
 from damper3d.case.case import DamperCase
 from damper3d.run.protocol import run_digest
 from damper3d.run.sweep import DAMPER, load_study
+from granulab.campaign.sweeps import engine
 from granulab.contact.files.datafile import data_file
 
 STUDY = """
@@ -102,9 +104,11 @@ def test_a_bad_study_is_refused_in_one_line(tmp_path, vary, words):
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory) -> Path:
-    """The study of two accelerations, swept by two workers that share one packing."""
+    """The study of two accelerations, swept in this process, that share one packing."""
     study = write_study(tmp_path_factory.mktemp("swept"))
-    answer = damper3d("sweep", study, "-o", study.parent / "runs", "--workers", 2, "--quiet")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(engine, "_pool", ThisProcess)
+        answer = damper3d("sweep", study, "-o", study.parent / "runs", "--quiet")
     assert answer.code == 0, answer.err
     return study
 

@@ -238,7 +238,7 @@ def test_a_discharged_particle_takes_its_energy_along():
     assert out == pytest.approx(math.sqrt(2 * h / G), abs=step**2 * G)
 
 
-@settings(deadline=None, max_examples=examples(30))
+@settings(deadline=None, max_examples=examples(20))
 @given(
     angle=st.floats(0, 2 * math.pi),
     vx=st.floats(-2, 2),

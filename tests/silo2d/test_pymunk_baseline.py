@@ -8,6 +8,7 @@ import signal
 
 import numpy as np
 import pytest
+from forking import Forked
 from heaps import small_case
 from hypothesis import given
 from hypothesis import strategies as st
@@ -323,7 +324,7 @@ def test_the_same_bits_again_and_none_twice(finished_pymunk, runs, tmp_path):
     assert_same_run(run_quietly(case, runs), finished_pymunk)
     arguments = ["run", case, "-o", runs, "--engine", "pymunk", "--json", "--quiet", "--no-figures"]
     assert silo2d(*arguments).json["reused"]
-    fresh = finish(start(*arguments, "--again")).json
+    fresh = Forked(silo2d, *arguments, "--again").finish().json
     assert not fresh["reused"]
     assert fresh["state_digest"] == finished_pymunk.read_summary()["state_digest"]
 

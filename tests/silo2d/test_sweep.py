@@ -101,8 +101,9 @@ def digests(_swept_root) -> list[str]:
 # The same bits, and none twice
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_the_same_bits_as_alone_however_many_workers(study, digests):
-    """One worker, as two, as `silo2d run`.
+    """None, as two, as `silo2d run`.
 
     One tidy table: a row a run, what was varied in its unit, answers, state and reason.
     """
@@ -110,7 +111,7 @@ def test_the_same_bits_as_alone_however_many_workers(study, digests):
     shutil.copytree(study.parent / "runs", root)
     options = ["--mu-wall", 0.3, "--seed", 2, "-o", root, "--quiet", "--json", "--no-figures"]
     assert silo2d("run", case, *options).json["state_digest"] == digests[3]
-    table = sweep(study, "--workers", 1, "--json").json
+    table = sweep(study, "--json").json
     assert (table["runs"], table["done"], table["failed"], table["reused"]) == (4, 4, 0, 0)
     rows = rows_of(study)
     assert [row["state_digest"] for row in rows] == digests
