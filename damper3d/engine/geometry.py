@@ -1,4 +1,8 @@
-"""Geometry: where spheres, and spheres and walls, touch, and how fast they pass there.
+"""Geometry: which contacts of a list touch, where, and how fast the surfaces pass there.
+
+In a bed that flies few of the pairs that may touch do. Finding out takes their positions alone;
+what is left out would add exact zeros, so that no bit depends on it. What touched a step ago is
+named once more, so that its history ends.
 
 Each pass takes what simd.gather has put into a block, and adds normal, overlap, arms and
 the relative velocity of the two surfaces. The arms add up to the distance, so that angular momentum
@@ -7,9 +11,12 @@ is kept. The passes have no branch, so that the compiler vectorises them.
 
 import numpy as np
 
-from damper3d.engine.state import BLOCK, RADIUS_I, RADIUS_J
+from damper3d.engine.simd import separate, whole
+from damper3d.engine.state import BLOCK, DAMPING, RADIUS_I, RADIUS_J
 from granulab.contact.jit import inlined, uncounted
 from granulab.contact.vectors import cross, dot, scale
+
+_ROUNDING = 1.0 + 1e-12  # squares may say "apart" where the root, rounded, says "touching"
 
 
 @uncounted
@@ -80,3 +87,48 @@ def wall_contact(normal, distance, block, k):
     put(block.normal, k, normal)
     block.overlap[k] = max(block.constants[place(RADIUS_I, k)] - distance, 0.0)
     block.arm_i[k], block.arm_j[k] = distance, 0.0
+
+
+@inlined
+def touching_pairs(spheres, contacts, n_contacts, block):
+    """Return how many of the first contacts of a list touch; `touching` names them."""
+    found = np.int64(0)  # a typed number: numba would compile the passes once more for a literal
+    for begin in range(np.int64(0), n_contacts, BLOCK):
+        n = min(n_contacts - begin, BLOCK)
+        separate(spheres, contacts, begin, n, block)
+        for k in range(np.uintp(whole(n))):
+            x, y, z = vector(block.separation, k)
+            reach = contacts.reach[np.uintp(begin) + k]
+            block.clearance[k] = x * x + y * y + z * z - _ROUNDING * (reach * reach)
+        found = note_touching(contacts, begin, n, block, found)
+    return found
+
+
+@inlined
+def note_touching(contacts, begin, n_contacts, block, found):
+    """Append those of a block that touch or did a step ago to `touching`; its new length.
+
+    Each is written, and only counted where it is one of them: a branch that nobody could foresee
+    would cost more.
+    """
+    for k in range(np.uintp(n_contacts)):
+        n = np.uintp(begin) + k
+        contacts.touching[found] = n
+        lasts = contacts.history[n, DAMPING] >= 0.0
+        found += np.int64((block.clearance[k] < 0.0) | lasts)
+    return found
+
+
+@uncounted
+def copy(to, what, n):
+    """The first n numbers of an array, into another."""
+    for k in range(n):
+        to[k] = what[k]
+
+
+@uncounted
+def copy_rows(to, rows):
+    """As many rows of four as there is room for."""
+    for i in range(len(to)):
+        for c in range(4):
+            to[i, c] = rows[i, c]

@@ -8,10 +8,11 @@ extrapolated u makes them second order. The enclosure's motion is known at all t
 """
 
 from damper3d.engine.forces import apply_forces
-from damper3d.engine.kinds import move, search_pairs, search_walls
+from damper3d.engine.kinds import move
 from damper3d.engine.motions import displacement, velocity
-from damper3d.engine.neighbours import DONE
-from damper3d.engine.state import STALE_CLOSE, STALE_WALL, STEP
+from damper3d.engine.neighbours import search_pairs, search_walls
+from damper3d.engine.state import DONE, STALE_CLOSE, STALE_WALL, STEP
+from damper3d.engine.walls import drive_walls
 from granulab.contact.jit import uncounted
 
 
@@ -28,6 +29,7 @@ def advance(world, n_steps):
         apply_forces(world, shift, speed)
         world.counts[STEP] += 1
         shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
+        drive_walls(world)
         move(world, shift)
     return n_steps, DONE
 

@@ -1,26 +1,64 @@
-"""Specialisations of a step by the type of the world, chosen when compiled.
+"""Specialisations of a step by the type of the particles, chosen when compiled.
 
-Each name stands for the kernel that goes with the world it is given: state.World, whose particles
-are one sphere each (spheres/), or multisphere.state.ClusterWorld, whose particles are many spheres
-and rotate (multisphere/).
+Each name stands for the kernel that goes with the world it is given, by the type of its `shape`:
+OneSphere, whose particles are spheres (spheres/), or ManySpheres, whose particles are alike, have
+many spheres and rotate (multisphere/).
 """
 
+from damper3d.engine.geometry import copy_rows, touching_pairs
 from damper3d.engine.multisphere import contact_models
 from damper3d.engine.multisphere import motion as multisphere_motion
 from damper3d.engine.multisphere import pairs as multisphere_pairs
-from damper3d.engine.multisphere import walls as multisphere_walls
-from damper3d.engine.multisphere.state import ClusterWorld
-from damper3d.engine.spheres import motion, pairs, touching, walls
+from damper3d.engine.multisphere.particles import ManySpheres
+from damper3d.engine.spheres import motion, pairs
 from damper3d.engine.state import CLOSE
-from granulab.contact.jit import substituted
+from damper3d.engine.walls import touching_wall
+from granulab.contact.jit import specialised, substituted
+
+# The search for neighbours (neighbours.py).
 
 
-def search_pairs(world, shift):
-    """Make the inner list of pairs of spheres again; DONE, or what is wrong."""
+def note_positions(world):
+    """Copy the positions of the particles, and their bounding radii, to the outer list's `now`."""
 
 
-def search_walls(world, shift):
-    """Make the list of contacts with walls again; DONE, or what is wrong."""
+def key_of(shape, n, i, j):
+    """Return a number by which pairs of spheres of n particles ascend as they are listed."""
+
+
+def note_ways(world):
+    """Note how far the particles have come since the inner list; False if that is no number."""
+
+
+def outer_skin(world):
+    """Gap of the particles that the outer list shall hold [m]."""
+
+
+def remember_pairs(world):
+    """Remember what is known of the pairs of the outer list, as it is given up."""
+
+
+def know_pairs(world, n):
+    """Note what is known of the first n pairs of a new outer list."""
+
+
+def list_pairs(world, skin, left):
+    """Fill the inner list with the pairs of spheres nearer than the skin; how many there are.
+
+    -1 if there is no room, -2 if an overlap is too deep. `left`: the gap below which all particles
+    are in the outer list [m].
+    """
+
+
+def list_spheres(world, seen):
+    """Note where the particles are now, for the list that was just made."""
+
+
+def place_near_walls(world, skin, shift):
+    """Bring the spheres of particles nearer to a wall than the skin to their positions."""
+
+
+# A step (forces.py, sampling.py, integrate.py).
 
 
 def find_pairs(world):
@@ -39,51 +77,103 @@ def mean_motion(world, shift, row):
     """Write kinetic and potential energy, mean position in the enclosure and velocity to a row."""
 
 
-def _of_many_spheres(world):
-    return getattr(world, "instance_class", None) is ClusterWorld
+def _rotate(world):
+    """Return whether the particles of a type of world have many spheres."""
+    return _are_many(world[world.fields.index("shape")])
 
 
-@substituted(search_pairs)
-def _search_pairs(world, shift):
-    if _of_many_spheres(world):
-        return lambda world, shift: multisphere_pairs.search_pairs(world, shift)
-    return lambda world, shift: pairs.search_pairs(world, shift)
+def _are_many(shape):
+    return shape.instance_class is ManySpheres
 
 
-@substituted(search_walls)
-def _search_walls(world, shift):
-    if _of_many_spheres(world):
-        return lambda world, shift: multisphere_walls.search_walls(world, shift)
-    return lambda world, shift: walls.search_walls(world, shift)
+@specialised(note_positions)
+def _note_positions(world):
+    if _rotate(world):
+        return lambda world: copy_rows(world.near.now, world.bodies.position)
+    return lambda world: copy_rows(world.near.now, world.spheres.position)
+
+
+@specialised(key_of)
+def _key_of(shape, n, i, j):
+    if _are_many(shape):
+        return lambda shape, n, i, j: multisphere_pairs.key_of(len(shape.offset), n, i, j)
+    return lambda shape, n, i, j: pairs.key_of(n, i, j)
+
+
+@specialised(note_ways)
+def _note_ways(world):
+    if _rotate(world):
+        return lambda world: multisphere_pairs.note_ways(world)
+    return lambda world: True
+
+
+@specialised(outer_skin)
+def _outer_skin(world):
+    if _rotate(world):
+        return lambda world: multisphere_pairs.outer_skin(world)
+    return lambda world: pairs.outer_skin(world)
+
+
+@specialised(remember_pairs)
+def _remember_pairs(world):
+    if _rotate(world):
+        return lambda world: multisphere_pairs.remember_pairs(world)
+    return lambda world: None
+
+
+@specialised(know_pairs)
+def _know_pairs(world, n):
+    if _rotate(world):
+        return lambda world, n: multisphere_pairs.know_pairs(world, n)
+    return lambda world, n: pairs.know_pairs(world, n)
+
+
+@specialised(list_pairs)
+def _list_pairs(world, skin, left):
+    if _rotate(world):
+        return lambda world, skin, left: multisphere_pairs.list_pairs(world, skin, left)
+    return lambda world, skin, left: pairs.list_pairs(world, skin)
+
+
+@specialised(list_spheres)
+def _list_spheres(world, seen):
+    if _rotate(world):
+        return lambda world, seen: multisphere_motion.list_spheres(world, seen)
+    return lambda world, seen: motion.note_seen(world, seen)
+
+
+@specialised(place_near_walls)
+def _place_near_walls(world, skin, shift):
+    if _rotate(world):
+        return lambda world, skin, shift: multisphere_motion.place_near_walls(world, skin, shift)
+    return lambda world, skin, shift: None
 
 
 @substituted(find_pairs)
 def _find_pairs(world):
-    if _of_many_spheres(world):
+    if _rotate(world):
         return lambda world: contact_models.acting_pairs(world)
-    return lambda world: touching.touching_pairs(
+    return lambda world: touching_pairs(
         world.spheres, world.close, world.counts[CLOSE], world.block
     )
 
 
 @substituted(find_at_wall)
 def _find_at_wall(world, w):
-    if _of_many_spheres(world):
+    if _rotate(world):
         return lambda world, w: contact_models.acting_at_wall(world, w)
-    return lambda world, w: touching.touching_wall(
-        world.spheres, world.walls, world.wall, w, world.block
-    )
+    return lambda world, w: touching_wall(world.spheres, world.walls, world.wall, w, world.block)
 
 
 @substituted(move)
 def _move(world, shift):
-    if _of_many_spheres(world):
+    if _rotate(world):
         return lambda world, shift: multisphere_motion.move(world, shift)
     return lambda world, shift: motion.move(world, shift)
 
 
 @substituted(mean_motion)
 def _mean_motion(world, shift, row):
-    if _of_many_spheres(world):
+    if _rotate(world):
         return lambda world, shift, row: multisphere_motion.mean_motion(world, shift, row)
     return lambda world, shift, row: motion.mean_motion(world, shift, row)

@@ -1,21 +1,69 @@
-"""Neighbour search of spheres and multi-sphere particles: cells, results of a search, skins.
+"""Neighbour lists: pairs of particles that are near, then the spheres that touch or nearly do.
 
-Cells are a cubic grid over the enclosure, in which the pairs of particles that are near are found.
-Skins follow the speed, so that a list lasts for a few tens of steps whatever it is.
+The outer list holds pairs of particles; it is made with linked cells and lasts for hundreds of
+steps. From it the inner list, of pairs of spheres, is made every few tens of steps, in the way that
+goes with the particles (spheres/pairs.py, multisphere/pairs.py). What matters is how particles move
+against each other: the inner list is made again when one has left the mean motion of all by its
+margin, so that a bed that flies as one keeps its lists; the list of wall contacts when one has
+moved by its margin against the enclosure. Skins follow the speed, so that a list lasts for a few
+tens of steps whatever it is.
+
+Lists are in ascending order of the numbers of particles, then of spheres. No force depends on when
+a list was made: what does not touch is not asked.
 """
 
-from damper3d.engine.geometry import gap_of
-from damper3d.engine.state import N_HISTORY, STEP
-from granulab.contact.jit import uncounted
+import numpy as np
 
-DONE, NEAR_FULL, CLOSE_FULL, WALL_FULL, NOT_FINITE, TOO_DEEP = range(6)
-DEEPEST = 0.25  # overlap over the sum of the radii that is taken for a failure
+from damper3d.engine.geometry import copy_rows, gap_of
+from damper3d.engine.kinds import (
+    key_of,
+    know_pairs,
+    list_pairs,
+    list_spheres,
+    note_positions,
+    note_ways,
+    outer_skin,
+    place_near_walls,
+    remember_pairs,
+)
+from damper3d.engine.state import (
+    CLOSE,
+    CLOSE_FULL,
+    CLOSE_MADE,
+    CLOSE_SEARCHES,
+    CLOSE_SKIN,
+    DAMPING,
+    DEEPEST,
+    DONE,
+    HERTZ,
+    LANES,
+    MASS,
+    N_HISTORY,
+    NEAR,
+    NEAR_FULL,
+    NEAR_SEARCHES,
+    NEAR_SKIN,
+    NO_CONTACT,
+    NOT_FINITE,
+    RADIUS_I,
+    STALE_CLOSE,
+    STALE_WALL,
+    STEP,
+    TOO_DEEP,
+    WALL,
+    WALL_FULL,
+    WALL_MADE,
+    WALL_SEARCHES,
+    WALL_SKIN,
+)
+from damper3d.engine.walls import gap_to_wall, note_listed, radius_at_wall
+from granulab.contact.jit import inner, uncounted
 
 # How many steps a list should last, and by how much its skin changes where it does not. Short
 # lists are quick to pass through, long ones to make; the cost is flat about these.
 _SHORT, _LONG = 12, 40
 _GROW, _SHRINK = 1.25, 0.9
-_LEAST, _MOST = 0.002, 0.03  # of the close skin over the largest radius
+_LEAST, _MOST = 0.002, 0.03  # of the inner skin over the largest radius
 
 
 @uncounted
@@ -28,58 +76,107 @@ def adapt(counts, lengths, skin, made, largest):
         lengths[skin] = max(_SHRINK * lengths[skin], _LEAST * largest)
 
 
-@uncounted
-def copy(to, what, n):
-    """The first n numbers of an array, into another."""
-    for k in range(n):
-        to[k] = what[k]
+@inner
+def search_pairs(world, shift):
+    """Make the inner list again, after the outer one where its reach is used up; DONE, or why not.
+
+    Nothing is lost where a list is full: the caller makes it longer and comes back.
+    """
+    counts, lengths, near = world.counts, world.lengths, world.near
+    keep_histories(world)
+    adapt(counts, lengths, CLOSE_SKIN, CLOSE_MADE, world.cells.largest)
+    note_positions(world)
+    left = near_reach_left(near.now, near.place, lengths[NEAR_SKIN])
+    if not note_ways(world) or np.isnan(left):
+        return NOT_FINITE
+    if left < lengths[CLOSE_SKIN]:
+        left = lengths[NEAR_SKIN] = outer_skin(world)
+        if not search_near(world, left, shift):
+            lengths[NEAR_SKIN] = -1.0
+            return NEAR_FULL
+    n = list_pairs(world, lengths[CLOSE_SKIN], left)
+    if n < 0:
+        return CLOSE_FULL if n == -1 else TOO_DEEP
+    inherit_histories(world, n)
+    counts[CLOSE] = n
+    counts[CLOSE_SEARCHES] += 1
+    counts[STALE_CLOSE] = 0
+    counts[CLOSE_MADE] = counts[STEP]
+    list_spheres(world, world.close_seen)
+    return DONE
+
+
+@inner
+def near_reach_left(x, place, skin):
+    """The gap below which all pairs are in the outer list, by how far particles have spread [m].
+
+    NaN where a position is no longer a finite number.
+    """
+    n = len(place)
+    a = b = c = 0.0
+    for i in range(n):
+        a += x[i, 0] - place[i, 0]
+        b += x[i, 1] - place[i, 1]
+        c += x[i, 2] - place[i, 2]
+    a, b, c = a / n, b / n, c / n
+    farthest = 0.0
+    for i in range(n):
+        dx, dy, dz = x[i, 0] - place[i, 0] - a, x[i, 1] - place[i, 1] - b, x[i, 2] - place[i, 2] - c
+        square = dx * dx + dy * dy + dz * dz
+        if not square <= farthest:
+            farthest = square
+    return skin - 2.0 * np.sqrt(farthest)
+
+
+@inner
+def search_near(world, skin, shift):
+    """All pairs of particles, where they are now, with a gap below the skin; False: no room."""
+    near, counts, x = world.near, world.counts, world.near.now
+    n_particles = len(x)
+    fill_cells(world.cells, x, n_particles, shift)
+    remember_pairs(world)
+    n = 0
+    for i in range(n_particles):
+        n = pairs_of(near, world.cells, x, skin, i, n)
+        if n < 0:
+            counts[NEAR] = 0
+            return False
+    know_pairs(world, n)
+    counts[NEAR] = n
+    copy_rows(near.place, x)
+    counts[NEAR_SEARCHES] += 1
+    return True
 
 
 @uncounted
-def copy_histories(to, histories, n):
-    """The first n histories, into others."""
-    for k in range(n):
-        for h in range(N_HISTORY):
-            to[k, h] = histories[k, h]
-
-
-@uncounted
-def copy_rows(to, rows):
-    """As many rows of four as there is room for."""
-    for i in range(len(to)):
-        for c in range(4):
-            to[i, c] = rows[i, c]
-
-
-@uncounted
-def fill_cells(cells, x, n_spheres, shift):
-    """Sort the spheres into cells; those outside the grid go into the nearest cell."""
+def fill_cells(cells, x, n_particles, shift):
+    """Sort the particles into cells; those outside the grid go into the nearest cell."""
     nx, ny, nz = cells.shape
     n_cells = nx * ny * nz
     cells.start[:] = 0
-    for i in range(n_spheres):
+    for i in range(n_particles):
         a = min(max(int((x[i, 0] - shift[0] - cells.origin[0]) / cells.size), 0), nx - 1)
         b = min(max(int((x[i, 1] - shift[1] - cells.origin[1]) / cells.size), 0), ny - 1)
         c = min(max(int((x[i, 2] - shift[2] - cells.origin[2]) / cells.size), 0), nz - 1)
-        cells.of_sphere[i] = (c * ny + b) * nx + a
-        cells.start[cells.of_sphere[i] + 1] += 1
+        cells.home[i] = (c * ny + b) * nx + a
+        cells.start[cells.home[i] + 1] += 1
     for cell in range(n_cells + 1):
         cells.start[cell + 1] += cells.start[cell]
-    for i in range(n_spheres - 1, -1, -1):  # backwards: the spheres of a cell ascend
-        cell = cells.of_sphere[i]
+    for i in range(n_particles - 1, -1, -1):  # backwards: the particles of a cell ascend
+        cell = cells.home[i]
         cells.start[cell + 1] -= 1
-        cells.spheres[cells.start[cell + 1]] = i
+        cells.members[cells.start[cell + 1]] = i
 
 
 @uncounted
 def pairs_of(near, cells, x, skin, i, n):
     """Append the near pairs (i, j > i) in ascending order; the new length, or -1 for no room.
 
-    After fill_cells the spheres of a cell stand between its own entry of `start`, shifted by one,
+    After fill_cells the particles of a cell stand between its own entry of `start`, shifted by one,
     and the next.
     """
     nx, ny, nz = cells.shape
-    cell = cells.of_sphere[i]
+    cell = cells.home[i]
     a, b, c = cell % nx, (cell // nx) % ny, cell // (nx * ny)
     begin = n
     for cc in range(max(c - 1, 0), min(c + 2, nz)):
@@ -87,14 +184,129 @@ def pairs_of(near, cells, x, skin, i, n):
             row = (cc * ny + bb) * nx
             first, last = row + max(a - 1, 0), row + min(a + 1, nx - 1)
             for k in range(cells.start[first + 1], cells.start[last + 2]):
-                j = cells.spheres[k]
+                j = cells.members[k]
                 if j > i and gap_of(x, i, j) < skin:
                     if n == len(near.j):
                         return -1
-                    at = n  # insertion: a sphere has a handful of neighbours
+                    at = n  # insertion: a particle has a handful of neighbours
                     while at > begin and near.j[at - 1] > j:
                         near.j[at] = near.j[at - 1]
                         at -= 1
                     near.i[n], near.j[at] = i, j
                     n += 1
+    return n
+
+
+@inner
+def keep_histories(world):
+    """Remember the histories of the pairs in contact, as the inner list is given up.
+
+    By keys that ascend as the pairs are listed: by pair of particles, then by sphere.
+    """
+    close, kept, counts = world.close, world.kept, world.counts
+    if counts[CLOSE] == 0:
+        return  # there was no room, or a state was put back: they are remembered already
+    n = 0
+    for m in range(counts[CLOSE]):
+        if close.history[m, DAMPING] >= 0.0:
+            kept.key[n] = key_of(world.shape, len(world.near.place), close.i[m], close.j[m])
+            for h in range(N_HISTORY):
+                kept.history[n, h] = close.history[m, h]
+            n += 1
+    kept.number[0] = n
+    counts[CLOSE] = 0
+
+
+@inner
+def inherit_histories(world, n_pairs):
+    """Give the pairs of the list the histories that are remembered; both ascend by their keys."""
+    close, kept = world.close, world.kept
+    old = 0
+    for n in range(n_pairs):
+        for h in range(N_HISTORY):
+            close.history[n, h] = 0.0
+        close.history[n, DAMPING] = NO_CONTACT
+    for n in range(n_pairs):
+        if old == kept.number[0]:
+            break
+        key = key_of(world.shape, len(world.near.place), close.i[n], close.j[n])
+        while old < kept.number[0] and kept.key[old] < key:
+            old += 1
+        if old < kept.number[0] and kept.key[old] == key:
+            for h in range(N_HISTORY):
+                close.history[n, h] = kept.history[old, h]
+    kept.number[0] = 0
+
+
+@inner
+def search_walls(world, shift):
+    """Make the list of wall contacts again, wall by wall; DONE, or why not.
+
+    Only particles whose bounding sphere is near a wall are looked at. How far one may go before the
+    list is made again is its gap to the nearest wall that it is not listed with, at least the skin.
+    """
+    walls, counts, lengths, x = world.walls, world.counts, world.lengths, world.near.now
+    note_positions(world)
+    adapt(counts, lengths, WALL_SKIN, WALL_MADE, world.cells.largest)
+    store_wall_history(world.wall, walls, counts)
+    skin, leeway = lengths[WALL_SKIN], world.wall_seen.leeway
+    place_near_walls(world, skin, shift)
+    leeway[:] = np.inf
+    n = np.int64(0)
+    for w in range(len(walls.force)):
+        walls.first[w] = n
+        for b in range(len(leeway)):
+            gap = gap_to_wall(walls, x, w, b, shift)
+            leeway[b] = min(leeway[b], max(gap, skin))
+            if gap < skin:
+                n = contacts_of_wall(world, w, b, shift, n)
+                if n < 0:
+                    return WALL_FULL if n == -1 else TOO_DEEP
+    walls.first[len(walls.force)] = counts[WALL] = n
+    counts[WALL_SEARCHES] += 1
+    counts[STALE_WALL] = 0
+    counts[WALL_MADE] = counts[STEP]
+    note_listed(world, leeway)
+    list_spheres(world, world.wall_seen)
+    for c in range(3):
+        world.wall_seen.drift[c] = shift[c]
+    return DONE
+
+
+@inner
+def store_wall_history(wall, walls, counts):
+    """Put the histories of the wall contacts back into the walls' own table."""
+    if counts[WALL] > 0:
+        for w in range(len(walls.force)):
+            for n in range(walls.first[w], walls.first[w + 1]):
+                for h in range(N_HISTORY):
+                    walls.history[w, wall.i[n], h] = wall.history[n, h]
+    counts[WALL] = 0
+    walls.first[:] = 0
+
+
+@inner
+def contacts_of_wall(world, w, b, shift, n):
+    """Append the spheres of particle b that touch wall w or nearly do; the new length.
+
+    -1 if there is no room, -2 if a sphere is half outside.
+    """
+    wall, walls, spheres, x = world.wall, world.walls, world.spheres, world.spheres.position
+    m, skin = len(spheres.inverse_mass), world.lengths[WALL_SKIN]
+    size = m // len(world.near.place)
+    for i in range(b * size, (b + 1) * size):
+        gap = gap_to_wall(walls, x, w, i, shift)
+        if gap < skin or walls.history[w, i, DAMPING] >= 0.0:
+            if not gap >= -2.0 * DEEPEST * x[i, 3]:
+                return -2
+            if n + LANES >= len(wall.i):
+                return -1
+            wall.i[n], wall.j[n], wall.group[n] = i, m, b  # row m is the enclosure
+            wall.reach[n] = wall.constants[n, RADIUS_I] = x[i, 3]
+            hertz = world.wall_law.hertz * np.sqrt(radius_at_wall(walls, x, w, i, shift))
+            wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
+            wall.constants[n, MASS] = wall.whole[n, 1] = 1.0 / spheres.inverse_mass[i]
+            for h in range(N_HISTORY):
+                wall.history[n, h] = walls.history[w, i, h]
+            n += 1
     return n

@@ -6,7 +6,6 @@ from damper3d.engine.forces import contact_law, meet_wall, surface_motion, witho
 from damper3d.engine.geometry import between_spheres, place
 from damper3d.engine.integrate import advance, enclosure_at
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
-from damper3d.engine.neighbours import DONE
 from damper3d.engine.simd import gather
 from damper3d.engine.state import (
     BLOCK,
@@ -14,6 +13,7 @@ from damper3d.engine.state import (
     CONTACTS_PW,
     DAMPING,
     DISPLACEMENT,
+    DONE,
     ELASTIC_NORMAL,
     ELASTIC_TANGENTIAL,
     HERTZ,

@@ -1,15 +1,22 @@
 """A bed of particles in motion: the only caller of the kernels."""
 
 import hashlib
-from typing import Any
 
 import numpy as np
 
 from damper3d.engine import sampling, state
 from damper3d.engine.integrate import advance, enclosure_at, search
-from damper3d.engine.neighbours import CLOSE_FULL, DONE, NEAR_FULL, NOT_FINITE, TOO_DEEP, WALL_FULL
 from damper3d.engine.records import CLASSES, MECHANISMS
-from damper3d.engine.world import roomier
+from damper3d.engine.state import (
+    CLOSE_FULL,
+    DONE,
+    NEAR_FULL,
+    NOT_FINITE,
+    TOO_DEEP,
+    WALL_FULL,
+    World,
+)
+from damper3d.engine.world import kind_of, roomier
 from granulab.errors import SimulationError
 
 # Of each class in the kernels' books, in their order (state.py).
@@ -36,21 +43,25 @@ _COLUMNS = {
 
 
 class Simulation:
-    """A world of balls, and what one may ask of it.
+    """A world of particles, and what one may ask of it.
 
     Positions that it gives are relative to the enclosure.
     """
 
-    _MOTION: tuple[str, ...] = ("position", "velocity", "spin")  # of the bodies, as saved
-
-    def __init__(self, world: Any, steps_per_sample: int = 1) -> None:
+    def __init__(self, world: World, steps_per_sample: int = 1) -> None:
         self.world = world
         self.steps_per_sample = steps_per_sample
+        self._kind = kind_of(world)
 
     @property
     def n_bodies(self) -> int:
         """Return how many particles there are."""
         return len(self.world.bodies.inverse_mass)
+
+    @property
+    def n_spheres(self) -> int:
+        """Of each particle."""
+        return len(self.world.spheres.inverse_mass) // self.n_bodies
 
     @property
     def steps(self) -> int:
@@ -129,7 +140,7 @@ class Simulation:
     def _answer(self, outcome: int) -> None:
         """Give a search the room that it lacked, or raise what is wrong."""
         if outcome in _FULL:
-            self.world = self._roomier(_FULL[outcome])
+            self.world = roomier(self.world, _FULL[outcome])
         elif outcome == NOT_FINITE:
             raise self.failure("a position is no longer a finite number")
         elif outcome == TOO_DEEP:
@@ -148,22 +159,26 @@ class Simulation:
     def frame(self) -> dict[str, np.ndarray]:
         """The particles now: x (n, 3) in the enclosure [m], v (n, 3) in the laboratory [m/s].
 
-        Also spin (n, 3) [rad/s] and heat (n,) [J], half of what their contacts dissipated so far.
+        Also spin (n, 3) [rad/s], heat (n,) [J], half of what their contacts dissipated so far, and
+        of multi-sphere particles the orientations (n, 4), unit quaternions (w, x, y, z).
         """
-        spheres = self.world.spheres
-        shift = np.array(self._shift())
-        n = self.n_bodies
+        moving, n = self._kind.moving(self.world), self.n_bodies
+        turned = {name: moving[name].copy() for name in ("orientation",) if name in moving}
         return {
-            "x": spheres.position[:n, :3] - shift,
-            "v": spheres.velocity[:n, :3].copy(),
-            "spin": spheres.spin[:n, :3].copy(),
-            "heat": self.world.bodies.heat[:n].copy(),
+            "x": moving["position"][:, :3] - np.array(self._shift()),
+            "v": moving["velocity_now"][:, :3].copy(),
+            "spin": self._kind.spin_now(self.world)[:, :3].copy(),
+            **turned,
+            "heat": self.world.bodies.heat[:-1].reshape(n, self.n_spheres).sum(axis=1),
         }
 
     def contacts(self) -> dict[str, np.ndarray]:
         """The n contacts of now, with the forces that the next step will apply.
 
+        Contacts are those of spheres: two multi-sphere particles may have several.
+
         bodies     (n, 2) particles, then walls (numbered after them)
+        spheres    (n, 2) which of their spheres touch; 0 of a wall
         force      (n, 3) on the second [N]; the first takes its opposite
         normal     (n, 3) unit vector towards the second
         point      (n, 3) where the force acts, in the laboratory [m]
@@ -171,11 +186,14 @@ class Simulation:
         """
         self.refresh()
         most = int(self.world.counts[state.CLOSE] + self.world.counts[state.WALL])
-        bodies = np.zeros((most, 2), np.uint32)
+        spheres = np.zeros((most, 2), np.uint32)
         numbers = np.zeros((most, sampling.N_CONTACT_COLUMNS))
-        n = sampling.list_contacts(self.world, bodies, numbers)
+        n = sampling.list_contacts(self.world, spheres, numbers)
+        which, k, m = spheres[:n].astype(np.int64), self.n_spheres, self.n_bodies * self.n_spheres
+        of_wall = which >= m
         return {
-            "bodies": bodies[:n],
+            "bodies": np.where(of_wall, which - m + self.n_bodies, which // k).astype(np.uint32),
+            "spheres": np.where(of_wall, 0, which % k).astype(np.uint32),
             "force": numbers[:n, sampling.FORCE : sampling.NORMAL],
             "normal": numbers[:n, sampling.NORMAL : sampling.POINT],
             "point": numbers[:n, sampling.POINT : sampling.OVERLAP],
@@ -184,14 +202,15 @@ class Simulation:
 
     def top(self, up: np.ndarray) -> float:
         """The largest up . x of any particle's surface, in the enclosure [m]; up (3,) is a unit."""
-        return float((self.frame()["x"] @ up).max()) + float(self.world.spheres.position[0, 3])
+        return float((self.frame()["x"] @ up + self._kind.extents(self.world, up)).max())
 
     def set_velocity(self, velocity: np.ndarray, spin: np.ndarray | None = None) -> None:
-        """Give the particles velocities (n, 3) [m/s], and spins (n, 3) [rad/s]."""
-        for arrays in (self.world.bodies, self.world.spheres):
-            arrays.velocity[: self.n_bodies, :3] = velocity
-            if spin is not None:
-                arrays.spin[: self.n_bodies, :3] = spin
+        """Give the particles velocities (n, 3) [m/s], and spins (n, 3) [rad/s], both of now."""
+        moving = self._kind.moving(self.world)
+        moving["velocity"][:, :3] = moving["velocity_now"][:, :3] = velocity
+        if spin is not None:
+            self._kind.set_spin(self.world, spin)
+        self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1  # spheres have velocities too
 
     def save(self) -> dict[str, np.ndarray]:
         """All that is needed to go on with the same bits, as arrays.
@@ -218,14 +237,7 @@ class Simulation:
         }
 
     def _save_bodies(self) -> dict[str, np.ndarray]:
-        world, n = self.world, self.n_bodies
-        return {
-            "position": world.spheres.position[:n].copy(),
-            "velocity_now": world.spheres.velocity[:n].copy(),
-            "spin_now": world.spheres.spin[:n].copy(),
-            "velocity": world.bodies.velocity.copy(),
-            "spin": world.bodies.spin.copy(),
-        }
+        return {name: array.copy() for name, array in self._kind.moving(self.world).items()}
 
     def restore(self, saved: dict[str, np.ndarray]) -> None:
         """Put back what `save` gave."""
@@ -246,25 +258,23 @@ class Simulation:
         world.fastest[:] = saved["fastest"]
 
     def _restore_bodies(self, saved: dict[str, np.ndarray]) -> None:
-        spheres, n = self.world.spheres, self.n_bodies
-        spheres.position[:n] = saved["position"]
-        spheres.velocity[:n] = saved["velocity_now"]
-        spheres.spin[:n] = saved["spin_now"]
-        for name in ("velocity", "spin"):
-            getattr(self.world.bodies, name)[:] = saved[name]
+        for name, array in self._kind.moving(self.world).items():
+            array[:] = saved[name]
+        self._kind.settle(self.world)
 
     def _restore_pairs(self, pairs: np.ndarray, histories: np.ndarray) -> None:
-        """Give the next list the pairs in contact (n, 2) and their histories."""
-        while len(self.world.near.j) < len(pairs):
-            self.world = self._roomier("near")
-        near, n = self.world.near, len(pairs)
-        near.i[:n], near.j[:n] = pairs.T
-        near.history[:n] = histories
-        near.first[:] = np.searchsorted(pairs[:, 0], np.arange(self.n_bodies + 1))
-        self.world.counts[state.NEAR] = n
+        """Give the next list the pairs in contact (n, 2) and their histories.
 
-    def _roomier(self, lists: str) -> Any:
-        return roomier(self.world, lists)
+        Their keys are those of kinds.key_of, which only kernels can call.
+        """
+        while len(self.world.kept.key) < len(pairs):
+            self.world = roomier(self.world, "close")
+        kept, n, k = self.world.kept, len(pairs), self.n_spheres
+        spheres = pairs.astype(np.int64)
+        (i, j), (a, b) = spheres.T, (spheres // k).T
+        kept.key[:n] = ((a * self.n_bodies + b) * k + (i - a * k)) * k + (j - b * k)
+        kept.history[:n] = histories
+        kept.number[0] = n
 
     def begin_phase(self, **changes) -> None:
         """Change fields of the world (shaker, gravity, time_step, laws); clock and books start.
@@ -284,9 +294,13 @@ class Simulation:
         """Hash of positions, velocities and the histories of the contacts."""
         saved = self.save()
         text = hashlib.sha256()
-        for name in (*self._MOTION, "pairs", "springs", "wall_pairs", "wall_springs"):
+        for name in (*self._moved(), "pairs", "springs", "wall_pairs", "wall_springs"):
             text.update(np.ascontiguousarray(saved[name]).tobytes())
         return text.hexdigest()[:16]
+
+    def _moved(self) -> list[str]:
+        """The saved arrays that say how the particles move; the others follow from them."""
+        return [name for name in self._kind.moving(self.world) if not name.endswith("_now")]
 
 
 def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:

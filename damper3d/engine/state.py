@@ -1,13 +1,16 @@
-"""The arrays that the kernels work on: bodies, spheres, walls, lists of contacts, books.
+"""The arrays that the kernels work on: particles, spheres, walls, lists of contacts, balance.
 
-What moves is a body, what touches is a sphere: a particle is a rigid cluster of spheres, and a
-sphere is a cluster of one, whose centre is its body's. Vectors stand in rows of four numbers; the
-fourth of a position is the radius, so that one load brings all, that of others stays zero.
+What moves is a particle, what touches is a sphere: sphere s of particle b has the number b k + s, k
+spheres a particle. The type of World.shape says which particles they are: spheres, each its own
+centre (spheres/), or multi-sphere particles, all alike, that rotate (multisphere/). Vectors stand
+in rows of four numbers; the fourth of a position is the radius, so that one load brings all, that
+of others stays zero.
 
 Positions and velocities are those of the laboratory: the enclosure's own frame (its bottom's
 centre is the origin, z its axis) plus the displacement of the enclosure.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,6 +41,10 @@ SPRING_X, SPRING_Y, SPRING_Z, MOVED_X, MOVED_Y, MOVED_Z, STIFFNESS, DAMPING = ra
 N_HISTORY = 8
 NO_CONTACT = -1.0
 
+# How a search ends.
+DONE, NEAR_FULL, CLOSE_FULL, WALL_FULL, NOT_FINITE, TOO_DEEP = range(6)
+DEEPEST = 0.25  # overlap over the sum of the radii that is taken for a failure
+
 # Columns of a sample; the energies and then the forces on the walls follow.
 (
     TIME, DISPLACEMENT, VELOCITY, KINETIC, POTENTIAL, ELASTIC_NORMAL, ELASTIC_TANGENTIAL,
@@ -50,15 +57,22 @@ BLOCK = 32  # contacts that the force pass works on at once: what it finds stays
 
 LANES = 8  # the vectorised passes go on to a whole number of these: the lists have as much room
 
+_LINE = 8  # numbers in a line of the cache
 
-class Bodies(NamedTuple):
-    """Rigid bodies, (n, 4) or (n,); velocities are half a step behind the positions."""
 
-    velocity: np.ndarray  # [m/s]
-    spin: np.ndarray  # [rad/s]
-    inverse_mass: np.ndarray  # (n,) [1/kg]
-    inverse_inertia: np.ndarray  # (n,) of a sphere, about any axis [1/(kg m2)]
-    heat: np.ndarray  # (n + 1,) half of what each contact dissipated; the enclosure's last [J]
+def zeros(*shape: int) -> np.ndarray:
+    """Zeros that begin at a cache line: what lies across two of them costs double to load."""
+    size = math.prod(shape)
+    room = np.zeros(size + _LINE)
+    begin = (-room.ctypes.data // room.itemsize) % _LINE
+    return room[begin : begin + size].reshape(shape)
+
+
+def no_history(*shape: int) -> np.ndarray:
+    """Histories of contacts that there are not."""
+    history = zeros(*shape, N_HISTORY)
+    history[..., DAMPING] = NO_CONTACT
+    return history
 
 
 class Spheres(NamedTuple):
@@ -76,34 +90,45 @@ class Spheres(NamedTuple):
 
 
 class Near(NamedTuple):
-    """Pairs of spheres i < j that may come close, ascending, and where the spheres were then."""
+    """The outer list: pairs of particles i < j that may come close, ascending."""
 
     i: np.ndarray  # (capacity,) uint32
     j: np.ndarray  # (capacity,) uint32
-    reach: np.ndarray  # (capacity,) sum of the radii [m]
-    hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
-    mass: np.ndarray  # (capacity,) reduced mass [kg]
-    gap: np.ndarray  # (capacity,) between the surfaces, when the close list was made [m]
-    history: np.ndarray  # (capacity, N_HISTORY), up to date while there is no close list
-    first: np.ndarray  # (m + 1,) where the pairs of each sphere i begin
-    old_j: np.ndarray  # the previous list, while a new one is made
-    old_history: np.ndarray
-    old_first: np.ndarray
-    place: np.ndarray  # (m, 4) positions when the list was made [m]
+    now: np.ndarray  # (n, 4) positions of the particles at a search, and bounding radii [m]
+    place: np.ndarray  # (n, 4) those when the list was made
 
 
 class Contacts(NamedTuple):
-    """Pairs that touch or nearly do, of spheres, or of spheres and walls."""
+    """The inner list: pairs that touch or nearly do, of spheres, or of spheres and walls.
+
+    The pairs of a group are of the same two particles, or of a particle with the same wall.
+    """
 
     i: np.ndarray  # (capacity,) uint32, sphere
     j: np.ndarray  # (capacity,) uint32, sphere; of a wall contact the enclosure's row
-    near: np.ndarray  # (capacity,) uint32, index in the near list; unused for walls
+    group: np.ndarray  # (capacity,) uint32, index in the outer list, or number of the particle
     reach: np.ndarray  # (capacity,) sum of the radii [m]
     constants: np.ndarray  # (capacity, N_CONSTANTS)
+    whole: np.ndarray  # (capacity, 2) Hertz constant and mass of a contact that shares with others
     history: np.ndarray  # (capacity, N_HISTORY)
     touching: np.ndarray  # (capacity,) uint32, those of them that touch or did a step ago
-    place: np.ndarray  # (m, 4) positions when the list was made [m]
-    drift: np.ndarray  # (4,) mean velocity of the spheres then [m/s]; of walls: where they were
+
+
+class Seen(NamedTuple):
+    """Positions of the particles when an inner list was made."""
+
+    place: np.ndarray  # (n, 4) [m]
+    turn: np.ndarray  # (n, 4) orientation; (0, 4) of spheres
+    leeway: np.ndarray  # (n,) how far a particle may go before the list no longer holds [m]
+    drift: np.ndarray  # (4,) mean velocity then [m/s]; of walls: where they were [m]
+
+
+class Kept(NamedTuple):
+    """Histories of pairs in contact, while the inner list is made again."""
+
+    number: np.ndarray  # (1,) how many
+    key: np.ndarray  # (capacity,) see neighbours.keep_histories; ascending
+    history: np.ndarray  # (capacity, N_HISTORY)
 
 
 class Walls(NamedTuple):
@@ -148,11 +173,11 @@ class Block(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Cubic cells over the enclosure, for the search of near pairs."""
+    """Cubic cells over the enclosure, for the search of pairs of particles."""
 
-    start: np.ndarray  # (n_cells + 2,) where the spheres of a cell begin is entry cell + 1
-    spheres: np.ndarray  # (m,) sphere numbers, cell by cell
-    of_sphere: np.ndarray  # (m,)
+    start: np.ndarray  # (n_cells + 2,) where the particles of a cell begin is entry cell + 1
+    members: np.ndarray  # (n,) numbers of particles, cell by cell
+    home: np.ndarray  # (n,) cell of each particle
     size: float  # [m]
     shape: tuple[int, int, int]
     origin: tuple[float, float, float]  # in the enclosure's frame [m]
@@ -162,12 +187,16 @@ class Cells(NamedTuple):
 class World(NamedTuple):
     """Everything that the step loop works on."""
 
-    bodies: Bodies
+    shape: Any  # spheres.particles.OneSphere or multisphere.particles.ManySpheres
+    bodies: Any  # spheres.particles.Bodies or multisphere.particles.Rigid
     spheres: Spheres
     cells: Cells
     near: Near
     close: Contacts
+    close_seen: Seen
     wall: Contacts
+    wall_seen: Seen
+    kept: Kept
     walls: Walls
     block: Block
     counts: np.ndarray  # (N_COUNTS,) int64

@@ -11,8 +11,9 @@ import numpy as np
 from numba import types
 
 from damper3d.engine.enclosures import nearest_of
-from damper3d.engine.geometry import to_plane, vector, wall_contact
-from damper3d.engine.state import STALE_WALL, WALL_SKIN
+from damper3d.engine.geometry import note_touching, to_plane, vector, wall_contact
+from damper3d.engine.simd import separate, whole
+from damper3d.engine.state import BLOCK, STALE_WALL, WALL_SKIN
 from granulab.contact.jit import inlined, inlined_inner, specialised, uncounted
 
 # The servo of one wall: which, whether it is on; its target [N], viscosity [N s/m], speed limit.
@@ -158,6 +159,18 @@ def clear_of_wall(walls, w, contacts, begin, n_contacts, block):
             x, y, z = vector(block.separation, k)
             distance = nearest(walls.surface, w - len(walls.planes), -x, -y, -z)[0]
             block.clearance[k] = distance - contacts.reach[np.uintp(begin) + k]
+
+
+@inlined
+def touching_wall(spheres, walls, contacts, w, block):
+    """Let `touching` name the listed contacts with wall w that touch it; how many there are."""
+    found = np.int64(0)
+    for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
+        n = min(walls.first[w + 1] - begin, BLOCK)
+        separate(spheres, contacts, begin, n, block)
+        clear_of_wall(walls, w, contacts, begin, whole(n), block)
+        found = note_touching(contacts, begin, n, block, found)
+    return found
 
 
 @specialised(drive_walls)

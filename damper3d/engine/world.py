@@ -1,24 +1,38 @@
-"""Builds the arrays of a world from spheres, an enclosure, laws and motion; makes lists longer."""
+"""Builds the arrays of a world from particles, an enclosure, laws and motion; lengthens lists."""
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from damper3d.engine import state
 from damper3d.engine.enclosures import Enclosure
-from damper3d.engine.state import Block, Bodies, Cells, Contacts, Near, Spheres, Walls, World
+from damper3d.engine.multisphere import particles as many_spheres
+from damper3d.engine.multisphere.particles import ManySpheres, Particle
+from damper3d.engine.spheres import particles as one_sphere
+from damper3d.engine.state import (
+    Block,
+    Cells,
+    Contacts,
+    Kept,
+    Near,
+    Seen,
+    Spheres,
+    Walls,
+    World,
+    no_history,
+    zeros,
+)
 from granulab.contact.hertz import HertzLaw
 
-_FIRST_SKIN = 0.01  # close skin over the largest radius, before it follows the speed
-_LINE = 8  # numbers in a line of the cache
-_WIDEST_NEAR_SKIN = 0.3  # of the near skin over the largest radius, for which the cells are made
+_FIRST_SKIN = 0.01  # inner skin over the largest radius, before it follows the speed
+_WIDEST_NEAR_SKIN = 0.3  # of the outer skin over the bounding radius, for which cells are made
 
 
 def build_world(
     positions: np.ndarray,
-    radii: np.ndarray,
+    particles: np.ndarray | Particle,
+    orientations: np.ndarray | None = None,
     *,
     density: float,
     enclosure: Enclosure,
@@ -29,61 +43,115 @@ def build_world(
     gravity: np.ndarray,
     time_step: float,
     curved_wall: bool = False,
+    treatment: str = "sum",
 ) -> World:
-    """A world of n solid spheres at rest in an enclosure that is about to move.
+    """A world of n particles at rest in an enclosure that is about to move.
 
-    positions (n, 3) in the enclosure's frame [m]; radii (n,) [m]; density [kg/m3]; shaker: the
-    numbers of a registered motion, along the unit vector direction (3,); gravity (3,) [m/s2];
-    time_step [s].
+    positions (n, 3) in the enclosure's frame [m]; particles: radii (n,) of solid spheres [m], or a
+    multi-sphere particle, of which all are; orientations (n, 4) of such, unit quaternions
+    (w, x, y, z), of no rotation if left out; density [kg/m3]; shaker: the numbers of a registered
+    motion, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s]; treatment of
+    several contacts of two particles: one of multisphere.particles.TREATMENTS.
     """
-    n, largest = len(positions), float(radii.max())
-    mass = density * 4.0 / 3.0 * math.pi * radii**3
-    spheres = spheres_of(radii, mass)
-    spheres.position[:n, :3] = positions
-    return World(
-        bodies=_bodies(radii, mass),
+    n = len(positions)
+    if isinstance(particles, np.ndarray):
+        k, pairs, radii, bounding = 1, 8 * n + 64, particles, float(particles.max())
+        at_walls = 8 * (n // 2) + 64
+        shape: Any = one_sphere.known_pairs(0)
+        bodies: Any = one_sphere.bodies(radii, density)
+        spheres = _spheres(radii, bodies.inverse_mass)
+        spheres.position[:n, :3] = positions
+    else:
+        k, bounding = len(particles.radii), particles.bounding_radius
+        pairs = at_walls = 16 * n + 16 * k + 64
+        radii = np.tile(particles.radii, n)
+        shape = many_spheres.shape_of(particles, density, n, treatment)
+        bodies = many_spheres.bodies(positions, orientations, particles, density)
+        spheres = _spheres(radii, np.repeat(bodies.inverse_mass, k))
+    largest = float(radii.max())
+    built = World(
+        shape=shape,
+        bodies=bodies,
         spheres=spheres,
-        cells=cells_over(enclosure, n, largest),
-        near=_near(n, 16 * n + 64),
-        close=contacts_with_room(n, 8 * n + 64),
-        wall=contacts_with_room(n, 8 * (n // 2) + 64),
-        walls=walls_of(enclosure, n, curved_wall),
+        cells=_cells_over(enclosure, n, bounding, largest),
+        near=_near(n, 0),
+        close=contacts_with_room(0),
+        close_seen=_seen(n, shape),
+        wall=contacts_with_room(0),
+        wall_seen=_seen(n, shape),
+        kept=_kept(0),
+        walls=walls_of(enclosure, n * k, curved_wall),
         block=block(),
-        counts=first_counts(),
+        counts=_first_counts(),
         books=np.zeros(state.N_BOOKS),
         fastest=np.zeros(2),
-        lengths=first_skins(largest),
+        lengths=_first_skins(largest),
         pair_law=pair_law,
         wall_law=wall_law,
         shaker=shaker,
-        direction=padded(direction),
-        gravity=padded(gravity),
+        direction=_padded(direction),
+        gravity=_padded(gravity),
         time_step=time_step,
     )
+    built = with_room(built, near=16 * n + 64, close=pairs, wall=at_walls)
+    kind_of(built).settle(built)
+    return built
 
 
-def spheres_of(radii: np.ndarray, mass: np.ndarray) -> Spheres:
-    """Spheres at the origin and at rest; mass (n,) is that of the body of each [kg]."""
-    n = len(radii)
+def kind_of(world: World) -> Any:
+    """Return the module of the particles of a world: spheres.particles, multisphere.particles."""
+    return many_spheres if isinstance(world.shape, ManySpheres) else one_sphere
+
+
+def with_room(world: World, **capacities: int) -> World:
+    """The world whose lists "near", "close" and "wall" have such capacities, where they are named.
+
+    What they hold is kept.
+    """
+    n = len(world.near.place)
+    shape, made = world.shape, {}
+    for lists, capacity in capacities.items():
+        if lists == "near":
+            made[lists] = _refilled(_near(n, capacity), world.near)
+            known = kind_of(world).known_pairs(capacity)
+            if isinstance(shape, ManySpheres):
+                shape = shape._replace(pairs=_refilled(known, shape.pairs))
+            else:
+                shape = _refilled(known, shape)
+        else:
+            made[lists] = _refilled(contacts_with_room(capacity), getattr(world, lists))
+    world = world._replace(**made)
+    room = len(world.close.i)
+    if isinstance(shape, ManySpheres):
+        depth = np.zeros(max(room, len(world.wall.i)))
+        shape = shape._replace(scratch=shape.scratch._replace(depth=depth))
+    return world._replace(shape=shape, kept=_refilled(_kept(room), world.kept))
+
+
+def roomier(world: World, lists: str) -> World:
+    """The world with a list, "near", "close" or "wall", of twice the capacity."""
+    return with_room(world, **{lists: 2 * len(getattr(world, lists).i)})
+
+
+def _refilled(new: Any, old: Any) -> Any:
+    """Arrays with what old ones hold, of another length, as far as there is room for it."""
+    for other, array in zip(new, old, strict=True):
+        common = tuple(slice(0, min(a, b)) for a, b in zip(other.shape, array.shape, strict=True))
+        other[common] = array[common]
+    return new
+
+
+def _spheres(radii: np.ndarray, inverse_mass: np.ndarray) -> Spheres:
+    """Spheres at the origin and at rest; inverse_mass (m,) is that of the particle of each."""
+    m = len(radii)
     rows = ("position", "velocity", "spin", "force", "torque")
-    spheres = Spheres(**{name: zeros(n + 1, 4) for name in rows}, inverse_mass=1.0 / mass)
-    spheres.position[:n, 3] = radii
+    spheres = Spheres(**{name: zeros(m + 1, 4) for name in rows}, inverse_mass=inverse_mass)
+    spheres.position[:m, 3] = radii
     return spheres
 
 
-def _bodies(radii: np.ndarray, mass: np.ndarray) -> Bodies:
-    n = len(radii)
-    return Bodies(
-        velocity=zeros(n, 4),
-        spin=zeros(n, 4),
-        inverse_mass=1.0 / mass,
-        inverse_inertia=1.0 / (0.4 * mass * radii**2),
-        heat=np.zeros(n + 1),
-    )
-
-
-def walls_of(enclosure: Enclosure, n: int, curved: bool) -> Walls:
-    """The walls of an enclosure that n spheres may touch and none does yet."""
+def walls_of(enclosure: Enclosure, m: int, curved: bool) -> Walls:
+    """The walls of an enclosure that m spheres may touch and none does yet."""
     n_walls = len(enclosure.wall_names)
     return Walls(
         planes=enclosure.planes,
@@ -92,18 +160,18 @@ def walls_of(enclosure: Enclosure, n: int, curved: bool) -> Walls:
         curved=curved,
         first=np.zeros(n_walls + 1, np.int64),
         force=np.zeros((n_walls, 3)),
-        history=no_history(n_walls, n),
+        history=no_history(n_walls, m),
     )
 
 
-def first_counts() -> np.ndarray:
+def _first_counts() -> np.ndarray:
     """The counts of a world whose lists are still to be made."""
     counts = np.zeros(state.N_COUNTS, np.int64)
     counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
     return counts
 
 
-def first_skins(largest: float) -> np.ndarray:
+def _first_skins(largest: float) -> np.ndarray:
     """The lengths of such a world, from the radius of its largest sphere [m]."""
     skins = np.zeros(state.N_LENGTHS)
     skins[[state.CLOSE_SKIN, state.WALL_SKIN]] = _FIRST_SKIN * largest
@@ -111,35 +179,20 @@ def first_skins(largest: float) -> np.ndarray:
     return skins
 
 
-def padded(vector: np.ndarray) -> np.ndarray:
+def _padded(vector: np.ndarray) -> np.ndarray:
     """A vector (3,) as the kernels load it, (4,)."""
     return np.append(np.asarray(vector, float), 0.0)
 
 
-def zeros(*shape: int) -> np.ndarray:
-    """Zeros that begin at a cache line: what lies across two of them costs double to load."""
-    size = math.prod(shape)
-    room = np.zeros(size + _LINE)
-    begin = (-room.ctypes.data // room.itemsize) % _LINE
-    return room[begin : begin + size].reshape(shape)
-
-
-def no_history(*shape: int) -> np.ndarray:
-    """Histories of contacts that there are not."""
-    history = zeros(*shape, state.N_HISTORY)
-    history[..., state.DAMPING] = state.NO_CONTACT
-    return history
-
-
-def cells_over(enclosure: Enclosure, n: int, largest: float) -> Cells:
-    """Cells over the enclosure that are wide enough for the widest near skin."""
-    size = (2.0 + _WIDEST_NEAR_SKIN) * largest
+def _cells_over(enclosure: Enclosure, n: int, bounding: float, largest: float) -> Cells:
+    """Cells over the enclosure that are wide enough for the widest outer skin."""
+    size = (2.0 + _WIDEST_NEAR_SKIN) * bounding
     inside = (enclosure.width, enclosure.depth, enclosure.height)
     a, b, c = (max(math.ceil(length / size), 1) for length in inside)
     return Cells(
         start=np.zeros(a * b * c + 2, np.int64),
-        spheres=np.zeros(n, np.int64),
-        of_sphere=np.zeros(n, np.int64),
+        members=np.zeros(n, np.int64),
+        home=np.zeros(n, np.int64),
         size=size,
         shape=(a, b, c),
         origin=(-0.5 * enclosure.width, -0.5 * enclosure.depth, 0.0),
@@ -148,19 +201,20 @@ def cells_over(enclosure: Enclosure, n: int, largest: float) -> Cells:
 
 
 def _near(n: int, capacity: int) -> Near:
-    return Near(
-        i=np.zeros(capacity, np.uint32),
-        j=np.zeros(capacity, np.uint32),
-        reach=zeros(capacity),
-        hertz=zeros(capacity),
-        mass=zeros(capacity),
-        gap=zeros(capacity),
-        history=no_history(capacity),
-        first=np.zeros(n + 1, np.int64),
-        old_j=np.zeros(capacity, np.uint32),
-        old_history=no_history(capacity),
-        old_first=np.zeros(n + 1, np.int64),
-        place=zeros(n, 4),
+    i, j = np.zeros(capacity, np.uint32), np.zeros(capacity, np.uint32)
+    return Near(i, j, now=zeros(n, 4), place=zeros(n, 4))
+
+
+def _seen(n: int, shape: Any) -> Seen:
+    turns = n if isinstance(shape, ManySpheres) else 0
+    return Seen(place=zeros(n, 4), turn=zeros(turns, 4), leeway=np.zeros(n), drift=np.zeros(4))
+
+
+def _kept(capacity: int) -> Kept:
+    return Kept(
+        number=np.zeros(1, np.int64),
+        key=np.zeros(capacity, np.int64),
+        history=zeros(capacity, state.N_HISTORY),
     )
 
 
@@ -172,31 +226,15 @@ def block() -> Block:
     return Block(**{name: zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields})
 
 
-def contacts_with_room(n: int, capacity: int) -> Contacts:
-    """An empty list of contacts of n spheres."""
+def contacts_with_room(capacity: int) -> Contacts:
+    """An empty list of contacts."""
     return Contacts(
         i=np.zeros(capacity, np.uint32),
         j=np.zeros(capacity, np.uint32),
-        near=np.zeros(capacity, np.uint32),
+        group=np.zeros(capacity, np.uint32),
         reach=zeros(capacity),
         constants=zeros(capacity, state.N_CONSTANTS),
+        whole=zeros(capacity, 2),
         history=no_history(capacity),
         touching=np.zeros(capacity, np.uint32),
-        place=zeros(n, 4),
-        drift=np.zeros(4),
     )
-
-
-def roomier(world: World, lists: str) -> World:
-    """The world with a list, "near", "close" or "wall", of twice the capacity."""
-    old = getattr(world, lists)
-    capacity = 2 * len(old.i)
-    make: Callable[[int, int], Any] = _near if lists == "near" else contacts_with_room
-    return world._replace(**{lists: refilled(make(len(world.near.place), capacity), old)})
-
-
-def refilled(new: Any, old: Any) -> Any:
-    """Arrays that are longer, with what the old ones hold."""
-    for longer, array in zip(new, old, strict=True):
-        longer[tuple(slice(0, size) for size in array.shape)] = array
-    return new

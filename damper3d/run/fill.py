@@ -3,18 +3,15 @@
 import math
 import time
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from damper3d.case.case import GRAVITY, DamperCase
+from damper3d.engine.growth.multisphere import grow_clusters, random_places
+from damper3d.engine.growth.spheres import grow
 from damper3d.engine.motions import at_rest
-from damper3d.engine.multisphere.growth import grow_clusters, random_places
-from damper3d.engine.multisphere.simulation import ClusterSimulation
-from damper3d.engine.multisphere.state import ClusterWorld
-from damper3d.engine.multisphere.world import build_cluster_world
 from damper3d.engine.simulation import Simulation
-from damper3d.engine.spheres.growth import grow
+from damper3d.engine.state import World
 from damper3d.engine.world import build_world
 from damper3d.run.packing import Packing, lowest, packing_fraction
 from granulab.errors import InputError
@@ -50,7 +47,7 @@ def fill(case: DamperCase, report: Report) -> Packing:
 def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray | None]:
     """Centres (count, 3) [m] and orientations (count, 4) of particles, from the case's seed.
 
-    They do not overlap. Orientations are unit quaternions, None of balls. Raises InputError where
+    They do not overlap. Orientations are unit quaternions, None of spheres. Raises InputError where
     there are too many.
     """
     rng = np.random.default_rng(case.settings.run.seed)
@@ -60,7 +57,7 @@ def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray |
         centres, reached = grow(case.enclosure, count, radius, rng)
     else:
         *places, first = random_places(case.enclosure, case.particle, count, rng)
-        world = clusters(case, *places)
+        world = resting(case, *places).world
         reached = grow_clusters(world, case.particle, first)
         centres, orientations = world.bodies.position[:, :3], world.bodies.orientation
     if reached < 1.0:
@@ -76,40 +73,33 @@ def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray |
 def resting(
     case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None = None
 ) -> Simulation:
-    """Particles at rest in an enclosure that does not move.
+    """Particles at rest in an enclosure that does not move; see world_of."""
+    return Simulation(world_of(case, centres, orientations, rotating=not case.particle.is_sphere))
 
-    centres (count, 3) [m]; orientations (count, 4) of other particles than balls, not turned if
-    left out.
+
+def world_of(
+    case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None, *, rotating: bool
+) -> World:
+    """The particles of a case at rest.
+
+    centres (count, 3) [m]; orientations (count, 4) of multi-sphere particles, of no rotation if
+    left out; rotating: whether they have an orientation, which a sphere needs not.
     """
-    if not case.particle.is_sphere:
-        return ClusterSimulation(clusters(case, centres, orientations))
-    radii = np.full(len(centres), case.particle.radii[0])
-    return Simulation(build_world(centres, radii, **_surroundings(case)))
-
-
-def clusters(
-    case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None
-) -> ClusterWorld:
-    """The particles of a case at rest, also balls, as clusters; see `resting`."""
-    return build_cluster_world(
-        centres, case.particle, orientations,
-        treatment=case.settings.law.contact_treatment, **_surroundings(case),
-    )  # fmt: skip
-
-
-def _surroundings(case: DamperCase) -> dict[str, Any]:
-    """Return what particles at rest are in."""
-    return {
-        "density": case.density,
-        "enclosure": case.enclosure,
-        "pair_law": case.pair_law,
-        "wall_law": case.wall_law,
-        "shaker": at_rest(),
-        "direction": case.direction,
-        "gravity": case.settling_gravity,
-        "time_step": case.steps.free,
-        "curved_wall": case.settings.law.wall_curvature,
-    }
+    return build_world(
+        centres,
+        case.particle if rotating else np.full(len(centres), case.particle.radii[0]),
+        orientations,
+        density=case.density,
+        enclosure=case.enclosure,
+        pair_law=case.pair_law,
+        wall_law=case.wall_law,
+        shaker=at_rest(),
+        direction=case.direction,
+        gravity=case.settling_gravity,
+        time_step=case.steps.free,
+        curved_wall=case.settings.law.wall_curvature,
+        treatment=case.settings.law.contact_treatment,
+    )
 
 
 def packed(case: DamperCase, sim: Simulation, cpu_s: float) -> Packing:

@@ -8,8 +8,8 @@ from cluster_beds import bed, particle, spheres_of, world_of
 from damper_beds import DENSITY, acrylic
 
 from damper3d.engine import state
-from damper3d.engine.multisphere import world as building
 from damper3d.engine.records import CLASSES, HELD, MECHANISMS
+from damper3d.engine.world import with_room
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact.particles import shape_force, shape_shear
 from damper3d.studies.single_contact.particles.held import AS_IT_IS, matrix, pressed, sheared
@@ -80,12 +80,7 @@ def test_no_bit_depends_on_the_lists(treatment):
         assert digest == undisturbed[0]
         assert np.array_equal(books, undisturbed[1])
     sim = bed(treatment=treatment)
-    n, k = sim.n_bodies, sim.n_spheres
-    sim.world = sim.world._replace(
-        near=building._near(n, 1), close=building.world.contacts_with_room(0, 9),
-        wall=building.world.contacts_with_room(0, 9), kept=building._kept(9),
-        scratch=building._scratch(n, k, 9),
-    )  # fmt: skip
+    sim.world = with_room(sim.world, near=1, close=9, wall=9)
     assert state_after(sim)[0] == undisturbed[0]
 
 

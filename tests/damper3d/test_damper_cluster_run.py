@@ -46,7 +46,7 @@ def test_the_random_start_has_no_overlap_and_lies_inside(shape):
 def test_orientations_of_the_random_start_have_no_direction():
     """Mean square cosine between the axis and each direction is 1/3, with a standard error of
     2/sqrt(45 n) in an isotropic set; within four of them before walls align any."""
-    from damper3d.engine.multisphere.growth import random_places
+    from damper3d.engine.growth.multisphere import random_places
 
     case, n = small(), 60
     _, turns, _ = random_places(case.enclosure, case.particle, n, np.random.default_rng(1))

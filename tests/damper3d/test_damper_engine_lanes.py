@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from damper3d.engine.geometry import touching_pairs
 from damper3d.engine.simd import add_loads, gather, keep_history, separate
-from damper3d.engine.spheres.touching import touching_pairs
 from damper3d.engine.state import BLOCK, DAMPING, N_CONSTANTS, N_HISTORY, NO_CONTACT, Spheres
 from damper3d.engine.world import block as empty_block
 from damper3d.engine.world import contacts_with_room
@@ -24,7 +24,7 @@ def scene(seed, same=None):
     spheres = Spheres(*rows, np.ones(SPHERES))
     for array in rows[1:]:
         array[:, 3] = 0.0
-    contacts, block = contacts_with_room(SPHERES, LISTED), empty_block()
+    contacts, block = contacts_with_room(LISTED), empty_block()
     for k in range(LISTED):
         pair = np.sort(rng.choice(SPHERES, 2, replace=False))
         if same is not None and same not in pair:

@@ -6,7 +6,7 @@ from damper_beds import DOWN, LARGEST, NOWHERE, acrylic, bed, lone
 
 from damper3d.engine import state
 from damper3d.engine.motions import Sines
-from damper3d.engine.world import _near, contacts_with_room
+from damper3d.engine.world import with_room
 
 SHAPES = ["cylinder", "box"]
 
@@ -124,11 +124,7 @@ def test_lists_without_room_are_made_longer_and_change_no_bit():
     """A bed whose lists begin with room for one contact each."""
     digest, books = undisturbed("box", STEPS)
     sim = bed("box")
-    sim.world = sim.world._replace(
-        near=_near(sim.n_bodies, 1),
-        close=contacts_with_room(sim.n_bodies, 1),
-        wall=contacts_with_room(sim.n_bodies, 1),
-    )
+    sim.world = with_room(sim.world, near=1, close=1, wall=1)
     sim.step(STEPS)
     assert sim.state_digest() == digest
     assert np.array_equal(sim.world.books, books)

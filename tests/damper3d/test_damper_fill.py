@@ -11,7 +11,7 @@ from small_damper import damper3d
 
 from damper3d.case.case import GRAVITY
 from damper3d.engine.enclosures import box, cylinder
-from damper3d.engine.spheres.growth import grow, push_pairs
+from damper3d.engine.growth.spheres import grow, push_pairs
 from damper3d.run import packing as packing_module
 from damper3d.run.fill import fill, random_start, resting
 from damper3d.run.packing import lowest, packing_folder, packing_fraction, volume_below

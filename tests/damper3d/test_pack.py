@@ -11,7 +11,7 @@ from small_damper import damper3d
 
 from damper3d.case.case import DamperCase
 from damper3d.case.random_packing import Fraction, close_packing, loose_packing
-from damper3d.engine.multisphere.periodic import GYRATION, MOST, SIDE, list_pairs, push
+from damper3d.engine.growth.periodic import GYRATION, MOST, SIDE, list_pairs, push
 from damper3d.reproduce.quantities.packing import shipped
 from damper3d.shapes.multisphere import sphere
 from damper3d.shapes.particle import parse_particle

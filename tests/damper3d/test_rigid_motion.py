@@ -10,8 +10,6 @@ from damper_beds import DENSITY, NOWHERE, STILL, G, acrylic
 from scipy.integrate import solve_ivp
 
 from damper3d.engine.enclosures import box
-from damper3d.engine.multisphere.simulation import ClusterSimulation
-from damper3d.engine.multisphere.world import build_cluster_world
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
 from damper3d.shapes.cylinder import cylinder
@@ -98,7 +96,7 @@ def test_a_cluster_of_one_moves_as_the_sphere():
               "wall_law": law, "shaker": STILL, "direction": np.array([0.0, 0.0, 1.0]),
               "gravity": np.array([0.0, 0.0, -G]), "time_step": 1e-6}  # fmt: skip
     balls = Simulation(build_world(places, np.full(2, radius), **common))
-    clusters = ClusterSimulation(build_cluster_world(places, sphere(radius), **common))
+    clusters = Simulation(build_world(places, sphere(radius), **common))
     for sim in (balls, clusters):
         sim.steps_per_sample = 100
         sim.set_velocity(velocity, spin)

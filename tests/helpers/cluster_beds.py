@@ -7,8 +7,8 @@ import numpy as np
 from damper_beds import DENSITY, DOWN, NOWHERE, SHAKEN, STILL, acrylic
 
 from damper3d.engine.enclosures import box, cylinder
-from damper3d.engine.multisphere.simulation import ClusterSimulation
-from damper3d.engine.multisphere.world import build_cluster_world
+from damper3d.engine.simulation import Simulation
+from damper3d.engine.world import build_world
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import parse_particle
 from granulab.contact.hertz import HertzLaw
@@ -31,11 +31,11 @@ def world_of(
     cluster: MultiSphere, positions, orientations=None, *, room=None, shaker=STILL, gravity=NOWHERE,
     pair_law: HertzLaw | None = None, wall_law: HertzLaw | None = None, time_step=1e-6,
     treatment="sum", direction=(0.0, 0.0, 1.0),
-) -> ClusterSimulation:  # fmt: skip
+) -> Simulation:  # fmt: skip
     """Clusters at rest in a room of a metre, if no other is given."""
     law = acrylic()
-    return ClusterSimulation(
-        build_cluster_world(
+    return Simulation(
+        build_world(
             np.atleast_2d(positions), cluster,
             None if orientations is None else np.atleast_2d(orientations), density=DENSITY,
             enclosure=room or box(1.0, 1.0, 1.0), pair_law=pair_law or law,
@@ -46,7 +46,7 @@ def world_of(
 
 
 def bed(shape="cylinder", cluster: MultiSphere | None = None, *, speed=0.5, shaker=SHAKEN,
-        gravity=DOWN, steps_per_sample=1, **options) -> ClusterSimulation:  # fmt: skip
+        gravity=DOWN, steps_per_sample=1, **options) -> Simulation:  # fmt: skip
     """27 clusters on a grid, turned and moving at random [m/s]."""
     rng = np.random.default_rng(5)
     cluster = cluster or particle()
@@ -83,7 +83,7 @@ def rotation(q) -> np.ndarray:
     ])  # fmt: skip
 
 
-def spheres_of(sim: ClusterSimulation, cluster: MultiSphere) -> np.ndarray:
+def spheres_of(sim: Simulation, cluster: MultiSphere) -> np.ndarray:
     """Centres of all spheres (n, k, 3) in the enclosure [m]."""
     frame = sim.frame()
     turned = [cluster.offsets @ rotation(q).T for q in frame["orientation"]]

@@ -6,7 +6,7 @@ import numpy as np
 from cluster_beds import SMALL, particle
 from damper_beds import DENSITY, DOWN, NOWHERE, STILL, acrylic
 
-from damper3d.engine.multisphere.world import build_cluster_world
+from damper3d.engine.world import build_world
 from damper3d.studies.quasistatic.rig import Halves, RigSimulation
 
 HALVES = Halves(diameter=0.0176, height=0.0088, gap=0.5e-3)
@@ -17,7 +17,7 @@ def rig(cluster, positions, orientations=None, *, gravity=NOWHERE, law=None, tim
         treatment="sum", halves=HALVES, **options: Any) -> RigSimulation:  # fmt: skip
     """Clusters at rest between halves that rest, the table at the top."""
     law = law or acrylic()
-    world = build_cluster_world(
+    world = build_world(
         np.atleast_2d(positions), cluster,
         None if orientations is None else np.atleast_2d(orientations), density=DENSITY,
         enclosure=halves.enclosure, pair_law=law, wall_law=law, shaker=STILL, direction=UP,

@@ -13,10 +13,10 @@ mass is shared like the stiffness: then dashpots, and with them the restitution,
 
 import numpy as np
 
-from damper3d.engine.multisphere.state import DEEPEST, SUM
-from damper3d.engine.spheres.touching import touching_pairs, touching_wall
+from damper3d.engine.geometry import touching_pairs
+from damper3d.engine.multisphere.particles import DEEPEST, SUM
 from damper3d.engine.state import CLOSE, DAMPING, HERTZ, MASS, N_HISTORY, NO_CONTACT
-from damper3d.engine.walls import distance_to_wall
+from damper3d.engine.walls import distance_to_wall, touching_wall
 from granulab.contact.jit import inlined_inner, inner
 
 _POWER = 8.0  # p
@@ -26,32 +26,33 @@ _POWER = 8.0  # p
 def acting_pairs(world):
     """Let `touching` of the list of pairs name those that act; how many they are."""
     n = touching_pairs(world.spheres, world.close, world.counts[CLOSE], world.block)
-    return n if world.treatment == SUM else treat_pairs(world, n)
+    return n if world.shape.treatment == SUM else treat_pairs(world, n)
 
 
 @inlined_inner
 def acting_at_wall(world, w):
     """The same of the contacts with wall w."""
     n = touching_wall(world.spheres, world.walls, world.wall, w, world.block)
-    return n if world.treatment == SUM else treat_wall(world, w, n)
+    return n if world.shape.treatment == SUM else treat_wall(world, w, n)
 
 
 @inner
 def treat_pairs(world, n_touching):
     """Treat the touching pairs of each pair of bodies."""
-    contacts, x, depth = world.close, world.spheres.position, world.scratch.depth
+    contacts, x, depth = world.close, world.spheres.position, world.shape.scratch.depth
     for t in range(n_touching):
         n = contacts.touching[t]
         i, j = contacts.i[n], contacts.j[n]
         dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
         depth[t] = max(contacts.reach[n] - np.sqrt(dx * dx + dy * dy + dz * dz), 0.0)
-    return treat(world, contacts, world.scratch.whole, n_touching)
+    return treat(world, contacts, n_touching)
 
 
 @inner
 def treat_wall(world, w, n_touching):
     """Treat the touching contacts of each body with wall w."""
-    contacts, x, depth, walls = world.wall, world.spheres.position, world.scratch.depth, world.walls
+    contacts, walls, x = world.wall, world.walls, world.spheres.position
+    depth = world.shape.scratch.depth
     last = len(x) - 1
     for t in range(n_touching):
         n = contacts.touching[t]
@@ -59,22 +60,22 @@ def treat_wall(world, w, n_touching):
         px, py, pz = x[i, 0] - x[last, 0], x[i, 1] - x[last, 1], x[i, 2] - x[last, 2]
         distance = distance_to_wall(walls, w, px, py, pz)
         depth[t] = max(contacts.reach[n] - distance, 0.0)
-    return treat(world, contacts, world.scratch.wall_whole, n_touching)
+    return treat(world, contacts, n_touching)
 
 
 @inner
-def treat(world, contacts, whole, n_touching):
+def treat(world, contacts, n_touching):
     """Treat the contacts that touch, group by group; how many are left."""
     begin = left = 0
     while begin < n_touching:
-        end, group = begin + 1, contacts.near[contacts.touching[begin]]
-        while end < n_touching and contacts.near[contacts.touching[end]] == group:
+        end, group = begin + 1, contacts.group[contacts.touching[begin]]
+        while end < n_touching and contacts.group[contacts.touching[end]] == group:
             end += 1
-        if world.treatment == DEEPEST:
-            contacts.touching[left] = keep_deepest(contacts, world.scratch.depth, begin, end)
+        if world.shape.treatment == DEEPEST:
+            contacts.touching[left] = keep_deepest(contacts, world.shape.scratch.depth, begin, end)
             left += 1
         else:
-            share(contacts, whole, world.scratch.depth, begin, end)
+            share(contacts, contacts.whole, world.shape.scratch.depth, begin, end)
             left = end
         begin = end
     return left

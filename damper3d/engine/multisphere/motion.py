@@ -12,6 +12,7 @@ import numpy as np
 from damper3d.engine.multisphere.rotation import axes_of, freely_turned
 from damper3d.engine.simd import place_sphere, take_load
 from damper3d.engine.state import (
+    CLOSE,
     CLOSE_MADE,
     KINETIC,
     POSITION_X,
@@ -21,8 +22,9 @@ from damper3d.engine.state import (
     STEP,
     VELOCITY_X,
     VELOCITY_Z,
+    WALL,
 )
-from damper3d.engine.walls import drive_walls
+from damper3d.engine.walls import gap_to_wall
 from granulab.contact.jit import inlined_inner, inner, uncounted
 
 
@@ -32,7 +34,6 @@ def move(world, shift):
 
     shift is that of the enclosure after the step.
     """
-    drive_walls(world)
     counts, dt, arm = world.counts, world.time_step, world.shape.arm
     since, drift = (counts[STEP] - counts[CLOSE_MADE]) * dt, world.close_seen.drift
     carried = since * drift[0], since * drift[1], since * drift[2]
@@ -56,10 +57,10 @@ def take_loads(world, b):
     bodies, spheres = world.bodies, world.spheres
     for c in range(4):
         bodies.force[b, c] = bodies.torque[b, c] = 0.0
-    for n in range(world.active_first[b], world.active_first[b + 1]):
+    for n in range(world.shape.active_first[b], world.shape.active_first[b + 1]):
         take_load(
             spheres.force, spheres.torque, spheres.position, bodies.position, bodies.force,
-            bodies.torque, np.int64(world.active[n]), b,
+            bodies.torque, np.int64(world.shape.active[n]), b,
         )  # fmt: skip
 
 
@@ -119,8 +120,8 @@ def place_active(world, b):
     """Position, velocity and spin of the listed spheres of a body."""
     bodies, spheres, offset = world.bodies, world.spheres, world.shape.offset
     first = b * len(offset)
-    for n in range(world.active_first[b], world.active_first[b + 1]):
-        i = np.int64(world.active[n])
+    for n in range(world.shape.active_first[b], world.shape.active_first[b + 1]):
+        i = np.int64(world.shape.active[n])
         place_sphere(
             bodies.position, bodies.velocity_now, bodies.spin_now, bodies.axes, offset,
             spheres.position, spheres.velocity, spheres.spin, b, i - first, i,
@@ -166,12 +167,54 @@ def ways_since(bodies, seen, arm, b, carried):
 
 
 @inner
-def note_seen(bodies, seen):
-    """Return where all bodies are now, for the list that was just made."""
-    for b in range(len(bodies.inverse_mass)):
+def list_spheres(world, seen):
+    """Note where the particles are now, and how fast they move on the whole; see list_active."""
+    bodies = world.bodies
+    n = len(bodies.inverse_mass)
+    for b in range(n):
         for c in range(4):
             seen.place[b, c] = bodies.position[b, c]
             seen.turn[b, c] = bodies.orientation[b, c]
+    for c in range(3):
+        total = 0.0
+        for b in range(n):
+            total += bodies.velocity_now[b, c]
+        seen.drift[c] = total / n
+    list_active(world)
+
+
+@inner
+def list_active(world):
+    """Name the spheres of both lists, particle by particle, and bring them up to date."""
+    shape, counts = world.shape, world.counts
+    listed, size = shape.scratch.listed, len(shape.offset)
+    listed[:] = 0
+    for n in range(counts[CLOSE]):
+        listed[world.close.i[n]] = listed[world.close.j[n]] = 1
+    for n in range(counts[WALL]):
+        listed[world.wall.i[n]] = 1
+    found = 0
+    for b in range(len(world.bodies.inverse_mass)):
+        shape.active_first[b] = found
+        for i in range(b * size, (b + 1) * size):
+            shape.active[found] = i
+            found += listed[i]
+        shape.active_first[b + 1] = found
+        place_active(world, b)
+
+
+@inner
+def place_near_walls(world, skin, shift):
+    """Bring all spheres of the particles that are near a wall to their positions."""
+    spheres, offset, bodies = world.spheres, world.shape.offset, world.bodies
+    for b in range(len(bodies.inverse_mass)):
+        for w in range(len(world.walls.force)):
+            if gap_to_wall(world.walls, bodies.position, w, b, shift) < skin:
+                for s in range(len(offset)):
+                    r = arm_of(bodies.axes, offset, b, s)
+                    for c in range(3):
+                        spheres.position[b * len(offset) + s, c] = bodies.position[b, c] + r[c]
+                break
 
 
 @inner

@@ -13,92 +13,44 @@ much room may go far before the list is made anew: it must only know what touche
 
 import numpy as np
 
-from damper3d.engine.multisphere.active import list_active
-from damper3d.engine.multisphere.motion import arm_of, note_seen, ways_since
-from damper3d.engine.neighbours import (
-    CLOSE_FULL,
-    DEEPEST,
-    DONE,
-    NEAR_FULL,
-    NOT_FINITE,
-    TOO_DEEP,
-    adapt,
-    copy,
-    copy_rows,
-    fill_cells,
-    pairs_of,
-)
-from damper3d.engine.spheres.pairs import near_reach_left
+from damper3d.engine.geometry import copy
+from damper3d.engine.multisphere.motion import arm_of, ways_since
 from damper3d.engine.state import (
-    CLOSE,
     CLOSE_MADE,
-    CLOSE_SEARCHES,
-    CLOSE_SKIN,
-    DAMPING,
+    DEEPEST,
     HERTZ,
     LANES,
     MASS,
-    N_HISTORY,
     NEAR,
-    NEAR_SEARCHES,
-    NEAR_SKIN,
-    NO_CONTACT,
     RADIUS_I,
     RADIUS_J,
-    STALE_CLOSE,
     STEP,
 )
 from granulab.contact.jit import inlined_inner, inner
 
-_NEAR_SHARE = 0.1  # near skin over the radius of the ball round a body
+_NEAR_SHARE = 0.1  # outer skin over the bounding radius of a particle
 
 
 @inner
-def key_of(n, k, i, j):
-    """A number by which pairs of spheres ascend as they are listed: by body pair, then spheres.
+def key_of(k, n, i, j):
+    """Return a number by which pairs ascend: by the particles, of k spheres each, then by sphere.
 
-    n bodies have k spheres each.
+    For n particles.
     """
     a, b = np.int64(i) // k, np.int64(j) // k
     return ((a * n + b) * k + (i - a * k)) * k + (j - b * k)
 
 
 @inner
-def search_pairs(world, shift):
-    """The list of pairs of spheres, after that of body pairs where its reach is used up."""
-    counts, lengths, near, bodies = world.counts, world.lengths, world.near, world.bodies
-    keep_histories(world)
-    adapt(counts, lengths, CLOSE_SKIN, CLOSE_MADE, world.cells.largest)
-    skin = lengths[CLOSE_SKIN]
-    if not note_ways(world):
-        return NOT_FINITE
-    left = near_reach_left(bodies.position, near.place, lengths[NEAR_SKIN])
-    if left < skin:
-        left = lengths[NEAR_SKIN] = _NEAR_SHARE * bodies.position[0, 3]  # all are alike
-        if not search_near(world, left, shift):
-            lengths[NEAR_SKIN] = -1.0
-            return NEAR_FULL
-    n = list_pairs(world, skin, left)
-    if n < 0:
-        return CLOSE_FULL
-    note_constants(world, n)
-    if deepest_share(world, n) > DEEPEST:
-        return TOO_DEEP
-    inherit_histories(world, n)
-    counts[CLOSE] = n
-    counts[CLOSE_SEARCHES] += 1
-    counts[STALE_CLOSE] = 0
-    counts[CLOSE_MADE] = counts[STEP]
-    note_seen(bodies, world.close_seen)
-    note_drift(bodies, world.close_seen)
-    list_active(world)
-    return DONE
+def outer_skin(world):
+    """Gap of bounding spheres that the outer list shall hold [m]; all particles are alike."""
+    return _NEAR_SHARE * world.bodies.position[0, 3]
 
 
 @inner
 def note_ways(world):
-    """Take off the gaps of body pairs what the bodies have moved; False if that is no number."""
-    near, way = world.near, world.scratch.way
+    """Take off the gaps of particles what they have moved; False if that is no number."""
+    near, free, way = world.near, world.shape.pairs.free, world.shape.scratch.way
     since = (world.counts[STEP] - world.counts[CLOSE_MADE]) * world.time_step
     drift = world.close_seen.drift
     carried = since * drift[0], since * drift[1], since * drift[2]
@@ -108,93 +60,72 @@ def note_ways(world):
         way[b] = np.sqrt(straight) + np.sqrt(turned)
         finite &= way[b] < np.inf
     for k in range(world.counts[NEAR]):
-        near.free[k] -= way[near.i[k]] + way[near.j[k]]
+        free[k] -= way[near.i[k]] + way[near.j[k]]
     return finite
 
 
 @inner
 def list_pairs(world, skin, left):
-    """Fill the list with the pairs of spheres nearer than the skin; how many, -1 if no room.
+    """Fill the list with the pairs of spheres nearer than the skin; how many there are.
 
-    What is left of the gap of two bodies, or of the skin where some of their spheres are listed,
-    is the leeway of both. `left`: the gap below which all bodies are in the list of body pairs.
+    What is left of the gap of two particles, or of the skin where some of their spheres are listed,
+    is the leeway of both. -1: no room; -2: an overlap is too deep.
     """
-    near, leeway = world.near, world.close_seen.leeway
+    near, free, leeway = world.near, world.shape.pairs.free, world.close_seen.leeway
     leeway[:] = 0.5 * left
     n = np.int64(0)
     for k in range(world.counts[NEAR]):
         begin = n
-        if near.free[k] < skin:
+        if free[k] < skin:
             n = pairs_of_bodies(world, k, skin, n)
             if n < 0:
                 return n
-        gap = skin if n > begin else max(near.free[k], skin)
+        gap = skin if n > begin else max(free[k], skin)
         i, j = near.i[k], near.j[k]
         leeway[i], leeway[j] = min(leeway[i], 0.5 * gap), min(leeway[j], 0.5 * gap)
-    return n
+    note_constants(world, n)
+    return n if deepest_share(world, n) <= DEEPEST else np.int64(-2)
 
 
 @inner
-def note_drift(bodies, seen):
-    """Return how fast the bodies move on the whole."""
-    n = len(bodies.inverse_mass)
-    for c in range(3):
-        total = 0.0
-        for b in range(n):
-            total += bodies.velocity_now[b, c]
-        seen.drift[c] = total / n
-
-
-@inner
-def search_near(world, skin, shift):
-    """All pairs of bodies whose balls have a gap below the skin; False: there is no room."""
-    near, counts, x = world.near, world.counts, world.bodies.position
-    n_bodies, n_old = len(world.bodies.inverse_mass), counts[NEAR]
-    fill_cells(world.cells, x, n_bodies, shift)
-    copy(near.old_j, near.j, n_old)
-    copy(near.old_first, near.first, n_bodies + 1)
-    copy(near.old_free, near.free, n_old)
-    for k in range(n_old):
+def remember_pairs(world):
+    """Remember directions and gaps of the pairs of the outer list."""
+    near, pairs, n = world.near, world.shape.pairs, world.counts[NEAR]
+    copy(pairs.old_i, near.i, n)
+    copy(pairs.old_j, near.j, n)
+    copy(pairs.old_free, pairs.free, n)
+    for k in range(n):
         for c in range(4):
-            near.old_direction[k, c] = near.direction[k, c]
-    n = 0
-    for i in range(n_bodies):
-        near.first[i] = begin = n
-        n = pairs_of(near, world.cells, x, skin, i, n)
-        if n < 0:
-            counts[NEAR] = 0  # the directions are found again
-            return False
-        inherit_directions(near, x, i, begin, n)
-    near.first[n_bodies] = counts[NEAR] = n
-    copy_rows(near.place, x)
-    counts[NEAR_SEARCHES] += 1
-    return True
+            pairs.old_direction[k, c] = pairs.direction[k, c]
 
 
 @inner
-def inherit_directions(near, x, i, begin, end):
-    """Give the pairs of body i the directions and gaps that they had; both lists ascend.
+def know_pairs(world, n_pairs):
+    """Give the pairs of the outer list the directions and gaps that they had; both lists ascend.
 
     New ones start with the direction between the centroids.
     """
-    old, old_end = near.old_first[i], near.old_first[i + 1]
-    for n in range(begin, end):
-        j = near.j[n]
-        while old < old_end and near.old_j[old] < j:
+    near, pairs, x = world.near, world.shape.pairs, world.bodies.position
+    old, n_old = 0, world.counts[NEAR]
+    for n in range(n_pairs):
+        i, j = near.i[n], near.j[n]
+        while old < n_old and (
+            pairs.old_i[old] < i or (pairs.old_i[old] == i and pairs.old_j[old] < j)
+        ):
             old += 1
-        if old < old_end and near.old_j[old] == j:
+        if old < n_old and pairs.old_i[old] == i and pairs.old_j[old] == j:
             for c in range(3):
-                near.direction[n, c] = near.old_direction[old, c]
-            near.free[n] = near.old_free[old]
+                pairs.direction[n, c] = pairs.old_direction[old, c]
+            pairs.free[n] = pairs.old_free[old]
         else:
             between = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
-            set_direction(near.direction, n, between)
-            near.free[n] = -np.inf
+            set_direction(pairs.direction, n, between)
+            pairs.free[n] = -np.inf
 
 
 @inner
 def set_direction(direction, n, d):
-    """Let pair n of bodies be looked at along d, of any length, the next time."""
+    """Let pair n of particles be looked at along d, of any length, the next time."""
     size = np.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
     if size > 0.0:
         direction[n, 0], direction[n, 1], direction[n, 2] = d[0] / size, d[1] / size, d[2] / size
@@ -206,20 +137,21 @@ def pairs_of_bodies(world, k, skin, n):
 
     -1 if there is no room. How deep they overlap stands in scratch.depth.
     """
-    near, scratch, x = world.near, world.scratch, world.bodies.position
-    height, axes, shape = scratch.height, world.bodies.axes, world.shape
+    near, shape, x, axes = world.near, world.shape, world.bodies.position, world.bodies.axes
+    scratch, direction = shape.scratch, shape.pairs.direction
+    height = scratch.height
     a, b = np.int64(near.i[k]), np.int64(near.j[k])
     apart = x[b, 0] - x[a, 0], x[b, 1] - x[a, 1], x[b, 2] - x[a, 2]
-    d = near.direction[k, 0], near.direction[k, 1], near.direction[k, 2]
+    d = direction[k, 0], direction[k, 1], direction[k, 2]
     between = apart[0] * d[0] + apart[1] * d[1] + apart[2] * d[2]
     high = reach(height[0], shape.columns, axes[a], d, 1.0)
     low = between - reach(height[1], shape.columns, axes[b], d, -1.0)
-    near.free[k] = low - high
+    shape.pairs.free[k] = low - high
     if low - high >= skin:
         return n
     n_a = those_beyond(scratch, 0, shape.offset, axes, a, low - skin, (0.0, 0.0, 0.0))
     n_b = those_beyond(scratch, 1, shape.offset, axes, b, between - high - skin, apart)
-    return compare(scratch, world.close, near.direction, len(shape.offset), k, a, b, n_a, n_b,
+    return compare(scratch, world.close, direction, len(shape.offset), k, a, b, n_a, n_b,
                    skin, n)  # fmt: skip
 
 
@@ -264,7 +196,7 @@ def compare(scratch, close, direction, size, k, a, b, n_a, n_b, skin, n):
 
     The next time the bodies are looked at along the line between the nearest two.
     """
-    centre, gap, i, j, near = scratch.centre, scratch.gap, close.i, close.j, close.near
+    centre, gap, i, j, group = scratch.centre, scratch.gap, close.i, close.j, close.group
     least, best_p, best_q = np.inf, 0, 0
     for p in range(n_a):
         x, y, z = centre[0, 0, p], centre[0, 1, p], centre[0, 2, p]
@@ -278,7 +210,7 @@ def compare(scratch, close, direction, size, k, a, b, n_a, n_b, skin, n):
             if gap[q] < least:
                 least, best_p, best_q = gap[q], p, q
             # Each is written, and only counted where it is one of them.
-            i[n], j[n], near[n] = first, b * size + scratch.sphere[1, q], k
+            i[n], j[n], group[n] = first, b * size + scratch.sphere[1, q], k
             scratch.depth[n] = -gap[q]
             n += np.int64(gap[q] < skin)
     if least < np.inf:
@@ -294,14 +226,14 @@ def deepest_share(world, n_pairs):
     """The largest overlap of two spheres of the list over the sum of their radii."""
     largest = 0.0
     for n in range(n_pairs):
-        largest = max(largest, world.scratch.depth[n] / world.close.reach[n])
+        largest = max(largest, world.shape.scratch.depth[n] / world.close.reach[n])
     return largest
 
 
 @inlined_inner
 def note_constants(world, n_pairs):
     """Return what the law needs to know of the pairs; the reduced mass is that of the bodies."""
-    close, whole, radius = world.close, world.scratch.whole, world.spheres.position
+    close, whole, radius = world.close, world.close.whole, world.spheres.position
     mass = 0.5 / world.bodies.inverse_mass[0]
     for n in range(np.uintp(n_pairs)):
         first, second = radius[close.i[n], 3], radius[close.j[n], 3]
@@ -310,43 +242,3 @@ def note_constants(world, n_pairs):
         close.constants[n, RADIUS_I], close.constants[n, RADIUS_J] = first, second
         close.constants[n, HERTZ] = whole[n, 0] = hertz
         close.constants[n, MASS] = whole[n, 1] = mass
-
-
-@inner
-def keep_histories(world):
-    """Remember the histories of the pairs in contact, as the list is given up."""
-    close, kept, counts = world.close, world.kept, world.counts
-    n_bodies, size = len(world.bodies.inverse_mass), len(world.shape.offset)
-    if counts[CLOSE] == 0:
-        return  # there was no room, or a state was put back: they are remembered already
-    n = 0
-    for m in range(counts[CLOSE]):
-        if close.history[m, DAMPING] >= 0.0:
-            kept.key[n] = key_of(n_bodies, size, close.i[m], close.j[m])
-            for h in range(N_HISTORY):
-                kept.history[n, h] = close.history[m, h]
-            n += 1
-    kept.number[0] = n
-    counts[CLOSE] = 0
-
-
-@inner
-def inherit_histories(world, n_pairs):
-    """Give the pairs of the list the histories that are remembered; both ascend by their keys."""
-    close, kept = world.close, world.kept
-    n_bodies, size = len(world.bodies.inverse_mass), len(world.shape.offset)
-    old = 0
-    for n in range(n_pairs):
-        for h in range(N_HISTORY):
-            close.history[n, h] = 0.0
-        close.history[n, DAMPING] = NO_CONTACT
-    for n in range(n_pairs):
-        if old == kept.number[0]:
-            break
-        key = key_of(n_bodies, size, close.i[n], close.j[n])
-        while old < kept.number[0] and kept.key[old] < key:
-            old += 1
-        if old < kept.number[0] and kept.key[old] == key:
-            for h in range(N_HISTORY):
-                close.history[n, h] = kept.history[old, h]
-    kept.number[0] = 0

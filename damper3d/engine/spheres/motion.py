@@ -1,4 +1,4 @@
-"""One step of the bodies, and which lists it takes them out of.
+"""One step of spheres, and which lists it takes them out of.
 
 In the processor's vectors: as three numbers of a row are told apart for the lists, a compiler would
 take all rows number by number.
@@ -9,10 +9,10 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
+from damper3d.engine.geometry import copy_rows
 from damper3d.engine.simd import NOTHING, begin_of, data, filled, load, row_of, square, store
 from damper3d.engine.state import (
     CLOSE_MADE,
-    CLOSE_SKIN,
     KINETIC,
     POSITION_X,
     POTENTIAL,
@@ -21,37 +21,50 @@ from damper3d.engine.state import (
     STEP,
     VELOCITY_X,
     VELOCITY_Z,
-    WALL_SKIN,
 )
 from granulab.contact.jit import inlined_inner, inner
 
 
 @inlined_inner
 def move(world, shift):
-    """One step of bodies that are spheres; wipes their loads and marks the lists they have left.
+    """One step of spheres; wipes their loads and marks the lists that they have left.
 
         v += a dt,   x += v dt,   u = v + a dt/2,   and of the spin likewise
 
     shift is that of the enclosure after the step.
     """
     bodies, spheres, gravity = world.bodies, world.spheres, world.gravity
-    counts, lengths, dt = world.counts, world.lengths, world.time_step
-    close, wall, x, v = world.close, world.wall, spheres.position, bodies.velocity
+    counts, dt = world.counts, world.time_step
+    close, wall, x, v = world.close_seen, world.wall_seen, spheres.position, bodies.velocity
     fall = dt * gravity[0], dt * gravity[1], dt * gravity[2]
     since = (counts[STEP] - counts[CLOSE_MADE]) * dt
     drift = since * close.drift[0], since * close.drift[1], since * close.drift[2]
     carried = shift[0] - wall.drift[0], shift[1] - wall.drift[1], shift[2] - wall.drift[2]
-    inside, inside_wall = (0.5 * lengths[CLOSE_SKIN]) ** 2, lengths[WALL_SKIN] ** 2
     left = left_wall = False
     for i in range(np.uintp(len(v))):
         per_mass, per_inertia = dt * bodies.inverse_mass[i], dt * bodies.inverse_inertia[i]
         _kick(v, spheres.velocity, spheres.force, per_mass, fall, i)
         _kick(bodies.spin, spheres.spin, spheres.torque, per_inertia, (0.0, 0.0, 0.0), i)
         _drift(x, v, dt, i)
+        inside, inside_wall = close.leeway[i] ** 2, wall.leeway[i] ** 2
         left |= not _square_off(x, close.place, drift, i) <= inside  # true for NaN as well
         left_wall |= not _square_off(x, wall.place, carried, i) <= inside_wall
     counts[STALE_CLOSE] |= left
     counts[STALE_WALL] |= left_wall
+
+
+@inner
+def note_seen(world, seen):
+    """Note where the spheres are now, and how fast they move on the whole."""
+    u = world.spheres.velocity
+    copy_rows(seen.place, world.spheres.position)
+    a = b = c = 0.0
+    n = len(seen.place)
+    for i in range(np.uintp(n)):
+        a += u[i, 0]
+        b += u[i, 1]
+        c += u[i, 2]
+    seen.drift[0], seen.drift[1], seen.drift[2] = a / n, b / n, c / n
 
 
 @inner

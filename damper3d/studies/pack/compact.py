@@ -2,7 +2,7 @@
 
 The protocol of O'Hern et al. (2003), Phys. Rev. E 68, 011306: from positions drawn at random, the
 cube shrinks in small steps, and in each the particles move down the energy of their overlaps, as
-multisphere.periodic says. Where overlaps stay, the cube grows again by half of the last step, and
+engine.growth.periodic says. Where overlaps stay, the cube grows again by half of the last step, and
 so on to a resolution of 2e-4 of the fraction. No gravity, no friction, no walls: what is left is
 the shape. It is the first jammed state that a random start is driven into, the densest that is not
 ordered; friction or gravity would only stop it earlier. The volume is that of the smooth shape.
@@ -14,14 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper3d.engine.multisphere.periodic import (
-    FULL,
-    SIDE,
-    UNJAMMED,
-    Cell,
-    relax,
-    touching,
-)
+from damper3d.engine.growth.periodic import SIDE, Cell, relaxed, touching
+from damper3d.engine.growth.relaxation import AT_REST, INNER_FULL
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.multisphere import sphere as ball_of
 from granulab.campaign.runs.protocol import Stop
@@ -64,7 +58,7 @@ def compact(
         if stop():
             raise Stopped("the same command packs them again, from their seed")
         cell, outcome, overlap = _relaxed(cell, ALLOWED)
-        jams = outcome != UNJAMMED
+        jams = outcome != AT_REST
         free = free if jams else (fraction, overlap)
         if jams != jams_before:
             step /= 2.0
@@ -157,8 +151,8 @@ def _scattered(particle: MultiSphere, bodies: int, rng: np.random.Generator) -> 
 def _relaxed(cell: Cell, allowed: float) -> tuple[Cell, int, float]:
     """The cell after a relaxation, with a longer list where it lacked capacity; how it ended."""
     while True:
-        outcome, overlap, _ = relax(cell, allowed, _PATIENCE, _STEADY)
-        if outcome != FULL:
+        outcome, overlap = relaxed(cell, allowed, _PATIENCE, _STEADY)
+        if outcome != INNER_FULL:
             return cell, outcome, overlap
         cell = cell._replace(**_list_of(2 * len(cell.first)))
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from damper3d.engine import ENGINE
-from damper3d.run.fill import clusters, packed, random_start
+from damper3d.run.fill import world_of, packed, random_start
 from damper3d.run.packing import Packing, load_packing, save_packing
 from damper3d.run.protocol import PACKAGES
 from damper3d.run.sources import SOURCES as OF_RUNS
@@ -141,7 +141,9 @@ def settle(test: SlowTest, progress: Progress, stop: Stop) -> Packing:
 
 def between_halves(test: SlowTest, centres, orientations=None) -> RigSimulation:
     """Particles at rest in both halves; centres (n, 3) [m], orientations (n, 4) or no turns."""
-    return RigSimulation.between(test.halves.lines, clusters(test.damper, centres, orientations))
+    return RigSimulation.between(
+        test.halves.lines, world_of(test.damper, centres, orientations, rotating=True)
+    )
 
 
 def settled(test: SlowTest, packing: Packing, folder: Path) -> RigSimulation:

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from damper3d.engine import state, world
+from damper3d.engine import state
 from damper3d.engine.enclosures import Enclosure, cylinder
 from damper3d.engine.enclosures.lines import Lines
-from damper3d.engine.multisphere.simulation import ClusterSimulation
-from damper3d.engine.multisphere.state import ClusterWorld
+from damper3d.engine.simulation import Simulation
 from damper3d.engine.walls import N_SERVO, ON, Drive
 
 WALLS = ("base", "bottom_side", "top_side", "table")
@@ -61,31 +60,30 @@ def walls_of(lines: np.ndarray, n_spheres: int) -> state.Walls:
     """Walls at rest, without a servo; lines (n, 4) as in enclosures.lines.Lines."""
     n = len(lines)
     drive = Drive(
-        place=world.zeros(n, 4),
-        speed=world.zeros(n, 4),
-        listed=world.zeros(n, 4),
+        place=state.zeros(n, 4),
+        speed=state.zeros(n, 4),
+        listed=state.zeros(n, 4),
         servo=np.zeros(N_SERVO),
         before=np.zeros(n),
     )
     return state.Walls(
         planes=np.zeros((0, 4)),
-        surface=Lines(world.zeros(n, 4) + lines),
+        surface=Lines(state.zeros(n, 4) + lines),
         drive=drive,
         curved=False,
         first=np.zeros(n + 1, np.int64),
         force=np.zeros((n, 3)),
-        history=world.no_history(n, n_spheres),
+        history=state.no_history(n, n_spheres),
     )
 
 
-class RigSimulation(ClusterSimulation):
-    """Clusters between walls that move each by itself; positions are in the laboratory."""
+class RigSimulation(Simulation):
+    """Particles between walls that move each by itself; positions are in the laboratory."""
 
-    _MOTION = (*ClusterSimulation._MOTION, "wall_place", "wall_speed")
     _OF_WALLS = ("place", "speed", "servo")
 
     @classmethod
-    def between(cls, lines: np.ndarray, built: ClusterWorld) -> "RigSimulation":
+    def between(cls, lines: np.ndarray, built: state.World) -> "RigSimulation":
         """The particles of a world, in other walls; lines (n, 4) as in enclosures.lines.Lines."""
         return cls(built._replace(walls=walls_of(lines, len(built.spheres.inverse_mass))))
 
@@ -123,6 +121,9 @@ class RigSimulation(ClusterSimulation):
         return {**super()._save_bodies(), **own}
 
     def _restore_bodies(self, saved: dict[str, np.ndarray]) -> None:
-        super()._restore_bodies({k: v for k, v in saved.items() if not k.startswith("wall_")})
+        super()._restore_bodies(saved)
         for name in self._OF_WALLS:
             getattr(self.world.walls.drive, name)[:] = saved[f"wall_{name}"]
+
+    def _moved(self) -> list[str]:
+        return [*super()._moved(), "wall_place", "wall_speed"]

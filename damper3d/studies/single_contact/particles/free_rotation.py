@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.engine.multisphere.simulation import ClusterSimulation
+from damper3d.engine.simulation import Simulation
 from damper3d.shapes.multisphere import MultiSphere, sphere
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact import Found
@@ -99,7 +99,7 @@ def moments(body: MultiSphere) -> np.ndarray:
     return DENSITY * body.inertia
 
 
-def turning(body: MultiSphere, spin: tuple[float, ...], time_step: float) -> ClusterSimulation:
+def turning(body: MultiSphere, spin: tuple[float, ...], time_step: float) -> Simulation:
     """One body far above the floor that begins to turn with a spin in its own axes [rad/s]."""
     acrylic = load_table("acrylic").material("acrylic")
     law = sphere_law(acrylic, acrylic, friction=0.0, restitution=1.0)
@@ -109,7 +109,7 @@ def turning(body: MultiSphere, spin: tuple[float, ...], time_step: float) -> Clu
     return sim
 
 
-def own_spin(sim: ClusterSimulation) -> np.ndarray:
+def own_spin(sim: Simulation) -> np.ndarray:
     """w (3,) in the body's axes [rad/s]."""
     now = sim.frame()
     return matrix(now["orientation"][0]).T @ now["spin"][0]

@@ -9,8 +9,8 @@ from damper3d.engine.motions import sine
 from damper3d.engine.multisphere import (
     rotation,  # its kernels are called as Python here, uncompiled
 )
-from damper3d.engine.multisphere.simulation import ClusterSimulation
-from damper3d.engine.multisphere.world import build_cluster_world
+from damper3d.engine.simulation import Simulation
+from damper3d.engine.world import build_world
 from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.hertz import HertzLaw
 
@@ -44,7 +44,7 @@ def depth_of(particle: MultiSphere, orientation: np.ndarray) -> float:
 def over_floor(
     particle: MultiSphere, orientations: np.ndarray, gaps: np.ndarray, *, law: HertzLaw,
     treatment: str, density: float, time_step: float,
-) -> ClusterSimulation:  # fmt: skip
+) -> Simulation:  # fmt: skip
     """Clusters at rest, each with its orientation (n, 4) and a gap (n,) above the floor z = 0 [m].
 
     A negative gap is an overlap. They stand too far from each other and from the sides to touch.
@@ -57,13 +57,13 @@ def over_floor(
     middle = 0.5 * (side - 1)
     positions = np.column_stack([pitch * (column - middle), pitch * (row - middle), heights])
     width = pitch * (side + 1)
-    world = build_cluster_world(
+    world = build_world(
         positions, particle, np.asarray(orientations), density=density,
         enclosure=box(width, width, 10.0 * radius), pair_law=law, wall_law=law,
         shaker=sine(0.0, 100.0, 9.81), direction=np.array([0.0, 0.0, 1.0]),
         gravity=np.zeros(3), time_step=time_step, treatment=treatment,
     )  # fmt: skip
-    return ClusterSimulation(world)
+    return Simulation(world)
 
 
 def pressed(

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.engine.multisphere.simulation import ClusterSimulation
-from damper3d.engine.multisphere.state import TREATMENTS
+from damper3d.engine.multisphere.particles import TREATMENTS
+from damper3d.engine.simulation import Simulation
 from damper3d.shapes import FAMILIES
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import parse_particle
@@ -143,7 +143,7 @@ def rebounds(
     return rows
 
 
-def _left(sim: ClusterSimulation) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _left(sim: Simulation) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Velocities (n, 3) [m/s], spins (n, 3) [rad/s] and times (n,) [s] of the first leaving."""
     n = sim.n_bodies
     touched, left = np.zeros(n, bool), np.zeros(n, bool)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.engine.multisphere.state import TREATMENTS
+from damper3d.engine.multisphere.particles import TREATMENTS
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.surfaces.grooves import groove_depth
 from damper3d.studies.single_contact import Found

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from damper3d.engine.multisphere.state import TREATMENTS
+from damper3d.engine.multisphere.particles import TREATMENTS
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.particles.held import combined, pressed, sheared, turn

@@ -11,10 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damper3d.engine.spheres.growth import FIRST_PACE, descend
-from granulab.contact.jit import inner, njit
+from damper3d.engine.growth.relaxation import INNER_FULL, PUSHED, displace, push_apart, relax
+from granulab.contact.jit import inner, njit, substituted
 
-UNJAMMED, JAMMED, IMPATIENT, FULL = range(4)  # how a relaxation ends
 _LEAST_SKIN, _MOST_SKIN = 0.01, 0.3  # over the equal-volume radius
 _OFTEN, _SELDOM = 4, 16  # steps between lists, at which the skin grows or shrinks
 
@@ -39,32 +38,41 @@ SIDE, BALL, GYRATION, SKIN = range(4)
 PAIRS, MOST, SINCE = range(3)
 
 
-@njit
-def relax(cell, allowed, patience, steady):
-    """Move the bodies down the energy until no overlap is above `allowed`; how it ended.
+def relaxed(cell: Cell, allowed: float, patience: int, steady: float) -> tuple[int, float]:
+    """Move the particles of a cell down the energy; how it ended, and the deepest overlap.
 
-    JAMMED: the rms force on a body is below `steady` times the mean push on one, so that overlaps
-    stay. Also the deepest overlap and the steps taken.
+    See relaxation.relax; the list is made longer by whoever asks.
     """
     n = len(cell.position)
-    velocity, force = np.zeros((n, 6)), np.zeros((n, 6))
-    pace = FIRST_PACE
     cell.tally[SINCE] = -1
-    deepest = 0.0
-    for step in range(patience):
-        if cell.tally[SINCE] < 0 or has_moved(cell):
-            adapt_skin(cell)
-            if not list_pairs(cell):
-                return FULL, deepest, step
-        cell.tally[SINCE] += 1
-        deepest, mean_push = push(cell, force)
-        if deepest <= allowed:
-            return UNJAMMED, deepest, step
-        if np.sqrt(np.sum(force**2) / n) < steady * mean_push:
-            return JAMMED, deepest, step
-        pace = descend(velocity, force, pace)
-        displace(cell, velocity, pace[0])
-    return IMPATIENT, deepest, patience
+    outcome, deepest, _ = relax(cell, np.zeros((n, 6)), np.zeros((n, 6)), allowed, patience, steady)
+    return int(outcome), float(deepest)
+
+
+@substituted(push_apart)
+def _push_in_cell(bed, force):
+    if bed.instance_class is Cell:
+        return lambda bed, force: push_in_cell(bed, force)
+    return None
+
+
+@njit
+def push_in_cell(cell, force):
+    """Set what pushes and turns each particle; see relaxation.push_apart."""
+    if cell.tally[SINCE] < 0 or has_moved(cell):
+        adapt_skin(cell)
+        if not list_pairs(cell):
+            return INNER_FULL, 0.0, 0.0
+    cell.tally[SINCE] += 1
+    deepest, mean_push = push(cell, force)
+    return PUSHED, deepest, mean_push
+
+
+@substituted(displace)
+def _displace_in_cell(bed, velocity, dt):
+    if bed.instance_class is Cell:
+        return lambda bed, velocity, dt: displace_in_cell(bed, velocity, dt)
+    return None
 
 
 @inner
@@ -220,7 +228,7 @@ def add_push(force, b, arm, push, sign, gyration):
 
 
 @inner
-def displace(cell, velocity, dt):
+def displace_in_cell(cell, velocity, dt):
     """Move the bodies and turn them."""
     half = 0.5 * dt / cell.measure[GYRATION]
     for b in range(len(cell.position)):

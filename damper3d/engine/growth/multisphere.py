@@ -1,40 +1,54 @@
-"""Random start of clusters: small ones at random places, turned at random, that grow and yield.
+"""Random start of multi-sphere particles: small ones at random positions that grow and yield.
 
-They begin so small that the balls round them, packed by spheres.growth, do not overlap: so no ring
-holds another. Then they grow as balls do, but turn as well. Of several overlaps of one body
+They begin so small that the bounding spheres, packed by spheres.py, do not overlap: so no ring
+holds another. Then they grow as spheres do, but rotate as well. Of several overlaps of one particle
 with another (or a wall) the deepest says how hard they push, and each takes part by its depth: so
-the push does not grow with the number of spheres. A body's turns are weighed by its mean radius of
+the push does not grow with the number of spheres. Rotations are weighed by the mean radius of
 gyration.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from damper3d.engine.enclosures import Enclosure, Round
-from damper3d.engine.multisphere.motion import arm_of, note_axes
-from damper3d.engine.multisphere.pairs import pairs_of_bodies, search_near
-from damper3d.engine.multisphere.rotation import half_turn, product
-from damper3d.engine.multisphere.state import ClusterWorld, Particle
-from damper3d.engine.multisphere.world import columns_of, roomier
-from damper3d.engine.spheres.growth import (
-    FIRST_PACE,
+from damper3d.engine.geometry import copy_rows
+from damper3d.engine.growth.relaxation import (
+    AT_REST,
+    INNER_FULL,
     MARGIN,
+    OUTER_FULL,
     PATIENCE,
+    PUSHED,
     TOLERANCE,
-    descend,
+    displace,
     first_size,
-    grow,
-    stages,
+    grow_to_size,
+    push_apart,
+    relax,
 )
-from damper3d.engine.spheres.pairs import near_reach_left
-from damper3d.engine.state import NEAR, NEAR_SKIN
+from damper3d.engine.growth.spheres import grow
+from damper3d.engine.multisphere.motion import arm_of, note_axes
+from damper3d.engine.multisphere.pairs import pairs_of_bodies
+from damper3d.engine.multisphere.particles import Particle, columns_of
+from damper3d.engine.multisphere.rotation import half_turn, product
+from damper3d.engine.neighbours import near_reach_left, search_near
+from damper3d.engine.state import NEAR, NEAR_SKIN, World
 from damper3d.engine.walls import gap_to_wall, nearest
-from granulab.contact.jit import inlined_inner, inner, njit, specialised
+from damper3d.engine.world import roomier
+from granulab.contact.jit import inlined_inner, inner, specialised, substituted
 from granulab.contact.vectors import cross
 
-_AT_REST, _IMPATIENT, _NEAR_FULL, _CLOSE_FULL = range(4)  # how it ends
-_START = 0.3  # fill ratio of the balls round them to begin with; random insertion ends near 0.38
-_NEAR_SHARE = 0.2  # near skin over the radius of the ball round a body
+_START = 0.3  # fill ratio of the bounding spheres to begin with; random insertion ends near 0.38
+_NEAR_SHARE = 0.2  # outer skin over the bounding radius of a particle
 _NOWHERE = 0.0, 0.0, 0.0
+
+
+class Growing(NamedTuple):
+    """The particles of a world while they grow."""
+
+    world: World
+    gyration: float  # mean radius of gyration [m]
 
 
 def random_places(
@@ -49,30 +63,33 @@ def random_places(
     return centres, turns / np.linalg.norm(turns, axis=1)[:, None], first * reached
 
 
-def grow_clusters(world: ClusterWorld, particle: Particle, first: float) -> float:
-    """Let the bodies of a world grow to their size, without overlaps; the part that they reached.
+def grow_clusters(world: World, particle: Particle, first: float) -> float:
+    """Let the particles of a world grow to their size, without overlaps; the part they reached.
 
     They stand where random_places put them, at their first size. Less than 1: they found no place,
     and the world is of no more use.
     """
     gyration = float(np.sqrt(np.mean(particle.inertia) / particle.volume))
     allowed = TOLERANCE * particle.smallest_radius
-    reached = first
-    for size in stages(first)[1:]:
+    n = len(world.near.place)
+    velocity, force = np.zeros((n, 6)), np.zeros((n, 6))
+
+    def comes_to_rest(size: float) -> bool:
+        nonlocal world
         grown = size * (1.0 + MARGIN)
         _resize(world, particle, grown)
-        outcome = _CLOSE_FULL
-        while outcome in (_NEAR_FULL, _CLOSE_FULL):
-            outcome = yield_to_others(world, grown * gyration, allowed, PATIENCE)
-            if outcome in (_NEAR_FULL, _CLOSE_FULL):
-                world = roomier(world, "near" if outcome == _NEAR_FULL else "close")
-        if outcome != _AT_REST:
-            return reached
-        reached = float(size)
-    return reached
+        outcome = OUTER_FULL
+        while outcome in (OUTER_FULL, INNER_FULL):
+            bed = Growing(world, grown * gyration)
+            outcome, _, _ = relax(bed, velocity, force, allowed, PATIENCE, 0.0)
+            if outcome in (OUTER_FULL, INNER_FULL):
+                world = roomier(world, "near" if outcome == OUTER_FULL else "close")
+        return bool(outcome == AT_REST)
+
+    return grow_to_size(first, comes_to_rest)
 
 
-def _resize(world: ClusterWorld, particle: Particle, size: float) -> None:
+def _resize(world: World, particle: Particle, size: float) -> None:
     world.shape.offset[:, :3] = size * particle.offsets
     world.shape.offset[:, 3] = size * particle.radii
     world.shape.columns[:] = columns_of(world.shape.offset)
@@ -80,30 +97,28 @@ def _resize(world: ClusterWorld, particle: Particle, size: float) -> None:
     world.lengths[NEAR_SKIN] = -1.0  # its reach is used up
 
 
-@njit
-def yield_to_others(world, gyration, allowed, patience):
-    """Move and turn the bodies until no overlap is above `allowed` [m]; how it ended."""
-    n = len(world.bodies.inverse_mass)
-    velocity, force = np.zeros((n, 6)), np.zeros((n, 6))
-    pace = FIRST_PACE
-    for _ in range(patience):
-        left = near_reach_left(world.bodies.position, world.near.place, world.lengths[NEAR_SKIN])
-        if left < 0.0:
-            world.lengths[NEAR_SKIN] = _NEAR_SHARE * world.bodies.position[0, 3]
-            if not search_near(world, world.lengths[NEAR_SKIN], _NOWHERE):
-                world.lengths[NEAR_SKIN] = -1.0
-                return _NEAR_FULL
-        force[:] = 0.0
-        deepest = push_pairs(world, gyration, force)
-        if deepest < 0.0:
-            return _CLOSE_FULL
-        deepest = max(deepest, push_walls(world, gyration, force))
-        if deepest <= allowed:
-            return _AT_REST
-        pace = descend(velocity, force, pace)
-        for b in range(n):
-            displace(world.bodies, b, velocity, pace[0], gyration)
-    return _IMPATIENT
+@substituted(push_apart)
+def _push_growing(bed, force):
+    if bed.instance_class is Growing:
+        return lambda bed, force: push_growing(bed.world, bed.gyration, force)
+    return None
+
+
+@inner
+def push_growing(world, gyration, force):
+    """Set what pushes and turns each particle; see relaxation.push_apart."""
+    copy_rows(world.near.now, world.bodies.position)
+    left = near_reach_left(world.near.now, world.near.place, world.lengths[NEAR_SKIN])
+    if left < 0.0:
+        world.lengths[NEAR_SKIN] = _NEAR_SHARE * world.bodies.position[0, 3]
+        if not search_near(world, world.lengths[NEAR_SKIN], _NOWHERE):
+            world.lengths[NEAR_SKIN] = -1.0
+            return OUTER_FULL, 0.0, 0.0
+    force[:] = 0.0
+    deepest = push_pairs(world, gyration, force)
+    if deepest < 0.0:
+        return INNER_FULL, 0.0, 0.0
+    return PUSHED, max(deepest, push_walls(world, gyration, force)), 0.0
 
 
 @inner
@@ -114,7 +129,7 @@ def push_pairs(world, gyration, force):
         n = pairs_of_bodies(world, k, 0.0, 0)
         if n < 0:
             return -1.0
-        depth, largest, total = world.scratch.depth, 0.0, 0.0
+        depth, largest, total = world.shape.scratch.depth, 0.0, 0.0
         for m in range(n):
             largest, total = max(largest, depth[m]), total + depth[m]
         deepest = max(deepest, largest)
@@ -134,7 +149,7 @@ def push_pair(world, k, m, share, gyration, force):
         x[b, 2] + s[2] - x[a, 2] - r[2])  # fmt: skip
     distance = np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2])
     if distance > 0.0:
-        scale = share * world.scratch.depth[m] / distance
+        scale = share * world.shape.scratch.depth[m] / distance
         push = scale * way[0], scale * way[1], scale * way[2]
         add_push(force, a, r, (-push[0], -push[1], -push[2]), gyration)
         add_push(force, b, s, push, gyration)
@@ -152,7 +167,7 @@ def add_push(force, b, arm, push, gyration):
 @inner
 def push_walls(world, gyration, force):
     """Add twice what walls push with, as they do not give way; the deepest overlap [m]."""
-    deepest, gap = 0.0, world.scratch.gap
+    deepest, gap = 0.0, world.shape.scratch.gap
     for b in range(len(world.bodies.inverse_mass)):
         for w in range(len(world.walls.force)):
             if gap_to_wall(world.walls, world.bodies.position, w, b, _NOWHERE) >= 0.0:
@@ -209,9 +224,23 @@ def _at_nearest(surface, wall, x, y, z):
     return distance, (-nx, -ny, -nz)
 
 
+@substituted(displace)
+def _displace_growing(bed, velocity, dt):
+    if bed.instance_class is Growing:
+        return lambda bed, velocity, dt: displace_growing(bed.world, bed.gyration, velocity, dt)
+    return None
+
+
 @inner
-def displace(bodies, b, velocity, dt, gyration):
-    """Move a body, and turn it."""
+def displace_growing(world, gyration, velocity, dt):
+    """Move and rotate the particles."""
+    for b in range(len(velocity)):
+        displace_body(world.bodies, b, velocity, dt, gyration)
+
+
+@inner
+def displace_body(bodies, b, velocity, dt, gyration):
+    """Move a particle, and rotate it."""
     for c in range(3):
         bodies.position[b, c] += dt * velocity[b, c]
     half = 0.5 * dt / gyration

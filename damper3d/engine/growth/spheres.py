@@ -1,63 +1,70 @@
-"""Random start: balls that grow at random places in the enclosure and push each other apart.
+"""Random start of spheres: they grow at random positions in the enclosure and push each other.
 
 Random insertion ends at a fill ratio near 0.38 and the thesis needs 0.466. Here the centres are
-drawn at once, the radii grow from small ones in stages, and in each stage the balls move down the
-energy of their overlaps, sum of overlap^2/2 over pairs and walls, by FIRE (Bitzek et al. 2006,
-10.1103/PhysRevLett.97.170201) until no overlap matters. A step costs a search in linked cells: the
-cost is linear in the number of balls.
+drawn at once, the radii grow from small ones in stages, and in each stage the spheres move down the
+energy of their overlaps (relaxation.py) until no overlap matters. A step costs a search in linked
+cells over the spheres, and their order gives that of the sums: packings, and all that was computed
+from them, keep their bits by it, so that this search is not the one of the step loop.
 """
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from damper3d.engine.enclosures import Enclosure, Round
+from damper3d.engine.growth.relaxation import (
+    AT_REST,
+    MARGIN,
+    PATIENCE,
+    PUSHED,
+    TOLERANCE,
+    displace,
+    first_size,
+    grow_to_size,
+    push_apart,
+    relax,
+)
 from damper3d.engine.walls import nearest
-from granulab.contact.jit import inlined_inner, njit, specialised
+from granulab.contact.jit import inlined_inner, njit, specialised, substituted
 
 _START = 0.1  # fill ratio of the radii that the first stage begins with
-_STAGES = 24  # of equal growth of the radius, from there to full size
-MARGIN = 1e-3  # that the balls grow beyond their size: they end without an overlap
-TOLERANCE = 1e-3  # overlap over radius that ends a stage; at most twice the margin
-PATIENCE = 4000  # steps of a stage; those that end take some ten to a few hundred
 
-# FIRE's constants, as published; the balls have unit mass and the springs unit stiffness.
-_LONGEST, _GROW, _SHRINK, _MIX, _MIX_SHRINK, _WAIT = 0.5, 1.1, 0.5, 0.1, 0.99, 5
-FIRST_PACE = 0.1, _MIX, 0
+
+class Balls(NamedTuple):
+    """Equal spheres between walls."""
+
+    centres: np.ndarray  # (n, 3) [m]
+    radius: float  # [m]
+    planes: np.ndarray  # as in state.Walls
+    surface: Any
+    n_curved: int
 
 
 def grow(
     enclosure: Enclosure, count: int, radius: float, rng: np.random.Generator
 ) -> tuple[np.ndarray, float]:
-    """Centres (count, 3) [m] of balls without overlap in an enclosure, and how far they grew.
+    """Centres (count, 3) [m] of spheres without overlap in an enclosure, and how far they grew.
 
-    The second is the part of the radius [m] that the balls reached: 1, or less where they found no
-    place, and then the centres are those of the smaller ones.
+    The second is the part of the radius [m] that the spheres reached: 1, or less where they found
+    no place, and then the centres are those of the smaller ones.
     """
     volume = 4.0 / 3.0 * math.pi * radius**3
-    first, *sizes = stages(first_size(count * volume / enclosure.volume, _START))
+    first = first_size(count * volume / enclosure.volume, _START)
     centres = _anywhere(enclosure, count, first * radius, rng)
-    planes, surface = enclosure.planes, enclosure.surface
-    n_curved = len(enclosure.wall_names) - len(planes)
-    reached = first
-    for size in sizes:
+    velocity, force = np.zeros_like(centres), np.zeros_like(centres)
+    n_curved = len(enclosure.wall_names) - len(enclosure.planes)
+
+    def comes_to_rest(size: float) -> bool:
         grown = size * radius * (1.0 + MARGIN)
-        moved = centres.copy()
-        walls = planes, surface, n_curved
-        if not push_apart(moved, grown, walls, TOLERANCE * radius, PATIENCE):
-            return centres, float(reached)
-        centres, reached = moved, size
-    return centres, float(reached)
+        balls = Balls(centres.copy(), grown, enclosure.planes, enclosure.surface, n_curved)
+        outcome, _, _ = relax(balls, velocity, force, TOLERANCE * radius, PATIENCE, 0.0)
+        if outcome == AT_REST:
+            centres[:] = balls.centres
+        return bool(outcome == AT_REST)
 
-
-def first_size(fill_ratio: float, start: float) -> float:
-    """Size [-] at which a fill ratio of full size is a smaller one, to start with; at most 1."""
-    return min((start / fill_ratio) ** (1 / 3), 1.0)
-
-
-def stages(first: float) -> np.ndarray:
-    """Sizes [-] that are grown to, from the first one to 1."""
-    return np.linspace(first, 1.0, _STAGES + 1)
+    reached = grow_to_size(first, comes_to_rest)
+    return centres, reached
 
 
 def _anywhere(
@@ -73,42 +80,34 @@ def _anywhere(
     return found[:count].copy()
 
 
-@njit
-def push_apart(centres, radius, walls, allowed, patience):
-    """Move equal balls (n, 3) until no overlap is above `allowed`; whether they got there."""
-    velocity = np.zeros_like(centres)
-    force = np.zeros_like(centres)
-    pace = FIRST_PACE
-    for _ in range(patience):
-        force[:] = 0.0
-        deepest = max(
-            push_pairs(centres, radius, force),
-            push_walls(centres, radius, walls, force),
-        )
-        if deepest <= allowed:
-            return True
-        pace = descend(velocity, force, pace)
-        centres += pace[0] * velocity
-    return False
+@substituted(push_apart)
+def _push_balls(bed, force):
+    if bed.instance_class is Balls:
+        return lambda bed, force: push_balls(bed, force)
+    return None
 
 
 @njit
-def descend(velocity, force, pace):
-    """One step of FIRE: the velocities after it; and its time step, mix, and steps downhill."""
-    dt, mix, downhill = pace
-    power = np.sum(force * velocity)
-    if power > 0.0:
-        downhill += 1
-        share = mix * np.sqrt(np.sum(velocity**2) / np.sum(force**2))
-        velocity *= 1.0 - mix
-        velocity += share * force
-        if downhill > _WAIT:
-            dt, mix = min(dt * _GROW, _LONGEST), mix * _MIX_SHRINK
-    else:
-        velocity[:] = 0.0
-        dt, mix, downhill = dt * _SHRINK, _MIX, 0
-    velocity += dt * force
-    return dt, mix, downhill
+def push_balls(balls, force):
+    """Set the overlaps of all pairs and walls as forces; see relaxation.push_apart."""
+    force[:] = 0.0
+    deepest = max(push_pairs(balls.centres, balls.radius, force), push_walls(balls, force))
+    return PUSHED, deepest, 0.0
+
+
+@substituted(displace)
+def _displace_balls(bed, velocity, dt):
+    if bed.instance_class is Balls:
+        return lambda bed, velocity, dt: displace_balls(bed.centres, velocity, dt)
+    return None
+
+
+@njit
+def displace_balls(centres, velocity, dt):
+    """Move the centres."""
+    for n in range(len(centres)):
+        for c in range(3):
+            centres[n, c] += dt * velocity[n, c]
 
 
 @njit
@@ -146,9 +145,9 @@ def push_pairs(centres, radius, force):
 
 
 @njit
-def push_walls(centres, radius, walls, force):
+def push_walls(balls, force):
     """Add twice the overlap with each wall, which does not give way; the deepest overlap."""
-    planes, surface, n_curved = walls
+    centres, radius, planes = balls.centres, balls.radius, balls.planes
     deepest = 0.0
     for n in range(len(centres)):
         x, y, z = centres[n]
@@ -160,8 +159,8 @@ def push_walls(centres, radius, walls, force):
                 force[n, 0] += 2.0 * overlap * nx
                 force[n, 1] += 2.0 * overlap * ny
                 force[n, 2] += 2.0 * overlap * nz
-        for wall in range(n_curved):
-            deepest = max(deepest, push_curved(surface, wall, centres, radius, n, force))
+        for wall in range(balls.n_curved):
+            deepest = max(deepest, push_curved(balls.surface, wall, centres, radius, n, force))
     return deepest
 
 

@@ -1,0 +1,1 @@
+"""Growth: particles without overlap, from random positions, by going down the overlaps' energy."""

@@ -1,0 +1,79 @@
+"""Particles that are one sphere each: their arrays, and what is known of pairs of them."""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from damper3d.engine.state import World, zeros
+
+
+class OneSphere(NamedTuple):
+    """What the search for pairs knows of the pairs of spheres of the outer list."""
+
+    reach: np.ndarray  # (capacity,) sum of the radii [m]
+    hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
+    mass: np.ndarray  # (capacity,) reduced mass [kg]
+    gap: np.ndarray  # (capacity,) between the surfaces, when the inner list was made [m]
+
+
+class Bodies(NamedTuple):
+    """Spheres as they move, (n, 4) or (n,); velocities are half a step behind the positions."""
+
+    velocity: np.ndarray  # [m/s]
+    spin: np.ndarray  # [rad/s]
+    inverse_mass: np.ndarray  # (n,) [1/kg]
+    inverse_inertia: np.ndarray  # (n,) about any axis [1/(kg m2)]
+    heat: np.ndarray  # (n + 1,) half of what each contact dissipated; the enclosure's last [J]
+
+
+def known_pairs(capacity: int) -> OneSphere:
+    """Room for what is known of pairs."""
+    return OneSphere(*(zeros(capacity) for _ in OneSphere._fields))
+
+
+def bodies(radii: np.ndarray, density: float) -> Bodies:
+    """Solid spheres at rest; radii (n,) [m], density [kg/m3]."""
+    n, mass = len(radii), density * 4.0 / 3.0 * math.pi * radii**3
+    return Bodies(
+        velocity=zeros(n, 4),
+        spin=zeros(n, 4),
+        inverse_mass=1.0 / mass,
+        inverse_inertia=1.0 / (0.4 * mass * radii**2),
+        heat=np.zeros(n + 1),
+    )
+
+
+def moving(world: World) -> dict[str, np.ndarray]:
+    """Views of all arrays that say where the spheres are and how they move.
+
+    Those that end in _now are extrapolated to the time of the positions.
+    """
+    spheres, n = world.spheres, len(world.near.place)
+    return {
+        "position": spheres.position[:n],
+        "velocity": world.bodies.velocity,
+        "spin": world.bodies.spin,
+        "velocity_now": spheres.velocity[:n],
+        "spin_now": spheres.spin[:n],
+    }
+
+
+def spin_now(world: World) -> np.ndarray:
+    """Angular velocities now (n, 4) [rad/s]."""
+    return world.spheres.spin[: len(world.near.place)]
+
+
+def settle(world: World) -> None:
+    """Bring up to date what follows from the arrays of `moving`: of spheres nothing."""
+
+
+def set_spin(world: World, spin: np.ndarray) -> None:
+    """Let the spheres rotate at (n, 3) [rad/s], now and half a step ago."""
+    world.bodies.spin[:, :3] = spin
+    world.spheres.spin[: len(spin), :3] = spin
+
+
+def extents(world: World, up: np.ndarray) -> Any:
+    """How far each sphere extends from its centre along a unit vector (n,) [m]."""
+    return world.spheres.position[: len(world.near.place), 3]
