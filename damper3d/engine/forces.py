@@ -11,7 +11,7 @@ step, so that no velocity need be gathered twice.
 
 import numpy as np
 
-from damper3d.engine.geometry import between_spheres, place, put, vector
+from damper3d.engine.geometry import between_spheres, entry, put, vector
 from damper3d.engine.kinds import find_at_wall, find_pairs
 from damper3d.engine.simd import add_loads, gather, keep_history, whole
 from damper3d.engine.state import (
@@ -36,27 +36,32 @@ from damper3d.engine.state import (
     WALL_WORK,
 )
 from damper3d.engine.walls import place_wall, with_wall
-from granulab.contact.hertz import damping_of_impact, hertz_force, mindlin_force, with_history
+from granulab.contact.hertz import (
+    damping_of_impact,
+    hertz_force,
+    mindlin_force,
+    spring_work,
+    with_history,
+)
 from granulab.contact.jit import inlined_inner, inner
-from granulab.contact.spring_account import spring_account
 from granulab.contact.vectors import add, cross, dot, scale
 
 
 @inlined_inner
 def apply_forces(world, shift, speed):
-    """All contact forces of this step and the books; shift and speed are the enclosure's.
+    """All contact forces of this step and the energy balance; shift and speed are the enclosure's.
 
-    The books are summed over all blocks of a class in the order of the list.
+    The balance is summed over all blocks of a class in the order of the list.
     """
-    spheres, walls, block, books = world.spheres, world.walls, world.block, world.books
+    spheres, walls, block, balance = world.spheres, world.walls, world.block, world.balance
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
     n_touching = find_pairs(world)
     for begin in range(np.int64(0), n_touching, BLOCK):
         n = min(n_touching - begin, BLOCK)
-        gather(spheres, world.close, begin, n, block)
+        gather(spheres, world.inner, begin, n, block)
         between_spheres(whole(n), block)
-        sums = push_and_count(world, world.pair_law, world.close, begin, n, 0, sums)
-    keep_books(books, 0, sums, world.time_step)
+        sums = push_and_count(world, world.pair_law, world.inner, begin, n, 0, sums)
+    add_to_balance(balance, 0, sums, world.time_step)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
@@ -65,8 +70,8 @@ def apply_forces(world, shift, speed):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
             sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
-        books[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w])
-    keep_books(books, N_MECHANISMS, sums, world.time_step)
+        balance[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w])
+    add_to_balance(balance, N_MECHANISMS, sums, world.time_step)
 
 
 @inlined_inner
@@ -90,13 +95,13 @@ def take_push(spheres, force):
 
 @inlined_inner
 def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
-    """Forces of a block of a class, 0 or 1, to their spheres; the sums of the books with theirs."""
+    """Add the forces of a block of a class, 0 or 1, to their spheres; the sums with theirs."""
     block, dt = world.block, world.time_step
     contact_law(law, whole(n_contacts), block, dt)
     begin_contacts(law, n_contacts, block, world.fastest, which)
     keep_history(contacts, begin, n_contacts, block)
     add_loads(world.spheres, contacts, begin, n_contacts, block)
-    return add_heat(world.bodies.heat, contacts, begin, n_contacts, block, dt, sums)
+    return add_dissipated(world.particles.dissipated, contacts, begin, n_contacts, block, dt, sums)
 
 
 @inner
@@ -119,34 +124,42 @@ def contact_law(law, n_contacts, block, dt):
 @inlined_inner
 def apply_law(law, n_contacts, block, dt):
     """See contact_law."""
-    history, later = block.history, block.later
+    history, next_history = block.history, block.next_history
     for k in range(np.uintp(n_contacts)):
         overlap = block.overlap[k]
         touches = 1.0 if overlap > 0.0 else 0.0
         normal, rate, slip_rate = surface_motion(block, k)
-        known = history[place(DAMPING, k)]
+        known = history[entry(DAMPING, k)]
         damping = max(known, law.damping)
-        hertz, mass = block.constants[place(HERTZ, k)], block.constants[place(MASS, k)]
+        hertz, mass = block.constants[entry(HERTZ, k)], block.constants[entry(MASS, k)]
         stiffness, dashpot, f_n, inelastic = hertz_force(law, hertz, mass, damping, overlap, rate)
-        kt, kt_before = law.tangential * stiffness, history[place(STIFFNESS, k)]
+        kt, kt_before = law.tangential * stiffness, history[entry(STIFFNESS, k)]
         moved = scale(0.5 * dt, slip_rate)
         held_before, trial = without_slip(law, history, k, normal, kt_before, kt, moved)
         force, held, power, slides = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
-        rubbed, gained = spring_account(law, kt_before, kt, held_before, trial, held)
+        friction_work, stiffness_work = spring_work(law, kt_before, kt, held_before, trial, held)
 
         nothing = 0.0, 0.0, 0.0  # not a product with 0: that may be -0
         held, moved = (held, moved) if overlap > 0.0 else (nothing, nothing)
-        later[place(SPRING_X, k)], later[place(SPRING_Y, k)], later[place(SPRING_Z, k)] = held
-        later[place(MOVED_X, k)], later[place(MOVED_Y, k)], later[place(MOVED_Z, k)] = moved
-        later[place(STIFFNESS, k)] = kt
-        later[place(DAMPING, k)] = damping if overlap > 0.0 else NO_CONTACT
-        block.begins[k] = touches * rate if known < 0.0 else 0.0
+        (
+            next_history[entry(SPRING_X, k)],
+            next_history[entry(SPRING_Y, k)],
+            next_history[entry(SPRING_Z, k)],
+        ) = held
+        (
+            next_history[entry(MOVED_X, k)],
+            next_history[entry(MOVED_Y, k)],
+            next_history[entry(MOVED_Z, k)],
+        ) = moved
+        next_history[entry(STIFFNESS, k)] = kt
+        next_history[entry(DAMPING, k)] = damping if overlap > 0.0 else NO_CONTACT
+        block.impact_speed[k] = touches * rate if known < 0.0 else 0.0
         put(block.couple, k, cross(normal, force))
         put(block.push, k, add(force, scale(f_n, normal)))
         block.normal_power[k] = inelastic * rate
         block.tangential_power[k] = power
-        block.rubbed[k] = touches * rubbed
-        block.gained[k] = touches * gained
+        block.friction_work[k] = touches * friction_work
+        block.stiffness_work[k] = touches * stiffness_work
         block.slip_power[k] = -slides * dot(force, slip_rate)
 
 
@@ -157,8 +170,8 @@ def without_slip(law, history, k, normal, kt_before, kt, moved):
     Both in the tangent plane of now. The displacement since then is the mean of the velocities of
     then and now times the step: half of it is known from then, the other half is `moved` [m].
     """
-    held = history[place(SPRING_X, k)], history[place(SPRING_Y, k)], history[place(SPRING_Z, k)]
-    ahead = history[place(MOVED_X, k)], history[place(MOVED_Y, k)], history[place(MOVED_Z, k)]
+    held = history[entry(SPRING_X, k)], history[entry(SPRING_Y, k)], history[entry(SPRING_Z, k)]
+    ahead = history[entry(MOVED_X, k)], history[entry(MOVED_Y, k)], history[entry(MOVED_Z, k)]
     held = add(held, scale(-dot(held, normal), normal))
     ahead = add(ahead, scale(-dot(ahead, normal), normal))
     if law.stored_force:
@@ -170,40 +183,40 @@ def without_slip(law, history, k, normal, kt_before, kt, moved):
 def begin_contacts(law, n_contacts, block, fastest, which):
     """Note the speeds of impacts that begin, and the damping that goes with them."""
     for k in range(np.uintp(n_contacts)):
-        speed = block.begins[k]
+        speed = block.impact_speed[k]
         if speed > 0.0:
             fastest[which] = max(fastest[which], speed)
-            block.later[place(DAMPING, k)] = damping_of_impact(
-                law, block.constants[place(HERTZ, k)], block.constants[place(MASS, k)], speed
+            block.next_history[entry(DAMPING, k)] = damping_of_impact(
+                law, block.constants[entry(HERTZ, k)], block.constants[entry(MASS, k)], speed
             )
 
 
 @inlined_inner
-def add_heat(heat, contacts, begin, n_contacts, block, dt, sums):
+def add_dissipated(dissipated, contacts, begin, n_contacts, block, dt, sums):
     """Half of what each contact dissipates to each of its spheres; the sums by mechanism.
 
     A wall's half goes to the enclosure's entry, the last.
     """
-    normal, tangential, rubbed, gained, slipped = sums
+    normal, tangential, friction_work, stiffness_work, slipped = sums
     for k in range(np.uintp(n_contacts)):
         if block.overlap[k] > 0.0:
             n = contacts.touching[np.uintp(begin) + k]
-            lost = (block.normal_power[k] + block.tangential_power[k]) * dt + block.rubbed[k]
-            heat[contacts.i[n]] += 0.5 * lost
-            heat[contacts.j[n]] += 0.5 * lost
+            lost = (block.normal_power[k] + block.tangential_power[k]) * dt + block.friction_work[k]
+            dissipated[contacts.i[n]] += 0.5 * lost
+            dissipated[contacts.j[n]] += 0.5 * lost
             normal += block.normal_power[k]
             tangential += block.tangential_power[k]
-            rubbed += block.rubbed[k]
-            gained += block.gained[k]
+            friction_work += block.friction_work[k]
+            stiffness_work += block.stiffness_work[k]
             slipped += block.slip_power[k]
-    return normal, tangential, rubbed, gained, slipped
+    return normal, tangential, friction_work, stiffness_work, slipped
 
 
 @inlined_inner
-def keep_books(books, first, sums, dt):
-    """Add what was dissipated in this step to the books of a class."""
-    books[first + NORMAL_DAMPING] += sums[0] * dt
-    books[first + TANGENTIAL_DAMPING] += sums[1] * dt
-    books[first + FRICTION] += sums[2]
-    books[first + LAW_TERM] += sums[3]
-    books[first + SLIP_COUNT] += sums[4] * dt
+def add_to_balance(balance, first, sums, dt):
+    """Add what was dissipated in this step to the balance of a class."""
+    balance[first + NORMAL_DAMPING] += sums[0] * dt
+    balance[first + TANGENTIAL_DAMPING] += sums[1] * dt
+    balance[first + FRICTION] += sums[2]
+    balance[first + LAW_TERM] += sums[3]
+    balance[first + SLIP_COUNT] += sums[4] * dt

@@ -20,7 +20,7 @@ _ROUNDING = 1.0 + 1e-12  # squares may say "apart" where the root, rounded, says
 
 
 @uncounted
-def place(row, k):
+def entry(row, k):
     """Return where lane k of a row of a block stands.
 
     Rows lie one behind the other at a distance that the compiler knows, unlike that of the rows of
@@ -41,13 +41,13 @@ def gap_of(position, i, j):
 @uncounted
 def vector(rows, k):
     """The vector in lane k of three rows of a block."""
-    return rows[place(0, k)], rows[place(1, k)], rows[place(2, k)]
+    return rows[entry(0, k)], rows[entry(1, k)], rows[entry(2, k)]
 
 
 @uncounted
 def put(rows, k, v):
     """Let a vector stand in lane k of three rows of a block."""
-    rows[place(0, k)], rows[place(1, k)], rows[place(2, k)] = v
+    rows[entry(0, k)], rows[entry(1, k)], rows[entry(2, k)] = v
 
 
 @uncounted
@@ -61,17 +61,20 @@ def to_plane(plane, separation):
 def between_spheres(n_contacts, block):
     """The contacts of spheres with spheres in the first lanes of a block."""
     for k in range(np.uintp(n_contacts)):  # unsigned: numba then need not look for negative ones
-        radius_i = block.constants[place(RADIUS_I, k)]
-        radius_j = block.constants[place(RADIUS_J, k)]
+        radius_i = block.constants[entry(RADIUS_I, k)]
+        radius_j = block.constants[entry(RADIUS_J, k)]
         separation = vector(block.separation, k)
         distance = np.sqrt(dot(separation, separation))
         overlap = max(radius_i + radius_j - distance, 0.0)
         normal = scale(1.0 / distance, separation)
         half = 0.5 * overlap
-        (ax, ay, az), (bx, by, bz) = vector(block.turning, k), vector(block.spin, k)
-        turning = ax - half * bx, ay - half * by, az - half * bz
-        px, py, pz = vector(block.passing, k)
-        tx, ty, tz = cross(turning, normal)
+        (ax, ay, az), (bx, by, bz) = (
+            vector(block.rim_velocity, k),
+            vector(block.angular_velocity, k),
+        )
+        rim_velocity = ax - half * bx, ay - half * by, az - half * bz
+        px, py, pz = vector(block.relative_velocity, k)
+        tx, ty, tz = cross(rim_velocity, normal)
         put(block.velocity, k, (px - tx, py - ty, pz - tz))
         put(block.normal, k, normal)
         block.overlap[k] = overlap
@@ -81,11 +84,11 @@ def between_spheres(n_contacts, block):
 @uncounted
 def wall_contact(normal, distance, block, k):
     """Fill lane k of a block with a contact; the normal points to the wall, at a distance [m]."""
-    px, py, pz = vector(block.passing, k)
-    tx, ty, tz = cross(vector(block.spin, k), normal)
+    px, py, pz = vector(block.relative_velocity, k)
+    tx, ty, tz = cross(vector(block.angular_velocity, k), normal)
     put(block.velocity, k, (px - distance * tx, py - distance * ty, pz - distance * tz))
     put(block.normal, k, normal)
-    block.overlap[k] = max(block.constants[place(RADIUS_I, k)] - distance, 0.0)
+    block.overlap[k] = max(block.constants[entry(RADIUS_I, k)] - distance, 0.0)
     block.arm_i[k], block.arm_j[k] = distance, 0.0
 
 
@@ -98,8 +101,8 @@ def touching_pairs(spheres, contacts, n_contacts, block):
         separate(spheres, contacts, begin, n, block)
         for k in range(np.uintp(whole(n))):
             x, y, z = vector(block.separation, k)
-            reach = contacts.reach[np.uintp(begin) + k]
-            block.clearance[k] = x * x + y * y + z * z - _ROUNDING * (reach * reach)
+            cutoff = contacts.cutoff[np.uintp(begin) + k]
+            block.clearance[k] = x * x + y * y + z * z - _ROUNDING * (cutoff * cutoff)
         found = note_touching(contacts, begin, n, block, found)
     return found
 
@@ -108,8 +111,8 @@ def touching_pairs(spheres, contacts, n_contacts, block):
 def note_touching(contacts, begin, n_contacts, block, found):
     """Append those of a block that touch or did a step ago to `touching`; its new length.
 
-    Each is written, and only counted where it is one of them: a branch that nobody could foresee
-    would cost more.
+    Each is written, and only counted where it is one of them: a branch that cannot be
+    foreseen would cost more.
     """
     for k in range(np.uintp(n_contacts)):
         n = np.uintp(begin) + k

@@ -3,7 +3,7 @@
     v(n+1/2) = v(n-1/2) + a(n) dt,   x(n+1) = x(n) + v(n+1/2) dt
     u(n+1)   = v(n+1/2) + a(n) dt/2
 
-Dashpots that take the velocity half a step back make the energy books first order in dt; the
+Dashpots that take the velocity half a step back make the energy balance first order in dt; the
 extrapolated u makes them second order. The enclosure's motion is known at all times.
 """
 
@@ -11,7 +11,7 @@ from damper3d.engine.forces import apply_forces
 from damper3d.engine.kinds import move
 from damper3d.engine.motions import displacement, velocity
 from damper3d.engine.neighbours import search_pairs, search_walls
-from damper3d.engine.state import DONE, STALE_CLOSE, STALE_WALL, STEP
+from damper3d.engine.state import DONE, STALE_INNER, STALE_WALL, STEP
 from damper3d.engine.walls import drive_walls
 from granulab.contact.jit import uncounted
 
@@ -22,7 +22,7 @@ def advance(world, n_steps):
     direction, dt = world.direction, world.time_step
     shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
     for taken in range(n_steps):
-        if world.counts[STALE_CLOSE] or world.counts[STALE_WALL]:
+        if world.counts[STALE_INNER] or world.counts[STALE_WALL]:
             outcome = search(world, shift)
             if outcome != DONE:
                 return taken, outcome
@@ -36,9 +36,9 @@ def advance(world, n_steps):
 
 @uncounted
 def search(world, shift):
-    """Make stale lists anew; DONE, or what is wrong."""
+    """Make stale lists again; DONE, or what is wrong."""
     counts = world.counts
-    if counts[STALE_CLOSE]:
+    if counts[STALE_INNER]:
         outcome = search_pairs(world, shift)
         if outcome != DONE:
             return outcome

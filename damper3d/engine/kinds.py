@@ -11,7 +11,7 @@ from damper3d.engine.multisphere import motion as multisphere_motion
 from damper3d.engine.multisphere import pairs as multisphere_pairs
 from damper3d.engine.multisphere.particles import ManySpheres
 from damper3d.engine.spheres import motion, pairs
-from damper3d.engine.state import CLOSE
+from damper3d.engine.state import INNER
 from damper3d.engine.walls import touching_wall
 from granulab.contact.jit import specialised, substituted
 
@@ -89,8 +89,8 @@ def _are_many(shape):
 @specialised(note_positions)
 def _note_positions(world):
     if _rotate(world):
-        return lambda world: copy_rows(world.near.now, world.bodies.position)
-    return lambda world: copy_rows(world.near.now, world.spheres.position)
+        return lambda world: copy_rows(world.outer.now, world.particles.position)
+    return lambda world: copy_rows(world.outer.now, world.spheres.position)
 
 
 @specialised(key_of)
@@ -154,7 +154,7 @@ def _find_pairs(world):
     if _rotate(world):
         return lambda world: contact_models.acting_pairs(world)
     return lambda world: touching_pairs(
-        world.spheres, world.close, world.counts[CLOSE], world.block
+        world.spheres, world.inner, world.counts[INNER], world.block
     )
 
 

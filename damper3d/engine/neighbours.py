@@ -1,4 +1,4 @@
-"""Neighbour lists: pairs of particles that are near, then the spheres that touch or nearly do.
+"""Neighbour lists: pairs of particles that are outer, then the spheres that touch or nearly do.
 
 The outer list holds pairs of particles; it is made with linked cells and lasts for hundreds of
 steps. From it the inner list, of pairs of spheres, is made every few tens of steps, in the way that
@@ -27,26 +27,26 @@ from damper3d.engine.kinds import (
     remember_pairs,
 )
 from damper3d.engine.state import (
-    CLOSE,
-    CLOSE_FULL,
-    CLOSE_MADE,
-    CLOSE_SEARCHES,
-    CLOSE_SKIN,
     DAMPING,
     DEEPEST,
     DONE,
     HERTZ,
+    INNER,
+    INNER_FULL,
+    INNER_MADE,
+    INNER_SEARCHES,
+    INNER_SKIN,
     LANES,
     MASS,
     N_HISTORY,
-    NEAR,
-    NEAR_FULL,
-    NEAR_SEARCHES,
-    NEAR_SKIN,
     NO_CONTACT,
     NOT_FINITE,
+    OUTER,
+    OUTER_FULL,
+    OUTER_SEARCHES,
+    OUTER_SKIN,
     RADIUS_I,
-    STALE_CLOSE,
+    STALE_INNER,
     STALE_WALL,
     STEP,
     TOO_DEEP,
@@ -78,36 +78,36 @@ def adapt(counts, lengths, skin, made, largest):
 
 @inner
 def search_pairs(world, shift):
-    """Make the inner list again, after the outer one where its reach is used up; DONE, or why not.
+    """Make the inner list again, after the outer one where its cutoff is used up; DONE, or why not.
 
     Nothing is lost where a list is full: the caller makes it longer and comes back.
     """
-    counts, lengths, near = world.counts, world.lengths, world.near
+    counts, lengths, outer = world.counts, world.lengths, world.outer
     keep_histories(world)
-    adapt(counts, lengths, CLOSE_SKIN, CLOSE_MADE, world.cells.largest)
+    adapt(counts, lengths, INNER_SKIN, INNER_MADE, world.cells.largest)
     note_positions(world)
-    left = near_reach_left(near.now, near.place, lengths[NEAR_SKIN])
+    left = outer_cutoff_left(outer.now, outer.made_at, lengths[OUTER_SKIN])
     if not note_ways(world) or np.isnan(left):
         return NOT_FINITE
-    if left < lengths[CLOSE_SKIN]:
-        left = lengths[NEAR_SKIN] = outer_skin(world)
-        if not search_near(world, left, shift):
-            lengths[NEAR_SKIN] = -1.0
-            return NEAR_FULL
-    n = list_pairs(world, lengths[CLOSE_SKIN], left)
+    if left < lengths[INNER_SKIN]:
+        left = lengths[OUTER_SKIN] = outer_skin(world)
+        if not search_outer(world, left, shift):
+            lengths[OUTER_SKIN] = -1.0
+            return OUTER_FULL
+    n = list_pairs(world, lengths[INNER_SKIN], left)
     if n < 0:
-        return CLOSE_FULL if n == -1 else TOO_DEEP
+        return INNER_FULL if n == -1 else TOO_DEEP
     inherit_histories(world, n)
-    counts[CLOSE] = n
-    counts[CLOSE_SEARCHES] += 1
-    counts[STALE_CLOSE] = 0
-    counts[CLOSE_MADE] = counts[STEP]
-    list_spheres(world, world.close_seen)
+    counts[INNER] = n
+    counts[INNER_SEARCHES] += 1
+    counts[STALE_INNER] = 0
+    counts[INNER_MADE] = counts[STEP]
+    list_spheres(world, world.inner_seen)
     return DONE
 
 
 @inner
-def near_reach_left(x, place, skin):
+def outer_cutoff_left(x, place, skin):
     """The gap below which all pairs are in the outer list, by how far particles have spread [m].
 
     NaN where a position is no longer a finite number.
@@ -129,22 +129,22 @@ def near_reach_left(x, place, skin):
 
 
 @inner
-def search_near(world, skin, shift):
+def search_outer(world, skin, shift):
     """All pairs of particles, where they are now, with a gap below the skin; False: no room."""
-    near, counts, x = world.near, world.counts, world.near.now
+    outer, counts, x = world.outer, world.counts, world.outer.now
     n_particles = len(x)
     fill_cells(world.cells, x, n_particles, shift)
     remember_pairs(world)
     n = 0
     for i in range(n_particles):
-        n = pairs_of(near, world.cells, x, skin, i, n)
+        n = pairs_of(outer, world.cells, x, skin, i, n)
         if n < 0:
-            counts[NEAR] = 0
+            counts[OUTER] = 0
             return False
     know_pairs(world, n)
-    counts[NEAR] = n
-    copy_rows(near.place, x)
-    counts[NEAR_SEARCHES] += 1
+    counts[OUTER] = n
+    copy_rows(outer.made_at, x)
+    counts[OUTER_SEARCHES] += 1
     return True
 
 
@@ -169,7 +169,7 @@ def fill_cells(cells, x, n_particles, shift):
 
 
 @uncounted
-def pairs_of(near, cells, x, skin, i, n):
+def pairs_of(outer, cells, x, skin, i, n):
     """Append the near pairs (i, j > i) in ascending order; the new length, or -1 for no room.
 
     After fill_cells the particles of a cell stand between its own entry of `start`, shifted by one,
@@ -186,13 +186,13 @@ def pairs_of(near, cells, x, skin, i, n):
             for k in range(cells.start[first + 1], cells.start[last + 2]):
                 j = cells.members[k]
                 if j > i and gap_of(x, i, j) < skin:
-                    if n == len(near.j):
+                    if n == len(outer.j):
                         return -1
                     at = n  # insertion: a particle has a handful of neighbours
-                    while at > begin and near.j[at - 1] > j:
-                        near.j[at] = near.j[at - 1]
+                    while at > begin and outer.j[at - 1] > j:
+                        outer.j[at] = outer.j[at - 1]
                         at -= 1
-                    near.i[n], near.j[at] = i, j
+                    outer.i[n], outer.j[at] = i, j
                     n += 1
     return n
 
@@ -203,38 +203,40 @@ def keep_histories(world):
 
     By keys that ascend as the pairs are listed: by pair of particles, then by sphere.
     """
-    close, kept, counts = world.close, world.kept, world.counts
-    if counts[CLOSE] == 0:
+    contacts, kept, counts = world.inner, world.kept, world.counts
+    if counts[INNER] == 0:
         return  # there was no room, or a state was put back: they are remembered already
     n = 0
-    for m in range(counts[CLOSE]):
-        if close.history[m, DAMPING] >= 0.0:
-            kept.key[n] = key_of(world.shape, len(world.near.place), close.i[m], close.j[m])
+    for m in range(counts[INNER]):
+        if contacts.history[m, DAMPING] >= 0.0:
+            kept.key[n] = key_of(
+                world.shape, len(world.outer.made_at), contacts.i[m], contacts.j[m]
+            )
             for h in range(N_HISTORY):
-                kept.history[n, h] = close.history[m, h]
+                kept.history[n, h] = contacts.history[m, h]
             n += 1
     kept.number[0] = n
-    counts[CLOSE] = 0
+    counts[INNER] = 0
 
 
 @inner
 def inherit_histories(world, n_pairs):
     """Give the pairs of the list the histories that are remembered; both ascend by their keys."""
-    close, kept = world.close, world.kept
+    contacts, kept = world.inner, world.kept
     old = 0
     for n in range(n_pairs):
         for h in range(N_HISTORY):
-            close.history[n, h] = 0.0
-        close.history[n, DAMPING] = NO_CONTACT
+            contacts.history[n, h] = 0.0
+        contacts.history[n, DAMPING] = NO_CONTACT
     for n in range(n_pairs):
         if old == kept.number[0]:
             break
-        key = key_of(world.shape, len(world.near.place), close.i[n], close.j[n])
+        key = key_of(world.shape, len(world.outer.made_at), contacts.i[n], contacts.j[n])
         while old < kept.number[0] and kept.key[old] < key:
             old += 1
         if old < kept.number[0] and kept.key[old] == key:
             for h in range(N_HISTORY):
-                close.history[n, h] = kept.history[old, h]
+                contacts.history[n, h] = kept.history[old, h]
     kept.number[0] = 0
 
 
@@ -245,19 +247,19 @@ def search_walls(world, shift):
     Only particles whose bounding sphere is near a wall are looked at. How far one may go before the
     list is made again is its gap to the nearest wall that it is not listed with, at least the skin.
     """
-    walls, counts, lengths, x = world.walls, world.counts, world.lengths, world.near.now
+    walls, counts, lengths, x = world.walls, world.counts, world.lengths, world.outer.now
     note_positions(world)
     adapt(counts, lengths, WALL_SKIN, WALL_MADE, world.cells.largest)
     store_wall_history(world.wall, walls, counts)
-    skin, leeway = lengths[WALL_SKIN], world.wall_seen.leeway
+    skin, margin = lengths[WALL_SKIN], world.wall_seen.margin
     place_near_walls(world, skin, shift)
-    leeway[:] = np.inf
+    margin[:] = np.inf
     n = np.int64(0)
     for w in range(len(walls.force)):
         walls.first[w] = n
-        for b in range(len(leeway)):
+        for b in range(len(margin)):
             gap = gap_to_wall(walls, x, w, b, shift)
-            leeway[b] = min(leeway[b], max(gap, skin))
+            margin[b] = min(margin[b], max(gap, skin))
             if gap < skin:
                 n = contacts_of_wall(world, w, b, shift, n)
                 if n < 0:
@@ -266,7 +268,7 @@ def search_walls(world, shift):
     counts[WALL_SEARCHES] += 1
     counts[STALE_WALL] = 0
     counts[WALL_MADE] = counts[STEP]
-    note_listed(world, leeway)
+    note_listed(world, margin)
     list_spheres(world, world.wall_seen)
     for c in range(3):
         world.wall_seen.drift[c] = shift[c]
@@ -293,7 +295,7 @@ def contacts_of_wall(world, w, b, shift, n):
     """
     wall, walls, spheres, x = world.wall, world.walls, world.spheres, world.spheres.position
     m, skin = len(spheres.inverse_mass), world.lengths[WALL_SKIN]
-    size = m // len(world.near.place)
+    size = m // len(world.outer.made_at)
     for i in range(b * size, (b + 1) * size):
         gap = gap_to_wall(walls, x, w, i, shift)
         if gap < skin or walls.history[w, i, DAMPING] >= 0.0:
@@ -302,7 +304,7 @@ def contacts_of_wall(world, w, b, shift, n):
             if n + LANES >= len(wall.i):
                 return -1
             wall.i[n], wall.j[n], wall.group[n] = i, m, b  # row m is the enclosure
-            wall.reach[n] = wall.constants[n, RADIUS_I] = x[i, 3]
+            wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
             hertz = world.wall_law.hertz * np.sqrt(radius_at_wall(walls, x, w, i, shift))
             wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
             wall.constants[n, MASS] = wall.whole[n, 1] = 1.0 / spheres.inverse_mass[i]

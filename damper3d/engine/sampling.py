@@ -3,7 +3,7 @@
 import numpy as np
 
 from damper3d.engine.forces import contact_law, meet_wall, surface_motion, without_slip
-from damper3d.engine.geometry import between_spheres, place
+from damper3d.engine.geometry import between_spheres, entry
 from damper3d.engine.integrate import advance, enclosure_at
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
 from damper3d.engine.simd import gather
@@ -19,7 +19,7 @@ from damper3d.engine.state import (
     HERTZ,
     IMPACT_PP,
     MASS,
-    N_BOOKS,
+    N_BALANCE,
     N_COLUMNS,
     STEP,
     STIFFNESS,
@@ -40,7 +40,7 @@ N_CONTACT_COLUMNS = 10
 def advance_sampling(world, steps_per_sample, rows):
     """Fill rows, each after steps_per_sample steps; how many were filled, steps over, outcome.
 
-    rows (n, N_COLUMNS + N_BOOKS + 3 n_walls). A step that cannot be taken ends it.
+    rows (n, N_COLUMNS + N_BALANCE + 3 n_walls). A step that cannot be taken ends it.
     """
     for k in range(len(rows)):
         taken, outcome = advance(world, steps_per_sample)
@@ -64,12 +64,12 @@ def sample(world, steps, row):
     for c in range(2):
         row[IMPACT_PP + c] = world.fastest[c]
         world.fastest[c] = 0.0
-    for b in range(N_BOOKS):
-        row[N_COLUMNS + b] = world.books[b]
+    for b in range(N_BALANCE):
+        row[N_COLUMNS + b] = world.balance[b]
     force = world.walls.force
     for w in range(len(force)):
         for c in range(3):
-            row[N_COLUMNS + N_BOOKS + 3 * w + c] = force[w, c] / steps
+            row[N_COLUMNS + N_BALANCE + 3 * w + c] = force[w, c] / steps
             force[w, c] = 0.0
 
 
@@ -82,7 +82,7 @@ def elastic_energies(world, shift, speed, row):
     n_touching = find_pairs(world)
     for begin in range(np.int64(0), n_touching, BLOCK):
         n = min(n_touching - begin, BLOCK)
-        gather(spheres, world.close, begin, n, block)
+        gather(spheres, world.inner, begin, n, block)
         between_spheres(n, block)
         add_elastic(world.pair_law, n, block, dt, row, CONTACTS_PP)
     for w in range(len(walls.force)):
@@ -103,11 +103,11 @@ def add_elastic(law, n_contacts, block, dt, row, count):
         if overlap <= 0.0:
             continue
         normal, rate, slip_rate = surface_motion(block, k)
-        damping = max(history[place(DAMPING, k)], law.damping)
-        hertz, mass = block.constants[place(HERTZ, k)], block.constants[place(MASS, k)]
+        damping = max(history[entry(DAMPING, k)], law.damping)
+        hertz, mass = block.constants[entry(HERTZ, k)], block.constants[entry(MASS, k)]
         stiffness, dashpot, f_n, _ = hertz_force(law, hertz, mass, damping, overlap, rate)
         trial = without_slip(
-            law, history, k, normal, history[place(STIFFNESS, k)], law.tangential * stiffness,
+            law, history, k, normal, history[entry(STIFFNESS, k)], law.tangential * stiffness,
             scale(0.5 * dt, slip_rate),
         )[1]  # fmt: skip
         held = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)[1]
@@ -117,10 +117,10 @@ def add_elastic(law, n_contacts, block, dt, row, count):
 
 
 @uncounted
-def list_contacts(world, bodies, numbers):
+def list_contacts(world, particles, numbers):
     """The contacts of now and the forces that the next step will apply; how many there are.
 
-    bodies (capacity, 2): spheres, and walls numbered after them; numbers (capacity,
+    particles (capacity, 2): spheres, and walls numbered after them; numbers (capacity,
     N_CONTACT_COLUMNS): force on the second, normal towards it, point in the laboratory, overlap.
     """
     spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
@@ -130,10 +130,10 @@ def list_contacts(world, bodies, numbers):
     n_touching = find_pairs(world)
     for begin in range(np.int64(0), n_touching, BLOCK):
         n = min(n_touching - begin, BLOCK)
-        gather(spheres, world.close, begin, n, block)
+        gather(spheres, world.inner, begin, n, block)
         between_spheres(n, block)
         contact_law(world.pair_law, n, block, dt)
-        found = copy_contacts(spheres, block, world.close, begin, n, 0, bodies, numbers, found)
+        found = copy_contacts(spheres, block, world.inner, begin, n, 0, particles, numbers, found)
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
         n_touching = find_at_wall(world, w)
@@ -141,12 +141,14 @@ def list_contacts(world, bodies, numbers):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
             contact_law(world.wall_law, n, block, dt)
-            found = copy_contacts(spheres, block, world.wall, begin, n, w, bodies, numbers, found)
+            found = copy_contacts(
+                spheres, block, world.wall, begin, n, w, particles, numbers, found
+            )
     return found
 
 
 @inner
-def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, bodies, numbers, found):
+def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, particles, numbers, found):
     """Append the touching contacts of a block; how many there are then.
 
     The enclosure's row stands behind those of the spheres, so that adding a wall's number to it
@@ -156,11 +158,11 @@ def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, bodies, num
         if block.overlap[k] > 0.0:
             n = contacts.touching[np.uintp(begin) + k]
             i, j = contacts.i[n], contacts.j[n]
-            bodies[found, 0], bodies[found, 1] = i, j + wall
+            particles[found, 0], particles[found, 1] = i, j + wall
             for c in range(3):
-                numbers[found, FORCE + c] = block.push[place(c, k)]
-                numbers[found, NORMAL + c] = block.normal[place(c, k)]
-                point = spheres.position[i, c] + block.arm_i[k] * block.normal[place(c, k)]
+                numbers[found, FORCE + c] = block.push[entry(c, k)]
+                numbers[found, NORMAL + c] = block.normal[entry(c, k)]
+                point = spheres.position[i, c] + block.arm_i[k] * block.normal[entry(c, k)]
                 numbers[found, POINT + c] = point
             numbers[found, OVERLAP] = block.overlap[k]
             found += 1

@@ -1,6 +1,6 @@
 """The processor's vectors, spelt out where a compiler does not find them: rows of four numbers.
 
-A contact needs nine rows (position, velocity and spin of two spheres, its own constants and its
+A contact needs nine rows (position, velocity and rotation of two spheres, its own constants and its
 history) and adds to four (forces and torques), while the passes over contacts want one array a
 quantity. A compiler makes of that some forty scattered loads, insertions and stores a contact,
 which take half of the time of a step. Here four contacts are worked at once: rows are loaded whole
@@ -8,9 +8,10 @@ and transposed in registers. What is left over at the end of a block, fewer than
 done one by one, in the plain form.
 In order: instructions on rows, which write vector code into a kernel while numba compiles it
 (builder is llvmlite's); rows of contacts to lanes and back; from a particle to its spheres and
-back. A sphere at r from the centroid of its particle is at x + r and has the velocity u + w x r;
-the force f and torque t on it give f and t + r x f to the particle. The plain forms that these must
-equal to the last bit stand in tests/damper3d/test_damper_engine_lanes.py.
+back; a step of a sphere, where a compiler would take all rows number by number, as three numbers of
+one are summed for the lists. A sphere at r from the centroid of its particle is at x + r and has
+the velocity u + w x r; the force f and torque t on it give f and t + r x f to the particle. The
+plain forms that these equal to the last bit stand in tests/damper3d/test_damper_engine_simd.py.
 """
 
 import numpy as np
@@ -158,13 +159,13 @@ def separate(spheres, contacts, begin, n_contacts, block):
 
 @intrinsic
 def _gather_four(
-    typingctx, x, u, w, i, j, constants, history, touching, separation, passing, turning, spin,
+    typingctx, x, u, w, i, j, constants, history, touching, separation, passing, rim, rotation,
     own, known, begin, k,
 ):  # fmt: skip
     """Load rows of the contacts that entries begin + k ... + 3 name to lanes k ... of the block."""
     number = types.int64
     signature = types.void(
-        x, u, w, i, j, constants, history, touching, separation, passing, turning, spin, own,
+        x, u, w, i, j, constants, history, touching, separation, passing, rim, rotation, own,
         known, number, number,
     )  # fmt: skip
 
@@ -202,25 +203,25 @@ def _gather_four(
 def gather(spheres, contacts, begin, n_contacts, block):
     """Load rows of the contacts that entries begin ... begin + n_contacts - 1 of `touching` name.
 
-    Fills rows of the block: separation x_j - x_i [m], passing u_j - u_i [m/s], turning
-    R_i w_i + R_j w_j [m/s] and spin w_i + w_j [rad/s], constants and history of the contacts.
+    Fills rows of the block: separation x_j - x_i [m], relative velocity u_j - u_i [m/s], rim
+    velocity R_i w_i + R_j w_j [m/s], angular velocity w_i + w_j [rad/s], constants and history.
     """
-    x, u, w = spheres.position, spheres.velocity, spheres.spin
+    x, u, w = spheres.position, spheres.velocity, spheres.angular_velocity
     fours = n_contacts - n_contacts % 4
     for k in range(np.int64(0), fours, 4):
         _gather_four(
             x, u, w, contacts.i, contacts.j, contacts.constants, contacts.history,
-            contacts.touching, block.separation, block.passing, block.turning, block.spin,
-            block.constants, block.history, begin, k,
+            contacts.touching, block.separation, block.relative_velocity, block.rim_velocity,
+            block.angular_velocity, block.constants, block.history, begin, k,
         )  # fmt: skip
     for k in range(fours, n_contacts):
         n = contacts.touching[begin + k]
         i, j = contacts.i[n], contacts.j[n]
         for c in range(3):
             block.separation[c * BLOCK + k] = x[j, c] - x[i, c]
-            block.passing[c * BLOCK + k] = u[j, c] - u[i, c]
-            block.turning[c * BLOCK + k] = x[i, 3] * w[i, c] + x[j, 3] * w[j, c]
-            block.spin[c * BLOCK + k] = w[i, c] + w[j, c]
+            block.relative_velocity[c * BLOCK + k] = u[j, c] - u[i, c]
+            block.rim_velocity[c * BLOCK + k] = x[i, 3] * w[i, c] + x[j, 3] * w[j, c]
+            block.angular_velocity[c * BLOCK + k] = w[i, c] + w[j, c]
         for c in range(N_CONSTANTS):
             block.constants[c * BLOCK + k] = contacts.constants[n, c]
         for h in range(N_HISTORY):
@@ -228,17 +229,17 @@ def gather(spheres, contacts, begin, n_contacts, block):
 
 
 @intrinsic
-def _keep_four(typingctx, history, touching, later, begin, k):
+def _keep_four(typingctx, history, touching, next_history, begin, k):
     """Histories in lanes k ... of the block to the contacts that entries begin + k ... + 3 name."""
     number = types.int64
-    signature = types.void(history, touching, later, number, number)
+    signature = types.void(history, touching, next_history, number, number)
 
     def generate(context, builder, signature, arguments):
-        history, touching, later, begin, k = data(context, builder, signature, arguments)
+        history, touching, next_history, begin, k = data(context, builder, signature, arguments)
         first = builder.add(begin, k)
         numbers = [named(builder, touching, first, lane) for lane in range(4)]
         for half in range(0, N_HISTORY, 4):
-            columns = [load(builder, later, k, (half + c) * BLOCK) for c in range(4)]
+            columns = [load(builder, next_history, k, (half + c) * BLOCK) for c in range(4)]
             for n, row in zip(numbers, transposed(builder, columns), strict=True):
                 store(builder, row, history, begin_of(builder, n, 2), half)
         return context.get_dummy_value()
@@ -251,10 +252,10 @@ def keep_history(contacts, begin, n_contacts, block):
     """Let the histories after this step be those of the contacts."""
     fours = n_contacts - n_contacts % 4
     for k in range(np.int64(0), fours, 4):
-        _keep_four(contacts.history, contacts.touching, block.later, begin, k)
+        _keep_four(contacts.history, contacts.touching, block.next_history, begin, k)
     for k in range(fours, n_contacts):
         for h in range(N_HISTORY):
-            contacts.history[contacts.touching[begin + k], h] = block.later[h * BLOCK + k]
+            contacts.history[contacts.touching[begin + k], h] = block.next_history[h * BLOCK + k]
 
 
 @intrinsic
@@ -337,7 +338,7 @@ def _cross(builder, a, b):
 def place_sphere(
     typingctx, x, u, w, axes, offset, position, velocity, spin, b, s, i,
 ):  # fmt: skip
-    """Let row i of position, velocity and spin be those of sphere s of body b."""
+    """Let row i of position, velocity and angular velocity be those of sphere s of particle b."""
     signature = types.void(x, u, w, axes, offset, position, velocity, spin, b, s, i)
 
     def generate(context, builder, signature, arguments):
@@ -354,22 +355,22 @@ def place_sphere(
         place = builder.fadd(load(builder, x, at_b), arm)
         radius = builder.extract_element(own, _LAST)
         store(builder, builder.insert_element(place, radius, _LAST), position, at_i)
-        turning = load(builder, w, at_b)
-        swing = _cross(builder, turning, arm)
+        rotation = load(builder, w, at_b)
+        swing = _cross(builder, rotation, arm)
         store(builder, builder.fadd(load(builder, u, at_b), swing), velocity, at_i)
-        store(builder, turning, spin, at_i)
+        store(builder, rotation, spin, at_i)
         return context.get_dummy_value()
 
     return signature, generate
 
 
 @intrinsic
-def take_load(typingctx, force, torque, position, x, total, turning, i, b):
-    """Add force and torque of sphere i to the total and the turning of body b, and wipe them."""
-    signature = types.void(force, torque, position, x, total, turning, i, b)
+def take_load(typingctx, force, torque, position, x, total, torques, i, b):
+    """Add force and torque of sphere i to those of particle b, and wipe them."""
+    signature = types.void(force, torque, position, x, total, torques, i, b)
 
     def generate(context, builder, signature, arguments):
-        force, torque, position, x, total, turning, i, b = data(
+        force, torque, position, x, total, torques, i, b = data(
             context, builder, signature, arguments
         )
         at_b, at_i = begin_of(builder, b), begin_of(builder, i)
@@ -377,9 +378,62 @@ def take_load(typingctx, force, torque, position, x, total, turning, i, b):
         arm = builder.fsub(load(builder, position, at_i), load(builder, x, at_b))
         turn = builder.fadd(load(builder, torque, at_i), _cross(builder, arm, push))
         store(builder, builder.fadd(load(builder, total, at_b), push), total, at_b)
-        store(builder, builder.fadd(load(builder, turning, at_b), turn), turning, at_b)
+        store(builder, builder.fadd(load(builder, torques, at_b), turn), torques, at_b)
         store(builder, NOTHING, force, at_i)
         store(builder, NOTHING, torque, at_i)
         return context.get_dummy_value()
 
     return signature, generate
+
+
+@intrinsic
+def kick(typingctx, v, u, loads, factor, gain, i):
+    """Row i of v += factor loads + gain; u is half of that further on; the loads are wiped."""
+    signature = types.void(v, u, loads, factor, gain, i)
+
+    def generate(context, builder, signature, arguments):
+        v, u, loads, factor, gain, i = data(context, builder, signature, arguments)
+        begin = begin_of(builder, i)
+        change = builder.fmul(filled(builder, factor), load(builder, loads, begin))
+        change = builder.fadd(change, row_of(builder, _three(builder, gain)))
+        moved = builder.fadd(load(builder, v, begin), change)
+        half = builder.fmul(filled(builder, ir.Constant(ir.DoubleType(), 0.5)), change)
+        store(builder, moved, v, begin)
+        store(builder, builder.fadd(moved, half), u, begin)
+        store(builder, NOTHING, loads, begin)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
+def drift_on(typingctx, x, v, dt, i):
+    """Row i of x += dt v; the fourth number, a radius, gains the zero that v has there."""
+    signature = types.void(x, v, dt, i)
+
+    def generate(context, builder, signature, arguments):
+        x, v, dt, i = data(context, builder, signature, arguments)
+        begin = begin_of(builder, i)
+        change = builder.fmul(filled(builder, dt), load(builder, v, begin))
+        store(builder, builder.fadd(load(builder, x, begin), change), x, begin)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
+def square_off(typingctx, x, other, carried, i):
+    """Square of how far x is from another position, but for what carried it, in row i."""
+    signature = types.float64(x, other, carried, i)
+
+    def generate(context, builder, signature, arguments):
+        x, other, carried, i = data(context, builder, signature, arguments)
+        begin = begin_of(builder, i)
+        off = builder.fsub(load(builder, x, begin), load(builder, other, begin))
+        return square(builder, builder.fsub(off, row_of(builder, _three(builder, carried))))
+
+    return signature, generate
+
+
+def _three(builder, numbers):
+    return [builder.extract_value(numbers, c) for c in range(3)]

@@ -8,20 +8,20 @@ from damper3d.engine import sampling, state
 from damper3d.engine.integrate import advance, enclosure_at, search
 from damper3d.engine.records import CLASSES, MECHANISMS
 from damper3d.engine.state import (
-    CLOSE_FULL,
     DONE,
-    NEAR_FULL,
+    INNER_FULL,
     NOT_FINITE,
+    OUTER_FULL,
     TOO_DEEP,
     WALL_FULL,
     World,
 )
-from damper3d.engine.world import kind_of, roomier
+from damper3d.engine.world import kind_of, lengthened
 from granulab.errors import SimulationError
 
-# Of each class in the kernels' books, in their order (state.py).
+# Of each class in the kernels' balance, in their order (state.py).
 _BOOKS = (*MECHANISMS, "law_term", "slip_count")
-_FULL = {NEAR_FULL: "near", CLOSE_FULL: "close", WALL_FULL: "wall"}
+_FULL = {OUTER_FULL: "outer", INNER_FULL: "inner", WALL_FULL: "wall"}
 _COLUMNS = {
     "time": state.TIME,
     "displacement": state.DISPLACEMENT,
@@ -54,14 +54,14 @@ class Simulation:
         self._kind = kind_of(world)
 
     @property
-    def n_bodies(self) -> int:
+    def n_particles(self) -> int:
         """Return how many particles there are."""
-        return len(self.world.bodies.inverse_mass)
+        return len(self.world.particles.inverse_mass)
 
     @property
     def n_spheres(self) -> int:
         """Of each particle."""
-        return len(self.world.spheres.inverse_mass) // self.n_bodies
+        return len(self.world.spheres.inverse_mass) // self.n_particles
 
     @property
     def steps(self) -> int:
@@ -75,8 +75,8 @@ class Simulation:
 
     @property
     def mass(self) -> np.ndarray:
-        """Of each body (n,) [kg]."""
-        return 1.0 / self.world.bodies.inverse_mass
+        """Of each particle (n,) [kg]."""
+        return 1.0 / self.world.particles.inverse_mass
 
     def run(self, n_samples: int) -> dict[str, np.ndarray]:
         """Go on for a number of samples; their columns, a row a sample.
@@ -88,7 +88,7 @@ class Simulation:
         finite or an overlap is beyond belief.
         """
         n_walls = len(self.world.walls.force)
-        rows = np.zeros((n_samples, state.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        rows = np.zeros((n_samples, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls))
         done = 0
         while done < n_samples:
             filled, over, outcome = sampling.advance_sampling(
@@ -116,19 +116,19 @@ class Simulation:
         """One row of samples for the state as it is; forces on the walls are not known."""
         self.refresh()
         n_walls = len(self.world.walls.force)
-        rows = np.zeros((1, state.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        rows = np.zeros((1, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls))
         sampling.sample(self.world, 1, rows[0])
         return _named(rows, n_walls)
 
     def compile(self) -> None:
         """Compile or load the kernels now, so that their time is not taken for a step's."""
         n_walls = len(self.world.walls.force)
-        rows = np.zeros((0, state.N_COLUMNS + state.N_BOOKS + 3 * n_walls))
+        rows = np.zeros((0, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls))
         sampling.advance_sampling(self.world, self.steps_per_sample, rows)
 
     def refresh(self) -> None:
-        """Make stale lists anew now."""
-        while self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]].any():
+        """Make stale lists again now."""
+        while self.world.counts[[state.STALE_INNER, state.STALE_WALL]].any():
             outcome = search(self.world, self._shift())
             if outcome != DONE:
                 self._answer(outcome)
@@ -140,7 +140,7 @@ class Simulation:
     def _answer(self, outcome: int) -> None:
         """Give a search the room that it lacked, or raise what is wrong."""
         if outcome in _FULL:
-            self.world = roomier(self.world, _FULL[outcome])
+            self.world = lengthened(self.world, _FULL[outcome])
         elif outcome == NOT_FINITE:
             raise self.failure("a position is no longer a finite number")
         elif outcome == TOO_DEEP:
@@ -162,14 +162,14 @@ class Simulation:
         Also spin (n, 3) [rad/s], heat (n,) [J], half of what their contacts dissipated so far, and
         of multi-sphere particles the orientations (n, 4), unit quaternions (w, x, y, z).
         """
-        moving, n = self._kind.moving(self.world), self.n_bodies
-        turned = {name: moving[name].copy() for name in ("orientation",) if name in moving}
+        moving, n = self._kind.moving(self.world), self.n_particles
+        rotated = {name: moving[name].copy() for name in ("orientation",) if name in moving}
         return {
             "x": moving["position"][:, :3] - np.array(self._shift()),
             "v": moving["velocity_now"][:, :3].copy(),
-            "spin": self._kind.spin_now(self.world)[:, :3].copy(),
-            **turned,
-            "heat": self.world.bodies.heat[:-1].reshape(n, self.n_spheres).sum(axis=1),
+            "spin": self._kind.angular_velocity_now(self.world)[:, :3].copy(),
+            **rotated,
+            "heat": self.world.particles.dissipated[:-1].reshape(n, self.n_spheres).sum(axis=1),
         }
 
     def contacts(self) -> dict[str, np.ndarray]:
@@ -177,7 +177,7 @@ class Simulation:
 
         Contacts are those of spheres: two multi-sphere particles may have several.
 
-        bodies     (n, 2) particles, then walls (numbered after them)
+        particles     (n, 2) particles, then walls (numbered after them)
         spheres    (n, 2) which of their spheres touch; 0 of a wall
         force      (n, 3) on the second [N]; the first takes its opposite
         normal     (n, 3) unit vector towards the second
@@ -185,14 +185,18 @@ class Simulation:
         overlap    (n,) [m]
         """
         self.refresh()
-        most = int(self.world.counts[state.CLOSE] + self.world.counts[state.WALL])
+        most = int(self.world.counts[state.INNER] + self.world.counts[state.WALL])
         spheres = np.zeros((most, 2), np.uint32)
         numbers = np.zeros((most, sampling.N_CONTACT_COLUMNS))
         n = sampling.list_contacts(self.world, spheres, numbers)
-        which, k, m = spheres[:n].astype(np.int64), self.n_spheres, self.n_bodies * self.n_spheres
+        which, k, m = (
+            spheres[:n].astype(np.int64),
+            self.n_spheres,
+            self.n_particles * self.n_spheres,
+        )
         of_wall = which >= m
         return {
-            "bodies": np.where(of_wall, which - m + self.n_bodies, which // k).astype(np.uint32),
+            "bodies": np.where(of_wall, which - m + self.n_particles, which // k).astype(np.uint32),
             "spheres": np.where(of_wall, 0, which % k).astype(np.uint32),
             "force": numbers[:n, sampling.FORCE : sampling.NORMAL],
             "normal": numbers[:n, sampling.NORMAL : sampling.POINT],
@@ -204,60 +208,62 @@ class Simulation:
         """The largest up . x of any particle's surface, in the enclosure [m]; up (3,) is a unit."""
         return float((self.frame()["x"] @ up + self._kind.extents(self.world, up)).max())
 
-    def set_velocity(self, velocity: np.ndarray, spin: np.ndarray | None = None) -> None:
-        """Give the particles velocities (n, 3) [m/s], and spins (n, 3) [rad/s], both of now."""
+    def set_velocity(
+        self, velocity: np.ndarray, angular_velocity: np.ndarray | None = None
+    ) -> None:
+        """Give the particles velocities (n, 3) [m/s], and angular velocities (n, 3) [rad/s]."""
         moving = self._kind.moving(self.world)
         moving["velocity"][:, :3] = moving["velocity_now"][:, :3] = velocity
-        if spin is not None:
-            self._kind.set_spin(self.world, spin)
-        self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1  # spheres have velocities too
+        if angular_velocity is not None:
+            self._kind.set_angular_velocity(self.world, angular_velocity)
+        self.world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1  # spheres have velocities too
 
     def save(self) -> dict[str, np.ndarray]:
         """All that is needed to go on with the same bits, as arrays.
 
-        Of the lists only the contacts' histories are kept: the rest is made anew in the same
+        Of the lists only the contacts' histories are kept: the rest is made again in the same
         order, and no force depends on when.
         """
         self.refresh()  # of a state just restored, the lists are not yet made
         world = self.world
-        pairs = _touching(world.close, int(world.counts[state.CLOSE]))
+        pairs = _touching(world.inner, int(world.counts[state.INNER]))
         at_walls = _touching(world.wall, int(world.counts[state.WALL]))
         of_wall = np.searchsorted(world.walls.first, at_walls, "right") - 1
         return {
-            **self._save_bodies(),
-            "heat": world.bodies.heat.copy(),
-            "pairs": np.stack([world.close.i[pairs], world.close.j[pairs]], axis=1),
-            "springs": world.close.history[pairs].T,
+            **self._save_particles(),
+            "heat": world.particles.dissipated.copy(),
+            "pairs": np.stack([world.inner.i[pairs], world.inner.j[pairs]], axis=1),
+            "springs": world.inner.history[pairs].T,
             "wall_pairs": np.stack([world.wall.i[at_walls], of_wall], axis=1),
             "wall_springs": world.wall.history[at_walls].T,
             "wall_force": world.walls.force.copy(),
             "step": world.counts[[state.STEP]],
-            "books": world.books.copy(),
+            "books": world.balance.copy(),
             "fastest": world.fastest.copy(),
         }
 
-    def _save_bodies(self) -> dict[str, np.ndarray]:
+    def _save_particles(self) -> dict[str, np.ndarray]:
         return {name: array.copy() for name, array in self._kind.moving(self.world).items()}
 
     def restore(self, saved: dict[str, np.ndarray]) -> None:
         """Put back what `save` gave."""
-        self._restore_bodies(saved)
+        self._restore_particles(saved)
         self.world.counts[:] = 0
         self._restore_pairs(saved["pairs"], saved["springs"].T)
         world = self.world
-        world.bodies.heat[:] = saved["heat"]
-        world.lengths[state.NEAR_SKIN] = -1.0  # its reach is used up: it is made anew
+        world.particles.dissipated[:] = saved["heat"]
+        world.lengths[state.OUTER_SKIN] = -1.0  # its cutoff is used up: it is made again
         world.walls.history[:] = 0.0
         world.walls.history[..., state.DAMPING] = state.NO_CONTACT
         touching, of_wall = saved["wall_pairs"].T
         world.walls.history[of_wall, touching] = saved["wall_springs"].T
         world.walls.force[:] = saved["wall_force"]
         world.counts[state.STEP] = saved["step"][0]
-        world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
-        world.books[:] = saved["books"]
+        world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
+        world.balance[:] = saved["books"]
         world.fastest[:] = saved["fastest"]
 
-    def _restore_bodies(self, saved: dict[str, np.ndarray]) -> None:
+    def _restore_particles(self, saved: dict[str, np.ndarray]) -> None:
         for name, array in self._kind.moving(self.world).items():
             array[:] = saved[name]
         self._kind.settle(self.world)
@@ -268,27 +274,27 @@ class Simulation:
         Their keys are those of kinds.key_of, which only kernels can call.
         """
         while len(self.world.kept.key) < len(pairs):
-            self.world = roomier(self.world, "close")
+            self.world = lengthened(self.world, "inner")
         kept, n, k = self.world.kept, len(pairs), self.n_spheres
         spheres = pairs.astype(np.int64)
         (i, j), (a, b) = spheres.T, (spheres // k).T
-        kept.key[:n] = ((a * self.n_bodies + b) * k + (i - a * k)) * k + (j - b * k)
+        kept.key[:n] = ((a * self.n_particles + b) * k + (i - a * k)) * k + (j - b * k)
         kept.history[:n] = histories
         kept.number[0] = n
 
     def begin_phase(self, **changes) -> None:
-        """Change fields of the world (shaker, gravity, time_step, laws); clock and books start.
+        """Change fields of the world (shaker, gravity, time_step, laws); clock and balance start.
 
         Positions stay where they are in the enclosure, which is where it was: at zero.
         """
         self.refresh()
         self.world = self.world._replace(**changes)
-        self.world.counts[[state.STEP, state.CLOSE_MADE, state.WALL_MADE]] = 0
-        self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
-        self.world.books[:] = 0.0
+        self.world.counts[[state.STEP, state.INNER_MADE, state.WALL_MADE]] = 0
+        self.world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
+        self.world.balance[:] = 0.0
         self.world.fastest[:] = 0.0
         self.world.walls.force[:] = 0.0
-        self.world.bodies.heat[:] = 0.0
+        self.world.particles.dissipated[:] = 0.0
 
     def state_digest(self) -> str:
         """Hash of positions, velocities and the histories of the contacts."""
@@ -308,7 +314,7 @@ def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:
     named = {name: rows[:, column].copy() for name, column in _COLUMNS.items()}
     named["mean_position"] = rows[:, state.POSITION_X : state.VELOCITY_X].copy()
     named["mean_velocity"] = rows[:, state.VELOCITY_X : state.N_COLUMNS].copy()
-    forces = rows[:, state.N_COLUMNS + state.N_BOOKS :]
+    forces = rows[:, state.N_COLUMNS + state.N_BALANCE :]
     named["wall_force"] = forces.reshape(len(rows), n_walls, 3).copy()
     return named
 

@@ -15,20 +15,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-# Entries of World.counts. STEP: of this phase; NEAR, CLOSE, WALL: lengths of the lists; STALE_...:
-# lists to be made anew; ..._MADE: the step when a list was made.
-STEP, NEAR, CLOSE, WALL, STALE_CLOSE, STALE_WALL = range(6)
-NEAR_SEARCHES, CLOSE_SEARCHES, WALL_SEARCHES, CLOSE_MADE, WALL_MADE = range(6, 11)
+# Entries of World.counts. STEP: of this phase; OUTER, INNER, WALL: lengths of the lists; STALE_...:
+# lists to be made again; ..._MADE: the step when a list was made.
+STEP, OUTER, INNER, WALL, STALE_INNER, STALE_WALL = range(6)
+OUTER_SEARCHES, INNER_SEARCHES, WALL_SEARCHES, INNER_MADE, WALL_MADE = range(6, 11)
 N_COUNTS = 11
-# Entries of World.books [J], for particle-particle and then particle-wall contacts; then the work
+# Entries of World.balance [J], for particle-particle and then particle-wall contacts; then the work
 # of the enclosure on the bed.
 NORMAL_DAMPING, TANGENTIAL_DAMPING, FRICTION, LAW_TERM, SLIP_COUNT = range(5)
 N_MECHANISMS = 5
 WALL_WORK = 2 * N_MECHANISMS
-N_BOOKS = WALL_WORK + 1
+N_BALANCE = WALL_WORK + 1
 # Entries of World.lengths [m]: how far apart spheres may be to be listed, and what was left of
-# the near list's reach when the close list was made.
-NEAR_SKIN, CLOSE_SKIN, WALL_SKIN = range(3)
+# the outer list's cutoff when the inner one was made.
+OUTER_SKIN, INNER_SKIN, WALL_SKIN = range(3)
 N_LENGTHS = 3
 # Entries of the constants of a contact: radii [m] (none of a wall), (4/3) E sqrt(R) [N/m^1.5], and
 # the reduced mass [kg].
@@ -42,7 +42,7 @@ N_HISTORY = 8
 NO_CONTACT = -1.0
 
 # How a search ends.
-DONE, NEAR_FULL, CLOSE_FULL, WALL_FULL, NOT_FINITE, TOO_DEEP = range(6)
+DONE, OUTER_FULL, INNER_FULL, WALL_FULL, NOT_FINITE, TOO_DEEP = range(6)
 DEEPEST = 0.25  # overlap over the sum of the radii that is taken for a failure
 
 # Columns of a sample; the energies and then the forces on the walls follow.
@@ -76,26 +76,26 @@ def no_history(*shape: int) -> np.ndarray:
 
 
 class Spheres(NamedTuple):
-    """The spheres of the bodies, all that a contact needs to know and gives back.
+    """The spheres of the particles, all that a contact needs to know and gives back.
 
-    Arrays of (m + 1, 4): the last row is the enclosure, a sphere of no radius and no spin.
+    Arrays of (m + 1, 4): the last row is the enclosure, a sphere of no radius that does not rotate.
     """
 
     position: np.ndarray  # centre [m], radius [m]
     velocity: np.ndarray  # of the centre, extrapolated to the time of the position [m/s]
-    spin: np.ndarray  # of the body, likewise [rad/s]
+    angular_velocity: np.ndarray  # of the particle, likewise [rad/s]
     force: np.ndarray  # [N]
     torque: np.ndarray  # about the sphere's centre [N m]
-    inverse_mass: np.ndarray  # (m,) of the body [1/kg]
+    inverse_mass: np.ndarray  # (m,) of the particle [1/kg]
 
 
-class Near(NamedTuple):
+class OuterList(NamedTuple):
     """The outer list: pairs of particles i < j that may come close, ascending."""
 
     i: np.ndarray  # (capacity,) uint32
     j: np.ndarray  # (capacity,) uint32
     now: np.ndarray  # (n, 4) positions of the particles at a search, and bounding radii [m]
-    place: np.ndarray  # (n, 4) those when the list was made
+    made_at: np.ndarray  # (n, 4) those when the list was made
 
 
 class Contacts(NamedTuple):
@@ -107,7 +107,7 @@ class Contacts(NamedTuple):
     i: np.ndarray  # (capacity,) uint32, sphere
     j: np.ndarray  # (capacity,) uint32, sphere; of a wall contact the enclosure's row
     group: np.ndarray  # (capacity,) uint32, index in the outer list, or number of the particle
-    reach: np.ndarray  # (capacity,) sum of the radii [m]
+    cutoff: np.ndarray  # (capacity,) sum of the radii [m]
     constants: np.ndarray  # (capacity, N_CONSTANTS)
     whole: np.ndarray  # (capacity, 2) Hertz constant and mass of a contact that shares with others
     history: np.ndarray  # (capacity, N_HISTORY)
@@ -117,9 +117,9 @@ class Contacts(NamedTuple):
 class Seen(NamedTuple):
     """Positions of the particles when an inner list was made."""
 
-    place: np.ndarray  # (n, 4) [m]
-    turn: np.ndarray  # (n, 4) orientation; (0, 4) of spheres
-    leeway: np.ndarray  # (n,) how far a particle may go before the list no longer holds [m]
+    position: np.ndarray  # (n, 4) [m]
+    orientation: np.ndarray  # (n, 4) unit quaternions; (0, 4) of spheres
+    margin: np.ndarray  # (n,) how far a particle may go before the list no longer holds [m]
     drift: np.ndarray  # (4,) mean velocity then [m/s]; of walls: where they were [m]
 
 
@@ -146,16 +146,16 @@ class Walls(NamedTuple):
 class Block(NamedTuple):
     """Arrays that passes over a block of contacts hand on; vectors (3 BLOCK,), numbers (BLOCK,).
 
-    The second row of a vector begins at BLOCK; see damper3d.engine.geometry.place.
+    The second row of a vector begins at BLOCK; see damper3d.engine.geometry.entry.
     """
 
     constants: np.ndarray  # (N_CONSTANTS BLOCK,)
     history: np.ndarray  # (N_HISTORY BLOCK,), after the last step
-    later: np.ndarray  # (N_HISTORY BLOCK,), after this one
+    next_history: np.ndarray  # (N_HISTORY BLOCK,), after this one
     separation: np.ndarray  # x_j - x_i [m]
-    passing: np.ndarray  # u_j - u_i [m/s]
-    turning: np.ndarray  # R_i w_i + R_j w_j [m/s]
-    spin: np.ndarray  # w_i + w_j [rad/s]
+    relative_velocity: np.ndarray  # u_j - u_i [m/s]
+    rim_velocity: np.ndarray  # R_i w_i + R_j w_j [m/s]
+    angular_velocity: np.ndarray  # w_i + w_j [rad/s]
     normal: np.ndarray  # from i to j
     velocity: np.ndarray  # of j relative to i at the contact [m/s]
     push: np.ndarray  # force on j [N]
@@ -166,10 +166,10 @@ class Block(NamedTuple):
     arm_j: np.ndarray  # from the contact to the centre of j [m]
     normal_power: np.ndarray  # dissipated by the normal dashpot [W]
     tangential_power: np.ndarray  # dissipated by the tangential dashpot [W]
-    rubbed: np.ndarray  # dissipated by friction in this step [J]
-    gained: np.ndarray  # gained by the tangential spring, whose stiffness changes [J]
+    friction_work: np.ndarray  # dissipated by friction in this step [J]
+    stiffness_work: np.ndarray  # work of the changing stiffness of the tangential spring [J]
     slip_power: np.ndarray  # friction force times the whole sliding velocity [W]
-    begins: np.ndarray  # speed of an impact that begins in this step [m/s], else 0
+    impact_speed: np.ndarray  # speed of an impact that begins in this step [m/s], else 0
 
 
 class Cells(NamedTuple):
@@ -188,19 +188,19 @@ class World(NamedTuple):
     """Everything that the step loop works on."""
 
     shape: Any  # spheres.particles.OneSphere or multisphere.particles.ManySpheres
-    bodies: Any  # spheres.particles.Bodies or multisphere.particles.Rigid
+    particles: Any  # spheres.particles.SphereMotion or multisphere.particles.RigidMotion
     spheres: Spheres
     cells: Cells
-    near: Near
-    close: Contacts
-    close_seen: Seen
+    outer: OuterList
+    inner: Contacts
+    inner_seen: Seen
     wall: Contacts
     wall_seen: Seen
     kept: Kept
     walls: Walls
     block: Block
     counts: np.ndarray  # (N_COUNTS,) int64
-    books: np.ndarray  # (N_BOOKS,) [J]
+    balance: np.ndarray  # (N_BALANCE,) [J]
     fastest: np.ndarray  # (2,) largest impact speed of each class since last asked [m/s]
     lengths: np.ndarray  # (N_LENGTHS,) [m]
     pair_law: Any  # HertzLaw

@@ -153,12 +153,12 @@ def clear_of_wall(walls, w, contacts, begin, n_contacts, block):
     if w < len(walls.planes):
         for k in range(np.uintp(n_contacts)):
             distance = to_plane(walls.planes[w], vector(block.separation, k))
-            block.clearance[k] = distance - contacts.reach[np.uintp(begin) + k]
+            block.clearance[k] = distance - contacts.cutoff[np.uintp(begin) + k]
     else:
         for k in range(np.uintp(n_contacts)):
             x, y, z = vector(block.separation, k)
             distance = nearest(walls.surface, w - len(walls.planes), -x, -y, -z)[0]
-            block.clearance[k] = distance - contacts.reach[np.uintp(begin) + k]
+            block.clearance[k] = distance - contacts.cutoff[np.uintp(begin) + k]
 
 
 @inlined

@@ -15,7 +15,7 @@ from damper3d.engine.state import (
     Cells,
     Contacts,
     Kept,
-    Near,
+    OuterList,
     Seen,
     Spheres,
     Walls,
@@ -26,12 +26,12 @@ from damper3d.engine.state import (
 from granulab.contact.hertz import HertzLaw
 
 _FIRST_SKIN = 0.01  # inner skin over the largest radius, before it follows the speed
-_WIDEST_NEAR_SKIN = 0.3  # of the outer skin over the bounding radius, for which cells are made
+_WIDEST_OUTER_SKIN = 0.3  # of the outer skin over the bounding radius, for which cells are made
 
 
 def build_world(
     positions: np.ndarray,
-    particles: np.ndarray | Particle,
+    particle: np.ndarray | Particle,
     orientations: np.ndarray | None = None,
     *,
     density: float,
@@ -47,43 +47,43 @@ def build_world(
 ) -> World:
     """A world of n particles at rest in an enclosure that is about to move.
 
-    positions (n, 3) in the enclosure's frame [m]; particles: radii (n,) of solid spheres [m], or a
-    multi-sphere particle, of which all are; orientations (n, 4) of such, unit quaternions
+    positions (n, 3) in the enclosure's frame [m]; particle: radii (n,) of solid spheres [m], or a
+    multi-sphere particle, as which all are; orientations (n, 4) of such, unit quaternions
     (w, x, y, z), of no rotation if left out; density [kg/m3]; shaker: the numbers of a registered
     motion, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s]; treatment of
     several contacts of two particles: one of multisphere.particles.TREATMENTS.
     """
     n = len(positions)
-    if isinstance(particles, np.ndarray):
-        k, pairs, radii, bounding = 1, 8 * n + 64, particles, float(particles.max())
+    if isinstance(particle, np.ndarray):
+        k, pairs, radii, bounding = 1, 8 * n + 64, particle, float(particle.max())
         at_walls = 8 * (n // 2) + 64
         shape: Any = one_sphere.known_pairs(0)
-        bodies: Any = one_sphere.bodies(radii, density)
-        spheres = _spheres(radii, bodies.inverse_mass)
+        particles: Any = one_sphere.at_rest(radii, density)
+        spheres = _spheres(radii, particles.inverse_mass)
         spheres.position[:n, :3] = positions
     else:
-        k, bounding = len(particles.radii), particles.bounding_radius
+        k, bounding = len(particle.radii), particle.bounding_radius
         pairs = at_walls = 16 * n + 16 * k + 64
-        radii = np.tile(particles.radii, n)
-        shape = many_spheres.shape_of(particles, density, n, treatment)
-        bodies = many_spheres.bodies(positions, orientations, particles, density)
-        spheres = _spheres(radii, np.repeat(bodies.inverse_mass, k))
+        radii = np.tile(particle.radii, n)
+        shape = many_spheres.shape_of(particle, density, n, treatment)
+        particles = many_spheres.at_rest(positions, orientations, particle, density)
+        spheres = _spheres(radii, np.repeat(particles.inverse_mass, k))
     largest = float(radii.max())
     built = World(
         shape=shape,
-        bodies=bodies,
+        particles=particles,
         spheres=spheres,
         cells=_cells_over(enclosure, n, bounding, largest),
-        near=_near(n, 0),
-        close=contacts_with_room(0),
-        close_seen=_seen(n, shape),
-        wall=contacts_with_room(0),
+        outer=_outer(n, 0),
+        inner=empty_contacts(0),
+        inner_seen=_seen(n, shape),
+        wall=empty_contacts(0),
         wall_seen=_seen(n, shape),
         kept=_kept(0),
         walls=walls_of(enclosure, n * k, curved_wall),
         block=block(),
         counts=_first_counts(),
-        books=np.zeros(state.N_BOOKS),
+        balance=np.zeros(state.N_BALANCE),
         fastest=np.zeros(2),
         lengths=_first_skins(largest),
         pair_law=pair_law,
@@ -93,7 +93,7 @@ def build_world(
         gravity=_padded(gravity),
         time_step=time_step,
     )
-    built = with_room(built, near=16 * n + 64, close=pairs, wall=at_walls)
+    built = with_capacities(built, outer=16 * n + 64, inner=pairs, wall=at_walls)
     kind_of(built).settle(built)
     return built
 
@@ -103,34 +103,34 @@ def kind_of(world: World) -> Any:
     return many_spheres if isinstance(world.shape, ManySpheres) else one_sphere
 
 
-def with_room(world: World, **capacities: int) -> World:
-    """The world whose lists "near", "close" and "wall" have such capacities, where they are named.
+def with_capacities(world: World, **capacities: int) -> World:
+    """The world whose lists "outer", "inner" and "wall" have such capacities, where they are named.
 
     What they hold is kept.
     """
-    n = len(world.near.place)
+    n = len(world.outer.made_at)
     shape, made = world.shape, {}
     for lists, capacity in capacities.items():
-        if lists == "near":
-            made[lists] = _refilled(_near(n, capacity), world.near)
+        if lists == "outer":
+            made[lists] = _refilled(_outer(n, capacity), world.outer)
             known = kind_of(world).known_pairs(capacity)
             if isinstance(shape, ManySpheres):
                 shape = shape._replace(pairs=_refilled(known, shape.pairs))
             else:
                 shape = _refilled(known, shape)
         else:
-            made[lists] = _refilled(contacts_with_room(capacity), getattr(world, lists))
+            made[lists] = _refilled(empty_contacts(capacity), getattr(world, lists))
     world = world._replace(**made)
-    room = len(world.close.i)
+    room = len(world.inner.i)
     if isinstance(shape, ManySpheres):
         depth = np.zeros(max(room, len(world.wall.i)))
         shape = shape._replace(scratch=shape.scratch._replace(depth=depth))
     return world._replace(shape=shape, kept=_refilled(_kept(room), world.kept))
 
 
-def roomier(world: World, lists: str) -> World:
-    """The world with a list, "near", "close" or "wall", of twice the capacity."""
-    return with_room(world, **{lists: 2 * len(getattr(world, lists).i)})
+def lengthened(world: World, lists: str) -> World:
+    """The world with a list, "outer", "inner" or "wall", of twice the capacity."""
+    return with_capacities(world, **{lists: 2 * len(getattr(world, lists).i)})
 
 
 def _refilled(new: Any, old: Any) -> Any:
@@ -144,7 +144,7 @@ def _refilled(new: Any, old: Any) -> Any:
 def _spheres(radii: np.ndarray, inverse_mass: np.ndarray) -> Spheres:
     """Spheres at the origin and at rest; inverse_mass (m,) is that of the particle of each."""
     m = len(radii)
-    rows = ("position", "velocity", "spin", "force", "torque")
+    rows = ("position", "velocity", "angular_velocity", "force", "torque")
     spheres = Spheres(**{name: zeros(m + 1, 4) for name in rows}, inverse_mass=inverse_mass)
     spheres.position[:m, 3] = radii
     return spheres
@@ -167,15 +167,15 @@ def walls_of(enclosure: Enclosure, m: int, curved: bool) -> Walls:
 def _first_counts() -> np.ndarray:
     """The counts of a world whose lists are still to be made."""
     counts = np.zeros(state.N_COUNTS, np.int64)
-    counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+    counts[[state.STALE_INNER, state.STALE_WALL]] = 1
     return counts
 
 
 def _first_skins(largest: float) -> np.ndarray:
     """The lengths of such a world, from the radius of its largest sphere [m]."""
     skins = np.zeros(state.N_LENGTHS)
-    skins[[state.CLOSE_SKIN, state.WALL_SKIN]] = _FIRST_SKIN * largest
-    skins[state.NEAR_SKIN] = -1.0  # no list yet: its reach is used up
+    skins[[state.INNER_SKIN, state.WALL_SKIN]] = _FIRST_SKIN * largest
+    skins[state.OUTER_SKIN] = -1.0  # no list yet: its cutoff is used up
     return skins
 
 
@@ -186,7 +186,7 @@ def _padded(vector: np.ndarray) -> np.ndarray:
 
 def _cells_over(enclosure: Enclosure, n: int, bounding: float, largest: float) -> Cells:
     """Cells over the enclosure that are wide enough for the widest outer skin."""
-    size = (2.0 + _WIDEST_NEAR_SKIN) * bounding
+    size = (2.0 + _WIDEST_OUTER_SKIN) * bounding
     inside = (enclosure.width, enclosure.depth, enclosure.height)
     a, b, c = (max(math.ceil(length / size), 1) for length in inside)
     return Cells(
@@ -200,14 +200,16 @@ def _cells_over(enclosure: Enclosure, n: int, bounding: float, largest: float) -
     )
 
 
-def _near(n: int, capacity: int) -> Near:
+def _outer(n: int, capacity: int) -> OuterList:
     i, j = np.zeros(capacity, np.uint32), np.zeros(capacity, np.uint32)
-    return Near(i, j, now=zeros(n, 4), place=zeros(n, 4))
+    return OuterList(i, j, now=zeros(n, 4), made_at=zeros(n, 4))
 
 
 def _seen(n: int, shape: Any) -> Seen:
     turns = n if isinstance(shape, ManySpheres) else 0
-    return Seen(place=zeros(n, 4), turn=zeros(turns, 4), leeway=np.zeros(n), drift=np.zeros(4))
+    return Seen(
+        position=zeros(n, 4), orientation=zeros(turns, 4), margin=np.zeros(n), drift=np.zeros(4)
+    )
 
 
 def _kept(capacity: int) -> Kept:
@@ -220,19 +222,28 @@ def _kept(capacity: int) -> Kept:
 
 def block() -> Block:
     """Room for the passes over a block of contacts."""
-    vectors = ("separation", "passing", "turning", "spin", "normal", "velocity", "push", "couple")
-    rows = dict.fromkeys(vectors, 3) | dict.fromkeys(("history", "later"), state.N_HISTORY)
+    vectors = (
+        "separation",
+        "relative_velocity",
+        "rim_velocity",
+        "angular_velocity",
+        "normal",
+        "velocity",
+        "push",
+        "couple",
+    )
+    rows = dict.fromkeys(vectors, 3) | dict.fromkeys(("history", "next_history"), state.N_HISTORY)
     rows["constants"] = state.N_CONSTANTS
     return Block(**{name: zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields})
 
 
-def contacts_with_room(capacity: int) -> Contacts:
+def empty_contacts(capacity: int) -> Contacts:
     """An empty list of contacts."""
     return Contacts(
         i=np.zeros(capacity, np.uint32),
         j=np.zeros(capacity, np.uint32),
         group=np.zeros(capacity, np.uint32),
-        reach=zeros(capacity),
+        cutoff=zeros(capacity),
         constants=zeros(capacity, state.N_CONSTANTS),
         whole=zeros(capacity, 2),
         history=no_history(capacity),

@@ -59,7 +59,7 @@ def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray |
         *places, first = random_places(case.enclosure, case.particle, count, rng)
         world = resting(case, *places).world
         reached = grow_clusters(world, case.particle, first)
-        centres, orientations = world.bodies.position[:, :3], world.bodies.orientation
+        centres, orientations = world.particles.position[:, :3], world.particles.orientation
     if reached < 1.0:
         fit = max(math.floor(count * reached**3), 1)
         raise InputError(
@@ -106,12 +106,12 @@ def packed(case: DamperCase, sim: Simulation, cpu_s: float) -> Packing:
     """The packing that a simulation has come to."""
     frame, touching = sim.frame(), np.unique(sim.contacts()["bodies"], axis=0)
     up = -case.settling_gravity / GRAVITY
-    ends = int(np.count_nonzero(touching < sim.n_bodies))
+    ends = int(np.count_nonzero(touching < sim.n_particles))
     return Packing(
         state=sim.save(),
         fraction=packing_fraction(frame["x"], case.particle.volume, case.enclosure, up),
         height=sim.top(up) - lowest(case.enclosure, up),
-        coordination=ends / sim.n_bodies,
+        coordination=ends / sim.n_particles,
         rms_speed=float(np.sqrt((frame["v"] ** 2).sum(axis=1).mean())),
         cpu_s=cpu_s,
     )

@@ -9,7 +9,7 @@ from damper_beds import DENSITY, acrylic
 
 from damper3d.engine import state
 from damper3d.engine.records import CLASSES, HELD, MECHANISMS
-from damper3d.engine.world import with_room
+from damper3d.engine.world import with_capacities
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact.particles import shape_force, shape_shear
 from damper3d.studies.single_contact.particles.held import AS_IT_IS, matrix, pressed, sheared
@@ -22,7 +22,7 @@ STEPS = 4000
 
 def brute_force(sim, cluster):
     """All (body, sphere, body or wall, sphere) that overlap now, of all pairs of spheres."""
-    centres, n, found = spheres_of(sim, cluster), sim.n_bodies, set()
+    centres, n, found = spheres_of(sim, cluster), sim.n_particles, set()
     reach = cluster.radii[:, None] + cluster.radii[None, :]
     for i in range(n):
         for j in range(i + 1, n):
@@ -55,13 +55,13 @@ def test_contacts_are_those_of_a_search_over_all_pairs(shape, room):
         assert set(found) == brute_force(sim, cluster)
         seen |= set(found)
     assert len({(i, j) for i, _, j, _ in seen}) >= 4  # that were met in the act
-    assert sim.world.counts[state.NEAR_SEARCHES] > 3
-    assert sim.world.counts[state.CLOSE_SEARCHES] > 3 * sim.world.counts[state.NEAR_SEARCHES]
+    assert sim.world.counts[state.OUTER_SEARCHES] > 3
+    assert sim.world.counts[state.INNER_SEARCHES] > 3 * sim.world.counts[state.OUTER_SEARCHES]
 
 
 def state_after(sim, steps=STEPS):
     sim.step(steps)
-    return sim.state_digest(), sim.world.books.copy()
+    return sim.state_digest(), sim.world.balance.copy()
 
 
 @pytest.mark.parametrize("treatment", ["sum", "deepest", "scaled"])
@@ -73,14 +73,14 @@ def test_no_bit_depends_on_the_lists(treatment):
         sim = bed(treatment=treatment)
         for _ in range(STEPS // 50):
             skins = np.array([pairs, walls]) * sim.world.cells.largest
-            sim.world.lengths[[state.CLOSE_SKIN, state.WALL_SKIN]] = skins
-            sim.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+            sim.world.lengths[[state.INNER_SKIN, state.WALL_SKIN]] = skins
+            sim.world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
             sim.step(50)
         digest, books = state_after(sim, 0)
         assert digest == undisturbed[0]
         assert np.array_equal(books, undisturbed[1])
     sim = bed(treatment=treatment)
-    sim.world = with_room(sim.world, near=1, close=9, wall=9)
+    sim.world = with_capacities(sim.world, outer=1, inner=9, wall=9)
     assert state_after(sim)[0] == undisturbed[0]
 
 
@@ -155,7 +155,7 @@ def numbers(sim):
     first, last = sim.sample(), sim.run(1)
     assert float(first["wall_work"][-1]) == 0.0
     now = sim.frame()
-    weight = np.cos(np.arange(sim.n_bodies))
+    weight = np.cos(np.arange(sim.n_particles))
     sums = [weight @ now[name] for name in ("x", "v", "spin", "orientation")]
     friction = sum(float(last[f"friction_{pair}"][-1]) for pair in CLASSES)
     return [*np.concatenate(sums).tolist(), float(last["wall_work"][-1]), friction]
@@ -183,7 +183,7 @@ def test_clusters_that_meet_keep_momentum_and_angular_momentum(treatment):
     sim = world_of(cluster, places, turns / np.linalg.norm(turns, axis=1)[:, None],
                    treatment=treatment)  # fmt: skip
     sim.set_velocity(-2.0 * corners, 300.0 * rng.uniform(-1.0, 1.0, (8, 3)))
-    mass, bodies = DENSITY * cluster.volume, sim.world.bodies
+    mass, bodies = DENSITY * cluster.volume, sim.world.particles
 
     def sums():
         x, v = bodies.position[:, :3], bodies.velocity[:, :3]
@@ -286,7 +286,7 @@ def test_the_step_that_impacts_need_does_not_go_with_the_smallest_sphere(shape):
                        time_step=step)  # fmt: skip
         sim.set_velocity(np.tile([0.0, 0.0, -0.8], (25, 1)), np.zeros((25, 3)))
         sim.step(round((cluster.bounding_radius + 1e-3) / 0.8 / step))
-        now, momentum = sim.frame(), sim.world.bodies.momentum_now[:, :3]
+        now, momentum = sim.frame(), sim.world.particles.momentum_now[:, :3]
         energy = 0.5 * mass * (now["v"] ** 2).sum(axis=1) + 0.5 * (momentum * now["spin"]).sum(1)
         return np.abs(energy / (0.5 * mass * 0.64) - 1.0)
 

@@ -8,14 +8,14 @@ MIXED = {"direction": (0.6, 0.0, 0.8), "gravity": (1.0, -9.0, 3.0)}
 
 
 def half_steps(sim):
-    """Velocities and spins (n, 3) half a step behind the positions."""
-    bodies = sim.world.bodies
-    return bodies.velocity[:, :3].copy(), bodies.spin[:, :3].copy()
+    """Velocities and angular velocities (n, 3) half a step behind the positions."""
+    motion = sim.world.particles
+    return motion.velocity[:, :3].copy(), motion.angular_velocity[:, :3].copy()
 
 
 def loads(sim):
-    """Forces [N] and torques [N m] of the listed contacts on the bodies, and forces on walls."""
-    n, found, x = sim.n_bodies, sim.contacts(), sim.world.spheres.position[:, :3]
+    """Forces [N] and torques [N m] of the listed contacts on the particles, and forces on walls."""
+    n, found, x = sim.n_particles, sim.contacts(), sim.world.spheres.position[:, :3]
     force, torque = np.zeros((n, 3)), np.zeros((n, 3))
     walls = np.zeros((len(sim.world.walls.force), 3))
     for (i, j), push, point in zip(found["bodies"].astype(int), found["force"], found["point"],
@@ -37,7 +37,7 @@ def test_kinetic_energy_changes_by_forces_times_mean_velocities(shape):
     tolerance is rounding: of energies of 1e-4 J, against changes of 1e-6 J a step."""
     sim = bed(shape, speed=1.5, **MIXED)
     mass, dt = sim.mass[:, None], sim.world.time_step
-    inertia = 1.0 / sim.world.bodies.inverse_inertia[:, None]
+    inertia = 1.0 / sim.world.particles.inverse_inertia[:, None]
     contacts = 0
     for _ in range(1200):
         (force, torque, walls), (v0, w0) = loads(sim), half_steps(sim)
@@ -75,10 +75,10 @@ def test_angular_momentum_about_the_axis_is_kept_between_smooth_walls():
     not; friction between the spheres has none on the whole, because the arms add up to the
     distance. Tolerance: rounding of the sum of all moments."""
     sim = bed(wall_law=acrylic(0.0), shaker=SHAKEN, speed=2.0)
-    mass, inertia = sim.mass, 1.0 / sim.world.bodies.inverse_inertia
+    mass, inertia = sim.mass, 1.0 / sim.world.particles.inverse_inertia
 
     def moments():
-        (v, w), x = half_steps(sim), sim.world.spheres.position[: sim.n_bodies]
+        (v, w), x = half_steps(sim), sim.world.spheres.position[: sim.n_particles]
         orbit, turn = mass * (x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0]), inertia * w[:, 2]
         return orbit, turn
 

@@ -6,14 +6,14 @@ from damper_beds import DOWN, LARGEST, NOWHERE, acrylic, bed, lone
 
 from damper3d.engine import state
 from damper3d.engine.motions import Sines
-from damper3d.engine.world import with_room
+from damper3d.engine.world import with_capacities
 
 SHAPES = ["cylinder", "box"]
 
 
 def brute_force(sim):
-    """All pairs of bodies, and bodies and walls, that overlap now: a search in O(n^2)."""
-    x, walls, n = sim.frame()["x"], sim.world.walls, sim.n_bodies
+    """All pairs of particles, and particles and walls, that overlap now: a search in O(n^2)."""
+    x, walls, n = sim.frame()["x"], sim.world.walls, sim.n_particles
     radius = sim.world.spheres.position[:n, 3]
     i, j = np.triu_indices(n, 1)
     touching = np.linalg.norm(x[j] - x[i], axis=1) < radius[i] + radius[j]
@@ -38,16 +38,16 @@ def test_contacts_are_those_of_a_search_over_all_pairs(shape, smallest):
         assert len(found) == len(set(found))
         assert set(found) == brute_force(sim)
         seen |= set(found)
-    assert len(seen) > sim.n_bodies  # pairs that have met, of those seen
-    assert {w for _, w in seen} >= {sim.n_bodies, sim.n_bodies + 2}
-    assert sim.world.counts[state.NEAR_SEARCHES] > 10  # the near list was made anew many times
-    assert sim.world.counts[state.CLOSE_SEARCHES] > 3 * sim.world.counts[state.NEAR_SEARCHES]
+    assert len(seen) > sim.n_particles  # pairs that have met, of those seen
+    assert {w for _, w in seen} >= {sim.n_particles, sim.n_particles + 2}
+    assert sim.world.counts[state.OUTER_SEARCHES] > 10  # the near list was made anew many times
+    assert sim.world.counts[state.INNER_SEARCHES] > 3 * sim.world.counts[state.OUTER_SEARCHES]
 
 
 def undisturbed(shape, steps):
     sim = bed(shape)
     sim.step(steps)
-    return sim.state_digest(), sim.world.books.copy()
+    return sim.state_digest(), sim.world.balance.copy()
 
 
 STEPS = 9000  # most of a cycle, with hundreds of lists
@@ -60,14 +60,14 @@ def test_no_bit_depends_on_the_skin(shape, pairs, walls):
     The sums of the books go in the order of the lists, which is that of the spheres' numbers."""
     sim = bed(shape)
     for _ in range(STEPS // 50):
-        sim.world.lengths[[state.CLOSE_SKIN, state.WALL_SKIN]] = (
+        sim.world.lengths[[state.INNER_SKIN, state.WALL_SKIN]] = (
             np.array([pairs, walls]) * sim.world.cells.largest
         )
-        sim.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1  # made with the new skin
+        sim.world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1  # made with the new skin
         sim.step(50)
     digest, books = undisturbed(shape, STEPS)
     assert sim.state_digest() == digest
-    assert np.array_equal(sim.world.books, books)
+    assert np.array_equal(sim.world.balance, books)
 
 
 def test_no_bit_depends_on_samples_or_on_who_looks():
@@ -76,13 +76,13 @@ def test_no_bit_depends_on_samples_or_on_who_looks():
         sim = bed(steps_per_sample=steps_per_sample)
         sim.run(STEPS // steps_per_sample)
         assert sim.state_digest() == digest
-        assert np.array_equal(sim.world.books, books)
+        assert np.array_equal(sim.world.balance, books)
     sim, rng = bed(), np.random.default_rng(2)
     while sim.steps < STEPS:
         sim.contacts(), sim.sample(), sim.frame(), sim.save()
         sim.step(min(int(rng.integers(1, 400)), STEPS - sim.steps))
     assert sim.state_digest() == digest
-    assert np.array_equal(sim.world.books, books)
+    assert np.array_equal(sim.world.balance, books)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -102,7 +102,7 @@ def test_a_restored_bed_goes_on_with_the_same_bits(shape):
         sim.step(min(int(rng.integers(0, 300)), STEPS - sim.steps))
     sim.step(STEPS - sim.steps)
     assert sim.state_digest() == digest
-    assert np.array_equal(sim.world.books, books)
+    assert np.array_equal(sim.world.balance, books)
     heat = sim.frame()["heat"]
     assert (heat > 0.0).any()
 
@@ -124,7 +124,7 @@ def test_lists_without_room_are_made_longer_and_change_no_bit():
     """A bed whose lists begin with room for one contact each."""
     digest, books = undisturbed("box", STEPS)
     sim = bed("box")
-    sim.world = with_room(sim.world, near=1, close=1, wall=1)
+    sim.world = with_capacities(sim.world, outer=1, inner=1, wall=1)
     sim.step(STEPS)
     assert sim.state_digest() == digest
-    assert np.array_equal(sim.world.books, books)
+    assert np.array_equal(sim.world.balance, books)

@@ -110,7 +110,7 @@ def test_stacked_spheres_squeezed_between_walls(restitution):
         return [v_a, v_b, (floor - middle) / MASS, (middle - lid) / MASS]
 
     # The engine's velocities are half a step behind the positions.
-    sim.world.bodies.velocity[:, 2] -= dt / 2 * np.array(rates(0.0, [*start, *speed])[2:])
+    sim.world.particles.velocity[:, 2] -= dt / 2 * np.array(rates(0.0, [*start, *speed])[2:])
     times = np.arange(1, 11) * 300
     exact = solve_ivp(rates, (0, times[-1] * dt), [*start, *speed], t_eval=times * dt, rtol=1e-10,
                       atol=1e-14)  # fmt: skip
@@ -163,7 +163,7 @@ def test_a_bed_turned_about_the_axis_moves_turned(turn):
         sim.step(SHORT)
     for a, b in zip(moved(first), moved(second), strict=True):
         assert np.abs(a @ about.T - b).max() < ROUNDING * np.abs(a).max()
-    assert np.allclose(first.world.books, second.world.books, rtol=ROUNDING, atol=0.0)
+    assert np.allclose(first.world.balance, second.world.balance, rtol=ROUNDING, atol=0.0)
 
 
 @pytest.mark.parametrize("pair", [False, True])
@@ -201,7 +201,7 @@ def test_a_cooling_gas_follows_haff():
     law, wall = acrylic(0.0, 0.9), acrylic(0.0, 1.0)
     sim = bed("box", pair_law=law, wall_law=wall, shaker=STILL, gravity=NOWHERE, speed=1.0,
               smallest=1.0, steps_per_sample=10_000)  # fmt: skip
-    sim.set_velocity(sim.frame()["v"], np.zeros((sim.n_bodies, 3)))
+    sim.set_velocity(sim.frame()["v"], np.zeros((sim.n_particles, 3)))
     sim.run(1)
     slowness = 1.0 / np.sqrt(sim.run(20)["kinetic"])
     first, second = slowness[10] - slowness[0], slowness[-1] - slowness[10]

@@ -45,17 +45,19 @@ def test_steps_are_those_of_the_plain_engine(shape, options, direction, gravity)
     forces = sim.run(1)["wall_force"][0]
     for _ in range(STEPS):
         plain.step()
-    world, n = sim.world, sim.n_bodies
+    world, n = sim.world, sim.n_particles
     assert (np.abs(plain.books) > 1e-9).sum() >= (9 if options == "no tangential dashpot" else 11)
     assert error(world.spheres.position[:n, :3], plain.x) < 1e-10
-    for arrays, linear, angular in ((world.bodies, plain.v, plain.w),
+    for arrays, linear, angular in ((world.particles, plain.v, plain.w),
                                     (world.spheres, plain.u, plain.w_now)):  # fmt: skip
         assert error(arrays.velocity[:n, :3], linear) < 1e-10
         assert error(arrays.spin[:n, :3], angular) < 1e-10
     assert error(forces, plain.wall_force / STEPS) < 1e-10
-    assert error(world.books, plain.books) < 1e-10
+    assert error(world.balance, plain.books) < 1e-10
     pairs, walls = (plain.books[first : first + 3].sum() for first in (0, 5))
-    assert world.bodies.heat.sum() == pytest.approx(pairs + walls, rel=1e-10)
-    assert world.bodies.heat[n] == pytest.approx(walls / 2, rel=1e-10)  # the enclosure's half
+    assert world.particles.dissipated.sum() == pytest.approx(pairs + walls, rel=1e-10)
+    assert world.particles.dissipated[n] == pytest.approx(
+        walls / 2, rel=1e-10
+    )  # the enclosure's half
     touched = np.abs(plain.wall_force).max(axis=1) > 0.0
     assert touched.sum() >= 2

@@ -164,8 +164,8 @@ def test_no_bit_depends_on_the_lists_of_walls_that_move(treatment):
     for skin in (0.002, 0.03):
         sim = sheared(treatment)
         for _ in range(60):
-            sim.world.lengths[[state.CLOSE_SKIN, state.WALL_SKIN]] = skin * sim.world.cells.largest
-            sim.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+            sim.world.lengths[[state.INNER_SKIN, state.WALL_SKIN]] = skin * sim.world.cells.largest
+            sim.world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
             sim.step(50)
         assert sim.state_digest() == undisturbed.state_digest()
 

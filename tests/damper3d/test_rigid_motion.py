@@ -38,16 +38,19 @@ def test_a_free_symmetric_body_turns_as_in_closed_form():
     cluster = particle("prolate:2")
     step = 1e-4
     sim = turning(cluster, (300.0, -500.0, 600.0), step)
-    momentum, axis = sim.world.bodies.momentum[0, :3].copy(), sim.world.bodies.axes[0, :3].copy()
+    momentum, axis = (
+        sim.world.particles.momentum[0, :3].copy(),
+        sim.world.particles.axes[0, :3].copy(),
+    )
     rate = np.linalg.norm(momentum) / (DENSITY * cluster.inertia[1])
     along = momentum / np.linalg.norm(momentum)
     assert 0.05 < rate * step < 0.3
     for _ in range(10):
         sim.step(100)
         turn = rotation(about(along, rate * sim.time))
-        assert sim.world.bodies.axes[0, :3] == pytest.approx(turn @ axis, abs=1e-10)
-    assert np.array_equal(sim.world.bodies.momentum[0, :3], momentum)
-    assert np.linalg.norm(sim.world.bodies.orientation[0]) == pytest.approx(1.0, abs=1e-15)
+        assert sim.world.particles.axes[0, :3] == pytest.approx(turn @ axis, abs=1e-10)
+    assert np.array_equal(sim.world.particles.momentum[0, :3], momentum)
+    assert np.linalg.norm(sim.world.particles.orientation[0]) == pytest.approx(1.0, abs=1e-15)
 
 
 def test_a_free_asymmetric_body_turns_by_eulers_equations_to_second_order():
@@ -58,7 +61,7 @@ def test_a_free_asymmetric_body_turns_by_eulers_equations_to_second_order():
     spin, seconds = (400.0, 900.0, 300.0), 0.02
     inertia = DENSITY * cluster.inertia
     start = turning(cluster, spin, 1e-5)
-    axes = rotation(start.world.bodies.orientation[0])
+    axes = rotation(start.world.particles.orientation[0])
 
     def rates(_, state):
         w, matrix = state[:3], state[3:].reshape(3, 3)
@@ -70,14 +73,14 @@ def test_a_free_asymmetric_body_turns_by_eulers_equations_to_second_order():
     off, gained = [], []
     for step in (4e-5, 2e-5, 1e-5):
         sim = turning(cluster, spin, step)
-        before, momentum = kinetic(sim), sim.world.bodies.momentum.copy()
+        before, momentum = kinetic(sim), sim.world.particles.momentum.copy()
         energies = []
         for _ in range(10):
             sim.step(round(seconds / step) // 10)
             energies.append(kinetic(sim))
-        assert np.array_equal(sim.world.bodies.momentum, momentum)
-        assert np.linalg.norm(sim.world.bodies.orientation[0]) == pytest.approx(1.0, abs=1e-15)
-        off.append(np.abs(rotation(sim.world.bodies.orientation[0]) - exact).max())
+        assert np.array_equal(sim.world.particles.momentum, momentum)
+        assert np.linalg.norm(sim.world.particles.orientation[0]) == pytest.approx(1.0, abs=1e-15)
+        off.append(np.abs(rotation(sim.world.particles.orientation[0]) - exact).max())
         gained.append(np.abs(np.array(energies) / before - 1).max())
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.1)
     assert off[1] / off[2] == pytest.approx(4.0, rel=0.1)
@@ -172,7 +175,7 @@ def test_momenta_change_by_the_impulses_of_the_walls_only(shape, treatment):
     contact end in one point. To rounding of the sums."""
     sim = bed("cylinder", particle(shape), shaker=STILL, gravity=NOWHERE, speed=1.5,
               wall_law=acrylic(0.0), treatment=treatment)  # fmt: skip
-    mass, bodies = sim.mass, sim.world.bodies
+    mass, bodies = sim.mass, sim.world.particles
 
     def momenta():
         x, v = bodies.position[:, :3], bodies.velocity[:, :3]

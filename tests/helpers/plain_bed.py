@@ -2,7 +2,7 @@
 
 Granular-damper thesis, eqs 5.6, 5.7, 5.15, 5.16, 5.22, 5.24, 5.32, 5.33, with errata. Shares the
 engine's conventions (arms that add up to the distance, displacement by the mean of the velocities
-at both ends of a step, the spring's energy by contact/spring_account.py) and none of its code:
+at both ends of a step, the spring's energy by contact/hertz.py) and none of its code:
 no lists, no blocks, no lanes.
 """
 
@@ -61,7 +61,7 @@ class Springs:
         books = [
             ((f_n - kn * overlap) * rate)[touches].sum() * dt,
             (c_t * (slip**2).sum(axis=1))[~slides].sum() * dt,
-            *self._spring_account(law, kt, held, trial, now, touches),
+            *self._spring_work(law, kt, held, trial, now, touches),
             -(f_t * slip).sum(axis=1)[slides].sum() * dt,
         ]
         self.held = np.where(touches[:, None], now, 0.0)
@@ -69,7 +69,7 @@ class Springs:
         self.stiffness = np.where(touches, kt, 0.0)
         return f_t + f_n[:, None] * normal, np.array(books)
 
-    def _spring_account(self, law, kt, before, trial, now, touches):
+    def _spring_work(self, law, kt, before, trial, now, touches):
         """Lost to friction, and gained by the spring as its stiffness changes [J]."""
         b, n, slip = before[touches], now[touches], (trial - now)[touches]
         k_b, k_n = self.stiffness[touches], kt[touches]
@@ -88,14 +88,13 @@ class PlainBed:
 
     def __init__(self, sim):
         world = self.world = sim.world
-        n = sim.n_bodies
+        n = sim.n_particles
         self.x, self.radius = world.spheres.position[:n, :3].copy(), world.spheres.position[:n, 3]
-        self.u, self.w_now = (
-            world.spheres.velocity[:n, :3].copy(),
-            world.spheres.spin[:n, :3].copy(),
-        )
-        self.v, self.w = world.bodies.velocity[:, :3].copy(), world.bodies.spin[:, :3].copy()
-        self.mass = 1.0 / world.bodies.inverse_mass
+        self.u = world.spheres.velocity[:n, :3].copy()
+        self.w_now = world.spheres.angular_velocity[:n, :3].copy()
+        self.v = world.particles.velocity[:, :3].copy()
+        self.w = world.particles.angular_velocity[:, :3].copy()
+        self.mass = 1.0 / world.particles.inverse_mass
         self.i, self.j = np.triu_indices(n, 1)
         n_walls = len(world.walls.force)
         self.pair_springs = Springs.none(len(self.i))

@@ -29,18 +29,18 @@ from damper3d.engine.growth.relaxation import (
 )
 from damper3d.engine.growth.spheres import grow
 from damper3d.engine.multisphere.motion import arm_of, note_axes
-from damper3d.engine.multisphere.pairs import pairs_of_bodies
+from damper3d.engine.multisphere.pairs import pairs_of_spheres
 from damper3d.engine.multisphere.particles import Particle, columns_of
 from damper3d.engine.multisphere.rotation import half_turn, product
-from damper3d.engine.neighbours import near_reach_left, search_near
-from damper3d.engine.state import NEAR, NEAR_SKIN, World
+from damper3d.engine.neighbours import outer_cutoff_left, search_outer
+from damper3d.engine.state import OUTER, OUTER_SKIN, World
 from damper3d.engine.walls import gap_to_wall, nearest
-from damper3d.engine.world import roomier
+from damper3d.engine.world import lengthened
 from granulab.contact.jit import inlined_inner, inner, specialised, substituted
 from granulab.contact.vectors import cross
 
 _START = 0.3  # fill ratio of the bounding spheres to begin with; random insertion ends near 0.38
-_NEAR_SHARE = 0.2  # outer skin over the bounding radius of a particle
+_OUTER_SHARE = 0.2  # outer skin over the bounding radius of a particle
 _NOWHERE = 0.0, 0.0, 0.0
 
 
@@ -71,7 +71,7 @@ def grow_clusters(world: World, particle: Particle, first: float) -> float:
     """
     gyration = float(np.sqrt(np.mean(particle.inertia) / particle.volume))
     allowed = TOLERANCE * particle.smallest_radius
-    n = len(world.near.place)
+    n = len(world.outer.made_at)
     velocity, force = np.zeros((n, 6)), np.zeros((n, 6))
 
     def comes_to_rest(size: float) -> bool:
@@ -83,7 +83,7 @@ def grow_clusters(world: World, particle: Particle, first: float) -> float:
             bed = Growing(world, grown * gyration)
             outcome, _, _ = relax(bed, velocity, force, allowed, PATIENCE, 0.0)
             if outcome in (OUTER_FULL, INNER_FULL):
-                world = roomier(world, "near" if outcome == OUTER_FULL else "close")
+                world = lengthened(world, "outer" if outcome == OUTER_FULL else "inner")
         return bool(outcome == AT_REST)
 
     return grow_to_size(first, comes_to_rest)
@@ -93,8 +93,8 @@ def _resize(world: World, particle: Particle, size: float) -> None:
     world.shape.offset[:, :3] = size * particle.offsets
     world.shape.offset[:, 3] = size * particle.radii
     world.shape.columns[:] = columns_of(world.shape.offset)
-    world.bodies.position[:, 3] = size * particle.bounding_radius
-    world.lengths[NEAR_SKIN] = -1.0  # its reach is used up
+    world.particles.position[:, 3] = size * particle.bounding_radius
+    world.lengths[OUTER_SKIN] = -1.0  # its cutoff is used up
 
 
 @substituted(push_apart)
@@ -107,12 +107,12 @@ def _push_growing(bed, force):
 @inner
 def push_growing(world, gyration, force):
     """Set what pushes and turns each particle; see relaxation.push_apart."""
-    copy_rows(world.near.now, world.bodies.position)
-    left = near_reach_left(world.near.now, world.near.place, world.lengths[NEAR_SKIN])
+    copy_rows(world.outer.now, world.particles.position)
+    left = outer_cutoff_left(world.outer.now, world.outer.made_at, world.lengths[OUTER_SKIN])
     if left < 0.0:
-        world.lengths[NEAR_SKIN] = _NEAR_SHARE * world.bodies.position[0, 3]
-        if not search_near(world, world.lengths[NEAR_SKIN], _NOWHERE):
-            world.lengths[NEAR_SKIN] = -1.0
+        world.lengths[OUTER_SKIN] = _OUTER_SHARE * world.particles.position[0, 3]
+        if not search_outer(world, world.lengths[OUTER_SKIN], _NOWHERE):
+            world.lengths[OUTER_SKIN] = -1.0
             return OUTER_FULL, 0.0, 0.0
     force[:] = 0.0
     deepest = push_pairs(world, gyration, force)
@@ -123,10 +123,10 @@ def push_growing(world, gyration, force):
 
 @inner
 def push_pairs(world, gyration, force):
-    """Add what overlapping bodies push each other with; the deepest overlap [m], -1 for no room."""
+    """Add what particles that overlap push each other with; deepest overlap [m], -1: list full."""
     deepest = 0.0
-    for k in range(world.counts[NEAR]):
-        n = pairs_of_bodies(world, k, 0.0, 0)
+    for k in range(world.counts[OUTER]):
+        n = pairs_of_spheres(world, k, 0.0, 0)
         if n < 0:
             return -1.0
         depth, largest, total = world.shape.scratch.depth, 0.0, 0.0
@@ -140,11 +140,11 @@ def push_pairs(world, gyration, force):
 
 @inner
 def push_pair(world, k, m, share, gyration, force):
-    """Add a share of overlap m of body pair k to what pushes and turns both."""
-    x, axes, offset = world.bodies.position, world.bodies.axes, world.shape.offset
-    a, b, size = np.int64(world.near.i[k]), np.int64(world.near.j[k]), len(offset)
-    r = arm_of(axes, offset, a, np.int64(world.close.i[m]) - a * size)
-    s = arm_of(axes, offset, b, np.int64(world.close.j[m]) - b * size)
+    """Add a share of overlap m of particle pair k to what pushes and turns both."""
+    x, axes, offset = world.particles.position, world.particles.axes, world.shape.offset
+    a, b, size = np.int64(world.outer.i[k]), np.int64(world.outer.j[k]), len(offset)
+    r = arm_of(axes, offset, a, np.int64(world.inner.i[m]) - a * size)
+    s = arm_of(axes, offset, b, np.int64(world.inner.j[m]) - b * size)
     way = x[b, 0] + s[0] - x[a, 0] - r[0], x[b, 1] + s[1] - x[a, 1] - r[1], (
         x[b, 2] + s[2] - x[a, 2] - r[2])  # fmt: skip
     distance = np.sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2])
@@ -157,7 +157,7 @@ def push_pair(world, k, m, share, gyration, force):
 
 @inner
 def add_push(force, b, arm, push, gyration):
-    """Add a push at the end of an arm to what moves and turns a body."""
+    """Add a push at the end of an arm to what moves and turns a particle."""
     torque = cross(arm, push)
     for c in range(3):
         force[b, c] += push[c]
@@ -168,9 +168,9 @@ def add_push(force, b, arm, push, gyration):
 def push_walls(world, gyration, force):
     """Add twice what walls push with, as they do not give way; the deepest overlap [m]."""
     deepest, gap = 0.0, world.shape.scratch.gap
-    for b in range(len(world.bodies.inverse_mass)):
+    for b in range(len(world.particles.inverse_mass)):
         for w in range(len(world.walls.force)):
-            if gap_to_wall(world.walls, world.bodies.position, w, b, _NOWHERE) >= 0.0:
+            if gap_to_wall(world.walls, world.particles.position, w, b, _NOWHERE) >= 0.0:
                 continue
             largest = total = 0.0
             for s in range(len(world.shape.offset)):
@@ -188,9 +188,9 @@ def push_walls(world, gyration, force):
 
 @inner
 def at_wall(world, w, b, s):
-    """Gap of sphere s of body b to wall w [m], the wall's inward normal, the sphere's arm [m]."""
-    walls, x, offset = world.walls, world.bodies.position, world.shape.offset
-    r = arm_of(world.bodies.axes, offset, b, s)
+    """Gap of sphere s of particle b to wall w [m], the inward normal, the sphere's arm [m]."""
+    walls, x, offset = world.walls, world.particles.position, world.shape.offset
+    r = arm_of(world.particles.axes, offset, b, s)
     px, py, pz = x[b, 0] + r[0], x[b, 1] + r[1], x[b, 2] + r[2]
     if w < len(walls.planes):
         plane = walls.planes[w]
@@ -235,21 +235,21 @@ def _displace_growing(bed, velocity, dt):
 def displace_growing(world, gyration, velocity, dt):
     """Move and rotate the particles."""
     for b in range(len(velocity)):
-        displace_body(world.bodies, b, velocity, dt, gyration)
+        displace_particle(world.particles, b, velocity, dt, gyration)
 
 
 @inner
-def displace_body(bodies, b, velocity, dt, gyration):
+def displace_particle(particles, b, velocity, dt, gyration):
     """Move a particle, and rotate it."""
     for c in range(3):
-        bodies.position[b, c] += dt * velocity[b, c]
+        particles.position[b, c] += dt * velocity[b, c]
     half = 0.5 * dt / gyration
     x, y, z = half * velocity[b, 3], half * velocity[b, 4], half * velocity[b, 5]
     cosine, sine = half_turn(x * x + y * y + z * z)
-    old = bodies.orientation
+    old = particles.orientation
     q = old[b, 0], old[b, 1], old[b, 2], old[b, 3]
     q = product((cosine, sine * x, sine * y, sine * z), q)
     size = np.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     for c in range(4):
         old[b, c] = q[c] / size
-    note_axes(bodies, b)
+    note_axes(particles, b)

@@ -1,10 +1,11 @@
-"""Kernels of the periodic cell: overlaps of clusters, and how these push and turn their bodies.
+"""Kernels of the periodic cell: overlaps of clusters, and how these push and turn their particles.
 
-Frictionless bodies in a cubic cell, of which every face is joined to the one across. The energy is
-the sum of overlap^2/2 over all pairs of sub-spheres, over `scale`, so that it has a gradient where
-contacts go from sub-sphere to sub-sphere; bodies have unit mass, and turns are weighed by the mean
-radius of gyration. A list holds the pairs of sub-spheres that are nearer than a skin; it is made
-anew when a body has moved and turned by half of that.
+Frictionless particles in a cubic cell, of which every face is joined to the one across. The energy
+is the sum of overlap^2/2 over all pairs of sub-spheres, over `scale`, so that it has a gradient
+where contacts go from sub-sphere to sub-sphere; particles have unit mass, and rotations are weighed
+by the mean radius of gyration. A list holds the pairs of sub-spheres that are nearer than a skin,
+of several images of a particle where the cell is small; it is made again when a particle has moved
+and rotated by half of that.
 """
 
 from typing import NamedTuple
@@ -23,15 +24,15 @@ class Cell(NamedTuple):
 
     position: np.ndarray  # (n, 3) centroids, not brought back into the cube
     turn: np.ndarray  # (n, 4) unit quaternions (w, x, y, z)
-    offset: np.ndarray  # (k, 4) sub-spheres of a body in its own axes, and their radii
-    arm: np.ndarray  # (n k, 3) sub-spheres from their body's centroid
+    offset: np.ndarray  # (k, 4) sub-spheres of a particle in its own axes, and their radii
+    arm: np.ndarray  # (n k, 3) sub-spheres from their particle's centroid
     first: np.ndarray  # (capacity,) number b k + s of a sub-sphere
-    second: np.ndarray  # (capacity,) of one of another body, or of its image
+    second: np.ndarray  # (capacity,) of one of another particle, or of its image
     image: np.ndarray  # (capacity, 3) how many sides that image is away
-    place: np.ndarray  # (n, 3) positions when the list was made
+    made_at: np.ndarray  # (n, 3) positions when the list was made
     facing: np.ndarray  # (n, 4) turns when the list was made
-    measure: np.ndarray  # side of the cube, radius of the ball round a body, of gyration, skin
-    tally: np.ndarray  # (3,) pairs in the list; most overlaps of a pair of bodies; steps since
+    measure: np.ndarray  # side of the cube, radius of the ball round a particle, of gyration, skin
+    tally: np.ndarray  # (3,) pairs in the list; most overlaps of a pair of particles; steps since
 
 
 SIDE, BALL, GYRATION, SKIN = range(4)
@@ -77,11 +78,11 @@ def _displace_in_cell(bed, velocity, dt):
 
 @inner
 def has_moved(cell):
-    """Return whether some body has used up half of the skin by moving and turning."""
+    """Return whether some particle has used up half of the skin by moving and rotating."""
     for b in range(len(cell.position)):
         way = cosine = 0.0
         for c in range(3):
-            way += (cell.position[b, c] - cell.place[b, c]) ** 2
+            way += (cell.position[b, c] - cell.made_at[b, c]) ** 2
         for c in range(4):
             cosine += cell.turn[b, c] * cell.facing[b, c]
         turned = 2.0 * np.sqrt(max(1.0 - cosine * cosine, 0.0))  # chord of the angle, 1e-16 off
@@ -123,7 +124,7 @@ def list_pairs(cell):
                 if found < 0:
                     return False
                 most = max(most, overlaps)
-    cell.place[:] = position
+    cell.made_at[:] = position
     cell.facing[:] = cell.turn
     cell.tally[PAIRS], cell.tally[MOST], cell.tally[SINCE] = found, max(most, 1), 0
     return True
@@ -139,9 +140,9 @@ def image_of(number, few, home):
 
 @inner
 def list_bodies(cell, a, b, way, image, near, height, found):
-    """Append the pairs of sub-spheres of body a and an image of b; how many now, and overlaps."""
+    """Append the pairs of spheres of particle a and an image of b; how many now, and overlaps."""
     k, skin, arm, r = len(cell.offset), cell.measure[SKIN], cell.arm, cell.offset
-    # Across a direction, only those that reach beyond the other body's end less the skin.
+    # Across a direction, only those that reach beyond the other particle's end less the skin.
     apart = np.sqrt(way[0] ** 2 + way[1] ** 2 + way[2] ** 2)
     d = way[0] / apart, way[1] / apart, way[2] / apart
     high, low = -np.inf, np.inf
@@ -164,22 +165,22 @@ def list_bodies(cell, a, b, way, image, near, height, found):
         x, y, z = way[0] - arm[s, 0], way[1] - arm[s, 1], way[2] - arm[s, 2]
         for q in range(n_b):
             t = b * k + near[1, q]
-            reach = r[near[0, p], 3] + r[near[1, q], 3]
+            cutoff = r[near[0, p], 3] + r[near[1, q], 3]
             square = (x + arm[t, 0]) ** 2 + (y + arm[t, 1]) ** 2 + (z + arm[t, 2]) ** 2
-            if square < (reach + skin) ** 2:
+            if square < (cutoff + skin) ** 2:
                 if found == len(cell.first):
                     return np.int64(-1), overlaps
                 cell.first[found], cell.second[found] = s, t
                 for c in range(3):
                     cell.image[found, c] = image[c]
                 found += 1
-                overlaps += square < reach * reach
+                overlaps += square < cutoff * cutoff
     return found, overlaps
 
 
 @inner
 def turn_arms(cell):
-    """The sub-spheres from their centroids, by the turns of the bodies."""
+    """The sub-spheres from their centroids, by the turns of the particles."""
     k = len(cell.offset)
     for b in range(len(cell.position)):
         w, x, y, z = cell.turn[b]
@@ -202,11 +203,11 @@ def push(cell, force):
     force[:] = 0.0
     deepest = total = 0.0
     for m in range(cell.tally[PAIRS]):
-        reach, square, dx, dy, dz = separation(cell, m)
-        if square >= reach * reach or square == 0.0:
+        cutoff, square, dx, dy, dz = separation(cell, m)
+        if square >= cutoff * cutoff or square == 0.0:
             continue
         distance = np.sqrt(square)
-        overlap = reach - distance
+        overlap = cutoff - distance
         deepest = max(deepest, overlap)
         total += scale * overlap
         share = scale * overlap / distance
@@ -218,7 +219,7 @@ def push(cell, force):
 
 @inner
 def add_push(force, b, arm, push, sign, gyration):
-    """Add a push at the end of an arm to what moves and turns body b."""
+    """Add a push at the end of an arm to what moves and turns particle b."""
     force[b, 0] += sign * push[0]
     force[b, 1] += sign * push[1]
     force[b, 2] += sign * push[2]
@@ -229,7 +230,7 @@ def add_push(force, b, arm, push, sign, gyration):
 
 @inner
 def displace_in_cell(cell, velocity, dt):
-    """Move the bodies and turn them."""
+    """Move the particles and turn them."""
     half = 0.5 * dt / cell.measure[GYRATION]
     for b in range(len(cell.position)):
         for c in range(3):
@@ -249,12 +250,12 @@ def displace_in_cell(cell, velocity, dt):
 
 @njit
 def touching(cell):
-    """Return which bodies overlap, (n, n) bools, by the list and the arms as they stand."""
+    """Return which particles overlap, (n, n) bools, by the list and the arms as they stand."""
     n, k = len(cell.position), len(cell.offset)
     found = np.zeros((n, n), np.bool_)
     for m in range(cell.tally[PAIRS]):
-        reach, square = separation(cell, m)[:2]
-        if square < reach * reach:
+        cutoff, square = separation(cell, m)[:2]
+        if square < cutoff * cutoff:
             a, b = cell.first[m] // k, cell.second[m] // k
             found[a, b] = found[b, a] = True
     return found
@@ -269,5 +270,5 @@ def separation(cell, m):
     dx = x[b, 0] - x[a, 0] + cell.image[m, 0] * side + arm[t, 0] - arm[s, 0]
     dy = x[b, 1] - x[a, 1] + cell.image[m, 1] * side + arm[t, 1] - arm[s, 1]
     dz = x[b, 2] - x[a, 2] + cell.image[m, 2] * side + arm[t, 2] - arm[s, 2]
-    reach = cell.offset[s - a * k, 3] + cell.offset[t - b * k, 3]
-    return reach, dx * dx + dy * dy + dz * dz, dx, dy, dz
+    cutoff = cell.offset[s - a * k, 3] + cell.offset[t - b * k, 3]
+    return cutoff, dx * dx + dy * dy + dz * dz, dx, dy, dz

@@ -15,7 +15,7 @@ import numpy as np
 
 from damper3d.engine.geometry import touching_pairs
 from damper3d.engine.multisphere.particles import DEEPEST, SUM
-from damper3d.engine.state import CLOSE, DAMPING, HERTZ, MASS, N_HISTORY, NO_CONTACT
+from damper3d.engine.state import DAMPING, HERTZ, INNER, MASS, N_HISTORY, NO_CONTACT
 from damper3d.engine.walls import distance_to_wall, touching_wall
 from granulab.contact.jit import inlined_inner, inner
 
@@ -25,7 +25,7 @@ _POWER = 8.0  # p
 @inlined_inner
 def acting_pairs(world):
     """Let `touching` of the list of pairs name those that act; how many they are."""
-    n = touching_pairs(world.spheres, world.close, world.counts[CLOSE], world.block)
+    n = touching_pairs(world.spheres, world.inner, world.counts[INNER], world.block)
     return n if world.shape.treatment == SUM else treat_pairs(world, n)
 
 
@@ -38,19 +38,19 @@ def acting_at_wall(world, w):
 
 @inner
 def treat_pairs(world, n_touching):
-    """Treat the touching pairs of each pair of bodies."""
-    contacts, x, depth = world.close, world.spheres.position, world.shape.scratch.depth
+    """Treat the touching pairs of each pair of particles."""
+    contacts, x, depth = world.inner, world.spheres.position, world.shape.scratch.depth
     for t in range(n_touching):
         n = contacts.touching[t]
         i, j = contacts.i[n], contacts.j[n]
         dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
-        depth[t] = max(contacts.reach[n] - np.sqrt(dx * dx + dy * dy + dz * dz), 0.0)
+        depth[t] = max(contacts.cutoff[n] - np.sqrt(dx * dx + dy * dy + dz * dz), 0.0)
     return treat(world, contacts, n_touching)
 
 
 @inner
 def treat_wall(world, w, n_touching):
-    """Treat the touching contacts of each body with wall w."""
+    """Treat the touching contacts of each particle with wall w."""
     contacts, walls, x = world.wall, world.walls, world.spheres.position
     depth = world.shape.scratch.depth
     last = len(x) - 1
@@ -59,7 +59,7 @@ def treat_wall(world, w, n_touching):
         i = contacts.i[n]
         px, py, pz = x[i, 0] - x[last, 0], x[i, 1] - x[last, 1], x[i, 2] - x[last, 2]
         distance = distance_to_wall(walls, w, px, py, pz)
-        depth[t] = max(contacts.reach[n] - distance, 0.0)
+        depth[t] = max(contacts.cutoff[n] - distance, 0.0)
     return treat(world, contacts, n_touching)
 
 

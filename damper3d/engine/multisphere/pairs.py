@@ -1,14 +1,14 @@
-"""The search for spheres of two bodies that touch or nearly do.
+"""The search for spheres of two particles that touch or nearly do.
 
-Bodies whose balls are near stand in a list of body pairs. Across any direction d, body i reaches up
-to the highest h_i of its spheres' centre . d + radius, and body j down to the lowest l_j: the gap
-between the bodies is at least l_j - h_i, and only spheres that reach beyond l_j - skin and
-h_i + skin can be as near as the skin. That holds for any shape; with the direction in which the
-bodies are nearest, few spheres are left, and these are compared one by one. The nearest two give
-the direction for the next search.
+Particles whose bounding spheres are near stand in the outer list. Across any direction d, particle
+i extends up to the highest h_i of its spheres' centre . d + radius, and particle j down to the
+lowest l_j: the gap between the particles is at least l_j - h_i, and only spheres that extend beyond
+l_j - skin and h_i + skin can be as near as the skin. That holds for any shape; with the direction
+in which the particles are nearest, few spheres are left, and these are compared one by one. The
+nearest two give the direction for the next search.
 
-Pairs that are apart rest until their bodies may have come as near as the skin, and a body that has
-much room may go far before the list is made anew: it must only know what touches.
+Pairs that are apart rest until they may have come as near as the skin, and a particle far from all
+others may go far before the list is made again: it must only know what touches.
 """
 
 import numpy as np
@@ -16,19 +16,19 @@ import numpy as np
 from damper3d.engine.geometry import copy
 from damper3d.engine.multisphere.motion import arm_of, ways_since
 from damper3d.engine.state import (
-    CLOSE_MADE,
     DEEPEST,
     HERTZ,
+    INNER_MADE,
     LANES,
     MASS,
-    NEAR,
+    OUTER,
     RADIUS_I,
     RADIUS_J,
     STEP,
 )
 from granulab.contact.jit import inlined_inner, inner
 
-_NEAR_SHARE = 0.1  # outer skin over the bounding radius of a particle
+_OUTER_SHARE = 0.1  # outer skin over the bounding radius of a particle
 
 
 @inner
@@ -44,23 +44,25 @@ def key_of(k, n, i, j):
 @inner
 def outer_skin(world):
     """Gap of bounding spheres that the outer list shall hold [m]; all particles are alike."""
-    return _NEAR_SHARE * world.bodies.position[0, 3]
+    return _OUTER_SHARE * world.particles.position[0, 3]
 
 
 @inner
 def note_ways(world):
     """Take off the gaps of particles what they have moved; False if that is no number."""
-    near, free, way = world.near, world.shape.pairs.free, world.shape.scratch.way
-    since = (world.counts[STEP] - world.counts[CLOSE_MADE]) * world.time_step
-    drift = world.close_seen.drift
+    outer, free, way = world.outer, world.shape.pairs.free, world.shape.scratch.way
+    since = (world.counts[STEP] - world.counts[INNER_MADE]) * world.time_step
+    drift = world.inner_seen.drift
     carried = since * drift[0], since * drift[1], since * drift[2]
     finite = True
     for b in range(len(way)):
-        straight, turned = ways_since(world.bodies, world.close_seen, world.shape.arm, b, carried)
+        straight, turned = ways_since(
+            world.particles, world.inner_seen, world.shape.arm, b, carried
+        )
         way[b] = np.sqrt(straight) + np.sqrt(turned)
         finite &= way[b] < np.inf
-    for k in range(world.counts[NEAR]):
-        free[k] -= way[near.i[k]] + way[near.j[k]]
+    for k in range(world.counts[OUTER]):
+        free[k] -= way[outer.i[k]] + way[outer.j[k]]
     return finite
 
 
@@ -69,20 +71,20 @@ def list_pairs(world, skin, left):
     """Fill the list with the pairs of spheres nearer than the skin; how many there are.
 
     What is left of the gap of two particles, or of the skin where some of their spheres are listed,
-    is the leeway of both. -1: no room; -2: an overlap is too deep.
+    is the margin of both. -1: no room; -2: an overlap is too deep.
     """
-    near, free, leeway = world.near, world.shape.pairs.free, world.close_seen.leeway
-    leeway[:] = 0.5 * left
+    outer, free, margin = world.outer, world.shape.pairs.free, world.inner_seen.margin
+    margin[:] = 0.5 * left
     n = np.int64(0)
-    for k in range(world.counts[NEAR]):
+    for k in range(world.counts[OUTER]):
         begin = n
         if free[k] < skin:
-            n = pairs_of_bodies(world, k, skin, n)
+            n = pairs_of_spheres(world, k, skin, n)
             if n < 0:
                 return n
         gap = skin if n > begin else max(free[k], skin)
-        i, j = near.i[k], near.j[k]
-        leeway[i], leeway[j] = min(leeway[i], 0.5 * gap), min(leeway[j], 0.5 * gap)
+        i, j = outer.i[k], outer.j[k]
+        margin[i], margin[j] = min(margin[i], 0.5 * gap), min(margin[j], 0.5 * gap)
     note_constants(world, n)
     return n if deepest_share(world, n) <= DEEPEST else np.int64(-2)
 
@@ -90,9 +92,9 @@ def list_pairs(world, skin, left):
 @inner
 def remember_pairs(world):
     """Remember directions and gaps of the pairs of the outer list."""
-    near, pairs, n = world.near, world.shape.pairs, world.counts[NEAR]
-    copy(pairs.old_i, near.i, n)
-    copy(pairs.old_j, near.j, n)
+    outer, pairs, n = world.outer, world.shape.pairs, world.counts[OUTER]
+    copy(pairs.old_i, outer.i, n)
+    copy(pairs.old_j, outer.j, n)
     copy(pairs.old_free, pairs.free, n)
     for k in range(n):
         for c in range(4):
@@ -105,10 +107,10 @@ def know_pairs(world, n_pairs):
 
     New ones start with the direction between the centroids.
     """
-    near, pairs, x = world.near, world.shape.pairs, world.bodies.position
-    old, n_old = 0, world.counts[NEAR]
+    outer, pairs, x = world.outer, world.shape.pairs, world.particles.position
+    old, n_old = 0, world.counts[OUTER]
     for n in range(n_pairs):
-        i, j = near.i[n], near.j[n]
+        i, j = outer.i[n], outer.j[n]
         while old < n_old and (
             pairs.old_i[old] < i or (pairs.old_i[old] == i and pairs.old_j[old] < j)
         ):
@@ -132,31 +134,31 @@ def set_direction(direction, n, d):
 
 
 @inlined_inner
-def pairs_of_bodies(world, k, skin, n):
-    """Append the pairs of spheres of body pair k with a gap below the skin; the new length.
+def pairs_of_spheres(world, k, skin, n):
+    """Append the pairs of spheres of particle pair k with a gap below the skin; the new length.
 
     -1 if there is no room. How deep they overlap stands in scratch.depth.
     """
-    near, shape, x, axes = world.near, world.shape, world.bodies.position, world.bodies.axes
+    outer, shape, x, axes = world.outer, world.shape, world.particles.position, world.particles.axes
     scratch, direction = shape.scratch, shape.pairs.direction
     height = scratch.height
-    a, b = np.int64(near.i[k]), np.int64(near.j[k])
+    a, b = np.int64(outer.i[k]), np.int64(outer.j[k])
     apart = x[b, 0] - x[a, 0], x[b, 1] - x[a, 1], x[b, 2] - x[a, 2]
     d = direction[k, 0], direction[k, 1], direction[k, 2]
     between = apart[0] * d[0] + apart[1] * d[1] + apart[2] * d[2]
-    high = reach(height[0], shape.columns, axes[a], d, 1.0)
-    low = between - reach(height[1], shape.columns, axes[b], d, -1.0)
+    high = extent(height[0], shape.columns, axes[a], d, 1.0)
+    low = between - extent(height[1], shape.columns, axes[b], d, -1.0)
     shape.pairs.free[k] = low - high
     if low - high >= skin:
         return n
     n_a = those_beyond(scratch, 0, shape.offset, axes, a, low - skin, (0.0, 0.0, 0.0))
     n_b = those_beyond(scratch, 1, shape.offset, axes, b, between - high - skin, apart)
-    return compare(scratch, world.close, direction, len(shape.offset), k, a, b, n_a, n_b,
+    return compare(scratch, world.inner, direction, len(shape.offset), k, a, b, n_a, n_b,
                    skin, n)  # fmt: skip
 
 
 @inner
-def reach(height, columns, axes, d, sign):
+def extent(height, columns, axes, d, sign):
     """Return the extent of a particle from its centroid along sign d [m]; height: of each sphere.
 
     Four largest ones at once, so that none waits for the one before it.
@@ -176,7 +178,7 @@ def reach(height, columns, axes, d, sign):
 
 @inner
 def those_beyond(scratch, which, offset, axes, b, limit, shift):
-    """Note the spheres of body b whose height is above a limit, and their centres; how many."""
+    """Note the spheres of particle b whose height is above a limit, and their centres; how many."""
     height, sphere, centre = scratch.height, scratch.sphere, scratch.centre
     found = 0
     for s in range(len(offset)):
@@ -191,12 +193,12 @@ def those_beyond(scratch, which, offset, axes, b, limit, shift):
 
 
 @inner
-def compare(scratch, close, direction, size, k, a, b, n_a, n_b, skin, n):
-    """Append those of the noted spheres of two bodies whose gap is below the skin.
+def compare(scratch, contacts, direction, size, k, a, b, n_a, n_b, skin, n):
+    """Append those of the noted spheres of two particles whose gap is below the skin.
 
-    The next time the bodies are looked at along the line between the nearest two.
+    The next time the particles are looked at along the line between the nearest two.
     """
-    centre, gap, i, j, group = scratch.centre, scratch.gap, close.i, close.j, close.group
+    centre, gap, i, j, group = scratch.centre, scratch.gap, contacts.i, contacts.j, contacts.group
     least, best_p, best_q = np.inf, 0, 0
     for p in range(n_a):
         x, y, z = centre[0, 0, p], centre[0, 1, p], centre[0, 2, p]
@@ -226,19 +228,19 @@ def deepest_share(world, n_pairs):
     """The largest overlap of two spheres of the list over the sum of their radii."""
     largest = 0.0
     for n in range(n_pairs):
-        largest = max(largest, world.shape.scratch.depth[n] / world.close.reach[n])
+        largest = max(largest, world.shape.scratch.depth[n] / world.inner.cutoff[n])
     return largest
 
 
 @inlined_inner
 def note_constants(world, n_pairs):
-    """Return what the law needs to know of the pairs; the reduced mass is that of the bodies."""
-    close, whole, radius = world.close, world.close.whole, world.spheres.position
-    mass = 0.5 / world.bodies.inverse_mass[0]
+    """Return what the law needs to know of the pairs; the reduced mass is that of the particles."""
+    contacts, whole, radius = world.inner, world.inner.whole, world.spheres.position
+    mass = 0.5 / world.particles.inverse_mass[0]
     for n in range(np.uintp(n_pairs)):
-        first, second = radius[close.i[n], 3], radius[close.j[n], 3]
+        first, second = radius[contacts.i[n], 3], radius[contacts.j[n], 3]
         hertz = world.pair_law.hertz * np.sqrt(first * second / (first + second))
-        close.reach[n] = first + second
-        close.constants[n, RADIUS_I], close.constants[n, RADIUS_J] = first, second
-        close.constants[n, HERTZ] = whole[n, 0] = hertz
-        close.constants[n, MASS] = whole[n, 1] = mass
+        contacts.cutoff[n] = first + second
+        contacts.constants[n, RADIUS_I], contacts.constants[n, RADIUS_J] = first, second
+        contacts.constants[n, HERTZ] = whole[n, 0] = hertz
+        contacts.constants[n, MASS] = whole[n, 1] = mass

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from damper3d.engine.multisphere.motion import note_axes, note_spin
+from damper3d.engine.multisphere.motion import note_angular_velocity, note_axes
 from damper3d.engine.state import LANES, World, zeros
 
 # What becomes of several contacts of one particle with another, or with a wall.
@@ -46,7 +46,7 @@ class Particle(Protocol):
 
 
 class Scratch(NamedTuple):
-    """Room for the search within a pair of particles, and for the treatment of its contacts."""
+    """Capacity for the search within a pair of particles, and for the treatment of its contacts."""
 
     way: np.ndarray  # (n,) how far each particle has come since the list was made [m]
     height: np.ndarray  # (2, K) how far each sphere of either reaches along a direction [m]
@@ -72,7 +72,7 @@ class ManySpheres(NamedTuple):
     """The shape of all particles in principal axes about the centroid, and its search's arrays."""
 
     offset: np.ndarray  # (k, 4) centre of each sphere, its radius [m]
-    columns: np.ndarray  # (4, K) the same, turned; as many that reach nowhere as fill the vectors
+    columns: np.ndarray  # (4, K) transposed; with as many that extend nowhere as fill vectors
     arm: float  # distance of the farthest centre from the centroid [m]
     inverse_inertia: np.ndarray  # (3,) of the principal moments [1/(kg m2)]
     odd: int  # the axis about which it is, or may be, as round as about no other
@@ -83,8 +83,8 @@ class ManySpheres(NamedTuple):
     scratch: Scratch
 
 
-class Rigid(NamedTuple):
-    """Rigid bodies, (n, 4) or (n,)."""
+class RigidMotion(NamedTuple):
+    """Rigid particles, (n, 4) or (n,)."""
 
     position: np.ndarray  # of the centroid [m]; radius of the bounding sphere [m]
     orientation: np.ndarray  # unit quaternion (w, x, y, z), from own axes to the laboratory's
@@ -93,15 +93,15 @@ class Rigid(NamedTuple):
     momentum: np.ndarray  # angular, in the laboratory, half a step behind [kg m2/s]
     velocity_now: np.ndarray  # extrapolated to the time of the position [m/s]
     momentum_now: np.ndarray  # likewise [kg m2/s]
-    spin_now: np.ndarray  # likewise [rad/s]
+    angular_velocity_now: np.ndarray  # likewise [rad/s]
     force: np.ndarray  # on the particle in this step [N]
     torque: np.ndarray  # about the centroid [N m]
     inverse_mass: np.ndarray  # (n,) [1/kg]
-    heat: np.ndarray  # (m + 1,) of each sphere, half of what its contacts dissipated [J]
+    dissipated: np.ndarray  # (m + 1,) of each sphere, half of what its contacts dissipated [J]
 
 
 def shape_of(particle: Particle, density: float, n: int, treatment: str) -> ManySpheres:
-    """Return what the kernels know of n such particles; no list has room yet."""
+    """Return what the kernels know of n such particles; no list has a capacity yet."""
     inertia, k = density * np.asarray(particle.inertia, float), len(particle.radii)
     odd = _odd_axis(inertia)
     others = [(odd + 1) % 3, (odd + 2) % 3]
@@ -124,7 +124,7 @@ def shape_of(particle: Particle, density: float, n: int, treatment: str) -> Many
 
 
 def columns_of(offset: np.ndarray) -> np.ndarray:
-    """Rows of spheres as columns, and more of them, which reach nowhere, to a whole of LANES."""
+    """Rows of spheres as columns, and more of them, which extend nowhere, to a whole of LANES."""
     columns = zeros(4, _whole(len(offset)))
     columns[3] = -np.inf
     columns[:, : len(offset)] = offset.T
@@ -143,7 +143,7 @@ def _odd_axis(inertia: np.ndarray) -> int:
 
 
 def known_pairs(capacity: int) -> KnownPairs:
-    """Room for what is known of pairs."""
+    """Capacity for what is known of pairs."""
     return KnownPairs(
         direction=zeros(capacity, 4),
         free=np.zeros(capacity),
@@ -166,18 +166,18 @@ def _scratch(n: int, k: int) -> Scratch:
     )
 
 
-def bodies(
+def at_rest(
     positions: np.ndarray, orientations: np.ndarray | None, particle: Particle, density: float
-) -> Rigid:
-    """Particles at rest; positions (n, 3) [m], orientations (n, 4), of no turn if left out."""
+) -> RigidMotion:
+    """Particles at rest; positions (n, 3) [m], orientations (n, 4), of no rotation if left out."""
     n = len(positions)
     rows = ("position", "orientation", "velocity", "momentum", "velocity_now", "momentum_now",
-            "spin_now", "force", "torque")  # fmt: skip
-    made = Rigid(
+            "angular_velocity_now", "force", "torque")  # fmt: skip
+    made = RigidMotion(
         **{name: zeros(n, 4) for name in rows},
         axes=zeros(n, 12),
         inverse_mass=np.full(n, 1.0 / (density * particle.volume)),
-        heat=np.zeros(n * len(particle.radii) + 1),
+        dissipated=np.zeros(n * len(particle.radii) + 1),
     )
     made.position[:, :3], made.position[:, 3] = positions, particle.bounding_radius
     made.orientation[:] = [1.0, 0.0, 0.0, 0.0] if orientations is None else orientations
@@ -190,33 +190,33 @@ def moving(world: World) -> dict[str, np.ndarray]:
     Those that end in _now are extrapolated to the time of the positions.
     """
     names = ("position", "orientation", "velocity", "momentum", "velocity_now", "momentum_now")
-    return {name: getattr(world.bodies, name) for name in names}
+    return {name: getattr(world.particles, name) for name in names}
 
 
-def spin_now(world: World) -> np.ndarray:
+def angular_velocity_now(world: World) -> np.ndarray:
     """Angular velocities now (n, 4) [rad/s]."""
-    return np.asarray(world.bodies.spin_now)
+    return np.asarray(world.particles.angular_velocity_now)
 
 
 def settle(world: World) -> None:
     """Axes and angular velocities of all particles, from orientations and momenta."""
-    for b in range(len(world.bodies.inverse_mass)):
-        note_axes(world.bodies, b)
-        note_spin(world.bodies, world.shape, b)
+    for b in range(len(world.particles.inverse_mass)):
+        note_axes(world.particles, b)
+        note_angular_velocity(world.particles, world.shape, b)
 
 
-def set_spin(world: World, spin: np.ndarray) -> None:
+def set_angular_velocity(world: World, angular_velocity: np.ndarray) -> None:
     """Let the particles rotate at (n, 3) [rad/s], now and half a step ago."""
-    now = world.bodies
+    now = world.particles
     axes = now.axes.reshape(-1, 3, 4)[:, :, :3]
-    along = np.einsum("nkc,nc->nk", axes, spin) / world.shape.inverse_inertia
+    along = np.einsum("nkc,nc->nk", axes, angular_velocity) / world.shape.inverse_inertia
     now.momentum[:, :3] = np.einsum("nkc,nk->nc", axes, along)
     now.momentum_now[:] = now.momentum
-    now.spin_now[:, :3] = spin
+    now.angular_velocity_now[:, :3] = angular_velocity
 
 
 def extents(world: World, up: np.ndarray) -> np.ndarray:
     """How far each particle extends from its centroid along a unit vector (n,) [m]."""
-    offset, axes = world.shape.offset, world.bodies.axes.reshape(-1, 3, 4)[:, :, :3]
+    offset, axes = world.shape.offset, world.particles.axes.reshape(-1, 3, 4)[:, :, :3]
     spheres = np.einsum("nkc,c,sk->ns", axes, up, offset[:, :3]) + offset[:, 3]
     return spheres.max(axis=1)

@@ -4,8 +4,8 @@ With the angular momentum L of the laboratory, the energy of rotation is a sum o
 
     H = L^2/(2 I_1) + (1/2) (1/I_2 - 1/I_1) L_2^2 + (1/2) (1/I_3 - 1/I_1) L_3^2,
 
-L_2 and L_3 along the body's axes. Each alone turns the body at a constant rate: the first about L,
-by h L/I_1 in the laboratory, which the others do not touch; the others about a body axis, by
+L_2 and L_3 along the particle's axes. Each alone rotates it at a constant rate: the first about L,
+by h L/I_1 in the laboratory, which the others do not touch; the others about an own axis, by
 h (1/I_k - 1/I_1) L_k. Half a step of the third, a step of the second, half of the third (Strang)
 is of second order, can be run backwards, and keeps L and |q| to rounding. Where two moments are
 equal the third axis is the odd one, the second term is nothing, and a step is exact.
@@ -45,7 +45,7 @@ def product(p, q):
 
 @inner
 def axes_of(q):
-    """The body's x, y and z axes in the laboratory, of a unit quaternion."""
+    """The particle's x, y and z axes in the laboratory, of a unit quaternion."""
     w, x, y, z = q
     return (
         (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)),

@@ -1,18 +1,17 @@
 """The kernel of one impact: two spheres, or a sphere and a flat wall, without gravity.
 
 The scheme is the engine's, at much smaller steps: leapfrog with the velocity extrapolated to the
-time of the forces (v half a step back, u = v + a dt/2), and springs half a step ahead. The books
-are those of granulab/contact/spring_account.py.
+time of the forces (v half a step back, u = v + a dt/2), and springs half a step ahead. The energy
+balance is that of granulab/contact/hertz.py.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from granulab.contact.hertz import hertz_force, mindlin_force
+from granulab.contact.hertz import hertz_force, mindlin_force, spring_work
 from granulab.contact.jit import njit
 from granulab.contact.mindlin_deresiewicz import partial_slip_force
-from granulab.contact.spring_account import spring_account
 from granulab.contact.vectors import add, cross, dot, norm, scale
 
 # Columns of the history of a contact: time [s], overlap [m], normal force [N], length of the
@@ -75,7 +74,7 @@ def collide(law, meeting, bodies, springs, reach, dt, most_steps, rows):
         )
         if len(springs) > 0:
             area = np.sqrt(meeting.reduced_radius * overlap)
-            f_t, power, rubbed, _ = partial_slip_force(
+            f_t, power, friction_work, _ = partial_slip_force(
                 law, stiffness, dashpot, f_n, normal, overlap, area, springs, reach, half_step,
                 slip_rate,
             )  # fmt: skip
@@ -85,12 +84,12 @@ def collide(law, meeting, bodies, springs, reach, dt, most_steps, rows):
             ahead, held = across(ahead, normal), across(held, normal)
             trial = add(ahead, moved)
             f_t, kept, power, _ = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
-            rubbed, gained = spring_account(law, kt_before, kt, held, trial, kept)
-            totals[LAW_TERM] += gained
+            friction_work, stiffness_work = spring_work(law, kt_before, kt, held, trial, kept)
+            totals[LAW_TERM] += stiffness_work
             ahead, held, kt_before = add(kept, moved), kept, kt
         totals[NORMAL_DAMPING] += dt * inelastic * rate
         totals[TANGENTIAL_DAMPING] += dt * power
-        totals[FRICTION] += rubbed
+        totals[FRICTION] += friction_work
         if f_n != 0.0:  # ends where the overlap would, or with this step
             parts = overlap < -rate * dt
             totals[CONTACT_TIME] = step * dt + (overlap / -rate if parts else dt)

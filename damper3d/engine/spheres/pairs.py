@@ -3,18 +3,18 @@
 import numpy as np
 
 from damper3d.engine.state import (
-    CLOSE_SKIN,
     DEEPEST,
     HERTZ,
+    INNER_SKIN,
     LANES,
     MASS,
-    NEAR,
+    OUTER,
     RADIUS_I,
     RADIUS_J,
 )
 from granulab.contact.jit import inner
 
-_NEAR_SHARE = 8.0  # outer skin over inner skin
+_OUTER_SHARE = 8.0  # outer skin over inner skin
 
 
 @inner
@@ -26,18 +26,18 @@ def key_of(n, i, j):
 @inner
 def outer_skin(world):
     """Gap that the outer list shall hold: some of the inner list's [m]."""
-    return _NEAR_SHARE * world.lengths[CLOSE_SKIN]
+    return _OUTER_SHARE * world.lengths[INNER_SKIN]
 
 
 @inner
 def know_pairs(world, n_pairs):
     """Note what the law needs to know of the pairs."""
-    near, pairs, spheres = world.near, world.shape, world.spheres
+    outer, pairs, spheres = world.outer, world.shape, world.spheres
     for n in range(n_pairs):
-        i, j = near.i[n], near.j[n]
+        i, j = outer.i[n], outer.j[n]
         first, second = spheres.position[i, 3], spheres.position[j, 3]
-        pairs.reach[n] = first + second
-        pairs.hertz[n] = world.pair_law.hertz * np.sqrt(first * second / pairs.reach[n])
+        pairs.cutoff[n] = first + second
+        pairs.hertz[n] = world.pair_law.hertz * np.sqrt(first * second / pairs.cutoff[n])
         pairs.mass[n] = 1.0 / (spheres.inverse_mass[i] + spheres.inverse_mass[j])
 
 
@@ -47,29 +47,32 @@ def list_pairs(world, skin):
 
     Each sphere may leave the mean motion by half of the skin.
     """
-    near, pairs, close, x = world.near, world.shape, world.close, world.spheres.position
-    gaps(near, pairs, x, world.counts[NEAR])
+    outer, pairs, contacts, x = world.outer, world.shape, world.inner, world.spheres.position
+    gaps(outer, pairs, x, world.counts[OUTER])
     n = np.int64(0)
-    for k in range(np.uintp(world.counts[NEAR])):
+    for k in range(np.uintp(world.counts[OUTER])):
         if pairs.gap[k] < skin:
-            if n + LANES >= len(close.i):
+            if n + LANES >= len(contacts.i):
                 return np.int64(-1)
-            if pairs.gap[k] < -DEEPEST * pairs.reach[k]:
+            if pairs.gap[k] < -DEEPEST * pairs.cutoff[k]:
                 return np.int64(-2)
-            close.i[n], close.j[n], close.group[n] = near.i[k], near.j[k], k
-            close.reach[n] = pairs.reach[k]
-            close.constants[n, RADIUS_I] = x[near.i[k], 3]
-            close.constants[n, RADIUS_J] = x[near.j[k], 3]
-            close.constants[n, HERTZ], close.constants[n, MASS] = pairs.hertz[k], pairs.mass[k]
+            contacts.i[n], contacts.j[n], contacts.group[n] = outer.i[k], outer.j[k], k
+            contacts.cutoff[n] = pairs.cutoff[k]
+            contacts.constants[n, RADIUS_I] = x[outer.i[k], 3]
+            contacts.constants[n, RADIUS_J] = x[outer.j[k], 3]
+            contacts.constants[n, HERTZ], contacts.constants[n, MASS] = (
+                pairs.hertz[k],
+                pairs.mass[k],
+            )
             n += 1
-    world.close_seen.leeway[:] = 0.5 * skin
+    world.inner_seen.margin[:] = 0.5 * skin
     return n
 
 
 @inner
-def gaps(near, pairs, x, n_near):
+def gaps(outer, pairs, x, n_outer):
     """The gaps of all pairs of the outer list; without a branch, so that it is vectorised."""
-    for k in range(np.uintp(n_near)):
-        i, j = near.i[k], near.j[k]
+    for k in range(np.uintp(n_outer)):
+        i, j = outer.i[k], outer.j[k]
         dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
-        pairs.gap[k] = np.sqrt(dx * dx + dy * dy + dz * dz) - pairs.reach[k]
+        pairs.gap[k] = np.sqrt(dx * dx + dy * dy + dz * dz) - pairs.cutoff[k]

@@ -11,36 +11,36 @@ from damper3d.engine.state import World, zeros
 class OneSphere(NamedTuple):
     """What the search for pairs knows of the pairs of spheres of the outer list."""
 
-    reach: np.ndarray  # (capacity,) sum of the radii [m]
+    cutoff: np.ndarray  # (capacity,) sum of the radii [m]
     hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
     mass: np.ndarray  # (capacity,) reduced mass [kg]
     gap: np.ndarray  # (capacity,) between the surfaces, when the inner list was made [m]
 
 
-class Bodies(NamedTuple):
-    """Spheres as they move, (n, 4) or (n,); velocities are half a step behind the positions."""
+class SphereMotion(NamedTuple):
+    """Motion of spheres, (n, 4) or (n,); velocities are half a step behind the positions."""
 
     velocity: np.ndarray  # [m/s]
-    spin: np.ndarray  # [rad/s]
+    angular_velocity: np.ndarray  # [rad/s]
     inverse_mass: np.ndarray  # (n,) [1/kg]
     inverse_inertia: np.ndarray  # (n,) about any axis [1/(kg m2)]
-    heat: np.ndarray  # (n + 1,) half of what each contact dissipated; the enclosure's last [J]
+    dissipated: np.ndarray  # (n + 1,) half of each contact's loss [J]; the enclosure's last
 
 
 def known_pairs(capacity: int) -> OneSphere:
-    """Room for what is known of pairs."""
+    """Capacity for what is known of pairs."""
     return OneSphere(*(zeros(capacity) for _ in OneSphere._fields))
 
 
-def bodies(radii: np.ndarray, density: float) -> Bodies:
+def at_rest(radii: np.ndarray, density: float) -> SphereMotion:
     """Solid spheres at rest; radii (n,) [m], density [kg/m3]."""
     n, mass = len(radii), density * 4.0 / 3.0 * math.pi * radii**3
-    return Bodies(
+    return SphereMotion(
         velocity=zeros(n, 4),
-        spin=zeros(n, 4),
+        angular_velocity=zeros(n, 4),
         inverse_mass=1.0 / mass,
         inverse_inertia=1.0 / (0.4 * mass * radii**2),
-        heat=np.zeros(n + 1),
+        dissipated=np.zeros(n + 1),
     )
 
 
@@ -49,31 +49,31 @@ def moving(world: World) -> dict[str, np.ndarray]:
 
     Those that end in _now are extrapolated to the time of the positions.
     """
-    spheres, n = world.spheres, len(world.near.place)
+    spheres, n = world.spheres, len(world.outer.made_at)
     return {
         "position": spheres.position[:n],
-        "velocity": world.bodies.velocity,
-        "spin": world.bodies.spin,
+        "velocity": world.particles.velocity,
+        "spin": world.particles.angular_velocity,
         "velocity_now": spheres.velocity[:n],
-        "spin_now": spheres.spin[:n],
+        "spin_now": spheres.angular_velocity[:n],
     }
 
 
-def spin_now(world: World) -> np.ndarray:
+def angular_velocity_now(world: World) -> np.ndarray:
     """Angular velocities now (n, 4) [rad/s]."""
-    return world.spheres.spin[: len(world.near.place)]
+    return world.spheres.angular_velocity[: len(world.outer.made_at)]
 
 
 def settle(world: World) -> None:
     """Bring up to date what follows from the arrays of `moving`: of spheres nothing."""
 
 
-def set_spin(world: World, spin: np.ndarray) -> None:
+def set_angular_velocity(world: World, angular_velocity: np.ndarray) -> None:
     """Let the spheres rotate at (n, 3) [rad/s], now and half a step ago."""
-    world.bodies.spin[:, :3] = spin
-    world.spheres.spin[: len(spin), :3] = spin
+    world.particles.angular_velocity[:, :3] = angular_velocity
+    world.spheres.angular_velocity[: len(angular_velocity), :3] = angular_velocity
 
 
 def extents(world: World, up: np.ndarray) -> Any:
     """How far each sphere extends from its centre along a unit vector (n,) [m]."""
-    return world.spheres.position[: len(world.near.place), 3]
+    return world.spheres.position[: len(world.outer.made_at), 3]

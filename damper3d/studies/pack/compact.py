@@ -102,7 +102,7 @@ def cell_of(
         offset=np.column_stack([particle.offsets, particle.radii]) / radius,
         arm=np.zeros((n * k, 3)),
         **_list_of(16 * n + 16 * k),
-        place=np.zeros((n, 3)),
+        made_at=np.zeros((n, 3)),
         facing=np.zeros((n, 4)),
         measure=np.array([side, particle.bounding_radius / radius, gyration, 0.1]),
         tally=np.zeros(3, np.int64),

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from damper3d.engine import ENGINE
-from damper3d.run.fill import world_of, packed, random_start
+from damper3d.run.fill import packed, random_start, world_of
 from damper3d.run.packing import Packing, load_packing, save_packing
 from damper3d.run.protocol import PACKAGES
 from damper3d.run.sources import SOURCES as OF_RUNS

@@ -113,15 +113,15 @@ class RigSimulation(Simulation):
         self.world.walls.drive.servo[ON] = 0.0
 
     def _walls_changed(self) -> None:
-        self.world.counts[[state.STALE_CLOSE, state.STALE_WALL]] = 1
+        self.world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
 
-    def _save_bodies(self) -> dict[str, np.ndarray]:
+    def _save_particles(self) -> dict[str, np.ndarray]:
         drive = self.world.walls.drive
         own = {f"wall_{name}": getattr(drive, name).copy() for name in self._OF_WALLS}
-        return {**super()._save_bodies(), **own}
+        return {**super()._save_particles(), **own}
 
-    def _restore_bodies(self, saved: dict[str, np.ndarray]) -> None:
-        super()._restore_bodies(saved)
+    def _restore_particles(self, saved: dict[str, np.ndarray]) -> None:
+        super()._restore_particles(saved)
         for name in self._OF_WALLS:
             getattr(self.world.walls.drive, name)[:] = saved[f"wall_{name}"]
 

@@ -78,7 +78,7 @@ def pressed(
     sim = over_floor(particle, orientations, -np.asarray(overlaps), law=law, treatment=treatment,
                      density=1.0, time_step=_HELD)  # fmt: skip
     sim.step(1)
-    return sim.world.bodies.force[:, 2].copy()
+    return sim.world.particles.force[:, 2].copy()
 
 
 def sheared(
@@ -97,5 +97,5 @@ def sheared(
     for n in range(steps):
         sim.set_velocity(np.array([[stride / _HELD, 0.0, 0.0]]), np.zeros((1, 3)))
         sim.step(1)
-        forces[n] = -sim.world.bodies.force[0, 0]
+        forces[n] = -sim.world.particles.force[0, 0]
     return stride * (np.arange(steps) + 0.5), forces

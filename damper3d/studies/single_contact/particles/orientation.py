@@ -145,7 +145,7 @@ def rebounds(
 
 def _left(sim: Simulation) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Velocities (n, 3) [m/s], spins (n, 3) [rad/s] and times (n,) [s] of the first leaving."""
-    n = sim.n_bodies
+    n = sim.n_particles
     touched, left = np.zeros(n, bool), np.zeros(n, bool)
     velocity, spin, time = np.zeros((n, 3)), np.zeros((n, 3)), np.full(n, math.nan)
     while not left.all() and sim.time < _LONGEST:
