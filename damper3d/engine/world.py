@@ -55,32 +55,22 @@ def build_world(
     """
     n = len(positions)
     if isinstance(particle, np.ndarray):
-        k, pairs, radii, bounding = 1, 8 * n + 64, particle, float(particle.max())
-        at_walls = 8 * (n // 2) + 64
-        shape: Any = one_sphere.known_pairs(0)
-        particles: Any = one_sphere.at_rest(radii, density)
-        spheres = _spheres(radii, particles.inverse_mass)
-        spheres.position[:n, :3] = positions
+        shape, particles, spheres = _one_sphere_each(positions, particle, density)
+        bounding, room = float(particle.max()), {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
     else:
         k, bounding = len(particle.radii), particle.bounding_radius
-        pairs = at_walls = 16 * n + 16 * k + 64
-        radii = np.tile(particle.radii, n)
         shape = many_spheres.shape_of(particle, density, n, treatment)
         particles = many_spheres.at_rest(positions, orientations, particle, density)
-        spheres = _spheres(radii, np.repeat(particles.inverse_mass, k))
-    largest = float(radii.max())
+        spheres = _spheres(np.tile(particle.radii, n), np.repeat(particles.inverse_mass, k))
+        room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * k + 64)
+    largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
     built = World(
         shape=shape,
         particles=particles,
         spheres=spheres,
         cells=_cells_over(enclosure, n, bounding, largest),
-        outer=_outer(n, 0),
-        inner=empty_contacts(0),
-        inner_seen=_seen(n, shape),
-        wall=empty_contacts(0),
-        wall_seen=_seen(n, shape),
-        kept=_kept(0),
-        walls=walls_of(enclosure, n * k, curved_wall),
+        **_empty_lists(n, shape),
+        walls=walls_of(enclosure, m, curved_wall),
         block=block(),
         counts=_first_counts(),
         balance=np.zeros(state.N_BALANCE),
@@ -93,9 +83,30 @@ def build_world(
         gravity=_padded(gravity),
         time_step=time_step,
     )
-    built = with_capacities(built, outer=16 * n + 64, inner=pairs, wall=at_walls)
+    built = with_capacities(built, outer=16 * n + 64, **room)
     kind_of(built).settle(built)
     return built
+
+
+def _one_sphere_each(
+    positions: np.ndarray, radii: np.ndarray, density: float
+) -> tuple[Any, Any, Spheres]:
+    particles = one_sphere.at_rest(radii, density)
+    spheres = _spheres(radii, particles.inverse_mass)
+    spheres.position[: len(radii), :3] = positions
+    return one_sphere.known_pairs(0), particles, spheres
+
+
+def _empty_lists(n: int, shape: Any) -> dict[str, Any]:
+    """The fields of a world that are lists of n particles, and what goes with them."""
+    return {
+        "outer": _outer(n, 0),
+        "inner": empty_contacts(0),
+        "inner_seen": _seen(n, shape),
+        "wall": empty_contacts(0),
+        "wall_seen": _seen(n, shape),
+        "kept": _kept(0),
+    }
 
 
 def kind_of(world: World) -> Any:

@@ -58,7 +58,7 @@ class Scratch(NamedTuple):
 
 
 class KnownPairs(NamedTuple):
-    """What is known of the pairs of the outer list, and of the list before, while one is made."""
+    """Directions and gaps of the pairs of the outer list, and of the list before it."""
 
     direction: np.ndarray  # (capacity, 4) unit vector from i to j across which they were seen last
     free: np.ndarray  # (capacity,) a gap that they have at least [m]
@@ -216,7 +216,7 @@ def set_angular_velocity(world: World, angular_velocity: np.ndarray) -> None:
 
 
 def extents(world: World, up: np.ndarray) -> np.ndarray:
-    """How far each particle extends from its centroid along a unit vector (n,) [m]."""
+    """Extent of each particle from its centroid along a unit vector (n,) [m]."""
     offset, axes = world.shape.offset, world.particles.axes.reshape(-1, 3, 4)[:, :, :3]
     spheres = np.einsum("nkc,c,sk->ns", axes, up, offset[:, :3]) + offset[:, 3]
     return spheres.max(axis=1)

@@ -9,7 +9,7 @@ from damper3d.engine.state import World, zeros
 
 
 class OneSphere(NamedTuple):
-    """What the search for pairs knows of the pairs of spheres of the outer list."""
+    """Constants and gaps of the pairs of spheres of the outer list."""
 
     cutoff: np.ndarray  # (capacity,) sum of the radii [m]
     hertz: np.ndarray  # (capacity,) (4/3) E sqrt(R) [N/m^1.5]
@@ -75,5 +75,5 @@ def set_angular_velocity(world: World, angular_velocity: np.ndarray) -> None:
 
 
 def extents(world: World, up: np.ndarray) -> Any:
-    """How far each sphere extends from its centre along a unit vector (n,) [m]."""
+    """Extent of each sphere from its centre along a unit vector (n,) [m]."""
     return world.spheres.position[: len(world.outer.made_at), 3]
