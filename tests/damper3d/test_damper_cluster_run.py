@@ -121,7 +121,8 @@ def test_a_run_from_the_command_line(tmp_path):
     answer = damper3d("run", "--particles", "toroid:0.2", "--equal-volume-radius", "2.2 mm",
                       "--diameter", "20 mm", "--height", "20 mm", "--count", 12, "--frequency",
                       200, "--cycles", 2, "--discard", 1, "--time-step", "2 us",
-                      "--contact-treatment", "scaled", "-o", tmp_path, "--quiet")  # fmt: skip
+                      "--contact-treatment", "scaled", "--frames", 5, "-o", tmp_path,
+                      "--quiet")  # fmt: skip
     assert (answer.code, answer.err) == (0, "")
     assert "12 of toroid:0.2" in answer.out
     assert list((the_run(Path(tmp_path)).path / "figures").glob("*.png"))

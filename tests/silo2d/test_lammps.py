@@ -121,13 +121,13 @@ def test_sixty_discs_stay_together_until_chaos_parts_them():
 
 
 def test_sixty_discs_settle_to_the_same_heap():
-    """Height, time to come to rest and force on the floor, means over four seeds.
+    """Height, time to come to rest and force on the floor, means over two seeds.
 
     The differences of pairs have standard deviations of 0.6 mm, 33 ms and 0.032 (twelve seeds,
-    docs/lammps.md); the tolerances are four standard errors of four.
+    docs/lammps.md); the tolerances are three standard errors of two.
     """
-    rows = [settled(LAWS["friction and damping"], seed) for seed in range(1, 5)]
+    rows = [settled(LAWS["friction and damping"], seed) for seed in (1, 2)]
     off = {what: np.diff([row[what] for row in rows], axis=1).mean() for what in rows[0]}
-    assert abs(off["height [mm]"]) < 1.2
-    assert abs(off["energy below 1 % [s]"]) < 0.066
-    assert abs(off["floor / weight"]) < 0.066
+    assert abs(off["height [mm]"]) < 1.3
+    assert abs(off["energy below 1 % [s]"]) < 0.070
+    assert abs(off["floor / weight"]) < 0.068
