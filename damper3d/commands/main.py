@@ -1,7 +1,6 @@
 """The command damper3d: its subcommands."""
 
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from damper3d.commands import (
     contact,
@@ -9,7 +8,6 @@ from damper3d.commands import (
     map,
     pack,
     predict,
-    reproduce,
     results,
     run,
     shape,
@@ -18,44 +16,39 @@ from damper3d.commands import (
 from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
+from granulab.campaign.cli.reproduce import reproduce_command
+
+if TYPE_CHECKING:
+    from granulab.campaign.sweeps.cases import LabelledStudy
+    from granulab.campaign.sweeps.sweep import Simulator
 
 
-def _study(path: str) -> Any:
-    from damper3d.run.sweep import DAMPER, load_study
+def _simulator() -> "Simulator":
+    from damper3d.run.sweep import DAMPER
 
-    return DAMPER, load_study(path)
-
-
-def _template(study: bool) -> str:
-    from damper3d.case.settings import commented_case
-    from granulab.contact.files.datafile import data_file
-
-    if not study:
-        return commented_case()
-    file = data_file("studies", "damper")
-    assert file is not None  # shipped
-    return file.read_text(encoding="utf-8")
+    return DAMPER
 
 
-def _listing(root: Path) -> str:
-    from damper3d.view.library import listing
+def _study(path: str) -> "LabelledStudy":
+    from damper3d.run.sweep import load_study
 
-    return listing(root)
-
-
-def _description(name: str) -> str:
-    from damper3d.studies.quasistatic.report import finished_test
-    from damper3d.view.library import description
-
-    return description(name, finished_test)
+    return load_study(path)
 
 
 app = command_group(
     [
         run.run,
-        sweep_command("damper3d", _study),
+        sweep_command("damper3d", _simulator, _study),
         map.map_,
-        reproduce.reproduce,
+        reproduce_command(
+            """Compute one of the thesis's tables and compare it with the published numbers.
+
+            Without TABLE it says what there is. Runs that are there already are not done again:
+            the same command goes on after whatever stopped it.
+            """,
+            "damper3d.reproduce",
+            _simulator,
+        ),
         predict.predict,
         pack.pack,
         impact.impact,
@@ -67,7 +60,7 @@ app = command_group(
         results.observe,
         results.compare,
         results.export,
-        *file_commands("damper3d", _template, _listing, _description, "case file, materials file"),
+        *file_commands("damper3d", "damper", "case file, materials file"),
     ],
     """Granular dampers: the energy that shaken particles dissipate.
 

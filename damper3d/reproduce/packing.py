@@ -6,7 +6,7 @@ cylinder of 40 mm x 40 mm, poured, and then shaken down (studies.pack.shaken); s
 spheres of 5 mm of Table 6.3, to say which of the two close packings predicts its onsets better.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,9 +25,12 @@ from damper3d.shapes.particle import parse_particle
 from damper3d.studies.pack import tasks
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
+from granulab.campaign.output.figure import BLUE, GREEN, INK, ORANGE, headline
 from granulab.campaign.output.layout import columns, done, paragraphs, with_sd
+from granulab.campaign.output.statistics import Sample
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Row = dict[str, Any]
@@ -128,8 +131,49 @@ def _sizes_table(found: dict[Shape, Values]) -> str:
     return columns(["close, by number in the cell", "50", "100", "200"], lines) if lines else ""
 
 
+# Published close packings: family, ratio, fraction, whose.
+_PUBLISHED = (
+    ("spheroid", 1.0, 0.64, "thesis, below eq. 6.13"),
+    ("spheroid", 1.5, 0.71, "Donev et al. 2004 (thesis [219])"),
+)
+_TITLES = {"spheroid": "spheroids", "toroid": "toroids"}
+_RATIOS = {"spheroid": "aspect ratio a/b [-]", "toroid": "hole ratio (a - b)/(a + b) [-]"}
+
+
 def draw(rows: list[Row]) -> "Figure":
     """Fractions against aspect ratio and hole ratio, with published ones."""
-    from damper3d.reproduce.figures.packing import draw_packings
+    from matplotlib.figure import Figure
 
-    return draw_packings(values(done(rows)), BODIES)
+    found = values(done(rows))
+    figure = Figure(figsize=(9.6, 4.0), layout="constrained")
+    headline(figure, "How densely particles pack at random")
+    panels = figure.subplots(1, 2, sharey=True, width_ratios=(1.4, 1))
+    for axes, family in zip(panels, _TITLES, strict=True):
+        own = {shape[1]: one for shape, one in found.items() if shape[0] == family}
+        close = {r: one.close[BODIES] for r, one in own.items() if BODIES in one.close}
+        _curve(axes, close, BLUE, "o", f"close: jammed, periodic cell of {BODIES}")
+        shaken = {ratio: one.shaken for ratio, one in own.items() if one.shaken}
+        _curve(axes, shaken, GREEN, "s", "shaken down in 40 mm x 40 mm")
+        loose = {ratio: one.loose for ratio, one in own.items() if one.loose}
+        _curve(axes, loose, ORANGE, "^", "loose: poured into 40 mm x 40 mm")
+        for (kind, ratio, value, whose), marker in zip(_PUBLISHED, "x+", strict=True):
+            if kind == family:
+                axes.plot(ratio, value, marker, color=INK, ms=9, mew=1.6, ls="none", label=whose)
+        axes.set_xlabel(_RATIOS[family])
+        axes.set_title(_TITLES[family], loc="left", fontsize=9)
+        axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    panels[0].set_ylabel("packing fraction [-]")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper")
+    return figure
+
+
+def _curve(
+    axes: "Axes", points: Mapping[float, Sample], colour: str, marker: str, label: str
+) -> None:
+    ratios = sorted(points)
+    means = [points[ratio].mean or 0.0 for ratio in ratios]
+    spread = [points[ratio].sd or 0.0 for ratio in ratios]
+    axes.errorbar(
+        ratios, means, spread, color=colour, marker=marker, ms=4, lw=1.2, elinewidth=0.8,
+        capsize=2, label=label,
+    )  # fmt: skip

@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import shutil
-import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -19,59 +18,15 @@ from damper3d.run.packing import Packing, damaged, load_packing, packing_folder,
 from damper3d.run.result import Result, first_counted, summarise
 from damper3d.run.sources import MEASURES, SOURCES
 from damper3d.run.vibration import Clock, vibrate
-from granulab.campaign.runs.checkpoint import load_checkpoint
-from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run
-from granulab.campaign.runs.protocol import (
-    Progress,
-    Stop,
-    begin_or_check,
-    check_unchanged,
-    end,
-    is_measured_by,
-    kept,
-    measure_again,
-)
+from granulab.campaign.runs.folder import RunFolder, digest
+from granulab.campaign.runs.protocol import Progress, Runs, Stop, kept, restored
 from granulab.campaign.runs.provenance import Warn, to_stderr
 from granulab.campaign.runs.trajectory import TrajectoryWriter, read_trajectory
 from granulab.errors import Stopped
 
-__all__ = ["PACKAGES", "get_packing", "resume", "run", "run_digest", "run_in"]
+__all__ = ["PACKAGES", "get_packing", "resume", "run", "run_digest"]
 
 PACKAGES = ["numpy", "numba", "llvmlite", "h5py"]
-
-
-def run(
-    case: DamperCase,
-    *,
-    out: str | Path | None = None,
-    progress: Progress | None = None,
-    again: bool = False,
-    stop: Stop = lambda: False,
-    warn: Warn = to_stderr,
-) -> Result:
-    """Run a case in a folder below `out` ("runs"), or read the result that is there.
-
-    An unfinished run goes on from its checkpoint. `stop` is asked some times a second; when it
-    says yes, the state is kept and Stopped is raised. `warn` takes a line for what other sources
-    made. Raises InputError where the particles do not fit, FolderError for folders that cannot
-    be used and SimulationError where the simulation fails.
-    """
-    root = Path(out or "runs")
-    folder = open_run(root, f"{case.name}-seed{case.settings.run.seed}", run_digest(case), again)
-    return run_in(folder, case, progress or (lambda fraction, text: None), stop, warn)
-
-
-def resume(
-    path: str | Path,
-    *,
-    progress: Progress | None = None,
-    stop: Stop = lambda: False,
-) -> Result:
-    """Go on with the run in a folder; see `run`."""
-    folder = shaken(path)
-    case = DamperCase.load(folder.path / "case.toml")
-    check_unchanged(folder, run_digest(case), "case.toml or materials.toml")
-    return run_in(folder, case, progress or (lambda fraction, text: None), stop)
 
 
 def run_digest(case: DamperCase) -> str:
@@ -79,38 +34,16 @@ def run_digest(case: DamperCase) -> str:
     return digest(case.identity())
 
 
-def run_in(
-    folder: RunFolder,
-    case: DamperCase,
-    progress: Progress,
-    stop: Stop,
-    warn: Warn = to_stderr,
-) -> Result:
-    """Run a case in its folder; see `run`."""
-    with folder.lock():
-        begun = time.perf_counter()
-        begin_or_check(
-            folder,
-            case=case.to_toml(),
-            files=case.files,
-            run_digest=run_digest(case),
-            seed=case.settings.run.seed,
-            packages=PACKAGES,
-            sources=SOURCES,
-            warn=warn,
-        )
-        if folder.state == "finished":
-            _clear(folder, case)  # it may have been killed before it could
-            return _read(folder, warn)
-        packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
-        sim, clock = _start_or_resume(folder, case, packing)
-        writer = TrajectoryWriter(folder.path, parts=clock.parts)
-        writer.write_static(*describe(case, packing))
-        vibrate(sim, case, folder, writer, clock, progress, stop)
-        summary = _end(folder, case, packing, sim, clock, writer)
-        end(folder, summary, begun, MEASURES)
-        _clear(folder, case)
-        return Result.read(folder, reused=False)
+def _compute(
+    folder: RunFolder, case: DamperCase, progress: Progress, stop: Stop, warn: Warn
+) -> dict[str, Any]:
+    """The results of a damper: filled, settled and shaken, or gone on with."""
+    packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
+    sim, clock = _start_or_resume(folder, case, packing)
+    writer = TrajectoryWriter(folder.path, parts=clock.parts)
+    writer.write_static(*describe(case, packing))
+    vibrate(sim, case, folder, writer, clock, progress, stop)
+    return _end(folder, case, packing, sim, clock, writer)
 
 
 def get_packing(
@@ -165,15 +98,7 @@ def _start_or_resume(
     sim.compile()
     if not folder.checkpoint.exists():
         return sim, Clock(filling_cpu_s=packing.cpu_s)
-    saved, meta = load_checkpoint(folder.checkpoint)
-    try:
-        sim.restore(saved)
-        return sim, Clock(**meta)
-    except (IndexError, KeyError, TypeError, ValueError) as error:
-        raise FolderError(
-            f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run starts "
-            "from its first cycle"
-        ) from None
+    return sim, restored(folder, sim.restore, Clock, "its first cycle")
 
 
 def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
@@ -236,27 +161,31 @@ def _measured(folder: RunFolder, case: DamperCase, n_cycles: int) -> dict[str, A
     }
 
 
-def read_finished(folder: RunFolder, warn: Warn = to_stderr) -> Result:
-    """The result of a finished run; measured again where the measures are others by now."""
-    if is_measured_by(folder, MEASURES):  # without a lock: it may lie where nobody may write
-        return Result.read(folder, reused=True)
-    with folder.lock():
-        return _read(folder, warn)
-
-
-def _read(folder: RunFolder, warn: Warn) -> Result:
-    def again(summary: Mapping[str, Any]) -> dict[str, Any] | None:
-        case = DamperCase.load(folder.path / "case.toml")
-        if case.settings.output.keep == "summary" or case.settings.run.steady:
-            return None  # nothing is stored; or the measures decided when the run ended
-        return {**summary, **_measured(folder, case, summary["cycles"])}
-
-    measure_again(folder, MEASURES, again, warn)
-    return Result.read(folder, reused=True)
+def _measured_again(
+    folder: RunFolder, case: DamperCase, summary: Mapping[str, Any]
+) -> dict[str, Any] | None:
+    if case.settings.output.keep == "summary" or case.settings.run.steady:
+        return None  # nothing is stored; or the measures decided when the run ended
+    return {**summary, **_measured(folder, case, summary["cycles"])}
 
 
 def _clear(folder: RunFolder, case: DamperCase) -> None:
-    """Remove what a finished run does not need; what cannot be removed does no harm."""
-    folder.checkpoint.unlink(missing_ok=True)
+    """Remove the frames of a run that keeps its results only; where they stay, they do no harm."""
     if case.settings.output.keep == "summary":
         shutil.rmtree(folder.path / "parts", ignore_errors=True)
+
+
+RUNS = Runs(
+    result=Result,
+    digest=run_digest,
+    load=DamperCase.load,
+    compute=_compute,
+    packages=PACKAGES,
+    sources=lambda case: SOURCES,
+    described="case.toml or materials.toml",
+    measures=MEASURES,
+    measured=_measured_again,
+    clear=_clear,
+    find=shaken,
+)
+run, resume, read_finished = RUNS.run, RUNS.resume, RUNS.read_finished

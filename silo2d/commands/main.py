@@ -1,56 +1,48 @@
 """The command silo2d: its subcommands."""
 
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
-from silo2d.commands import reproduce, results, run
+from granulab.campaign.cli.reproduce import reproduce_command
+from silo2d.commands import results, run
+
+if TYPE_CHECKING:
+    from granulab.campaign.sweeps.cases import LabelledStudy
+    from granulab.campaign.sweeps.sweep import Simulator
 
 
-def _study(path: str) -> Any:
-    from silo2d.run.sweep import SILO, load_study
+def _simulator() -> "Simulator":
+    from silo2d.run.sweep import SILO
 
-    return SILO, load_study(path)
-
-
-def _template(study: bool) -> str:
-    from granulab.contact.files.datafile import data_file
-    from silo2d.case.settings import commented_case
-
-    if not study:
-        return commented_case()
-    file = data_file("studies", "friction")
-    assert file is not None  # shipped
-    return file.read_text(encoding="utf-8")
+    return SILO
 
 
-def _listing(root: Path) -> str:
-    from silo2d.view.library import listing
+def _study(path: str) -> "LabelledStudy":
+    from silo2d.run.sweep import load_study
 
-    return listing(root)
-
-
-def _description(name: str) -> str:
-    from silo2d.view.library import description
-
-    return description(name)
+    return load_study(path)
 
 
 app = command_group(
     [
         run.run,
         run.packing,
-        sweep_command("silo2d", _study),
-        reproduce.reproduce,
+        sweep_command("silo2d", _simulator, _study),
+        reproduce_command(
+            """Compute one of the paper's tables and compare it with the published numbers.
+
+            Without TABLE it says what there is. Runs that are there already are not done again.
+            """,
+            "silo2d.reproduce",
+            _simulator,
+        ),
         results.render,
         results.observe,
         results.compare,
         results.export,
-        *file_commands(
-            "silo2d", _template, _listing, _description, "case file, shape set, materials file"
-        ),
+        *file_commands("silo2d", "friction", "case file, shape set, materials file"),
     ],
     """Discharge of angular particles from 2D silos.
 

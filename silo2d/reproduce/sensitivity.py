@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from granulab.campaign.output.figure import BLUE, ORANGE, VERMILION
 from granulab.campaign.output.layout import columns, done, not_done, percent, signed, with_sd
 from granulab.campaign.output.statistics import (
     Sample,
@@ -11,10 +12,11 @@ from granulab.campaign.output.statistics import (
 )
 from silo2d.reproduce.parameters import BASELINES, Pairs
 from silo2d.reproduce.published import ROUNDING, Point, outcomes, sensitivity
-from silo2d.reproduce.quantities.trends import Series, Trend, series_of
+from silo2d.reproduce.quantities.trends import LOGARITHMIC, Series, Trend, series_of
 from silo2d.reproduce.runs import run_of_cases
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from granulab.campaign.sweeps.sweep import Labelled
@@ -179,9 +181,62 @@ def _trends(one: dict[str, Series]) -> str:
     return "\n".join(lines)
 
 
+_LABELS = {
+    "kn": "kn [N/mm], kt/kn and gamma_n/omega_0 held",
+    "kt": "kt [N/mm]",
+    "mu": "mu [-]",
+    "gamma_n": "gamma_n [1/s]",
+    "gamma_t": "gamma_t [1/s]",
+}
+_COLOURS = {"Table 4": BLUE, "implied": ORANGE}
+_PAIRS: dict[str, tuple[str, dict[str, Any]]] = {
+    "both": ("", {"fmt": "o-"}),
+    "particle": (", particles alone", {"fmt": "^--", "mfc": "white", "lw": 0.9}),
+    "wall": (", walls alone", {"fmt": "v:", "mfc": "white", "lw": 0.9}),
+}
+
+
 def draw(rows: "list[Row]") -> "Figure":
-    """Five panels, a parameter each; see silo2d.reproduce.figures.sensitivity."""
-    from silo2d.reproduce.figures.sensitivity import sensitivity_panels
+    """Published times and ours with standard deviations, by baseline; a panel a parameter."""
+    from matplotlib.figure import Figure
 
     published = {p: _published(p) for p in dict.fromkeys(key for key, _ in SERIES)}
-    return sensitivity_panels(series_of(rows), published)
+    figure = Figure(figsize=(10.5, 6.2), layout="constrained")
+    panels = figure.subplots(2, 3, sharey=True)
+    handles: dict[str, Any] = {}
+    for axes, (parameter, points) in zip(panels.flat, published.items(), strict=False):
+        _scale(axes, parameter, [point.value for point in points])
+        axes.set_xlabel(_LABELS[parameter])
+        axes.plot([p.value for p in points], [p.time_s for p in points], "D", color=VERMILION,
+                  ms=5, label="SPOLY", zorder=3)  # fmt: skip
+        for (name, pairs), one in series_of(rows).items():
+            for own in one.values() if name == parameter else ():
+                _draw_series(axes, own, pairs)
+        handles |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    for axes in panels[:, 0]:
+        axes.set_ylabel("discharge time of A4 [s]")
+    panels[-1, -1].axis("off")
+    panels[-1, -1].legend(handles.values(), handles.keys(), loc="center", title="mean and sd")
+    return figure
+
+
+def _scale(axes: "Axes", parameter: str, values: list[float]) -> None:
+    """Ticks at the published values, as the paper spaces them."""
+    if parameter in LOGARITHMIC:
+        axes.set_xscale("log")
+    elif parameter == "gamma_t":
+        axes.set_xscale("symlog", linthresh=3)
+    axes.set_xticks(values, [f"{value:g}" for value in values])
+    axes.minorticks_off()
+    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.set_axisbelow(True)
+
+
+def _draw_series(axes: "Axes", own: "Series", pairs: str) -> None:
+    words, style = _PAIRS[pairs]
+    samples = [(value, own.time(value)) for value in own.values]
+    known = [(value, s.mean, s.sd or 0) for value, s in samples if s.mean is not None]
+    if known:
+        x, y, bars = zip(*known, strict=True)
+        axes.errorbar(x, y, bars, color=_COLOURS[own.baseline], capsize=3, ms=4.5,
+                      label=f"ours, {own.baseline}{words}", **style)  # fmt: skip

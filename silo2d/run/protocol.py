@@ -6,18 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from granulab.campaign.runs.checkpoint import load_checkpoint
-from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run, resume_run
-from granulab.campaign.runs.protocol import (
-    Progress,
-    Stop,
-    begin_or_check,
-    check_unchanged,
-    end,
-    is_measured_by,
-    kept,
-    measure_again,
-)
+from granulab.campaign.runs.folder import RunFolder, digest
+from granulab.campaign.runs.protocol import Progress, Runs, Stop, kept, restored
 from granulab.campaign.runs.provenance import Sources, Warn, to_stderr
 from granulab.campaign.runs.trajectory import TrajectoryWriter
 from granulab.errors import Stopped
@@ -41,40 +31,6 @@ _SETTLE_PATIENCE = 2.0  # [s]
 _QUIET_LOOKS = 5  # one may fall on a moment when the energy is elastic
 
 
-def run(
-    case: SiloCase,
-    *,
-    out: str | Path | None = None,
-    progress: Progress | None = None,
-    again: bool = False,
-    stop: Stop = lambda: False,
-    warn: Warn = to_stderr,
-) -> Result:
-    """Run a case in a folder below `out` ("runs"), or read the result that stands there.
-
-    An unfinished run goes on from its checkpoint. `stop` is called at every look and every
-    frame; when it is true, the state is kept and Stopped is raised. `warn` is called for what
-    other sources made. Raises FolderError for folders that cannot be used and
-    SimulationError where the simulation fails.
-    """
-    root = Path(out or "runs")
-    folder = open_run(root, f"{case.name}-seed{case.settings.run.seed}", run_digest(case), again)
-    return run_in(folder, case, progress or (lambda fraction, text: None), stop, warn)
-
-
-def resume(
-    path: str | Path,
-    *,
-    progress: Progress | None = None,
-    stop: Stop = lambda: False,
-) -> Result:
-    """Go on with the run in a folder; see `run`."""
-    folder = resume_run(path)
-    case = SiloCase.load(folder.path / "case.toml")
-    check_unchanged(folder, run_digest(case), "case.toml, shapes.toml or materials.toml")
-    return run_in(folder, case, progress or (lambda fraction, text: None), stop)
-
-
 def run_digest(case: SiloCase) -> str:
     """Names a run: its case, seed and engine."""
     engine: dict[str, Any] = {"engine": case.settings.run.engine}
@@ -89,64 +45,26 @@ def sources_of_both(case: SiloCase) -> tuple[Sources, Sources]:
     return BASELINE if case.impulses else poured, poured
 
 
-def read_finished(folder: RunFolder, warn: Warn = to_stderr) -> Result:
-    """The result of a finished run; measured again where the measures are others by now."""
-    if is_measured_by(folder, MEASURES):  # without a lock: it may lie where nobody may write
-        return Result.read(folder, reused=True)
-    with folder.lock():
-        return _read(folder, warn)
+def _compute(
+    folder: RunFolder, case: SiloCase, progress: Progress, stop: Stop, warn: Warn
+) -> dict[str, Any]:
+    """The results of a silo: filled, settled, opened and discharged, or gone on with."""
+    if case.impulses:
+        return _by_pymunk(folder, case, progress, stop, warn)
+    sim, clock, packing = _start_or_resume(folder, case, progress, stop, warn)
+    static = describe(case, packing)
+    writer = TrajectoryWriter(folder.path, parts=clock.parts)
+    writer.write_static(*static)
+    outcome = discharge(sim, case, packing, folder, writer, clock, progress, stop)
+    writer.finish(*static)
+    write_records(folder)
+    return summarise(folder, case, sim, packing, clock, outcome)
 
 
-def _read(folder: RunFolder, warn: Warn) -> Result:
-    def again(summary: Mapping[str, Any]) -> dict[str, Any]:
-        case = SiloCase.load(folder.path / "case.toml")
-        return {**summary, **measured(folder, case, summary["outcome"])}
-
-    measure_again(folder, MEASURES, again, warn)
-    return Result.read(folder, reused=True)
-
-
-def run_in(
-    folder: RunFolder,
-    case: SiloCase,
-    progress: Progress,
-    stop: Stop,
-    warn: Warn = to_stderr,
-) -> Result:
-    """Run a case in its folder; see `run`."""
-    with folder.lock():
-        begun = time.perf_counter()
-        begin_or_check(
-            folder,
-            case=case.to_toml(),
-            files=case.files,
-            run_digest=run_digest(case),
-            seed=case.settings.run.seed,
-            packages=PACKAGES,
-            sources=sources_of_both(case)[0],
-            warn=warn,
-        )
-        if folder.state == "finished":
-            return _read(folder, warn)
-        if case.impulses:
-            summary = _by_pymunk(folder, case, progress, stop, warn)
-            return _finish(folder, summary, begun)
-        sim, clock, packing = _start_or_resume(folder, case, progress, stop, warn)
-        static = describe(case, packing)
-        writer = TrajectoryWriter(folder.path, parts=clock.parts)
-        writer.write_static(*static)
-        outcome = discharge(sim, case, packing, folder, writer, clock, progress, stop)
-        writer.finish(*static)
-        write_records(folder)
-        summary = summarise(folder, case, sim, packing, clock, outcome)
-        return _finish(folder, summary, begun)
-
-
-def _finish(folder: RunFolder, summary: dict[str, Any], begun: float) -> Result:
-    """Keep the results and the wall time since `begun`."""
-    end(folder, summary, begun, MEASURES)
-    folder.checkpoint.unlink(missing_ok=True)
-    return Result.read(folder, reused=False)
+def _measured(
+    folder: RunFolder, case: SiloCase, summary: Mapping[str, Any]
+) -> dict[str, Any] | None:
+    return {**summary, **measured(folder, case, summary["outcome"])}
 
 
 def _by_pymunk(
@@ -173,16 +91,8 @@ def _start_or_resume(
     packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
     sim = Simulation(world_behind_door(case, packing))
     if resuming:
-        saved, meta = load_checkpoint(folder.checkpoint)
         sim.begin_phase(*case.laws(sim.n_particles), case.time_step)
-        try:
-            sim.restore(saved)
-            return sim, Clock(**meta), packing
-        except (IndexError, KeyError, TypeError, ValueError) as error:
-            raise FolderError(
-                f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run "
-                "starts from its opening"
-            ) from None
+        return sim, restored(folder, sim.restore, Clock, "its opening"), packing
     sim.compile()
     begun = time.process_time()
     settle_under_own_law(sim, case, progress, stop)
@@ -279,3 +189,17 @@ def settle_under_own_law(
                 "the packing did not come to rest under its own law (normalised kinetic energy "
                 f"{moving:.1e}, [fill] settled wants {case.settings.fill.settled:g})"
             )
+
+
+RUNS = Runs(
+    result=Result,
+    digest=run_digest,
+    load=SiloCase.load,
+    compute=_compute,
+    packages=PACKAGES,
+    sources=lambda case: sources_of_both(case)[0],
+    described="case.toml, shapes.toml or materials.toml",
+    measures=MEASURES,
+    measured=_measured,
+)
+run, resume, read_finished = RUNS.run, RUNS.resume, RUNS.read_finished

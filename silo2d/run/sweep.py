@@ -6,7 +6,7 @@ from pathlib import Path
 
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import Stop, packing_sources
-from granulab.campaign.sweeps.cases import LabelledStudy, label_study
+from granulab.campaign.sweeps.cases import label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
 from granulab.campaign.sweeps.sweep import (
     Simulator,
@@ -80,13 +80,7 @@ SILO = Simulator(
 )
 
 
-def load_study(path: str | Path) -> LabelledStudy:
-    """The cases of a study file; see granulab.campaign.sweeps.cases.label_study.
-
-    Raises InputError or StudyError, one line that names the file, the key and what would do.
-    """
-    return label_study(path, Keys(Settings), SiloCase.load)
-
-
+# The cases of a study file.
+load_study = partial(label_study, keys=Keys(Settings), load=SiloCase.load)
 run_cases = partial(run_labelled, SILO)  # labelled SiloCases; a row for each
 run_study = partial(run_labelled_study, SILO)

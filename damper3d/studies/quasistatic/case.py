@@ -100,6 +100,11 @@ class SlowTest:
         return self.damper.settings
 
     @property
+    def files(self) -> dict[str, str]:
+        """Texts by name, of the files that the case refers to."""
+        return self.damper.files
+
+    @property
     def time_step(self) -> float:
         """[s]"""
         return self.damper.steps.free

@@ -24,17 +24,16 @@ from damper3d.studies.quasistatic.course import (
 )
 from damper3d.studies.quasistatic.measure import Result, summary
 from damper3d.studies.quasistatic.rig import RigSimulation
-from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run
+from granulab.campaign.runs.folder import FolderError, RunFolder, digest
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import (
     Progress,
+    Runs,
     Stop,
-    begin_or_check,
-    end,
     kept,
     packing_sources,
 )
-from granulab.campaign.runs.provenance import Warn, to_stderr
+from granulab.campaign.runs.provenance import Warn
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_or_pack, silent
 from granulab.contact.jit import already_compiled, cache_folder
 from granulab.errors import Stopped
@@ -49,36 +48,11 @@ def run_digest(test: SlowTest) -> str:
     return digest(test.identity())
 
 
-def run(
-    test: SlowTest,
-    *,
-    out: str | Path,
-    progress: Progress = lambda fraction, text: None,
-    stop: Stop = lambda: False,
-    warn: Warn = to_stderr,
-) -> Result:
-    """Run a test in a folder below `out`, or read the result that is there.
-
-    An unfinished one goes on from its checkpoint. Raises InputError where the particles do not fit,
-    Stopped, FolderError and SimulationError; the state is kept.
-    """
-    folder = open_run(Path(out), f"{test.name}-seed{test.settings.run.seed}", run_digest(test))
-    with folder.lock():
-        begun = time.perf_counter()
-        begin_or_check(
-            folder, case=test.to_toml(), files=test.damper.files, run_digest=run_digest(test),
-            seed=test.settings.run.seed, packages=PACKAGES, sources=SOURCES, warn=warn,
-        )  # fmt: skip
-        if folder.state != "finished":
-            end(folder, _computed(test, folder, Path(out), progress, stop, warn), begun)
-            folder.checkpoint.unlink(missing_ok=True)
-            return Result.read(folder, reused=False)
-        return Result.read(folder, reused=True)
-
-
-def _computed(
-    test: SlowTest, folder: RunFolder, out: Path, progress: Progress, stop: Stop, warn: Warn
+def _compute(
+    folder: RunFolder, test: SlowTest, progress: Progress, stop: Stop, warn: Warn
 ) -> dict[str, Any]:
+    """The results of a test: halves filled, pre-loaded and moved, or gone on with."""
+    out = folder.path.parent
     packing = get_packing(test, out, progress, stop, warn)
     sim = settled(test, packing, packing_folder(test, out))
     sim.compile()
@@ -97,6 +71,16 @@ def _computed(
         "cpu_s": course.cpu_s + packing.cpu_s,
         "state_digest": sim.state_digest(),
     }
+
+
+RUNS = Runs(
+    result=Result,
+    digest=run_digest,
+    compute=_compute,
+    packages=PACKAGES,
+    sources=lambda test: SOURCES,
+)
+run = RUNS.run
 
 
 def packing_folder(test: SlowTest, root: Path) -> Path:

@@ -1,7 +1,9 @@
 """The commands `init`, `list`, `show`: new files to edit; packings and runs in words."""
 
+import importlib
 import shlex
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,40 +11,65 @@ import click
 
 from granulab.campaign.cli.commandline import out_option
 from granulab.campaign.runs.folder import FolderError, RunFolder, resume_run, write_atomic, writing
+from granulab.errors import InputError
 
 
-def file_commands(
-    name: str,
-    template: Callable[[bool], str],
-    listing: Callable[[Path], str],
-    description: Callable[[str], str],
-    kinds: str,
-) -> list[click.Command]:
-    """The commands `init`, `list` and `show` of a simulator.
+def file_commands(package: str, study_file: str, kinds: str) -> list[click.Command]:
+    """The commands `init`, `list` and `show` of a simulator's package, called as it is.
 
-    name: of its command line; template: text of a case file with a comment on every key, or of a
-    study file where it is given True; listing: the cases and files that there are, and what stands
-    below a folder of runs; description: one of these in words; kinds: of files, for the help.
+    Its `case.settings.commented_case()` gives a case file with a comment on every key; its
+    `commands.library` has `listing(root)`, the cases and files that there are and what stands
+    below a folder of runs, and `description(name)`, one of these in words. study_file: a shipped
+    one, as an example; kinds: of files, for the help.
     """
+
+    def of_package(module: str) -> Any:
+        return importlib.import_module(f"{package}.{module}")
 
     @click.command(help="Write a case file with a comment on every key.")
     @click.argument("file")
     @click.option("--study", is_flag=True, help="Write a study file instead.")
     def init(file: str, study: bool) -> None:
-        write_new(Path(file), template(study))
-        click.echo(f"wrote {file}; run it with: {name} {'sweep' if study else 'run'} {file}")
+        text = _shipped(study_file) if study else of_package("case.settings").commented_case()
+        write_new(Path(file), text)
+        click.echo(f"wrote {file}; run it with: {package} {'sweep' if study else 'run'} {file}")
 
     @click.command("list", help="List presets, files, packings; runs with their state and size.")
     @out_option
     def list_(out: str) -> None:
-        click.echo(listing(Path(out)))
+        click.echo(of_package("commands.library").listing(Path(out)))
 
     @click.command(help=f"Describe a preset, {kinds} or run folder in words and numbers.")
     @click.argument("name")
     def show(name: str) -> None:
-        click.echo(description(name))
+        click.echo(of_package("commands.library").description(name))
 
     return [init, list_, show]
+
+
+def _shipped(study: str) -> str:
+    from granulab.contact.files.datafile import data_file
+
+    file = data_file("studies", study)
+    assert file is not None
+    return file.read_text(encoding="utf-8")
+
+
+def read_shown(name: str, known: Sequence[str]) -> tuple[str, dict[str, Any]]:
+    """The path of a TOML file or shipped materials table of a name, and its tables.
+
+    known: all names that there are. Raises InputError where there is none, or none that is TOML.
+    """
+    from granulab.contact.files.datafile import data_file
+    from granulab.contact.files.units import nearest
+
+    file = Path(name) if Path(name).is_file() else data_file("materials", name)
+    if file is None:
+        raise InputError(f"{name!r}: no such preset, file or run; {nearest(name, known)}")
+    try:
+        return str(file), tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{file}: cannot be read ({error}); give a TOML file") from None
 
 
 def write_new(path: Path, text: str) -> None:

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 
 def sweep_command(
-    name: str, load: Callable[[str], "tuple[Simulator, LabelledStudy]"]
+    name: str, simulator: Callable[[], "Simulator"], load: Callable[[str], "LabelledStudy"]
 ) -> click.Command:
     """The command `sweep` of a simulator.
 
-    name: of its command line; load: gives the simulator and the cases of a study file.
+    name: of its command line; load: gives the cases of a study file.
     """
 
     @click.command(
@@ -42,8 +42,8 @@ def sweep_command(
     @quiet_option
     @json_option
     def sweep(study: str, **options: Any) -> None:
-        simulator, loaded = load(study)
-        _sweep(simulator, loaded, **options)
+        loaded = load(study)
+        _sweep(simulator(), loaded, **options)
 
     return sweep
 

@@ -1,14 +1,16 @@
 """The command `reproduce` of any simulator: published tables and ours, printed and kept."""
 
+import importlib
 import inspect
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import click
 
 from granulab.campaign.cli.commandline import Ended, json_option, out_option, quiet_option
+from granulab.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,27 +43,46 @@ class PublishedTable(Protocol):
         """The table as a picture."""
 
 
-def reproduce_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The argument and the options of the command; see reproduce_table."""
-    for option in (
-        json_option,
-        quiet_option,
-        click.option("--scheduler", metavar="tcp://HOST:PORT", help="Of a Dask cluster."),
-        click.option("--engine", type=click.Choice(["processes", "dask"]), help="What runs them."),
-        click.option(
-            "--workers", type=int, metavar="N", help="Runs at a time [default: all cores]."
-        ),
-        click.option(
-            "--write", metavar="DIR", help="Where csv, txt and png go [default: that of --out]."
-        ),
-        out_option,
-        click.option(
-            "--seeds", type=int, metavar="N", help="Seeds 1 to N [default: the table's own]."
-        ),
-        click.argument("table", required=False),
-    ):
-        command = option(command)
-    return command
+def reproduce_command(
+    purpose: str, package: str, simulator: Callable[[], "Simulator"]
+) -> click.Command:
+    """The command `reproduce` of a simulator.
+
+    purpose: text of its --help; package: of the tables, which has their names and texts (TABLES)
+    and a module for each.
+    """
+
+    @click.command(help=purpose)
+    @click.argument("table", required=False)
+    @click.option("--seeds", type=int, metavar="N", help="Seeds 1 to N [default: the table's own].")
+    @out_option
+    @click.option(
+        "--write", metavar="DIR", help="Where csv, txt and png go [default: that of --out]."
+    )
+    @click.option("--workers", type=int, metavar="N", help="Runs at a time [default: all cores].")
+    @click.option("--engine", type=click.Choice(["processes", "dask"]), help="What runs them.")
+    @click.option("--scheduler", metavar="tcp://HOST:PORT", help="Of a Dask cluster.")
+    @quiet_option
+    @json_option
+    def reproduce(table: str | None, **options: Any) -> None:
+        if table is None:
+            texts = importlib.import_module(package).TABLES.items()
+            click.echo("\n".join(f"{name:12} {text}" for name, text in texts))
+            return
+        found = find_table(package, table)
+        reproduce_table(simulator(), table, found, **options)
+
+    return reproduce
+
+
+def find_table(package: str, name: str) -> PublishedTable:
+    """The table of a name; InputError with the names there are."""
+    from granulab.contact.files.units import nearest
+
+    known = importlib.import_module(package).TABLES
+    if name not in known:
+        raise InputError(f"reproduce {name!r}: no such table; {nearest(name, list(known))}")
+    return cast(PublishedTable, importlib.import_module(f"{package}.{name}"))
 
 
 def reproduce_table(

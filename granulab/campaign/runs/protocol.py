@@ -3,15 +3,25 @@
 import sys
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
+from granulab.campaign.runs.checkpoint import load_checkpoint
+from granulab.campaign.runs.folder import (
+    FolderError,
+    RunFolder,
+    open_run,
+    resume_run,
+    write_atomic,
+    writing,
+)
 from granulab.campaign.runs.lock import alone
-from granulab.campaign.runs.folder import FolderError, RunFolder, write_atomic, writing
-from granulab.campaign.runs.provenance import Sources, Warn, provenance
+from granulab.campaign.runs.provenance import Sources, Warn, provenance, to_stderr
+from granulab.campaign.runs.result import Answers
 from granulab.errors import Stopped
 
-Stop = Callable[[], bool]  # asked now and then: is the state to be kept, and the run to end?
+Stop = Callable[[], bool]  # called now and then: true where the run is to end, its state kept
 Progress = Callable[[float, str], None]  # takes the fraction done (0 to 1), and words
 
 
@@ -25,86 +35,176 @@ class Made(Protocol):
 Packing = TypeVar("Packing", bound=Made)
 
 
-def begin_or_check(
-    folder: RunFolder,
-    *,
-    case: str,
-    files: Mapping[str, str],
-    run_digest: str,
-    seed: int,
-    packages: list[str],
-    sources: Sources,
-    warn: Warn,
-) -> None:
-    """Write what a new run's folder begins with; warn where a begun one is of other sources.
+Case = TypeVar("Case", bound="Runnable")
+Found = TypeVar("Found", bound=Answers)
+Meta = TypeVar("Meta")
 
-    case: as resolved (TOML); files: by name, those that it refers to. Raises FolderError.
+
+class Runnable(Protocol):
+    """A case, as far as its run folder is concerned."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def settings(self) -> Any: ...  # run.seed
+    @property
+    def files(self) -> Mapping[str, str]: ...  # texts by name, of the files that it refers to
+    def to_toml(self) -> str: ...  # as resolved
+
+
+@dataclass(frozen=True)
+class Runs(Generic[Case, Found]):
+    """Runs of one kind of case: begun or found, computed or gone on with, read back.
+
+    result     type of the results
+    digest     names a run: its case, seed and engine
+    compute    results of a run that is not finished, from where it was left; it raises Stopped
+    packages   distributions whose versions matter to the last bit
+    sources    of a case: those that decide what its run computes
+    load       the case of a case.toml; None: such runs are gone on with by their command alone
+    described  files of a folder that say its case, for a message
+    measures   those that make results from what a run stored; None: none are made again
+    measured   results measured again, given those that stand there; None where too little is stored
+    clear      removes what a finished run does not need
+    find       the folder of a begun run at a path
     """
-    if folder.state != "new":
-        made = folder.read_provenance().get("source_digest")
-        cure = "--again computes it anew beside it"
-        sources.check(f"{folder.path} was begun", made, cure, warn)
-        return
-    for name, text in files.items():
-        write_atomic(folder.path / name, text)
-    origin = provenance(command=sys.argv, seed=seed, packages=packages, sources=sources.folders)
-    folder.write_provenance({**origin, "run_digest": run_digest})
-    folder.write_case(case)  # last: from here on the run counts as begun
 
+    result: type[Found]
+    digest: Callable[[Case], str]
+    compute: Callable[[RunFolder, Case, Progress, Stop, Warn], dict[str, Any]]
+    packages: list[str]
+    sources: Callable[[Case], Sources]
+    load: Callable[[Path], Case] | None = None
+    described: str = "case.toml"
+    measures: Sources | None = None
+    measured: Callable[[RunFolder, Case, Mapping[str, Any]], dict[str, Any] | None] | None = None
+    clear: Callable[[RunFolder, Case], None] = lambda folder, case: None
+    find: Callable[[str | Path], RunFolder] = resume_run
 
-def check_unchanged(folder: RunFolder, run_digest: str, files: str) -> None:
-    """Raise FolderError where a begun run's case is no longer that of its digest.
+    def run(
+        self,
+        case: Case,
+        *,
+        out: str | Path | None = None,
+        progress: Progress | None = None,
+        again: bool = False,
+        stop: Stop = lambda: False,
+        warn: Warn = to_stderr,
+    ) -> Found:
+        """Run a case in a folder below `out` ("runs"), or read the result that stands there.
 
-    files: those that say the case, for the message.
-    """
-    if folder.read_provenance().get("run_digest") != run_digest:
-        raise FolderError(
-            f"{folder.path}: {files} were changed since the run began; run the changed case as a "
-            "new one"
+        An unfinished run goes on from its checkpoint. `stop` is called some times a second; when
+        it is true, the state is kept and Stopped is raised. `warn` is called for what other
+        sources made. Raises InputError where the particles do not fit, FolderError for folders
+        that cannot be used and SimulationError where the simulation fails.
+        """
+        name = f"{case.name}-seed{case.settings.run.seed}"
+        folder = open_run(Path(out or "runs"), name, self.digest(case), again)
+        return self._run_in(folder, case, progress, stop, warn)
+
+    def resume(
+        self,
+        path: str | Path,
+        *,
+        progress: Progress | None = None,
+        stop: Stop = lambda: False,
+    ) -> Found:
+        """Go on with the run in a folder; see `run`."""
+        assert self.load
+        folder = self.find(path)
+        case = self.load(folder.path / "case.toml")
+        if folder.read_provenance().get("run_digest") != self.digest(case):
+            raise FolderError(
+                f"{folder.path}: {self.described} were changed since the run began; run the "
+                "changed case as a new one"
+            )
+        return self._run_in(folder, case, progress, stop, to_stderr)
+
+    def read_finished(self, folder: RunFolder, warn: Warn = to_stderr) -> Found:
+        """The result of a finished run; measured again where the measures are others by now."""
+        if not self._is_outdated(folder):  # without a lock: it may lie where nobody may write
+            return self.result.read(folder, reused=True)
+        with folder.lock():
+            return self._read(folder, warn)
+
+    def _run_in(
+        self, folder: RunFolder, case: Case, progress: Progress | None, stop: Stop, warn: Warn
+    ) -> Found:
+        with folder.lock():
+            begun = time.perf_counter()
+            self._begin_or_check(folder, case, warn)
+            if folder.state == "finished":
+                self._clear(folder, case)  # it may have been killed before it could
+                return self._read(folder, warn)
+            silent = progress or (lambda fraction, text: None)
+            summary = self.compute(folder, case, silent, stop, warn)
+            origin = {**folder.read_provenance(), "wall_s": time.perf_counter() - begun}
+            if self.measures:
+                origin["measures_digest"] = self.measures.digest
+            folder.write_provenance(origin)
+            folder.write_summary(summary)
+            self._clear(folder, case)
+            return self.result.read(folder, reused=False)
+
+    def _begin_or_check(self, folder: RunFolder, case: Case, warn: Warn) -> None:
+        """Write what a new run's folder begins with; warn where a begun one is of other sources."""
+        sources = self.sources(case)
+        if folder.state != "new":
+            made = folder.read_provenance().get("source_digest")
+            cure = "--again computes it again in a new folder"
+            sources.check(f"{folder.path} was begun", made, cure, warn)
+            return
+        for name, text in case.files.items():
+            write_atomic(folder.path / name, text)
+        seed, packages = case.settings.run.seed, self.packages
+        origin = provenance(
+            command=sys.argv, seed=seed, packages=packages, sources=sources.folders
         )
+        folder.write_provenance({**origin, "run_digest": self.digest(case)})
+        folder.write_case(case.to_toml())  # last: from here on the run counts as begun
+
+    def _clear(self, folder: RunFolder, case: Case) -> None:
+        folder.checkpoint.unlink(missing_ok=True)
+        self.clear(folder, case)
+
+    def _is_outdated(self, folder: RunFolder) -> bool:
+        """True where the results of a finished run were made by other measures."""
+        made = folder.read_provenance().get("measures_digest")
+        return self.measures is not None and made != self.measures.digest
+
+    def _read(self, folder: RunFolder, warn: Warn) -> Found:
+        """The results of a finished run, brought up to date where other measures made them."""
+        if self.measures and self.measured and self.load and self._is_outdated(folder):
+            origin = folder.read_provenance()
+            case = self.load(folder.path / "case.toml")
+            summary = self.measured(folder, case, folder.read_summary())
+            if summary is None:
+                made, cure = origin.get("measures_digest"), "--again computes it again in a new folder"
+                what = f"the results of {folder.path} were measured"
+                self.measures.check(what, made, cure, warn)
+            else:
+                folder.write_provenance({**origin, "measures_digest": self.measures.digest})
+                folder.write_summary(summary)
+        return self.result.read(folder, reused=True)
 
 
-def end(
-    folder: RunFolder, summary: Mapping[str, Any], begun: float, measures: Sources | None = None
-) -> None:
-    """Keep the results, the wall time since `begun` (time.perf_counter) [s], and by which measures.
+def restored(
+    folder: RunFolder, restore: Callable[[dict[str, Any]], object], meta: type[Meta], start: str
+) -> Meta:
+    """What a checkpoint says of the run (meta), after its arrays are restored.
 
-    measures: the rooms whose functions made the results from what the run stored.
+    start: where the run begins again without the checkpoint. Raises FolderError where it does not
+    fit the case.
     """
-    origin = {**folder.read_provenance(), "wall_s": time.perf_counter() - begun}
-    if measures:
-        origin["measures_digest"] = measures.digest
-    folder.write_provenance(origin)
-    folder.write_summary(summary)
-
-
-def is_measured_by(folder: RunFolder, measures: Sources) -> bool:
-    """Return whether the results of a finished run were made by these measures."""
-    return folder.read_provenance().get("measures_digest") == measures.digest
-
-
-def measure_again(
-    folder: RunFolder,
-    measures: Sources,
-    results: Callable[[Mapping[str, Any]], Mapping[str, Any] | None],
-    warn: Warn,
-) -> None:
-    """Bring the results of a finished run up to date where other measures made them.
-
-    results: the summary from what the run stored, given the one that stands there; None where too
-    little was stored, of which `warn` is told.
-    """
-    origin = folder.read_provenance()
-    made = origin.get("measures_digest")
-    if made == measures.digest:
-        return
-    summary = results(folder.read_summary())
-    if summary is None:
-        cure = "--again computes the run again beside it"
-        measures.check(f"the results of {folder.path} were measured", made, cure, warn)
-        return
-    folder.write_provenance({**origin, "measures_digest": measures.digest})
-    folder.write_summary(summary)
+    saved, said = load_checkpoint(folder.checkpoint)
+    try:
+        restore(saved)
+        return meta(**said)
+    except (IndexError, KeyError, TypeError, ValueError) as error:
+        raise FolderError(
+            f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run starts "
+            f"from {start}"
+        ) from None
 
 
 def kept(

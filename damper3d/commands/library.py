@@ -1,17 +1,13 @@
 """Listing of presets, shipped files, packings and runs, in words for a person."""
 
-import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from damper3d.case.case import PRESETS, DamperCase
 from damper3d.run.folders import is_slow_test
-from granulab.campaign.cli.library import packings_and_runs, run_in_words
-from granulab.campaign.runs.folder import RunFolder, resume_run
-from granulab.contact.files.datafile import case_names, data_file, data_names
-from granulab.contact.files.units import nearest
-from granulab.errors import InputError
+from granulab.campaign.cli.library import packings_and_runs, read_shown, run_in_words
+from granulab.campaign.runs.folder import resume_run
+from granulab.contact.files.datafile import case_names, data_names
 
 
 def listing(root: Path) -> str:
@@ -20,12 +16,12 @@ def listing(root: Path) -> str:
         f"presets    {', '.join(PRESETS)}",
         f"cases      {', '.join(case_names('enclosure'))}",
         f"materials  {', '.join(data_names('materials'))}",
-        *packings_and_runs(root, _answer),
+        *packings_and_runs(root, _result),
     ]
     return "\n".join(lines)
 
 
-def _answer(summary: dict[str, Any]) -> str:
+def _result(summary: dict[str, Any]) -> str:
     """Case of a finished run, and its efficiency, or stiffness."""
     if "test" in summary:
         return (
@@ -40,25 +36,16 @@ def _answer(summary: dict[str, Any]) -> str:
     )
 
 
-def description(name: str, slow_test: Callable[[RunFolder], str]) -> str:
-    """A preset, case file, materials file or run folder in words and numbers.
-
-    slow_test: words for a finished run of `shear` or `compress`.
-    """
+def description(name: str) -> str:
+    """A preset, case file, materials file or run folder in words and numbers."""
     path = Path(name)
     if path.is_dir():
-        return _run(path, slow_test)
+        return _run(path)
     if name in PRESETS or name in case_names("enclosure"):
         return _case(name)
-    file = path if path.is_file() else data_file("materials", name)
-    if file is None:
-        known = [*PRESETS, *case_names("enclosure"), *data_names("materials")]
-        raise InputError(f"{name!r}: no such preset, file or run; {nearest(name, known)}")
-    try:
-        document = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{file}: cannot be read ({error}); give a TOML file") from None
-    return _materials(str(file)) if "material" in document else _case(str(file))
+    known = [*PRESETS, *case_names("enclosure"), *data_names("materials")]
+    file, document = read_shown(name, known)
+    return _materials(file) if "material" in document else _case(file)
 
 
 def _case(name: str) -> str:
@@ -67,8 +54,9 @@ def _case(name: str) -> str:
     return echo(DamperCase.load(name), dry_run=True)
 
 
-def _run(folder: Path, slow_test: Callable[[RunFolder], str]) -> str:
+def _run(folder: Path) -> str:
     from damper3d.run.result import Result
+    from damper3d.studies.quasistatic.report import finished_test
     from damper3d.view.report import report
 
     run = resume_run(folder)
@@ -76,7 +64,7 @@ def _run(folder: Path, slow_test: Callable[[RunFolder], str]) -> str:
         return run_in_words(folder, "damper3d", lambda run: report(Result.read(run, reused=False)))
     if run.state == "unfinished":
         return f"{run.path}: unfinished; the same damper3d shear or compress goes on with it"
-    return slow_test(run)
+    return finished_test(run)
 
 
 def _materials(name: str) -> str:

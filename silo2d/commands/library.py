@@ -1,12 +1,9 @@
 """Listing of what there is to run: presets, shipped files, packings and runs."""
 
-import tomllib
 from pathlib import Path
 
-from granulab.campaign.cli.library import packings_and_runs, run_in_words
-from granulab.contact.files.datafile import case_names, data_file, data_names
-from granulab.contact.files.units import nearest
-from granulab.errors import InputError
+from granulab.campaign.cli.library import packings_and_runs, read_shown, run_in_words
+from granulab.contact.files.datafile import case_names, data_names
 from silo2d.case.outline import PRESETS
 
 
@@ -31,21 +28,11 @@ def description(name: str) -> str:
         return _case(name)
     if name in data_names("shapes"):
         return _shapes(name)
-    file = path if path.is_file() else data_file("materials", name)
-    if file is None:
-        known = [
-            *PRESETS,
-            *case_names("silo"),
-            *(n for kind in ("shapes", "materials") for n in data_names(kind)),
-        ]
-        raise InputError(f"{name!r}: no such preset, file or run; {nearest(name, known)}")
-    try:
-        document = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{file}: cannot be read ({error}); give a TOML file") from None
+    shipped = (n for kind in ("shapes", "materials") for n in data_names(kind))
+    file, document = read_shown(name, [*PRESETS, *case_names("silo"), *shipped])
     if "shape" in document:
-        return _shapes(str(file))
-    return _materials(str(file)) if "material" in document else _case(str(file))
+        return _shapes(file)
+    return _materials(file) if "material" in document else _case(file)
 
 
 def _case(name: str) -> str:
