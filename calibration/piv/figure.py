@@ -7,7 +7,7 @@ import numpy as np
 from calibration.piv.field import Reason
 from calibration.piv.pictures import grey_levels, read_picture
 from calibration.piv.result import Displacement
-from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline
+from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline, round_length
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,7 +55,7 @@ def _vectors(axes: "Axes", result: Displacement) -> None:
                         label=words)  # fmt: skip
     axes.set_xlabel("x [px]")
     axes.set_ylabel("y [px]")
-    key = _round_below(longest * result.factor)
+    key = round_length(longest * result.factor)
     axes.set_title(_key(axes, key / result.factor / scale, key, result.unit), fontsize=9)
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.07), ncols=2)
     if result.scale is not None:
@@ -101,9 +101,3 @@ def _fractions(axes: "Axes", result: Displacement) -> None:
     axes.set_ylabel("vectors")
     axes.axhline(field.valid.sum() / 20, color=GREY, lw=0.8, ls=":", label="evenly spread")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
-
-
-def _round_below(value: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(k * power for k in (1, 2, 5) if k * power <= value * (1 + 1e-12)))

@@ -1,4 +1,4 @@
-"""A run for other programs: VTKHDF files for ParaView, or CSV tables .
+"""A run for other programs: VTKHDF files for ParaView, or CSV tables.
 
 VTKHDF: two or three files (PolyData with time steps), of which each stored frame is a step.
 
@@ -13,8 +13,7 @@ VTKHDF: two or three files (PolyData with time steps), of which each stored fram
 In ParaView: Glyph, sphere, scale by radius with factor 2; the enclosure at an opacity of 0.2.
 """
 
-import io
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +23,7 @@ from damper3d.engine.records import UNITS
 from damper3d.view.colouring import power
 from damper3d.view.scene import Scene, read_scene
 from granulab.campaign.cli.library import write_output
+from granulab.campaign.output.table import numbers_as_csv
 from granulab.campaign.runs.folder import FolderError
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
@@ -77,8 +77,6 @@ def _to_vtkhdf(scene: Scene, folder: Path, path: Path | None) -> list[Path]:
 
 
 def _to_csv(scene: Scene, usual: Path, path: Path | None) -> list[Path]:
-    from damper3d.view.export import bodies_csv, particles_csv, samples_csv, spheres_csv
-
     tables = {"samples": samples_csv, "bodies": bodies_csv}
     if scene.of_clusters:
         tables["spheres"] = spheres_csv
@@ -193,7 +191,9 @@ def samples_csv(scene: Scene) -> bytes:
     for key, unit in UNITS.items():
         for part, values in _parts(scene, key).items():
             columns["_".join(filter(None, [key, part, _ENDS[unit]]))] = values
-    return _table(list(columns), ["%.9g"] * len(columns), [np.column_stack(list(columns.values()))])
+    return numbers_as_csv(
+        list(columns), ["%.9g"] * len(columns), [np.column_stack(list(columns.values()))]
+    )
 
 
 def _parts(scene: Scene, key: str) -> dict[str, np.ndarray]:
@@ -221,7 +221,7 @@ def particles_csv(scene: Scene) -> bytes:
     names = ["sample", "time_s", "id", *moving]
     shape = ["%d", "%.9g", "%d", *["%.9g"] * len(moving)]
     rows = (_rows(scene, frame, list(moving.values())) for frame in range(len(scene.tables)))
-    return _table(names, shape, rows)
+    return numbers_as_csv(names, shape, rows)
 
 
 def _rows(scene: Scene, frame: int, keys: list[str]) -> np.ndarray:
@@ -236,7 +236,7 @@ def _rows(scene: Scene, frame: int, keys: list[str]) -> np.ndarray:
 def bodies_csv(scene: Scene) -> bytes:
     """Constants of each particle."""
     rows = np.column_stack([np.arange(len(scene.radius)), scene.radius, scene.masses])
-    return _table(["id", "radius_m", "mass_kg"], ["%d", "%.9g", "%.9g"], [rows])
+    return numbers_as_csv(["id", "radius_m", "mass_kg"], ["%d", "%.9g", "%.9g"], [rows])
 
 
 def spheres_csv(scene: Scene) -> bytes:
@@ -245,12 +245,4 @@ def spheres_csv(scene: Scene) -> bytes:
     offset, radius = static["sphere_offset"], static["sphere_radius"]
     rows = np.column_stack([np.arange(len(radius)), offset, radius])
     names = ["sphere", "x_m", "y_m", "z_m", "radius_m"]
-    return _table(names, ["%d", *["%.9g"] * 4], [rows])
-
-
-def _table(names: list[str], shape: list[str], parts: Iterable[np.ndarray]) -> bytes:
-    text = io.BytesIO()
-    text.write((",".join(names) + "\n").encode())
-    for rows in parts:
-        np.savetxt(text, rows, fmt=shape, delimiter=",")
-    return text.getvalue()
+    return numbers_as_csv(names, ["%d", *["%.9g"] * 4], [rows])

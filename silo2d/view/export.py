@@ -15,8 +15,7 @@ the run folder keeps: chords of m pieces to an arc of angle t and radius r lie r
 inside it at most.
 """
 
-import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.cli.library import write_output
+from granulab.campaign.output.table import numbers_as_csv
 from granulab.campaign.output.vtkhdf import PolyDataFile
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import stored_tables
@@ -92,7 +92,7 @@ def _frames_csv(scene: Scene) -> bytes:
     """One row for each frame and particle that is still simulated."""
     names = ["frame", "time_s", "id", *_MOVING, "inside"]
     shape = ["%d", "%.9g", "%d", *["%.9g"] * len(_MOVING), "%d"]
-    return _table(names, shape, (_rows(scene, frame) for frame in range(len(scene.time))))
+    return numbers_as_csv(names, shape, (_rows(scene, frame) for frame in range(len(scene.time))))
 
 
 def _rows(scene: Scene, frame: int) -> np.ndarray:
@@ -109,7 +109,9 @@ def _particles_csv(scene: Scene) -> bytes:
     out_time = scene.trajectory["out_time"][-1]
     rows = [np.arange(scene.n_particles), static["kind"], static["mass"], static["layer"], out_time]
     shape = ["%d", "%d", "%.9g", "%d", "%.9g"]
-    table = _table(["id", "kind", "mass_kg", "layer", "out_time_s"], shape, [np.stack(rows, 1)])
+    table = numbers_as_csv(
+        ["id", "kind", "mass_kg", "layer", "out_time_s"], shape, [np.stack(rows, 1)]
+    )
     return table.replace(b"nan", b"")
 
 
@@ -134,15 +136,7 @@ def _stress_csv(scene: Scene, contacts: Tables) -> bytes:
         parts.append(
             np.column_stack([frame * same, scene.time[frame] * same, particles, *of_plane])
         )
-    return _table(names, ["%d", "%.9g", "%d", "%.6g", "%.6g", "%.6g"], parts)
-
-
-def _table(names: list[str], shape: list[str], parts: Iterator[np.ndarray] | list) -> bytes:
-    text = io.BytesIO()
-    text.write((",".join(names) + "\n").encode())
-    for rows in parts:
-        np.savetxt(text, rows, fmt=shape, delimiter=",")
-    return text.getvalue()
+    return numbers_as_csv(names, ["%d", "%.9g", "%d", "%.6g", "%.6g", "%.6g"], parts)
 
 
 def vtkhdf(scene: Scene, contacts: Tables | None = None) -> bytes:

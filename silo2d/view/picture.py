@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granulab.campaign.output.figure import INK, WALL, write_figure
+from granulab.campaign.output.figure import INK, WALL, round_length, write_figure
 from granulab.campaign.runs.folder import RunFolder
 from silo2d.view.charts import discharge_chart, energy_chart, force_chart
 from silo2d.view.film import make_film
@@ -123,9 +123,3 @@ def _scale_bar(panel: "Axes", scene: Scene) -> None:
     y = bottom + 0.012 * (right - left)
     panel.plot([left, left + length], [y, y], color=INK, lw=2.5, solid_capstyle="butt")
     panel.annotate(f"{1e3 * length:g} mm", (left, y), (0, 4), textcoords="offset points")
-
-
-def round_length(length: float) -> float:
-    """The largest of 1, 2, 5, 10, ... times a power of ten that is not above a length."""
-    power = 10.0 ** np.floor(np.log10(length))
-    return float(max(k * power for k in (1, 2, 5) if k * power <= length * (1 + 1e-9)))

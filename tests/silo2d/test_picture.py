@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from fake_run import write_fake_run
 
+from granulab.campaign.output.figure import round_length
 from granulab.campaign.runs.folder import FolderError
 from silo2d.case.outline import outline_from_polygon, preset
 from silo2d.run.numbers import dissipated
 from silo2d.view.charts import discharge_chart, energy_chart, force_chart
-from silo2d.view.picture import make_figures, panel_frames, round_length, silo_figure
+from silo2d.view.picture import make_figures, panel_frames, silo_figure
 from silo2d.view.scene import read_scene
 
 SHEETS = ["silo.png", "discharge.png", "energy.png", "forces.png"]

@@ -1,6 +1,7 @@
 """One look for all figures: colours, the style they are drawn in, and how they are written."""
 
 import io
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,3 +51,9 @@ def write_figure(path: Path, draw: "Callable[[], Figure]") -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(path, image.getvalue())
     return path
+
+
+def round_length(length: float) -> float:
+    """The largest of 1, 2, 5, 10, ... times a power of ten that is not above a length."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return max(k * power for k in (1, 2, 5) if k * power <= length * (1 + 1e-9))

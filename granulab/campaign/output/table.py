@@ -2,7 +2,7 @@
 
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +44,15 @@ def as_csv(rows: Sequence[Row], kept: tuple[str, ...] | None = None) -> str:
     cells = [[_cell(row.get(name)) for name in names] for row in rows]
     text: str = DataFrame(cells, columns=names, dtype=object).to_csv(index=False)
     return text
+
+
+def numbers_as_csv(names: list[str], shape: list[str], parts: Iterable[np.ndarray]) -> bytes:
+    """Arrays (n, c) one below the other as CSV, each column of a name in a format such as "%.9g"."""
+    text = io.BytesIO()
+    text.write((",".join(names) + "\n").encode())
+    for rows in parts:
+        np.savetxt(text, rows, fmt=shape, delimiter=",")
+    return text.getvalue()
 
 
 def as_parquet(rows: Sequence[Row], about: Mapping[str, str] | None = None) -> bytes:

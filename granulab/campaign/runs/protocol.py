@@ -5,9 +5,8 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from granulab.campaign.runs.checkpoint import load_checkpoint
 from granulab.campaign.runs.folder import (
     FolderError,
     RunFolder,
@@ -18,8 +17,10 @@ from granulab.campaign.runs.folder import (
 )
 from granulab.campaign.runs.lock import alone
 from granulab.campaign.runs.provenance import Sources, Warn, provenance, to_stderr
-from granulab.campaign.runs.result import Answers
 from granulab.errors import Stopped
+
+if TYPE_CHECKING:
+    from granulab.campaign.runs.result import Answers
 
 Stop = Callable[[], bool]  # called now and then: true where the run is to end, its state kept
 Progress = Callable[[float, str], None]  # takes the fraction done (0 to 1), and words
@@ -36,7 +37,7 @@ Packing = TypeVar("Packing", bound=Made)
 
 
 Case = TypeVar("Case", bound="Runnable")
-Found = TypeVar("Found", bound=Answers)
+Found = TypeVar("Found", bound="Answers")
 Meta = TypeVar("Meta")
 
 
@@ -191,11 +192,13 @@ class Runs(Generic[Case, Found]):
 def restored(
     folder: RunFolder, restore: Callable[[dict[str, Any]], object], meta: type[Meta], start: str
 ) -> Meta:
-    """What a checkpoint says of the run (meta), after its arrays are restored.
+    """Return the data of a checkpoint on the run (meta), once its arrays are restored.
 
     start: where the run begins again without the checkpoint. Raises FolderError where it does not
     fit the case.
     """
+    from granulab.campaign.runs.checkpoint import load_checkpoint  # h5py, which --help can do without
+
     saved, said = load_checkpoint(folder.checkpoint)
     try:
         restore(saved)
