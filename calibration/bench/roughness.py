@@ -18,10 +18,7 @@ from calibration.bench.sections import Asked, Columns, Input, curves, need
 from calibration.statistics.uncertainty import Estimate, of_trials
 from granulab.errors import InputError
 
-INPUTS = (
-    Input("x", "m", "along the path"),
-    Input("z", "m", "height of the surface"),
-)
+INPUTS = (Input("x", "m", "along the path"), Input("z", "m", "height of the surface"))
 FORMS = ("mean", "line", "parabola", "circle")
 _LENGTHS = 5  # equal parts of a path, ISO 4288
 _LEAST_POINTS = 50

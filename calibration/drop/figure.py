@@ -6,15 +6,7 @@ import numpy as np
 
 from calibration.drop.annotate import Still, scale_bar, with_sigma
 from calibration.drop.result import Drop
-from granulab.campaign.output.figure import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    PAPER,
-    VERMILION,
-    headline,
-)
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

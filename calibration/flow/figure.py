@@ -7,15 +7,7 @@ import numpy as np
 from calibration.flow.layers import Profile
 from calibration.flow.result import Flow
 from calibration.tracking.film.reader import Picture
-from granulab.campaign.output.figure import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    PAPER,
-    VERMILION,
-    headline,
-)
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

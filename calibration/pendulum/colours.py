@@ -65,10 +65,7 @@ class _Look:
 
 
 def by_colour(
-    film: Film,
-    *,
-    roi: Region | None = None,
-    progress: Progress | None = None,
+    film: Film, *, roi: Region | None = None, progress: Progress | None = None
 ) -> list[Track]:
     """One or two tracks of the objects that swing; radius is that of a circle of their area.
 

@@ -9,15 +9,7 @@ from calibration.pendulum.motion import across
 from calibration.pendulum.result import Pendulum
 from calibration.tracking.film.reader import Picture, is_film, open_film
 from calibration.tracking.track import Array
-from granulab.campaign.output.figure import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    ORANGE,
-    VERMILION,
-    headline,
-)
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

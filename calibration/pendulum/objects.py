@@ -124,9 +124,7 @@ def _read(
 
 
 def _of_film(
-    film: Film,
-    roi: tuple[int, int, int, int] | None,
-    progress: Progress | None,
+    film: Film, roi: tuple[int, int, int, int] | None, progress: Progress | None
 ) -> list[Track]:
     """By colour; where no colour is that of what moves (grey on grey), by what moves."""
     from calibration.tracking.film.reader import inside

@@ -112,8 +112,7 @@ def tracks_of(film: Film, search: Search, notes: Notes, region: Region) -> list[
     motion, remark = lasting_motion(whole, region.width, region.height, _MOVES * search.scale[0])
     remarks += [*_remarks(film, notes), *([remark] if remark else [])]
     moving = sorted(
-        (one for one in search.linker.paths() if one.is_smooth()),
-        key=lambda one: -one.length,
+        (one for one in search.linker.paths() if one.is_smooth()), key=lambda one: -one.length
     )
     row = {number: k for k, number in enumerate(notes.numbers)}
     tracks: list[Track] = []

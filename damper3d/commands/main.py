@@ -2,17 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from damper3d.commands import (
-    contact,
-    impact,
-    map,
-    pack,
-    predict,
-    results,
-    run,
-    shape,
-    slow,
-)
+from damper3d.commands import contact, impact, map, pack, predict, results, run, shape, slow
 from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command

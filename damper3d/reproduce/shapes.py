@@ -116,12 +116,7 @@ def plan() -> list[Part]:
 
 
 def run(
-    *,
-    out: Path,
-    seeds: Sequence[int],
-    workers: int | None,
-    quiet: bool,
-    **engine: str,
+    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: str
 ) -> list[Row]:
     """All points of the table with their packings."""
     rows: list[Row] = []

@@ -25,12 +25,7 @@ from damper3d.reproduce.panels import (
     panel,
     run_of_panels,
 )
-from damper3d.reproduce.quantities.optima import (
-    Optimum,
-    optimum,
-    pooled_scatter,
-    with_scatter,
-)
+from damper3d.reproduce.quantities.optima import Optimum, optimum, pooled_scatter, with_scatter
 from damper3d.studies.map.grid import MapResult
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import Quantities, report_claims

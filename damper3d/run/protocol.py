@@ -91,9 +91,7 @@ def _start_or_resume(
     except (IndexError, KeyError, ValueError):
         raise damaged(packing_folder(case, folder.path.resolve().parent)) from None
     sim.begin_phase(
-        shaker=case.shaker,
-        gravity=np.append(case.gravity, 0.0),
-        time_step=case.time_step,
+        shaker=case.shaker, gravity=np.append(case.gravity, 0.0), time_step=case.time_step
     )
     sim.compile()
     if not folder.checkpoint.exists():

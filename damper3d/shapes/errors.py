@@ -65,10 +65,7 @@ def _sections(particle: MultiSphere) -> tuple[Section | None, Section | None]:
     if particle.arrangement == "row":
         half = slice(len(radii) // 2, None)
         a, b = float(offsets[-1, 0] + radii[-1]), float(radii.max())
-        return (
-            prolate_spheres(offsets[half, 0], radii[half]),
-            prolate_exact(a, b),
-        )
+        return (prolate_spheres(offsets[half, 0], radii[half]), prolate_exact(a, b))
     if particle.arrangement == "ring":
         a, b = float(np.linalg.norm(offsets[0])), float(radii[0])
         return toroid_spheres(a, b, len(radii)), toroid_exact(a, b)

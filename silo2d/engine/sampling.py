@@ -8,17 +8,7 @@ from silo2d.engine.forces import contact_forces, edge_to_vertex, overlap_now
 from silo2d.engine.geometry import rotated
 from silo2d.engine.integrate import kinetic_energy
 from silo2d.engine.pair_law import law_of
-from silo2d.engine.state import (
-    BLOCK,
-    COS,
-    INNER,
-    INV_MASS,
-    LIVE,
-    PARTICLE_INNER,
-    SIN,
-    X,
-    Y,
-)
+from silo2d.engine.state import BLOCK, COS, INNER, INV_MASS, LIVE, PARTICLE_INNER, SIN, X, Y
 
 # Columns of the numbers of list_contacts.
 POINT_X, POINT_Y, FORCE_X, FORCE_Y, NORMAL_X, NORMAL_Y, OVERLAP, SLIDES = range(8)

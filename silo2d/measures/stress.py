@@ -73,11 +73,7 @@ class StressField:
         (xx, xy), (yx, yy) = self.total
         shear = (xy + yx) / 2
         radius = np.hypot((xx - yy) / 2, shear)
-        return (
-            self.pressure + radius,
-            self.pressure - radius,
-            np.arctan2(2 * shear, xx - yy) / 2,
-        )
+        return (self.pressure + radius, self.pressure - radius, np.arctan2(2 * shear, xx - yy) / 2)
 
 
 def virial(moment: Moment) -> Floats:

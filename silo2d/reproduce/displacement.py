@@ -17,12 +17,7 @@ from granulab.campaign.output.layout import columns, paragraphs
 from silo2d.case.outline import preset
 from silo2d.measures.basics.particles import Series, numbers, particle_size
 from silo2d.measures.profile import layer_lines, profile_frames, v_shapes
-from silo2d.reproduce.quantities.displacement import (
-    PROFILES,
-    deeper_in_second,
-    in_mm,
-    profiles,
-)
+from silo2d.reproduce.quantities.displacement import PROFILES, deeper_in_second, in_mm, profiles
 from silo2d.view.scene import read_scene
 
 if TYPE_CHECKING:

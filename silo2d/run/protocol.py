@@ -163,10 +163,7 @@ def world_behind_door(case: SiloCase, packing: Packing) -> state.World:
 
 
 def settle_under_own_law(
-    sim: Simulation,
-    case: SiloCase,
-    progress: Progress,
-    stop: Stop = lambda: False,
+    sim: Simulation, case: SiloCase, progress: Progress, stop: Stop = lambda: False
 ) -> None:
     """Let a packing that was poured softer come to rest, which several looks in a row must find.
 

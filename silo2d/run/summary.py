@@ -17,12 +17,7 @@ from silo2d.run.packing import Packing
 
 
 def summarise(
-    folder: RunFolder,
-    case: SiloCase,
-    sim: Flow,
-    packing: Packing,
-    clock: Clock,
-    outcome: str,
+    folder: RunFolder, case: SiloCase, sim: Flow, packing: Packing, clock: Clock, outcome: str
 ) -> dict[str, Any]:
     """The summary of a finished discharge, from its trajectory."""
     return {

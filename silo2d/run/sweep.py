@@ -8,13 +8,7 @@ from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import Stop, packing_sources
 from granulab.campaign.sweeps.cases import label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
-from granulab.campaign.sweeps.sweep import (
-    Simulator,
-    Task,
-    run_labelled,
-    run_or_pack,
-    silent,
-)
+from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled, run_or_pack, silent
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
 from silo2d.case.case import SiloCase

@@ -110,10 +110,7 @@ _ALWAYS: list[tuple[str, tuple[Criterion, ...]]] = [
 ]
 # "Significant decompaction of particles in a cycle that allows the particles to be transported"
 # (sec. 6.4.3): a bed that comes together in each cycle is not loose, whatever happens between.
-_CONVECTING = (
-    Criterion("travelling_share", MOST),
-    Criterion("packed_share", MOST, at_least=False),
-)
+_CONVECTING = (Criterion("travelling_share", MOST), Criterion("packed_share", MOST, at_least=False))
 _VERTICAL: list[tuple[str, tuple[Criterion, ...]]] = [
     *_ALWAYS,
     ("transition", (Criterion("coherence", MOST), Criterion("contrast", UNEVEN))),

@@ -74,11 +74,7 @@ def _check_edges(mesh: "trimesh.Trimesh", name: str) -> None:
     times = np.bincount(mesh.edges_unique_inverse)
     for wrong, what, cure in (
         ((times == 1).sum(), "of one triangle only: it is open", "close its holes"),
-        (
-            (times > 2).sum(),
-            "of three triangles or more: not manifold",
-            "take out inner walls",
-        ),
+        ((times > 2).sum(), "of three triangles or more: not manifold", "take out inner walls"),
     ):
         if wrong:
             raise InputError(f"mesh {name!r}: {wrong} edges are {what}; {cure} first")

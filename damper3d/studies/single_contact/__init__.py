@@ -61,8 +61,7 @@ STUDIES = {
         "draw_steel",
     ),
     "yield": Entry(
-        "spheres.yielding",
-        "yield velocities, and restitution above them (eq. 5.26, Fig. 5.15)",
+        "spheres.yielding", "yield velocities, and restitution above them (eq. 5.26, Fig. 5.15)"
     ),
 }
 

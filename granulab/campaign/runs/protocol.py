@@ -104,11 +104,7 @@ class Runs(Generic[Case, Found]):
         return self._run_in(folder, case, progress, stop, warn)
 
     def resume(
-        self,
-        path: str | Path,
-        *,
-        progress: Progress | None = None,
-        stop: Stop = lambda: False,
+        self, path: str | Path, *, progress: Progress | None = None, stop: Stop = lambda: False
     ) -> Found:
         """Go on with the run in a folder; see `run`."""
         assert self.load
@@ -158,9 +154,7 @@ class Runs(Generic[Case, Found]):
         for name, text in case.files.items():
             write_atomic(folder.path / name, text)
         seed, packages = case.settings.run.seed, self.packages
-        origin = provenance(
-            command=sys.argv, seed=seed, packages=packages, sources=sources.folders
-        )
+        origin = provenance(command=sys.argv, seed=seed, packages=packages, sources=sources.folders)
         folder.write_provenance({**origin, "run_digest": self.digest(case)})
         folder.write_case(case.to_toml())  # last: from here on the run counts as begun
 
@@ -180,7 +174,10 @@ class Runs(Generic[Case, Found]):
             case = self.load(folder.path / "case.toml")
             summary = self.measured(folder, case, folder.read_summary())
             if summary is None:
-                made, cure = origin.get("measures_digest"), "--again computes it again in a new folder"
+                made, cure = (
+                    origin.get("measures_digest"),
+                    "--again computes it again in a new folder",
+                )
                 what = f"the results of {folder.path} were measured"
                 self.measures.check(what, made, cure, warn)
             else:
@@ -197,7 +194,9 @@ def restored(
     start: where the run begins again without the checkpoint. Raises FolderError where it does not
     fit the case.
     """
-    from granulab.campaign.runs.checkpoint import load_checkpoint  # h5py, which --help can do without
+    from granulab.campaign.runs.checkpoint import (
+        load_checkpoint,
+    )  # h5py, which --help can do without
 
     saved, said = load_checkpoint(folder.checkpoint)
     try:

@@ -94,11 +94,7 @@ def provenance(
         },
         "source_digest": Sources(*map(Path, sources)).digest,
         "seed": seed,
-        "machine": {
-            "platform": platform.platform(),
-            "cpu": cpu_model(),
-            "cores": os.cpu_count(),
-        },
+        "machine": {"platform": platform.platform(), "cpu": cpu_model(), "cores": os.cpu_count()},
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 

@@ -11,13 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from granulab.campaign.output.terminal import StopRequest
-from granulab.campaign.sweeps.task import (
-    EngineError,
-    Function,
-    Outcome,
-    WorkerLost,
-    in_one_line,
-)
+from granulab.campaign.sweeps.task import EngineError, Function, Outcome, WorkerLost, in_one_line
 
 TRIES = 3  # of a task whose worker is killed
 _LOOK = 0.2  # [s] between looks for Ctrl-C
