@@ -10,9 +10,11 @@ import numpy as np
 
 from damper3d.case.case import DamperCase
 from damper3d.engine.enclosures import Enclosure
-from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
-from granulab.campaign.runs.folder import FolderError, digest
+from granulab.campaign.runs.checkpoint import save_checkpoint
+from granulab.campaign.runs.folder import digest
+from granulab.campaign.runs.protocol import loaded
 
+REFILLED = "the enclosure is filled again"  # where a packing is deleted
 _INNER = 0.8  # part of the particles, from below, that the packing fraction is taken over
 _GRID = 64  # points each way by which a volume is counted
 
@@ -43,22 +45,7 @@ def save_packing(packing: Packing, folder: Path) -> None:
 
 def load_packing(folder: Path) -> Packing | None:
     """The packing kept in a folder, None where there is none; FolderError where it is damaged."""
-    file = folder / "packing.h5"
-    if not file.exists():
-        return None
-    try:
-        arrays, meta = load_checkpoint(file)
-        return Packing(arrays, **meta)
-    except (FolderError, TypeError):
-        raise damaged(folder) from None
-
-
-def damaged(folder: Path) -> FolderError:
-    """Error to raise for a packing that cannot be used."""
-    return FolderError(
-        f"{folder / 'packing.h5'}: damaged, or of another version; delete it and the enclosure is "
-        "filled again"
-    )
+    return loaded(folder, lambda arrays, meta: Packing(arrays, **meta), REFILLED)
 
 
 def lowest(enclosure: Enclosure, up: np.ndarray) -> float:

@@ -14,12 +14,12 @@ from damper3d.engine.simulation import Simulation
 from damper3d.measures.phases.criteria import phase_of_run
 from damper3d.run.fill import fill, resting
 from damper3d.run.folders import shaken
-from damper3d.run.packing import Packing, damaged, load_packing, packing_folder, save_packing
+from damper3d.run.packing import REFILLED, Packing, load_packing, packing_folder, save_packing
 from damper3d.run.result import Result, first_counted, summarise
 from damper3d.run.sources import MEASURES, SOURCES
 from damper3d.run.vibration import Clock, vibrate
 from granulab.campaign.runs.folder import RunFolder, digest
-from granulab.campaign.runs.protocol import Progress, Runs, Stop, kept, restored
+from granulab.campaign.runs.protocol import Progress, Runs, Stop, damaged, kept, restored
 from granulab.campaign.runs.provenance import Warn, to_stderr
 from granulab.campaign.runs.trajectory import TrajectoryWriter, read_trajectory
 from granulab.errors import Stopped
@@ -63,7 +63,7 @@ def get_packing(
         folder,
         load=load_packing,
         make=lambda: _fill(case, folder, progress, stop),
-        cure="delete it and the enclosure is filled again",
+        cure=f"delete it and {REFILLED}",
         sources=SOURCES,
         stop=stop,
         warn=warn,
@@ -89,7 +89,7 @@ def _start_or_resume(
     try:
         sim.restore(packing.state)
     except (IndexError, KeyError, ValueError):
-        raise damaged(packing_folder(case, folder.path.resolve().parent)) from None
+        raise damaged(packing_folder(case, folder.path.resolve().parent), REFILLED) from None
     sim.begin_phase(
         shaker=case.shaker, gravity=np.append(case.gravity, 0.0), time_step=case.time_step
     )

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
-from granulab.campaign.runs.folder import FolderError, digest
+from granulab.campaign.runs.checkpoint import save_checkpoint
+from granulab.campaign.runs.folder import digest
+from granulab.campaign.runs.protocol import loaded
 from silo2d.case.case import SiloCase, shapes_identity
 from silo2d.case.outline import Outline
 from silo2d.case.shape import ShapeSet
@@ -52,28 +53,17 @@ def packing_folder(case: SiloCase, root: Path) -> Path:
 
 def save_packing(packing: Packing, folder: Path) -> None:
     """Keep a packing in its folder, which is there; FolderError where it cannot be written."""
-    meta = {
-        "fraction": packing.fraction,
-        "coordination": packing.coordination,
-        "poured_with": packing.poured_with,
-        "cpu_s": packing.cpu_s,
-        "sources": packing.sources,
-    }
+    meta = {key: value for key, value in vars(packing).items() if key not in ("kinds", "poses")}
     save_checkpoint(folder / "packing.h5", {"kinds": packing.kinds, "poses": packing.poses}, meta)
 
 
 def load_packing(folder: Path) -> Packing | None:
     """The packing kept in a folder, None where there is none; FolderError where it is damaged."""
-    file = folder / "packing.h5"
-    if not file.exists():
-        return None
-    try:
-        arrays, meta = load_checkpoint(file)
-        return Packing(arrays["kinds"], arrays["poses"], **meta)
-    except (FolderError, KeyError, TypeError):
-        raise FolderError(
-            f"{file}: damaged, or of another version; delete it and the silo is filled again"
-        ) from None
+    return loaded(
+        folder,
+        lambda arrays, meta: Packing(arrays["kinds"], arrays["poses"], **meta),
+        "the silo is filled again",
+    )
 
 
 def packing_fraction(

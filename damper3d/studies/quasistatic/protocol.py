@@ -24,12 +24,13 @@ from damper3d.studies.quasistatic.course import (
 )
 from damper3d.studies.quasistatic.measure import Result, summary
 from damper3d.studies.quasistatic.rig import RigSimulation
-from granulab.campaign.runs.folder import FolderError, RunFolder, digest
+from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import (
     Progress,
     Runs,
     Stop,
+    damaged,
     kept,
     packing_sources,
 )
@@ -136,10 +137,7 @@ def settled(test: SlowTest, packing: Packing, folder: Path) -> RigSimulation:
     try:
         sim.restore(packing.state)
     except (IndexError, KeyError, ValueError):
-        raise FolderError(
-            f"{folder / 'packing.h5'}: damaged, or of another version; delete it and the halves "
-            "are filled again"
-        ) from None
+        raise damaged(folder, "the halves are filled again") from None
     sim.begin_phase()
     return sim
 

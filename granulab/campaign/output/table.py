@@ -47,7 +47,7 @@ def as_csv(rows: Sequence[Row], kept: tuple[str, ...] | None = None) -> str:
 
 
 def numbers_as_csv(names: list[str], shape: list[str], parts: Iterable[np.ndarray]) -> bytes:
-    """Arrays (n, c) one below the other as CSV; shape: the format of each column, such as "%.9g"."""
+    """Arrays (n, c) one below the other as CSV; shape: formats of the columns, such as "%.9g"."""
     text = io.BytesIO()
     text.write((",".join(names) + "\n").encode())
     for rows in parts:

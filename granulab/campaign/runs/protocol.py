@@ -235,6 +235,31 @@ def kept(
         return load(folder) or make()
 
 
+def loaded(
+    folder: Path, packing: Callable[[dict[str, Any], dict[str, Any]], Packing], cure: str
+) -> Packing | None:
+    """The packing kept in a folder, None where there is none; FolderError where it is damaged.
+
+    packing: makes it of the arrays and the meta of its file.
+    """
+    from granulab.campaign.runs.checkpoint import load_checkpoint
+
+    file = folder / "packing.h5"
+    if not file.exists():
+        return None
+    try:
+        return packing(*load_checkpoint(file))
+    except (FolderError, KeyError, TypeError):
+        raise damaged(folder, cure) from None
+
+
+def damaged(folder: Path, cure: str) -> FolderError:
+    """Error to raise for a packing that cannot be used; cure: what follows from deleting it."""
+    return FolderError(
+        f"{folder / 'packing.h5'}: damaged, or of another version; delete it and {cure}"
+    )
+
+
 def packing_sources(load: Callable[[Path], Made | None], file: Path) -> str | None:
     """Digest of the sources that made the packing in a file; None where none can be read."""
     try:
