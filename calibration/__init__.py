@@ -18,7 +18,7 @@ _HOMES = {
 
 
 def __getattr__(name: str):
-    # Imported when first asked for: --help must answer at once.
+    # Imported on first use: --help must print at once.
     if name not in _HOMES:
         raise AttributeError(f"module 'calibration' has no attribute {name!r}")
     return getattr(importlib.import_module(f"calibration.{_HOMES[name]}"), name)

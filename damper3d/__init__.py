@@ -37,7 +37,7 @@ _HOMES = {
 
 
 def __getattr__(name: str):
-    # Imported when first asked for: --help must answer without numba.
+    # Imported on first use: --help must print without numba.
     if name not in _HOMES:
         raise AttributeError(f"module 'damper3d' has no attribute {name!r}")
     module, inside = _HOMES[name]

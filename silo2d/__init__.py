@@ -14,7 +14,7 @@ __all__ = ["Result", "SiloCase", "register_law", "register_measure", "run"]
 
 
 def __getattr__(name: str):
-    # Imported when first asked for: --help must answer without numba.
+    # Imported on first use: --help must print without numba.
     homes = {
         "Result": ("run.result", "Result"),
         "SiloCase": ("case.case", "SiloCase"),

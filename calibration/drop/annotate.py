@@ -143,7 +143,7 @@ def annotate(
     return written, [kept[number] for number in sorted(kept)]
 
 
-def _telling(drop: Drop) -> set[int]:
+def _shown(drop: Drop) -> set[int]:
     contacts = drop.bounces.contacts[:, 0]
     release = drop.bounces.base.clock[drop.bounces.flights.rows[0][0]]
     end = drop.bounces.base.clock[drop.bounces.flights.rows[1][-1]]
@@ -157,10 +157,10 @@ def _pictures(
     """All frames with marks and panel; the four moments are kept."""
     marks = Marks(drop, film.width, film.height, _WIDEST, _HIGHEST)
     panel = _Panel(drop, marks, name)
-    telling = _telling(drop)
+    shown = _shown(drop)
     for frame in film.frames():
         image = marks.draw(frame)
-        if frame.number in telling:
+        if frame.number in shown:
             kept[frame.number] = Still(frame.number, film.width, film.height, image)
         yield _even(np.hstack([image, panel.draw(frame.number)]))
         if progress is not None and film.count:

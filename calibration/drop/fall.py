@@ -16,7 +16,7 @@ from calibration.statistics.uncertainty import Estimate, through
 
 _SIGMAS = 4.0  # by which a tilt must be known to be said
 _LEAST = 1.0  # degrees: what a tripod's level shows
-_ROOM = 3.0  # m: laboratories drop objects within a room
+_CEILING = 3.0  # m: laboratories drop objects within a storey
 _FAR = 0.05  # share by which g may miss before scale or rate is doubted
 
 
@@ -104,10 +104,10 @@ def _warnings(gravity: Estimate, rate: Estimate, scale: Estimate) -> list[str]:
 
 
 def _too_high(found: Bounces, rate: Estimate, scale: Estimate) -> list[str]:
-    """A warning where the fall would be higher than a room, as slow motion makes it."""
+    """A warning where the fall would be higher than a storey, as slow motion makes it."""
     rows = np.concatenate(found.flights.rows)
     height = float(np.ptp(found.track.y[found.base.rows[rows]])) * scale.value
-    if height < _ROOM:
+    if height < _CEILING:
         return []
     return [
         f"at {rate.value:.4g} frames/s the fall would be {height:.3g} m high: if that is slow "

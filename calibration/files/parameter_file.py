@@ -46,7 +46,7 @@ class Written:
     lacking: list[str]  # what simulators still need of the file, as "[pair.wood-steel] friction"
 
     def as_json(self) -> dict[str, Any]:
-        """For the answer of a command."""
+        """For the result of a command."""
         return dataclasses.asdict(self) | {"path": str(self.path)}
 
 

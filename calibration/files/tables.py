@@ -61,7 +61,7 @@ class Table:
         return self._search(name, unit) is not None
 
     def labels(self, name: str) -> tuple[str, ...]:
-        """A column as text, for telling groups apart; InputError with the names there are."""
+        """A column as text, which distinguishes groups; InputError with the names there are."""
         return self.texts[self._find(name, "1")[0]]
 
     def renamed(self, names: Mapping[str, str]) -> "Table":

@@ -131,7 +131,7 @@ class Tones:
         return float(apart.min())
 
     def limit(self, noise: float) -> float:
-        """Difference of colours [grey levels] that are of different things: half of the contrast.
+        """Difference of colours [grey levels] that are of different objects: half of the contrast.
 
         Five standard deviations of the difference of two pictures with `noise` at least. The noise
         alone will not do: a codec leaves still pixels alone, and about a strong edge it is off by

@@ -25,7 +25,7 @@ _FRICTION = {"flat": 0.37, "rough": 0.2}  # sec. 3.2.2
 _AMPLITUDE = 100e-6  # m, across the fibres (sec. 3.2.1), taken from valley to summit
 _RA = _AMPLITUDE / math.pi  # Ra of a sine of that range, thesis eq. 7.1
 _WAVELENGTH = 1e-3  # m: ours; the text gives none
-_COLUMNS_A_WAVE = 8  # four on half as many columns, by which the mesh's error is told
+_COLUMNS_A_WAVE = 8  # four on half as many columns, from which the mesh's error is estimated
 _LARGEST_STRAIN = 0.1  # the theory is one of small strains
 _ROUGHEST = 0.1  # of a block's height: rougher ones have no bulk
 

@@ -45,7 +45,7 @@ def excitation_amplitude(frequency: ArrayLike, gamma: ArrayLike) -> Any:
 def effective_clearance(fill_ratio: float, length: float, packing: float) -> float:
     """Clearance [m] of a bed packed to the fill ratio `packing` between ends `length` apart.
 
-    (1 - fill_ratio/packing) length, eq. 6.13. Raises InputError where the bed has no room.
+    (1 - fill_ratio/packing) length, eq. 6.13. Raises InputError where the bed has no clearance.
     """
     if not 0 < packing <= 1:
         raise InputError(f"packing = {packing:g}: must be above 0 and at most 1, such as 0.64")

@@ -140,7 +140,7 @@ class Particles(Section):
     )  # fmt: skip
     material: str = key("acrylic", "material of the particles, in the materials table")
     materials: str = key(
-        "acrylic", "materials table: a shipped one, or a TOML file beside this one"
+        "acrylic", "materials table: a shipped one, or a TOML file next to this one"
     )
 
 

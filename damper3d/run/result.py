@@ -10,12 +10,12 @@ from damper3d.measures import efficiency, response
 from damper3d.measures.counted import Cycles
 from damper3d.run.packing import lowest
 from damper3d.run.steady import BLOCK, block_interval, interval, is_steady, judged
-from granulab.campaign.runs.result import Answers
+from granulab.campaign.runs.result import Results
 from granulab.campaign.runs.trajectory import Trajectory
 
 
 @dataclass(frozen=True)
-class Result(Answers):
+class Result(Results):
     """Results of a run over the counted cycles; SI, None for what does not exist."""
 
     frequency_hz: float

@@ -6,6 +6,6 @@ from granulab import contact
 from granulab.campaign.runs.provenance import Sources
 
 _PACKAGE = Path(__file__).parents[1]
-_ROOMS = [_PACKAGE / room for room in ("engine", "case", "run", "shapes")]
-SOURCES = Sources(Path(contact.__file__).parent, *_ROOMS)
+_FOLDERS = [_PACKAGE / name for name in ("engine", "case", "run", "shapes")]
+SOURCES = Sources(Path(contact.__file__).parent, *_FOLDERS)
 MEASURES = Sources(_PACKAGE / "measures")

@@ -14,7 +14,7 @@ from granulab.campaign.output.figure import GREY, INK, PAPER, VERMILION, WALL
 from granulab.campaign.output.film import Image, font, pace, rgb, write_film, write_words
 
 _LONGEST, _PIXELS = 640, 460 * 520  # of the part that shows the enclosure
-_NARROWEST = 560  # room for the words
+_NARROWEST = 560  # for the words
 _HEADING, _MARGIN, _STRIP, _SCALE = 72, 14, 92, 96
 _CURVES = 0.7  # of the width, for the velocities; the rest is for their names
 _SHIFT = 4  # OpenCV takes corners in sixteenths of a pixel

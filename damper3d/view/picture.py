@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-ENGINES = {"matplotlib": "cycle", "pyvista": "cycle-3d"}  # and the names of their sheets
+ENGINES = {"matplotlib": "cycle", "pyvista": "cycle-3d"}  # and the names of their figures
 _MOST_PANELS = 8
 _TALLEST, _WIDEST, _GAP = 3.2, 1.75, 0.1  # of a panel [inch]
 _HEADLINE, _STRIP, _LEFT, _RIGHT, _BOTTOM = 0.72, 1.1, 0.75, 1.15, 0.5
@@ -52,11 +52,11 @@ def make_figures(
         raise InputError(f"--engine {engine!r}: {nearest(engine, ENGINES)}")
     scene = read_scene(run_folder)
     folder = RunFolder(Path(run_folder)).figures
-    sheets = {"energy": energy_chart, "motion": motion_chart}
+    figures = {"energy": energy_chart, "motion": motion_chart}
     if len(scene.tables):
-        sheets = {ENGINES[engine]: partial(cycle_sheet, by=by, engine=engine), **sheets}
+        figures = {ENGINES[engine]: partial(cycle_figure, by=by, engine=engine), **figures}
     paths = [
-        write_figure(folder / f"{name}.png", partial(draw, scene)) for name, draw in sheets.items()
+        write_figure(folder / f"{name}.png", partial(draw, scene)) for name, draw in figures.items()
     ]
     return [*paths, make_film(scene, folder, by)] if film and len(scene.tables) else paths
 
@@ -67,7 +67,7 @@ def panel_frames(scene: Scene) -> list[int]:
     return frames[:: -(-len(frames) // _MOST_PANELS) or 1]
 
 
-def cycle_sheet(scene: Scene, by: str = "velocity", engine: str = "matplotlib") -> "Figure":
+def cycle_figure(scene: Scene, by: str = "velocity", engine: str = "matplotlib") -> "Figure":
     """Particles and enclosure at even times of a cycle; below, the velocities.
 
     Drawn by matplotlib they are those behind the middle plane, by pyvista all, in perspective.

@@ -61,7 +61,7 @@ def partial_slip_force(
     pressed = law.mu * max(normal_force, 0.0)
     elastic = stiffness * overlap
     share = pressed / elastic if elastic > 0.0 else 0.0  # of the elastic pressure
-    total, rubbed, energy, stuck = (0.0, 0.0, 0.0), 0.0, 0.0, 0
+    total, friction, energy, stuck = (0.0, 0.0, 0.0), 0.0, 0.0, 0
     for k in range(n_springs):
         covered = min(max(area - k * width, 0.0), width)
         if covered == 0.0:
@@ -80,7 +80,7 @@ def partial_slip_force(
             stuck += 1
         unfollowed = add(trial, scale(-1.0, held))
         step_ago = add(trial, scale(-2.0, half_step))
-        rubbed += 0.5 * constant * dot(add(step_ago, held), unfollowed)
+        friction += 0.5 * constant * dot(add(step_ago, held), unfollowed)
         energy += 0.5 * constant * dot(held, held)
         total = add(total, scale(-constant, held))
         springs[k, 0] = held[0] + half_step[0]
@@ -88,7 +88,7 @@ def partial_slip_force(
         springs[k, 2] = held[2] + half_step[2]
     damped = scale(-law.tangential_damping * dashpot, rate)
     damped = scale(_fitting(total, damped, pressed) if stuck > 0 else 0.0, damped)
-    return add(total, damped), -dot(damped, rate), rubbed, energy
+    return add(total, damped), -dot(damped, rate), friction, energy
 
 
 @njit

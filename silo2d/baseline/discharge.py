@@ -51,8 +51,8 @@ class Baseline:
         self._lowest = -np.array([shape.bounding_radius for shape in shapes])
         self._lift = np.sqrt(case.shapes.mean_area)
         self._space = empty_space(self._settings.iterations, self._settings.slop)
-        # Of a contact that has parted nothing is kept: pymunk would go on telling its last impulse
-        # for three steps, and the walls' loads would not add up to the momentum given to them.
+        # Of a contact that has parted nothing is kept: pymunk would report its last impulse for
+        # three more steps, and the walls' loads would not add up to the momentum given to them.
         self._space.collision_persistence = 1
         elasticity = factors(*self._settings.restitution)
         particle, wall = (Surface(0.0, value) for value in elasticity)

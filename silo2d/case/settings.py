@@ -71,11 +71,11 @@ class Particles(Section):
     """Shapes, and the materials of particles and walls."""
 
     shapes: str = key(
-        "wood19", "shape set: a shipped one, or a TOML file beside this one",
+        "wood19", "shape set: a shipped one, or a TOML file next to this one",
         option="--shapes", metavar="FILE",
     )  # fmt: skip
     materials: str = key(
-        "wood", "materials table: a shipped one, or a TOML file beside this one",
+        "wood", "materials table: a shipped one, or a TOML file next to this one",
         option="--materials", metavar="FILE",
     )  # fmt: skip
     material: str = key("wood", "material of the particles, in that table")

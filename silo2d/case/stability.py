@@ -1,6 +1,6 @@
 """The largest stable time step of a set of shapes, from the stiffest configurations.
 
-The stiffest thing that can happen between two particles is that their longest faces meet fully
+The stiffest contact between two particles is that their longest faces meet fully
 aligned: each of the four corners touches the facing edge and the flank behind it, eight
 vertex-edge pairs at once. Against a wall it is two pairs on a body that moves alone. Both are
 built for each shape, with all their modes: pushing, sliding and rocking. A step beyond their limit

@@ -1,4 +1,4 @@
-"""The engine room of the silo: state, geometry, neighbours, forces, motion, and the step loop.
+"""The engine of the silo: state, geometry, neighbours, forces, motion, and the step loop.
 
 Kernels and the only callers of kernels. Nothing of the project is imported here but the contact
 laws and the errors; a case reaches the engine as arrays.

@@ -59,7 +59,7 @@ def rows_of(one: Row) -> Iterator[Row]:
 
     grains            of the layer in the silo
     level_m           mean height of the layer's line
-    depth_m, width_m  of its V; None where it has none; pierced tells that it is cut through
+    depth_m, width_m  of its V; None where it has none; pierced: it is cut through
     scatter_m         of the displacements about the line
     y1_m, y2_m, ...   the line, column by column from the left
     """

@@ -1,6 +1,6 @@
 """The contact parameters of the sensitivity runs: two baselines, and one parameter varied.
 
-The paper does not say what its Tables 7 to 11 start from. Their rows of 0.99 s tell: Table 7 has
+The paper does not say what its Tables 7 to 11 start from. Their rows of 0.99 s show it: Table 7 has
 gamma_n = 4000 1/s at kn = 1e4 N/mm; Table 9 gives 0.99 s at mu = 0.40, for all contacts; Table 10
 at gamma_n of 2000 and 4000 1/s; Table 11 at gamma_t of 0 and 3 1/s; Table 8 at kt of 1000 and
 2500 N/mm, the range of kt/kn that section 5 names, 0.1 to 0.25. The implied baseline takes of

@@ -1,4 +1,4 @@
-"""Variants of a study against its first: the same packings or seeds, one thing done otherwise.
+"""Variants of a study against its first: the same packings or seeds, one setting changed.
 
 Times are compared seed by seed: the mean of the differences, with Student's t over its standard
 error, in which what the seeds share cancels. Counts of clogged runs are compared by Fisher's exact

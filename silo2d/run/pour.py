@@ -56,13 +56,13 @@ def rain(
     area = case.outline.area_below(end) - (case.outline.area_below(begin) if begin else 0.0)
     n = math.ceil(area * LOOSE / case.shapes.mean_area)
     high = case.outline.raised(above + n * pitch)  # more than enough: one particle a row
-    room = Polygon(high.polygon).buffer(-1.02 * radius)
-    left, bottom, right, top = room.bounds if not room.is_empty else (0.0, 0.0, 0.0, 0.0)
+    free = Polygon(high.polygon).buffer(-1.02 * radius)
+    left, bottom, right, top = free.bounds if not free.is_empty else (0.0, 0.0, 0.0, 0.0)
     positions: list[tuple[float, float]] = []
     y = max(bottom, above + radius if above else bottom) + 1e-3 * pitch
     staggered = False
     while len(positions) < n and y < top:
-        stretch = room.intersection(LineString([(left - 1, y), (right + 1, y)]))
+        stretch = free.intersection(LineString([(left - 1, y), (right + 1, y)]))
         for line in getattr(stretch, "geoms", [stretch]):
             if line.is_empty:
                 continue
@@ -78,7 +78,7 @@ def rain(
     n = len(positions)
     if not n:
         raise InputError(
-            f"{case.name}: the silo has no room for its particles: it must be wider than "
+            f"{case.name}: the silo is too small for its particles: it must be wider than "
             f"{2.04e3 * radius:.3g} mm somewhere, a largest particle and a little more"
         )
     kinds = rng.choice(len(case.shapes.shapes), size=n, p=case.shapes.shares)

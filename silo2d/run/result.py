@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from granulab.campaign.runs.result import Answers
+from granulab.campaign.runs.result import Results
 
 
 @dataclass(frozen=True)
-class Result(Answers):
+class Result(Results):
     """Result of a run; SI, None for what does not exist."""
 
     silo: str

@@ -6,7 +6,7 @@ from granulab import contact
 from granulab.campaign.runs.provenance import Sources
 
 _PACKAGE = Path(__file__).parents[1]
-_ROOMS = [_PACKAGE / room for room in ("engine", "case", "run")]
-SOURCES = Sources(Path(contact.__file__).parent, *_ROOMS)
+_FOLDERS = [_PACKAGE / name for name in ("engine", "case", "run")]
+SOURCES = Sources(Path(contact.__file__).parent, *_FOLDERS)
 BASELINE = SOURCES.plus(_PACKAGE / "baseline")  # where pymunk pours or discharges
 MEASURES = Sources(_PACKAGE / "measures")

@@ -218,7 +218,7 @@ def _canvas(
 
 
 def _legend(axes: "Axes", *handles_and_labels: list) -> None:
-    """Beside the axes, where it hides nothing."""
+    """To the right of the axes, where it hides nothing."""
     axes.legend(*handles_and_labels, loc="upper left", bbox_to_anchor=(1, 1), labelspacing=0.6)
 
 

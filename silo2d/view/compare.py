@@ -181,7 +181,7 @@ def draw(pairs: Sequence[dict[str, Any]]) -> "Figure":
 
 
 def _legend_labels(rows: Sequence[dict[str, Any]]) -> list[str]:
-    """Names that tell two runs apart: engine, else steps, else folder."""
+    """Names that distinguish two runs: engine, else steps, else folder."""
     for name in ("engine", "label"):
         if rows[0][name] != rows[1][name]:
             return [row[name] for row in rows]

@@ -11,7 +11,7 @@ from granulab.campaign.output.film import Image, font, pace, rgb, write_film, wr
 from silo2d.view.scene import PARTICLE_EDGE, WOOD, Scene
 
 _LONGEST, _PIXELS = 780, 430 * 780  # of the window in a picture
-_NARROWEST = 420  # room for the heading
+_NARROWEST = 420  # for the heading
 _HEADING, _MARGIN = 74, 16
 _SHIFT = 4  # OpenCV takes corners in sixteenths of a pixel
 

@@ -34,14 +34,14 @@ def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
     """
     scene = read_scene(run_folder)
     folder = RunFolder(Path(run_folder)).figures
-    sheets = {
+    figures = {
         "silo": silo_figure,
         "discharge": discharge_chart,
         "energy": energy_chart,
         "forces": force_chart,
     }
     paths = [
-        write_figure(folder / f"{name}.png", partial(draw, scene)) for name, draw in sheets.items()
+        write_figure(folder / f"{name}.png", partial(draw, scene)) for name, draw in figures.items()
     ]
     return [*paths, make_film(scene, folder)] if film else paths
 
@@ -54,7 +54,7 @@ def silo_figure(scene: Scene) -> "Figure":
     rows = 1 if len(frames) <= 5 else 2
     columns = -(-len(frames) // rows)
     left, right, bottom, top = scene.window
-    # All in inches: panels have the shape of the window, so that no room is left around them.
+    # All in inches: panels have the shape of the window, so that no margin is left around them.
     height = _PANEL_WIDTH * (top - bottom) / (right - left)
     pitch = _PANEL_WIDTH + _GAP, height + _TITLE
     width = max(columns * pitch[0] + _GAP, _NARROWEST)

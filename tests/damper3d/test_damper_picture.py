@@ -11,7 +11,7 @@ from small_damper import damper3d
 
 from damper3d.view.charts import efficiency_of_cycles, energy_chart, motion_chart
 from damper3d.view.colouring import power
-from damper3d.view.picture import cycle_sheet, make_figures, panel_frames
+from damper3d.view.picture import cycle_figure, make_figures, panel_frames
 from damper3d.view.scene import read_scene
 from damper3d.view.spheres import corners, cut_open, window
 from granulab.campaign.runs.folder import FolderError
@@ -111,7 +111,7 @@ def test_panels_stand_at_even_parts_of_the_last_cycle(tmp_path, samples, frames,
 
 def test_each_panel_stands_over_its_time(scene):
     """Panels are to scale, in a row, over their part of the cycle in the graph below."""
-    figure = cycle_sheet(scene)
+    figure = cycle_figure(scene)
     figure.draw_without_rendering()
     strip, *panels, bar = figure.axes
     assert len(panels) == 8
@@ -131,7 +131,7 @@ def test_each_panel_stands_over_its_time(scene):
 
 def test_velocity_and_power_have_their_colours(scene):
     """Velocities are even about 0; power is the heat gained since the frame before, by dt."""
-    bar = cycle_sheet(scene).axes[-1]
+    bar = cycle_figure(scene).axes[-1]
     low, high = bar.get_ylim()
     assert low == pytest.approx(-high)
     assert high >= scene.peak_speed
@@ -139,7 +139,7 @@ def test_velocity_and_power_have_their_colours(scene):
     gained = power(scene, frame) * 5 / 40 / 40  # 5 samples of the 40 of a cycle of 1/40 s
     change = scene.particles(frame).heat - scene.particles(frame - 1).heat
     np.testing.assert_allclose(gained, change, rtol=1e-12)
-    bar = cycle_sheet(scene, "dissipation").axes[-1]
+    bar = cycle_figure(scene, "dissipation").axes[-1]
     assert bar.get_yscale() == "log"
     assert bar.get_ylabel() == "dissipated at\na particle [W]"
 
@@ -227,7 +227,7 @@ def test_unfinished_run_is_drawn(tmp_path, cycles):
     write_fake_damper_run(tmp_path, finished=False, cycles=cycles)
     scene = read_scene(tmp_path)
     assert list(scene.counted) == ([0] if cycles == 1 else [3])
-    for draw in (cycle_sheet, energy_chart, motion_chart):
+    for draw in (cycle_figure, energy_chart, motion_chart):
         draw(scene).draw_without_rendering()
 
 
@@ -247,7 +247,7 @@ def test_run_without_frames_has_graphs_only(tmp_path):
     write_fake_damper_run(tmp_path, frames=0)
     assert [path.name for path in make_figures(tmp_path)] == SHEETS[1:]
     with pytest.raises(FolderError, match=r"^no frame in the last cycle.*frames above 0$"):
-        cycle_sheet(read_scene(tmp_path))
+        cycle_figure(read_scene(tmp_path))
 
 
 @pytest.mark.parametrize(

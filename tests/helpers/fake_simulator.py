@@ -71,7 +71,7 @@ def work(task: Task, stop: Stop) -> FakeResult | None:
             return None
         number = task.case.settings.number
         if number == 13:
-            raise FolderError("13: unlucky; use --again to compute the run anew")
+            raise FolderError("13: unlucky; use --again to compute the run again")
         if number == 99:
             raise Stopped("the same command goes on")
         name = f"{task.case.name}-seed{task.case.settings.run.seed}"

@@ -18,7 +18,7 @@ def groove_depth(particle: MultiSphere) -> float | None:
 
     Two neighbours meet in a circle; its nearest point to the wall lies so far above the lowest
     point of the lower one. Of a ring all grooves are alike: b - sqrt(b^2 - (d/2)^2) with eq. 4.30,
-    which eq. 5.19 approximates by d = 2 pi a/n. Of a row it is the one beside its middle sphere.
+    which eq. 5.19 approximates by d = 2 pi a/n. Of a row it is the one next to its middle sphere.
     """
     radius = float(particle.radii.max())
     if particle.arrangement == "ring":

@@ -20,7 +20,7 @@ from damper3d.run.packing import packing_fraction
 from damper3d.studies.quasistatic.case import SlowTest
 from damper3d.studies.quasistatic.course import WINDOW, Course, Samples
 from damper3d.studies.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, RigSimulation
-from granulab.campaign.runs.result import Answers
+from granulab.campaign.runs.result import Results
 
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -131,7 +131,7 @@ def _rms(values: np.ndarray) -> float:
 
 
 @dataclass(frozen=True)
-class Result(Answers):
+class Result(Results):
     """Results of a test; SI, None for what does not exist."""
 
     test: str

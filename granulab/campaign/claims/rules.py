@@ -23,7 +23,7 @@ class Outcome:
     """Of a rule: the items that it looked at, and its cases with their verdicts.
 
     cases       a row each: a single item, a step between two, a ratio of a group
-    verdicts    True, False, or None where noise hides the answer, a case each
+    verdicts    True, False, or None where noise hides the difference, a case each
     """
 
     items: "DataFrame"

@@ -33,7 +33,7 @@ def run_options(command: Callable[..., Any]) -> Callable[..., Any]:
         quiet_option,
         click.option("--no-figures", is_flag=True, help="Make no pictures and no film."),
         click.option("--dry-run", is_flag=True, help="Say what would be run, and end."),
-        click.option("--again", is_flag=True, help="Compute it again beside a run that is there."),
+        click.option("--again", is_flag=True, help="Compute it again, in a folder of its own."),
         click.option("--resume", metavar="DIR", help="Go on with the run in this folder."),
         out_option,
     ):

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PAPER, INK, WALL = "#fbfaf7", "#2b2b2b", "#55504a"
-# Okabe and Ito's colours, which the colour-blind tell apart.
+# Okabe and Ito's colours, which the colour-blind distinguish.
 BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
 SKY, PURPLE, GREY = "#56b4e9", "#cc79a7", "#8a8a8a"
 
@@ -35,8 +35,8 @@ _STYLE: Any = {
 
 def headline(figure: "Figure", words: str) -> None:
     """Put what a figure shows over it, on the left; long words smaller, so that they fit."""
-    room = 0.98 * 72.0 * figure.get_figwidth()  # points
-    size = min(13.0, room / (_BOLD_ADVANCE * max(map(len, words.split("\n")))))
+    width = 0.98 * 72.0 * figure.get_figwidth()  # points
+    size = min(13.0, width / (_BOLD_ADVANCE * max(map(len, words.split("\n")))))
     figure.suptitle(words, x=0.01, ha="left", fontsize=size, fontweight="bold")
 
 

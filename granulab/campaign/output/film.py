@@ -21,13 +21,13 @@ FPS = 25
 
 
 def write_film(folder: Path, pictures: Callable[[], Iterator[Image]], name: str = "film") -> Path:
-    """Write NAME.mp4 into a folder; its path. `pictures` gives all of them, each time anew.
+    """Write NAME.mp4 into a folder; its path. `pictures` gives all of them, on each call.
 
     H.264 where imageio-ffmpeg is installed (extra "pictures"), else VP9 where OpenCV can write
     it, else NAME.gif. Raises FolderError when it cannot be written.
     """
-    with tempfile.TemporaryDirectory() as room, writing(folder):
-        unfinished = Path(room) / "film.mp4"
+    with tempfile.TemporaryDirectory() as work, writing(folder):
+        unfinished = Path(work) / "film.mp4"
         if not (_h264(unfinished, pictures()) or _vp9(unfinished, pictures())):
             unfinished = unfinished.with_suffix(".gif")
             _gif(unfinished, pictures())

@@ -124,7 +124,7 @@ class RunFolder:
             except Timeout:
                 raise FolderError(
                     f"{self.path}: another process computes this run now; wait for it, "
-                    "or use --again to compute it beside that one"
+                    "or use --again to compute it in a folder of its own"
                 ) from None
         try:
             with writing(self.path):
@@ -151,7 +151,7 @@ class RunFolder:
         return _read_json(self.path / "provenance.json")
 
     def write_summary(self, summary: Mapping[str, Any]) -> None:
-        """Keep the answers; from here on the run counts as finished.
+        """Keep the results; from here on the run counts as finished.
 
         A value that does not exist is None; NaN and infinity are refused (ValueError).
         """
@@ -176,7 +176,7 @@ def open_run(root: str | Path, name: str, digest: str, again: bool = False) -> R
 def find_run(root: str | Path, name: str, digest: str, again: bool = False) -> RunFolder:
     """The folder root/<name>-<digest> of a run; it may not exist yet.
 
-    With `again` a run that was begun is left alone and -2, -3, ... goes beside it. Without, the
+    With `again` a run that was begun is left alone and -2, -3, ... is begun. Without, the
     newest finished one is given, else the newest unfinished one, else a new one.
     """
     if Path(name).name != name:
@@ -213,7 +213,7 @@ def _write_json(path: Path, mapping: Mapping[str, Any]) -> None:
 
 
 def _read_json(path: Path) -> dict[str, Any]:
-    cure = "use --again to compute the run anew"
+    cure = "use --again to compute the run again"
     text = _read_text(path)
     try:
         mapping = json.loads(text)
@@ -233,5 +233,5 @@ def _read_text(path: Path) -> str:
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "damaged, not UTF-8 text"
         raise FolderError(
-            f"{path}: cannot be read ({reason}); use --again to compute the run anew"
+            f"{path}: cannot be read ({reason}); use --again to compute the run again"
         ) from error

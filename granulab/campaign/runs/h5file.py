@@ -31,7 +31,7 @@ def opened(path: Path) -> Iterator[h5py.File]:
         raise
     except Exception as error:  # HDF5 raises many kinds for a damaged file
         raise FolderError(
-            f"{path}: damaged or no trajectory; use --again to compute the run anew"
+            f"{path}: damaged or no trajectory; use --again to compute the run again"
         ) from error
 
 
@@ -39,7 +39,7 @@ def _check_schema(path: Path, schema: int) -> None:
     if schema != SCHEMA:
         raise FolderError(
             f"{path}: schema {schema} of another version (this one reads {SCHEMA}); "
-            "use --again to compute the run anew"
+            "use --again to compute the run again"
         )
 
 

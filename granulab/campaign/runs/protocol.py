@@ -20,7 +20,7 @@ from granulab.campaign.runs.provenance import Sources, Warn, provenance, to_stde
 from granulab.errors import Stopped
 
 if TYPE_CHECKING:
-    from granulab.campaign.runs.result import Answers
+    from granulab.campaign.runs.result import Results
 
 Stop = Callable[[], bool]  # called now and then: true where the run is to end, its state kept
 Progress = Callable[[float, str], None]  # takes the fraction done (0 to 1), and words
@@ -37,7 +37,7 @@ Packing = TypeVar("Packing", bound=Made)
 
 
 Case = TypeVar("Case", bound="Runnable")
-Found = TypeVar("Found", bound="Answers")
+Found = TypeVar("Found", bound="Results")
 Meta = TypeVar("Meta")
 
 
@@ -222,7 +222,7 @@ def kept(
     """The packing in a folder; where there is none, one process makes it and others wait.
 
     load: gives None where there is none; make: makes and keeps it; cure: what to do about one
-    that other sources made, of which `warn` is told. Raises FolderError where the folder cannot
+    that other sources made, passed to `warn`. Raises FolderError where the folder cannot
     be written, Stopped where `stop` says so while waiting, and what `load` and `make` raise.
     """
     packing = load(folder)

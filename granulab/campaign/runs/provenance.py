@@ -33,29 +33,29 @@ def to_stderr(line: str) -> None:
     print(f"warning: {line}", file=sys.stderr)
 
 
-_OUTSIDE: dict[Path, list[Path]] = {}  # by room, the files that extend it
+_OUTSIDE: dict[Path, list[Path]] = {}  # by folder of code, the files that extend it
 
 
-def extend(room: Path, *files: str | Path) -> None:
-    """Let files from outside, such as that of a shape, count among the sources of a room."""
-    known = _OUTSIDE.setdefault(room, [])
+def extend(folder: Path, *files: str | Path) -> None:
+    """Let files from outside, such as that of a shape, count among the sources of a folder."""
+    known = _OUTSIDE.setdefault(folder, [])
     known += [path for path in (Path(file).resolve() for file in files) if path not in known]
 
 
-def _extensions(room: Path) -> list[Path]:
-    """The files that extend a room; those that its kernels call are known where these are."""
+def _extensions(folder: Path) -> list[Path]:
+    """The files that extend a folder; those that its kernels call are known where these are."""
     jit = sys.modules.get("granulab.contact.jit")  # not loaded: nothing extends a kernel yet
-    return [*_OUTSIDE.get(room, []), *(jit.extensions(room) if jit else [])]
+    return [*_OUTSIDE.get(folder, []), *(jit.extensions(folder) if jit else [])]
 
 
 class Sources:
-    """The rooms that decide what is computed; runs, packings and answers keep their digest."""
+    """Folders of code that decide what is computed; runs, packings and results keep their digest."""
 
     def __init__(self, *folders: Path) -> None:
         self.folders = folders
 
     def plus(self, *folders: Path) -> "Sources":
-        """These rooms and others, such as that of a study or of a second engine."""
+        """These folders and others, such as that of a study or of a second engine."""
         return Sources(*self.folders, *folders)
 
     @property

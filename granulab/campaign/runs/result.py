@@ -8,7 +8,7 @@ from pydantic import TypeAdapter, ValidationError
 from granulab.campaign.runs.folder import FolderError, RunFolder
 
 
-class Answers:
+class Results:
     """Base of a dataclass of results, which has the fields `reused` and `run_folder`."""
 
     @classmethod
@@ -21,7 +21,7 @@ class Answers:
             problem = error.errors()[0]
             raise FolderError(
                 f"{folder.path / 'summary.json'}: damaged ({problem['loc'][0]}: "
-                f"{problem['msg'].lower()}); use --again to compute the run anew"
+                f"{problem['msg'].lower()}); use --again to compute the run again"
             ) from None
 
     @classmethod

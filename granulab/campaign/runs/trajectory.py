@@ -46,7 +46,7 @@ class TrajectoryWriter:
     """Writes the frames of one run; the holder of the run's lock makes it.
 
     `parts` is the number of parts that the checkpoint knows; later ones are dropped. 0 starts
-    the trajectory anew. Raises FolderError when a known part is missing or nothing can be
+    the trajectory again. Raises FolderError when a known part is missing or nothing can be
     written.
     """
 
@@ -74,7 +74,7 @@ class TrajectoryWriter:
             if len(known.part_frames) < parts:
                 raise FolderError(
                     f"{self._folder}: {len(known.part_frames)} parts where the checkpoint knows "
-                    f"{parts}; use --again to compute the run anew"
+                    f"{parts}; use --again to compute the run again"
                 )
             self._n_frames = sum(known.part_frames)
             self._layout = _layout({key: known[key][-1] for key in known})
@@ -94,7 +94,7 @@ class TrajectoryWriter:
         if layout != self._layout:
             raise FolderError(
                 f"{self._folder}: a frame of {layout} after frames of {self._layout}; "
-                "use --again to compute the run anew"
+                "use --again to compute the run again"
             )
         self._take_tables(tables or {})
         self._pending.append(copied)
@@ -105,7 +105,7 @@ class TrajectoryWriter:
         if known and layout != known:
             raise FolderError(
                 f"{self._folder}: tables of {layout} after tables of {known}; "
-                "use --again to compute the run anew"
+                "use --again to compute the run again"
             )
         self._tables_layout |= layout
         for name, columns in tables.items():
@@ -179,7 +179,7 @@ def read_tables(folder: str | Path, name: str) -> Tables:
     if name not in tables:
         raise FolderError(
             f"{folder}: holds no {name}, as an earlier version or an engine without them made it; "
-            "--again computes a run anew"
+            "--again computes a run again"
         )
     return tables[name]
 
@@ -223,7 +223,7 @@ def _part_paths(folder: Path) -> list[Path]:
     parts = _part_files(folder)
     for k, path in enumerate(parts):
         if path != _part(folder, k):
-            raise FolderError(f"{_part(folder, k)}: missing; use --again to compute the run anew")
+            raise FolderError(f"{_part(folder, k)}: missing; use --again to compute the run again")
     static = folder / "static.h5"
     return [*parts, static] if static.exists() else parts
 

@@ -92,5 +92,5 @@ def study_folder(simulator: Simulator, loaded: LabelledStudy, out: Path) -> RunF
 
 
 def _base(name: str, folder: Path) -> str:
-    """A case file beside the study, else a preset or what else `load` knows."""
+    """A case file in the study's folder, else a preset or what else `load` knows."""
     return str(folder / name) if (folder / name).is_file() else name

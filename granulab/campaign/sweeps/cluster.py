@@ -13,7 +13,7 @@ from uuid import uuid4
 from granulab.campaign.sweeps.task import EngineError, Function, Outcome, call
 from granulab.errors import Failed
 
-_PATIENCE = 10.0  # [s] for a scheduler that does not answer
+_PATIENCE = 10.0  # [s] for a scheduler to respond
 _ASK_AGAIN = 2.0  # [s] workers that come late are asked to stop too
 
 _stopping: set[str] = set()  # in a worker: the sweeps that are asked to stop
@@ -68,7 +68,7 @@ class DaskCluster:
         return outcome
 
     def ask_to_stop(self) -> None:
-        """Tell the running tasks to keep their state and end."""
+        """Make the running tasks keep their state and end."""
         if time.monotonic() - self._asked > _ASK_AGAIN and not self._is_lost:
             self._asked = time.monotonic()
             self._client.run(_ask, self._name, wait=False)
@@ -81,7 +81,7 @@ class DaskCluster:
 
 
 def _connect(scheduler: str, stack: ExitStack) -> Any:
-    """A client of a scheduler, closed with the stack; EngineError where none answers."""
+    """A client of a scheduler, closed with the stack; EngineError where none responds."""
     try:
         from distributed import Client
     except ImportError:

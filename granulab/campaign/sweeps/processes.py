@@ -77,7 +77,7 @@ class Processes:
         return outcome
 
     def ask_to_stop(self) -> None:
-        """Tell the running tasks to keep their state and end."""
+        """Make the running tasks keep their state and end."""
         self._stop.value = True
 
     def lost(self) -> str:

@@ -48,11 +48,11 @@ class Simulator:
     work           runs the case of a Task in a worker, or makes its packing; found by its name
     read           what a finished run found, a dataclass; FolderError where it is damaged
     expected_cpu_s CPU time [s] that the packing of a case and its run will take, about
-    sources        the rooms that decide what a run computes
-    measures       the rooms that make its results from what it stored; None: none do
+    sources        the folders of code that decide what a run computes
+    measures       those that make its results from what it stored; None: none do
     made_by        of a case, the sources of its run and of its packing, where they differ
     packages       distributions whose versions matter to the last bit
-    means          columns of numbers of which a study tells mean and deviation over the seeds
+    means          columns of numbers of which a study gives mean and deviation over the seeds
     counted        words for kinds of runs that a study counts, and which rows are of the kind
     compiled       whether its kernels are; what is not compiled yet delays the first runs
     """
@@ -213,7 +213,7 @@ def _warn_of_other_sources(
 def _origin(folder: RunFolder) -> dict[str, Any]:
     try:
         return folder.read_provenance()
-    except FolderError:  # not begun; what is damaged is told in its row
+    except FolderError:  # not begun; what is damaged is reported in its row
         return {}
 
 

@@ -12,7 +12,7 @@ _GRANULAB = Path(__file__).resolve().parents[2]
 
 def data_root() -> Path:
     """The folder of the shipped tables, shapes, materials and cases."""
-    installed = _GRANULAB / "data"  # in a wheel; a checkout has it beside the packages
+    installed = _GRANULAB / "data"  # in a wheel; a checkout has it next to the packages
     return installed if installed.is_dir() else _GRANULAB.parent / "data"
 
 

@@ -87,7 +87,7 @@ def _parse(text: str, unit: str, field: str, example: str) -> float:
         given = registry.Unit("standard_gravity" if in_g else _spelled_for_pint(match["unit"]))
     except pint.PintError as error:
         raise bad(f"unknown unit {match['unit']!r}") from error
-    # Root units, not dimensions: these also tell an angle from a pure number, and rpm from 1/s.
+    # Root units, not dimensions: an angle is no pure number by these, and rpm not 1/s.
     if registry.get_root_units(given)[1] != registry.get_root_units(target)[1]:
         raise bad("the unit is wrong here")
     try:
