@@ -167,12 +167,12 @@ def of_a_point(us: float) -> None:
     from damper3d.run.protocol import run
 
     summary = {"output.keep": "summary", "output.frames": 0}
-    with tempfile.TemporaryDirectory() as room:
+    with tempfile.TemporaryDirectory() as folder:
         first = DamperCase.load("thesis", {**BOUNCING, **summary})
-        run(first, out=room)  # fills
+        run(first, out=folder)  # fills
         began = resource.getrusage(resource.RUSAGE_SELF).ru_utime
         point = run(DamperCase.load("thesis", {**BOUNCING, **summary, "motion.gamma": 30.0}),
-                    out=room)  # fmt: skip
+                    out=folder)  # fmt: skip
         seconds = resource.getrusage(resource.RUSAGE_SELF).ru_utime - began
     overhead = seconds - 1e-6 * point.cpu_us_per_step * point.steps
     steps = 8 * AMPLITUDES * sum(1 / f for f in FREQUENCIES) / point.time_step_s

@@ -2,9 +2,9 @@
 
     python benchmarks/drop_coverage.py docs/results/calibration [--clips 4] [--jobs 2]
 
-Clips are rendered over a grid of rate, noise and blur. Ball, backdrop, fall, restitution, place and
-codec of each are drawn by chance. Writes drop-coverage.csv, a row for each value that has a sigma,
-and drop-coverage.txt, the table. Clips that are in the csv already are not made again.
+Clips are rendered over a grid of rate, noise and blur. Ball, backdrop, fall, restitution, position
+and codec of each are drawn by chance. Writes drop-coverage.csv, a row for each value that has a
+sigma, and drop-coverage.txt, the table. Clips that are in the csv already are not made again.
 """
 
 import argparse
@@ -54,9 +54,9 @@ def clips(rate: float, noise: float, blur: str, clip: int) -> tuple[DropScene, C
     scale = fall / random.uniform(150, 230)
     ball = Ball(
         diameter=random.uniform(12, 48) * scale, fall=fall, restitution=random.uniform(0.6, 0.9),
-        release=random.uniform(5, 8) / rate, place=random.uniform(0.3, 0.5),
+        release=random.uniform(5, 8) / rate, position=random.uniform(0.3, 0.5),
         aside=random.uniform(-20, 20) * scale, colour=tuple(ball_light),
-        texture=random.uniform(0, 0.2), spin=random.uniform(-5, 5),
+        texture=random.uniform(0, 0.2), rotation=random.uniform(-5, 5),
     )  # fmt: skip
     backdrop = Backdrop(tuple(wall), tuple(0.7 * wall), seed=int(random.integers(1000)))
     scene = DropScene((ball,), width=160, height=320, scale=scale, backdrop=backdrop)
@@ -139,15 +139,15 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--clips", type=int, default=4, help="for each point of the grid")
     parser.add_argument("--jobs", type=int, default=2)
-    asked = parser.parse_args()
-    asked.folder.mkdir(parents=True, exist_ok=True)
-    path = asked.folder / "drop-coverage.csv"
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    path = options.folder / "drop-coverage.csv"
     done = {row[:4] for row in read(path)}
     grid = list(product(RATES, NOISE, BLUR))
-    cases = [(*point, clip) for clip in range(asked.clips) for point in grid]
+    cases = [(*point, clip) for clip in range(options.clips) for point in grid]
     cases = [case for case in cases if case not in done]
     with (
-        ProcessPoolExecutor(asked.jobs) as pool,
+        ProcessPoolExecutor(options.jobs) as pool,
         path.open("a", newline="", encoding="utf-8") as file,
     ):
         for found in pool.map(measured, cases):
@@ -155,7 +155,7 @@ def main() -> None:
             file.flush()
     rows = read(path)
     text = "\n".join(table(rows)) + "\n"
-    (asked.folder / "drop-coverage.txt").write_text(text, encoding="utf-8")
+    (options.folder / "drop-coverage.txt").write_text(text, encoding="utf-8")
     print(text, end="")
 
 

@@ -88,7 +88,7 @@ def table(rows: list[dict]) -> str:
     """All films as a table in Markdown."""
     lines = [
         "| film | run | layers | lines | bias [mm] | rms [mm] | sigma [mm] | within one sigma | "
-        "opening off [frames] | last grain off [ms] | outcome (truth) |",
+        "opening off [frames] | last particle off [ms] | outcome (truth) |",
         "|" + "---|" * 11,
     ]
     for r in rows:

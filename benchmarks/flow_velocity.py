@@ -48,8 +48,8 @@ def figure(field: object, true: TrueField, name: str) -> object:
     """Measured and true arrows of an interval, and their differences with bars of sigma."""
     from matplotlib.figure import Figure
 
-    sheet = Figure(figsize=(10.5, 4.2), layout="constrained")
-    fields, along = sheet.subplots(1, 2, width_ratios=[1, 1.1])
+    figure = Figure(figsize=(10.5, 4.2), layout="constrained")
+    fields, along = figure.subplots(1, 2, width_ratios=[1, 1.1])
     seen = np.isfinite(field.vx)
     most = np.nanmax(np.hypot(true.vx, true.vy))
     for vx, vy, colour, label in ((true.vx, true.vy, "#9a9a9a", "true"),
@@ -59,7 +59,7 @@ def figure(field: object, true: TrueField, name: str) -> object:
                       label=label)  # fmt: skip
     fields.set(aspect="equal", xlabel="x [mm]", ylabel="height above the outlet [mm]",
                title=f"{name}, {field.start:.2g} to {field.end:.2g} s")  # fmt: skip
-    fields.margins(0.15, 0.3)  # arrows begin at their places
+    fields.margins(0.15, 0.3)  # arrows begin at their positions
     fields.legend(loc="lower left", bbox_to_anchor=(0, 1.08), ncols=2, fontsize=8)
     for got, known, label, colour in ((field.vx, true.vx, "along x", "#30638e"),
                                       (field.vy, true.vy, "along y", "#d1495b")):  # fmt: skip
@@ -69,7 +69,7 @@ def figure(field: object, true: TrueField, name: str) -> object:
     along.plot(ends, ends, color="#555555", lw=0.8, zorder=0)
     along.set(xlabel="true velocity [m/s]", ylabel="measured, +- sigma [m/s]")
     along.legend(fontsize=8)
-    return sheet
+    return figure
 
 
 def line(name: str, rows: np.ndarray) -> str:
@@ -107,7 +107,7 @@ def table(folder: Path) -> str:
     parts = ["Speeds in mm/s, root mean square; bias is measured less true.", ""]
     parts += [COLUMNS.format("film"), rule]
     parts += [line(f"{path.stem.removeprefix('velocity-')} ({one['rows'].shape[1]} of "
-                   f"{int(one['there'])} windows with grains)", one["rows"])
+                   f"{int(one['there'])} windows with particles)", one["rows"])
               for path, one in zip(files, found, strict=True)]  # fmt: skip
     parts += [line("all", every), "", COLUMNS.format("from the nearest wall"), rule]
     parts += [*thirds(every, 6, 1e3, "mm"), "", COLUMNS.format("strain per frame"), rule]

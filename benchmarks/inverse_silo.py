@@ -2,9 +2,9 @@
 
     python benchmarks/inverse_silo.py runs docs/results/calibration
 
-runs three discharges of a silo of 200 grains with a friction of 0.4 between them, takes their mean
-time (+- 5 ms) and curve (+- 0.02) for measured, with that noise put on, and fits the friction to
-it. The runs go to the first folder, report and figures as inverse-silo-* to the second.
+runs three discharges of a silo of 200 particles with a friction of 0.4 between them, takes their
+mean time (+- 5 ms) and curve (+- 0.02) for measured, with that noise put on, and fits the friction
+to it. The runs go to the first folder, report and figures as inverse-silo-* to the second.
 """
 
 import shutil

@@ -1,6 +1,6 @@
 """A fixed kernel to measure machines by: never to be changed, or old ratios mean nothing.
 
-It does what a contact costs most: reads two rows of eight numbers at random places, takes a
+It does what a contact costs most: reads two rows of eight numbers at random positions, takes a
 root and two divisions, and adds to both rows; 100,000 pairs of 4,096 rows.
 """
 

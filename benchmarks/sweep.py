@@ -58,11 +58,11 @@ def dealing(case: SiloCase, workers: int, count: int = 300) -> float:
 def main(n_runs: int, workers: int) -> None:
     """Print the parts of the cost and what they come to."""
     compile_kernels()
-    with tempfile.TemporaryDirectory() as place:
-        file = write_case(Path(place), {"output.checkpoint_interval": "0.1 s"})
+    with tempfile.TemporaryDirectory() as folder:
+        file = write_case(Path(folder), {"output.checkpoint_interval": "0.1 s"})
         friction = [0.1 + 0.3 * k / n_runs for k in range(n_runs + 1)]
         cases = [({"mu": mu}, SiloCase.load(file, {"law.mu_wall": mu})) for mu in friction]
-        out = Path(place) / "runs"
+        out = Path(folder) / "runs"
         run_cases(cases[:1], out=out, workers=1, quiet=True)  # fills the silo
         wall, once = overhead(cases[1:], out, workers)
     begun = time.perf_counter()

@@ -3,9 +3,9 @@
     D = sqrt(<(y_film - y_run)^2>)        over layers, columns and times where both have a line [m]
     C = sqrt(<(R_film - R_run)^2>)        over the time of the film; R the share that remains
 
-R is the area of the material that is seen, and the mass of the run's grains in the silo; both begin
-at the opening. The uncertainty of D follows from that of the lines to first order,
-u(D) = sum |d| u/(N D), as if all of them erred together: they share grains, scale and opening.
+R is the area of the material that is seen, and the mass of the run's particles in the silo; both
+begin at the opening. The uncertainty of D follows from that of the lines to first order,
+u(D) = sum |d| u/(N D), as if all of them erred together: they share particles, scale and opening.
 `floor` is the root mean square of the lines' own uncertainty: what D would be for equal flows.
 """
 
@@ -163,7 +163,7 @@ def _array(lines: list[Any]) -> Floats:
 def _distance(off: Floats, sigma: Floats) -> tuple[Estimate, float]:
     value = float(np.sqrt(np.mean(off**2)))
     floor = float(np.sqrt(np.mean(sigma**2)))
-    # Lines of neighbouring columns share grains and scale: as if all errors went together.
+    # Lines of neighbouring columns share particles and scale: as if all errors went together.
     slope = float(np.mean(np.abs(off) * sigma)) / value if value > 0 else floor
     return Estimate(value, slope, len(off)), floor
 

@@ -12,7 +12,7 @@ from granulab.contact.files.reference import key_tables
 from silo2d.case import settings as silo
 
 ROOT = Path(__file__).parents[1]
-# Packages of the README's map; their folders are the rooms of the code.
+# Packages of the README's map, and their folders.
 PACKAGES = ("granulab/contact", "granulab/campaign", "silo2d", "damper3d", "calibration")
 
 
@@ -38,16 +38,18 @@ def _with_part(name: str, part: str, text: str) -> dict[Path, str]:
 
 
 def _map() -> str:
-    """A row for each package: its purpose and its rooms."""
-    rows = ["| package | purpose | rooms |", "|---|---|---|"]
+    """A row for each package: its purpose and its folders."""
+    rows = ["| package | purpose | folders |", "|---|---|---|"]
     for name in PACKAGES:
-        rooms = [f"`{path.name}`" for path in _folders(ROOT / name)]
-        rows.append(f"| `{name}/` | {_summary(ROOT / name / '__init__.py')} | {', '.join(rooms)} |")
+        folders = [f"`{path.name}`" for path in _folders(ROOT / name)]
+        rows.append(
+            f"| `{name}/` | {_summary(ROOT / name / '__init__.py')} | {', '.join(folders)} |"
+        )
     return "\n".join(rows) + "\n"
 
 
 def _modules() -> str:
-    """A section for each room with a row for each module."""
+    """A section for each folder with a row for each module."""
     parts = []
     for folder in [f for name in PACKAGES for f in (ROOT / name, *_below(ROOT / name))]:
         modules = [path for path in sorted(folder.glob("*.py")) if not path.name.startswith("__")]

@@ -12,7 +12,7 @@ import numpy as np
 
 from calibration.bench.cycles import Cycle, unloading_stiffness
 from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Asked, Columns, Input, Section, curves, need
+from calibration.bench.sections import Columns, Input, Request, Section, curves, need
 from calibration.statistics.uncertainty import Estimate, of_trials
 from granulab.contact.files.units import located
 from granulab.errors import InputError
@@ -91,7 +91,7 @@ class _Records:
 
 
 def stiffness(
-    files: Sequence[str | Path], what: Asked, *, trial: str | None = None,
+    files: Sequence[str | Path], what: Request, *, trial: str | None = None,
     share: tuple[float, float] = (0.95, 0.5), least_cycle: float = 0.1,
 ) -> list[Quantity]:  # fmt: skip
     """Unloading stiffness, modulus and kn, as far as the columns suffice; a curve a trial.
@@ -133,7 +133,7 @@ def stiffness(
 
 
 def _contact_stiffness(
-    sections: Sequence[Section], what: Asked, modulus: Callable[[Columns], Estimate]
+    sections: Sequence[Section], what: Request, modulus: Callable[[Columns], Estimate]
 ) -> Quantity:
     """kn = E A/L of the particles in contact."""
     remarks = []
@@ -155,7 +155,7 @@ def _contact_stiffness(
     )  # fmt: skip
 
 
-def _given(what: Asked) -> Section:
+def _given(what: Request) -> Section:
     """Constants alone, without a file."""
     section = Section("all", "as given", {k: np.array([v]) for k, v in what.constants.items()})
     need(section, [["modulus", *_CONTACT]], INPUTS)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Asked, Columns, Input, need, rows
+from calibration.bench.sections import Columns, Input, Request, need, rows
 from calibration.statistics.uncertainty import Estimate
 from granulab.errors import InputError
 
@@ -30,7 +30,7 @@ _VOLUMES = {
 }
 
 
-def density(files: Sequence[str | Path], what: Asked) -> list[Quantity]:
+def density(files: Sequence[str | Path], what: Request) -> list[Quantity]:
     """Mass over volume, one row a particle."""
     sections, remarks = rows(files, INPUTS, what)
     choices = [("mass", *names) for names in _VOLUMES]

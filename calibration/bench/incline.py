@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Asked, Columns, Input, Section, need, rows
+from calibration.bench.sections import Columns, Input, Request, Section, need, rows
 from calibration.statistics.uncertainty import Estimate
 from granulab.errors import InputError
 
@@ -24,7 +24,7 @@ INPUTS = (
 )
 
 
-def friction(files: Sequence[str | Path], what: Asked, *, along: str = "slope") -> list[Quantity]:
+def friction(files: Sequence[str | Path], what: Request, *, along: str = "slope") -> list[Quantity]:
     """The coefficient of friction, one row a trial; `along`: "slope" or "base", what L is."""
     sections, remarks = rows(files, INPUTS, what)
     by_heights = any(_by_heights(section) for section in sections)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Asked, Columns, Input, need, rows
+from calibration.bench.sections import Columns, Input, Request, need, rows
 from calibration.statistics.uncertainty import Estimate
 from granulab.errors import InputError
 
@@ -23,7 +23,7 @@ INPUTS = (
 _READ = [one.name for one in INPUTS[:4]]
 
 
-def stiffness_ratio(files: Sequence[str | Path], what: Asked) -> list[Quantity]:
+def stiffness_ratio(files: Sequence[str | Path], what: Request) -> list[Quantity]:
     """kt/kn, one row a marker; and kt where kn is given."""
     sections, remarks = rows(files, INPUTS, what)
     for section in sections:

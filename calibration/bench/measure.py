@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from calibration.bench.sections import Asked, Columns, Section
+from calibration.bench.sections import Columns, Request, Section
 from calibration.result import Parameter
 from calibration.statistics.quantity import plus_minus
 from calibration.statistics.uncertainty import Estimate, Pooled, pooled
@@ -60,7 +60,7 @@ class Quantity:
 
 
 def measure(
-    sections: Sequence[Section], evaluate: Evaluate, what: Asked, *, key: str, name: str,
+    sections: Sequence[Section], evaluate: Evaluate, what: Request, *, key: str, name: str,
     si: str = "1", unit: str = "1", remarks: Sequence[str] = (),
 ) -> Quantity:  # fmt: skip
     """Evaluate every trial, pool them by group and together, and add what instruments share."""
@@ -78,7 +78,7 @@ def measure(
     return Quantity(key, name, si, unit, found, trials, shared, (*remarks, *coarse))
 
 
-def _one(section: Section, evaluate: Evaluate, what: Asked) -> Estimate:
+def _one(section: Section, evaluate: Evaluate, what: Request) -> Estimate:
     """One trial, its sigma that of its fit and of its readings."""
     with located(f"{section.name}:"):
         found = evaluate(section.columns)

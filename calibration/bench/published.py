@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from calibration.bench import compression, interface, slide
-from calibration.bench.sections import Asked
+from calibration.bench.sections import Request
 from calibration.files.tables import Table, read_table
 from calibration.statistics.uncertainty import Estimate, Pooled, pooled_summaries
 from granulab.contact.files.datafile import data_file
@@ -110,7 +110,7 @@ def interfaces() -> list[Statement]:
     path = data_file("published", "interface_markers")
     assert path is not None
     table = read_table(path)
-    (found,) = interface.stiffness_ratio([path], Asked(group="surface"))
+    (found,) = interface.stiffness_ratio([path], Request(group="surface"))
     last = "displacements are printed to 0.01 mm"
     statements = [
         Statement(f"kt/kn {surface}, marker {int(point)}", printed, None, one.value, remark=last)
@@ -136,7 +136,7 @@ def stiffness() -> list[Statement]:
     for name, printed in (("E_transverse", 1.0e4), ("E_longitudinal", 3.9e4)):
         modulus, share = _parameter(name)
         constants = {"modulus": modulus * 1e6, "contact_area": 1200e-6, "contact_length": 20e-3}
-        what = Asked(constants=constants, shared={"modulus": modulus * 1e6 * share})
+        what = Request(constants=constants, shared={"modulus": modulus * 1e6 * share})
         (found,) = compression.stiffness([], what)
         whole = found.pooled.all
         needed = printed * 1e3 * 20e-3 / 1200e-6 / 1e6

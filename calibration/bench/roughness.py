@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Asked, Columns, Input, curves, need
+from calibration.bench.sections import Columns, Input, Request, curves, need
 from calibration.statistics.uncertainty import Estimate, of_trials
 from granulab.errors import InputError
 
@@ -25,7 +25,7 @@ _LEAST_POINTS = 50
 
 
 def mean_roughness(
-    files: Sequence[str | Path], what: Asked, *, trial: str | None = None, form: str = "line"
+    files: Sequence[str | Path], what: Request, *, trial: str | None = None, form: str = "line"
 ) -> list[Quantity]:
     """Ra, a path a trial."""
     sections, remarks = curves(files, INPUTS, what, trial)

@@ -36,7 +36,7 @@ class Section(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """Inputs as the command line describes them; sigmas in SI.
 
     columns     {input: head in the file}, such as {"load": "Force [kN]"}
@@ -55,7 +55,7 @@ class Asked:
     only: str | None = None
 
 
-def asked(
+def request_of(
     inputs: Sequence[Input],
     columns: Sequence[str] = (),
     constants: Sequence[str] = (),
@@ -63,7 +63,7 @@ def asked(
     readings: Sequence[str] = (),
     group: str | None = None,
     only: str | None = None,
-) -> Asked:
+) -> Request:
     """The options "load=Force [kN]", "length=300 mm +- 1 mm", "angle=0.5 deg", read.
 
     Raises InputError for an unknown input, a wrong unit, or what has no value.
@@ -81,7 +81,7 @@ def asked(
         name: _sigma(text, units[name], f"--reading {name}")
         for name, text in _pairs(readings, units, "--reading")
     }
-    return Asked(dict(_pairs(columns, units, "--column")), values, shared, single, group, only)
+    return Request(dict(_pairs(columns, units, "--column")), values, shared, single, group, only)
 
 
 def _pairs(
@@ -104,7 +104,7 @@ def _sigma(text: str, unit: str, where: str) -> float:
 
 
 def rows(
-    files: Sequence[str | Path], inputs: Sequence[Input], what: Asked
+    files: Sequence[str | Path], inputs: Sequence[Input], what: Request
 ) -> tuple[list[Section], list[str]]:
     """Each row a trial; and remarks on rows that were left out."""
     sections: list[Section] = []
@@ -120,7 +120,7 @@ def rows(
 
 
 def curves(
-    files: Sequence[str | Path], inputs: Sequence[Input], what: Asked, trial: str | None = None
+    files: Sequence[str | Path], inputs: Sequence[Input], what: Request, trial: str | None = None
 ) -> tuple[list[Section], list[str]]:
     """Each file a trial, or each value of its column `trial` (None: "trial", if there is one)."""
     sections: list[Section] = []
@@ -156,7 +156,7 @@ def _chosen(sections: list[Section], only: str | None) -> list[Section]:
 
 
 def _tables(
-    files: Sequence[str | Path], inputs: Sequence[Input], what: Asked, remarks: list[str]
+    files: Sequence[str | Path], inputs: Sequence[Input], what: Request, remarks: list[str]
 ) -> Iterator[tuple[Table, dict[str, NDArray[np.float64]], NDArray[np.bool_]]]:
     """Each file's inputs as far as they are there, and which rows have them all."""
     _refuse_twice(files)

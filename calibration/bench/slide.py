@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Asked, Columns, Input, Section, curves, need, rows
+from calibration.bench.sections import Columns, Input, Request, Section, curves, need, rows
 from calibration.statistics.uncertainty import Estimate
 from granulab.contact.files.units import located
 from granulab.errors import InputError
@@ -70,7 +70,7 @@ class _Curves:
 
 
 def damping(
-    files: Sequence[str | Path], what: Asked, *, trial: str | None = None, start: str = "rest"
+    files: Sequence[str | Path], what: Request, *, trial: str | None = None, start: str = "rest"
 ) -> list[Quantity]:
     """gamma_t of curves, with terminal velocity and friction; or of terminal velocities.
 
@@ -180,7 +180,7 @@ def of_terminal_velocity(v0: float, incline: float, friction: float) -> float:
     return float(driving / v0)
 
 
-def _from_terminal(files: Sequence[str | Path], what: Asked) -> Quantity:
+def _from_terminal(files: Sequence[str | Path], what: Request) -> Quantity:
     sections, remarks = rows(files, INPUTS, what)
 
     def gamma(columns: Columns) -> Estimate:
@@ -191,7 +191,7 @@ def _from_terminal(files: Sequence[str | Path], what: Asked) -> Quantity:
 
 
 def _gamma_t(
-    sections: Sequence[Section], gamma: Callable[[Columns], Estimate], what: Asked,
+    sections: Sequence[Section], gamma: Callable[[Columns], Estimate], what: Request,
     remarks: Sequence[str],
 ) -> Quantity:  # fmt: skip
     return measure(

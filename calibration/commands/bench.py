@@ -22,7 +22,7 @@ Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 class Method:
     """A method of the bench, in the module of calibration.bench that has the command's name.
 
-    function   of (files, asked, **values of the options), which returns quantities
+    function   of (files, request, **values of the options), which returns quantities
     help       what --help says; the columns that the method reads follow it
     writes     {property of a parameter file: key of its quantity}
     options    of its own
@@ -170,7 +170,7 @@ _INPUT_OPTIONS = (
 
 
 class _Columns(click.Command):
-    """A command whose help ends with the columns of its method, read when help is asked for."""
+    """A command whose help ends with the columns of its method, read when help is requested."""
 
     def format_help_text(self, context: click.Context, formatter: click.HelpFormatter) -> None:
         """Write help and columns as they stand: click keeps a block that begins with \\b."""
@@ -197,10 +197,10 @@ def _command(name: str, method: Method) -> click.Command:
         only: str | None, quiet: bool, as_json: bool, into: Into | None = None, **own: Any,
     ) -> None:  # fmt: skip
         from calibration.bench.measure import Measurement
-        from calibration.bench.sections import asked
+        from calibration.bench.sections import request_of
 
         module = _module(name)
-        what = asked(module.INPUTS, columns, constants, instruments, readings, group, only)
+        what = request_of(module.INPUTS, columns, constants, instruments, readings, group, only)
         found = getattr(module, method.function)(files, what, **own)
         result = Measurement(tuple(found), name, method.writes, not files, quiet)
         finish(result, as_json=as_json, figure_key=None, into=into, measured=files)

@@ -39,12 +39,12 @@ def command(
 
     For example: calibrate shaker full.csv --empty empty.csv --particle-mass "27.9 g" -o figures
     """
-    from calibration.bench.sections import asked
+    from calibration.bench.sections import request_of
     from calibration.shaker.measure import dissipation
     from calibration.shaker.record import INPUTS, read_record
 
     mass = None if particle_mass is None else to_si(particle_mass, "kg", "--particle-mass")
-    called = asked(INPUTS, columns).columns
+    called = request_of(INPUTS, columns).columns
     loaded, *others = (
         read_record(path, rate=rate, frequencies=frequency, harmonics=harmonics, columns=called)
         for path in (file, *empty)

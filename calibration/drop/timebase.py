@@ -24,9 +24,9 @@ from calibration.tracking.segments import (
 from calibration.tracking.track import Array, Rows, Track
 
 _WHOLE = 0.25  # of a frame: how near to a whole number a shift must be
-_MOST = 5  # frames at one place
+_MOST = 5  # frames at one position
 _CURVED = 0.1  # sigma of a stretch's own acceleration over it, for the stretch to show anything
-_REPAIRS = 20  # places in one clip
+_REPAIRS = 20  # positions in one clip
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def _repeats(track: Track, clock: Array) -> tuple[Rows, NDArray[np.bool_]]:
 
 
 def _put_right(track: Track, base: TimeBase) -> TimeBase:
-    """Shifts by whole frames that make one flight of two stretches, place after place."""
+    """Shifts by whole frames that make one flight of two stretches, one after the other."""
     for _ in range(_REPAIRS):
         found = _first_shift(base.clock, track.y[base.rows])
         if found is None:
@@ -96,7 +96,7 @@ def _put_right(track: Track, base: TimeBase) -> TimeBase:
 
 
 def _first_shift(clock: Array, y: Array) -> tuple[int, int] | None:
-    """Row and frames of the first place where time was not what the clock says."""
+    """Row and frames of the first position where time was not what the clock says."""
     found = stretches(clock, y)
     acceleration = shared_acceleration(found)
     if acceleration is None:

@@ -1,8 +1,8 @@
 """Opening and end of a discharge, and whether a film shows one.
 
-The lowest material begins to fall from rest at t0, with a pull a that changes as grains meet, part
-and jam: nobody knows how. So it is a random walk (W: Brownian motion, tau = t - t0, T the fall's
-length),
+The lowest material begins to fall from rest at t0, with a pull a that changes as particles meet,
+part and jam: nobody knows how. So it is a random walk (W: Brownian motion, tau = t - t0, T the
+fall's length),
 
     s(t) = int_0^tau (tau - u) a(u) du,   a(u) = a0 (1 + rho W(u/T)),   0 < rho < 1
 
@@ -14,8 +14,8 @@ whose falls have the mean a0 tau^2/2 and, for tau <= tau', with d = tau' - tau, 
 How likely seen falls make t0 and rho, whatever a0: Rasmussen and Williams, Gaussian Processes for
 Machine Learning (2006), sec. 2.7 (a0 in the covariance is that of the whole fall). t0 is the mean
 over all t0 and rho, none preferred before, and its sigma their standard deviation: what is not
-known of the pull counts. The last grain passes with its centroid half its length before it has left
-the outlet's row.
+known of the pull counts. The last particle passes with its centroid half its length before it has
+left the outlet's row.
 
 Every silo that empties, and no ball, pendulum or moving camera, has material above the outlet
 before the opening, which only leaves, and by the outlet; what is near it falls before the rest.
@@ -34,13 +34,13 @@ Floats = NDArray[np.float64]
 
 _CLEAR = 3.0  # standard deviations of the position of the lowest tracers that make a fall
 _POSITION = 0.1  # px: standard deviation of their mean position from frame to frame
-_WIDE = 0.25  # grains across, from which on something is no speck
+_WIDE = 0.25  # particles across, from which on something is no speck
 _FEWEST = 4  # moments of a fall: when it began, its pull, how that changes, and one to spare
 _MANY = 40  # moments of a fall that are used, of more: their errors are mostly shared
 _GRID = 100  # beginnings that are tried, then again about the likely ones
 _CHANGES = (np.arange(10) + 0.5) / 10  # rho: from a pull that stays to one that may be all spent
-_LAST = 9  # tracers whose speed is the last grain's: there are three across one
-_MOST = 2.0  # grains by which it is followed at most
+_LAST = 9  # tracers whose speed is the last particle's: there are three across one
+_MOST = 2.0  # particles by which it is followed at most
 UNIFORM = 1 / np.sqrt(12)  # standard deviation of a uniform distribution of width 1
 
 
@@ -50,8 +50,8 @@ class Opening:
     clock    frame of the opening and its standard deviation [frames]; None as long as unknown
     """
 
-    def __init__(self, grain: float) -> None:
-        self._grain = grain  # px
+    def __init__(self, particle: float) -> None:
+        self._particle = particle  # px
         self._falls: list[tuple[float, float]] = []
         self._still = 0.0, 0.0
         self.clock: Estimate | None = None
@@ -69,7 +69,7 @@ class Opening:
             self._still = frame, fall
             return
         self._falls.append((frame, fall))
-        if fall > _MOST * self._grain or (fall > self._grain and len(self._falls) >= _FEWEST):
+        if fall > _MOST * self._particle or (fall > self._particle and len(self._falls) >= _FEWEST):
             self.clock = self._start()
 
     def _start(self) -> Estimate:
@@ -113,32 +113,33 @@ def _likely(t: Floats, s: Floats, begins: Floats) -> Floats:
 class Crossing:
     """Crossings of the outlet's row, frame by frame."""
 
-    def __init__(self, grain: float) -> None:
-        self._grain = grain  # px
+    def __init__(self, particle: float) -> None:
+        self._particle = particle  # px
         self._last: float | None = None
         self._steps: deque[float] = deque(maxlen=_LAST)
 
     def see(self, frame: float, crossed: NDArray[np.bool_], steps: Floats) -> None:
         """Take where something stands in the outlet's row (w,); steps of crossing tracers [px]."""
-        if crossed.sum() > _WIDE * self._grain:
+        if crossed.sum() > _WIDE * self._particle:
             self._last = frame
         self._steps.extend(steps.tolist())
 
     def last(self) -> Estimate | None:
-        """Frame at which the last grain's centroid passed; None where nothing crossed.
+        """Frame at which the last particle's centroid passed; None where nothing crossed.
 
-        Half a grain before its end did. Grains are twice as long as wide, and lie as they may.
+        Half a particle before its end did. Particles are twice as long as wide, and lie as they
+        may.
         """
         if self._last is None:
             return None
         speed = float(np.median(self._steps)) if self._steps else 0.0
-        half = self._grain / 2 / speed if speed > 0 else 0.0
+        half = self._particle / 2 / speed if speed > 0 else 0.0
         # It was last seen in one frame and gone in the next: on average half a frame later.
         return Estimate(self._last + 0.5 - half, float(np.hypot(UNIFORM, half / 2)), 1)
 
 
-# Of plane grains the area that is seen is their mass, and does not grow; shadows and grains that
-# tilt change it by a hundredth or two.
+# Of plane particles the area that is seen is their mass, and does not grow; shadows and particles
+# that tilt change it by a hundredth or two.
 _AGAIN = 0.05
 # By how much falls differ, over their mean, when a twentieth has left: 0 for an object that falls
 # as one, 1 where they go with the height down to none (in rendered discharges 0.7 to 1.4).
@@ -151,7 +152,7 @@ class Plausible:
     """Looks at a film as it goes by; InputError, one line, for what no discharge does."""
 
     def __init__(self, path: Path, standing: int, wanted: float) -> None:
-        """Tracers above the outlet, and how many there would be if all there were grains."""
+        """Tracers above the outlet, and how many there would be if all there were particles."""
         self._path = path
         if standing < _MAJORITY * wanted:
             self._refuse("no material stands above the outlet in the first frame")
@@ -173,7 +174,7 @@ class Plausible:
             self._deforms = True
 
     def end(self, across: Floats, ends: tuple[float, float]) -> None:
-        """Columns (n,) of tracers that have left, and the outlet's ends, a grain wider [px]."""
+        """Columns (n,) of tracers that have left, and the outlet's ends, a particle wider [px]."""
         by_it = np.mean((across > ends[0]) & (across < ends[1])) if len(across) else 1.0
         if by_it < _MAJORITY:
             self._refuse(f"{1 - by_it:.0%} of what leaves does not go through the outlet")

@@ -1,16 +1,16 @@
 """Layers of a filling and their displacement profile, as silo2d measures it of a run.
 
-The line of layer k at a time t, over columns j two grains wide (silo2d.measures.profile):
+The line of layer k at a time t, over columns j two particles wide (silo2d.measures.profile):
 
     y_k(j) = <y(0)>_k + <y(t) - y(0)>_kj
 
-with means over grains: the layer's at the start, and those in column j that have not left, two at
-least. A film shows material and no list of grains. So the tracers are parted many times into
-grains that might have been: what is nearest to the points of a lattice, turned and shifted by
-chance. Such a piece may lie over two grains of which one leaves before the other: it is where the
-median of its tracers is, and has left when half of them have, as a grain when its centroid has.
-The line is the mean over these partings. Their scatter is how far the line depends on which grains
-there are, to which that of the tracers' own errors is added.
+with means over particles: the layer's at the start, and those in column j that have not left, two
+at least. A film shows material and no list of particles. So the tracers are parted many times into
+particles that might have been: what is nearest to the points of a lattice, rotated and shifted by
+chance. Such a piece may lie over two particles of which one leaves before the other: it is where
+the median of its tracers is, and has left when half of them have, as a particle when its centroid
+has. The line is the mean over these partings. Their scatter is how far the line depends on which
+particles there are, to which that of the tracers' own errors is added.
 """
 
 from dataclasses import dataclass
@@ -27,8 +27,8 @@ from granulab.errors import InputError
 Floats = NDArray[np.float64]
 
 _PARTINGS = 60
-_FEWEST = 2  # grains that make a mean, as in silo2d
-_WHOLE = 0.5  # of a grain's tracers that must be of one layer for it to count as a grain there
+_FEWEST = 2  # particles that make a mean, as in silo2d
+_WHOLE = 0.5  # of a particle's tracers that must be of one layer for it to count there
 _PURE = 0.75  # share of one tone within a painted band
 
 
@@ -41,7 +41,7 @@ class Band(NamedTuple):
 
 
 class Pieces(NamedTuple):
-    """A parting of the tracers into pieces of a grain's size.
+    """A parting of the tracers into pieces of a particle's size.
 
     use      (n,) tracers that are in a piece, in the order of the pieces
     tracers  (m,) number of them in each piece of each piece
@@ -74,30 +74,32 @@ class Pieces(NamedTuple):
 class Profile:
     """Lines of the layers (l, c), and how well they are known, in the silo's unit; NaN for none.
 
-    grains    (l, c) in each column, as far as squares of a particle's area show
+    particles    (l, c) in each column, as far as squares of a particle's area show
     """
 
     time: float
     lines: Floats
     sigma: Floats
-    grains: Floats
+    particles: Floats
 
 
-def painted_bands(labels: Labels, silo: Silo, use: NDArray[np.bool_], grain: float) -> list[Band]:
+def painted_bands(
+    labels: Labels, silo: Silo, use: NDArray[np.bool_], particle: float
+) -> list[Band]:
     """Painted layers in the first picture, the lowest first; none where tones do not alternate.
 
-    labels, use    tones, and where material may be, of the whole picture; grain [px]
+    labels, use    tones, and where material may be, of the whole picture; particle: its width [px]
     """
     rows, columns = silo.box
     inside = np.where(use[rows, columns], labels[rows, columns], 2)
     dark, light = ((inside == tone).sum(axis=1).astype(float) for tone in (0, 1))
-    window = np.ones(max(round(grain), 1))
+    window = np.ones(max(round(particle), 1))
     dark, light = (np.convolve(count, window, "same") for count in (dark, light))
     both = dark + light
     filled = np.flatnonzero(both > 0.1 * both.max())
     first, end = int(filled[0]), int(filled[-1]) + 1
     share = dark[first:end] / np.maximum(both[first:end], 1.0)
-    edges = [0, *_long_runs(share < 0.5, grain), end - first]
+    edges = [0, *_long_runs(share < 0.5, particle), end - first]
     bands = []
     for top, bottom in pairwise(edges):
         tone = 0 if share[top:bottom].mean() > 0.5 else 1
@@ -137,7 +139,7 @@ def drawn_bands(silo: Silo, height: float, top: float) -> list[Band]:
 
 
 def of_bands(
-    bands: list[Band], position: NDArray, tone: NDArray, grain: float
+    bands: list[Band], position: NDArray, tone: NDArray, particle: float
 ) -> NDArray[np.int64]:
     """Band of each tracer (n,): the nearest of its tone within a particle, else where it lies."""
     y = position[:, 1]
@@ -145,7 +147,7 @@ def of_bands(
     other = np.array([(b.tone >= 0) & (tone != b.tone) for b in bands])
     own = np.where(other, np.inf, far)
     nearest = own.argmin(axis=0)
-    return np.where(own.min(axis=0) <= grain, nearest, far.argmin(axis=0))
+    return np.where(own.min(axis=0) <= particle, nearest, far.argmin(axis=0))
 
 
 class Lines:
@@ -154,7 +156,7 @@ class Lines:
     def __init__(
         self, start: Floats, layer: NDArray[np.int64], edges: Floats, share: float
     ) -> None:
-        """share: of a grain's area that one tracer stands for; edges of the columns (c + 1,)."""
+        """share: of a particle's area that one tracer stands for; edges of the columns (c + 1,)."""
         self.edges = edges
         self._start, self._layer, self._share = start, layer, share
         self._count = int(layer.max()) + 1
@@ -170,9 +172,9 @@ class Lines:
         row = np.arange(-reach, reach, size)
         lattice = np.stack(np.meshgrid(row, row), axis=-1).reshape(-1, 2)
         angle = random.uniform(0, np.pi / 2)
-        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        # Shifted by up to half a grain, so that no row of grains reaches across the silo.
-        centres = middle + lattice @ turn + random.uniform(-size / 2, size / 2, lattice.shape)
+        rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        # Shifted by up to half a particle, so that no row of particles reaches across the silo.
+        centres = middle + lattice @ rotation + random.uniform(-size / 2, size / 2, lattice.shape)
         cell = cKDTree(centres).query(self._start)[1]
         key = np.column_stack([cell, self._layer])
         _, number, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
@@ -192,7 +194,7 @@ class Lines:
     def at(self, time: float, position: Floats, variance: Floats) -> Profile:
         """Profile of tracers that are now at `position` (n, 2), with the variance of each (n,)."""
         found = [self._lines(parting, position, variance) for parting in self._partings]
-        lines, own, grains = (np.array(part) for part in zip(*found, strict=True))
+        lines, own, particles = (np.array(part) for part in zip(*found, strict=True))
         known = np.isfinite(lines)
         usual = known.mean(axis=0) >= 0.5
         lines, own = (np.where(known, part, 0.0) for part in (lines, own))
@@ -201,12 +203,12 @@ class Lines:
         scatter = np.where(known, np.square(lines - mean), 0.0).sum(axis=0) / np.maximum(n - 1, 1)
         sigma = np.sqrt(scatter + own.sum(axis=0) / n)
         return Profile(time, np.where(usual, mean, np.nan), np.where(usual, sigma, np.nan),
-                       grains.mean(axis=0))  # fmt: skip
+                       particles.mean(axis=0))  # fmt: skip
 
     def _lines(
         self, parting: Pieces, position: Floats, variance: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Lines (l, c), the variance of each from that of the tracers, and the grains."""
+        """Lines (l, c), the variance of each from that of the tracers, and the particles."""
         inside = parting.medians(position[:, 1]) > 0
         fall = parting.medians(position[:, 1] - self._start[:, 1])[inside]
         column = np.digitize(parting.medians(position[:, 0])[inside], self.edges[1:-1])
@@ -217,8 +219,8 @@ class Lines:
             return np.bincount(cell, values, self._count * shape[1]).reshape(shape).astype(float)
 
         count = sums()
-        grains = np.maximum(np.bincount(parting.layer, minlength=self._count), 1)
-        level = np.bincount(parting.layer, parting.start, self._count) / grains
+        particles = np.maximum(np.bincount(parting.layer, minlength=self._count), 1)
+        level = np.bincount(parting.layer, parting.start, self._count) / particles
         moved, own = sums(fall), sums(parting.means(variance)[inside])
         lines = np.where(count >= _FEWEST, moved / np.maximum(count, 1), np.nan) + level[:, None]
         return lines, own / np.maximum(count, 1) ** 2, count

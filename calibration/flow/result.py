@@ -56,7 +56,7 @@ class Flow:
 
     opening      frame of the film, with a part of one
     outcome      empty, dead_zones, clogged, unfinished or nothing_flows
-    discharge    from the opening to the last grain [s]; None if clogged or unfinished
+    discharge    from the opening to the last particle [s]; None if clogged or unfinished
     """
 
     film: Film
@@ -246,7 +246,7 @@ def _profile_rows(flow: Flow) -> list[Row]:
         {
             "time_s": p.time, "layer": layer, f"x_{unit}": x[column],
             f"y_{unit}": p.lines[layer, column], f"sigma_{unit}": p.sigma[layer, column],
-            "grains": p.grains[layer, column],
+            "grains": p.particles[layer, column],
         }
         for p in flow.profiles
         for layer, column in np.argwhere(np.isfinite(p.lines))

@@ -14,7 +14,7 @@ from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.film.reader import Film, inside
 from granulab.errors import InputError
 
-COLUMNS = 11  # two grains wide each in the paper's silo
+COLUMNS = 11  # two particles wide each in the paper's silo
 
 
 @dataclass(frozen=True)
@@ -36,10 +36,10 @@ Mask = NDArray[np.bool_]
 Roi = tuple[int, int, int, int] | None
 
 _SOME = 0.05  # of a side that must have changed for a row or column to be of the inside
-SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' grains
+SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' particles
 _EDGE = 0.41  # px, of a found side: whole pixels, 1/sqrt(12), for the edge and for the limit each
 _NEAR = 7  # px about an edge in which its whole change is found
-_PLAIN = 0.5  # of the usual roughness of a row, below which it shows a door and not grains
+_PLAIN = 0.5  # of the usual roughness of a row, below which it shows a door and not particles
 
 
 @dataclass(frozen=True)
@@ -167,9 +167,9 @@ def _ends(holds: Mask) -> tuple[int, int]:
 
 
 def _without_door(grey: NDArray[np.uint8], there: Mask) -> float:
-    """Rows down to where grains end: a door that is taken away is plain.
+    """Rows down to where particles end: a door that is taken away is plain.
 
-    Blur smears that edge: it stands midway between the roughness of grains and that of the door.
+    Blur smears that edge: it stands midway between the roughness of particles and that of the door.
     A row of which hardly anything changed shows nothing: a codec's errors are rough, too.
     """
     steps = np.abs(np.diff(grey.astype(np.float32), axis=1))

@@ -144,7 +144,7 @@ class Tones:
         """Columns (width,) in most of whose rows material hides what is behind it.
 
         Pixel by pixel, by half of the contrast there: at the outlet the backing ends, and what is
-        seen below may be of any tone; by the spread of a tone at least, by which grains differ.
+        seen below may be of any tone; by the spread of a tone at least, by which particles differ.
         """
         back = behind.astype(np.float32)
         half = np.linalg.norm(back[..., None, :] - self.colours[:2], axis=-1).min(axis=-1) / 2

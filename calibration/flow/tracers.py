@@ -17,7 +17,7 @@ from calibration.flow.survey import Grey, Labels, Survey, Tones, to_grey
 Points = NDArray[np.float32]
 
 _RETURN = 1.0  # px by which a point may miss its beginning after there and back
-_WINDOW = 2 / 3  # of a grain: what a window sees should mostly be of one grain
+_WINDOW = 2 / 3  # of a particle: what a window sees should mostly be of one particle
 _SMALLEST = 7  # px
 _NEIGHBOURS = 8
 _MEDIAN_LIMIT = 3.0  # residuals over the neighbours' median residual
@@ -29,12 +29,12 @@ _STOP = (3, 20, 0.03)  # iterations or px
 class Tracers:
     """Points (n, 2) [px, pixel k from k to k + 1], and the variance of each [px^2]."""
 
-    def __init__(self, start: Points, grain: float) -> None:
+    def __init__(self, start: Points, particle: float) -> None:
         self.start = start.astype(np.float32)
         self.position = self.start.copy()
         self.variance = np.zeros(len(start))
         self.alive = np.ones(len(start), dtype=bool)
-        self._window = max(round(_WINDOW * grain) | 1, _SMALLEST)
+        self._window = max(round(_WINDOW * particle) | 1, _SMALLEST)
 
     def follow(self, before: Grey, after: Grey) -> None:
         """Move all points that are alive as the picture does."""
@@ -100,7 +100,7 @@ class Steps(NamedTuple):
     def means(self, x: Floats, y: Floats, side: float) -> tuple[Floats, Floats, Floats]:
         """(ny, nx) mean steps along x and y, and the variance of either, in windows about x and y.
 
-        The tracers of a window are those of a few grains: they err together. How the window is
+        The tracers of a window are those of a few particles: they err together. How the window is
         covered by them is chance: that part of the variance is their scatter over their number.
         """
         count = self._sums(np.ones(len(self.step)), x, y, side)
@@ -121,15 +121,15 @@ class Steps(NamedTuple):
 Mask = NDArray[np.bool_]
 
 _ROUGH = 0.5  # of the usual roughness of moving material: walls and doors are plain
-_PER_GRAIN = 3  # tracers across a grain
+_PER_PARTICLE = 3  # tracers across a particle
 _CLOSEST = 2.0  # px between tracers
 
 
-def material_mask(seen: Survey, silo: Silo, tones: Tones, labels: Labels, grain: float) -> Mask:
+def material_mask(seen: Survey, silo: Silo, tones: Tones, labels: Labels, particle: float) -> Mask:
     """Pixels (height, width) of the silo's inside where there is material or it passes.
 
     What changes from the first picture to the last; and what is as rough as that in the tones of
-    the material and lies still in patches larger than a grain.
+    the material and lies still in patches larger than a particle.
     """
     import cv2
 
@@ -137,7 +137,7 @@ def material_mask(seen: Survey, silo: Silo, tones: Tones, labels: Labels, grain:
     inside = np.zeros(moved.shape, dtype=bool)
     inside[silo.box] = True
     moved &= inside
-    side = max(round(grain / 2), 3)
+    side = max(round(particle / 2), 3)
     grey = to_grey(seen.first).astype(np.float32)
     mean = cv2.blur(grey, (side, side))
     rough = np.sqrt(np.maximum(cv2.blur(grey * grey, (side, side)) - mean * mean, 0))
@@ -145,16 +145,18 @@ def material_mask(seen: Survey, silo: Silo, tones: Tones, labels: Labels, grain:
     if not material.any():
         return moved
     still = inside & ~moved & (labels != 2) & (rough > _ROUGH * np.median(rough[material]))
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (round(grain) | 1,) * 2)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (round(particle) | 1,) * 2)
     patches = cv2.morphologyEx(still.astype(np.uint8), cv2.MORPH_OPEN, kernel).astype(bool)
     closing = np.ones((side, side), np.uint8)
     whole = cv2.morphologyEx((moved | patches).astype(np.uint8), cv2.MORPH_CLOSE, closing)
     return np.asarray(whole.astype(bool) & inside)
 
 
-def seeds(mask: Mask, labels: Labels, silo: Silo, grain: float) -> tuple[Points, NDArray[np.int64]]:
+def seeds(
+    mask: Mask, labels: Labels, silo: Silo, particle: float
+) -> tuple[Points, NDArray[np.int64]]:
     """Tracers (n, 2) [px] on a grid over the first picture's material, and the tone of each."""
-    step = max(grain / _PER_GRAIN, _CLOSEST)
+    step = max(particle / _PER_PARTICLE, _CLOSEST)
     x, y = np.meshgrid(
         np.arange(silo.left + step / 2, silo.left + silo.width, step),
         np.arange(silo.top + step / 2, silo.outlet, step),
@@ -166,10 +168,10 @@ def seeds(mask: Mask, labels: Labels, silo: Silo, grain: float) -> tuple[Points,
     return points[use].astype(np.float32), tone[use]
 
 
-def outlet_columns(mask: Mask, silo: Silo, grain: float) -> tuple[int, int]:
-    """First column and end of what moves or stands in the lowest half grain above the outlet."""
+def outlet_columns(mask: Mask, silo: Silo, particle: float) -> tuple[int, int]:
+    """First column and end of what moves or stands in the lowest half particle above the outlet."""
     rows, columns = silo.box
-    lowest = mask[rows.stop - max(round(grain / 2), 2) : rows.stop, columns]
+    lowest = mask[rows.stop - max(round(particle / 2), 2) : rows.stop, columns]
     there = np.flatnonzero(lowest.mean(axis=0) > 0.5)
     if len(there) == 0:
         return columns.start, columns.stop

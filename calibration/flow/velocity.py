@@ -12,7 +12,7 @@ from calibration.flow.tracers import Steps
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_WINDOW = 2.0  # grains across a window: a grain's own turning is not the flow
+_WINDOW = 2.0  # particles across a window: a particle's own rotation is not the flow
 _SMALLEST = 16  # px
 _COVERED = 0.5  # of a window, by the bed
 _LEAST = 0.01  # of the silo that is filled, below which no field is sought
@@ -64,14 +64,14 @@ class _Sum:
         self._squares += np.nan_to_num(change)
         self._last = np.where(known, np.stack([u, v]), self._last)
 
-    def variance(self, seconds: float, grain: float) -> Floats:
+    def variance(self, seconds: float, particle: float) -> Floats:
         """Variance of the means over an interval [s], by the scatter of pairs and that of each.
 
-        What is wrong of a window is so by its grains [px]: it is another error when they have gone
-        on by one, and the same in all pairs as long as they have not.
+        What is wrong of a window is so by its particles [px]: it is another error when they have
+        gone on by one, and the same in all pairs as long as they have not.
         """
         n, changes = np.maximum(self.count, 1), np.maximum(self._changes, 1)
-        passed = np.hypot(self.u, self.v) / n * seconds / grain
+        passed = np.hypot(self.u, self.v) / n * seconds / particle
         others = np.minimum(1 + passed, n)
         return np.asarray((self._squares / changes / 2 + self._variance / others) / n)
 
@@ -79,9 +79,9 @@ class _Sum:
 class Velocities:
     """Sums of velocities, interval by interval, of a few pairs of pictures in each."""
 
-    def __init__(self, silo: Silo, grain: float) -> None:
-        self._silo, self._grain = silo, grain
-        self._window = max(2 * round(_WINDOW * grain / 2), _SMALLEST)
+    def __init__(self, silo: Silo, particle: float) -> None:
+        self._silo, self._particle = silo, particle
+        self._window = max(2 * round(_WINDOW * particle / 2), _SMALLEST)
         self._sums: dict[int, _Sum] = {}
         self._pairs: dict[int, int] = {}
         self._grid: tuple[Floats, Floats] | None = None
@@ -141,7 +141,9 @@ class Velocities:
         n = np.where(total.count >= FEWEST, total.count, np.nan)
         u, v = total.u / n, total.v / n
         relative = (scale.sigma or 0.0) / scale.value
-        sigma = np.sqrt(total.variance(end - start, self._grain) + (u**2 + v**2) / 2 * relative**2)
+        sigma = np.sqrt(
+            total.variance(end - start, self._particle) + (u**2 + v**2) / 2 * relative**2
+        )
         k = scale.value
         return VelocityField(start, end, x, y, k * u, -k * v, k * sigma, total.count)
 

@@ -22,7 +22,7 @@ from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
 
-_STILL = 0.1  # of a grain's pixels that must change for anything to have moved
+_STILL = 0.1  # of a particle's pixels that must change for anything to have moved
 _REST = 0.1  # s without motion at the end of the film, for what is left to be at rest
 
 
@@ -44,26 +44,26 @@ class Watch:
     ) -> None:
         self.film, self.rate, self.interval = film, rate, interval
         self.seen, self.silo, self.settings = seen, silo, settings
-        self.grain = silo.width / settings.columns / 2  # px: columns are two grains wide
+        self.particle = silo.width / settings.columns / 2  # px: columns are two particles wide
         self.tones: Tones = find_tones(seen, silo.box)
         labels = self.tones.labels(seen.first)
-        self.mask = material_mask(seen, silo, self.tones, labels, self.grain)
-        start, tone = seeds(self.mask, labels, silo, self.grain)
+        self.mask = material_mask(seen, silo, self.tones, labels, self.particle)
+        start, tone = seeds(self.mask, labels, silo, self.particle)
         if len(start) < 100:
             raise InputError(f"{film.path}: no material is seen in the silo; check --roi")
         self.left = self._without_edges()
-        self.tracers = Tracers(start, self.grain)
-        self.outlet = outlet_columns(self.mask, silo, self.grain)
+        self.tracers = Tracers(start, self.particle)
+        self.outlet = outlet_columns(self.mask, silo, self.particle)
         row = round(silo.outlet)
         self._lip = slice(max(row - 1, 0), row + 2), slice(*self.outlet)
         self.bands = self._bands(labels, start)
         self.lines = self._lines(start, tone)
         self._lowest = self._above_outlet(start)
-        strip = (self.outlet[1] - self.outlet[0]) * self.grain
+        strip = (self.outlet[1] - self.outlet[0]) * self.particle
         wanted = strip / self.tracers_step() ** 2
         self._plausible = Plausible(film.path, int(self._lowest.sum()), wanted)
-        self.opening, self.crossing = Opening(self.grain), Crossing(self.grain)
-        self.velocities = Velocities(silo, self.grain)
+        self.opening, self.crossing = Opening(self.particle), Crossing(self.particle)
+        self.velocities = Velocities(silo, self.particle)
         self._series: list[tuple[float, float, float, float]] = []
         self._waiting: deque[_Moment] = deque()
         self._before: _Moment | None = None
@@ -80,14 +80,14 @@ class Watch:
 
         box = self.silo.box
         material = (self.tones.labels(self.seen.last)[box] != 2) & self.mask[box]
-        size = (max(round(self.grain / 2), 3),) * 2
+        size = (max(round(self.particle / 2), 3),) * 2
         kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, size)
         opened = cv2.morphologyEx(material.astype(np.uint8), cv2.MORPH_OPEN, kernel).astype(bool)
         self.area = self.mask[box] & ~(material & ~opened)
         return opened
 
     def _bands(self, labels: NDArray[np.int64], start: NDArray) -> list[Band]:
-        bands = painted_bands(labels, self.silo, self.mask, self.grain)
+        bands = painted_bands(labels, self.silo, self.mask, self.particle)
         if self.settings.layer_height is not None:
             height = to_si(self.settings.layer_height, "m", "--layer-height")
             if self.silo.unit != "m":
@@ -98,8 +98,8 @@ class Watch:
     def _lines(self, start: NDArray, tone: NDArray[np.int64]) -> Lines:
         scale = self.silo.scale.value
         edges = np.linspace(0.0, self.silo.width, self.settings.columns + 1) * scale
-        layer = of_bands(self.bands, start, tone, self.grain)
-        share = (self.tracers_step() / self.grain) ** 2
+        layer = of_bands(self.bands, start, tone, self.particle)
+        share = (self.tracers_step() / self.particle) ** 2
         return Lines(self.silo.metres(start.astype(float)), layer, edges, share)
 
     def tracers_step(self) -> float:
@@ -107,9 +107,9 @@ class Watch:
         return float(np.min(np.diff(np.unique(self.tracers.start[:, 0]))))
 
     def _above_outlet(self, start: NDArray) -> NDArray[np.bool_]:
-        """A grain above the outlet, where no window sees the door or what is below it."""
-        grains = (self.silo.outlet - start[:, 1]) / self.grain
-        near = (grains > 1) & (grains < 2)
+        """A particle above the outlet, where no window sees the door or what is below it."""
+        particles = (self.silo.outlet - start[:, 1]) / self.particle
+        near = (particles > 1) & (particles < 2)
         return near & (start[:, 0] > self.outlet[0]) & (start[:, 0] < self.outlet[1])
 
     def see(self, number: int, picture: Picture) -> None:
@@ -118,7 +118,7 @@ class Watch:
         height = self.tracers.position[:, 1].copy()
         if self._grey is not None and self._differs(self._grey, grey):
             self.tracers.follow(self._grey, grey)
-            self.tracers.drop(self.tracers.position[:, 1] > self.silo.outlet + 2 * self.grain)
+            self.tracers.drop(self.tracers.position[:, 1] > self.silo.outlet + 2 * self.particle)
             self._grey, self._moved = grey, number
         elif self._grey is None:
             self._grey = grey
@@ -136,10 +136,10 @@ class Watch:
         import cv2
 
         rows, columns = self.silo.box
-        wider = slice(rows.start, rows.stop + round(2 * self.grain)), columns
+        wider = slice(rows.start, rows.stop + round(2 * self.particle)), columns
         apart = cv2.blur(cv2.absdiff(grey[wider], before[wider]), (3, 3))
         changed = np.count_nonzero(apart > CLEAR * self.seen.noise)
-        return bool(changed > _STILL * self.grain**2)
+        return bool(changed > _STILL * self.particle**2)
 
     def _cross(self, number: int, picture: Picture, before: Points) -> None:
         """See what stands in the outlet's row, and how fast tracers that began above it pass."""
@@ -157,7 +157,7 @@ class Watch:
         rows, columns = self.silo.box
         material = (self.tones.labels(picture[rows, columns]) != 2) & self.area
         self._bed = self._closed(material)
-        wide = self.grain * 2
+        wide = self.particle * 2
         edges = np.arange(0, material.shape[1] + 1e-9, wide).astype(int)
         tops = []
         for a, b in pairwise(edges.tolist()):
@@ -168,10 +168,10 @@ class Watch:
         return float(material.sum()), height
 
     def _closed(self, material: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Material with the gaps between its grains."""
+        """Material with the gaps between its particles."""
         import cv2
 
-        size = max(round(self.grain / 2), 3)
+        size = max(round(self.particle / 2), 3)
         kernel = np.ones((size, size), np.uint8)
         return cv2.morphologyEx(material.astype(np.uint8), cv2.MORPH_CLOSE, kernel).astype(bool)
 
@@ -225,7 +225,7 @@ class Watch:
         position = self.tracers.position[self.tracers.position[:, 1] > self.silo.outlet].astype(
             float
         )
-        ends = self.outlet[0] - self.grain, self.outlet[1] + self.grain
+        ends = self.outlet[0] - self.particle, self.outlet[1] + self.particle
         self._plausible.end(position[:, 0], ends)
         frame, area, surface, share = np.array(self._series).T
         time = (frame - opening.value) / self.rate
@@ -257,11 +257,11 @@ class Watch:
         columns, left = self.silo.box[1], self.left
         if self.tones.backing is None:
             return "clogged"
-        if left.sum() < self.grain**2:
+        if left.sum() < self.particle**2:
             return "empty"
         middle = round(sum(self.outlet) / 2) - columns.start
         strip = left[:, max(middle - 1, 0) : middle + 2]
-        return "clogged" if strip.all(axis=1).sum() > self.grain / 2 else "dead_zones"
+        return "clogged" if strip.all(axis=1).sum() > self.particle / 2 else "dead_zones"
 
     def _with_shared(self, start: Estimate) -> list[Profile]:
         """Profiles with the uncertainty of scale, outlet level and opening, which all share."""

@@ -66,7 +66,7 @@ def _read_curve(written: Written) -> list[Observation]:
     return [
         Observation(
             "curve", (), values, sigma, trials, times[:, None], (name,) * len(times), times,
-            ("time since the opening [s]", words.get(name, "grains out")), table.path,
+            ("time since the opening [s]", words.get(name, "particles out")), table.path,
         )
     ]  # fmt: skip
 

@@ -1,7 +1,7 @@
 """Displacement by dense optical flow (DIS; Kroeger et al. 2016, ECCV), as means over windows.
 
 Both pictures are first deformed by the coarse correlation, so that flow finds what is left, however
-far the grains went. Flow is taken forwards, f from a to b, and backwards, g from b to a; midway
+far the particles went. Flow is taken forwards, f from a to b, and backwards, g from b to a; midway
 
     displacement (f - g)/2,   residual f + g,
 

@@ -13,7 +13,7 @@ and the peak of the Gaussian through three points moves with it by
 
     sigma = s/(4 C1 ln(C0/C1)),
 
-C1 the mean of both neighbours of the peak's C0. This holds noise, lost grains and what the
+C1 the mean of both neighbours of the peak's C0. This holds noise, lost particles and what the
 deformation of the window does not follow; an error that all pixels share is not seen.
 """
 

@@ -94,9 +94,9 @@ def blend(light: Light, patch: Patch) -> None:
 
 
 def disc(
-    x: float, y: float, radius: float, colour: Colour, texture: float = 0.0, turned: float = 0.0
+    x: float, y: float, radius: float, colour: Colour, texture: float = 0.0, rotation: float = 0.0
 ) -> Patch:
-    """A ball: shaded by a lamp, with stripes of light that turn with it [rad]."""
+    """A ball: shaded by a lamp, with stripes of light that rotate with it [rad]."""
     dx, dy, row, column = _grid(x, y, radius)
     r = np.hypot(dx, dy)
     u, v = dx / radius, dy / radius
@@ -104,7 +104,7 @@ def disc(
     lit = _AROUND + (1 - _AROUND) * np.clip(
         (_LAMP[0] * u + _LAMP[1] * v + _LAMP[2] * bulge) / np.linalg.norm(_LAMP), 0, 1
     )
-    along = u * math.cos(turned) + v * math.sin(turned)
+    along = u * math.cos(rotation) + v * math.sin(rotation)
     lit *= 1 + texture * np.sin(4 * along)
     light = np.clip(lit[:, :, None] * np.array(colour), 0, 1).astype(np.float32)
     return Patch(row, column, light, np.clip(radius - r + 0.5, 0, 1).astype(np.float32))

@@ -28,9 +28,9 @@ class Ball:
     diameter     [m]
     fall         height of the lowest point over the plate until `release` [m]
     release      when it is let go [s]
-    place        x where it hangs, as a share of the picture's width
+    position     x where it hangs, as a share of the picture's width
     aside        speed along x once it is let go [m/s]
-    spin         of its texture [rad/s]
+    rotation     of its texture [rad/s]
     bounces      contacts; it lies still after the flight from the last
     """
 
@@ -39,11 +39,11 @@ class Ball:
     restitution: float = 0.8
     exponent: float = 0.0
     release: float = 0.1234
-    place: float = 0.45
+    position: float = 0.45
     aside: float = 0.02
     colour: Colour = (0.15, 0.45, 0.85)
     texture: float = 0.15
-    spin: float = 0.0
+    rotation: float = 0.0
     bounces: int = 20
 
     def contacts(self) -> tuple[Array, Array, Array]:
@@ -118,10 +118,10 @@ class DropScene:
     with_hand: bool = False
     backdrop: Backdrop = field(default_factory=Backdrop)
 
-    def place(self, ball: Ball, time: float) -> tuple[float, float, float]:
+    def position(self, ball: Ball, time: float) -> tuple[float, float, float]:
         """Centre x, y and radius of a ball in the picture at a time [px]."""
         aside = ball.aside * max(time - ball.release, 0.0)
-        x = ball.place * self.width + aside / self.scale
+        x = ball.position * self.width + aside / self.scale
         y = self.plate * self.height - (ball.height(time) + ball.diameter / 2) / self.scale
         nearer = 1 / (1 - self.approach * time)
         middle = self.width / 2, self.height / 2
@@ -142,15 +142,15 @@ class DropScene:
         for ball in self.balls:
             self._shade(light, ball, time)
         for ball in self.balls:
-            x, y, radius = self.place(ball, time)
-            blend(light, disc(x, y, radius, ball.colour, ball.texture, ball.spin * time))
+            x, y, radius = self.position(ball, time)
+            blend(light, disc(x, y, radius, ball.colour, ball.texture, ball.rotation * time))
         if self.with_hand:
             self._paint_hand(light, self.balls[0], time)
         return light
 
     def _shade(self, light: Light, ball: Ball, time: float) -> None:
         """The shadow on the plate: wider and weaker the higher the ball."""
-        x, y, radius = self.place(ball, time)
+        x, y, radius = self.position(ball, time)
         high = ball.height(time) / self.scale
         touch = y + high / (1 - self.approach * time) + radius
         wide, strong = radius + 0.3 * high, self.shadow * radius / (radius + high)
@@ -162,7 +162,7 @@ class DropScene:
 
     def _paint_hand(self, light: Light, ball: Ball, time: float) -> None:
         """It holds the ball from above, opens to the side, and sways there."""
-        x, y, radius = self.place(ball, min(time, ball.release))
+        x, y, radius = self.position(ball, min(time, ball.release))
         since = max(time - ball.release, 0.0)
         away = 1.5 * radius * (1 - math.exp(-since / 0.1)) + 2 * math.sin(9 * since)
         blend(light, hand(x + away, y - 0.8 * radius, 0.9 * radius))
@@ -195,10 +195,10 @@ def truth(scene: DropScene, camera: Camera, shown: Sequence[int]) -> Truth:
     ball = scene.balls[0]
     times, restitutions, speeds = ball.contacts()
     kept = times < max(shown) / camera.rate
-    places = np.array([scene.place(ball, k / camera.rate) for k in shown])
+    positions = np.array([scene.position(ball, k / camera.rate) for k in shown])
     return Truth(
         times[kept], restitutions[kept], speeds[kept], times[kept] * camera.rate,
-        places[:, :2], places[:, 2], camera.rate, scene.scale,
+        positions[:, :2], positions[:, 2], camera.rate, scene.scale,
     )  # fmt: skip
 
 

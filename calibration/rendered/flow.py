@@ -1,9 +1,9 @@
 """The film that a camera would take of a simulated discharge, and what is true of it.
 
-Grains are painted where the run folder has them, layers dark and light in turn as in the paper
-(Granular Matter 15 (2013) 811, sec. 4), each with a texture of its own that turns with it. Between
-stored frames places follow cubics through stored places and velocities; grains that have left fall
-freely. x counts from the silo's left side, y from the outlet upwards.
+Particles are painted where the run folder has them, layers dark and light in turn as in the paper
+(Granular Matter 15 (2013) 811, sec. 4), each with a texture of its own that rotates with it.
+Between stored frames positions and angles follow cubics through stored ones and velocities;
+particles that have left fall freely. x counts from the silo's left side, y from the outlet upwards.
 """
 
 from collections.abc import Iterator
@@ -35,11 +35,11 @@ class Look:
 
     scale          m/px
     paint, bare    colour of the painted and of the other layers (blue, green, red), of 1
-    backing        colour behind the grains; walls and surroundings have their own
-    texture        standard deviation of a grain's texture, of 1
+    backing        colour behind the particles; walls and surroundings have their own
+    texture        standard deviation of a particle's texture, of 1
     texture_size   m over which the texture changes
     lead           s of film before the silo opens
-    rest           s of film after the last grain has left, or after the last frame
+    rest           s of film after the last particle has left, or after the last frame
     """
 
     scale: float = 1e-3
@@ -54,8 +54,8 @@ class Look:
     rest: float = 0.15
 
 
-class Places(NamedTuple):
-    """Grains that are shown (n,): which, where [m], and how they are turned [rad]."""
+class Poses(NamedTuple):
+    """Particles that are shown (n,): which, where [m], and their angles [rad]."""
 
     which: NDArray[np.int64]
     x: Floats
@@ -88,17 +88,17 @@ class Stage:
         import cv2
 
         canvas = self._surroundings(time)
-        places = places_at(self.scene, time)
-        self._fill(canvas, self.index(places), places)
+        poses = poses_at(self.scene, time)
+        self._fill(canvas, self.index(poses), poses)
         size = self.width, self.height
         return np.asarray(cv2.resize(canvas, size, interpolation=cv2.INTER_AREA), np.float32)
 
-    def index(self, places: Places) -> NDArray[np.int32]:
+    def index(self, poses: Poses) -> NDArray[np.int32]:
         """Index of the position that each fine pixel shows (2 height, 2 width); -1 for none."""
         import cv2
 
         index = np.full((self.height * _FINER, self.width * _FINER), -1, np.int32)
-        for k, outline in self._outlines(places):
+        for k, outline in self._outlines(poses):
             cv2.fillConvexPoly(index, outline, k, cv2.LINE_8, _SHIFT)
         return index
 
@@ -123,37 +123,37 @@ class Stage:
         """Points [m] as OpenCV takes them, whose pixel k reaches from k - 1/2 to k + 1/2."""
         return np.rint((self.pixels(points) * _FINER - 0.5) * 2**_SHIFT).astype(np.int32)
 
-    def _outlines(self, places: Places) -> Iterator[tuple[int, NDArray[np.int32]]]:
+    def _outlines(self, poses: Poses) -> Iterator[tuple[int, NDArray[np.int32]]]:
         static = self.scene.trajectory.static
         points, start, kind = static["shape_points"], static["shape_start"], static["kind"]
-        for k, grain in enumerate(places.which):
-            px, py = points[start[kind[grain]] : start[kind[grain] + 1]].T
-            cos, sin = np.cos(places.angle[k]), np.sin(places.angle[k])
+        for k, particle in enumerate(poses.which):
+            px, py = points[start[kind[particle]] : start[kind[particle] + 1]].T
+            cos, sin = np.cos(poses.angle[k]), np.sin(poses.angle[k])
             around = np.column_stack([px * cos - py * sin, px * sin + py * cos])
-            yield k, self._corners(around + np.array([places.x[k], places.y[k]]))
+            yield k, self._corners(around + np.array([poses.x[k], poses.y[k]]))
 
-    def _fill(self, canvas: Light, index: NDArray[np.int32], places: Places) -> None:
-        """Give every pixel of a grain its colour and the texture that stands there on the grain."""
+    def _fill(self, canvas: Light, index: NDArray[np.int32], poses: Poses) -> None:
+        """Give every pixel of a particle its colour and the texture there."""
         import cv2
 
         row, column = np.nonzero(index >= 0)
         k = index[row, column]
-        grain = places.which[k]
-        at = self.pixels(np.column_stack([places.x, places.y])).astype(np.float32) * _FINER
+        particle = poses.which[k]
+        at = self.pixels(np.column_stack([poses.x, poses.y])).astype(np.float32) * _FINER
         dx, dy = column + 0.5 - at[k, 0], row + 0.5 - at[k, 1]
-        cos, sin = (f(places.angle).astype(np.float32)[k] for f in (np.cos, np.sin))
+        cos, sin = (f(poses.angle).astype(np.float32)[k] for f in (np.cos, np.sin))
         maps = np.zeros((2, *index.shape), np.float32)
-        maps[0, row, column] = np.mod(dx * cos - dy * sin + self._origin[0, grain], _TEXELS)
-        maps[1, row, column] = np.mod(dx * sin + dy * cos + self._origin[1, grain], _TEXELS)
+        maps[0, row, column] = np.mod(dx * cos - dy * sin + self._origin[0, particle], _TEXELS)
+        maps[1, row, column] = np.mod(dx * sin + dy * cos + self._origin[1, particle], _TEXELS)
         texture = cv2.remap(
             self._texture, maps[0], maps[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_WRAP
         )
         shade = self.look.texture * texture[row, column]
-        canvas[row, column] = self._colour[grain] + shade[:, None]
+        canvas[row, column] = self._colour[particle] + shade[:, None]
 
 
-def places_at(scene: Scene, time: float) -> Places:
-    """Grains that have not been dropped, at a time of the run [s]; before it, as it began."""
+def poses_at(scene: Scene, time: float) -> Poses:
+    """Particles that have not been dropped, at a time of the run [s]; before it, as it began."""
     stored, frames = scene.time, scene.trajectory
     time = max(time, 0.0)
     k = int(np.clip(np.searchsorted(stored, time, side="right") - 1, 0, len(stored) - 1))
@@ -173,7 +173,7 @@ def places_at(scene: Scene, time: float) -> Places:
         resting = (frames["y"][k][which] > 0) & (n == k)  # the run has ended: what stays, stays
         free = np.where(resting, p0, p0 + v0 * ahead + pull * ahead**2 / 2)
         out.append(np.where(both, cubic, free))
-    return Places(which, *out)
+    return Poses(which, *out)
 
 
 def film_of_run(stage: Stage, camera: Camera, seed: int = 1) -> tuple[Floats, Iterator[Picture]]:

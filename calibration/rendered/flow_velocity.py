@@ -1,11 +1,12 @@
 """True velocities of a rendered discharge: how the film's material moves between two pictures.
 
-A point of a grain at r from its centre c moves with it, turning included; midway between pictures
+A point of a particle at r from its centre c moves with it, rotation included; midway between
+pictures
 
     v = (c(t + dt) - c(t) + 2 sin(dphi/2) (-r_y, r_x))/dt,   dphi = phi(t + dt) - phi(t)
 
-A window's velocity is the mean over the area of grains in it, an interval's the mean over its pairs
-of pictures in which grains cover half of the window at least, as PIV wants it.
+A window's velocity is the mean over the area of particles in it, an interval's the mean over its
+pairs of pictures in which particles cover half of the window at least, as PIV wants it.
 """
 
 from typing import NamedTuple
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.flow.velocity import VelocityField
-from calibration.rendered.flow import Stage, places_at
+from calibration.rendered.flow import Stage, poses_at
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ _COVERED = 0.5  # of a window
 
 
 class TrueField(NamedTuple):
-    """At the places of a measured field (ny, nx); NaN where no grains are.
+    """At the points of a measured field (ny, nx); NaN where no particles are.
 
     vx, vy    m/s, y upwards
     strain    Frobenius norm of the velocity's gradient, by differences on the grid [1/s]
@@ -54,7 +55,7 @@ def true_field(stage: Stage, times: Floats, field: VelocityField) -> TrueField:
 
 
 def _of_pair(stage: Stage, first: float, second: float, points: Floats, side: float) -> Floats:
-    """Mean velocities (..., 2) [m/s] of windows about points (..., 2) [m]; NaN for few grains."""
+    """Mean velocities (..., 2) [m/s] of windows about points (..., 2) [m]; NaN for few."""
     import cv2
 
     shown, velocity = _pixels(stage, first, second)
@@ -73,12 +74,12 @@ def _of_pair(stage: Stage, first: float, second: float, points: Floats, side: fl
 
 
 def _pixels(stage: Stage, first: float, second: float) -> tuple[Floats, Floats]:
-    """1 where a fine pixel (h, w) shows a grain, and its velocity (2, h, w) [m/s]; 0 elsewhere."""
-    midway = places_at(stage.scene, (first + second) / 2)
+    """1 where a fine pixel (h, w) shows a particle, and its velocity (2, h, w) [m/s]; else 0."""
+    midway = poses_at(stage.scene, (first + second) / 2)
     before, after = (np.full((3, stage.scene.n_particles), np.nan) for _ in range(2))
     for where, time in ((before, first), (after, second)):
-        places = places_at(stage.scene, time)
-        where[:, places.which] = places.x, places.y, places.angle
+        poses = poses_at(stage.scene, time)
+        where[:, poses.which] = poses.x, poses.y, poses.angle
     step = (after - before)[:, midway.which]
     index = stage.index(midway)
     row, column = np.nonzero((index >= 0) & np.isfinite(step[0])[index])
@@ -86,11 +87,11 @@ def _pixels(stage: Stage, first: float, second: float) -> tuple[Floats, Floats]:
     fine = stage.look.scale * stage.height / index.shape[0]
     rx = stage.left + (column + 0.5) * fine - midway.x[k]
     ry = stage.top - (row + 0.5) * fine - midway.y[k]
-    turn = 2 * np.sin(step[2, k] / 2)
+    rotation = 2 * np.sin(step[2, k] / 2)
     shown, velocity = np.zeros(index.shape), np.zeros((2, *index.shape))
     shown[row, column] = 1.0
-    velocity[0, row, column] = (step[0, k] - turn * ry) / (second - first)
-    velocity[1, row, column] = (step[1, k] + turn * rx) / (second - first)
+    velocity[0, row, column] = (step[0, k] - rotation * ry) / (second - first)
+    velocity[1, row, column] = (step[1, k] + rotation * rx) / (second - first)
     return shown, velocity
 
 

@@ -28,7 +28,7 @@ class Truth:
     contacts      (n,) times [s]
     frame         (n,) of each contact
     restitution   of all
-    path          (b, frames, 2) x, y of the things' centres in the middle of each exposure [px]
+    path          (b, frames, 2) x, y of the objects' centres in the middle of each exposure [px]
     rate          frames/s
     planar        whether the swing is in one plane
     """
@@ -43,15 +43,15 @@ class Truth:
 
 @dataclass(frozen=True)
 class PendulumScene:
-    """Things on strings before a backdrop.
+    """Objects on strings before a backdrop.
 
     width, height   of the picture [px]
     scale           m/px
-    size            of a thing, its diameter or edge [m]
+    size            of an object, its diameter or edge [m]
     pivot           y of the strings' upper ends [px]; they may be above the picture
     tilt            of the camera, downwards [deg]
     distance        of the camera [m]
-    colours         of the things
+    colours         of the objects
     """
 
     strings: Strings = field(default_factory=Strings)
@@ -66,18 +66,18 @@ class PendulumScene:
     backdrop: Backdrop = field(default_factory=Backdrop)
 
     def hung(self, k: int) -> float:
-        """x of thing k at its lowest point [px]."""
-        return self.width * (0.6 if self.strings.things == 1 else 0.5) + k * self.size / self.scale
+        """x of object k at its lowest point [px]."""
+        return self.width * (0.6 if self.strings.objects == 1 else 0.5) + k * self.size / self.scale
 
-    def places(self, motion: Swinging, times: Array) -> tuple[Array, Array]:
-        """(b, n, 2) centres [px], and (b, n) px per metre there, of things at (n,) times [s]."""
+    def positions(self, motion: Swinging, times: Array) -> tuple[Array, Array]:
+        """(b, n, 2) centres [px], and (b, n) px per metre there, of objects at (n,) times [s]."""
         theta, tau = motion.angles(times), motion.out_of_plane(times)
         length = self.strings.length
         nearer = length * np.sin(tau)
         tilt = math.radians(self.tilt)
         down = length * np.cos(theta) * np.cos(tau) * math.cos(tilt) + nearer * math.sin(tilt)
         zoom = np.broadcast_to(1 / (1 - nearer / self.distance), theta.shape)
-        hung = np.array([self.hung(k) for k in range(self.strings.things)])[:, None]
+        hung = np.array([self.hung(k) for k in range(self.strings.objects)])[:, None]
         x = self.width / 2 + zoom * (
             hung - self.width / 2 + length * np.sin(theta) * np.cos(tau) / self.scale
         )
@@ -87,19 +87,19 @@ class PendulumScene:
     def paint(self, motion: Swinging, time: float) -> Light:
         """Light of the scene at a time [s], (height, width, 3)."""
         light = self.backdrop.paint(self.width, self.height, 2 * self.height, 0.0, (0.0, 0.0))
-        places, zoom = self.places(motion, np.array([time]))
-        if self.strings.things == 1:
+        positions, zoom = self.positions(motion, np.array([time]))
+        if self.strings.objects == 1:
             self._wall(light)
-        for k, (place, per_metre) in enumerate(zip(places[:, 0], zoom[:, 0], strict=True)):
+        for k, (position, per_metre) in enumerate(zip(positions[:, 0], zoom[:, 0], strict=True)):
             half = self.size / 2 * per_metre
-            for side in (-0.7, 0.7) if self.strings.things == 2 else (0.0,):
+            for side in (-0.7, 0.7) if self.strings.objects == 2 else (0.0,):
                 _string(
                     light,
                     (self.hung(k) + side * half, self.pivot),
-                    (place[0] + side * half, place[1]),
+                    (position[0] + side * half, position[1]),
                 )
-            x, y = map(float, place)
-            if self.strings.things == 1:
+            x, y = map(float, position)
+            if self.strings.objects == 1:
                 blend(light, disc(x, y, half, self.colours[k], 0.1))
             else:
                 blend(light, _block(x, y, half, self.colours[k]))
@@ -107,7 +107,7 @@ class PendulumScene:
 
     def _wall(self, light: Light) -> None:
         """It stands where the ball's edge is at a contact."""
-        edge = self.hung(0) + (self.strings.beside + self.size / 2) / self.scale
+        edge = self.hung(0) + (self.strings.offset + self.size / 2) / self.scale
         cover = np.clip(np.arange(self.width) + 0.5 - edge, 0, 1)[None, :, None]
         light += cover.astype(np.float32) * (np.array(_WALL, dtype=np.float32) - light)
 
@@ -139,7 +139,7 @@ def film_pendulum(
     """Write the film of a scene until a time [s] `after` its last contact, and what it shows."""
     motion = swing(scene.strings)
     times = np.arange(0, motion.contacts[-1] + after, 1 / camera.rate)
-    centres, _ = scene.places(motion, times)
+    centres, _ = scene.positions(motion, times)
     fastest = np.abs(np.diff(centres[..., 0], axis=1)).max() * camera.exposure
     sharp = replace(camera, moments=max(camera.moments, math.ceil(fastest)))
     pictures = sharp.film(lambda time: scene.paint(motion, time), times, seed)

@@ -1,4 +1,4 @@
-"""Things on strings that collide, integrated: the truth behind made tracks and rendered films.
+"""Objects on strings that collide, integrated: the truth behind made tracks and rendered films.
 
     theta'' = -(g/L) sin theta - 2 beta theta',   tau'' = -(g/L) tau - 2 beta tau'
 
@@ -21,11 +21,11 @@ Array = NDArray[np.float64]
 class Strings:
     """One ball against a wall, or two blocks, on strings; the first is let go.
 
-    length       of a string, to the thing's centre [m]
+    length       of a string, to the object's centre [m]
     angle        of the first when it is let go [deg], to the left
     restitution  of all contacts
     mass_ratio   second block's mass over the first's; None for a ball against a wall
-    beside       of the wall's contact from the lowest point, to the right [m]
+    offset       of the wall's contact from the lowest point, to the right [m]
     beta         damping by air [1/s]
     release      when it is let go [s]
     aside        largest angle out of the plane [deg]
@@ -36,14 +36,14 @@ class Strings:
     angle: float = 25.0
     restitution: float = 0.7
     mass_ratio: float | None = None
-    beside: float = 0.0
+    offset: float = 0.0
     beta: float = 0.0
     release: float = 0.21
     aside: float = 0.0
     contacts: int = 8
 
     @property
-    def things(self) -> int:
+    def objects(self) -> int:
         """One or two."""
         return 1 if self.mass_ratio is None else 2
 
@@ -63,14 +63,14 @@ class Swinging:
     def angles(self, time: Array) -> Array:
         """(b, n) in the plane, rad, to the right, at (n,) times [s]."""
         one = self.strings
-        found = np.empty((one.things, len(time)))
+        found = np.empty((one.objects, len(time)))
         ends = [one.release, *self.contacts, np.inf]
         held = time < one.release
-        found[:, held] = _at_rest(one)[: one.things, None]
+        found[:, held] = _at_rest(one)[: one.objects, None]
         for k, piece in enumerate(self.pieces):
             inside = (time >= ends[k]) & (time < ends[k + 1])
             if inside.any():
-                found[:, inside] = piece(time[inside])[: one.things]
+                found[:, inside] = piece(time[inside])[: one.objects]
         return found
 
     def out_of_plane(self, time: Array) -> Array:
@@ -84,7 +84,7 @@ def swing(strings: Strings) -> Swinging:
     """Integrate until one contact more than is asked for."""
     from scipy.integrate import solve_ivp
 
-    start, b = strings.release, strings.things
+    start, b = strings.release, strings.objects
     state = np.concatenate([_at_rest(strings)[:b], np.zeros(b)])
     pieces, times = [], []
     longest = 3 * np.pi * np.sqrt(strings.length / _G)  # one and a half periods
@@ -118,9 +118,9 @@ def _rates(strings: Strings, y: Array) -> Array:
 
 
 def _gap(strings: Strings, y: Array) -> float:
-    """Positive before a contact, in angle; strings hang as far apart as the things are wide."""
+    """Positive before a contact, in angle; strings hang as far apart as the objects are wide."""
     if len(y) == 2:
-        return float(np.arcsin(strings.beside / strings.length) - y[0])
+        return float(np.arcsin(strings.offset / strings.length) - y[0])
     return float(y[1] - y[0])
 
 

@@ -5,11 +5,11 @@ between which it moves by less than a length. Residuals r of one flight then hav
 
     v ((1 - q) 1 + q exp(-|y_i - y_j|/l))
 
-of the share q that is common at one place. The restricted likelihood (Patterson and Thompson 1971,
-doi 10.1093/biomet/58.3.545) of the residuals about each flight's own parabola, flat in q and ln l,
-is set against that of white noise, q = 0. Where it is less likely the noise is taken as white; else
-the covariance is the mean over q and l with these weights: what few residuals do not show counts as
-not known.
+of the share q that is common at one position. The restricted likelihood (Patterson and Thompson
+1971, doi 10.1093/biomet/58.3.545) of the residuals about each flight's own parabola, flat in q and
+ln l, is set against that of white noise, q = 0. Where it is less likely the noise is taken as
+white; else the covariance is the mean over q and l with these weights: what few residuals do not
+show counts as not known.
 """
 
 from functools import lru_cache

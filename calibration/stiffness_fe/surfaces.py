@@ -2,7 +2,7 @@
 
 A made surface has all waves that fit on its width, from the longest to the shortest, each with the
 same power and a random phase: noise cut off at a wavelength. A measured one is a stretch of a path,
-from a random place and in a random direction; its form is a straight line, as in the roughness.
+from a random position and in a random direction; its form is a straight line, as in the roughness.
 Lower and upper surface are two of a kind.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.bench.roughness import INPUTS, without_form
-from calibration.bench.sections import asked, curves, need
+from calibration.bench.sections import curves, need, request_of
 from granulab.contact.files.units import located
 from granulab.errors import InputError
 
@@ -101,7 +101,7 @@ class Paths:
 
 def read_paths(files: Sequence[str | Path], columns: Sequence[str]) -> Paths:
     """Profiles as `calibrate roughness` reads them, a line taken off; columns as "x=Way [mm]"."""
-    what = asked(INPUTS, columns)
+    what = request_of(INPUTS, columns)
     sections, _ = curves(files, INPUTS, what)
     found = []
     for section in sections:

@@ -207,7 +207,7 @@ class DamperCase:
         """All that a settled packing depends on: not what acts only once the enclosure moves."""
         enclosure, particle, law = self.enclosure, self.particle, self.settings.law
         # Two spheres have one contact.
-        treatment = {} if particle.is_sphere else {"contact_treatment": law.contact_treatment}
+        model = {} if particle.is_sphere else {"contact_treatment": law.contact_treatment}
         return {
             "enclosure": enclosure.identity,
             "particle": [particle.offsets, particle.radii, particle.volume, particle.inertia],
@@ -215,7 +215,7 @@ class DamperCase:
             "density": self.density,
             "laws": [list(self.pair_law), list(self.wall_law)],
             "wall_curvature": law.wall_curvature,
-            **treatment,
+            **model,
             "settling_gravity": self.settling_gravity,
             "fill": self.settings.fill.model_dump(),
             "fill_time_step": self.steps.free,

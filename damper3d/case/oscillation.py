@@ -2,12 +2,13 @@
 
 Rayleigh's step (thesis, eq. 3.31) is a part of the time that a sphere stays in contact: by Hertz
 both go as its radius. A contact of a multi-sphere particle carries all of its mass, and
-lasts as (m^2/R)^(1/5) (eq. 5.10): a small sub-sphere of a heavy body stays longer than a large one.
-What makes contacts shorter is that several act at once, and that the body also turns. So the limit
-is that of the swiftest oscillation (contact/timestep.py) of the body on all its contacts with a
-flat wall together, over the directions in which it can meet one, at the energy that presses the
-sphere of the same volume as deep as Hertz's law may hold. It is as many Rayleigh steps of that
-sphere as that one, on its own contact, oscillates faster or slower. Moduli and density drop out.
+lasts as (m^2/R)^(1/5) (eq. 5.10): a small sub-sphere of a heavy particle stays longer than a large
+one. What makes contacts shorter is that several act at once, and that the particle also rotates. So
+the limit is that of the swiftest oscillation (contact/timestep.py) of the particle on all its
+contacts with a flat wall together, over the directions in which it can meet one, at the energy that
+presses the sphere of the same volume as deep as Hertz's law may hold. It is as many Rayleigh steps
+of that sphere as that one, on its own contact, oscillates faster or slower. Moduli and density drop
+out.
 """
 
 import numpy as np
@@ -32,9 +33,9 @@ def equivalent_sphere_radius(particle: MultiSphere, tangential: float) -> float:
     heights = normals @ unit.offsets.T + unit.radii
     gaps = heights.max(axis=1)[:, None] - heights
     roots = np.sqrt(unit.radii * np.maximum(_depths(gaps, unit.radii) - gaps, 0.0))
-    ball = np.sqrt(DEEPEST) * max(1.5, 3.5 * tangential)  # as 1/m and 1/m + r^2/I of a sphere
+    sphere = np.sqrt(DEEPEST) * max(1.5, 3.5 * tangential)  # as 1/m and 1/m + r^2/I of a sphere
     swiftest = _highest(normals, roots, unit, tangential).max()
-    return particle.equal_volume_radius * float(np.sqrt(ball / swiftest))
+    return particle.equal_volume_radius * float(np.sqrt(sphere / swiftest))
 
 
 def _normals(unit: MultiSphere) -> np.ndarray:
@@ -63,7 +64,7 @@ def _depths(gaps: np.ndarray, radii: np.ndarray) -> np.ndarray:
 def _highest(
     normals: np.ndarray, roots: np.ndarray, unit: MultiSphere, tangential: float
 ) -> np.ndarray:
-    """Largest eigenvalue (d,) of M^-1/2 J^T k J M^-1/2 of the contacts, for a body of mass one.
+    """Largest eigenvalue (d,) of M^-1/2 J^T k J M^-1/2 of the contacts, for a particle of mass one.
 
     Contact s has the springs 1.5 roots[:, s] along the normal (the tangent of Hertz's force) and
     tangential roots[:, s] in both directions across, but for the same factor. With their sum
@@ -73,9 +74,9 @@ def _highest(
     n = normals
     spring = tangential * np.eye(3) + (1.5 - tangential) * n[:, :, None] * n[:, None, :]
     arms = unit.offsets + unit.radii[:, None] * n[:, None, :]  # (d, k, 3)
-    turns = np.cross(arms[:, :, None, :], np.eye(3)) / np.sqrt(unit.inertia / unit.volume)
-    rates = np.concatenate(  # (d, k, 3, 6) of the contact point, from those of the body
-        [np.broadcast_to(np.eye(3), turns.shape), turns], axis=3
+    rotations = np.cross(arms[:, :, None, :], np.eye(3)) / np.sqrt(unit.inertia / unit.volume)
+    rates = np.concatenate(  # (d, k, 3, 6) of the contact point, from those of the particle
+        [np.broadcast_to(np.eye(3), rotations.shape), rotations], axis=3
     )
     matrix = np.einsum("dk,dkai,dab,dkbj->dij", roots, rates, spring, rates, optimize=True)
     return np.linalg.eigvalsh(matrix)[:, -1]

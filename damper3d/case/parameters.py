@@ -20,7 +20,7 @@ USUAL_TIME_STEP = 1e-6  # [s] the thesis's (Table 6.1); 2 us gives the same with
 _USUAL_SHARE = 0.2  # of the Rayleigh step, by two digits, where the usual step is longer
 # The same of multi-sphere particles, whose limit counts contacts that act together: at 0.43 90
 # spheroids left 0.6 % of the energy unaccounted, which goes as the square of the step
-_CLUSTER_SHARE = 0.3
+_MULTI_SPHERE_SHARE = 0.3
 SAFE_SHARE = 0.4  # of the Rayleigh step; the thesis takes 0.1 to 0.4 of it (eq. 3.32)
 MOST_STEPS = 10**12  # a year of one core, and more
 
@@ -190,11 +190,13 @@ def _rayleigh(radius: float, material: Material) -> float:
     return rayleigh_time_step(radius, material.density.value, modulus, poisson)
 
 
-def _wanted_step(given: float | None, limit: float, ball: bool, where: str) -> tuple[float, str]:
+def _wanted_step(
+    given: float | None, limit: float, is_sphere: bool, where: str
+) -> tuple[float, str]:
     """The step [s] before it is fitted to the samples, and why."""
-    whose = "" if ball else " of the sphere that oscillates as fast"
+    whose = "" if is_sphere else " of the sphere that oscillates as fast"
     bound = f"Rayleigh step {limit:.3g} s{whose} (thesis, eq. 3.31)"
-    usual = _USUAL_SHARE if ball else _CLUSTER_SHARE
+    usual = _USUAL_SHARE if is_sphere else _MULTI_SPHERE_SHARE
     if given is not None:
         if given > limit:
             raise InputError(

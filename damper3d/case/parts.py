@@ -105,8 +105,8 @@ def _usual_fill_ratio(kind: str) -> float:
     """That of the thesis's 90 spheroids, 110 toroids or 358 spheres in 40 mm x 40 mm."""
     if kind == "sphere":
         return USUAL_FILL_RATIO
-    ball = 4.0 / 3.0 * math.pi * usual(kind).radius ** 3
-    return usual(kind).count * ball / cylinder(0.04, 0.04).volume
+    sphere = 4.0 / 3.0 * math.pi * usual(kind).radius ** 3
+    return usual(kind).count * sphere / cylinder(0.04, 0.04).volume
 
 
 def particle_wanted(particles: Particles, folder: Path) -> Particle:

@@ -51,9 +51,9 @@ SELDOM = 3  # every third packing alone runs what costs most
 REFINE = 2
 FLUIDISED = 125.0, 160.0, 200.0, 320.0, 625.0, 1024.0  # Hz of Figs 8.21-8.26, vertical
 SENSITIVE = 40.0, 35.0  # frequency [Hz] and Gamma of Fig. 8.20, horizontal
-TREATMENTS = "sum", "deepest", "scaled"  # of several contacts of one pair; the thesis's first
-TREATED = (("spheroid", 1.5), ("toroid", 0.2))  # for which they are compared, vertical
-TREATED_AT = 40.0  # Hz
+MODELS = "sum", "deepest", "scaled"  # of several contacts of one pair; the thesis's first
+COMPARED = (("spheroid", 1.5), ("toroid", 0.2))  # for which they are compared, vertical
+COMPARED_AT = 40.0  # Hz
 # [s] Sec. 8.4 takes chapter 6's 1 us; twice that changes eta by less than packings do (docs), but
 # leaves the energy balance of two spheroids open by more than 1 %: their shallow grooves let the
 # most sub-spheres touch at once, and the sum of those contacts is the stiffest.
@@ -108,7 +108,7 @@ def plan() -> list[Part]:
     low, high = BOUNCING
     return [
         Part(f"{high:g} Hz", onset_panels(high), refine=REFINE),
-        Part("treatments", treatment_panels(), refine=REFINE),
+        Part("treatments", model_panels(), refine=REFINE),
         Part("properties", sensitivity_panels()),
         Part("high frequencies", curve_panels(), every=SELDOM),
         Part(f"{low:g} Hz", onset_panels(low), every=SELDOM),
@@ -155,14 +155,14 @@ def sensitivity_panels() -> list[Panel]:
     ]
 
 
-def treatment_panels() -> list[Panel]:
-    """The two treatments of several contacts that the thesis has not, about the onset at 40 Hz."""
+def model_panels() -> list[Panel]:
+    """The two multi-contact models that the thesis has not, about the onset at 40 Hz."""
     return [
         panel(
-            shape, "vertical", [(TREATED_AT, gamma) for gamma in _about(shape, TREATED_AT)],
+            shape, "vertical", [(COMPARED_AT, gamma) for gamma in _about(shape, COMPARED_AT)],
             treatment=own,
         )
-        for own, shape in itertools.product(TREATMENTS[1:], TREATED)
+        for own, shape in itertools.product(MODELS[1:], COMPARED)
     ]  # fmt: skip
 
 
@@ -209,7 +209,7 @@ def _about(shape: Shape, frequency: float) -> list[float]:
 
 
 def report(rows: list[Row]) -> str:
-    """Return what lacks, the onsets, the treatments, the optima of fluidisation, the claims."""
+    """Return what lacks, the onsets, multi-contact models, optima of fluidisation, the claims."""
     found = optima(rows)
     pooled = pooled_scatter(list(found.values()))
     return paragraphs(
@@ -243,15 +243,15 @@ def _onset_table(found: Found) -> str:
 
 def _treatment_table(found: Found) -> str:
     lines = []
-    for shape in TREATED:
-        own = {t: found.get(Line(shape, "vertical", TREATED_AT, t)) for t in TREATMENTS}
+    for shape in COMPARED:
+        own = {t: found.get(Line(shape, "vertical", COMPARED_AT, t)) for t in MODELS}
         lines += [
             [particle_text(shape), treatment, *_cells(one), _times(one, own["sum"])]
             for treatment, one in own.items()
             if one is not None
         ]
     heads = ["particles", "contacts", "onset", "bracket", "eta", "over sum's"]
-    title = f"contacts of one pair, vertical, {TREATED_AT:g} Hz:\n"
+    title = f"contacts of one pair, vertical, {COMPARED_AT:g} Hz:\n"
     return title + columns(heads, lines) if lines else ""
 
 
@@ -301,7 +301,7 @@ def _strained(rows: Sequence[Row]) -> str:
 
 
 def draw(rows: list[Row]) -> "Figure":
-    """Onsets by ratio and sphericity, curves, treatments, properties."""
+    """Onsets by ratio and sphericity, curves, multi-contact models, properties."""
     from damper3d.reproduce.figures.shapes import draw_shapes
 
     return draw_shapes(rows, optima(rows))

@@ -246,8 +246,8 @@ def _draw(axes: "Axes", rows: Sequence[Row], own: Mapping[int, Optimum | None]) 
     axes.axhline(0.3, color=GREY, lw=0.6, zorder=0)
     axes.set(xscale="log", xlabel="Γ [-]")
     gammas = sorted({row["gamma"] for row in rows})
-    places = [g for g in (1, 2, 3, 5, 10, 20, 50, 100) if gammas[0] <= g <= gammas[-1]]
-    axes.set_xticks(places, [f"{g:g}" for g in places])
+    ticks = [g for g in (1, 2, 3, 5, 10, 20, 50, 100) if gammas[0] <= g <= gammas[-1]]
+    axes.set_xticks(ticks, [f"{g:g}" for g in ticks])
     axes.minorticks_off()
 
 

@@ -45,8 +45,8 @@ def compile_kernels() -> None:
     """Compile what is not compiled yet, while other processes that need it wait."""
 
     def shake_a_small_damper() -> None:
-        with tempfile.TemporaryDirectory() as place:
-            run(DamperCase.load("thesis", _SMALL), out=place)
+        with tempfile.TemporaryDirectory() as folder:
+            run(DamperCase.load("thesis", _SMALL), out=folder)
 
     once(Path(cache_folder(ENGINE)), "damper-compiled", shake_a_small_damper)
 

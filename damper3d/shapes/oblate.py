@@ -14,14 +14,14 @@ from damper3d.shapes.surfaces.surface import Surface, unit_sphere
 def oblate(ratio: float) -> Solid:
     """An oblate spheroid of an equal-volume radius of 1 m; ratio: a/b, below 1."""
     a, b = axes(ratio)
-    ball = unit_sphere()
-    corners = ball.corners
+    sphere = unit_sphere()
+    corners = sphere.corners
     # Triangles of the sphere lie 1 - |middle| inside; stretched, at most the longer axis as much.
     flatness = b * (1.0 - float(np.linalg.norm(corners.mean(axis=1), axis=1).min()))
     volume = 4.0 / 3.0 * math.pi * a * b**2
     bent = math.sqrt(1.0 - (a / b) ** 2)
     return Solid(
-        surface=Surface(ball.vertices * [a, b, b], ball.triangles),
+        surface=Surface(sphere.vertices * [a, b, b], sphere.triangles),
         flatness=flatness,
         volume=volume,
         area=2.0 * math.pi * b**2 * (1.0 + (a / b) ** 2 / bent * math.atanh(bent)),

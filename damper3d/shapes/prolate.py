@@ -75,7 +75,7 @@ def prolate(ratio: float, sub_spheres: int, name: str = "") -> MultiSphere:
     radii = np.concatenate([radii[:0:-1], radii])
     volume = 4.0 / 3.0 * math.pi * a * b**2
     bent = math.sqrt(1.0 - (b / a) ** 2)
-    ball = unit_sphere()
+    sphere = unit_sphere()
     return MultiSphere(
         name=name or f"prolate:{ratio:g}",
         kind="prolate",
@@ -84,7 +84,7 @@ def prolate(ratio: float, sub_spheres: int, name: str = "") -> MultiSphere:
         volume=volume,
         area=2.0 * math.pi * b**2 * (1.0 + a / (b * bent) * math.asin(bent)),
         inertia=volume / 5.0 * np.array([2 * b**2, a**2 + b**2, a**2 + b**2]),
-        surface=Surface(ball.vertices * [a, b, b], ball.triangles),
+        surface=Surface(sphere.vertices * [a, b, b], sphere.triangles),
         arrangement="row",
         surface_error=_gap(a, b, offsets, radii),
     )

@@ -47,8 +47,8 @@ def _inertia(half: np.ndarray, e1: float, e2: float) -> np.ndarray:
 
 def _surface(half: np.ndarray, e1: float, e2: float, splits: int) -> tuple[Surface, float]:
     """Triangles with their corners on it, and how far it rises above their middles [m]."""
-    ball = unit_sphere(splits)
-    surface = Surface(half * _onto(ball.vertices, e1, e2), ball.triangles)
+    sphere = unit_sphere(splits)
+    surface = Surface(half * _onto(sphere.vertices, e1, e2), sphere.triangles)
     middles = surface.corners.mean(axis=1)
     outside = half * _onto(middles / half, e1, e2)
     return surface, float(np.linalg.norm(outside - middles, axis=1).max())

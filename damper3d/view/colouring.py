@@ -47,7 +47,7 @@ def power(scene: Scene, frame: int) -> Array:
     if frame == 0:
         return np.zeros(len(scene.radius))
     earlier, now = (scene.time[scene.frame_sample[k]] for k in (frame - 1, frame))
-    gained = scene.particles(frame).heat - scene.particles(frame - 1).heat
+    gained = scene.particles(frame).dissipated - scene.particles(frame - 1).dissipated
     return gained / (now - earlier)
 
 

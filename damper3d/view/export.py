@@ -2,10 +2,10 @@
 
 VTKHDF: two or three files (PolyData with time steps), of which each stored frame is a step.
 
-    particles    a point each, in the lab [m], with arrays radius [m], velocity (3) [m/s], spin (3)
-                 [rad/s], heat [J] dissipated at it so far, power [W] since the step before, id;
-                 of several spheres orientation (4), a unit quaternion (w, x, y, z), and radius
-                 that of the sphere of the same volume
+    particles    a point each, in the lab [m], with arrays radius [m], velocity (3) [m/s], spin (3),
+                 its angular velocity [rad/s], heat [J]: energy dissipated at it so far, power [W]
+                 since the step before, id; of several spheres orientation (4), a unit quaternion
+                 (w, x, y, z), and radius that of the sphere of the same volume
     spheres      sub-spheres, where particles have several, likewise: radius [m], velocity (3)
                  [m/s] of the sphere's centre, power [W] of its particle, particle: its id
     enclosure    its walls as polygons where they stand, with array wall: row of wall_names
@@ -39,7 +39,7 @@ _MOVING = {  # columns of particles.csv and what is kept of each
     **{f"spin_{axis}_rad_per_s": f"spin_{axis}" for axis in "xyz"},
     "heat_j": "heat",
 }
-_TURNING = {f"turn_{c}": f"turn_{c}" for c in "wxyz"}  # of several spheres: a unit quaternion
+_ORIENTATION = {f"turn_{c}": f"turn_{c}" for c in "wxyz"}  # of several spheres: a unit quaternion
 
 
 def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> list[Path]:
@@ -67,7 +67,7 @@ def _to_vtkhdf(scene: Scene, folder: Path, path: Path | None) -> list[Path]:
             "with output.frames above 0"
         )
     makers = {"enclosure": enclosure_file}
-    if scene.of_clusters:
+    if scene.of_many_spheres:
         makers["spheres"] = spheres_file
     written = [write_output(path, particles_file(scene))]
     for name, maker in makers.items():
@@ -78,7 +78,7 @@ def _to_vtkhdf(scene: Scene, folder: Path, path: Path | None) -> list[Path]:
 
 def _to_csv(scene: Scene, usual: Path, path: Path | None) -> list[Path]:
     tables = {"samples": samples_csv, "bodies": bodies_csv}
-    if scene.of_clusters:
+    if scene.of_many_spheres:
         tables["spheres"] = spheres_csv
     if len(scene.tables):
         tables["particles"] = particles_csv
@@ -98,10 +98,11 @@ def particles_file(scene: Scene) -> bytes:
     def of(frame: int) -> tuple[Points, dict[str, np.ndarray]]:
         now = scene.particles(frame)
         arrays = {
-            "radius": scene.radius, "velocity": now.velocity, "spin": now.spin, "heat": now.heat,
-            "power": power(scene, frame), "id": np.arange(len(scene.radius)),
+            "radius": scene.radius, "velocity": now.velocity, "spin": now.angular_velocity,
+            "heat": now.dissipated, "power": power(scene, frame),
+            "id": np.arange(len(scene.radius)),
         }  # fmt: skip
-        if scene.of_clusters:
+        if scene.of_many_spheres:
             arrays["orientation"] = scene.orientation(frame)
         return now.position, arrays
 
@@ -115,7 +116,7 @@ def spheres_file(scene: Scene) -> bytes:
         now, (arm, radius, whose) = scene.particles(frame), scene.spheres(frame)
         return now.position[whose] + arm, {
             "radius": radius,
-            "velocity": now.velocity[whose] + np.cross(now.spin[whose], arm),
+            "velocity": now.velocity[whose] + np.cross(now.angular_velocity[whose], arm),
             "power": power(scene, frame)[whose],
             "particle": whose,
         }
@@ -170,8 +171,8 @@ def walls(scene: Scene) -> list[tuple[str, Points]]:
         base = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
         names = ["front", "right", "back", "left"]
     else:
-        turn = 2 * np.pi * np.arange(_SIDES) / _SIDES
-        base = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1) * width / 2
+        angle = 2 * np.pi * np.arange(_SIDES) / _SIDES
+        base = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * width / 2
         names = ["side"] * _SIDES
     after = np.roll(base, -1, axis=0)
     around = [
@@ -217,7 +218,7 @@ def particles_csv(scene: Scene) -> bytes:
     samples.csv, from 0, where the enclosure's displacement stands. Particles of several
     spheres have orientations too.
     """
-    moving = _MOVING | _TURNING if scene.of_clusters else _MOVING
+    moving = _MOVING | _ORIENTATION if scene.of_many_spheres else _MOVING
     names = ["sample", "time_s", "id", *moving]
     shape = ["%d", "%.9g", "%d", *["%.9g"] * len(moving)]
     rows = (_rows(scene, frame, list(moving.values())) for frame in range(len(scene.tables)))

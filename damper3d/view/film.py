@@ -105,8 +105,8 @@ class _Canvas:
 
         (left, bottom), (right, top) = corners(self.scene) + moved
         around = np.array([[left, bottom], [right, bottom], [right, top], [left, top]])
-        place = np.array([self.left, self.top])
-        points = self._fine(self.window.pixels(around) + place)
+        corner = np.array([self.left, self.top])
+        points = self._fine(self.window.pixels(around) + corner)
         cv2.polylines(image, [points], True, rgb(WALL), 2, cv2.LINE_AA, _SHIFT)
 
     @staticmethod
@@ -132,7 +132,7 @@ class _Canvas:
             dot = tuple(int(v) for v in points[-1])
             cv2.circle(image, dot, 4 << _SHIFT, rgb(colour), -1, cv2.LINE_AA, _SHIFT)
             words = f"{name}: {series[sample]:+.2f} m/s"
-            place = left + int(_CURVES * wide) + 34, top + (4 if row == 0 else high - 20)
-            write_words(image, words, *place, font(12))
-            cv2.line(image, (place[0] - 18, place[1] + 8), (place[0] - 6, place[1] + 8),
+            at = left + int(_CURVES * wide) + 34, top + (4 if row == 0 else high - 20)
+            write_words(image, words, *at, font(12))
+            cv2.line(image, (at[0] - 18, at[1] + 8), (at[0] - 6, at[1] + 8),
                      rgb(colour), 2, cv2.LINE_AA)  # fmt: skip

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 _ANEW = "use --again to compute the run again"
 _G = 9.81  # m/s2, in which gamma is counted
 _OF_PARTICLES = [f"{name}{axis}" for name in ("", "v", "spin_") for axis in "xyz"] + ["heat"]
-_TURNS = [f"turn_{c}" for c in "wxyz"]  # and of several spheres
+_ORIENTATION = [f"turn_{c}" for c in "wxyz"]  # and of several spheres
 
 
 class NothingKept(FolderError):
@@ -35,16 +35,16 @@ class NothingKept(FolderError):
 class Particles(NamedTuple):
     """Particles of one frame.
 
-    position    (n, 3) [m] of the centres, relative to the enclosure
-    velocity    (n, 3) [m/s] in the lab
-    spin        (n, 3) [rad/s]
-    heat        (n,) [J] dissipated at each so far
+    position          (n, 3) [m] of the centres, relative to the enclosure
+    velocity          (n, 3) [m/s] in the lab
+    angular_velocity  (n, 3) [rad/s]
+    dissipated        (n,) energy dissipated at each so far [J]
     """
 
     position: Array
     velocity: Array
-    spin: Array
-    heat: Array
+    angular_velocity: Array
+    dissipated: Array
 
 
 class View(NamedTuple):
@@ -199,38 +199,38 @@ class Scene:
         particle (m,).
         """
         static, n = self.trajectory.static, len(self.radius)
-        if not self.of_clusters:
+        if not self.of_many_spheres:
             return np.zeros((n, 3)), self.radius, np.arange(n)
-        turn, offset = self.orientation(frame), static["sphere_offset"]
-        w, about = turn[:, None, :1], turn[:, None, 1:]
+        orientation, offset = self.orientation(frame), static["sphere_offset"]
+        w, about = orientation[:, None, :1], orientation[:, None, 1:]
         # r + 2 w (q x r) + 2 q x (q x r) of a unit quaternion (w, q)
         first = np.cross(about, offset[None])
-        turned = offset[None] + 2.0 * w * first + 2.0 * np.cross(about, first)
+        rotated = offset[None] + 2.0 * w * first + 2.0 * np.cross(about, first)
         k = len(offset)
         return (
-            turned.reshape(-1, 3),
+            rotated.reshape(-1, 3),
             np.tile(static["sphere_radius"], n),
             np.repeat(np.arange(n), k),
         )
 
     @property
-    def of_clusters(self) -> bool:
+    def of_many_spheres(self) -> bool:
         """True for particles of several spheres, which have orientations."""
         return "sphere_offset" in self.trajectory.static
 
     def orientation(self, frame: int) -> Array:
         """Orientations (n, 4): unit quaternions (w, x, y, z), from principal axes to the lab."""
         table = self.tables.at(frame)
-        return np.stack([table[name] for name in _TURNS], axis=1).astype(float)
+        return np.stack([table[name] for name in _ORIENTATION], axis=1).astype(float)
 
     def particles(self, frame: int) -> Particles:
         """Positions, velocities and dissipation of the particles in a frame."""
         table = self.tables.at(frame)
-        position, velocity, spin = (
+        position, velocity, angular_velocity = (
             np.stack([table[f"{name}{axis}"] for axis in "xyz"], axis=1).astype(float)
             for name in ("", "v", "spin_")
         )
-        return Particles(position, velocity, spin, table["heat"].astype(float))
+        return Particles(position, velocity, angular_velocity, table["heat"].astype(float))
 
     def shift(self, frame: int) -> Array:
         """Displacement (3,) [m] of the enclosure in a frame."""
@@ -284,7 +284,7 @@ def read_scene(run_folder: str | Path) -> Scene:
         raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {_ANEW}")
     none = Tables(np.empty(0, np.int64), np.empty(0, np.int64), {})
     tables = stored_tables(run.path).get("particles", none)
-    needed = [*_OF_PARTICLES, *(_TURNS if "sphere_offset" in trajectory.static else [])]
+    needed = [*_OF_PARTICLES, *(_ORIENTATION if "sphere_offset" in trajectory.static else [])]
     if len(tables) and (missing := [key for key in needed if key not in tables.columns]):
         wrong = f"particles without {', '.join(missing)}"
         raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {_ANEW}")

@@ -1,4 +1,4 @@
-"""The contact laws: from overlap, rates and slip to force. The only place where a force stands.
+"""The contact laws: from overlap, rates and slip to force; and the conventions for all.
 
 Conventions, everywhere in the project: the normal n points from body i to body j, the force is
 that on j (i takes its opposite), velocities are those of j relative to i at the contact point,

@@ -1,8 +1,9 @@
 """Discharge rate against outlet: Beverloo's law in the paper's silos and in a wide one.
 
-The paper's silos A and D with outlets of 100 to 200 mm (6 to 13 grains) are outside the law's
-range: 300 mm are less than 2.5 outlets and 30 grains, the filling ends before the flow is steady
-for long, and A is no flat floor. The wide silo of small grains (data/cases/beverloo.toml) is in it.
+The paper's silos A and D with outlets of 100 to 200 mm (6 to 13 particles) are outside the law's
+range: 300 mm are less than 2.5 outlets and 30 particles, the filling ends before the flow is steady
+for long, and A is no flat floor. The wide silo of small particles (data/cases/beverloo.toml) is in
+it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,9 +31,9 @@ COLUMNS = None
 SILOS = "A", "D"
 OUTLETS = 100, 110, 120, 130, 140, 150, 175, 200  # mm
 _PRESETS = {100: "3", 150: "4"}  # outlets that the paper has too
-# Outlets of the wide silo [mm], and when [s] some more than 30 % of its grains have left.
+# Outlets of the wide silo [mm], and when [s] some more than 30 % of its particles have left.
 WIDE = {34: 2.0, 40: 1.5, 46: 1.2, 52: 1.0, 58: 0.9}
-WIDE_PART = 0.1, 0.3  # of the grains out, between which the wide silo's rate is taken
+WIDE_PART = 0.1, 0.3  # of the particles out, between which the wide silo's rate is taken
 _PER_PART = 10  # windows in it, for the Fano factor
 _KEPT = ["state", "reason", "outcome", "n_particles", "n_out", "packing_fraction", "time_step_s",
          "cpu_s", "mean_mass_flow_kg_per_s"]  # fmt: skip
@@ -44,9 +45,9 @@ _NOTE = """\
 W = rho_b sqrt(g) C (D - k d)^1.5 (Beverloo 1961, for a slot); W is the mass flow of the steady part
 of the discharge, +- its standard error; d is the diameter of the disc of the mean area, rho_b the
 surface density of the packing; intervals of 95 % from a bootstrap about the fit.
-Silos A and D are OUTSIDE the law's range (300 mm wide, 6 to 13 grains an outlet, no long steady
+Silos A and D are OUTSIDE the law's range (300 mm wide, 6 to 13 particles an outlet, no long steady
 flow, A no flat floor): there the law is a way to interpolate, and C and k mean little. In the wide
-silo (210 mm, 7 to 11 grains an outlet, rate between 10 and 30 % out) it should hold."""
+silo (210 mm, 7 to 11 particles an outlet, rate between 10 and 30 % out) it should hold."""
 
 
 def run(
@@ -90,7 +91,7 @@ def row_of(one: Row, case: "SiloCase") -> Row:
     """The row of one run of a sweep, its case with it.
 
     grain_diameter_m          of the disc of the mean area of the shapes: d
-    bulk_density_kg_per_m2    surface density of grains times the packing fraction: rho_b
+    bulk_density_kg_per_m2    surface density of particles times the packing fraction: rho_b
     rate_kg_per_s             of the steady part, with its standard error; None where the silo
                               clogged or too few left
     """
@@ -171,7 +172,7 @@ def _line(outlet: int, rows: Sequence[Row]) -> str:
         size = f"{1e-3 * outlet / at[0]['grain_diameter_m']:5.1f}" if at else "     "
         return f"  {outlet:4} mm  {size}  {len(at):4}  no steady flow{_clogged(at)}"
     flow = [row["rate_kg_per_s"] for row in flowing]
-    grains = np.mean([row["rate_per_s"] for row in flowing])
+    particles = np.mean([row["rate_per_s"] for row in flowing])
     if len(flow) > 1:
         error = np.std(flow, ddof=1) / np.sqrt(len(flow))
     else:
@@ -179,7 +180,7 @@ def _line(outlet: int, rows: Sequence[Row]) -> str:
     size = 1e-3 * outlet / flowing[0]["grain_diameter_m"]
     return (
         f"  {outlet:4} mm  {size:5.1f}  {len(flow):4}  {np.mean(flow):.3f} +- {error:.3f} kg/s, "
-        f"{grains:.0f} grains/s{_clogged(at)}"
+        f"{particles:.0f} particles/s{_clogged(at)}"
     )
 
 
@@ -220,7 +221,7 @@ def draw(rows: list[Row]) -> "Figure":
                       label=f"silo {silo}, clogged")  # fmt: skip
     narrow.set_title("paper's silos, outlets added: outside the law's range", fontsize=9,
                      loc="left")  # fmt: skip
-    wide.set_title("wide silo of small grains: within it", fontsize=9, loc="left")
+    wide.set_title("wide silo of small particles: within it", fontsize=9, loc="left")
     for axes in (narrow, wide):
         axes.set_xlabel("outlet D [mm]")
         axes.set_ylabel("mass flow W [kg/s]")

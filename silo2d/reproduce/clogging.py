@@ -26,8 +26,8 @@ _ANGLES = {"A": "A, 60 deg", "B": "B, 45 deg", "C": "C, 30 deg", "D": "D, 0 deg"
 _COLOURS = {"A": BLUE, "B": SKY, "C": ORANGE, "D": PURPLE}
 
 _CRITERION = """\
-clogged: at rest with a grain across the outlet's centre line, of all runs that ended before the
-  time limit, with Wilson's 95 % interval; at opening: with fewer grains out than [run]
+clogged: at rest with a particle across the outlet's centre line, of all runs that ended before the
+  time limit, with Wilson's 95 % interval; at opening: with fewer particles out than [run]
   opening_count, of the same runs; later: the others, of those that did not stick at the opening.
 outcome: "agrees" where the interval of ours and that of the experiment overlap: a single trial
   that clogs is compatible with any share above 0.21."""
@@ -104,15 +104,15 @@ def draw(rows: "list[Row]") -> "Figure":
 def _draw_silo(axes: "Axes", silo: str, rows: "list[Row]") -> None:
     (k, at_opening, n), known = outcomes(rows), trials(silo)
     hopper = "ABCD".index(silo[0])
-    place = int(silo[1]) - 1 + 0.2 * (hopper - 1.5)
+    position = int(silo[1]) - 1 + 0.2 * (hopper - 1.5)
     if n:
         low, high = wilson(k, n)
         bars = [[k / n - low], [high - k / n]]
-        axes.errorbar(place, k / n, bars, fmt="o", color=_COLOURS[silo[0]], capsize=3,
+        axes.errorbar(position, k / n, bars, fmt="o", color=_COLOURS[silo[0]], capsize=3,
                       label=f"ours, {_ANGLES[silo[0]]}")  # fmt: skip
-        axes.plot(place, at_opening / n, "_", color=GREY, ms=9, mew=2)
+        axes.plot(position, at_opening / n, "_", color=GREY, ms=9, mew=2)
     if known.n:
         low, high = wilson(known.clogged, known.n)
         found = known.clogged / known.n
-        axes.errorbar(place + 0.07, found, [[found - low], [high - found]], fmt="s", ms=4,
+        axes.errorbar(position + 0.07, found, [[found - low], [high - found]], fmt="s", ms=4,
                       color=GREEN, lw=0.8)  # fmt: skip

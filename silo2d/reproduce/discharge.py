@@ -146,8 +146,8 @@ def draw(rows: "list[Row]") -> "Figure":
     silos = {silo: own for silo, own in by_silo(rows).items() if _has_time(silo, own)}
     figure = Figure(figsize=(8.4, 4.8), layout="constrained")
     axes = figure.subplots()
-    for place, (silo, own) in enumerate(silos.items()):
-        _draw_silo(axes, place, own, trials(silo))
+    for position, (silo, own) in enumerate(silos.items()):
+        _draw_silo(axes, position, own, trials(silo))
     axes.set_xticks(range(len(silos)), [_tick(silo, own) for silo, own in silos.items()])
     axes.set_xlabel("silo, and how many clogged: experiment | ours")
     axes.set_ylabel("discharge time [s]")
@@ -159,19 +159,19 @@ def draw(rows: "list[Row]") -> "Figure":
     return figure
 
 
-def _draw_silo(axes: "Axes", place: int, rows: "list[Row]", known: Trials) -> None:
+def _draw_silo(axes: "Axes", position: int, rows: "list[Row]", known: Trials) -> None:
     ours, t90 = _times(rows), _times(rows, "t90_s")
     single = [row["discharge_time_s"] for row in done(rows) if row["discharge_time_s"] is not None]
-    axes.plot([place + 0.2] * len(single), single, "_", color=SKY, ms=7, mew=1.2)
+    axes.plot([position + 0.2] * len(single), single, "_", color=SKY, ms=7, mew=1.2)
     for shift, sample, style in (
         (-0.2, known.time, {"fmt": "s", "color": GREEN, "label": "experiment, mean and sd"}),
         (0.2, ours, {"fmt": "o", "color": BLUE, "label": "ours, mean and sd (bars: each run)"}),
         (0.36, t90, {"fmt": "o", "color": GREY, "mfc": "white", "ms": 4, "label": "ours, T90"}),
     ):
         if sample.mean is not None:
-            axes.errorbar(place + shift, sample.mean, sample.sd or 0, capsize=3, **style)
+            axes.errorbar(position + shift, sample.mean, sample.sd or 0, capsize=3, **style)
     if known.spoly_s is not None:
-        axes.plot(place, known.spoly_s, "D", color=VERMILION, ms=5, label="SPOLY")
+        axes.plot(position, known.spoly_s, "D", color=VERMILION, ms=5, label="SPOLY")
 
 
 def _tick(silo: str, rows: "list[Row]") -> str:

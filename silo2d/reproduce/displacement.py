@@ -33,8 +33,8 @@ SILOS = "A4", "D4"
 LAST = 1.25  # s, the last picture of the paper
 _NOTE = """\
 V depth / V width [mm], mean +- sample sd over the seeds that have one, (n) where not all do; layers
-of 45 mm from the bottom up; "cut": the layer has no grains above the middle of the outlet but some
-beside it; "-": fewer than two grains of it in any column."""
+of 45 mm from the bottom up; "cut": the layer has no particles above the middle of the outlet but
+some next to it; "-": fewer than two particles of it in any column."""
 _ELSEWHERE = """\
 Slip-stick motion at the walls is measured by `silo2d observe RUN stickslip`,
 intermittent flow by `silo2d observe RUN curve`. The paper prints no depth or width."""
@@ -92,7 +92,7 @@ def _mean(line: Series) -> float:
 
 
 def _rounded(keys: list[str], values: Series) -> dict[str, float | None]:
-    """Lengths to a hundredth of a millimetre, which is a thousandth of a grain."""
+    """Lengths to a hundredth of a millimetre, which is a thousandth of a particle."""
     return dict(zip(keys, numbers(np.round(values, 5)), strict=True))
 
 

@@ -35,9 +35,9 @@ SERIES: dict[tuple[str, Pairs], str] = {
     ("gamma_t", "both"): "gamma_t [1/s] of all contacts (Table 11)",
 }
 _CRITERION = """\
-eps: printed; then of ours, as it follows from the mean grain's mass, between particles through one
-  contact / face to face (8 pairs). Times: mean +- standard deviation (number of runs that emptied);
-  T90, when 90 % of those that leave are out, is less at the mercy of stragglers.
+eps: printed; then of ours, as it follows from the mean particle's mass, between particles through
+  one contact / face to face (8 pairs). Times: mean +- standard deviation (number of runs that
+  emptied); T90, when 90 % of those that leave are out, is less at the mercy of stragglers.
 row: SPOLY's is one run. "agrees" where it lies within the 95 % interval of one more run about our
   mean, t s sqrt(1 + 1/n), with s pooled over all rows of the baseline.
 trend: least-squares slope, against the logarithm of kn, kt, gamma_n and against mu and gamma_t

@@ -164,7 +164,7 @@ def _draw_times(axes: "Axes", variants: Variants) -> None:
 def _draw_shares(axes: "Axes", variants: Variants) -> None:
     for k, rows in enumerate(variants.values()):
         clogged, at_opening, n = outcomes(rows)
-        for count, place, colour, label in (
+        for count, position, colour, label in (
             (clogged, k - 0.12, BLUE, "clogged"),
             (at_opening, k + 0.12, VERMILION, "of these at the opening"),
         ):
@@ -172,7 +172,7 @@ def _draw_shares(axes: "Axes", variants: Variants) -> None:
                 continue
             low, high = wilson(count, n)
             bars = [[max(count / n - low, 0.0)], [max(high - count / n, 0.0)]]
-            axes.errorbar(count / n, place, xerr=bars, fmt="o", color=colour, ms=4.5, capsize=3,
+            axes.errorbar(count / n, position, xerr=bars, fmt="o", color=colour, ms=4.5, capsize=3,
                           label=label if k == 0 else None)  # fmt: skip
     axes.set_xlim(-0.03, 1.03)
     axes.grid(axis="x", color="#e6e3dc", lw=0.7)

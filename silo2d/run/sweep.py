@@ -39,9 +39,9 @@ def compile_kernels(*, drawn: bool = False) -> None:
     """
 
     def run_a_small_silo() -> None:
-        with tempfile.TemporaryDirectory() as place:
+        with tempfile.TemporaryDirectory() as folder:
             disorder = {"disorder.per": "pair"} if drawn else {}
-            protocol.run(SiloCase.load("A4", _SMALL | disorder), out=place)
+            protocol.run(SiloCase.load("A4", _SMALL | disorder), out=folder)
 
     once(
         Path(cache_folder(ENGINE)),

@@ -93,7 +93,7 @@ def test_a_ball_that_comes_nearer_grows_and_its_plate_sinks():
     """Pinhole: size and distance from the axis go as 1/(1 - approach t)."""
     near = replace(SMALL, approach=0.2)
     ball = replace(SMALL.balls[0], fall=0.1, release=10)
-    (_, y0, r0), (_, y1, r1) = near.place(ball, 0.0), near.place(ball, 1.0)
+    (_, y0, r0), (_, y1, r1) = near.position(ball, 0.0), near.position(ball, 1.0)
     assert r1 / r0 == pytest.approx(1 / 0.8)
     assert (y1 - 220) / (y0 - 220) == pytest.approx(1 / 0.8)
 

@@ -91,6 +91,6 @@ def test_the_shade_of_a_turning_ball_does_not_move_its_place():
         difference = np.abs(seen.astype(int) - behind).max(axis=2).astype(np.uint8)
         [one, *_] = candidates(difference, np.full_like(difference, 12), 1)
         blob = measure(seen, behind, 1.0, one)
-        x, y, radius = scene.place(ball, 1.0)
+        x, y, radius = scene.position(ball, 1.0)
         off.append(((blob.x - x) / radius, (blob.y - y) / radius))
     assert np.abs(off).max() < 0.06, off

@@ -82,7 +82,7 @@ def test_particles_are_points_in_the_lab(run, films, frame):
     found = arrays(mesh.GetPointData())
     assert sorted(found) == ["heat", "id", "power", "radius", "spin", "velocity"]
     for name, values in (
-        ("velocity", now.velocity), ("spin", now.spin), ("heat", now.heat),
+        ("velocity", now.velocity), ("spin", now.angular_velocity), ("heat", now.dissipated),
         ("radius", scene.radius), ("id", np.arange(n)),
     ):  # fmt: skip
         np.testing.assert_allclose(found[name], values, rtol=SINGLE, err_msg=name)

@@ -137,7 +137,7 @@ def test_velocity_and_power_have_their_colours(scene):
     assert high >= scene.peak_speed
     frame = 17
     gained = power(scene, frame) * 5 / 40 / 40  # 5 samples of the 40 of a cycle of 1/40 s
-    change = scene.particles(frame).heat - scene.particles(frame - 1).heat
+    change = scene.particles(frame).dissipated - scene.particles(frame - 1).dissipated
     np.testing.assert_allclose(gained, change, rtol=1e-12)
     bar = cycle_figure(scene, "dissipation").axes[-1]
     assert bar.get_yscale() == "log"

@@ -53,7 +53,7 @@ def glossy(light, time, scene=SCENE, share=0.5):
 def shadow_on_the_wall(light, time, scene=SCENE):
     """A lamp near the ball throws its shadow on the wall beside it."""
     ball = scene.balls[0]
-    x, y, radius = scene.place(ball, time)
+    x, y, radius = scene.position(ball, time)
     rows, columns = np.indices(light.shape[:2])
     cover = np.clip(1.05 * radius - np.hypot(columns - x - 45, rows - y - 12) + 0.5, 0, 1)
     light = light * (1 - 0.55 * cover[:, :, None].astype(np.float32))
@@ -64,7 +64,7 @@ def shadow_on_the_wall(light, time, scene=SCENE):
 def hand_that_opens(light, time, scene=SCENE):
     """A hand of the ball's own colour that holds it, and is drawn away upwards."""
     ball = scene.balls[0]
-    x, y, radius = scene.place(ball, min(time, ball.release))
+    x, y, radius = scene.position(ball, min(time, ball.release))
     up = 220 * max(time - ball.release, 0.0)
     patch = hand(x + 0.4 * radius, y - 1.0 * radius - up, 1.2 * radius)
     colour = np.broadcast_to(np.array(ball.colour, dtype=np.float32), patch.light.shape)
@@ -116,7 +116,7 @@ def shaken(size: float, seed: int = 3) -> Callable:
 def block(light, time, scene=SCENE):
     """A square of wood that tumbles, in the place of a ball."""
     ball = scene.balls[0]
-    x, y, radius = scene.place(ball, time)
+    x, y, radius = scene.position(ball, time)
     angle = 5.0 * max(time - ball.release, 0.0)
     corner = radius * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * 0.9
     turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
@@ -187,7 +187,7 @@ def again_and_again(period: float) -> Callable:
     def painted(light, time, scene=SCENE):
         light = replace(scene, balls=()).paint(time)
         ball = scene.balls[0]
-        x, y, radius = scene.place(ball, time % period)
+        x, y, radius = scene.position(ball, time % period)
         blend(light, disc(x, y, radius, ball.colour, ball.texture))
         return light
 
@@ -237,9 +237,9 @@ class Flown(Ball):
 def carried_back(light, time, scene=SCENE):
     """After a second the ball is carried back to where it hung, in half a second, and let go."""
     ball, late = scene.balls[0], time % 1.5
-    x, y, radius = scene.place(ball, min(late, 0.95))
+    x, y, radius = scene.position(ball, min(late, 0.95))
     if late > 0.95:
-        there = scene.place(ball, 0.0)
+        there = scene.position(ball, 0.0)
         share = min((late - 0.95) / 0.45, 1.0)
         share *= share * (3 - 2 * share)
         x, y = x + (there[0] - x) * share, y + (there[1] - y) * share
@@ -253,7 +253,7 @@ def caught(light, time, scene=SCENE):
     if time < 0.93:
         return light
     light = replace(scene, balls=()).paint(time)
-    x, y, radius = scene.place(scene.balls[0], 0.93)
+    x, y, radius = scene.position(scene.balls[0], 0.93)
     away = 300 * (time - 0.93)
     blend(light, disc(x + away, y - away, radius, scene.balls[0].colour, 0.15))
     blend(light, hand(x + away, y - away - 5, 1.1 * radius))
@@ -304,7 +304,7 @@ def person(light, time, scene=SCENE):
     x = round(-40 + 180 * time)
     cv2.rectangle(light, (x, 60), (x + 50, 250), (0.3, 0.2, 0.5), -1)
     ball = scene.balls[0]
-    blend(light, disc(*scene.place(ball, time), ball.colour, ball.texture))
+    blend(light, disc(*scene.position(ball, time), ball.colour, ball.texture))
     return light
 
 

@@ -1,4 +1,4 @@
-"""Measures of where in the bed it is hot, how high it stands and whether it rolls (motion.py)."""
+"""Measures of the bed: velocity fluctuations by layer, height, and whether it rolls (motion.py)."""
 
 import numpy as np
 
@@ -9,9 +9,9 @@ LAYERS = 5  # equal numbers of particles, by their height in each frame
 
 
 def flow_measures(motion: Motion) -> dict[str, float]:
-    """Heat of the layers at the ends over the middle's, heights, and the rolls' share."""
-    heat = layer_heat(motion)
-    low, middle, high = heat[0], heat[len(heat) // 2], heat[-1]
+    """Fluctuation of the layers at the ends over the middle's, heights, and the rolls' share."""
+    fluctuation = layer_fluctuation(motion)
+    low, middle, high = fluctuation[0], fluctuation[len(fluctuation) // 2], fluctuation[-1]
     gap = floor_gap(motion)
     ring, roll = ring_share(motion), roll_share(motion)
     return {
@@ -27,12 +27,12 @@ def flow_measures(motion: Motion) -> dict[str, float]:
     }
 
 
-def layer_heat(motion: Motion) -> np.ndarray:
+def layer_fluctuation(motion: Motion) -> np.ndarray:
     """Mean square velocity about the bed's mean, of layers from the bottom up (LAYERS,) [m2/s2]."""
     about = motion.v - motion.v.mean(axis=1, keepdims=True)
-    heat = (about**2).sum(axis=2)
-    sorted_heat = np.take_along_axis(heat, np.argsort(motion.x[:, :, 2], axis=1), axis=1)
-    mean = sorted_heat.mean(axis=0)
+    fluctuation = (about**2).sum(axis=2)
+    by_height = np.take_along_axis(fluctuation, np.argsort(motion.x[:, :, 2], axis=1), axis=1)
+    mean = by_height.mean(axis=0)
     return np.array([layer.mean() for layer in np.array_split(mean, min(LAYERS, len(mean)))])
 
 

@@ -19,7 +19,7 @@ from damper3d.reproduce.quantities.shapes import (
     rows_of,
     values_of,
 )
-from damper3d.reproduce.shapes import FLUIDISED, SENSITIVE, TREATED, TREATED_AT, TREATMENTS
+from damper3d.reproduce.shapes import COMPARED, COMPARED_AT, FLUIDISED, MODELS, SENSITIVE
 from damper3d.studies.map.grid import MapResult
 from damper3d.view.charts import ruled
 from granulab.campaign.output.figure import (
@@ -124,8 +124,8 @@ def _by_sphericity(panels: "Sequence[Axes]", found: Found) -> None:
         for orientation in ORIENTATIONS:
             pairs = by_sphericity(found, Line(("spheroid", 1.0), orientation, frequency))
             colour, marker, _ = _LOOKS[orientation]
-            places, times = [x for x, _ in pairs], [y for _, y in pairs]
-            axes.plot(places, times, marker, color=colour, ms=4, label=orientation)
+            positions, times = [x for x, _ in pairs], [y for _, y in pairs]
+            axes.plot(positions, times, marker, color=colour, ms=4, label=orientation)
         axes.axhline(1, color=GREY, lw=0.6, zorder=0)
         axes.invert_xaxis()
         axes.set(xlabel="sphericity [-]", ylim=(0, None))
@@ -135,14 +135,14 @@ def _by_sphericity(panels: "Sequence[Axes]", found: Found) -> None:
 
 
 def _treatments(panels: "Sequence[Axes]", rows: Sequence[Row], found: Found) -> None:
-    """Return what the treatment of several contacts of one pair does to eta and to the onset."""
-    for axes, shape in zip(panels, TREATED, strict=True):
-        for colour, treatment in zip((INK, BLUE, VERMILION), TREATMENTS, strict=True):
-            line = Line(shape, "vertical", TREATED_AT, treatment)
+    """Return what the multi-contact model does to eta and to the onset."""
+    for axes, shape in zip(panels, COMPARED, strict=True):
+        for colour, treatment in zip((INK, BLUE, VERMILION), MODELS, strict=True):
+            line = Line(shape, "vertical", COMPARED_AT, treatment)
             _curve(axes, rows_of(rows, line), colour, treatment)
             if (one := found.get(line)) is not None:
                 axes.plot(one.gamma, one.mean.efficiency, "o", mfc="none", mec=colour, ms=8)
-        _with_gamma(axes, f"{particle_text(shape)}, {TREATED_AT:g} Hz vertical, contacts by")
+        _with_gamma(axes, f"{particle_text(shape)}, {COMPARED_AT:g} Hz vertical, contacts by")
         axes.set_ylim(0, None)
         axes.set_ylabel("efficiency [-]")
         _legend(axes, "upper left")
@@ -200,7 +200,7 @@ def _with_gamma(axes: "Axes", title: str) -> None:
     axes.set_title(title, loc="left", fontsize=9)
 
 
-def _legend(axes: "Axes", place: Any) -> None:
+def _legend(axes: "Axes", corner: Any) -> None:
     """Return where there is anything to name."""
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc=place, fontsize=7)
+        axes.legend(loc=corner, fontsize=7)

@@ -38,6 +38,6 @@ def curve(
         number = row[value] if isinstance(value, str) else value(row)
         if number is not None:
             found.setdefault(float(row[x]), []).append(number)
-    places = sorted(found)
-    samples = [mean_sd(found[place]) for place in places]
-    return Curve(places, [s.mean or 0.0 for s in samples], [s.sd or 0.0 for s in samples])
+    points = sorted(found)
+    samples = [mean_sd(found[x]) for x in points]
+    return Curve(points, [s.mean or 0.0 for s in samples], [s.sd or 0.0 for s in samples])

@@ -142,10 +142,10 @@ def _scattered(particle: MultiSphere, bodies: int, rng: np.random.Generator) -> 
     orientations = rng.normal(size=(bodies, 4))  # evenly over all orientations (Muller 1959)
     orientations /= np.linalg.norm(orientations, axis=1)[:, None]
     positions = rng.uniform(0.0, side, size=(bodies, 3))
-    balls = _relaxed(cell_of(ball_of(1.0), positions, orientations.copy(), side), ALLOWED)[0]
-    ball = particle.bounding_radius / particle.equal_volume_radius
-    cell = cell_of(particle, balls.position * ball, orientations, side * ball)
-    return cell, _START / ball**3
+    spheres = _relaxed(cell_of(ball_of(1.0), positions, orientations.copy(), side), ALLOWED)[0]
+    bounding = particle.bounding_radius / particle.equal_volume_radius
+    cell = cell_of(particle, spheres.position * bounding, orientations, side * bounding)
+    return cell, _START / bounding**3
 
 
 def _relaxed(cell: Cell, allowed: float) -> tuple[Cell, int, float]:

@@ -153,10 +153,10 @@ def compile_kernels() -> None:
 
     def test_a_few() -> None:
         few = {"particles.count": 8, "fill.settle_time": "1 ms"}
-        with tempfile.TemporaryDirectory() as place:
+        with tempfile.TemporaryDirectory() as folder:
             for shape in ("prolate:1", "prolate:1.5"):
                 test = SlowTest.load("compress", {"particles.shape": shape, **few}, {})
-                settled(test, get_packing(test, Path(place), *_QUIETLY), Path(place)).sample()
+                settled(test, get_packing(test, Path(folder), *_QUIETLY), Path(folder)).sample()
 
     once(Path(cache_folder(ENGINE)), "quasistatic-compiled", test_a_few)
 

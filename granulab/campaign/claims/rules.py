@@ -81,9 +81,9 @@ def steps(
     found, verdicts = [], []
     for labels, own in groups(items, per):
         own = own.sort_values(along)
-        values, places = own["value"].tolist(), own[along].tolist()
+        values, points = own["value"].tolist(), own[along].tolist()
         for k in range(1, len(own)):
-            found.append(labels | {"low": places[k - 1], "high": places[k],
+            found.append(labels | {"low": points[k - 1], "high": points[k],
                                    "value": values[k] / values[k - 1]})  # fmt: skip
             verdicts.append(sign * (values[k] - values[k - 1]) > 0)
     return Outcome(items, DataFrame(found), verdicts if len(items) >= need else [])

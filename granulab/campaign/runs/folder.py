@@ -83,7 +83,7 @@ def plain(value: Any) -> Any:
     """A numpy number or array as Python numbers, for json.dumps(default=plain)."""
     if hasattr(value, "tolist"):
         return value.tolist()
-    raise TypeError(f"{value!r} has no place in a JSON file")
+    raise TypeError(f"{value!r} cannot stand in a JSON file")
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""A Dask cluster as the place where tasks run; the extra `cluster` installs what it needs."""
+"""A Dask cluster that runs tasks; the extra `cluster` installs what it needs."""
 
 import logging
 import socket
@@ -91,10 +91,10 @@ def _connect(scheduler: str, stack: ExitStack) -> Any:
     stack.enter_context(_silence())
     try:
         # A look first: a client that cannot connect leaves a traceback on stderr when it goes.
-        place = urlsplit(scheduler if "://" in scheduler else f"tcp://{scheduler}")
-        if place.scheme not in ("tcp", "tls") or place.hostname is None or place.port is None:
+        address = urlsplit(scheduler if "://" in scheduler else f"tcp://{scheduler}")
+        if address.scheme not in ("tcp", "tls") or address.hostname is None or address.port is None:
             raise ValueError(scheduler)
-        socket.create_connection((place.hostname, place.port), _PATIENCE).close()
+        socket.create_connection((address.hostname, address.port), _PATIENCE).close()
         client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError):
         raise EngineError(

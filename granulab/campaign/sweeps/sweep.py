@@ -181,8 +181,8 @@ def without_again(line: str, folder: Path | None = None) -> str:
     what, again, _ = line.partition("; use --again")
     if not again:
         return line
-    place = f"the folder {folder}" if folder else "the folder of the run"
-    return f"{what}; delete {place} and the same command does it again"
+    where = f"the folder {folder}" if folder else "the folder of the run"
+    return f"{what}; delete {where} and the same command does it again"
 
 
 def _warn_of_other_sources(

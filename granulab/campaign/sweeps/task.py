@@ -49,10 +49,10 @@ def call(function: Function, task: Any, stop: Stop) -> Outcome:
 
 
 def in_one_line(error: BaseException) -> str:
-    """An exception in one line; one that nobody foresaw with its kind and place."""
+    """An exception in one line; one that nobody foresaw with its kind and line."""
     text = " ".join(str(error).split())
     if isinstance(error, (Failed, Stopped)):
         return text
-    places = traceback.extract_tb(error.__traceback__)
-    where = f" ({Path(places[-1].filename).name}:{places[-1].lineno})" if places else ""
+    stack = traceback.extract_tb(error.__traceback__)
+    where = f" ({Path(stack[-1].filename).name}:{stack[-1].lineno})" if stack else ""
     return f"{type(error).__name__}: {text}{where}"

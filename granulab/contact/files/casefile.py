@@ -167,12 +167,12 @@ def changed(
 ) -> dict[str, Any]:
     """The document with some keys ("section.key") set."""
     document = copy.deepcopy(document)
-    for place, value in (changes or {}).items():
-        section, dot, key = place.partition(".")
+    for path, value in (changes or {}).items():
+        section, dot, key = path.partition(".")
         if not dot:
             known = [f"{s}.{k}" for s, keys in known_keys(model).items() for k in keys]
-            close = [name for name in known if name.endswith(f".{place}")] or known
-            raise InputError(f"change {place!r}: write section.key; {nearest(place, close)}")
+            close = [name for name in known if name.endswith(f".{path}")] or known
+            raise InputError(f"change {path!r}: write section.key; {nearest(path, close)}")
         table = document.setdefault(section, {})
         if isinstance(table, dict):
             table[key] = value
@@ -181,13 +181,13 @@ def changed(
 
 def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) -> str:
     problem = error.errors()[0]
-    place = [str(part) for part in problem["loc"]]
-    section = f"[{place[0]}] " if place and place[0] in tables else ""
+    path = [str(part) for part in problem["loc"]]
+    section = f"[{path[0]}] " if path and path[0] in tables else ""
     if problem["type"] == "value_error":
         return f"{section}{problem['ctx']['error']}"
     if problem["type"] == "missing":
-        return f"[{place[0]}] is missing; write at least {least}"
-    key = f"{section}{'.'.join(place[1:] if section else place)}"
+        return f"[{path[0]}] is missing; write at least {least}"
+    key = f"{section}{'.'.join(path[1:] if section else path)}"
     what = problem["msg"].lower().removeprefix("input should be ")
     return f"{key} = {reprlib.repr(problem['input'])}: must be {what}"
 

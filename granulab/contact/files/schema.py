@@ -115,9 +115,9 @@ def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
 
 def _place(loc: tuple[int | str, ...]) -> str:
     """Position in the file, such as [pair.wood-wood] friction."""
-    place = [str(part) for part in loc]
-    depth = 3 if place[2:3] == ["linear"] else 2
-    return " ".join(filter(None, [section(*place[:depth]), ".".join(place[depth:])]))
+    path = [str(part) for part in loc]
+    depth = 3 if path[2:3] == ["linear"] else 2
+    return " ".join(filter(None, [section(*path[:depth]), ".".join(path[depth:])]))
 
 
 def _one_line(problem: Any) -> str:

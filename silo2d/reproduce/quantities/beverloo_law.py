@@ -2,11 +2,11 @@
 
     W = rho_b sqrt(g) C (D - k d)^1.5
 
-Beverloo, Leniger and van de Velde, Chem. Eng. Sci. 15 (1961) 260, for a slot: of grains in a plane
-the rate goes with the power 3/2 of the outlet. rho_b is the bulk surface density [kg/m2], so that W
-is in kg/s; C and k are fitted. The law is meant for outlets of several grains in a flat floor, in a
-silo wider than 2.5 outlets and than the outlet and 30 grains, filled higher than 1.2 of its widths
-(as Mankoc et al., Granular Matter 9 (2007) 407, quote), and while the flow is steady.
+Beverloo, Leniger and van de Velde, Chem. Eng. Sci. 15 (1961) 260, for a slot: of particles in a
+plane the rate goes with the power 3/2 of the outlet. rho_b is the bulk surface density [kg/m2], so
+that W is in kg/s; C and k are fitted. The law is meant for outlets of several particles in a flat
+floor, in a silo wider than 2.5 outlets and than the outlet and 30 particles, filled higher than 1.2
+of its widths (as Mankoc et al., Granular Matter 9 (2007) 407, quote), and while the flow is steady.
 """
 
 from collections.abc import Callable
@@ -54,7 +54,7 @@ class Fit:
 
 
 def law(outlet: ArrayLike, c: float, k: float, density: ArrayLike, size: float) -> Series:
-    """W [kg/s] of outlets D [m], for a bulk density [kg/m2] and a grain size d [m]."""
+    """W [kg/s] of outlets D [m], for a bulk density [kg/m2] and a particle size d [m]."""
     open_part = np.maximum(np.asarray(outlet) - k * size, 0.0)
     return np.asarray(density * np.sqrt(GRAVITY) * c * open_part**1.5, dtype=float)
 

@@ -36,7 +36,7 @@ def in_mm(values: Sequence[float]) -> str:
 
 @PROFILES.quantity
 def part_of_lines_deeper(found: "DataFrame") -> list[Row]:
-    """Part of the lines of each silo that are deeper in the middle by more than half a grain.
+    """Part of the lines of each silo that are deeper in the middle by more than half a particle.
 
     lines, deep: their numbers; higher: how many are higher there by as much.
     """
