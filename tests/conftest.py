@@ -26,7 +26,7 @@ from granulab.campaign.runs.folder import RunFolder
 
 _HERE = Path(__file__).parent
 
-# How long an example takes says how busy the machine is, with another worker beside this one.
+# How long an example takes says how busy the machine is, with another worker next to this one.
 # `make fuzz` takes the other profile and the tests that draw their input alone; counts that a test
 # states go by fuzzing.examples.
 _SHARED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -93,14 +93,14 @@ def _made_once(shared: Path, name: str, make: Callable[[Path], None]) -> Path:
 
 
 def _silo_run(root: Path) -> None:
-    answer = silo2d("run", write_case(root), "-o", root / "runs", "--no-figures", "--quiet")
-    assert answer.code == 0, answer.err
+    result = silo2d("run", write_case(root), "-o", root / "runs", "--no-figures", "--quiet")
+    assert result.code == 0, result.err
 
 
 def _damper_run(root: Path) -> None:
-    answer = damper3d("run", write_damper(root), "-o", root / "runs", "--no-figures", "--quiet")
-    assert (answer.code, answer.err) == (0, ""), answer.err
-    (root / "said.txt").write_text(answer.out, encoding="utf-8")
+    result = damper3d("run", write_damper(root), "-o", root / "runs", "--no-figures", "--quiet")
+    assert (result.code, result.err) == (0, ""), result.err
+    (root / "said.txt").write_text(result.out, encoding="utf-8")
 
 
 def _damper_of_spheres(root: Path) -> None:

@@ -1,4 +1,4 @@
-"""The annotated film and the sheet of a film: marks stand where things are, files play and open."""
+"""The annotated film and the diagnostic figure: marks stand where objects are, files play."""
 
 import json
 from unittest import mock
@@ -44,7 +44,7 @@ def near(image, colour):
     return np.nonzero(np.abs(image.astype(int) - rgb(colour)).max(axis=-1) <= 8)
 
 
-def test_the_circle_is_around_the_thing_and_the_line_at_the_plate(drop):
+def test_the_circle_is_around_the_object_and_the_line_at_the_plate(drop):
     """On black, at twice the size: the circle's middle is the track's place, to a pixel; the line
     is at the plate's truth, 0.9 of 320 px, which the circle of equal area meets within 2 px."""
     marks = Marks(drop, 160, 320, 320, 640)
@@ -105,7 +105,7 @@ def test_scale_bars_are_round(longest, expected):
     assert words == expected[1]
 
 
-def test_values_are_written_to_the_first_place_of_sigma():
+def test_values_are_written_to_the_first_digit_of_sigma():
     assert with_sigma(0.75321, 0.004) == "0.753 ± 0.004"
     assert with_sigma(0.75321, 0.00001) == "0.7532 ± 0.0001"
     assert with_sigma(0.75321, 0.2) == "0.75 ± 0.20"

@@ -71,13 +71,13 @@ def test_a_film_cut_off_after_its_first_contact_has_one_bounce(tmp_path, good):
         (replace(SCENE, plate=1.6), 0.2, "bounce"),  # it leaves the picture
         (SCENE, 0.19, "--one-bounce"),
         (
-            replace(SCENE, balls=(BALL, replace(BALL, place=0.8, release=0.06))),
+            replace(SCENE, balls=(BALL, replace(BALL, position=0.8, release=0.06))),
             0.36,
             "2 objects bounce",
         ),
     ],
 )
-def test_scenes_without_two_bounces_of_one_thing_are_refused(tmp_path, scene, duration, words):
+def test_scenes_without_two_bounces_of_one_object_are_refused(tmp_path, scene, duration, words):
     path = tmp_path / "clip.avi"
     film_drop(scene, CAMERA, path, duration=duration, codec="MJPG")
     assert words in refused(path)
@@ -88,7 +88,7 @@ def test_a_rate_that_no_camera_has_is_refused(good, fps):
     assert "--fps" in refused(good, "--fps", fps)
 
 
-def test_a_thing_that_leaves_faster_than_it_came_is_no_drop_test():
+def test_an_object_that_leaves_faster_than_it_came_is_no_drop_test():
     """Restitution is at most 1 (eq. 3.5): each flight here begins with 1.3 times the speed."""
     times = np.arange(0, 300.0)
     speeds = 10 * 1.3 ** np.arange(5)

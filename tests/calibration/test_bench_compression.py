@@ -111,16 +111,16 @@ def test_modulus_and_kn_of_three_cubes_cover_what_made_them(tmp_path):
         files.append(write(tmp_path / f"cube{k}.csv", "displacement_mm;load_N", [1e3 * x, load]))
     constants = ["area=100 mm2", "length=10 mm", "contact_area=1200 mm2", "contact_length=20 mm"]
     options = [part for one in constants for part in ("--constant", one)]
-    answer = calibrate("compression", *files, *options, "--json").json
+    result = calibrate("compression", *files, *options, "--json").json
     for one, truth in (
-        (answer["unloading_stiffness_n_per_m"], STIFFNESS),
-        (answer["youngs_modulus_pa"], 242e6),
-        (answer["kn_n_per_m"], 1.452e7),
+        (result["unloading_stiffness_n_per_m"], STIFFNESS),
+        (result["youngs_modulus_pa"], 242e6),
+        (result["kn_n_per_m"], 1.452e7),
     ):
         assert one["trials"] == 3
         assert abs(one["value"] - truth) < 3 * one["sigma"] < 0.1 * truth
-    assert len(answer["cycles"]) == 15
-    assert answer["cycles"][0]["peak_n"] == pytest.approx(200, abs=10)
+    assert len(result["cycles"]) == 15
+    assert result["cycles"][0]["peak_n"] == pytest.approx(200, abs=10)
 
 
 def test_one_specimen_has_the_scatter_of_its_cycles(tmp_path):
@@ -139,7 +139,7 @@ def test_stress_against_strain_gives_the_modulus(tmp_path):
 
 
 def test_the_papers_own_numbers_give_14520_newton_per_millimetre():
-    """Sec. 3.2.1: E A/L = 242 MPa x 1200 mm2/20 mm; 15 % of E are 15 % of kn; told beside 1e4."""
+    """Sec. 3.2.1: E A/L = 242 MPa x 1200 mm2/20 mm; 15 % of E are 15 % of kn; reported with 1e4."""
     options = [
         "--constant", "modulus=242 MPa +- 15 %", "--constant", "contact_area=1200 mm2",
         "--constant", "contact_length=20 mm",
@@ -167,8 +167,8 @@ def test_the_papers_own_numbers_give_14520_newton_per_millimetre():
 )
 def test_what_is_no_load_unload_record_is_one_line(tmp_path, columns, options, line):
     table = write(tmp_path / "t.csv", "displacement_mm;load_N", columns)
-    answer = calibrate("compression", table, *options)
-    assert answer.code == 2
-    assert line in answer.err
-    assert answer.err.count("\n") == 1
+    result = calibrate("compression", table, *options)
+    assert result.code == 2
+    assert line in result.err
+    assert result.err.count("\n") == 1
     assert "this needs the columns modulus [Pa], contact_area" in calibrate("compression").err

@@ -17,11 +17,11 @@ def test_kt_of_the_rough_surface_goes_into_the_file(tmp_path):
     """
     file = tmp_path / "wood.toml"
     options = ["--group", "surface", "--only", "rough", "--constant", "kn=1e4 N/mm +- 18 %"]
-    answer = calibrate(
+    result = calibrate(
         "interface", MARKERS, *options, "--into", file, "--pair", "wood-wood", "--json"
     )
-    assert answer.code == 0, answer.err
-    kt, ratio = answer.json["kt_n_per_m"], answer.json["kt_over_kn"]
+    assert result.code == 0, result.err
+    kt, ratio = result.json["kt_n_per_m"], result.json["kt_over_kn"]
     assert round(kt["value"], -4) == 650e3
     assert kt["sigma"] == pytest.approx(
         1e7 * (ratio["sigma"] ** 2 + (0.18 * ratio["value"]) ** 2) ** 0.5, rel=1e-9
@@ -44,8 +44,8 @@ def test_kt_of_the_rough_surface_goes_into_the_file(tmp_path):
 )  # fmt: skip
 def test_each_method_writes_its_own_property(tmp_path, command, head, rows, where, key):
     table, file = write(tmp_path / "t.csv", head, rows), tmp_path / "wood.toml"
-    answer = calibrate(command, table, "--into", file, *where)
-    assert answer.code == 0, answer.err
+    result = calibrate(command, table, "--into", file, *where)
+    assert result.code == 0, result.err
     assert f"\n{key} = {{ value =" in file.read_text()
 
 
@@ -58,8 +58,8 @@ def test_what_was_not_measured_is_not_written(tmp_path):
         (["--only", "smooth", "--group", "surface"], "--only smooth: no such group"),
         (["--only", "rough"], "--only rough: the trials are not in groups; name the column"),
     ):
-        answer = calibrate("interface", MARKERS, *options)
-        assert answer.code == 2
-        assert line in answer.err
-        assert answer.err.count("\n") == 1
+        result = calibrate("interface", MARKERS, *options)
+        assert result.code == 2
+        assert line in result.err
+        assert result.err.count("\n") == 1
     assert not file.exists()

@@ -1,4 +1,4 @@
-"""The sources' printed measurements beside what follows from their own parts."""
+"""The sources' printed measurements compared with what follows from their own parts."""
 
 import numpy as np
 import pytest
@@ -61,9 +61,9 @@ def test_surface_density_is_density_times_length():
     assert next(iter(rows("density").values()))["found"] == pytest.approx(0.054, rel=1e-12)
 
 
-def test_all_tables_are_shown_and_an_unknown_one_is_told():
+def test_all_tables_are_shown_and_an_unknown_one_is_reported():
     said = calibrate("published").out
     for name in ("friction", "restitution", "interface", "stiffness", "damping", "roughness"):
         assert f"\n{name}\n" in said
-    answer = calibrate("published", "frictoin")
-    assert_refused(answer, "did you mean 'friction'")
+    result = calibrate("published", "frictoin")
+    assert_refused(result, "did you mean 'friction'")

@@ -37,7 +37,7 @@ def test_straight_pieces_are_integrated_exactly_across_zero():
     ],
 )
 def test_the_form_is_taken_off(form, shape):
-    """What is left of a form alone is rounding: 1e-12 m beside micrometres.
+    """What is left of a form alone is rounding: 1e-12 m against micrometres.
 
     The circle is that of the thesis's 5 mm spheres, its top off the middle of the path.
     """
@@ -91,6 +91,6 @@ def test_paths_by_particle_and_in_any_order(tmp_path):
     ],
 )
 def test_what_is_no_profile_is_one_line(tmp_path, columns, line):
-    answer = calibrate("roughness", write(tmp_path / "t.csv", "x_mm;z_um", columns))
-    assert answer.code == 2
-    assert line in answer.err
+    result = calibrate("roughness", write(tmp_path / "t.csv", "x_mm;z_um", columns))
+    assert result.code == 2
+    assert line in result.err

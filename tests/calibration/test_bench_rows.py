@@ -68,7 +68,7 @@ def test_friction_covers_the_truth_in_68_percent(tmp_path):
     assert 0.60 <= covered / 300 <= 0.76
 
 
-def test_pairings_are_told_apart_and_tested(tmp_path):
+def test_pairings_are_distinguished_and_tested(tmp_path):
     pairings = ["a"] * 4 + ["b"] * 4
     angles = [20.0, 20.2, 19.8, 20.1, 25.0, 25.1, 24.9, 25.2]
     table = write(tmp_path / "t.csv", "pairing;angle_deg", [pairings, angles])
@@ -129,7 +129,7 @@ def test_shares_of_mass_and_volume_add_as_squares(tmp_path):
     assert found["density_kg_m3"]["sigma"] == pytest.approx(450 * math.hypot(0.01, 0.02), rel=1e-3)
 
 
-def test_a_merged_cell_names_all_trials_beside_it(tmp_path):
+def test_a_merged_cell_names_all_trials_next_to_it(tmp_path):
     table = tmp_path / "t.csv"
     table.write_text("pairing,angle_deg\nA,20\n,21\n,22\nB,25\n,26\n,27\n")
     found = calibrate("incline", table, "--json").json["friction"]
@@ -137,7 +137,7 @@ def test_a_merged_cell_names_all_trials_beside_it(tmp_path):
     assert any("4 empty fields of pairing" in words for words in found["remarks"])
 
 
-def test_trials_that_do_not_differ_tell_no_sigma(tmp_path):
+def test_trials_that_do_not_differ_give_no_sigma(tmp_path):
     """Three readings of 20 deg to the degree are not exact: 1 deg wide, sigma 1/sqrt(12) deg."""
     table = write(tmp_path / "t.csv", "angle_deg", [[20, 20, 20]])
     found = calibrate("incline", table, "--json").json["friction"]
@@ -153,7 +153,7 @@ def test_radians_called_degrees_are_doubted(tmp_path):
     assert "if they are in radians" in said
 
 
-def test_a_row_with_an_empty_field_is_left_out_and_told(tmp_path):
+def test_a_row_with_an_empty_field_is_left_out_and_reported(tmp_path):
     table = write(tmp_path / "t.csv", "mass_g;volume_cm3", [[2.7, "", 2.8], [6.0, 6.0, 6.0]])
     found = calibrate("density", table, "--json").json
     assert found["density_kg_m3"]["trials"] == 2
@@ -184,10 +184,10 @@ def test_a_row_with_an_empty_field_is_left_out_and_told(tmp_path):
 )
 def test_bad_input_is_one_line_and_exit_code_2(tmp_path, command, head, values, options, line):
     table = write(tmp_path / "t.csv", head, [[v] for v in values])
-    answer = calibrate(command, table, *options)
-    assert answer.code == 2
-    assert line in answer.err
-    assert answer.err.count("\n") == 1
+    result = calibrate(command, table, *options)
+    assert result.code == 2
+    assert line in result.err
+    assert result.err.count("\n") == 1
 
 
 def test_a_file_given_twice_is_refused(tmp_path):
@@ -195,8 +195,8 @@ def test_a_file_given_twice_is_refused(tmp_path):
     assert "given twice" in calibrate("incline", table, tmp_path / "." / "t.csv").err
 
 
-def test_a_missing_file_is_told():
-    answer = calibrate("incline", "nowhere.csv")
-    assert (answer.code, answer.err) == (
+def test_a_missing_file_is_reported():
+    result = calibrate("incline", "nowhere.csv")
+    assert (result.code, result.err) == (
         2, "calibrate: nowhere.csv: cannot be read (No such file or directory)\n",
     )  # fmt: skip

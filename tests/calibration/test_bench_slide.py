@@ -118,7 +118,7 @@ def test_a_clock_that_does_not_start_at_the_release_is_refused(tmp_path, late):
     assert abs(found["value"] - GAMMA) < 3 * found["sigma"]
 
 
-def test_noise_that_is_not_white_is_told(tmp_path):
+def test_noise_that_is_not_white_is_reported(tmp_path):
     v = V0 * (1 - np.exp(-GAMMA * TIME)) + 0.02 * np.sin(20 * TIME)
     table = write(tmp_path / "t.csv", "time_s;velocity_m_s", [TIME, v])
     assert "neighbouring residuals go together" in calibrate("slide", table).out
@@ -138,7 +138,7 @@ def test_noise_that_is_not_white_is_told(tmp_path):
     ],
 )
 def test_bad_runs_are_one_line(tmp_path, columns, options, line):
-    answer = calibrate("slide", write(tmp_path / "t.csv", columns[0], columns[1:]), *options)
-    assert answer.code == 2
-    assert line in answer.err
-    assert answer.err.count("\n") == 1
+    result = calibrate("slide", write(tmp_path / "t.csv", columns[0], columns[1:]), *options)
+    assert result.code == 2
+    assert line in result.err
+    assert result.err.count("\n") == 1

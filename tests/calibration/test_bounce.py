@@ -1,4 +1,4 @@
-"""Restitution from tracks of a bouncing thing: exact flights, noise, and the stated uncertainty."""
+"""Restitution from tracks of a bouncing object: exact flights, noise, the stated uncertainty."""
 
 import numpy as np
 import pytest
@@ -121,7 +121,7 @@ def test_bad_positions_do_not_move_the_result():
 
 
 def test_gaps_at_apex_and_at_the_plate_are_bridged():
-    """The thing leaves the picture above, and is hidden behind something at the plate."""
+    """The object leaves the picture above, and is hidden behind something at the plate."""
     made = made_track([0.8] * 4)
     y, low = made.track.y, made.track.y > 470
     high = (made.track.frame > made.contacts[0]) & (y < y[made.track.frame > 70].min() + 40)

@@ -26,18 +26,18 @@ def wood(tmp_path):
 
 def test_the_file_gives_what_the_command_line_does_not():
     """Density, length and area make the paper's 10.8 g; two of them reduce to 5.4 g (eq. 3.9)."""
-    answer = calibrate("damping", *WOOD, "--json").json
-    assert answer["reduced_mass_kg"]["value"] == pytest.approx(5.4e-3, rel=1e-12)
-    assert answer["reduced_mass_kg"]["sigma"] == pytest.approx(0.06 * 5.4e-3, rel=1e-12)
-    assert answer["restitution"] == {"value": 0.45, "sigma": pytest.approx(0.0765)}
-    assert answer["gamma_n_per_s"]["overlap"]["value"] == pytest.approx(21200, rel=5e-3)  # errata
-    assert answer["restitution_in_parallel"]["overlap"]["8"]["value"] == pytest.approx(
+    result = calibrate("damping", *WOOD, "--json").json
+    assert result["reduced_mass_kg"]["value"] == pytest.approx(5.4e-3, rel=1e-12)
+    assert result["reduced_mass_kg"]["sigma"] == pytest.approx(0.06 * 5.4e-3, rel=1e-12)
+    assert result["restitution"] == {"value": 0.45, "sigma": pytest.approx(0.0765)}
+    assert result["gamma_n_per_s"]["overlap"]["value"] == pytest.approx(21200, rel=5e-3)  # errata
+    assert result["restitution_in_parallel"]["overlap"]["8"]["value"] == pytest.approx(
         0.05, abs=0.005
     )
-    assert answer["warnings"] == []
+    assert result["warnings"] == []
 
 
-def test_a_wall_and_a_body_of_its_own():
+def test_a_wall_and_a_particle_of_its_own():
     """Eq. 3.10: gamma at a wall is that of two equal bodies over sqrt(2)."""
     gammas = [
         calibrate("damping", *GIVEN, *more, "--json").json["gamma_n_per_s"]["overlap"]["value"]
@@ -49,28 +49,28 @@ def test_a_wall_and_a_body_of_its_own():
 
 def test_damping_goes_into_the_file(wood):
     """gamma_n of the chosen end of contact, with what it came from; the rest as it was."""
-    answer = calibrate(
+    result = calibrate(
         "damping", "--into", wood, "--pair", "methacrylate-wood", *GIVEN, "--wall",
         "--contact-end", "force", "--json",
     )  # fmt: skip
     found = load_table(wood).pair("wood", "methacrylate").linear.gamma_n
-    expected = answer.json["gamma_n_per_s"]["force"]
+    expected = result.json["gamma_n_per_s"]["force"]
     assert found.value == pytest.approx(expected["value"], abs=expected["sigma"] / 100)
     assert found.sigma == pytest.approx(expected["sigma"], rel=5e-3)
     assert found.history[0].value == 4303
     assert "zero force" in found.method
     assert found.source.startswith("restitution 0.530 +- 0.020 of one contact, kn 10000 +- 500 N")
-    assert answer.json["into"]["replaces"] == 4303
-    assert "gamma_n replaced; the old value is kept as history" in answer.err
+    assert result.json["into"]["replaces"] == 4303
+    assert "gamma_n replaced; the old value is kept as history" in result.err
 
 
 def test_what_has_no_uncertainty_is_named():
-    answer = calibrate("damping", "--restitution", "0.5", "--kn", "1e4 N/mm", "--mass", "10 g")
-    assert answer.code == 0
-    assert answer.out.count("has no uncertainty and counts as exact") == 3
+    result = calibrate("damping", "--restitution", "0.5", "--kn", "1e4 N/mm", "--mass", "10 g")
+    assert result.code == 0
+    assert result.out.count("has no uncertainty and counts as exact") == 3
 
 
-def test_the_report_of_a_file_tells_where_each_number_came_from(wood):
+def test_the_report_of_a_file_says_where_each_number_came_from(wood):
     calibrate("damping", "--into", wood, "--pair", "wood-wood", *GIVEN)
     rows = {(row["section"], row["key"]): row for row in
             calibrate("report", wood, "--json").json["values"]}  # fmt: skip
@@ -92,8 +92,8 @@ def test_a_file_in_the_making_is_read_too(tmp_path):
         "schema = 1\n[pair.a-b]\nrestitution = { value = 0.5, sigma = 0.01, trials = 12 }\n"
         '[pair.a-b.linear]\nkn = { value = "1e4 N/mm", sigma = "5 %" }\n'
     )
-    answer = calibrate("damping", "--into", new, "--pair", "b-a", "--mass", "10 g +- 1 %", "--json")
-    assert answer.json["restitution"] == {"value": 0.5, "sigma": 0.01}
+    result = calibrate("damping", "--into", new, "--pair", "b-a", "--mass", "10 g +- 1 %", "--json")
+    assert result.json["restitution"] == {"value": 0.5, "sigma": 0.01}
     rows = {row["key"]: row for row in calibrate("report", new, "--json").json["values"]}
     assert (rows["gamma_n"]["section"], rows["gamma_n"]["trials"]) == ("pair.a-b.linear", 12)
 
@@ -101,24 +101,24 @@ def test_a_file_in_the_making_is_read_too(tmp_path):
 @pytest.mark.parametrize("restitution", ["0.1 +- 0.3", "0.95 +- 0.1"])
 def test_an_interval_that_no_contact_can_have_is_doubted(restitution):
     """gamma_n is infinite at e = 0 and 0 at e = 1: no slope holds from one end to the other."""
-    answer = calibrate("damping", *GIVEN[2:], "--restitution", restitution)
-    assert answer.code == 0
-    assert "reaches beyond 0 or 1" in answer.out
+    result = calibrate("damping", *GIVEN[2:], "--restitution", restitution)
+    assert result.code == 0
+    assert "reaches beyond 0 or 1" in result.out
     assert "reaches beyond" not in calibrate("damping", *GIVEN).out
 
 
 def test_the_report_of_a_file_in_the_making(tmp_path):
     new = tmp_path / "new.toml"
     calibrate("damping", "--into", new, "--pair", "wood-steel", *GIVEN)
-    answer = calibrate("report", new)
-    assert "a simulator still needs [material.wood] density, [material.steel]" in answer.out
+    result = calibrate("report", new)
+    assert "a simulator still needs [material.wood] density, [material.steel]" in result.out
 
 
 @pytest.mark.parametrize("name", data_names("materials"))
 def test_shipped_tables_can_be_reported(name):
-    answer = calibrate("report", name)
-    assert answer.code == 0, answer.err
-    assert "no source given" not in answer.out
+    result = calibrate("report", name)
+    assert result.code == 0, result.err
+    assert "no source given" not in result.out
 
 
 @pytest.mark.parametrize(
@@ -150,15 +150,15 @@ def test_shipped_tables_can_be_reported(name):
 )
 def test_bad_input_is_one_line_and_exit_code_2(arguments, line, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    answer = calibrate("damping", *arguments)
-    assert_refused(answer, line)
+    result = calibrate("damping", *arguments)
+    assert_refused(result, line)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_that_is_not_there_cannot_be_reported():
-    answer = calibrate("report", "wod")
-    assert answer.code == 2
-    assert "did you mean 'wood'?" in answer.err
+    result = calibrate("report", "wod")
+    assert result.code == 2
+    assert "did you mean 'wood'?" in result.err
 
 
 # Quantities with their uncertainty

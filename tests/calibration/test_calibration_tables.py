@@ -1,4 +1,4 @@
-"""Tables of numbers and text: every dialect gives the same columns; what is no table is told."""
+"""Tables of numbers and text: every dialect gives the same columns; reports on what is none."""
 
 import contextlib
 import csv
@@ -56,7 +56,7 @@ _WORDS = st.text(st.characters(codec="utf-8", categories=["L", "N", "P", "Zs"]),
     rows=st.lists(st.tuples(_WORDS, _NUMBERS), min_size=2, max_size=6),
     separator=st.sampled_from([";", "\t"]),
 )
-def test_text_of_any_kind_stands_beside_the_numbers(tmp_path_factory, rows, separator):
+def test_text_of_any_kind_stands_next_to_the_numbers(tmp_path_factory, rows, separator):
     """Oracle: what the csv module wrote, spaces at the ends left out."""
     written = io.StringIO()
     writer = csv.writer(written, delimiter=separator, quoting=csv.QUOTE_ALL)
@@ -124,7 +124,7 @@ _NUMBERS_OF_3 = {"Nr": [1, 2, 3], "angle": [20.8, 21.3, 20.1]}
 @pytest.mark.parametrize("pad", [False, True])  # spreadsheets fill every line to the same width
 @pytest.mark.parametrize("below", ["", "\nNotes: by hand\nHumidity 45 %\n", "Mean|21.07\nSD|0.6\n"])
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
-def test_words_above_and_below_the_numbers_are_left_out_and_told(
+def test_words_above_and_below_the_numbers_are_left_out_and_reported(
     tmp_path, separator, pad, below, encoding
 ):
     """A title, a remark and a line of units above; notes, or a mean that is no trial, below."""
@@ -161,7 +161,7 @@ def test_a_head_and_labels_stand_between_spaces(tmp_path):
     assert (table.units["angle"], table.labels("pairing")) == ("deg", ("A", "B"))
 
 
-def test_what_spreadsheets_write_besides(tmp_path):
+def test_what_else_spreadsheets_write(tmp_path):
     table = table_of(tmp_path, "sep=,\na,b\n1,2\n3,4\n")  # Excel's own line
     assert list(table.columns) == ["a", "b"]
     table = table_of(tmp_path, "a\n1\n#DIV/0!\n#WERT!\n3\n")  # errors are no remarks
@@ -203,14 +203,14 @@ def test_parts_of_a_head():
         (b"RIFF\x00\x01\x02", "not a text file"),
     ],
 )
-def test_what_is_no_table_is_told_in_one_line(tmp_path, text, line):
+def test_what_is_no_table_is_reported_in_one_line(tmp_path, text, line):
     with pytest.raises(InputError, match=line) as caught:
         table_of(tmp_path, text)
     assert "\n" not in str(caught.value)
     assert "table.csv" in str(caught.value)
 
 
-def test_a_missing_column_unit_or_number_is_told_with_what_would_do(tmp_path):
+def test_a_missing_column_unit_or_number_is_reported_with_what_would_do(tmp_path):
     table = table_of(tmp_path, "load;x [mm]\n1;2\n1_0;3\n")
     with pytest.raises(InputError, match="line 3: load = '1_0' is no number"):
         table.column("load", "N", written_in="N")

@@ -36,8 +36,8 @@ def test_one_trial_has_no_sigma_and_none_is_refused():
 def test_pooled_sigma_covers_the_truth_whether_groups_are_alike_or_not(between, low):
     """Exact for groups alike and for groups far apart: 68.3 +- 3 x 1.5 %, 1000 draws.
 
-    In between, where ten trials of three samples cannot always tell, it covers 61 %: sigma is then
-    too small by a sixth, which the documentation says.
+    In between, where ten trials of three samples cannot always decide, it covers 61 %: sigma is
+    then too small by a sixth, which the documentation says.
     """
     rng = np.random.default_rng(3)
     covered = 0

@@ -40,11 +40,11 @@ def test_drag_is_found_and_what_it_hides_is_in_the_sigma():
     slow, drags = slowness(found)
     assert drags
     assert slow.value == pytest.approx(120.0**-2, rel=0.1, abs=3 * slow.sigma)
-    told = with_drag(found)
-    assert "air drag shows" in told.warnings[-1]
+    corrected = with_drag(found)
+    assert "air drag shows" in corrected.warnings[-1]
     off = E - found.pooled.value
     assert off > 4 * found.pooled.sigma  # times alone would be wrong
-    assert told.pooled.sigma == pytest.approx(off, rel=0.15)
+    assert corrected.pooled.sigma == pytest.approx(off, rel=0.15)
 
 
 @pytest.mark.parametrize("shutter", [0.0, 1 / 500, -1 / 500])

@@ -1,4 +1,4 @@
-"""The command calibrate drop on tracks: report, JSON, sheet, refusals; recordings of strangers."""
+"""The command calibrate drop on tracks: report, JSON, figure, refusals; recordings of strangers."""
 
 import json
 import os
@@ -40,23 +40,23 @@ def test_one_json_object_with_the_keys_that_scripts_rely_on(tmp_path):
     path = write(tmp_path / "ball.csv", made.track)
     code, out, err = calibrate("drop", path, "--fps", 240, "--json", "-o", tmp_path / "sheets")
     assert (code, err) == (0, "")
-    answer = json.loads(out)
-    assert answer.keys() >= KEYS
-    assert all(bounce.keys() >= BOUNCE_KEYS for bounce in answer["bounces"])
-    assert len(answer["bounces"]) == len(answer["contact_times_s"]) == 4
-    assert answer["restitution"]["value"] == pytest.approx(0.7, abs=0.01)
-    assert answer["restitution"]["constant_within_noise"] is True
-    assert answer["contact_times_s"] == pytest.approx(made.contacts / 240, abs=1e-3)
-    times = np.diff(answer["contact_times_s"])
+    result = json.loads(out)
+    assert result.keys() >= KEYS
+    assert all(bounce.keys() >= BOUNCE_KEYS for bounce in result["bounces"])
+    assert len(result["bounces"]) == len(result["contact_times_s"]) == 4
+    assert result["restitution"]["value"] == pytest.approx(0.7, abs=0.01)
+    assert result["restitution"]["constant_within_noise"] is True
+    assert result["contact_times_s"] == pytest.approx(made.contacts / 240, abs=1e-3)
+    times = np.diff(result["contact_times_s"])
     # T(k+1)/T(k) stands with the bounce between the two flights
-    assert answer["bounces"][1]["from_times"] == pytest.approx(times[1] / times[0], rel=1e-9)
-    assert answer["bounces"][0]["from_times"] is None
-    assert answer["fps_header"] is None
-    assert answer["fps_used"] == 240
-    assert answer["gravity_check_m_s2"] is None
-    sheet = Path(answer["sheet"])
-    assert sheet.parent == tmp_path / "sheets"
-    assert sheet.read_bytes()[:4] == b"\x89PNG"
+    assert result["bounces"][1]["from_times"] == pytest.approx(times[1] / times[0], rel=1e-9)
+    assert result["bounces"][0]["from_times"] is None
+    assert result["fps_header"] is None
+    assert result["fps_used"] == 240
+    assert result["gravity_check_m_s2"] is None
+    figure = Path(result["sheet"])
+    assert figure.parent == tmp_path / "sheets"
+    assert figure.read_bytes()[:4] == b"\x89PNG"
 
 
 def test_the_report_says_value_sigma_and_every_bounce(tmp_path):
@@ -76,12 +76,12 @@ def test_seconds_in_the_table_are_the_rate(tmp_path):
         for f, y in zip(track.frame, track.y, strict=True)
     ]
     path.write_text("\n".join(["t [s];y", *lines]), encoding="utf-8")
-    answer = json.loads(calibrate("drop", path, "--json")[1])
-    assert answer["fps_header"] == pytest.approx(120, rel=1e-3)
-    assert answer["scale_m_per_px"] > 0
+    result = json.loads(calibrate("drop", path, "--json")[1])
+    assert result["fps_header"] == pytest.approx(120, rel=1e-3)
+    assert result["scale_m_per_px"] > 0
     doubled = json.loads(calibrate("drop", path, "--json", "--fps", 240)[1])
     assert doubled["fps_used"] == 240
-    assert doubled["scale_m_per_px"] == pytest.approx(answer["scale_m_per_px"] / 4, rel=1e-2)
+    assert doubled["scale_m_per_px"] == pytest.approx(result["scale_m_per_px"] / 4, rel=1e-2)
 
 
 def test_the_pooled_value_goes_into_a_parameter_file(tmp_path):
@@ -96,7 +96,7 @@ def test_the_pooled_value_goes_into_a_parameter_file(tmp_path):
     assert stored["restitution"]["source"] == "ball.csv"
 
 
-def test_two_things_that_bounce_are_told_apart_by_name(tmp_path):
+def test_two_objects_that_bounce_are_distinguished_by_name(tmp_path):
     a, b = made_track([0.7] * 4).track, made_track([0.5] * 3, seed=2).track
     n = min(len(a.frame), len(b.frame))
     rows = np.stack([a.frame[:n], a.x[:n], a.y[:n], 300 + b.x[:n], b.y[:n]], axis=1)
@@ -106,8 +106,8 @@ def test_two_things_that_bounce_are_told_apart_by_name(tmp_path):
     code, out, err = calibrate("drop", path)
     assert (code, out) == (2, "")
     assert "2 objects bounce: choose one with --track ('1': 0.700" in err
-    answer = json.loads(calibrate("drop", path, "--track", "2", "--json")[1])
-    assert answer["restitution"]["value"] == pytest.approx(0.5, abs=0.02)
+    result = json.loads(calibrate("drop", path, "--track", "2", "--json")[1])
+    assert result["restitution"]["value"] == pytest.approx(0.5, abs=0.02)
 
 
 @pytest.mark.parametrize(
@@ -149,28 +149,28 @@ def test_marble_on_sixty_sheets_as_measured_by_others():
 
     Contacts to 0.15 frame: their own fit of each flight differs from ours in what it leaves out.
     """
-    answer = json.loads(calibrate("drop", MEDIA / "A4_1-60-M.csv", "--json")[1])
-    frames = [bounce["contact_frame"] for bounce in answer["bounces"]]
+    result = json.loads(calibrate("drop", MEDIA / "A4_1-60-M.csv", "--json")[1])
+    frames = [bounce["contact_frame"] for bounce in result["bounces"]]
     assert frames[:3] == pytest.approx([80.72, 147.36, 182.63], abs=0.15)
-    assert answer["bounces"][1]["from_times"] == pytest.approx(0.529, abs=0.01)
-    assert answer["restitution"]["value"] == pytest.approx(0.529, abs=0.01)
+    assert result["bounces"][1]["from_times"] == pytest.approx(0.529, abs=0.01)
+    assert result["restitution"]["value"] == pytest.approx(0.529, abs=0.01)
 
 
 @needs_media
 def test_marble_on_a_hundred_sheets_as_measured_by_others():
     """V_100: contacts 231.31, 282.46, 317.50, 342.77, e = 0.685, 0.721, their sigma 0.01."""
-    answer = json.loads(calibrate("drop", MEDIA / "V_18-7_Results_100_1018.csv", "--json")[1])
-    frames = [bounce["contact_frame"] for bounce in answer["bounces"]]
+    result = json.loads(calibrate("drop", MEDIA / "V_18-7_Results_100_1018.csv", "--json")[1])
+    frames = [bounce["contact_frame"] for bounce in result["bounces"]]
     assert frames == pytest.approx([231.31, 282.46, 317.50, 342.77], abs=0.15)
-    e = [bounce["from_times"] for bounce in answer["bounces"][1:3]]
+    e = [bounce["from_times"] for bounce in result["bounces"][1:3]]
     assert e == pytest.approx([0.685, 0.721], abs=0.01)
-    assert answer["restitution"]["constant_within_noise"] is False
+    assert result["restitution"]["constant_within_noise"] is False
 
 
 @needs_media
 def test_a_marble_among_flickering_spots_is_found_and_its_lost_time_said():
     """A4_1-1: pairs change places among six columns; three frame numbers took no time."""
-    answer = json.loads(calibrate("drop", MEDIA / "A4_1-1-M.csv", "--json")[1])
-    assert len(answer["bounces"]) == 3
-    assert len(answer["time_base"]["duplicated_frames"]) == 3
-    assert any("linked" in line for line in answer["warnings"])
+    result = json.loads(calibrate("drop", MEDIA / "A4_1-1-M.csv", "--json")[1])
+    assert len(result["bounces"]) == 3
+    assert len(result["time_base"]["duplicated_frames"]) == 3
+    assert any("linked" in line for line in result["warnings"])

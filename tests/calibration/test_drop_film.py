@@ -121,7 +121,7 @@ def test_repeated_and_lost_frames_are_found(tmp_path):
 
 
 def test_two_balls_are_named_and_chosen(tmp_path):
-    other = replace(BALL, place=0.8, release=0.18, restitution=0.7, colour=(0.8, 0.3, 0.2))
+    other = replace(BALL, position=0.8, release=0.18, restitution=0.7, colour=(0.8, 0.3, 0.2))
     path, _ = filmed(tmp_path / "two.mp4", replace(SCENE, balls=(BALL, other)))
     tracks = follow(open_film(path))
     with pytest.raises(InputError, match=r"2 objects bounce: .* or --roi \('1' from"):
@@ -135,8 +135,8 @@ def test_two_balls_are_named_and_chosen(tmp_path):
     assert seen.restitution.value == pytest.approx(0.8, abs=0.01)
 
 
-@pytest.mark.parametrize(("growth", "told"), [(1.2, True), (1.0, False), (0.85, True)])
-def test_a_ball_that_comes_nearer_is_told(growth, told):
+@pytest.mark.parametrize(("growth", "reported"), [(1.2, True), (1.0, False), (0.85, True)])
+def test_a_ball_that_comes_nearer_is_reported(growth, reported):
     """Its radius says so where it is slow; where it is fast the blur of motion adds to it."""
     track = made_track([0.8] * 5).track
     along = np.linspace(0, 1, len(track.frame))
@@ -144,10 +144,10 @@ def test_a_ball_that_comes_nearer_is_told(growth, told):
     noise = np.random.default_rng(2).normal(0, 0.1, len(along))
     radius = 20 * growth**along + 0.1 * fall + noise
     found = measure_drop(replace(track, radius=radius), fps=100)
-    assert any("the object comes" in warning for warning in found.warnings) == told
+    assert any("the object comes" in warning for warning in found.warnings) == reported
 
 
-def test_scale_and_header_that_contradict_free_fall_are_told():
+def test_scale_and_header_that_contradict_free_fall_are_reported():
     """A camera of 100 frames/s whose file says 30: g would be 9.8 (30/100)^2 = 0.88 m/s2."""
     made = made_track([0.8] * 4)
     scale = 9.80665 / (made.acceleration * 100**2)  # g = a s f^2
@@ -160,7 +160,7 @@ def test_scale_and_header_that_contradict_free_fall_are_told():
     assert (again.rate_header, again.rate.value) == (pytest.approx(30), 100)
 
 
-def test_error_of_the_camera_s_motion_stays_out_of_places(tmp_path, monkeypatch):
+def test_error_of_the_camera_s_motion_stays_out_of_positions(tmp_path, monkeypatch):
     """A camera that stands, said to tremble by less than pictures are steadied for (0.5 px)."""
     film = open_film(filmed(tmp_path / "a.mp4", duration=0.4)[0])
     sign = itertools.cycle((1.0, -1.0))

@@ -26,7 +26,7 @@ def test_outlines_enclose_the_parts_that_labels_give(seed):
     assert whole > 0
 
 
-def test_the_largest_part_has_no_holes_and_nothing_beside_it():
+def test_the_largest_part_has_no_holes_and_nothing_next_to_it():
     mask = np.zeros((40, 40), np.uint8)
     mask[5:25, 5:25] = 255
     mask[10:14, 10:14] = 0

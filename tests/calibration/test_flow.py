@@ -29,8 +29,8 @@ def filmed(tmp_path_factory):
     """The small silo's discharge: run folder, film, and its truth."""
     root = tmp_path_factory.mktemp("filmed")
     case = write_case(root, {"output.layer_height": "17 mm"})
-    answer = silo2d("run", case, "-o", root / "runs", "--no-figures", "--quiet")
-    assert answer.code == 0, answer.err
+    result = silo2d("run", case, "-o", root / "runs", "--no-figures", "--quiet")
+    assert result.code == 0, result.err
     run = the_run(root / "runs").path
     look = Look(scale=0.4e-3, lead=0.05, rest=0.2, texture_size=0.8e-3)
     stage, camera = Stage(run, look), Camera(rate=120, moments=2)
@@ -41,7 +41,7 @@ def filmed(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def measured(filmed):
-    """What the film told."""
+    """Results of the film."""
     settings = Settings(width="80 mm", interval=f"{INTERVAL} s", columns=5)
     return measure_flow(filmed[1], settings)
 
@@ -54,7 +54,7 @@ def test_the_silo_s_inside_is_found(measured, filmed):
     assert measured.silo.outlet == pytest.approx(top + height, abs=1.5)
 
 
-def test_opening_and_last_grain_are_found(measured, filmed):
+def test_opening_and_last_particle_are_found(measured, filmed):
     """Within three sigma, or a frame, whichever is more; the outcome is the run's."""
     known, rate = filmed[2], filmed[2]["frames_per_s"]
     opening, end = measured.opening, measured.discharge
@@ -64,7 +64,7 @@ def test_opening_and_last_grain_are_found(measured, filmed):
 
 
 def test_profiles_come_back_within_their_uncertainty(measured, filmed):
-    """Of some forty lines 68 % lie within sigma; they share grains, so that as few as ten count as
+    """Of some forty lines 68 % lie within sigma; they share particles: as few as ten count as
     independent: two binomial standard deviations are 0.29. No line is off by five sigma."""
     known = np.array(
         [[[np.nan if y is None else y for y in row] for row in layer["lines_m"]]
@@ -81,8 +81,8 @@ def test_profiles_come_back_within_their_uncertainty(measured, filmed):
 
 def test_velocities_come_back_within_their_uncertainty(measured, filmed):
     """Of some two hundred components 68 % lie within sigma; windows overlap by half and share
-    grains, so that one in ten counts as independent: two binomial standard deviations are 0.2. On
-    average they are right to a twentieth of the speed, which is what a window's edges tell."""
+    particles, so that one in ten counts as independent: two binomial standard deviations are 0.2.
+    On average they are right to a twentieth of the speed, which is what a window's edges show."""
     off, sigma, speed = [], [], []
     for field in measured.velocities:
         true = true_field(*filmed[3], field)
@@ -107,7 +107,7 @@ def test_true_velocities_are_none_before_the_opening(filmed):
 
 
 def test_the_curve_is_that_of_the_mass(measured, filmed):
-    """The area of plane grains is their mass; the two ways differ by what is stated, twice that."""
+    """The area of plane particles is their mass; the two ways differ by twice the stated."""
     out = np.array(filmed[2]["out_times_s"])
     true = 1 - np.searchsorted(out, measured.curve.time) / filmed[2]["n_grains"]
     assert np.sqrt(np.mean((measured.curve.area - true) ** 2)) < 2 * measured.curve.sigma
@@ -115,12 +115,12 @@ def test_the_curve_is_that_of_the_mass(measured, filmed):
 
 def test_a_run_and_its_own_film_are_as_near_as_equal_flows(filmed, tmp_path):
     """D is below twice the lines' own uncertainty, and the times agree within three sigma."""
-    answer = calibrate("compare", filmed[0], filmed[1], "--interval", "0.05 s", "--out", tmp_path,
+    result = calibrate("compare", filmed[0], filmed[1], "--interval", "0.05 s", "--out", tmp_path,
                        "--quiet", "--json").json  # fmt: skip
-    assert answer["distance_m"]["value"] < 2 * answer["distance_of_equal_flows_m"]
-    off = answer["discharge_time_difference_s"]
+    assert result["distance_m"]["value"] < 2 * result["distance_of_equal_flows_m"]
+    off = result["discharge_time_difference_s"]
     assert abs(off["value"]) < 3 * off["sigma"]
-    assert Path(answer["figure"]).stat().st_size > 0
+    assert Path(result["figure"]).stat().st_size > 0
 
 
 def squares(side=0.1, step=0.002):
@@ -133,7 +133,7 @@ def squares(side=0.1, step=0.002):
 def test_layers_that_come_down_as_one_stay_level():
     """Rigid fall: each line one fall below the layer's level, whatever the parting; to rounding.
 
-    The level is the mean over grains that might have been, known to about a tenth of a grain's
+    The level is the mean over particles that might have been, known to about a tenth of a grain's
     10 mm for these forty."""
     lines, start = squares()
     profile = lines.at(0.5, start - (0, 0.02), np.zeros(len(start)))
@@ -164,9 +164,9 @@ def test_tracers_that_left_are_in_no_line():
 
 
 def opened(fall, noise=0.0, seed=0):
-    """The opening of falls fall(tau) [px] of grains of 20 px, and how far it is off [sigma]."""
+    """The opening of falls fall(tau) [px] of particles of 20 px, and how far it is off [sigma]."""
     random = np.random.default_rng(seed)
-    opening, start, frame = Opening(grain=20.0), 10 + random.uniform(), 0
+    opening, start, frame = Opening(particle=20.0), 10 + random.uniform(), 0
     while opening.clock is None:
         tau = max(frame - start, 0.0)
         opening.see(frame, fall(tau) + random.normal(0, noise) * (tau > 0))
@@ -210,35 +210,35 @@ def test_opening_of_a_fall_that_settles_is_within_three_sigma(settling):
 
 
 def test_opening_of_a_slow_film_lies_between_two_frames():
-    """Falls of grains per frame: all that is known is between which frames it began."""
-    opening = Opening(grain=5.0)
+    """Falls of particles per frame: all that is known is between which frames it began."""
+    opening = Opening(particle=5.0)
     for frame, fall in enumerate([0.0, 0.0, 12.0, 40.0]):
         opening.see(frame, fall)
     assert 0 < opening.clock.value < 2
     assert opening.clock.sigma > 0.25
 
 
-def test_last_grain_s_centroid_passes_half_its_length_before_its_end():
-    """A grain of 10 px at 5 px/frame, last seen in frame 20: 20 + 1/2 - 1."""
-    crossing = Crossing(grain=10.0)
+def test_last_particle_s_centroid_passes_half_its_length_before_its_end():
+    """A particle of 10 px at 5 px/frame, last seen in frame 20: 20 + 1/2 - 1."""
+    crossing = Crossing(particle=10.0)
     for frame in range(30):
         crossing.see(frame, np.arange(40) < (8 if frame <= 20 else 0), np.full(9, 5.0))
     assert crossing.last().value == pytest.approx(19.5)
 
 
-def test_a_tracer_that_creeps_out_after_the_last_grain_does_not_tell_its_speed():
-    """One of nine at a fiftieth of the speed: the median is the grain's."""
-    crossing = Crossing(grain=10.0)
+def test_a_tracer_that_creeps_out_after_the_last_particle_does_not_set_its_speed():
+    """One of nine at a fiftieth of the speed: the median is the particle's."""
+    crossing = Crossing(particle=10.0)
     crossing.see(20, np.full(8, True), np.full(9, 5.0))
     crossing.see(90, np.full(8, False), np.array([0.1]))
     assert crossing.last().value == pytest.approx(19.5)
 
 
 @pytest.mark.parametrize("grey", [40, 120])
-def test_a_grain_before_two_backdrops_is_told_from_both(grey):
+def test_a_particle_before_two_backdrops_is_distinguished_from_both(grey):
     """At the outlet a white backing ends, and a dark plate begins: the mean of such rows, 117, is
-    as bright as a light grain. In each row it differs by more than half of the contrast to the
-    nearer tone there; a dark grain does by 20 sqrt(3) before the plate, where 30 is what grains
+    as bright as a light particle. In each row it differs by more than half of the contrast to the
+    nearer tone there; a dark particle does by 20 sqrt(3) before the plate, where 30 is what grains
     differ by. What differs by less, or in one row only, is none: here a codec's ten grey levels."""
     tones = Tones(np.array([[40] * 3, [120] * 3, [230] * 3], np.float32), 2, 30.0)
     behind = np.full((3, 4, 3), 60, np.uint8)
@@ -264,10 +264,10 @@ def test_a_grain_before_two_backdrops_is_told_from_both(grey):
     ],
 )
 def test_bad_options_are_one_line(filmed, options, word):
-    answer = calibrate("flow", filmed[1], "--quiet", *options)
-    assert answer.code == 2
-    assert word in answer.err
-    assert answer.err.count("\n") == 1
+    result = calibrate("flow", filmed[1], "--quiet", *options)
+    assert result.code == 2
+    assert word in result.err
+    assert result.err.count("\n") == 1
 
 
 @pytest.mark.parametrize(
@@ -290,8 +290,8 @@ def test_what_is_said_wrongly_is_refused_before_the_film_is_read(
     film = write_film([np.full((80, 80, 3), 90, np.uint8)] * 8, tmp_path / "still.mp4", 30)
     monkeypatch.setattr(Film, "frames", lambda self: pytest.fail("the film was read"))
     options = [option.replace("FILE", str(film)) for option in options]
-    answer = calibrate("flow", film, *options)
-    assert_refused(answer, word)
+    result = calibrate("flow", film, *options)
+    assert_refused(result, word)
 
 
 def test_what_is_no_flow_is_refused(tmp_path):
@@ -301,8 +301,8 @@ def test_what_is_no_flow_is_refused(tmp_path):
     still = write_film([np.full((80, 80, 3), 90, np.uint8)] * 8, tmp_path / "still.mp4", 30)
     for path in (words, still):
         for more in ([], ["--collapse"]):
-            answer = calibrate("flow", path, "--quiet", *more)
-            assert_refused(answer)
+            result = calibrate("flow", path, "--quiet", *more)
+            assert_refused(result)
 
 
 def heap_film(path, rate=60):
@@ -324,8 +324,8 @@ def test_front_of_a_spreading_heap_comes_back(tmp_path):
     """Half of the width is the radius; the mean over the outermost fiftieth of the rows lies below
     the extreme by r (1 - sqrt(1 - 0.02^2))/3 < 0.01 px, edges and codec are good for a pixel."""
     film, radius = heap_film(tmp_path / "heap.mp4")
-    answer = calibrate("flow", film, "--collapse", "--scale", "1 mm/px", "--quiet", "--json").json
-    found = np.array([np.nan if r is None else r for r in answer["half_width"]])
+    result = calibrate("flow", film, "--collapse", "--scale", "1 mm/px", "--quiet", "--json").json
+    found = np.array([np.nan if r is None else r for r in result["half_width"]])
     assert np.isfinite(found[10:]).all()
     np.testing.assert_allclose(1e3 * found[10:], radius[10:], atol=1.2)
 
@@ -344,10 +344,10 @@ def test_front_of_a_filmed_collapse_follows_its_table():
         pytest.skip(f"{film} is not here")
     table = np.genfromtxt(media / "webb_04g_010w.txt", skip_header=1)
     way = table[np.isfinite(table[:, 1]), 1]
-    answer = calibrate("flow", film, "--collapse", "--fps", "240", "--quiet", "--json").json
-    assert answer["fps_header"] == 120
-    half = np.array([np.nan if r is None else r for r in answer["half_width"]])
-    time = np.array(answer["time_s"])
+    result = calibrate("flow", film, "--collapse", "--fps", "240", "--quiet", "--json").json
+    assert result["fps_header"] == 120
+    half = np.array([np.nan if r is None else r for r in result["half_width"]])
+    time = np.array(result["time_s"])
 
     def misfit(rate):
         best = np.inf
@@ -364,12 +364,12 @@ def test_front_of_a_filmed_collapse_follows_its_table():
     assert misfit(120) > 5 * misfit(240)
 
 
-def test_the_answer_is_json_and_tables_have_units(filmed, tmp_path):
-    """The keys that scripts read, and a sheet."""
+def test_the_result_is_json_and_tables_have_units(filmed, tmp_path):
+    """The keys that scripts read, and a diagnostic figure."""
     options = ["--width", "80mm", "--columns", "5", "--no-velocity", "--json", "--quiet"]
-    answer = calibrate("flow", filmed[1], "--interval", "0.1 s", "--out", tmp_path, *options).json
-    json.dumps(answer, allow_nan=False)
-    assert {"discharge_time_s", "curve", "profile", "scale_m_per_px", "outcome"} <= set(answer)
-    heads = [Path(path).read_text(encoding="utf-8").split("\n")[0] for path in answer["tables"]]
+    result = calibrate("flow", filmed[1], "--interval", "0.1 s", "--out", tmp_path, *options).json
+    json.dumps(result, allow_nan=False)
+    assert {"discharge_time_s", "curve", "profile", "scale_m_per_px", "outcome"} <= set(result)
+    heads = [Path(path).read_text(encoding="utf-8").split("\n")[0] for path in result["tables"]]
     assert "y_m" in heads[1]
-    assert Path(answer["sheet"]).stat().st_size > 0
+    assert Path(result["sheet"]).stat().st_size > 0

@@ -25,10 +25,10 @@ def filled(backing, codec):
     last = np.full((*SHAPE, 3), 20.0)
     last[y - 30 : y + h, x : x + w] = backing
     first = last.copy()
-    grains = np.where(
+    particles = np.where(
         np.arange(h)[:, None, None] < h // 2, (160.0, 90.0, 60.0), (60.0, 90.0, 150.0)
     )
-    first[y : y + h, x : x + w] = grains + random.normal(0, 12, (h, w, 1))
+    first[y : y + h, x : x + w] = particles + random.normal(0, 12, (h, w, 1))
     near = slice(y - 16, y + h + 16), slice(x - 16, x + w + 16)
     outside = np.ones(SHAPE, dtype=bool)
     outside[y : y + h, x : x + w] = False
@@ -49,8 +49,8 @@ def test_a_codec_s_errors_about_edges_are_no_part_of_the_silo(backing, codec):
     np.testing.assert_allclose(found, BOX, atol=1.0)
 
 
-def test_the_outlet_is_where_grains_end_and_a_door_begins():
-    """A plain door of 12 rows below the grains changes as they do; its edge is known to a row."""
+def test_the_outlet_is_where_particles_end_and_a_door_begins():
+    """A plain door of 12 rows below the particles changes as they; its edge is known to a row."""
     seen = filled(20.0, 0.0)
     x, y, w, h = BOX
     seen.first[y + h : y + h + 12, x : x + w] = 120
@@ -97,15 +97,15 @@ def test_what_moves_otherwise_than_a_discharge_is_refused(tmp_path, path):
 
 @pytest.mark.parametrize("contrast", [0, 40])
 def test_noise_alone_is_refused(tmp_path, contrast):
-    """Of a camera that looks at a plain or a rough thing that stands still, and of none."""
+    """Of a camera that looks at a plain or a rough object that stands still, and of none."""
     random = np.random.default_rng(6)
     still = 120 + contrast * random.standard_normal((40, 50, 1)).repeat(4, 0).repeat(4, 1)
     for name, picture, noise in (("still", still, 3), ("snow", np.full((160, 200, 1), 120), 40)):
         frames = [picture + random.normal(0, noise, (160, 200, 3)) for _ in range(30)]
         film = write_film([np.clip(f, 0, 255).astype(np.uint8) for f in frames],
                           tmp_path / f"{name}.mp4", 30)  # fmt: skip
-        answer = calibrate("flow", film, "--no-velocity", "--quiet")
-        assert_refused(answer)
+        result = calibrate("flow", film, "--no-velocity", "--quiet")
+        assert_refused(result)
 
 
 def test_a_part_outside_the_picture_is_refused():

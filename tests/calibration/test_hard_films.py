@@ -1,4 +1,4 @@
-"""Films that lie: lamps that flicker, walls that tell nothing, two balls, turned phones, stamps."""
+"""Films that lie: lamps that flicker, walls without texture, two balls, rotated phones, stamps."""
 
 from dataclasses import replace
 
@@ -43,7 +43,7 @@ def test_lamps_that_flicker_do_not_hide_the_ball(tmp_path):
 
 
 def test_the_gain_of_a_picture_is_that_of_its_light():
-    """Whatever a thing that covers a third of the picture does; to a grey level's rounding."""
+    """Whatever an object that covers a third of the picture does; to a grey level's rounding."""
     random = np.random.default_rng(1)
     background = random.integers(60, 200, (120, 160, 3)).astype(np.uint8)
     factors = np.array([0.7, 0.8, 1.1])
@@ -100,13 +100,13 @@ def test_a_phone_held_upright_is_read_upright(tmp_path):
     assert not any("gravity" in said or "turned" in said for said in found.warnings)
 
 
-def test_gravity_that_does_not_point_down_is_told(tmp_path):
+def test_gravity_that_does_not_point_down_is_reported(tmp_path):
     assert "to the left" in refused("turned, header silent", tmp_path)
     found = measured("upside down, header silent", tmp_path)
     assert any("turned over" in said for said in found.warnings)
 
 
-def test_a_tilted_camera_is_told_with_its_angle(tmp_path):
+def test_a_tilted_camera_is_reported_with_its_angle(tmp_path):
     found = measured("camera tilted by 10 degrees", tmp_path)
     said = next(said for said in found.warnings if "gravity lies" in said)
     assert float(said.split()[2]) == pytest.approx(10, abs=0.5)
@@ -126,17 +126,17 @@ def test_stamps_that_lie_are_found_out_by_free_fall(tmp_path):
     assert any("an even clock is used" in said for said in found.remarks)
 
 
-def test_a_second_drop_of_the_same_ball_is_told(tmp_path):
+def test_a_second_drop_of_the_same_ball_is_reported(tmp_path):
     """It is carried back in half a second: longer than its flights, so no contact."""
     found = measured("carried back and dropped again", tmp_path)
     assert any("another drop" in said for said in found.warnings)
 
 
-@pytest.mark.parametrize(("fps", "told"), [(10, True), (100, False)])
-def test_a_fall_higher_than_a_room_is_told(fps, told):
+@pytest.mark.parametrize(("fps", "reported"), [(10, True), (100, False)])
+def test_a_fall_higher_than_a_storey_is_reported(fps, reported):
     """h = g t^2/2: a fall of 40.3 frames is 80 m at 10 frames/s, 0.8 m at 100."""
     found = measure_drop(made_track([0.8] * 4).track, fps=fps)
-    assert any("slow motion" in said for said in found.warnings) == told
+    assert any("slow motion" in said for said in found.warnings) == reported
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_a_hint_beyond_the_film_is_refused_before_it_is_read(tmp_path, hint, wor
     path = write_film(pictures, tmp_path / "film.mp4", case.camera.rate)
     heard = []
     with pytest.raises(InputError, match=words):
-        measure_drop(path, progress=lambda *told: heard.append(told), **case.options)
+        measure_drop(path, progress=lambda *words: heard.append(words), **case.options)
     assert heard == []
 
 

@@ -173,7 +173,7 @@ def covers(room, seed):
     return abs(found.value - bounces.restitution) < found.sigma
 
 
-def test_pairs_that_differ_are_told():
+def test_pairs_that_differ_are_reported():
     """e falls with speed here: chi-squared sees it, and sigma becomes that of the scatter."""
     times = Bounces((0.70, 0.74, 0.78), 5).times
     found = restitution(times, np.full(5, 1e-5))
@@ -222,7 +222,7 @@ def clicks(tmp_path, times, sizes, room=None):
     return write_wav(tmp_path / "clicks.wav", x, room.rate)
 
 
-def test_what_ticks_is_no_body_that_bounces(tmp_path):
+def test_what_ticks_is_no_object_that_bounces(tmp_path):
     """Of ten even ticks, those after 4, 2 and 1 steps would make a row of e = 0.5."""
     ticks = 0.2 + 0.25 * np.arange(10)
     found = measure_impacts(clicks(tmp_path, ticks, np.ones(10)))
@@ -294,16 +294,16 @@ def test_clipping_is_said(tmp_path):
     )
 
 
-def test_command_prints_the_keys_and_draws_the_sheet(tmp_path):
+def test_command_prints_the_keys_and_draws_the_diagnostic_figure(tmp_path):
     path = wav(tmp_path, Room())
     run = CliRunner().invoke(
         app, ["impacts", str(path), "--json", "--out", str(tmp_path / "sheets")]
     )
     assert run.exit_code == 0, run.output
-    answer = json.loads(run.stdout)
-    assert {"impact_times_s", "restitution", "warnings"} <= set(answer)
-    assert {"value", "sigma", "per_pair", "constant_within_noise"} <= set(answer["restitution"])
-    assert Path(answer["sheet"]).stat().st_size > 10_000
+    result = json.loads(run.stdout)
+    assert {"impact_times_s", "restitution", "warnings"} <= set(result)
+    assert {"value", "sigma", "per_pair", "constant_within_noise"} <= set(result["restitution"])
+    assert Path(result["sheet"]).stat().st_size > 10_000
     text = CliRunner().invoke(app, ["impacts", str(path)])
     assert "restitution 0.80" in text.output
 

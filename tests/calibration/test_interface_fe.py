@@ -85,7 +85,7 @@ def test_a_flat_contact_slides_at_coulombs_limit_and_stays_uniform():
 
 
 def test_work_is_stored_or_lost_in_friction():
-    """Where nothing opens or closes the books balance exactly, and the loss is mu N x slip.
+    """Where nothing opens or closes the energies balance exactly, and the loss is mu N x slip.
 
     Slip is the travel that elastic shear does not take. In the step in which sliding begins the
     mean friction is half of the limit at least: half a step too little at most.

@@ -42,7 +42,7 @@ kind = "eta"
 file = "eta.csv"
 trials = 12
 """
-# Forty grains that come to rest soon, in layers of 15 mm: a run takes a quarter of a second.
+# Forty particles that come to rest soon, in layers of 15 mm: a run takes a quarter of a second.
 SILO = {
     "fill.level": "30 mm",
     "fill.settled": 1e-2,
@@ -102,7 +102,7 @@ def damper(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def whole(damper):
-    """The answer of the fit, made without a break."""
+    """The result of the fit, made without a break."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(fits, "run_labelled", run_here)
         done = calibrating.calibrate(
@@ -153,7 +153,7 @@ def test_a_fit_that_is_killed_goes_on_to_the_same_bits(damper, whole, here):
     timed = {"reused", "cpu_s", "cpu_us_per_step", "run_folder"}
     tables = [
         [{k: v for k, v in row.items() if k not in timed} for row in csv.DictReader(lines)]
-        for lines in (Path(answer["table"]).read_text().splitlines() for answer in (again, whole))
+        for lines in (Path(result["table"]).read_text().splitlines() for result in (again, whole))
     ]
     assert tables[0] == tables[1]
 
@@ -252,18 +252,18 @@ def test_a_profile_is_the_lines_that_the_run_is_observed_to_have(silo):
 def test_an_outlet_is_found_again_from_a_profile_and_clogged_silos_are_data(silo, here):
     """95 % of such fits hold the truth in two of the stated half intervals; narrow outlets clog."""
     folder, _, _ = silo
-    answer = calibrating.calibrate("inverse", folder / "fit.toml", "-o", folder / "runs",
+    result = calibrating.calibrate("inverse", folder / "fit.toml", "-o", folder / "runs",
                                    "--no-figures", "--json", "--quiet").json  # fmt: skip
-    runs = answer["runs"]
+    runs = result["runs"]
     assert runs["passed"] + runs["blocked"] == runs["total"] == 16
     assert runs["blocked"] > 0
-    rows = list(csv.DictReader(Path(answer["table"]).read_text().splitlines()))
+    rows = list(csv.DictReader(Path(result["table"]).read_text().splitlines()))
     assert sum(row["outcome"].startswith("clogged") for row in rows) == runs["blocked"]
-    (found,) = answer["parameters"]
+    (found,) = result["parameters"]
     low, high = found["interval_68"]
     assert abs(found["median"] - OUTLET) < high - low
     assert found["identifiable"]
-    assert answer["goodness"]["reproducible"]
+    assert result["goodness"]["reproducible"]
 
 
 def test_interrupted_runs_end_with_130_and_keep_their_table(damper, monkeypatch):
@@ -285,7 +285,7 @@ def test_a_run_that_fails_is_a_row_with_its_reason(damper, whole, here, monkeypa
         rows = real(simulator, cases, **options)
         if rows[-1]["point"] == 11:  # of the last round: the points before are those of the fit
             labels = {k: rows[-1][k] for k in ("point", "case", "seed")}
-            rows[-1] = {**labels, "state": "failed", "reason": "the books are off"}
+            rows[-1] = {**labels, "state": "failed", "reason": "the energy balance is off"}
         return rows
 
     monkeypatch.setattr(fits, "run_labelled", last_fails)
@@ -293,4 +293,4 @@ def test_a_run_that_fails_is_a_row_with_its_reason(damper, whole, here, monkeypa
                                  "--no-figures", "--quiet")  # fmt: skip
     assert done.code == 3
     assert "1 of 24 runs failed" in done.err
-    assert "the first: the books are off" in done.out
+    assert "the first: the energy balance is off" in done.out

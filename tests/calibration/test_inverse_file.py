@@ -42,7 +42,7 @@ PROFILE = '[[observation]]\nkind = "profile"\nfile = "profile.csv"\nsigma = "3 m
 
 
 def written(folder, text, eta=ETA):
-    """A fit file with its case and tables beside it."""
+    """A fit file with its case and tables next to it."""
     (write_damper if "damper3d" in text else write_case)(folder)
     (folder / "eta.csv").write_text(eta)
     (folder / "curve.csv").write_text("time [s],fraction\n0.1,0.4\n0.2,0.8\n")

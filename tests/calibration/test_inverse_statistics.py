@@ -1,4 +1,4 @@
-"""The statistics of the inverse fit, on a model with a closed form: coverage, what is told."""
+"""The statistics of the inverse fit, on a model with a closed form: coverage, identification."""
 
 import dataclasses
 from types import SimpleNamespace
@@ -94,11 +94,11 @@ def test_an_exact_observation_gives_the_parameter_back():
     assert found.values().mean() == pytest.approx(0.37, abs=3 * 1.6e-3)
 
 
-def test_a_sum_is_told_and_its_parts_are_not():
+def test_a_sum_is_identified_and_its_parts_are_not():
     """A time 0.6 + 1.2 mu + 0.3 gamma alone: mu and gamma cannot be separated.
 
     In widths of the priors the time changes by 1.2 x 0.202 and 0.3 x 0.2, so that the direction
-    that it tells is (0.970, 0.240); across it, the posterior is as wide as the prior.
+    that it gives is (0.970, 0.240); across it, the posterior is as wide as the prior.
     """
     mu, gamma = prior("mu", "uniform", 0.1, 0.8), prior("gamma", "normal", 1.0, 0.8)
     model = Model(priors=(mu, gamma), chance=1e-3, noise=1e-3)
@@ -159,7 +159,7 @@ def test_a_parameter_beyond_its_prior_runs_against_the_end():
     assert at_the_edge(found) == [(0, "upper")]
 
 
-def test_clogged_runs_tell_of_the_friction():
+def test_clogged_runs_inform_the_friction():
     """Above mu = 0.5 half of the trials clog: ten that all passed are unlikely there (1/1024)."""
     model = Model(priors=(FRICTION,), clogs=0.5)
     nothing = np.zeros(0)
@@ -181,7 +181,7 @@ def test_failed_runs_are_left_out_and_clogged_points_are_not_emulated():
     runs.runs = [Run(k, "passed", observed.values + 0.1 * k + 0.01 * s) for k in (0, 1)
                  for s in (0, 1)]  # fmt: skip
     before = model_of((FRICTION,), observed, runs, 1)
-    runs.runs += [Run(2, "failed", reason="the books are off")] * 2
+    runs.runs += [Run(2, "failed", reason="the energy balance is off")] * 2
     after = model_of((FRICTION,), observed, runs, 1)
     x = np.linspace(-1.5, 1.5, 7)[:, None]
     assert np.array_equal(before.log_likelihood(x), after.log_likelihood(x))
@@ -230,7 +230,7 @@ def test_the_same_seed_gives_the_same_samples(plain):
     assert np.array_equal(posterior.samples, again.samples)
 
 
-def test_what_cannot_be_told_apart_is_drawn_for_two_parameters_and_not_for_one(plain):
+def test_what_cannot_be_distinguished_is_drawn_for_two_parameters_and_not_for_one(plain):
     """One parameter correlates with nothing: its width alone is drawn."""
     posterior, _ = plain
 

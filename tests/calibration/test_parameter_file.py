@@ -401,7 +401,7 @@ def test_a_link_stays_a_link_and_the_rights_stay(wood):
         ("wood", "density", FOUND, "no section of a parameter file"),
     ],
 )
-def test_an_impossible_value_or_place_is_refused_and_nothing_is_written(
+def test_an_impossible_value_or_section_is_refused_and_nothing_is_written(
     wood, where, key, estimate, line
 ):
     before = wood.read_bytes()

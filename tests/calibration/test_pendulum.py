@@ -1,4 +1,4 @@
-"""Restitution of things on strings: integrated swings, noise, the stated uncertainty, bad input."""
+"""Restitution of objects on strings: integrated swings, noise, stated uncertainty, bad input."""
 
 import json
 
@@ -41,7 +41,7 @@ def test_the_speed_at_the_lowest_point_is_omega_times_the_root_of_the_height():
 
 CASES = [
     Strings(restitution=0.7, beta=0.05, contacts=4),
-    Strings(restitution=0.6, beside=-0.03, contacts=4),
+    Strings(restitution=0.6, offset=-0.03, contacts=4),
     Strings(restitution=0.45, mass_ratio=1.0, beta=0.02, contacts=3),
     Strings(restitution=0.8, mass_ratio=2.0, angle=50, contacts=3),
 ]
@@ -128,7 +128,7 @@ def test_intervals_cover_the_truth_in_60_to_76_per_cent():
         assert 0.60 <= share <= 0.76, (name, share)
 
 
-def test_a_swing_that_leaves_its_plane_is_told():
+def test_a_swing_that_leaves_its_plane_is_reported():
     """6 degrees aside, seen by a camera that looks down by 0.2 rad: the path back is another one.
 
     x alone then gives the restitution, within the sigma that has what the air may have taken.
@@ -176,7 +176,7 @@ def test_repeated_frames_in_a_swing_are_left_out():
     )
 
 
-def test_a_mass_ratio_that_momentum_contradicts_is_told():
+def test_a_mass_ratio_that_momentum_contradicts_is_reported():
     """Blocks of 1 to 2 that are called equal."""
     clip = made(CASES[3], rate=60)
     assert any("momentum" in line for line in measure_pendulum(clip.tracks).warnings)
@@ -185,7 +185,7 @@ def test_a_mass_ratio_that_momentum_contradicts_is_told():
 
 
 def table(path, clip):
-    """One line per frame and thing."""
+    """One line per frame and object."""
     rows = [
         f"{f:g},{one.name},{x:.4f},{y:.4f}"
         for one in clip.tracks
@@ -195,7 +195,7 @@ def table(path, clip):
     return path
 
 
-def test_command_prints_the_keys_draws_the_sheet_and_writes_the_value(tmp_path):
+def test_command_prints_the_keys_draws_the_figure_and_writes_the_value(tmp_path):
     clip = made(CASES[2], rate=60)
     file = table(tmp_path / "blocks.csv", clip)
     into = tmp_path / "wood.toml"

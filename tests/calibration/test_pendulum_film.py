@@ -1,4 +1,4 @@
-"""Restitution of things on strings from films: the sample, rendered, and a stranger's."""
+"""Restitution of objects on strings from films: the sample, rendered, and a stranger's."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Films of things on strings that are not the plain case, rendered: what is measured of each."""
+"""Films of objects on strings that are not the plain case, rendered: what is measured of each."""
 
 import itertools
 import math

@@ -121,7 +121,7 @@ def test_what_is_no_vector_is_replaced_by_the_median_of_its_neighbours():
 
 @pytest.mark.parametrize("tones", [(0.25, 0.75), (0.02, 0.98)])
 @pytest.mark.parametrize("method", ["piv", "flow"])
-def test_layers_do_not_outweigh_the_grains(tones, method):
+def test_layers_do_not_outweigh_the_particles(tones, method):
     """Dark and bright layers fall by 5.3 px: along them, where their edges say nothing, the error
     is as small as elsewhere; across them below 0.15 px for black and white ones."""
     pair = grains(uniform(0.4, 5.3), 3, shape=SHAPE, tones=tones, noise=4.0)
@@ -133,7 +133,7 @@ def test_layers_do_not_outweigh_the_grains(tones, method):
     assert rms[1] < 0.15
 
 
-def test_walls_left_out_by_the_mask_do_not_hold_back_the_grains():
+def test_walls_left_out_by_the_mask_do_not_hold_back_the_particles():
     """Grains fall between still walls: masked, all windows have the grains' displacement."""
     pair = grains(uniform(0.5, 6.3), 3, shape=(200, 192), diameter=8.0, noise=3.0)
     random = np.random.default_rng(0)
@@ -150,7 +150,7 @@ def test_walls_left_out_by_the_mask_do_not_hold_back_the_grains():
     assert np.abs(wrong).max() < 5 * np.sqrt((sigma**2).mean())
 
 
-def test_light_that_changes_does_not_move_the_grains():
+def test_light_that_changes_does_not_move_the_particles():
     """Half the light in one corner, and b darker than a: the texture stays where it is."""
     pair = grains(uniform(1.6, 0.4), 4, shape=SHAPE)
     light = np.linspace(1.0, 0.5, SHAPE[1])
@@ -195,7 +195,7 @@ def test_pictures_that_are_no_pair_are_refused():
 
 
 def test_windows_without_difference_have_no_spread_and_no_warning():
-    """Beside strong texture a window's sum of squares, 0, rounds to either side of it."""
+    """Next to strong texture a window's sum of squares, 0, rounds to either side of it."""
     difference = 1e6 * np.random.default_rng(1).normal(size=(64, 64))
     difference[24:, 24:] = 0
     first = np.arange(0, 56, 8)

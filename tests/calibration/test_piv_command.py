@@ -1,4 +1,4 @@
-"""The command calibrate piv: report, JSON, table, sheet, refusals; strangers' particle pairs."""
+"""The command calibrate piv: report, JSON, table, figure, refusals; strangers' particle pairs."""
 
 import csv
 import json
@@ -36,11 +36,11 @@ def files(tmp_path_factory):
 def test_one_json_object_and_a_table_with_units_in_its_head(files, tmp_path):
     """0.1 mm/px and 2 ms: (1.5, 4.25) px are 0.2253 m/s."""
     given = ("--scale", "0.1 mm/px", "--dt", "2 ms", "--mask", files / "mask.png")
-    answer = calibrate(
+    result = calibrate(
         "piv", files / "a.png", files / "b.png", *given, "--json", "-o", tmp_path / "field"
     )
-    assert (answer.code, answer.err) == (0, "")
-    found = json.loads(answer.out)
+    assert (result.code, result.err) == (0, "")
+    found = json.loads(result.out)
     assert (
         found["valid"] + sum(n for reason, n in found["reasons"].items() if reason != "measured")
         == found["vectors"]
@@ -66,10 +66,10 @@ def test_one_json_object_and_a_table_with_units_in_its_head(files, tmp_path):
 
 
 def test_the_report_says_how_many_and_how_far(files):
-    answer = calibrate("piv", files / "a.png", files / "b.png", "--method", "flow", "--dt", "0.5 s")
-    assert answer.code == 0
-    assert "vectors valid, windows of 32 px" in answer.out
-    assert "px/s (mean)" in answer.out
+    result = calibrate("piv", files / "a.png", files / "b.png", "--method", "flow", "--dt", "0.5 s")
+    assert result.code == 0
+    assert "vectors valid, windows of 32 px" in result.out
+    assert "px/s (mean)" in result.out
 
 
 @pytest.mark.parametrize(
@@ -88,10 +88,10 @@ def test_the_report_says_how_many_and_how_far(files):
 )
 def test_bad_input_is_one_line(files, given, words, monkeypatch):
     monkeypatch.chdir(files)
-    answer = calibrate("piv", *given)
-    assert answer.code == 2
-    assert words in answer.err
-    assert answer.err.count("\n") == 1
+    result = calibrate("piv", *given)
+    assert result.code == 2
+    assert words in result.err
+    assert result.err.count("\n") == 1
 
 
 def pair(name, ends):

@@ -73,7 +73,7 @@ def test_motion_blur_is_speed_times_exposure():
     assert np.count_nonzero(moving) - np.count_nonzero(still) == pytest.approx(20, abs=2)
 
 
-def test_repeated_and_lost_frames_and_the_header_are_as_asked(tmp_path):
+def test_repeated_and_lost_frames_and_the_header_are_as_requested(tmp_path):
     path = tmp_path / "b.avi"
     truth = film_drop(
         SMALL, SHARP, path, duration=0.5, repeated=[5], dropped=[9, 10], header=25, codec="FFV1"

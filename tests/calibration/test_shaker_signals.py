@@ -239,7 +239,7 @@ def test_without_the_empty_enclosure_nobody_knows_how_well_the_power_is_known(tm
     assert wrong.power.sigma is None
 
 
-def test_a_shaken_tone_that_is_not_in_the_sum_is_told(tmp_path):
+def test_a_shaken_tone_that_is_not_in_the_sum_is_reported(tmp_path):
     """Without --frequency the strongest tone alone is taken; mains hum of 1 % carries nothing."""
     two = Rig(tones=((40.0, 100.0), (57.3, 60.0))).measure(tmp_path)
     assert any("--frequency 57.3" in words for words in two.warnings)
@@ -268,9 +268,9 @@ def test_command_prints_the_keys(tmp_path):
     arguments = ["shaker", str(full), "--empty", str(empty), "--particle-mass", "30 g"]
     run = CliRunner().invoke(app, [*arguments, "--json"])
     assert run.exit_code == 0, run.output
-    answer = json.loads(run.stdout)
-    assert {"dissipated_power_w", "efficiency", "tones", "warnings"} <= set(answer)
-    assert answer["sheet"] is None
+    result = json.loads(run.stdout)
+    assert {"dissipated_power_w", "efficiency", "tones", "warnings"} <= set(result)
+    assert result["sheet"] is None
     drawn = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "sheets")])
     assert drawn.exit_code == 0, drawn.output
     assert "efficiency" in drawn.output

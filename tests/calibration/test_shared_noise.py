@@ -1,4 +1,4 @@
-"""Noise that neighbouring places share: told from white noise, and in the sigma of a fit."""
+"""Noise that neighbouring positions share: tested against white noise, and in a fit's sigma."""
 
 import numpy as np
 import pytest
@@ -73,15 +73,15 @@ def test_a_last_flight_of_three_positions_is_measured():
     assert np.all(np.abs(found.velocities[:, 0] - made.restitution) < 4 * found.velocities[:, 1])
 
 
-def test_the_shade_of_a_turning_ball_does_not_move_its_place():
+def test_the_shade_of_a_rotating_ball_does_not_move_its_position():
     """Lit from one side (half the light in the shade), with stripes: 20 px radius, a sharp lens.
 
     With one colour for the whole ball its place is 0.17 radii too near to the lamp, and turns with
     the stripes by a tenth of that; the rim's own colour leaves less than a third.
     """
     off = []
-    for turned in np.linspace(0, 3, 7):
-        ball = Ball(diameter=0.04, fall=0.1, colour=(0.8, 0.75, 0.7), spin=turned, texture=0.2)
+    for angle in np.linspace(0, 3, 7):
+        ball = Ball(diameter=0.04, fall=0.1, colour=(0.8, 0.75, 0.7), rotation=angle, texture=0.2)
         look = Backdrop(wall=(0.1, 0.12, 0.15), plate=(0.1, 0.1, 0.1))
         empty = DropScene((), width=160, height=320, backdrop=look)
         scene = DropScene((ball,), width=160, height=320, backdrop=look)

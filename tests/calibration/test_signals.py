@@ -95,7 +95,7 @@ def test_times_rounded_by_who_wrote_them_are_even(tmp_path):
     assert any("seconds" in words for words in signal.remarks)
 
 
-def test_an_unknown_column_is_answered_with_the_known_ones(tmp_path):
+def test_an_unknown_column_is_reported_with_the_known_ones(tmp_path):
     path = tmp_path / "two.csv"
     path.write_text("t,force,sound\n" + "".join(f"{k},{k},{k}\n" for k in range(20)))
     assert read_signal(path, column="Sound").names == ("sound",)

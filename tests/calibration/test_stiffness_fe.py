@@ -130,20 +130,20 @@ def test_the_flat_contact_alone_is_the_bulk_and_goes_into_the_file(tmp_path):
         "--kn", "1e4 N/mm +- 18 %", "--into", file, "--pair", "wood-wood",
     )  # fmt: skip
     assert got.code == 0, got.err
-    answer = json.loads(got.out)
-    assert answer["rough"] is None
-    assert answer["normal_stress_rough_over_flat"] is None
-    flat = answer["flat"]
+    result = json.loads(got.out)
+    assert result["rough"] is None
+    assert result["normal_stress_rough_over_flat"] is None
+    flat = result["flat"]
     assert flat["kt_over_kn"]["value"] == pytest.approx(0.375)
     assert flat["kn_n_per_m"]["value"] == pytest.approx(242e6 / 0.9 * 0.0012 / 0.02)
     assert flat["kt_n_per_m"]["value"] == pytest.approx(242e6 / 2.4 * 0.0012 / 0.02)
     assert flat["kt_over_kn"]["printed"] == 0.28
-    assert answer["kt_n_per_m"]["value"] == pytest.approx(3.75e6)
-    assert answer["kt_n_per_m"]["sigma"] >= 0.18 * 3.75e6 * (1 - 1e-9)  # that of kn at least
+    assert result["kt_n_per_m"]["value"] == pytest.approx(3.75e6)
+    assert result["kt_n_per_m"]["sigma"] >= 0.18 * 3.75e6 * (1 - 1e-9)  # that of kn at least
     assert "3750 N/mm" in file.read_text() or "3.75e" in file.read_text().lower()
 
 
-def test_a_measured_profile_and_a_sheet(tmp_path):
+def test_a_measured_profile_and_a_diagnostic_figure(tmp_path):
     x = np.linspace(0, 30, 1501)
     z = 30 * np.sin(2 * np.pi * x / 2.3) + 10 * np.sin(2 * np.pi * x / 3.1)
     file = tmp_path / "profile.csv"
@@ -162,16 +162,16 @@ def test_a_measured_profile_and_a_sheet(tmp_path):
 def test_what_was_assumed_is_varied_and_counts(tmp_path):
     got = calibrate("stiffness-fe", *SMALL, "--json", "--quiet")
     assert got.code == 0, got.err
-    answer = json.loads(got.out)
-    rows = answer["assumptions"]
+    result = json.loads(got.out)
+    rows = result["assumptions"]
     assert rows[0]["what"] == "as stated"
     free = next(row for row in rows if row["what"] == "sides")
     assert free["kt_over_kn_flat"] < 0.5 * rows[0]["kt_over_kn_flat"]  # blocks that bend
-    flat = answer["flat"]["kt_over_kn"]
+    flat = result["flat"]["kt_over_kn"]
     assert flat["sigma_assumed"] > 0.2
     assert flat["sigma"] >= flat["sigma_assumed"]
-    assert len(answer["rough"]["markers"]["dx_t_m"]) == 6
-    assert answer["rough"]["force_imbalance"] < 1e-9
+    assert len(result["rough"]["markers"]["dx_t_m"]) == 6
+    assert result["rough"]["force_imbalance"] < 1e-9
 
 
 @pytest.mark.parametrize(

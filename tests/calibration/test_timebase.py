@@ -42,7 +42,7 @@ def test_a_repeated_frame_is_found_and_its_time_taken_out(made, at):
     agrees(found, made)
 
 
-def test_a_copy_in_the_place_of_a_lost_frame_takes_no_time_out(made):
+def test_a_copy_in_place_of_a_lost_frame_takes_no_time_out(made):
     shown = np.arange(len(made.track.frame))
     shown[70] = 69
     found = find_bounces(replayed(made, shown))

@@ -110,8 +110,8 @@ def test_a_name_above_the_head(tmp_path):
     assert track.y.tolist() == [2, 3]
 
 
-def test_numbers_that_do_not_stand_below_their_names_are_linked_by_place(tmp_path):
-    """Left-packed pairs of two things whose order changes, marks of doubt, a table at the end."""
+def test_numbers_that_do_not_stand_below_their_names_are_linked_by_position(tmp_path):
+    """Left-packed pairs of two objects whose order changes, marks of doubt, a table at the end."""
     lines = ["Frame X1 Y1 Flag1 X2 Y2 Flag2", "Tracks 1 to 2  "]
     for k in range(20):
         ball, spot = f"{100 + k}.5 {10 + 2 * k}.25", f"400.5 300.{k}"

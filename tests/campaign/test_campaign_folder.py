@@ -75,7 +75,7 @@ def test_states_of_a_run(tmp_path):
 
 
 def test_again_leaves_begun_runs_alone(tmp_path):
-    """--again computes beside; asked plainly, the newest finished answer counts."""
+    """--again computes in a new folder; without it the newest finished result counts."""
     base = begun(open_run(tmp_path, "A4", "d"))
     assert open_run(tmp_path, "A4", "d") == base
     second = open_run(tmp_path, "A4", "d", again=True)
@@ -89,7 +89,7 @@ def test_again_leaves_begun_runs_alone(tmp_path):
     assert open_run(tmp_path, "A4", "d", again=True).path.name == "A4-d-3"
 
 
-def test_nan_is_no_answer(tmp_path):
+def test_nan_is_no_result(tmp_path):
     """A value that does not exist is null; NaN is no JSON and nothing of it may stay."""
     run = begun(open_run(tmp_path, "A4", "d"))
     with pytest.raises(ValueError, match="not JSON compliant"):

@@ -38,14 +38,14 @@ def test_source_digest_sees_code_that_moves(packages):
     assert source_digest(packages) != before
 
 
-def test_source_digest_does_not_depend_on_the_place(packages, tmp_path_factory):
+def test_source_digest_does_not_depend_on_the_folder_s_path(packages, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("site-packages")
     before = source_digest(packages)
     moved = [folder.rename(elsewhere / folder.name) for folder in packages]
     assert source_digest(moved) == before
 
 
-def test_a_file_that_extends_a_room_from_outside_counts_among_its_sources(packages, tmp_path):
+def test_a_file_that_extends_a_folder_from_outside_counts_among_its_sources(packages, tmp_path):
     """Other rooms keep their digest; an edit of the file gives another one."""
     room, other = map(Sources, packages)
     before, others = room.digest, other.digest

@@ -60,22 +60,24 @@ def test_what_fails_is_a_row_with_its_reason(tmp_path):
     assert "square" not in rows[0]
 
 
-def test_other_sources_are_told_in_one_line(tmp_path, capsys):
+def test_other_sources_are_reported_in_one_line(tmp_path, capsys):
     case = fake(2)
     run([({}, case)], tmp_path)
     assert capsys.readouterr().err == ""
     FAKE.packing_file(case, tmp_path).write_text(json.dumps({"sources": "0" * 12}))
     run([({}, case)], tmp_path)
-    told = capsys.readouterr().err
-    assert told.startswith("warning: 0 of 1 runs and 1 of 1 packings were made by another version")
-    assert told.count("\n") == 1
+    reported = capsys.readouterr().err
+    assert reported.startswith(
+        "warning: 0 of 1 runs and 1 of 1 packings were made by another version"
+    )
+    assert reported.count("\n") == 1
 
 
-def test_compilation_is_told_where_something_is_still_to_be_run(tmp_path, capsys):
+def test_compilation_is_reported_where_something_is_still_to_be_run(tmp_path, capsys):
     uncompiled = dataclasses.replace(FAKE, compiled=lambda: False)
-    for told in (1, 0):
+    for reported in (1, 0):
         run_labelled(uncompiled, [({}, fake(2))], out=tmp_path, workers=1)
-        assert capsys.readouterr().err.count("compiling the kernels") == told
+        assert capsys.readouterr().err.count("compiling the kernels") == reported
 
 
 def test_parquet_keeps_every_bit_and_the_kinds_of_columns(tmp_path):

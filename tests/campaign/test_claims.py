@@ -118,7 +118,7 @@ def made():
 READINGS = [(3, 1.0, 0.2), (3, 2.0, 0.4), (5, 1.0, 0.3), (5, 2.0, 0.1)]
 
 
-def test_a_criterion_selects_groups_judges_and_tells_what_decided(made):
+def test_a_criterion_selects_groups_judges_and_reports_what_decided(made):
     words = {"of": "{size} mm", "item": "{value:.0f %} at {x:g}", "but": "; not {failed}",
              "case": "{low:g} to {high:g}"}  # fmt: skip
     rule = {"name": "steps", "along": "x", "way": "rises"}
@@ -177,7 +177,7 @@ def test_every_file_of_claims_is_listed():
 
 @pytest.mark.parametrize("table", REGISTRIES)
 def test_shipped_claims_are_whole(table):
-    """Rules, quantities and functions exist; what we set has its reason; ids are told apart."""
+    """Rules, quantities and functions exist; what we set has its reason; ids are distinct."""
     module, name = REGISTRIES[table]
     known = getattr(importlib.import_module(module), name)
     claims = claims_of(table)

@@ -43,7 +43,7 @@ def has_a_worker(address: str) -> bool:
         assert outcome.value == 9, outcome
         return True
     except EngineError as error:
-        words = ("has no workers; start one with: dask worker", "does not answer")
+        words = ("has no workers; start one with: dask worker", "does not result")
         assert any(word in str(error) for word in words)  # noqa: PT017, until both are up
         return False
 
@@ -85,7 +85,7 @@ def test_a_scheduler_that_cannot_be_reached_is_one_line(tmp_path):
     study.write_text('schema = 1\ncase = "A4"\n')
     for address in ("tcp://127.0.0.1:1", "nonsense", "foo://a:1"):
         options = ["--engine", "dask", "--scheduler", address, "-o", tmp_path / "runs"]
-        answer = silo2d("sweep", study, *options, "--quiet")
+        result = silo2d("sweep", study, *options, "--quiet")
         assert_refused(
-            answer, f"scheduler {address}: does not answer; start one with: dask scheduler"
+            result, f"scheduler {address}: does not result; start one with: dask scheduler"
         )

@@ -80,7 +80,7 @@ def test_an_edit_changes_what_follows_from_it_and_nothing_else(copy, monkeypatch
     assert (measures != before[2]) == (changes == MEASURES)
 
 
-def test_only_an_edit_in_the_engine_room_compiles_its_kernels_again(copy):
+def test_only_an_edit_in_the_engine_compiles_its_kernels_again(copy):
     """state.py is a helper: numba itself looks at the kernel's own file alone."""
     assert compiled(copy) == 1
     with edited(copy / "silo2d/view/__init__.py"), edited(copy / "silo2d/case/case.py"):

@@ -434,7 +434,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
         load_table(tmp_path)
 
 
-def test_an_unknown_table_is_answered_with_the_nearest():
+def test_an_unknown_table_is_reported_with_the_nearest():
     with pytest.raises(InputError) as refused:
         load_table("wod")
     assert str(refused.value) == (

@@ -40,7 +40,7 @@ RADIUS = 5e-3  # of the disc [m]
 
 
 def collide(scene, law, speed, contacts=1):
-    """Drop grain 0 head-on; (restitution, time in contact, deepest overlap, most pairs)."""
+    """Drop particle 0 head-on; (restitution, time in contact, deepest overlap, most pairs)."""
     simulation, step = in_steps(scene, law, contacts)
     launch(simulation, vy=-speed)
     start = position(simulation)[1] - other_height(simulation)
@@ -194,7 +194,7 @@ def test_gross_sliding(angle_deg, e, mu):
 
 
 @pytest.mark.parametrize("e", [1.0, 0.8, 0.5])
-def test_spin_against_a_wall(e):
+def test_angular_velocity_at_an_impact_on_a_wall(e):
     """A spinning disc that hits a wall head-on and slides throughout loses the spin
     2 mu (1 + e) v_n/r and leaves sideways with mu (1 + e) v_n. Tolerances as in gross sliding."""
     mu, v_n, spin = 0.2, 0.5, 1000.0
@@ -278,7 +278,7 @@ def test_no_impact_gains_energy(mu, kt_over_kn):
         assert after < 1 + (omega0 * step) ** 2, f"at {angle_deg} deg"
 
 
-def test_discs_that_roll_on_each_other_keep_their_spins():
+def test_discs_that_roll_on_each_other_keep_their_angular_velocities():
     """Equal discs with opposite spins move alike at their contact point: no slip, no friction.
     Tolerance: the leapfrog's (omega0 dt)^2 for the 18 pairs of two cores, 1e-5."""
     law = ELASTIC._replace(mu=1.0, gamma_t=100.0)
@@ -292,5 +292,7 @@ def test_discs_that_roll_on_each_other_keep_their_spins():
     launch(simulation, 0, vx=0.5, spin=300.0)
     launch(simulation, 1, vx=-0.5, spin=-300.0)
     simulation.run(5000)
-    for grain, sign in ((0, 1), (1, -1)):
-        assert_allclose(velocity(simulation, grain), [-sign * 0.5, 0.0, sign * 300.0], 1e-5, 1e-9)
+    for particle, sign in ((0, 1), (1, -1)):
+        assert_allclose(
+            velocity(simulation, particle), [-sign * 0.5, 0.0, sign * 300.0], 1e-5, 1e-9
+        )

@@ -102,17 +102,17 @@ def test_a_spring_that_holds_dissipates_nothing(slip, step, overlap):
     """Friction dissipates only while it slides, and then takes energy, never gives it."""
     limit = 0.38 * 1e7 * overlap / 6.5e5
     slip = float(np.clip(slip, -limit, limit))
-    _, (held,), rubbed = tangential_force(LAW, M, overlap, (slip,), (step,), (0.0,))
+    _, (held,), friction = tangential_force(LAW, M, overlap, (slip,), (step,), (0.0,))
     if held == slip + step:
-        assert rubbed == 0.0
+        assert friction == 0.0
     elif slip * held >= 0:  # a step over the middle would count partly against its direction
-        assert rubbed >= 0.0
+        assert friction >= 0.0
 
 
 @compiling
 @given(m_i=st.floats(1e-4, 1.0), m_j=st.floats(1e-4, 1.0))
 def test_reduced_mass(m_i, m_j):
-    """m_i m_j/(m_i + m_j); a wall has no inverse mass and leaves the grain's own."""
+    """m_i m_j/(m_i + m_j); a wall has no inverse mass and leaves the particle's own."""
     assert reduced_mass(1 / m_i, 1 / m_j) == pytest.approx(m_i * m_j / (m_i + m_j), rel=1e-14)
     assert reduced_mass(1 / m_i, 0.0) == pytest.approx(m_i, rel=1e-15)
 
@@ -151,12 +151,12 @@ def test_dimensions(uncompiled, pulls, n):
     for part in uncompiled(normal_force)(law, m, overlap, rate):
         assert part.check("[force]")
     for step in (1e-3 * unit.mm, 1.0 * unit.mm):  # holds; slides
-        force, held, rubbed = uncompiled(tangential_force)(
+        force, held, friction = uncompiled(tangential_force)(
             law, m, overlap, n * (0.0 * unit.m,), n * (step,), n * (rate,)
         )
         assert len(force) == len(held) == n
         assert all(f.check("[force]") for f in force)
         assert all(s.check("[length]") for s in held)
-        assert rubbed.check("[energy]")
+        assert friction.check("[energy]")
     masses = uncompiled(reduced_mass)(1 / m, 0.0 / unit.kg)
     assert masses.check("[mass]")

@@ -203,7 +203,7 @@ def bounces(k, e, n_bounces, h0=0.5, r=0.1):
 
 
 @pytest.mark.parametrize("e", [0.9, 0.7])
-def test_bouncing_ball_tends_to_the_hard_one(e):
+def test_bouncing_disc_tends_to_the_rigid_one(e):
     """MFiX DEM02: a ball of 0.2 m and 2600 kg/m3 from 0.5 m; h_k -> (h0 - r) e^(2k) + r as the
     spring grows, here 0.5e5, 5e5, 50e5 N/m. Gravity acts during the contact as well, which
     changes e by a part of g/(omega0 v), so the error falls by sqrt(10) each time; the softest

@@ -39,13 +39,13 @@ def exact_forces(path, law=LAW, overlaps=None):
         # A history is half the last step ahead; this step brings the rest.
         half = displacement - last - ahead
         stiffness, dashpot, f_n = held(law, overlap)
-        force, _, rubbed, energy = partial_slip_force(
+        force, _, friction, energy = partial_slip_force(
             law, stiffness, dashpot, f_n, NORMAL, overlap, math.sqrt(RADIUS * overlap), springs,
             reach, (half, 0.0, 0.0), (0.0, 0.0, 0.0),
         )  # fmt: skip
         last, ahead = displacement, half
         forces.append(-force[0])
-        lost += rubbed
+        lost += friction
     return np.array(forces), lost, energy
 
 

@@ -138,7 +138,7 @@ def test_a_quantity_is_written_with_the_fewest_digits_that_hold_it(value, unit, 
     assert from_si(value, unit) == text
 
 
-def test_an_unknown_name_is_answered_with_the_nearest_and_all():
+def test_an_unknown_name_is_reported_with_the_nearest_and_all():
     assert nearest("orifce", ["orifice", "height"]) == (
         "did you mean 'orifice'? known: orifice, height"
     )

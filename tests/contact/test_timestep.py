@@ -16,7 +16,7 @@ NUDGE, GROWN = 1e-12, 1e-7  # [m]; both so small that neither wall is left
 
 
 def excursion(time_step, law, direction, shape, half_height):
-    """How far [m or rad] a nudged grain between walls strays, until it has grown or settled."""
+    """How far [m or rad] a nudged particle between walls strays, until it has grown or settled."""
     simulation = squeezed(shape, half_height, DEEP, law, time_step)
     launch(simulation, **{("vx", "vy", "spin")[direction]: NUDGE / time_step})
     start = position(simulation)[direction]
@@ -54,7 +54,7 @@ def test_limit_of_sliding(gamma):
 
 
 @pytest.mark.parametrize("gamma", [0.0, 3e4])
-def test_limit_of_spinning(gamma):
+def test_limit_of_rotation(gamma):
     """A disc between two walls: 2 DISC_CONTACTS = 6 springs at the arm a = r - d/2 from its
     centre, omega^2 = 6 kt a^2/I, damping rate 6 m gamma_t a^2/I."""
     r = 5e-3

@@ -171,7 +171,7 @@ def test_a_short_run_is_what_it_was(shape, treatment):
 
 
 @pytest.mark.parametrize("treatment", ["sum", "deepest", "scaled"])
-def test_clusters_that_meet_keep_momentum_and_angular_momentum(treatment):
+def test_multi_sphere_particles_that_meet_keep_momentum_and_angular_momentum(treatment):
     """Eight that fly together, no walls, no gravity: sum m v and sum (x x m v + L), to rounding.
     Both of a pair get the same force at the same point, and x goes on along v alone, so that no
     step changes either sum."""
@@ -213,7 +213,7 @@ def left_open(time_step, **options):
 
 
 @pytest.mark.parametrize(("treatment", "most"), [("sum", 0.005), ("scaled", 0.005)])
-def test_the_energy_books_close_to_second_order(treatment, most):
+def test_the_energy_balance_closes_to_second_order(treatment, most):
     """As those of spheres: each halving of the step leaves at most a third open (second order
     would be a quarter), over a few impacts, before chaos makes of each step another bed."""
     errors = [left_open(step, treatment=treatment) for step in (4e-6, 2e-6, 1e-6)]

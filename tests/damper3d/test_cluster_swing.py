@@ -22,7 +22,7 @@ def made_of(offsets, radii) -> MultiSphere:
     )  # fmt: skip
 
 
-def test_a_ball_is_its_own():
+def test_a_sphere_is_its_own_equivalent():
     """And is so by the sum over spheres too, where another is hidden inside it."""
     assert equivalent_sphere_radius(sphere(RADIUS), SPRINGS) == RADIUS
     hidden = made_of([[0, 0, 0], [0.1, 0, 0]], [1.0, 0.2])
@@ -30,14 +30,14 @@ def test_a_ball_is_its_own():
 
 
 @pytest.mark.parametrize("n", [2, 7, 51])
-def test_equal_contacts_at_one_place(n):
+def test_equal_contacts_at_one_position(n):
     """n h^2.5 = h0^2.5 and k = n h^(1/2) ~ n^(4/5): the step, as 1/sqrt(k), goes with n^(-2/5)."""
     together = made_of(np.zeros((n, 3)), np.ones(n))
     assert equivalent_sphere_radius(together, SPRINGS) == pytest.approx(n**-0.4 * RADIUS, rel=1e-9)
 
 
 @pytest.mark.parametrize("size", [0.1, 0.5])
-def test_a_small_sphere_of_a_whole_body_touches_for_longer(size):
+def test_a_small_sphere_of_a_whole_particle_touches_for_longer(size):
     """On a body that does not turn, T ~ (m^2/R)^(1/5) (thesis, eq. 5.10): R^(-1/5), not R."""
     tip = made_of([[0, 0, 0]], [size])
     still = dataclasses.replace(tip, inertia=1e9 * tip.inertia, arrangement="any",
@@ -47,7 +47,7 @@ def test_a_small_sphere_of_a_whole_body_touches_for_longer(size):
     assert ratio == pytest.approx(size**-0.2, rel=1e-9)
 
 
-def test_it_grows_with_the_body_and_does_not_turn_with_it():
+def test_it_grows_with_the_particle_and_does_not_depend_on_its_orientation():
     """A length; and of no direction: what is left is that of the directions that are looked at."""
     cluster = particle("prolate:3")
     first = equivalent_sphere_radius(cluster, SPRINGS)

@@ -96,7 +96,7 @@ def test_walls_enclose_the_void(enclosure):
 
 
 @given(st.floats(1e-5, 1.0))
-def test_a_sphere_is_a_cluster_of_one(radius):
+def test_a_sphere_is_a_multi_sphere_particle_of_one(radius):
     """Volume 4/3 pi r^3, moment of inertia 2/5 m r^2, and it bounds itself."""
     ball = parse_particle("sphere", radius)
     assert ball.volume == pytest.approx(4 / 3 * math.pi * radius**3, rel=1e-15)
@@ -347,7 +347,7 @@ TOROIDS = {"particles.shape": "toroid:0.2"}
 
 
 def test_all_keys_that_act_are_in_the_digests():
-    """Every key of a case file is in one of the lists above, or changes no answer by itself."""
+    """Every key of a case file is in one of the lists above, or changes no result by itself."""
     named = {"particles.material", "particles.materials", "enclosure.material"}  # by numbers
     other = {
         "enclosure.shape", "enclosure.width", "enclosure.depth",
@@ -509,7 +509,7 @@ def case_or_line(changes: dict[str, Any]) -> DamperCase | str:
 @example({"motion.direction": [0.0, 1.0, math.nan]})
 @settings(deadline=None, max_examples=examples(80))
 def test_whatever_stands_in_a_case_file_is_resolved_or_refused_in_one_line(changes):
-    """A case is all finite numbers and can be told in words; else one line says what is wrong."""
+    """A case is all finite numbers and can be reported; else one line says what is wrong."""
     from damper3d.view.report import echo
 
     found = case_or_line(changes)

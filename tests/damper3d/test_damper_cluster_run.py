@@ -1,4 +1,4 @@
-"""A damper of clusters from its filling to its answers: the start, runs, resumption, bad input."""
+"""A damper of clusters from its filling to its results: the start, runs, resumption, bad input."""
 
 import math
 import shutil
@@ -54,20 +54,20 @@ def test_orientations_of_the_random_start_have_no_direction():
     assert (axes**2).mean(axis=0) == pytest.approx(1 / 3, abs=4 * 2 / math.sqrt(45 * n))
 
 
-def test_too_many_clusters_are_refused_with_the_number_that_fits():
+def test_too_many_multi_sphere_particles_are_refused_with_the_number_that_fits():
     with pytest.raises(InputError, match=r"count = 88: fill ratio 0\.\d+; .* about \d\d; give"):
         fill(small(particles__count=88, particles__shape="prolate:2"), lambda *_: None)
 
 
-def test_a_run_answers_and_keeps_how_the_particles_lie(spheroid_reference):
-    """Books closed, the mass of the smooth shape, unit quaternions in single precision."""
-    answers = spheroid_reference.read_summary()
-    assert answers["particles"] == "prolate:1.5"
+def test_a_run_gives_results_and_keeps_the_orientations(spheroid_reference):
+    """Energy balance closed, the mass of the smooth shape, unit quaternions in single precision."""
+    results = spheroid_reference.read_summary()
+    assert results["particles"] == "prolate:1.5"
     mass = 1190 * 4 / 3 * math.pi * 2.2e-3**3
-    assert answers["particle_mass_kg"] == pytest.approx(mass, rel=1e-12)
-    assert abs(answers["energy_closure"]) < 0.02  # 0.005 at 1 us, four times that at 2 us
-    assert 0.0 < answers["efficiency"] < 1.0
-    assert 1.0 < answers["packing"]["coordination"] < 10.0  # particles and walls, not spheres
+    assert results["particle_mass_kg"] == pytest.approx(mass, rel=1e-12)
+    assert abs(results["energy_closure"]) < 0.02  # 0.005 at 1 us, four times that at 2 us
+    assert 0.0 < results["efficiency"] < 1.0
+    assert 1.0 < results["packing"]["coordination"] < 10.0  # particles and walls, not spheres
     last = read_tables(spheroid_reference.path, "particles").at(-1)
     size = sum(last[f"turn_{c}"].astype(float) ** 2 for c in "wxyz")
     assert size == pytest.approx(1.0, abs=1e-6)
@@ -98,7 +98,7 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bits(
     assert_same_run(the_run(tmp_path), spheroid_reference)
 
 
-def test_the_treatment_of_contacts_names_the_run_of_clusters_alone():
+def test_the_multi_contact_model_names_runs_of_multi_sphere_particles_alone():
     """A ball has one contact with another: its runs keep their names."""
     names = {t: protocol.run_digest(small(law__contact_treatment=t)) for t in
              ("sum", "deepest", "scaled")}  # fmt: skip
@@ -107,18 +107,18 @@ def test_the_treatment_of_contacts_names_the_run_of_clusters_alone():
     assert protocol.run_digest(balls[0]) == protocol.run_digest(balls[1])
 
 
-def test_bad_treatments_are_refused_in_one_line(tmp_path):
+def test_bad_multi_contact_models_are_refused_in_one_line(tmp_path):
     for options, word in (
         (["--contact-treatment", "mean"], "contact_treatment"),
         (["--contact-treatment", "scaled", "--yielding"], "yielding"),
     ):
-        answer = damper3d("run", "--particles", "prolate:1.5", *options, "-o", tmp_path, "--quiet")
-        assert_refused(answer, word)
+        result = damper3d("run", "--particles", "prolate:1.5", *options, "-o", tmp_path, "--quiet")
+        assert_refused(result, word)
 
 
 def test_a_run_from_the_command_line(tmp_path):
-    """Of a toroid, with its pictures; the packing lies beside it."""
-    answer = damper3d("run", "--particles", "toroid:0.2", "--equal-volume-radius", "2.2 mm",
+    """Of a toroid, with its pictures; the packing lies next to it."""
+    result = damper3d("run", "--particles", "toroid:0.2", "--equal-volume-radius", "2.2 mm",
                       "--diameter", "20 mm", "--height", "20 mm", "--count", 12, "--frequency",
                       200, "--cycles", 2, "--discard", 1, "--time-step", "2 us",
                       "--contact-treatment", "scaled", "--frames", 5, "-o", tmp_path,

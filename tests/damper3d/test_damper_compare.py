@@ -1,4 +1,4 @@
-"""Two damper runs beside each other: numbers, table, picture, bad input."""
+"""Two damper runs compared: numbers, table, picture, bad input."""
 
 import json
 
@@ -32,7 +32,7 @@ def test_efficiencies_and_shares_are_set_side_by_side(runs):
     assert difference["shares"]["particle_wall"]["friction"] == 0.0
 
 
-def test_a_run_beside_itself_does_not_differ(runs):
+def test_a_run_compared_with_itself_does_not_differ(runs):
     difference = compare(runs[0], runs[0])["difference"]
     assert difference["efficiency"] == difference["efficiency_over_interval"] == 0.0
     rows = compare(runs[0], runs[0])["runs"]
@@ -65,11 +65,11 @@ def test_the_picture_has_both_runs_in_every_panel(runs):
 
 
 def test_command_prints_a_table_and_makes_a_picture(runs):
-    answer = damper3d("compare", *runs)
-    assert answer.code == 0
-    assert answer.err.strip() == str(runs[0] / "figures" / "beside-other.png")
+    result = damper3d("compare", *runs)
+    assert result.code == 0
+    assert result.err.strip() == str(runs[0] / "figures" / "beside-other.png")
     for words in ("Γ = 20", "efficiency", "0.4896", "50.0%", "bouncing bed", "half widths"):
-        assert words in answer.out
+        assert words in result.out
     alone = damper3d("compare", *runs, "--json", "--no-figures")
     assert alone.json == json.loads(json.dumps(compare(*runs)))
     assert alone.err == ""
@@ -78,25 +78,25 @@ def test_command_prints_a_table_and_makes_a_picture(runs):
 def test_numbers_are_compared_where_only_the_summary_was_kept(runs, tmp_path):
     """The table stands; one line says why there is no picture."""
     write_fake_damper_run(tmp_path / "bare", keep="summary")
-    answer = damper3d("compare", runs[0], tmp_path / "bare")
-    assert answer.code == 0
-    assert "efficiency" in answer.out
-    assert answer.err.startswith("no picture: ")
-    assert len(answer.err.splitlines()) == 1
+    result = damper3d("compare", runs[0], tmp_path / "bare")
+    assert result.code == 0
+    assert "efficiency" in result.out
+    assert result.err.startswith("no picture: ")
+    assert len(result.err.splitlines()) == 1
 
 
 def test_runs_that_are_not_finished_or_damaged_are_refused(runs, tmp_path):
     write_fake_damper_run(tmp_path / "half", finished=False)
-    answer = damper3d("compare", runs[0], tmp_path / "half")
-    assert answer.code == 2
-    assert "not finished; go on with: damper3d run --resume" in answer.err
+    result = damper3d("compare", runs[0], tmp_path / "half")
+    assert result.code == 2
+    assert "not finished; go on with: damper3d run --resume" in result.err
     write_fake_damper_run(tmp_path / "damaged")
     path = tmp_path / "damaged" / "summary.json"
     kept = json.loads(path.read_text())
     del kept["shares"]
     path.write_text(json.dumps(kept))
-    answer = damper3d("compare", tmp_path / "damaged", runs[0])
-    assert answer.code == 2
-    assert "damaged (no shares); use --again" in answer.err
-    answer = damper3d("compare", runs[0])
-    assert (answer.code, len(answer.err.splitlines())) == (2, 1)
+    result = damper3d("compare", tmp_path / "damaged", runs[0])
+    assert result.code == 2
+    assert "damaged (no shares); use --again" in result.err
+    result = damper3d("compare", runs[0])
+    assert (result.code, len(result.err.splitlines())) == (2, 1)

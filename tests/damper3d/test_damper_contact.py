@@ -11,7 +11,7 @@ from damper3d.studies.single_contact import STUDIES, find
 from granulab.errors import InputError
 
 
-def answer(*arguments):
+def result(*arguments):
     """The JSON of an impact."""
     result = CliRunner().invoke(impact, [*arguments, "--json", "--quiet"], catch_exceptions=False)
     return json.loads(result.stdout)
@@ -27,9 +27,9 @@ def refusal(*arguments):
 
 
 def test_impact_by_name_and_by_constants_are_one():
-    by_name = answer("--material", "glass", "--radius", "10 mm", "--speed", "20", "--against",
+    by_name = result("--material", "glass", "--radius", "10 mm", "--speed", "20", "--against",
                      "sphere")  # fmt: skip
-    by_hand = answer("--youngs-modulus", "48 GPa", "--poisson", "0.2", "--density", "2800 kg/m3",
+    by_hand = result("--youngs-modulus", "48 GPa", "--poisson", "0.2", "--density", "2800 kg/m3",
                      "--radius", "10mm", "--speed", "20 m/s", "--against", "sphere")  # fmt: skip
     for key in ("normal_restitution", "contact_time_s", "max_overlap_m", "max_force_n"):
         assert by_name[key] == pytest.approx(by_hand[key], rel=1e-12)
@@ -38,7 +38,7 @@ def test_impact_by_name_and_by_constants_are_one():
 
 
 def test_impact_takes_the_pair_of_the_materials_file():
-    found = answer("--material", "alumina", "--angle", "50")
+    found = result("--material", "alumina", "--angle", "50")
     assert (found["restitution"], found["friction"]) == (0.98, 0.092)
     assert found["tangential_restitution"] == pytest.approx(0.8471, abs=1e-4)
 
@@ -53,7 +53,7 @@ def test_impact_says_which_constants_it_took():
 def test_other_material_as_the_wall():
     """A soft wall makes the contact longer than a rigid one; both bodies' compliances add."""
     rigid, steel, acrylic = (
-        answer("--material", "steel", "--against", wall)["contact_time_s"]
+        result("--material", "steel", "--against", wall)["contact_time_s"]
         for wall in ("rigid-wall", "wall", "acrylic")
     )
     assert rigid < steel < acrylic
@@ -85,7 +85,7 @@ def test_material_file_is_one_of_the_user(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text('schema = 1\n[material.rubber]\ndensity = "1.1 g/cm3"\npoisson = 0.49\n')
     assert "material 'rubber' has no youngs_modulus" in refusal("--material", str(file))
-    found = answer("--material", str(file), "--youngs-modulus", "5 MPa", "--restitution", "0.5")
+    found = result("--material", str(file), "--youngs-modulus", "5 MPa", "--restitution", "0.5")
     assert found["material"] == "rubber"
     assert found["normal_restitution"] == pytest.approx(0.5, abs=1e-4)
 

@@ -1,4 +1,4 @@
-"""Efficiency, shares, closure and response of made-up beds whose answers are closed formulas."""
+"""Efficiency, shares, closure and response of made-up beds whose results are closed formulas."""
 
 import math
 
@@ -44,7 +44,7 @@ def _budget() -> dict[str, np.ndarray]:
     return samples
 
 
-def test_the_budget_tells_lost_from_held_energy_and_from_the_laws_gain():
+def test_the_budget_separates_lost_from_held_energy_and_from_the_work_of_the_law():
     """lost = wall work - change of what is held; the rest, over the dissipated, is unaccounted."""
     samples = _budget()
     found = efficiency.efficiencies(samples, PER_CYCLE, reference=20.0)

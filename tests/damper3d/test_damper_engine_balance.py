@@ -117,7 +117,7 @@ LAWS = [{}, {"tangential": "force"}, {"end": "force"}, {"tangential": "force", "
 
 
 @pytest.mark.parametrize("options", LAWS, ids=["thesis", "force", "end", "force, end"])
-def test_the_energy_books_close_to_second_order(options):
+def test_the_energy_balance_closes_to_second_order(options):
     """At most 0.5 % of what was dissipated is open at 1 us, and each halving of the step leaves at
     most a third: second order would be a quarter, and what is found is a sixth. A short window, in
     which a sphere has a few impacts: later on chaos makes of each step another bed."""

@@ -120,7 +120,7 @@ def test_a_wall_that_comes_to_a_sphere_at_rest_meets_it(wall):
     assert sim.frame()["v"][0, 2] == pytest.approx(-1.86 * wall, rel=1 / 40)
 
 
-def test_lists_without_room_are_made_longer_and_change_no_bit():
+def test_lists_without_capacity_are_made_longer_and_change_no_bit():
     """A bed whose lists begin with room for one contact each."""
     digest, books = undisturbed("box", STEPS)
     sim = bed("box")

@@ -154,7 +154,7 @@ def test_a_uniform_motion_of_all_changes_nothing(shape):
 
 
 @pytest.mark.parametrize("turn", [0.4, 2.0, 4.0])
-def test_a_bed_turned_about_the_axis_moves_turned(turn):
+def test_a_bed_rotated_about_the_axis_moves_rotated(turn):
     """A cylinder shaken along its axis; other cells, other normals, the same motion."""
     first, second = bed(speed=1.5), bed(speed=1.5, turn=turn)
     c, s = math.cos(turn), math.sin(turn)

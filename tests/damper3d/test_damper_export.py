@@ -128,7 +128,7 @@ def clusters(tmp_path_factory) -> Path:
 
 
 @pytest.mark.parametrize("frame", [0, 5])
-def test_sub_spheres_lie_where_rodrigues_turns_them(clusters, frame):
+def test_sub_spheres_lie_where_rodrigues_rotates_them(clusters, frame):
     """r' = r cos a + (u x r) sin a + u (u . r)(1 - cos a) about u = (1, 2, 2)/3 by the angle a of
     a particle, and move as a rigid body does, v + w x r'. Single precision of 20 mm: 2e-9 m."""
     paths = export(clusters, "vtkhdf", clusters / "a.vtkhdf")
@@ -150,7 +150,7 @@ def test_sub_spheres_lie_where_rodrigues_turns_them(clusters, frame):
     np.testing.assert_allclose(of_body["orientation"][:, 0], np.cos(angle / 2).ravel(), atol=1e-6)
 
 
-def test_tables_of_clusters_tell_how_they_lie(clusters, tmp_path):
+def test_tables_of_multi_sphere_particles_have_orientations(clusters, tmp_path):
     """A quaternion for each particle and frame, and the spheres of one particle."""
     paths = export(clusters, "csv", tmp_path)
     assert [path.stem for path in paths] == ["samples", "bodies", "spheres", "particles"]
@@ -210,11 +210,11 @@ def test_kinetic_energy_of_the_translation_from_the_tables(run, tmp_path):
 
 
 def test_names_of_the_files(run, tmp_path):
-    """The enclosure's file goes beside the one that was asked for."""
-    answer = damper3d("export", run, "--to", "vtkhdf", "-o", tmp_path / "new" / "a.vtkhdf")
-    assert (answer.code, answer.err) == (0, "")
+    """The enclosure's file goes next to the one that was requested."""
+    result = damper3d("export", run, "--to", "vtkhdf", "-o", tmp_path / "new" / "a.vtkhdf")
+    assert (result.code, result.err) == (0, "")
     paths = [tmp_path / "new" / f"{name}.vtkhdf" for name in ("a", "a-enclosure")]
-    assert answer.out.splitlines() == [str(path) for path in paths]
+    assert result.out.splitlines() == [str(path) for path in paths]
     assert all(path.is_file() for path in paths)
 
 
@@ -230,10 +230,10 @@ def test_names_of_the_files(run, tmp_path):
 )
 def test_what_cannot_be_exported_is_refused_in_one_line(tmp_path, made, arguments, words):
     write_fake_damper_run(tmp_path, cycles=1, **made)
-    answer = damper3d("export", tmp_path, *arguments)
-    assert answer.code == 2
-    assert words in answer.err
-    assert len(answer.err.splitlines()) == 1
+    result = damper3d("export", tmp_path, *arguments)
+    assert result.code == 2
+    assert words in result.err
+    assert len(result.err.splitlines()) == 1
 
 
 def test_an_unfinished_run_without_frames_has_tables(tmp_path):

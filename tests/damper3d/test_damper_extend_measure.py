@@ -31,10 +31,10 @@ def draw_spread(folder: Path) -> Figure:
 def run(tmp_path_factory) -> Path:
     """A finished run of the small damper."""
     folder = tmp_path_factory.mktemp("observed")
-    answer = damper3d(
+    result = damper3d(
         "run", write_damper(folder), "-o", folder / "runs", "--no-figures", "--quiet", "--json"
     )
-    return Path(answer.json["run_folder"])
+    return Path(result.json["run_folder"])
 
 
 @pytest.fixture
@@ -48,10 +48,10 @@ def registered():
 
 def test_a_measure_from_outside_is_listed_made_and_drawn(run, registered):
     assert "spread          scatter of the bed's mean height [m]" in damper3d("observe", run).out
-    answer = damper3d("observe", run, registered, "--json")
-    assert answer.json == spread(run)
+    result = damper3d("observe", run, registered, "--json")
+    assert result.json == spread(run)
     picture = run / "figures" / "spread.png"
-    assert str(picture) in answer.err
+    assert str(picture) in result.err
     assert picture.stat().st_size > 1000
     with pytest.raises(InputError, match="there is one of that name"):
         register_measure("spread", MEASURES.find("spread"))
@@ -61,9 +61,9 @@ def test_a_measure_from_outside_is_listed_made_and_drawn(run, registered):
 def test_a_shipped_measure_says_what_the_summary_says(run, name):
     """To the last bit: a run's results are made by the same functions."""
     summary = RunFolder(run).read_summary()
-    answer = damper3d("observe", run, name, "--json")
-    assert answer.json
-    for key, value in answer.json.items():
+    result = damper3d("observe", run, name, "--json")
+    assert result.json
+    for key, value in result.json.items():
         assert summary[key] == value
     assert (run / "figures" / f"{name}.png").stat().st_size > 1000
 

@@ -95,9 +95,9 @@ def test_too_many_particles_are_refused_with_the_number_that_fits(tmp_path):
     """Below random close packing of an endless bed, but not with these walls: one line, code 2."""
     with pytest.raises(InputError, match=r"count = 58: fill ratio 0\.604; .* about \d\d; give"):
         fill(small(particles__count=58), _silent)
-    answer = damper3d("run", "--diameter", "20 mm", "--height", "20 mm", "--count", 58,
+    result = damper3d("run", "--diameter", "20 mm", "--height", "20 mm", "--count", 58,
                       "-o", tmp_path, "--quiet")  # fmt: skip
-    assert_refused(answer, "count = 58")
+    assert_refused(result, "count = 58")
 
 
 # The settled bed
@@ -204,7 +204,7 @@ def test_volume_below_a_level_is_the_closed_form(level):
     )
 
 
-def test_lowest_point_of_an_enclosure_however_it_stands():
+def test_lowest_point_of_an_enclosure_in_any_orientation():
     tilted = np.array([0.6, 0.0, 0.8])
     assert lowest(cylinder(0.04, 0.05), UP) == 0.0
     assert lowest(cylinder(0.04, 0.05), -UP) == -0.05

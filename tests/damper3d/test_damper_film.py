@@ -59,7 +59,7 @@ def test_enclosure_and_spheres_move_together_in_the_film(scene, frames):
         assert not near(frames[frame], PAPER)[at].any()
 
 
-def test_words_and_dots_tell_the_time(frames):
+def test_words_and_dots_show_the_time(frames):
     """The heading and the velocities change from frame to frame, the title does not."""
     for image, later in pairwise(frames):
         assert (image[:36] == later[:36]).all()

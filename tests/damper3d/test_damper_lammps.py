@@ -1,4 +1,4 @@
-"""Another engine's answer to impacts and shaken beds (docs/lammps-damper.md says what differs).
+"""Another engine's results for impacts and shaken beds (docs/lammps-damper.md says what differs).
 
 Two parts of the law differ and are left out where digits are compared: LAMMPS's friction is
 limited by the size of a pulling normal force, and a sliding spring there holds what the dashpot
@@ -66,7 +66,7 @@ def test_lammps_restitution_is_the_law_s(end, target, expected):
 
 @pytest.mark.parametrize("tangential", ["displacement", "force"])
 @pytest.mark.parametrize("scene_of", [two_spheres, onto_wall])
-def test_oblique_impacts_differ_by_the_arm(scene_of, tangential):
+def test_oblique_impacts_differ_by_the_lever_arm(scene_of, tangential):
     """Arms of friction are r here less the overlap (half of it in a pair), r in LAMMPS's slip.
 
     The arm turns slip to spin and force to torque: twice the depth of the impact, of the change.
@@ -113,7 +113,7 @@ def test_round_wall(curved):
     assert np.abs(here.velocity - other.velocity).max() > 1e-2
 
 
-def test_bed_begins_alike():
+def test_beds_begin_alike():
     """60 spheres, 40 Hz, Gamma 20: until chaos parts them, the same work and the same places.
 
     The enclosure starts at once with 0.78 m/s: impacts as deep as 0.5 % of the radius, by which

@@ -52,7 +52,7 @@ def made_up(case: DamperCase, seed: int = 1) -> tuple[dict, dict]:
 
 
 def along_x(samples: dict, frames: dict) -> tuple[dict, dict]:
-    """The same run turned so that z becomes x; bottom and top change places with left and right."""
+    """The same run rotated so that z becomes x; bottom and top swap with left and right."""
 
     def turned(vectors: np.ndarray) -> np.ndarray:  # about the middle of the cube
         return np.stack([vectors[..., 2], -vectors[..., 1], vectors[..., 0]], axis=-1)
@@ -109,7 +109,7 @@ def test_the_first_cycles_do_not_count():
 @pytest.mark.parametrize(
     "changes", [{"run.discard": 4, "run.cycles": 5, "output.frames": 5}, {"output.frames": 5}]
 )
-def test_too_few_frames_tell_no_phase(changes):
+def test_too_few_frames_give_no_phase(changes):
     """Fewer than eight frames a cycle: a particle could go to and fro unseen."""
     case = box(**changes)
     assert take(case, *made_up(case)) is None

@@ -8,7 +8,7 @@ from damper3d.measures.phases.criteria import PHASES, phase_of_run
 from granulab.campaign.runs.folder import FolderError
 
 
-def test_a_run_keeps_its_phase_and_the_folder_tells_it_again(tmp_path):
+def test_a_run_keeps_its_phase_and_the_folder_gives_it_again(tmp_path):
     """From the frames in single precision, before and after the trajectory is closed."""
     result = run(DamperCase.load("thesis", CASE), out=tmp_path)
     assert result.phase in PHASES["vertical"]

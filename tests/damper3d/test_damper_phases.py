@@ -87,7 +87,7 @@ def test_a_slow_cloud_over_a_hot_layer_is_the_leidenfrost_effect():
 
 
 @pytest.mark.parametrize("kind", ["roll", "ring"])
-def test_a_cloud_that_turns_is_buoyancy_convection(kind):
+def test_a_cloud_that_circulates_is_buoyancy_convection(kind):
     """Thesis, Fig. 6.21: circulating motions, as one cell or as a ring about the axis."""
     assert phase(made.rolling(kind)) == "buoyancy_convection"
 

@@ -16,7 +16,7 @@ from damper3d.view.scene import read_scene
 from damper3d.view.spheres import corners, cut_open, window
 from granulab.campaign.runs.folder import FolderError
 
-SHEETS = ["cycle.png", "energy.png", "motion.png"]
+FIGURES = ["cycle.png", "energy.png", "motion.png"]
 
 
 @pytest.fixture(scope="module")
@@ -212,7 +212,7 @@ def test_headline_names_shapes_that_are_no_spheres(scene, shape, words):
     assert title.startswith(f"{len(scene.radius)} {words} ratio 0.1")
 
 
-def test_headline_tells_particles_motion_and_outcome(scene, lying, tmp_path):
+def test_headline_gives_particles_motion_and_outcome(scene, lying, tmp_path):
     assert scene.title.startswith(f"{len(scene.radius)} spheres of 3 mm, fill ratio 0.1")
     assert scene.title.endswith("; 40 Hz, Γ = 20, vertical")
     assert lying.title.endswith("; 40 Hz, Γ = 5, horizontal")
@@ -231,21 +231,21 @@ def test_unfinished_run_is_drawn(tmp_path, cycles):
         draw(scene).draw_without_rendering()
 
 
-def test_render_writes_the_figures_anew(run):
+def test_render_writes_the_figures_again(run):
     """Their paths on stdout, nothing else."""
-    answer = damper3d("render", run, "--no-film", "--by", "dissipation")
-    assert (answer.code, answer.err) == (0, "")
-    paths = [run / "figures" / name for name in SHEETS]
-    assert answer.out.splitlines() == [str(path) for path in paths]
+    result = damper3d("render", run, "--no-film", "--by", "dissipation")
+    assert (result.code, result.err) == (0, "")
+    paths = [run / "figures" / name for name in FIGURES]
+    assert result.out.splitlines() == [str(path) for path in paths]
     for path in paths:
         assert path.read_bytes().startswith(b"\x89PNG")
-    assert sorted(path.name for path in (run / "figures").iterdir()) == SHEETS
+    assert sorted(path.name for path in (run / "figures").iterdir()) == FIGURES
 
 
 def test_run_without_frames_has_graphs_only(tmp_path):
     """output.frames = 0: the samples are there, the particles are not."""
     write_fake_damper_run(tmp_path, frames=0)
-    assert [path.name for path in make_figures(tmp_path)] == SHEETS[1:]
+    assert [path.name for path in make_figures(tmp_path)] == FIGURES[1:]
     with pytest.raises(FolderError, match=r"^no frame in the last cycle.*frames above 0$"):
         cycle_figure(read_scene(tmp_path))
 
@@ -263,17 +263,17 @@ def test_run_without_frames_has_graphs_only(tmp_path):
 def test_what_cannot_be_drawn_is_refused_in_one_line(tmp_path, made, arguments, words):
     """With what would do; exit code 2."""
     write_fake_damper_run(tmp_path / "run", **made)
-    answer = damper3d("render", tmp_path / "run", *arguments)
-    assert answer.code == 2
-    assert words in answer.err
-    assert len(answer.err.splitlines()) == 1
+    result = damper3d("render", tmp_path / "run", *arguments)
+    assert result.code == 2
+    assert words in result.err
+    assert len(result.err.splitlines()) == 1
 
 
 def test_no_run_folder_and_damaged_ones_are_refused(tmp_path, run):
     for folder, words in ((tmp_path, "not a run folder"), (tmp_path / "none", "not a run folder")):
-        answer = damper3d("render", folder)
-        assert (answer.code, len(answer.err.splitlines())) == (2, 1)
-        assert words in answer.err
+        result = damper3d("render", folder)
+        assert (result.code, len(result.err.splitlines())) == (2, 1)
+        assert words in result.err
     from granulab.campaign.runs.trajectory import TrajectoryWriter
 
     (tmp_path / "case.toml").write_text((run / "case.toml").read_text())
@@ -296,14 +296,14 @@ def test_pictures_need_no_simulation():
     assert done.stdout.strip() == "[]"
 
 
-def test_missing_pyvista_is_told_in_one_line(run, monkeypatch):
+def test_missing_pyvista_is_reported_in_one_line(run, monkeypatch):
     """It is an extra: the line says how to get it."""
     monkeypatch.setitem(sys.modules, "pyvista", None)
-    answer = damper3d("render", run, "--engine", "pyvista")
-    assert answer.code == 2
+    result = damper3d("render", run, "--engine", "pyvista")
+    assert result.code == 2
     words = "pyvista is not installed; get it with: pip install granulab[pyvista]"
-    assert words in answer.err
-    assert len(answer.err.splitlines()) == 1
+    assert words in result.err
+    assert len(result.err.splitlines()) == 1
 
 
 def test_the_bed_in_space_moves_with_the_enclosure(scene):

@@ -16,7 +16,7 @@ from granulab.campaign.runs.folder import FolderError, RunFolder
 
 HEAVY = {"numba", "cv2", "matplotlib", "pint", "h5py", "scipy", "shapely", "numpy"}
 
-ANSWER = Result(
+RESULT = Result(
     frequency_hz=40.0, gamma=20.0, orientation="vertical", particles="sphere:5mm",
     n_particles=358, fill_ratio=0.466, particle_mass_kg=7.8e-5, mass_kg=0.0279, seed=3,
     packing={"fraction": 0.58, "height_m": 0.031, "coordination": 4.1, "rms_speed_m_s": 2e-4},
@@ -39,7 +39,7 @@ ANSWER = Result(
 
 @pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"], []])
 def test_help_loads_nothing_heavy(arguments):
-    """numba alone takes half a second to load; --help has to answer in less than that."""
+    """numba alone takes half a second to load; --help has to print in less than that."""
     program = (
         "import sys; from damper3d.commands.main import main\n"
         "try: main()\n"
@@ -54,7 +54,7 @@ def test_help_loads_nothing_heavy(arguments):
     assert not HEAVY & {module.partition(".")[0] for module in done.stderr.split()}
 
 
-def test_the_names_for_python_are_imported_when_asked_for():
+def test_the_names_for_python_are_imported_on_first_use():
     program = (
         "import sys, damper3d; assert 'numba' not in sys.modules\n"
         "from damper3d import DamperCase, Result; assert DamperCase.load('thesis').count == 358"
@@ -64,8 +64,8 @@ def test_the_names_for_python_are_imported_when_asked_for():
 
 def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
     """The case in SI, the time step with the Rayleigh step, restitution, yield velocity, time."""
-    answer = damper3d("run", "--dry-run", "-o", tmp_path / "runs", "--gamma", "10")
-    assert (answer.code, answer.err) == (0, "")
+    result = damper3d("run", "--dry-run", "-o", tmp_path / "runs", "--gamma", "10")
+    assert (result.code, result.err) == (0, "")
     for words in (
         "thesis, seed 1", "cylinder, 0.04 m in diameter, 0.04 m high", "358 of sphere:5mm",
         "fill ratio 0.466", "vertical, 40 Hz, gamma 10", "peak speed 0.3903 m/s", "mu 0.52",
@@ -73,8 +73,8 @@ def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
         "restitution 0.86", "particle-particle 3.5 m/s, particle-wall 7 m/s", "the last 5 count",
         "200,000 steps", "min of CPU",
     ):  # fmt: skip
-        assert words in answer.out
-    assert "warning" not in answer.out
+        assert words in result.out
+    assert "warning" not in result.out
     plan = damper3d("run", "--dry-run", "--json", "--seed", 3).json
     assert (plan["seed"], plan["n_particles"], plan["time_step_s"]) == (3, 358, 1e-6)
     assert plan["steps"] == 200_000
@@ -111,12 +111,12 @@ OPTIONS = {
 def test_options_change_the_keys_they_name():
     """The echo of the case has the number of each option, in SI."""
     arguments = [text for flag, (value, _) in OPTIONS.items() for text in (flag, value)]
-    answer = damper3d("run", "--dry-run", *arguments, "--yielding", "--wall-curvature")
-    assert answer.code == 0, answer.err
+    result = damper3d("run", "--dry-run", *arguments, "--yielding", "--wall-curvature")
+    assert result.code == 0, result.err
     for flag, (_, echoed) in OPTIONS.items():
-        assert echoed in answer.out, flag
-    assert "restitution falls above it" in answer.out
-    assert "curvature counts" in answer.out
+        assert echoed in result.out, flag
+    assert "restitution falls above it" in result.out
+    assert "curvature counts" in result.out
     steady = damper3d("run", "--dry-run", "--steady", "--max-cycles", "40").out
     assert "when steady, 8 cycles at least" in steady
     assert "40 cycles at most" in steady
@@ -147,9 +147,9 @@ def test_material_is_a_shipped_table_or_a_file(tmp_path):
         "[pair", '[material.b]\ndensity = "1 g/cm3"\n[pair'
     )
     mine.write_text(two, encoding="utf-8")
-    answer = damper3d("run", "--dry-run", "--material", mine)
-    assert answer.code == 2
-    assert "holds several materials (pvc, b)" in answer.err
+    result = damper3d("run", "--dry-run", "--material", mine)
+    assert result.code == 2
+    assert "holds several materials (pvc, b)" in result.err
 
 
 def test_init_writes_a_case_that_is_the_thesis(tmp_path):
@@ -183,7 +183,7 @@ def test_expected_time_goes_with_particles_and_steps():
     assert expected_cpu_s(few) == pytest.approx((filling / 2, motion / 2))
 
 
-def test_the_answer_has_the_keys_that_scripts_rely_on():
+def test_the_result_has_the_keys_that_scripts_rely_on():
     assert {field.name for field in dataclasses.fields(Result)} >= KEYS
 
 
@@ -192,29 +192,29 @@ def test_the_answer_has_the_keys_that_scripts_rely_on():
 ])  # fmt: skip
 def test_the_report_says_where_what_is_dissipated_is_not_the_shakers_work(by_walls, words):
     """Efficiency 0.812: more than a tenth of it from elsewhere is worth a line."""
-    text = report(dataclasses.replace(ANSWER, efficiency_wall_work=by_walls))
+    text = report(dataclasses.replace(RESULT, efficiency_wall_work=by_walls))
     assert ("they differ by" in text) == bool(words)
     assert words in text
 
 
-def test_the_report_tells_each_answer():
-    told = report(ANSWER)
+def test_the_report_has_each_result():
+    text = report(RESULT)
     for words in (
         "efficiency 0.812 (95 %: 0.800 to 0.820)", "0.400 | 0.810 0.820 0.806", "0.861 as the",
         "friction 60.0%", "friction none", "2.2 W", "loss factor 1.03", "7.2 N s/m",
         "0.01 kg in phase", "no phase named", "31 N", "particle-particle 0.9, particle-wall none",
         "closed to 0.21 %", "work of the changing stiffness -6.1 %", "9.5 us", "(computed before)",
     ):  # fmt: skip
-        assert words in told
+        assert words in text
     many = dataclasses.replace(
-        ANSWER, cycles=30, discarded=6, efficiency_per_cycle=[0.5] * 30, steady=True,
+        RESULT, cycles=30, discarded=6, efficiency_per_cycle=[0.5] * 30, steady=True,
         energy_closure=None, efficiency_interval=None,
     )  # fmt: skip
     assert "the last 24 of 30 count, 0.500 to 0.500; steady" in report(many)
     assert "nothing dissipated" in report(many)
-    assert "take a shorter step" not in told
+    assert "take a shorter step" not in text
     assert "0.6 % of what is dissipated, more than 0.5 %: take a shorter step" in report(
-        dataclasses.replace(ANSWER, energy_closure=-0.006)
+        dataclasses.replace(RESULT, energy_closure=-0.006)
     )
 
 
@@ -224,16 +224,16 @@ def test_the_report_tells_each_answer():
 def test_a_damaged_summary_is_refused(tmp_path, harm):
     folder = RunFolder(tmp_path)
     kept = {
-        k: v for k, v in dataclasses.asdict(ANSWER).items() if k not in ("reused", "run_folder")
+        k: v for k, v in dataclasses.asdict(RESULT).items() if k not in ("reused", "run_folder")
     }
     folder.write_summary(kept)
-    assert Result.read(folder, reused=True) == dataclasses.replace(ANSWER, run_folder=str(tmp_path))
+    assert Result.read(folder, reused=True) == dataclasses.replace(RESULT, run_folder=str(tmp_path))
     folder.write_summary(kept | harm)
     with pytest.raises(FolderError, match=r"summary.json: damaged .* --again"):
         Result.read(folder, reused=True)
 
 
-def test_help_answers_in_half_a_second():
+def test_help_prints_in_half_a_second():
     """CPU time of the process, which other work on the machine does not touch."""
     import resource
 

@@ -190,7 +190,7 @@ def test_trend_of_the_optimum_with_size(made, exponent, expected):
         assert one.gamma == pytest.approx(FLUIDISED, rel=0.1)
 
 
-def test_a_large_effect_of_size_is_told(made):
+def test_a_large_effect_of_size_is_reported(made):
     """2^0.9 = 1.87 from 3 to 6 mm is above 1.5."""
     text = sizes.report(made(sizes, size_exponent=-0.9))
     assert verdict(text, "small effect on the bouncing bed") == "FAIL"
@@ -227,10 +227,10 @@ def test_command_computes_a_small_damper_and_goes_on_where_it_was(monkeypatch, t
     grid = [panels.panel("vertical", 25, 5, points, **small)]
     monkeypatch.setattr(optimum, "panels", lambda: grid)
     words = ["reproduce", "optimum", "--seeds", 1, "--workers", 1, "--out", tmp_path]
-    answer = damper3d(*words)
-    assert answer.code == 0, answer.err
-    assert "2 runs of 1 packings, about" in answer.err
-    assert "INCOMPLETE: 2 of 2 points are there, with 1 of 3 packings each" in answer.out
+    result = damper3d(*words)
+    assert result.code == 0, result.err
+    assert "2 runs of 1 packings, about" in result.err
+    assert "INCOMPLETE: 2 of 2 points are there, with 1 of 3 packings each" in result.out
     head, rows = read_results(tmp_path / "reproduce-optimum.csv")
     assert head["command"] == "damper3d reproduce optimum --seeds 1"
     assert [row["gamma"] for row in rows] == [5.0, 10.0]
@@ -245,13 +245,13 @@ def test_command_refuses_a_folder_that_cannot_be_made_before_anything_is_run(mon
     """In one line: no word of what the runs will cost."""
     monkeypatch.setattr(sweep, "run_cases", None)
     (tmp_path / "file").write_text("in the way")
-    answer = damper3d("reproduce", "optimum", "--write", tmp_path / "file", "--out", tmp_path / "x")
-    assert_refused(answer, "file: cannot be written")
+    result = damper3d("reproduce", "optimum", "--write", tmp_path / "file", "--out", tmp_path / "x")
+    assert_refused(result, "file: cannot be written")
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 def test_command_without_a_table_lists_them_and_refuses_another():
     assert [line.split()[0] for line in damper3d("reproduce").out.splitlines()] == list(TABLES)
-    answer = damper3d("reproduce", "optimm")
-    assert answer.code == 2
-    assert "optimum" in answer.err
+    result = damper3d("reproduce", "optimm")
+    assert result.code == 2
+    assert "optimum" in result.err

@@ -154,12 +154,12 @@ def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(tmp_path):
     while not list(tmp_path.glob("*/parts/00003.h5")) and process.poll() is None:
         time.sleep(5e-3)
     process.send_signal(signal.SIGINT)
-    answer = finish(process)
-    assert (answer.code, answer.out, answer.err.count("\n")) == (130, "", 1)
+    result = finish(process)
+    assert (result.code, result.out, result.err.count("\n")) == (130, "", 1)
     folder = the_run(tmp_path)
     assert folder.state == "unfinished"
     assert folder.checkpoint.exists()
-    command = shlex.split(answer.err.partition("stopped; go on with: ")[2])
+    command = shlex.split(result.err.partition("stopped; go on with: ")[2])
     assert command == ["damper3d", "run", "--resume", str(folder.path)]
 
 
@@ -219,7 +219,7 @@ def test_runs_of_other_frequencies_and_strengths_share_a_packing(runs, monkeypat
 
 
 def test_who_waits_for_a_packing_can_be_stopped(tmp_path):
-    """The second of two takes its turn once the first is done, or gives up when told to."""
+    """The second of two takes its turn once the first is done, or gives up when it is stopped."""
     holds, release = threading.Event(), threading.Event()
 
     def first() -> None:
@@ -231,8 +231,8 @@ def test_who_waits_for_a_packing_can_be_stopped(tmp_path):
     thread.start()
     holds.wait(10)
     with (
-        pytest.raises(Stopped, match="told to"),
-        alone(tmp_path / "packing", lambda: True, Stopped("told to")),
+        pytest.raises(Stopped, match="stopped"),
+        alone(tmp_path / "packing", lambda: True, Stopped("stopped")),
     ):
         raise AssertionError("both at once")
     release.set()
@@ -248,10 +248,10 @@ def test_a_damaged_packing_is_named_and_not_used(runs):
         protocol.run(small(), out=runs)
 
 
-def test_a_run_that_keeps_its_summary_has_the_same_answers_and_no_trajectory(
+def test_a_run_that_keeps_its_summary_has_the_same_results_and_no_trajectory(
     damper_reference, runs
 ):
-    """Killed or not, nothing but the answers stays."""
+    """Killed or not, nothing but the results stays."""
     case = small(output__keep="summary")
     codes = [forked(lambda: protocol.run(case, out=runs), kill_at_write=k) for k in range(4, 12)]
     assert -signal.SIGKILL in codes
@@ -266,7 +266,7 @@ def test_a_run_that_keeps_its_summary_has_the_same_answers_and_no_trajectory(
 
 
 def test_a_steady_run_ends_when_it_is_steady_or_at_the_most_cycles(runs):
-    """Even numbers of cycles beyond the start-up; the answers are those of the judged cycles."""
+    """Even numbers of cycles beyond the start-up; the results are those of the judged cycles."""
     result = protocol.run(small(run__steady=True, run__max_cycles=25, run__discard=3), out=runs)
     assert result.steady is False  # twenty spheres scatter far more than 5 %
     assert result.cycles == 25

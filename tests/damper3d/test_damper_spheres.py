@@ -18,7 +18,7 @@ def inked(picture: np.ndarray) -> np.ndarray:
     return (picture != 255).any(axis=2)
 
 
-def test_a_sphere_covers_its_circle_at_its_place():
+def test_a_sphere_covers_its_circle_at_its_position():
     """pi r^2 of area about its centre; its rim, of half-covered pixels, is all that may differ."""
     centre, radius = np.array([[0.006, -0.002, 0.0]]), np.array([0.004])
     seen = inked(draw_spheres(centre, radius, RED[None], WINDOW, WHITE))

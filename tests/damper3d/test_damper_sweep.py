@@ -94,8 +94,8 @@ def test_the_shipped_study_can_be_run(tmp_path):
 )
 def test_a_bad_study_is_refused_in_one_line(tmp_path, vary, words):
     study = write_study(tmp_path, f'schema = 1\ncase = "small.toml"\n[vary]\n{vary}\n')
-    answer = damper3d("sweep", study, "-o", tmp_path / "runs")
-    assert_refused(answer, *words)
+    result = damper3d("sweep", study, "-o", tmp_path / "runs")
+    assert_refused(result, *words)
     assert not (tmp_path / "runs").exists()
 
 
@@ -114,7 +114,7 @@ def swept(tmp_path_factory) -> Path:
 
 
 def test_a_sweep_has_the_bits_of_single_runs_and_one_packing(swept, tmp_path):
-    """One filling for both, whoever does it; a row each, its answers in columns."""
+    """One filling for both, whoever does it; a row each, its results in columns."""
     rows = rows_of(swept)
     assert [(row["motion.gamma"], row["seed"], row["state"]) for row in rows] == [
         ("5.0", "1", "done"), ("10.0", "1", "done"),
@@ -157,9 +157,9 @@ def test_a_damaged_packing_is_a_row_that_says_what_to_delete(tmp_path):
     packing = DAMPER.packing_file(case, tmp_path / "runs")
     packing.parent.mkdir(parents=True)
     packing.write_bytes(b"nothing")
-    answer = damper3d("sweep", study, "-o", tmp_path / "runs", "--workers", 1, "--quiet")
-    assert answer.code == 3
-    assert "1 of 1 runs failed" in answer.err
+    result = damper3d("sweep", study, "-o", tmp_path / "runs", "--workers", 1, "--quiet")
+    assert result.code == 3
+    assert "1 of 1 runs failed" in result.err
     (row,) = rows_of(study)
     assert row["state"] == "failed"
     assert f"{packing}: damaged" in row["reason"]

@@ -49,11 +49,11 @@ def test_a_case_names_a_shape_from_outside(registered):
 def test_the_command_shakes_it_and_says_what_is_wrong_with_a_number(registered, tmp_path):
     changes = {"particles.shape": None, "particles.count": 6, "run.cycles": 1, "run.discard": 0}
     options = ["--particles", registered, "--sub-spheres", "4"]
-    answer = damper3d(
+    result = damper3d(
         "run", write_damper(tmp_path, changes), *options, "--out", tmp_path, "--json", "--quiet",
         "--no-figures",
     )  # fmt: skip
-    found = answer.json
+    found = result.json
     assert found["particles"] == "ellipsoid:1.5"
     assert found["n_particles"] == 6
     with pytest.raises(InputError, match=r"ratio of the half axes must be from 1 to 3"):

@@ -1,4 +1,4 @@
-"""The damper's engine and the single-contact kernel give one answer to one impact."""
+"""The damper's engine and the single-contact kernel give one result for one impact."""
 
 import math
 

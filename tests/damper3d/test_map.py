@@ -66,7 +66,7 @@ def test_grid_refuses_what_is_empty_or_not_above_zero_in_one_line(given, words):
     assert "\n" not in str(error.value)
 
 
-def test_runs_are_the_case_at_each_point_and_keep_only_their_answers(monkeypatch, tmp_path):
+def test_runs_are_the_case_at_each_point_and_keep_only_their_results(monkeypatch, tmp_path):
     seen = []
 
     def run_cases(cases, **options):
@@ -104,10 +104,10 @@ def test_point_whose_runs_failed_is_missing_and_the_rest_is_mapped(asked, tmp_pa
     result = MapResult.of(bad)
     assert np.isnan(result.efficiency[result.gamma == 5.0]).all()
     assert len(result.at(40.0)) == len(GAMMAS) - 1
-    answers = summary(SMALL, result, predict(DamperCase.load("thesis")), [], tmp_path)
-    assert answers["failed"] == 9
-    assert answers["failures"] == ["9 runs from 20 Hz, Gamma 5, seed 1 on: NaN"]
-    assert "failed: 9 runs" in as_text(answers)
+    results = summary(SMALL, result, predict(DamperCase.load("thesis")), [], tmp_path)
+    assert results["failed"] == 9
+    assert results["failures"] == ["9 runs from 20 Hz, Gamma 5, seed 1 on: NaN"]
+    assert "failed: 9 runs" in as_text(results)
 
 
 def test_unknown_column_is_refused_with_those_there_are(asked, tmp_path):
@@ -176,16 +176,16 @@ def test_table_and_summary_hold_every_point_and_are_read_back(asked, tmp_path):
     result = made_map(tmp_path)
     prediction = predict(DamperCase.load("thesis"))
     folder = RunFolder(tmp_path / "map")
-    answers = summary(SMALL, result, prediction, ridges(result, prediction), folder.path)
-    write_map(folder, result, answers)
+    results = summary(SMALL, result, prediction, ridges(result, prediction), folder.path)
+    write_map(folder, result, results)
     with (folder.path / "table.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [float(row["efficiency"]) for row in rows] == result.efficiency.tolist()
     with h5py.File(folder.path / "runs" / "table.h5") as file:
         assert len(file["efficiency"]) == len(result.rows) == 171
     assert folder.read_summary()["best"]["frequency_hz"] in (20.0, 40.0)
-    assert json.loads(json.dumps(answers)) == answers
-    text = as_text(answers)
+    assert json.loads(json.dumps(results)) == results
+    text = as_text(results)
     assert "20 Hz  bouncing bed" in text
     assert "close 22.3" in text
     assert len(points(result)) == 57

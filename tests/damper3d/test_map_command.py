@@ -33,13 +33,13 @@ def damper3d(monkeypatch, tmp_path, capsys):
 
 def test_map_prints_its_ridges_and_leaves_its_table(damper3d, tmp_path):
     code, out, _ = damper3d("map", *SMALL, "--json")
-    answers = json.loads(out)
+    results = json.loads(out)
     assert code == 0
-    assert {peak["ridge"] for peak in answers["ridges"]} == {"bouncing_bed", "fluidisation"}
+    assert {peak["ridge"] for peak in results["ridges"]} == {"bouncing_bed", "fluidisation"}
     (folder,) = (tmp_path / "maps").iterdir()
     names = {"provenance.json", "summary.json", "table.csv", "table.parquet", "table.h5", "runs"}
     assert {path.name for path in folder.iterdir()} == names
-    assert str(folder) == answers["folder"]
+    assert str(folder) == results["folder"]
 
 
 def test_dry_run_says_how_many_runs_and_writes_nothing(damper3d, tmp_path):
@@ -86,16 +86,16 @@ def test_interrupted_map_keeps_its_table_and_ends_with_code_130(damper3d, monkey
 
 def test_predict_prints_the_table_of_the_four_fills(damper3d, tmp_path):
     code, out, _ = damper3d("predict", "--json")
-    answers = json.loads(out)
+    results = json.loads(out)
     assert code == 0
-    assert [round(fill["fill_ratio"], 3) for fill in answers["fills"]] == [
+    assert [round(fill["fill_ratio"], 3) for fill in results["fills"]] == [
         0.466, 0.414, 0.373, 0.339]  # fmt: skip
-    assert answers["fills"][0]["bouncing_bed"][1]["gamma"] == pytest.approx(
+    assert results["fills"][0]["bouncing_bed"][1]["gamma"] == pytest.approx(
         [5.57, 22.3, 89.1], rel=2e-3)  # fmt: skip
     assert (tmp_path / "predict-thesis.png").exists()
 
 
-def test_predict_sets_simulations_beside(damper3d):
+def test_predict_compares_with_simulations(damper3d):
     words = ["predict", "--height", "40 mm", "--frequencies", "40", "--simulate", "--no-figures"]
     code, out, _ = damper3d(*words)
     assert code == 0

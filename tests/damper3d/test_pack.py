@@ -129,11 +129,11 @@ def test_what_nothing_holds_is_left_out_of_the_coordination():
     assert coordination(neighbours) == (4.0, pytest.approx(5 / 7))
 
 
-def test_too_few_bodies_for_the_cell_are_refused():
+def test_too_few_particles_for_the_cell_are_refused():
     with pytest.raises(InputError, match=r"bodies = 3: must be at least .* of prolate:3"):
         compact(parse_particle("prolate:3", 1.0, sub_spheres=13), 3, 1)
-    answer = damper3d("pack", "--particles", "prolate:3", "--bodies", 3, "--no-enclosure")
-    assert_refused(answer)
+    result = damper3d("pack", "--particles", "prolate:3", "--bodies", 3, "--no-enclosure")
+    assert_refused(result)
 
 
 # What is shipped
@@ -156,7 +156,7 @@ def test_a_ratio_between_two_of_the_table_lies_between_their_fractions():
 
 
 def test_the_shipped_table_is_made_of_the_committed_packings():
-    """Made anew by writing shipped(rows) to data/packings/random.csv."""
+    """Made again by writing shipped(rows) to data/packings/random.csv."""
     rows = read_results(RESULTS / "reproduce-packing.csv")[1]
     text = (data_root() / "packings" / "random.csv").read_text(encoding="utf-8")
     assert text == shipped(rows)
@@ -186,8 +186,8 @@ def test_the_onset_goes_by_the_close_packing_of_the_shape():
 def test_a_shape_that_is_not_in_the_table_needs_a_packing_by_hand(tmp_path):
     command = ("predict", "--particles", "prolate:4", "--height", "40 mm", "--no-figures",
                "-o", tmp_path)  # fmt: skip
-    answer = damper3d(*command)
-    assert_refused(answer, "--pack")
+    result = damper3d(*command)
+    assert_refused(result, "--pack")
     given = json.loads(damper3d(*command, "--packing", 0.7, "--json").out)
     found = {row["packing"]: row["gamma"] for row in given["fills"][0]["bouncing_bed"]}
     assert found["close"] == [None] * 3

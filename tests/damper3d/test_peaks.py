@@ -1,4 +1,4 @@
-"""Peaks of made efficiencies whose maximum is known: found, placed, bracketed, told from noise."""
+"""Peaks of made efficiencies whose maximum is known: found, located, bracketed, beyond noise."""
 
 import numpy as np
 import pytest
@@ -70,7 +70,7 @@ def drawn_peaks(width, sd=0.004, at=11.0, draws=400):
 @pytest.mark.parametrize("width", [1.0, 3.0])
 def test_peak_of_noisy_points_lies_in_its_bracket_and_mostly_in_its_interval(width):
     """Noise of known 95 % half width on a parabola that falls by 0.9 and by 0.1 sd to the points
-    beside its peak. The bracket needs one of two points to be wrong by the noise of a difference:
+    next to its peak. The bracket needs one of two points to be wrong by the noise of a difference:
     at most 5 % of draws. The interval is too narrow where the noise chose the points; 75 % is
     three standard deviations of the share (0.02) below the 81 % that were found."""
     peaks = list(drawn_peaks(width))
@@ -79,7 +79,7 @@ def test_peak_of_noisy_points_lies_in_its_bracket_and_mostly_in_its_interval(wid
 
 
 def test_noise_widens_the_fit_until_its_points_differ():
-    """Beside the top, points within the noise say nothing of where the peak is."""
+    """Next to the top, points within the noise say nothing of where the peak is."""
     gamma = np.geomspace(10, 30, 41)
     eta = hump(gamma, 17.0, width=0.8)
     eta[21] += 0.01  # the noise puts the top off the peak

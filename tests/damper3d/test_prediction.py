@@ -1,4 +1,4 @@
-"""Predictions of cases, and simulations beside them."""
+"""Predictions of cases, compared with simulations."""
 
 import pytest
 from made_map import made_runs
@@ -77,7 +77,7 @@ def test_bad_input_is_one_line(changes, own, words):
     assert "\n" not in str(error.value)
 
 
-def test_simulations_stand_about_the_onset_beside_both_ideal_curves(monkeypatch, tmp_path):
+def test_simulations_stand_about_the_onset_next_to_both_ideal_curves(monkeypatch, tmp_path):
     monkeypatch.setattr(compare, "run_cases", made_runs)
     chosen = fills(None, {})[:2]
     predictions = [predict(DamperCase.load(*fill)) for fill in chosen]

@@ -171,7 +171,7 @@ def test_no_bit_depends_on_the_lists_of_walls_that_move(treatment):
 
 
 @compiled
-def test_forces_on_all_walls_balance_weight_and_inertia_and_the_books_close():
+def test_forces_on_all_walls_balance_weight_and_inertia_and_energy_is_accounted():
     """Newton's third law step by step: impulses on the walls are those of the weight less what the
     bed's momentum gained, but for the half steps at both ends; and wall work, table's and top
     half's, is what is dissipated, held and gained: 0.5 % at 1 us, as of the damper."""
@@ -292,7 +292,7 @@ def verdicts(kind: str, means: dict[str, float]) -> list[bool | None]:
     return [one.holds for one in judged(kind, by_shape(rows))]
 
 
-def test_the_thesis_statements_hold_of_made_stiffnesses_as_it_tells_and_fail_of_others():
+def test_the_thesis_statements_hold_of_made_stiffnesses_as_stated_and_fail_of_others():
     ratios = ["prolate:1", "prolate:1.5", "prolate:3", "toroid:0", "toroid:0.05", "toroid:0.2",
               "toroid:0.33"]  # fmt: skip
 
@@ -308,7 +308,7 @@ def test_the_thesis_statements_hold_of_made_stiffnesses_as_it_tells_and_fail_of_
     assert {one.holds for one in judged("shear", by_shape(single))} == {None}
 
 
-def test_toroids_without_a_sphere_of_their_own_are_told_which_run_lacks():
+def test_toroids_without_a_sphere_of_their_own_name_the_run_that_lacks():
     """That of 3.5 mm; prolate:1 has 3.8 mm."""
     rows = made("prolate:1", [1.0, 1.1]) + made("toroid:0.2", [1.0, 1.1])
     toroids = judged("shear", by_shape(rows))[2]

@@ -17,7 +17,7 @@ def test_a_table_is_whole_with_its_own_number_of_packings_or_more():
     assert completeness(_done([1]), POINTS, 1) == "complete: 6 points, 1 packing each"
 
 
-def test_fewer_packings_than_by_default_are_told():
+def test_fewer_packings_than_by_default_are_reported():
     """As after --seeds 1: no point lacks against another."""
     assert completeness(_done([1]), POINTS, 3) == (
         "INCOMPLETE: 6 of 6 points are there, with 1 of 3 packings each"
@@ -44,7 +44,7 @@ def test_a_point_with_fewer_packings_than_others_lacks():
     ]
 
 
-def test_a_whole_table_tells_of_added_points_that_failed():
+def test_a_whole_table_reports_added_points_that_failed():
     rows = [*_done([1]), {"size": 5, "gamma": 15.0, "seed": 1, "state": "failed", "reason": "x"}]
     assert completeness(rows, POINTS, 1).splitlines() == [
         "complete: 6 points, 1 packing each",

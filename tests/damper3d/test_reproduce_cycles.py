@@ -45,7 +45,7 @@ def test_two_collisions_a_cycle_make_two_steps_with_their_start_and_length():
 
 
 @pytest.mark.parametrize("middles", [[0.95, 1.95], [0.0, 1.0], [0.02, 1.02]])
-def test_a_collision_at_the_turn_of_the_cycle_is_one_step(middles):
+def test_a_collision_at_the_end_of_the_cycle_is_one_step(middles):
     assert len(steps_of(_energy(middles))) == 2  # of two cycles
 
 
@@ -68,7 +68,7 @@ def test_what_is_even_or_nothing_has_no_step():
 
 
 @given(shift=st.integers(0, 199), gap=st.floats(0.3, 0.7), width=st.floats(0.01, 0.05))
-def test_steps_turn_with_the_cycle(shift, gap, width):
+def test_steps_shift_with_the_cycle(shift, gap, width):
     power = np.diff(_energy([0.1, 0.1 + gap, 1.1, 1.1 + gap], width))
     here = steps_of(np.concatenate([[0], np.cumsum(power)]))
     there = steps_of(np.concatenate([[0], np.cumsum(np.roll(power, shift))]))

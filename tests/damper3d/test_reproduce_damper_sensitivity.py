@@ -88,7 +88,7 @@ def test_each_case_changes_one_property():
 
 
 def test_density_and_modulus_enter_as_their_ratio(tmp_path):
-    """Forces grow with E, masses with rho and the enclosure moves as it is told: eta keeps.
+    """Forces grow with E, masses with rho and the enclosure moves as prescribed: eta keeps.
 
     A factor of 4 in both scales every number of the law by a power of two, so that not even the
     last bit of a motion changes.

@@ -106,7 +106,7 @@ def test_time_step_shortens_with_stiffer_and_lighter_particles():
     assert max(steps.values()) == 2.0
 
 
-def test_statements_hold_for_onsets_as_the_thesis_tells_them():
+def test_statements_hold_for_onsets_as_the_thesis_gives_them():
     found = verdicts(onset_rows(thesis_like))
     assert set(list(found.values())[:9]) == {True}
 
@@ -143,7 +143,7 @@ def test_fluidisation_optimum_that_goes_with_frequency_alone_passes():
     assert place
 
 
-def test_curves_without_a_peak_are_told_from_curves_without_runs():
+def test_curves_without_a_peak_are_distinguished_from_curves_without_runs():
     flat = [{**row, "efficiency": 0.5, "efficiency_interval": [0.4, 0.6]}
             for row in rows(alike, labels_of(shapes.curve_panels()))]  # fmt: skip
     independent, trend = judged(flat)[10:12]
@@ -207,7 +207,7 @@ def test_without_runs_nothing_is_judged_and_the_table_is_drawn():
     shapes.draw([])
 
 
-def test_report_names_the_treatments_and_draws_all_panels():
+def test_report_names_the_multi_contact_models_and_draws_all_panels():
     points = [
         labels for part in shapes.plan() for labels in labels_of(part.panels)
         if labels["part"] == "curves"

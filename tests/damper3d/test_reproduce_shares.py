@@ -33,14 +33,14 @@ def _rows(shape=_as_the_thesis_says, **changed: Any) -> list[dict]:
             here = shape(size, 0.999 * ONSET)
             here = here[0] - 1e-3 * gamma, here[1] - 1e-3 * gamma
         second = ONSET if frequency == 40.0 else None
-        answers = {
+        results = {
             "efficiency": two_peaks(gamma, OPTIMUM, second),
             "efficiency_interval": None,
             **shares(*here),
             # 3 points more, with the dashpot in it
             **shares(here[0], here[1] - 0.02, "shares_contact_count"),
         }
-        rows.append(done(labels, **answers | changed))
+        rows.append(done(labels, **results | changed))
     return rows
 
 

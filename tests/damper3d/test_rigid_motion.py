@@ -32,7 +32,7 @@ def kinetic(sim):
     return float(sim.sample()["kinetic"][0])
 
 
-def test_a_free_symmetric_body_turns_as_in_closed_form():
+def test_a_free_symmetric_particle_rotates_as_in_closed_form():
     """Its axis goes round the constant angular momentum L at |L|/I_across, always at one angle; and
     w = I^-1 L. The scheme is exact there: also at 5 degrees a step, to rounding of 1000 steps."""
     cluster = particle("prolate:2")
@@ -53,7 +53,7 @@ def test_a_free_symmetric_body_turns_as_in_closed_form():
     assert np.linalg.norm(sim.world.particles.orientation[0]) == pytest.approx(1.0, abs=1e-15)
 
 
-def test_a_free_asymmetric_body_turns_by_eulers_equations_to_second_order():
+def test_a_free_asymmetric_particle_rotates_by_eulers_equations_to_second_order():
     """I w' = I w x w in the body's axes (thesis, eqs 3.24-3.30, with the errata's correction), to
     1e-12 by another integrator. Angular momentum stays to the bit, the quaternion at length 1;
     energy and orientation are off by a quarter when the step is halved."""
@@ -88,7 +88,7 @@ def test_a_free_asymmetric_body_turns_by_eulers_equations_to_second_order():
     assert gained[2] < 1e-5
 
 
-def test_a_cluster_of_one_moves_as_the_sphere():
+def test_a_multi_sphere_particle_of_one_moves_as_the_sphere():
     """Two spheres that meet off-centre near the floor, with friction and spins: the same path to
     rounding, of a time short enough that it does not grow (5 ms, five impacts)."""
     radius, law = 2.5e-3, acrylic()
@@ -252,7 +252,7 @@ def test_rolling_and_sliding_down_an_incline(shape, mu):
     assert rim == pytest.approx(speed if rolls else inverse * push, rel=0.01)
 
 
-def test_a_triaxial_body_turns_by_jacobi_s_elliptic_functions():
+def test_a_triaxial_particle_rotates_by_jacobi_s_elliptic_functions():
     """Landau and Lifshitz, Mechanics, sec. 37: w in the body's axes, which obeys Euler's equations
     (by differences), and what the engine gives, to second order; in both senses about the axis."""
     moments = np.array([1.0, 1.5, 2.0])

@@ -66,7 +66,7 @@ def test_sub_spheres_that_cannot_be(text, given_values, words):
 
 
 def two_cubes(apart: float) -> tuple[np.ndarray, list[tuple[int, ...]]]:
-    """One beside the other."""
+    """One next to the other."""
     faces = [tuple(k + 8 for k in face) for face in CUBE_FACES]
     return np.concatenate([CUBE, CUBE + np.array([apart, 0.0, 0.0])]), [*CUBE_FACES, *faces]
 

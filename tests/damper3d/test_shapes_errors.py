@@ -81,9 +81,9 @@ def test_a_sphere_has_no_errors():
     assert abs(errors.area) < 1e-12
 
 
-def test_the_command_tells_and_draws_a_shape(tmp_path):
-    answer = damper3d("shape", "--toroid", "0.2", "--json", "-o", str(tmp_path / "out"))
-    found = json.loads(answer.out)
+def test_the_command_describes_and_draws_a_shape(tmp_path):
+    result = damper3d("shape", "--toroid", "0.2", "--json", "-o", str(tmp_path / "out"))
+    found = json.loads(result.out)
     assert found["sub_spheres"] == 50
     assert found["particles"] == "toroid:0.2"
     particle = parse_particle("toroid:0.2")

@@ -140,7 +140,7 @@ def test_closed_forms_of_a_toroid_are_those_of_its_surface(hole_ratio):
     assert gyration == pytest.approx(ring.inertia / ring.volume, rel=0.03)
 
 
-def test_limits_of_the_families_are_ellipsoids_capsules_and_balls():
+def test_limits_of_the_families_are_ellipsoids_capsules_and_spheres():
     """Exponents of one: V (b^2 + c^2)/5. Rounding of one: a ball, or a cylinder with two halves."""
     ellipsoid = superquadric(1.5, 0.7, 1.0, 1.0)
     scale = (1.05) ** (-1 / 3)

@@ -1,4 +1,4 @@
-"""Grooves between sub-spheres: the limits of eqs 5.18-5.20, and what `damper3d shape` tells."""
+"""Grooves between sub-spheres: the limits of eqs 5.18-5.20, and what `damper3d shape` reports."""
 
 import json
 import math
@@ -79,12 +79,12 @@ def test_speed_to_the_groove_by_the_energy_of_a_hertz_contact():
     assert speed_to_groove(parse_particle("sphere:5mm"), law, 2e-4) is None
 
 
-def test_shape_tells_the_limit():
-    def told(*arguments):
+def test_shape_reports_the_limit():
+    def reported(*arguments):
         result = CliRunner().invoke(shape, [*arguments, "--no-figures", "--json"])
         return json.loads(result.stdout)
 
-    ring = told("--toroid", "0.2")
+    ring = reported("--toroid", "0.2")
     assert ring["groove_depth_m"] == pytest.approx(8.11e-6, rel=1e-3)
     assert ring["speed_to_groove_m_s"] == pytest.approx(0.276, rel=5e-3)
-    assert told("--sphere", "5mm")["groove_depth_m"] is None
+    assert reported("--sphere", "5mm")["groove_depth_m"] is None

@@ -21,9 +21,7 @@ POINT = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array)
 
 @given(st.tuples(SIDES, SIDES, SIDES), POINT, POINT, st.floats(0.0, 6.0))
 @settings(deadline=None)
-def test_mass_properties_of_a_box_wherever_it_is_and_however_it_is_turned(
-    sides, place, axis, angle
-):
+def test_mass_properties_of_a_box_at_any_position_and_orientation(sides, place, axis, angle):
     """V = abc, I = V (b^2 + c^2)/12; exact but for rounding, of which sides of 100:1 take 1e-8."""
     turn = rotation(axis + np.array([0.0, 0.0, 2.0]), angle)
     mass = mass_of(cuboid(sides) @ turn.T + 10.0 * place)
@@ -82,7 +80,7 @@ def stl_text(corners: np.ndarray) -> bytes:
 
 @pytest.mark.parametrize("write", [stl_binary, stl_text, lambda c: as_obj(c).encode()])
 @pytest.mark.parametrize("turned", ["outwards", "inwards", "mixed"])
-def test_a_box_from_any_file_however_its_faces_are_turned(write, turned, tmp_path):
+def test_a_box_from_any_file_whatever_the_sense_of_its_faces(write, turned, tmp_path):
     """Single numbers of STL leave 1e-7."""
     corners = cuboid((1.0, 2.0, 3.0))
     flip = {"outwards": slice(0), "inwards": slice(None), "mixed": slice(0, None, 3)}[turned]
@@ -136,7 +134,7 @@ def test_a_run_keeps_its_mesh_and_is_the_same_from_its_folder(tmp_path):
     assert again.particle.volume == case.particle.volume
 
 
-def test_a_mesh_of_a_ball_is_one_sub_sphere(tmp_path):
+def test_a_mesh_of_a_sphere_is_one_sub_sphere(tmp_path):
     """1280 triangles lie at most 0.5 % of the radius inside of the ball: one does for 2 %."""
     ball = unit_sphere(3)
     path = write_obj(tmp_path / "ball.obj", ball.vertices, ball.triangles.tolist())

@@ -133,7 +133,7 @@ def test_gross_sliding_of_real_alumina(angle):
     assert 1 - out.max_overlap_m / ALUMINA_RADIUS < out.spin_rad_s / spin < 1
 
 
-def test_opposite_spins_without_slip_are_kept():
+def test_opposite_angular_velocities_without_slip_are_kept():
     """The surfaces of two equal spheres move alike: no slip, no force."""
     out = run(
         Impact(ALUMINA, ALUMINA, sphere=True, spin=300.0, other_spin=-300.0, friction=0.5,
@@ -144,7 +144,7 @@ def test_opposite_spins_without_slip_are_kept():
 
 
 @pytest.mark.parametrize("e", [1.0, 0.6])
-def test_spin_against_a_wall(e):
+def test_angular_velocity_at_an_impact_on_a_wall(e):
     """Head-on with a spin, sliding throughout: the spin falls by 2.5 mu (1 + e) v_n/r."""
     mu, v_n, spin = 0.2, 0.5, 1000.0
     out = run(Impact(STIFF, STIFF, speed=v_n, spin=spin, friction=mu, restitution=e, end="force"))
@@ -167,7 +167,7 @@ def test_oblique_impact_of_a_pair_keeps_momentum(tangential, angle):
     assert out.max_tilt < 1e-12
 
 
-def test_pair_that_turns_as_a_whole_does_not_slip():
+def test_pair_that_rotates_as_a_whole_does_not_slip():
     """Two spheres that meet while both, and their line, turn at one rate feel no friction but for
     the overlap, by which their distance, and so the surfaces' speed, changes: 1 % of the radius."""
     speed, angle = 4.0, math.radians(60.0)
@@ -214,7 +214,7 @@ def test_energy_guard(tangential, damped, mu):
 
 
 @pytest.mark.parametrize("tangential", LAWS[:2])
-def test_books_close_to_second_order(tangential):
+def test_the_energy_balance_closes_to_second_order(tangential):
     """Four times the steps leave a sixteenth of what is missing, with dashpots, slip and high
     friction. Tolerance: the start of a contact, where the dashpot's force has a root, keeps the
     observed order a little below two."""

@@ -1,6 +1,6 @@
 """Scenes of discs and of rounded polygons, computed here and by LAMMPS.
 
-LAMMPS (Thompson et al. 2022, Comput. Phys. Commun. 271, 108171) is told the law in two ways:
+LAMMPS (Thompson et al. 2022, Comput. Phys. Commun. 271, 108171) is given the law in two ways:
 
 discs      gran/hooke/history and wall/gran: this project's law but for Coulomb's limit, which is
            on the whole tangential and normal force there and on the elastic parts alone here.
@@ -34,7 +34,7 @@ _QUIET = ["-log", "none", "-screen", "none", "-nocite"]
 
 
 class Motion(NamedTuple):
-    """What both engines tell, frame by frame."""
+    """Output of both engines, frame by frame."""
 
     time: np.ndarray  # (F,) [s]
     position: np.ndarray  # (F, n, 2) of the centroids [m]
@@ -254,18 +254,18 @@ def _set_up_polygons(engine: Any, scene: Scene) -> tuple[str, float]:
 
 
 def _add_box(
-    engine: Any, scene: Scene, wall_law: str, metre: float, gravity: float, told: str = ""
+    engine: Any, scene: Scene, wall_law: str, metre: float, gravity: float, more: str = ""
 ) -> None:
     if scene.gravity:
         engine.command(f"fix weight all gravity {gravity * scene.gravity!r} vector 0 -1 0")
     if scene.half_width is not None:
         x = metre * scene.half_width
-        engine.command(f"fix floor all {wall_law} yplane {metre * LEVEL!r} NULL {told}")
+        engine.command(f"fix floor all {wall_law} yplane {metre * LEVEL!r} NULL {more}")
         engine.command(f"fix sides all {wall_law} xplane {-x!r} {x!r}")
 
 
 def _bodies(scene: Scene) -> str:
-    """The data file of polygons, in mm and g; corners turned as at t = 0."""
+    """The data file of polygons, in mm and g; corners rotated as at t = 0."""
     n, corners = len(scene.shapes), len(scene.shapes[0].core)
     mass, inertia = 1e3 * float(scene.mass[0]), 1e9 * float(scene.inertia[0])
     lines = ["bodies", "", f"{n} atoms", f"{n} bodies", "1 atom types", "", "-500 500 xlo xhi",

@@ -1,10 +1,10 @@
 """The command calibrate, run in this process."""
 
-from small_silo import Answer, answer
+from small_silo import Completed, run_command
 
 from calibration.commands.main import main
 
 
-def calibrate(*arguments: object) -> Answer:
-    """What the command gives back; see small_silo.answer."""
-    return answer("calibrate", main, *arguments)
+def calibrate(*arguments: object) -> Completed:
+    """What the command gives back; see small_silo.run_command."""
+    return run_command("calibrate", main, *arguments)

@@ -14,7 +14,7 @@ LAWS = {
     "damping": SPRINGS._replace(gamma_n=800.0),
     "friction and damping": SPRINGS._replace(mu=0.3, gamma_n=800.0, gamma_t=3.0),
 }
-SQUARES = ["corner on face", "corner beside the middle", "faces, shifted", "faces, aligned"]
+SQUARES = ["corner on face", "corner off the middle", "faces, shifted", "faces, aligned"]
 _SQUARE = 10e-3
 
 
@@ -32,14 +32,14 @@ def two_discs(law: LinearLaw, time_step: float = 1e-6) -> Scene:
 def two_squares(how: str, law: LinearLaw = SPRINGS, time_step: float = 1e-7) -> Scene:
     """A rounded square of 10 mm that falls at 1 m/s on another one; 1 um between them.
 
-    how: "corner on face" (head-on), "corner beside the middle" (1.5 mm off), "faces, shifted"
+    how: "corner on face" (head-on), "corner off the middle" (1.5 mm off), "faces, shifted"
     (3 mm), "faces, aligned"
     """
     square = block(_SQUARE, _SQUARE)
     on_corner = 0.5 * _SQUARE + np.hypot(*square.core[0]) + square.spheroradius
     offset, height, angle = {
         "corner on face": (0.0, on_corner, np.pi / 4),
-        "corner beside the middle": (1.5e-3, on_corner, np.pi / 4),
+        "corner off the middle": (1.5e-3, on_corner, np.pi / 4),
         "faces, shifted": (3e-3, _SQUARE, 0.0),
         "faces, aligned": (0.0, _SQUARE, 0.0),
     }[how]
@@ -74,7 +74,7 @@ def _rows(rng: np.random.Generator, n: int, columns: int, pitch: float) -> np.nd
 
 
 def colliding_squares(seed: int) -> Scene:
-    """A rounded square of 10 mm that flies at 1 m/s at another one; both are turned anyhow."""
+    """A rounded square of 10 mm that flies at 1 m/s at another one; both at any angle."""
     rng = np.random.default_rng(seed)
     square = block(_SQUARE, _SQUARE)
     direction, offset = rng.uniform(0, 2 * np.pi), rng.uniform(-6e-3, 6e-3)
@@ -170,7 +170,7 @@ def print_collisions(n: int = 100) -> None:
         apart_by.append(differences(*motions)[0])
         gains.append([abs(kinetic(scene, motion)[-1] / before - 1) for motion in motions])
     alike, (here_most, there_most) = np.array(apart_by) < 1e-8, np.max(gains, axis=0)
-    print(f"\n{n} impacts of squares turned anyhow: {alike.sum()} alike to 1e-8 m/s; energy off by "
+    print(f"\n{n} impacts of squares at any angle: {alike.sum()} alike to 1e-8 m/s; energy off by "
           f"at most {here_most:.1e} of it here and {there_most:.3g} there, where "
           f"{int((np.array(gains)[:, 1] > 0.01).sum())} gain more than 1 %")  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Made-up samples of a damper whose bed is a mass, spring and dashpot with a closed answer."""
+"""Made-up samples of a damper whose bed is a mass, spring and dashpot with a closed form."""
 
 from collections.abc import Callable
 

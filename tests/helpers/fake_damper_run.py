@@ -3,7 +3,8 @@
 The enclosure moves by u = A sin(w t) (eq. 6.2) and the bed, as one, by s = (c/2)(1 - cos(w t))
 in it: on the floor at the start of a cycle and at the lid in its middle. Every sphere also goes
 round a small circle across the axis. What a cycle dissipates is given, in two steps a cycle:
-D(p) = E (p - 0.9 sin(4 pi p)/(4 pi)) of its part p. The wall work is what closes the books.
+D(p) = E (p - 0.9 sin(4 pi p)/(4 pi)) of its part p. The wall work is what closes the energy
+balance.
 """
 
 import json

@@ -16,7 +16,7 @@ def square(number: int, stop: Stop) -> int:
 
 
 def fussy(number: int, stop: Stop) -> int:
-    """Fails for 1 as foreseen, for 2 as nobody foresaw, for 3 with an answer nobody can send."""
+    """Fails for 1 as foreseen, for 2 as nobody foresaw, for 3 with an result nobody can send."""
     if number == 1:
         raise Failed("one is refused;\ngive another")
     if number == 2:

@@ -14,7 +14,7 @@ from small_silo import Answer
 
 
 def fork() -> int:
-    """os.fork; Python 3.12 warns of the threads by which a worker of pytest is told what to do."""
+    """os.fork; Python 3.12 warns of the threads by which a worker of pytest is controlled."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         return os.fork()

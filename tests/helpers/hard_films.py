@@ -125,11 +125,11 @@ CASES = {
     "glossy plate and shadow": Case(replace(SCENE, shadow=0.7), paint=glossy),
     "shadow on the wall": Case(replace(SCENE, shadow=0.0), paint=shadow_on_the_wall),
     "hand of the ball's colour": Case(paint=hand_that_opens),
-    "hand that waves beside": Case(paint=hand_that_waves),
+    "hand that waves next to it": Case(paint=hand_that_waves),
     "plate at the lower edge": Case(replace(SCENE, plate=0.995)),
     "plate with an end, dark room": Case(paint=short_plate),
     "camera tilted by 3 degrees": Case(with_ball(aside=0.0), paint=tilted(3)),
-    "camera tilted by 10 degrees": Case(with_ball(aside=0.05, place=0.4), paint=tilted(10)),
+    "camera tilted by 10 degrees": Case(with_ball(aside=0.05, position=0.4), paint=tilted(10)),
     "held by hand, 1 px": Case(paint=shaken(1.0)),
     "held by hand, 4 px": Case(paint=shaken(4.0)),
     "held by hand, 4 px, soft wall": Case(
@@ -144,8 +144,8 @@ CASES = {
     "ball of a quarter of the picture": Case(
         with_ball(diameter=0.13, fall=0.1), replace(CAMERA, rate=120), 0.9, truth=None,
         said="nothing"),
-    "slowly sideways": Case(with_ball(aside=0.1, place=0.12)),
-    "half black, half white, turning": Case(with_ball(texture=0.9, spin=9.0)),
+    "slowly sideways": Case(with_ball(aside=0.1, position=0.12)),
+    "half black, half white, rotating": Case(with_ball(texture=0.9, rotation=9.0)),
     "block that tumbles": Case(**cube(paint=block)),
     "interlaced": Case(camera=replace(CAMERA, rate=120), taken=comb, header=60, codec="FFV1"),
     "grey": Case(taken=grey),
@@ -175,7 +175,7 @@ CASES = {
         two(restitution=0.7), options={"hint": (5, 48, 37)}, truth=0.8),
     "leaves at the top and comes back": Case(
         replace(SCENE, balls=(replace(BALL, fall=0.4),)), duration=1.5),
-    "leaves at the side": Case(with_ball(aside=0.25, place=0.3), truth=None, said="one bounce"),
+    "leaves at the side": Case(with_ball(aside=0.25, position=0.3), truth=None, said="one bounce"),
     "comes nearer by a fifth": Case(replace(SCENE, approach=0.15), said="nearer"),
     "--at beyond the end": Case(options={"hint": (5000, 72, 100)}, truth=None, said="0 to 109"),
     "air drag of a ping-pong ball": Case(replace(SCENE, balls=(Flown(**FALLEN),)),
@@ -184,7 +184,7 @@ CASES = {
     "shutter that reads row by row": Case(replace(SCENE, shadow=0.0), paint=lambda l, t:
         row_by_row(l, t, replace(SCENE, shadow=0.0))),
     "lamps in bands": Case(camera=replace(CAMERA, rate=120), paint=bands),
-    "fan beside": Case(paint=fan),
+    "fan next to it": Case(paint=fan),
     "person walks behind": Case(paint=person, truth=None, said="nothing falls"),
     "time written into the picture": Case(taken=clock),
     "caught after three bounces": Case(paint=caught),

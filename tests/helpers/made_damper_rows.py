@@ -12,9 +12,9 @@ Row = dict[str, Any]
 G = 9.81  # m/s2
 
 
-def done(labels: Row, **answers: Any) -> Row:
+def done(labels: Row, **results: Any) -> Row:
     """A run that came to an end."""
-    return {**labels, "seed": 1, "phase": "bouncing_bed", **answers, "state": "done", "reason": ""}
+    return {**labels, "seed": 1, "phase": "bouncing_bed", **results, "state": "done", "reason": ""}
 
 
 def failed(labels: Row, reason: str) -> Row:

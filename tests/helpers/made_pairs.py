@@ -1,4 +1,4 @@
-"""Pairs of pictures whose displacement is known: particles of light, and grains in layers."""
+"""Pairs of pictures of known displacement: particles of light, and touching ones in layers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -90,7 +90,7 @@ def grains(
     motion: Motion, seed: int, *, shape=(256, 256), diameter=10.0, layer=60.0, noise=2.0,
     tones=(0.25, 0.75), specks=4, times=3,
 ) -> Pair:  # fmt: skip
-    """Round grains that touch, in layers of two tones, each with specks; grains do not turn.
+    """Round particles that touch, in layers of two tones, each with specks; they do not rotate.
 
     Painted on a grid `times` as fine, so that a place is known to a small part of a pixel.
     """
@@ -110,7 +110,7 @@ def grains(
 
 
 def _packed(random, shape, diameter) -> tuple[Array, Array]:
-    """Rows of grains, shaken out of their places."""
+    """Rows of particles, shaken out of their positions."""
     rows = np.arange(-2 * diameter, shape[0] + 2 * diameter, 0.87 * diameter)
     columns = np.arange(-2 * diameter, shape[1] + 2 * diameter, diameter)
     y, x = np.meshgrid(rows, columns, indexing="ij")

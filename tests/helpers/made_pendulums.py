@@ -1,4 +1,4 @@
-"""Tracks of things on strings with a known answer: integrated motion, then noise."""
+"""Tracks of objects on strings of known truth: integrated motion, then noise."""
 
 from dataclasses import dataclass
 

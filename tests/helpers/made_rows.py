@@ -10,10 +10,10 @@ RESTITUTION = {
 
 def ended(outcome: str, time: float | None = None, **labels: Any) -> dict[str, Any]:
     """A run that came to an end."""
-    answers = {"outcome": outcome, "discharge_time_s": time, "t90_s": time and 0.9 * time}
+    results = {"outcome": outcome, "discharge_time_s": time, "t90_s": time and 0.9 * time}
     digest = "-".join(map(str, labels.values()))
     kept = {"state_digest": digest, "run_folder": "/somewhere", "reused": False}
-    return {**labels, **answers, **RESTITUTION, **kept, "state": "done", "reason": ""}
+    return {**labels, **results, **RESTITUTION, **kept, "state": "done", "reason": ""}
 
 
 def failed(reason: str, **labels: Any) -> dict[str, Any]:

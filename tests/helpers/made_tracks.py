@@ -1,4 +1,4 @@
-"""Tracks of a bouncing thing with a known answer: exact flights, then noise and what goes wrong."""
+"""Tracks of a bouncing object of known truth: exact flights, then noise and what goes wrong."""
 
 from dataclasses import dataclass
 
@@ -29,7 +29,7 @@ def made_track(
     upwards=False,
     drift=0.0,
 ):
-    """A thing held, let go, and bouncing with the restitution of each contact in turn.
+    """An object held, let go, and bouncing with the restitution of each contact in turn.
 
     drop          height of the fall [px], which takes fall_frames
     drift         how far the plate moves along y while the clip lasts [px], at a steady rate

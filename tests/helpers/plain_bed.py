@@ -29,7 +29,7 @@ class Springs:
         return cls(np.zeros((k, 3)), np.zeros((k, 3)), np.zeros(k))
 
     def forces(self, law, K, mass, overlap, normal, velocity, dt):
-        """Force (k, 3) on the second of each pair, and the five books [J] of the step.
+        """Force (k, 3) on the second of each pair, and the five sums of energy [J] of the step.
 
         K (k,) = (4/3) E sqrt(R); velocity (k, 3) of the second's surface against the first's.
         """
@@ -74,13 +74,13 @@ class Springs:
         b, n, slip = before[touches], now[touches], (trial - now)[touches]
         k_b, k_n = self.stiffness[touches], kt[touches]
         if not law.stored_force:
-            rubbed = 0.5 * ((k_b[:, None] * b + k_n[:, None] * n) * slip).sum()
-            return rubbed, 0.5 * ((k_n - k_b) * (b * n).sum(axis=1)).sum()
+            friction = 0.5 * ((k_b[:, None] * b + k_n[:, None] * n) * slip).sum()
+            return friction, 0.5 * ((k_n - k_b) * (b * n).sum(axis=1)).sum()
         k = 0.5 * (k_b + k_n)
-        rubbed = (0.5 * ((b + n) * slip).sum(axis=1) / k).sum()
+        friction = (0.5 * ((b + n) * slip).sum(axis=1) / k).sum()
         old = np.where(k_b > 0.0, 1.0 / np.where(k_b > 0.0, k_b, 1.0) - 1.0 / k, 0.0)
         gained = 0.5 * (n**2).sum(axis=1) * (1 / k_n - 1 / k) - 0.5 * (b**2).sum(axis=1) * old
-        return rubbed, gained.sum()
+        return friction, gained.sum()
 
 
 class PlainBed:

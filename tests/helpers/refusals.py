@@ -4,18 +4,18 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from small_silo import Answer
+from small_silo import Completed
 
 from granulab.errors import InputError
 
 
-def assert_refused(answer: Answer, *words: str, code: int = 2) -> None:
+def assert_refused(result: Completed, *words: str, code: int = 2) -> None:
     """One line that names the command and holds the words, and nothing on stdout."""
-    assert (answer.code, answer.out) == (code, ""), answer
-    assert answer.err.startswith(("silo2d: ", "damper3d: ", "calibrate: ")), answer.err
-    assert answer.err.count("\n") == 1, answer.err
+    assert (result.code, result.out) == (code, ""), result
+    assert result.err.startswith(("silo2d: ", "damper3d: ", "calibrate: ")), result.err
+    assert result.err.count("\n") == 1, result.err
     for word in words:
-        assert word in answer.err, (word, answer.err)
+        assert word in result.err, (word, result.err)
 
 
 def refusal(call: Callable[..., Any], *arguments: Any, **options: Any) -> str:

@@ -48,7 +48,7 @@ def block(width: float, height: float) -> Shape:
 
 
 def wall(angle: float = 0.0, half_length: float = 0.5, through=(0.0, LEVEL)) -> np.ndarray:
-    """A segment (2, 2) [m] about a point, turned by an angle [rad]; the inside is on its left."""
+    """A segment (2, 2) [m] about a point, rotated by an angle [rad]; the inside is on its left."""
     along = half_length * np.array([np.cos(angle), np.sin(angle)])
     return np.array([through - along, through + along])
 
@@ -64,7 +64,7 @@ def simulation_of(
     gravity: float = 0.0,
     surface_density: float = SURFACE_DENSITY,
 ) -> Simulation:
-    """Particles of these shapes at poses (x, y [m], angle [rad]); one law for all unless told."""
+    """Particles of these shapes at poses (x, y [m], angle [rad]); one law for all unless given."""
     n_walls = len(walls)
     world = build_world(
         list(shapes),

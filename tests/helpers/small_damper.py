@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from small_silo import Answer, answer
+from small_silo import Completed, run_command
 
 from damper3d.commands.main import main
 
@@ -57,6 +57,6 @@ def write_damper(folder: Path, changes: dict[str, Any] | None = None, name: str 
     return path
 
 
-def damper3d(*arguments: object) -> Answer:
-    """What the command gives back; see small_silo.answer."""
-    return answer("damper3d", main, *arguments)
+def damper3d(*arguments: object) -> Completed:
+    """What the command gives back; see small_silo.run_command."""
+    return run_command("damper3d", main, *arguments)

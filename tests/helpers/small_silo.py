@@ -61,7 +61,7 @@ class DischargeStop:
         self._is_open = False
 
     def progress(self, fraction: float, text: str) -> None:
-        """To be given as progress: its words tell the phase."""
+        """To be given as progress: its words name the phase."""
         self._is_open = text.endswith(" out")
 
     def __call__(self) -> bool:
@@ -87,7 +87,7 @@ def write_case(folder: Path, changes: dict[str, Any] | None = None, name: str = 
 
 
 @dataclass(frozen=True)
-class Answer:
+class Completed:
     """What the command gave back."""
 
     code: int
@@ -101,7 +101,7 @@ class Answer:
         return json.loads(self.out)
 
 
-def answer(name: str, main: Callable[[], None], *arguments: object) -> Answer:
+def run_command(name: str, main: Callable[[], None], *arguments: object) -> Completed:
     """Run a command in this process, which has the kernels; a traceback fails the test."""
     out, err = io.StringIO(), io.StringIO()
     code = 0
@@ -114,12 +114,12 @@ def answer(name: str, main: Callable[[], None], *arguments: object) -> Answer:
             main()
         except SystemExit as leave:
             code = int(leave.code or 0)
-    return Answer(code, out.getvalue(), err.getvalue())
+    return Completed(code, out.getvalue(), err.getvalue())
 
 
-def silo2d(*arguments: object) -> Answer:
-    """What the command gives back; see answer."""
-    return answer("silo2d", main, *arguments)
+def silo2d(*arguments: object) -> Completed:
+    """What the command gives back; see run_command."""
+    return run_command("silo2d", main, *arguments)
 
 
 def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:
@@ -133,10 +133,10 @@ def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:
     )
 
 
-def finish(process: subprocess.Popen[str]) -> Answer:
+def finish(process: subprocess.Popen[str]) -> Completed:
     """Wait for a process and give what it said."""
     out, err = process.communicate(timeout=100)
-    return Answer(process.returncode, out, err)
+    return Completed(process.returncode, out, err)
 
 
 def the_run(root: Path) -> RunFolder:

@@ -22,9 +22,9 @@ SCENE = DropScene((BALL,), width=160, height=280)
 CAMERA = Camera(100, moments=3)
 
 
-def as_it_is(thing, *_):
+def as_it_is(film, *_):
     """Nothing is spoilt."""
-    return thing
+    return film
 
 
 def flicker(frequency: float, depth: float) -> Callable:
@@ -51,7 +51,7 @@ def glossy(light, time, scene=SCENE, share=0.5):
 
 
 def shadow_on_the_wall(light, time, scene=SCENE):
-    """A lamp near the ball throws its shadow on the wall beside it."""
+    """A lamp near the ball throws its shadow on the wall next to it."""
     ball = scene.balls[0]
     x, y, radius = scene.position(ball, time)
     rows, columns = np.indices(light.shape[:2])
@@ -73,7 +73,7 @@ def hand_that_opens(light, time, scene=SCENE):
 
 
 def hand_that_waves(light, time, scene=SCENE):
-    """A hand beside the ball that waves slowly."""
+    """A hand next to the ball that waves slowly."""
     blend(light, hand(130 + 8 * math.sin(7 * time), 90 + 30 * math.sin(5 * time), 14))
     return light
 
@@ -87,7 +87,7 @@ def short_plate(light, time, scene=SCENE):
 
 
 def tilted(degrees: float) -> Callable:
-    """The camera is turned about its axis."""
+    """The camera is rotated about its axis."""
 
     def painted(light, time):
         h, w = light.shape[:2]
@@ -154,7 +154,7 @@ def grey(pictures: Iterable, rate: float) -> Iterator:
 
 
 def turned(how: int) -> Callable:
-    """Pictures turned, with nothing in the file that says so."""
+    """Pictures rotated, with nothing in the file that says so."""
 
     def taken(pictures: Iterable, rate: float) -> Iterator:
         return (cv2.rotate(picture, how) for picture in pictures)
@@ -163,7 +163,7 @@ def turned(how: int) -> Callable:
 
 
 def turned_and_flagged(how: int, degrees: int) -> dict:
-    """As a phone writes films: turned pictures, and a header that turns them back."""
+    """As a phone writes films: rotated pictures, and a header that rotates them back."""
     return {"taken": turned(how), "finish": lambda path: turned_by(path, degrees)}
 
 
@@ -195,9 +195,9 @@ def again_and_again(period: float) -> Callable:
 
 
 def two(**other) -> DropScene:
-    """A second ball of another colour beside the first, and let go with it."""
-    second = replace(BALL, place=0.8, aside=0.0, colour=(0.8, 0.3, 0.2), **other)
-    return replace(SCENE, balls=(replace(BALL, place=0.3, aside=0.0), second))
+    """A second ball of another colour next to the first, and let go with it."""
+    second = replace(BALL, position=0.8, aside=0.0, colour=(0.8, 0.3, 0.2), **other)
+    return replace(SCENE, balls=(replace(BALL, position=0.3, aside=0.0), second))
 
 
 def uneven_times() -> tuple[float, ...]:
@@ -291,7 +291,7 @@ def row_by_row(light, time, scene=SCENE):
 
 
 def fan(light, time):
-    """Three blades turn beside the ball."""
+    """Three blades rotate next to the ball."""
     for k in range(3):
         angle = 20 * time + 2 * math.pi * k / 3
         end = (round(130 + 25 * math.cos(angle)), round(60 + 25 * math.sin(angle)))

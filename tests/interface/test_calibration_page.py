@@ -19,8 +19,8 @@ COMMANDS = {"calibrate": calibrate, "silo2d": silo2d}
 
 def commands():
     """The lines of the page that are commands, each in words."""
-    told = re.findall(r"^    ((?:calibrate|silo2d) (?:.*\\\n)*.*)$", PAGE, re.MULTILINE)
-    return [shlex.split(text.replace("\\\n", " ")) for text in told]
+    shown = re.findall(r"^    ((?:calibrate|silo2d) (?:.*\\\n)*.*)$", PAGE, re.MULTILINE)
+    return [shlex.split(text.replace("\\\n", " ")) for text in shown]
 
 
 @pytest.fixture
@@ -44,9 +44,9 @@ def test_the_page_goes_from_measurements_to_a_simulation(at_the_top):
     for program, *words in commands():
         if program == "silo2d" and "--dry-run" not in words:
             continue
-        answer = COMMANDS[program](*words)
-        assert answer.code == 0, (words, answer.err)
-        said = answer.out
+        result = COMMANDS[program](*words)
+        assert result.code == 0, (words, result.err)
+        said = result.out
     assert "A4" in said
     assert "still needs" not in calibrate("report", "wood.toml").out
     found = tomllib.loads((at_the_top / "wood.toml").read_text())

@@ -32,7 +32,7 @@ def no_filling(*arguments):
 
 @pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"], []])
 def test_help_loads_nothing_heavy(arguments):
-    """numba alone takes half a second to load; --help has to answer in less than that.
+    """numba alone takes half a second to load; --help has to print in less than that.
 
     The options of `run` come from the schema, and with it pydantic: a tenth of a second.
     """
@@ -53,12 +53,12 @@ def test_help_loads_nothing_heavy(arguments):
 
 def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
     """The case in SI, the time step and its reason, and what it will take."""
-    answer = silo2d("run", "A4", "--dry-run", "-o", tmp_path / "runs", "--kn", "8e3 N/mm")
-    assert (answer.code, answer.err) == (0, "")
+    result = silo2d("run", "A4", "--dry-run", "-o", tmp_path / "runs", "--kn", "8e3 N/mm")
+    assert (result.code, result.err) == (0, "")
     words = ["A4, seed 1", "outlet 0.15 m", "filled to 0.475 m", "kn 8e+06 N/m", "mu 0.44"]
     words += ["5e-06 s: the usual one; stable up to", "face to face", "expected", "min"]
     for word in words:
-        assert word in answer.out
+        assert word in result.out
     plan = silo2d("run", "A4", "--dry-run", "--json", "--seed", 3).json
     assert (plan["silo"], plan["seed"], plan["time_step_s"]) == ("A4", 3, 5e-6)
     assert plan["steps_at_most"] == 1_200_000
@@ -89,10 +89,10 @@ def test_options_change_the_keys_they_name():
         "--seed": ("7", "A4, seed 7"),
     }
     arguments = [text for flag, (value, _) in options.items() for text in (flag, value)]
-    answer = silo2d("run", "A4", "--dry-run", *arguments)
-    assert answer.code == 0, answer.err
+    result = silo2d("run", "A4", "--dry-run", *arguments)
+    assert result.code == 0, result.err
     for flag, (_, echoed) in options.items():
-        assert echoed in answer.out, flag
+        assert echoed in result.out, flag
     ratios = silo2d("run", "A4", "--dry-run", "--kn", "4e4 N/mm", "--keep-ratios").out
     assert "kn 4e+07 N/m, kt 2.6e+06 N/m, mu 0.38, gamma_n 12170 1/s" in ratios
 
@@ -106,7 +106,9 @@ def test_init_writes_a_case_that_is_a4(tmp_path):
 
 
 def test_list_and_show_describe_what_there_is(tmp_path, finished):
-    n = the_run(finished).read_summary()["n_out"]  # 67 or 68: how grains land goes by the processor
+    n = the_run(finished).read_summary()[
+        "n_out"
+    ]  # 67 or 68: how particles land goes by the processor
     listed = silo2d("list", "-o", finished).out
     for word in (*PRESETS, "wood19", "glass", "example", "packing ", str(the_run(finished).path)):
         assert word in listed
@@ -132,20 +134,20 @@ def test_list_and_show_describe_what_there_is(tmp_path, finished):
 def test_json_is_one_object_on_stdout_and_progress_is_on_stderr(runs, tmp_path):
     """A process of its own: also what libraries print by themselves would be caught."""
     case = write_case(tmp_path)
-    answer = finish(start("run", case, "-o", runs, "--json", "--no-figures"))
-    table = json.loads(answer.out)
-    assert answer.code == 0
+    result = finish(start("run", case, "-o", runs, "--json", "--no-figures"))
+    table = json.loads(result.out)
+    assert result.code == 0
     assert table.keys() >= KEYS
     assert table["published"].keys() >= PUBLISHED
     for pair in ("particle_particle", "particle_wall"):
         assert table["restitution"][pair].keys() == {"one_contact", "face_to_face"}
     assert not table["reused"]
-    assert "time step" in answer.err
-    assert "pouring" not in answer.err  # the packing was there
+    assert "time step" in result.err
+    assert "pouring" not in result.err  # the packing was there
 
 
-def test_the_answers_of_a_run_hang_together(reference):
-    """All grains are out: their number, mass and times follow from one another."""
+def test_the_results_of_a_run_are_consistent(reference):
+    """All particles are out: their number, mass and times follow from one another."""
     table = reference.read_summary()
     assert table["outcome"] == "empty"
     assert table["n_out"] == table["n_particles"] > 60
@@ -157,7 +159,7 @@ def test_the_answers_of_a_run_hang_together(reference):
 
 
 def test_a_finished_run_is_not_computed_again(finished, tmp_path, monkeypatch):
-    """Asked again, the stored answer is given and nothing in the folder changes."""
+    """Requested again, the stored result is given and nothing in the folder changes."""
     monkeypatch.setattr("silo2d.run.protocol.pour", no_filling)
     monkeypatch.setattr("silo2d.run.protocol.discharge", no_filling)
     before = contents(finished)
@@ -171,7 +173,7 @@ def test_a_finished_run_is_not_computed_again(finished, tmp_path, monkeypatch):
     assert contents(finished) == before
 
 
-def test_again_computes_beside_and_takes_the_packing_from_disk(finished, tmp_path, monkeypatch):
+def test_again_computes_in_a_new_folder_with_the_packing_from_disk(finished, tmp_path, monkeypatch):
     """The same bits in a folder -2; the first one stays as it is."""
     monkeypatch.setattr("silo2d.run.protocol.pour", no_filling)
     before = contents(finished)
@@ -191,7 +193,7 @@ def test_a_packing_is_filled_once_for_all_laws(tmp_path, monkeypatch):
     filled = silo2d("packing", case, "-o", root, "--json", "--quiet")
     assert filled.err == ""
     assert filled.json["n_particles"] > 60
-    assert 0.8 < filled.json["packing_fraction"] < 0.95  # without friction, grains lie densely
+    assert 0.8 < filled.json["packing_fraction"] < 0.95  # without friction, particles lie densely
     before = contents(root)
     monkeypatch.setattr("silo2d.run.protocol.pour", no_filling)
     assert silo2d("packing", case, "-o", root, "--json").json == filled.json
@@ -203,21 +205,21 @@ def test_a_packing_is_filled_once_for_all_laws(tmp_path, monkeypatch):
     assert {name: after[name] for name in before} == before
 
 
-def test_quiet_prints_nothing_but_the_answer(runs, tmp_path, reference):
+def test_quiet_prints_nothing_but_the_result(runs, tmp_path, reference):
     case = write_case(tmp_path)
-    answer = silo2d("run", case, "-o", runs, "--quiet", "--no-figures", "--max-time", "20 ms")
-    assert (answer.code, answer.err) == (0, "")
+    result = silo2d("run", case, "-o", runs, "--quiet", "--no-figures", "--max-time", "20 ms")
+    assert (result.code, result.err) == (0, "")
     n = reference.read_summary()["n_particles"]
-    assert answer.out.startswith(f"small, seed 1: stopped at the time limit, 0 of {n}")
-    assert answer.out.count("run folder") == 1
+    assert result.out.startswith(f"small, seed 1: stopped at the time limit, 0 of {n}")
+    assert result.out.count("run folder") == 1
 
 
 def test_a_run_leaves_pictures_and_render_makes_them_again(runs, tmp_path):
-    """Eight frames are enough for the four sheets and the film."""
+    """Eight frames are enough for the four figures and the film."""
     case = write_case(tmp_path)
-    answer = silo2d("run", case, "-o", runs, "--max-time", "70 ms", "--json")
-    folder = resume_run(answer.json["run_folder"])
-    assert "drawing" in answer.err
+    result = silo2d("run", case, "-o", runs, "--max-time", "70 ms", "--json")
+    folder = resume_run(result.json["run_folder"])
+    assert "drawing" in result.err
     pictures = {"silo.png", "discharge.png", "energy.png", "forces.png"}
     drawn = {path.name for path in folder.figures.iterdir()}
     assert pictures < drawn

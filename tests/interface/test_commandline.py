@@ -30,9 +30,9 @@ def test_a_folder_that_cannot_be_written_is_refused_before_all_else(
     monkeypatch.setattr(
         "granulab.campaign.runs.folder.os.access", lambda path, mode: path != tmp_path
     )  # permissions do not bind root
-    answer = command(*line.split(), "-o", tmp_path / "runs")
-    assert (answer.code, answer.out) == (2, "")
-    assert re.fullmatch(rf"\w+: {tmp_path}\S* cannot be written .*--out\n", answer.err), answer.err
+    result = command(*line.split(), "-o", tmp_path / "runs")
+    assert (result.code, result.out) == (2, "")
+    assert re.fullmatch(rf"\w+: {tmp_path}\S* cannot be written .*--out\n", result.err), result.err
     assert not list(tmp_path.iterdir())
 
 
@@ -60,12 +60,12 @@ def test_a_fault_that_nobody_foresaw_is_one_line(command, case, tmp_path, monkey
 
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     monkeypatch.setattr(f"{case}.load", no_load)
-    answer = command("run") if command is damper3d else command("run", "A4")
-    assert_refused(answer, "LinAlgError: Singular matrix (at ", code=3)
-    assert re.search(r"\.commands\.run:\d+ in run, raised in numpy", answer.err)
-    kept = Path(answer.err.rpartition(" in ")[2].strip())
+    result = command("run") if command is damper3d else command("run", "A4")
+    assert_refused(result, "LinAlgError: Singular matrix (at ", code=3)
+    assert re.search(r"\.commands\.run:\d+ in run, raised in numpy", result.err)
+    kept = Path(result.err.rpartition(" in ")[2].strip())
     text = kept.read_text(encoding="utf-8")
-    assert text.startswith(f"{answer.err.partition(':')[0]} run")
+    assert text.startswith(f"{result.err.partition(':')[0]} run")
     assert "Traceback (most recent call last)" in text
     assert "no_load" in text
 
@@ -74,7 +74,7 @@ def test_a_traceback_that_cannot_be_kept_is_no_second_fault(tmp_path, monkeypatc
     """The temporary folder is gone: the line says so."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
     monkeypatch.setattr("damper3d.case.case.DamperCase.load", lambda *_: {}["key"])
-    answer = damper3d("run")
-    assert answer.code == 3
-    assert "KeyError: 'key' (at damper3d.commands.run:" in answer.err
-    assert "could not be kept" in answer.err
+    result = damper3d("run")
+    assert result.code == 3
+    assert "KeyError: 'key' (at damper3d.commands.run:" in result.err
+    assert "could not be kept" in result.err

@@ -21,9 +21,9 @@ def test_a_run_says_its_case_and_its_efficiency(damper_root):
 def test_a_finished_run_is_given_again_and_nothing_changes(finished):
     """One JSON object on stdout, with the keys that scripts rely on; the echo is on stderr."""
     before = contents(finished)
-    answer = damper3d("run", finished / "small.toml", "-o", finished / "runs", "--json",
+    result = damper3d("run", finished / "small.toml", "-o", finished / "runs", "--json",
                       "--no-figures")  # fmt: skip
-    table = answer.json
+    table = result.json
     assert table["reused"]
     assert table.keys() >= KEYS
     assert (table["n_particles"], table["seed"]) == (20, 1)
@@ -31,7 +31,7 @@ def test_a_finished_run_is_given_again_and_nothing_changes(finished):
     assert table["steps"] * table["time_step_s"] == pytest.approx(4 / 80, rel=1e-12)
     mean = sum(table["efficiency_per_cycle"][table["discarded"] :]) / 2
     assert mean == pytest.approx(table["efficiency"], rel=1e-12)
-    assert "time step" in answer.err
+    assert "time step" in result.err
     assert contents(finished) == before
 
 
@@ -45,7 +45,7 @@ def test_efficiency_and_power_are_of_the_same_energy(finished):
     assert table["mass_kg"] == pytest.approx(20 * table["particle_mass_kg"], rel=1e-14)
 
 
-def test_again_computes_the_same_bits_beside(finished):
+def test_again_computes_the_same_bits_in_a_new_folder(finished):
     """In a folder -2, from the same packing."""
     first = damper3d("run", finished / "small.toml", "-o", finished / "runs", "--json", "--quiet",
                      "--no-figures").json  # fmt: skip
@@ -58,7 +58,7 @@ def test_again_computes_the_same_bits_beside(finished):
 
 
 def test_a_run_leaves_its_case_and_list_and_show_find_it(finished):
-    """case.toml and the materials beside it are the same run, wherever they lie."""
+    """case.toml and the materials next to it are the same run, wherever they lie."""
     run = next((finished / "runs").glob("small-seed1-*"))
     for name in ("case.toml", "materials.toml", "provenance.json", "summary.json", "trajectory.h5"):
         assert (run / name).is_file()
@@ -72,7 +72,7 @@ def test_a_run_leaves_its_case_and_list_and_show_find_it(finished):
     assert resumed["reused"]
 
 
-def test_only_the_summary_is_kept_where_that_is_asked_for(finished):
+def test_only_the_summary_is_kept_where_that_is_requested(finished):
     table = damper3d("run", finished / "small.toml", "-o", finished / "runs", "--json", "--quiet",
                      "--keep", "summary").json  # fmt: skip
     left = {path.name for path in Path(table["run_folder"]).iterdir()} - {".lock"}
@@ -80,9 +80,9 @@ def test_only_the_summary_is_kept_where_that_is_asked_for(finished):
 
 
 def test_a_run_leaves_pictures(finished):
-    answer = damper3d("run", finished / "small.toml", "-o", finished / "runs", "--json")
-    assert "drawing" in answer.err
-    figures = Path(answer.json["run_folder"]) / "figures"
+    result = damper3d("run", finished / "small.toml", "-o", finished / "runs", "--json")
+    assert "drawing" in result.err
+    figures = Path(result.json["run_folder"]) / "figures"
     assert {"cycle.png", "energy.png", "motion.png"} <= {path.name for path in figures.iterdir()}
     again = damper3d("run", finished / "small.toml", "-o", finished / "runs", "--json")
     assert "drawing" not in again.err

@@ -106,9 +106,9 @@ def test_every_option_reaches_its_key(simulator):
     command = silo2d if simulator is silo else damper3d
     for key in keys_of(simulator.Settings):
         if key.option and key.kind != "boolean" and key.section != "particles":
-            answer = command(*("run", *["A4"][: simulator is silo]), "--dry-run", key.option, "-x")
-            assert answer.code == 2
-            assert key.name in answer.err or key.option in answer.err
+            result = command(*("run", *["A4"][: simulator is silo]), "--dry-run", key.option, "-x")
+            assert result.code == 2
+            assert key.name in result.err or key.option in result.err
 
 
 @pytest.mark.parametrize(("study", "simulator"), [("friction", silo), ("damper", damper)])

@@ -37,7 +37,7 @@ def test_three_wedged_blocks_are_an_arch(tmp_path):
     """The row, from left to right, and not what lies on it; its span is the gap, it is flat, and
     what it carries is the weight of the two blocks on top."""
     poses = [*row(0.05), (-9e-3, 0.06, 0.0), (12e-3, 0.06, 0.0)]
-    order = [4, 1, 3, 0, 2]  # the number of a particle tells nothing
+    order = [4, 1, 3, 0, 2]  # the number of a particle means nothing
     folder = settled(tmp_path, [poses[k] for k in order])
     found = arch.measure(folder)
     assert found["grains"] == [order.index(k) for k in (0, 1, 2)]
@@ -86,23 +86,25 @@ def weighed(bodies, force, x, y):
     )  # fmt: skip
 
 
-def keystone(across, beside):
+def keystone(across, besides):
     """A row 0 1 2 between the walls, and particle 3 below, between 0 and 1; forces on 0-1 and 3."""
     return weighed(
         [(1, 2), (0, 5), (2, 4), (0, 1), (0, 3), (1, 3)],
-        [10.0, 10.0, 10.0, across, beside, beside],
+        [10.0, 10.0, 10.0, across, besides, besides],
         [-0.02, 0.0, 0.02, -0.01],
         [0.05, 0.05, 0.05, 0.04],
     )
 
 
 @pytest.mark.parametrize(
-    ("across", "beside", "chain"),
+    ("across", "besides", "chain"),
     [(10.0, 1.0, [0, 1, 2]), (1.0, 10.0, [0, 3, 1, 2]), (0.0, 10.0, [0, 3, 1, 2])],
 )
-def test_a_particle_between_two_belongs_to_the_arch_if_it_carries_the_thrust(across, beside, chain):
+def test_a_particle_between_two_belongs_to_the_arch_if_it_carries_the_thrust(
+    across, besides, chain
+):
     """Below them, it hangs where they press each other; where they do not, it is the keystone."""
-    assert arch.find_arch(keystone(across, beside)).particles.tolist() == chain
+    assert arch.find_arch(keystone(across, besides)).particles.tolist() == chain
 
 
 def test_a_contact_that_bears_next_to_nothing_joins_nothing():
@@ -128,15 +130,15 @@ def test_shape_of_a_gable():
 
 def test_a_run_that_did_not_clog_has_one_clear_line(reference):
     """Exit code 2, and what would do."""
-    answer = silo2d("observe", reference.path, "arch", "--no-figures")
-    assert_refused(answer, "did not clog (outcome empty)")
+    result = silo2d("observe", reference.path, "arch", "--no-figures")
+    assert_refused(result, "did not clog (outcome empty)")
     with pytest.raises(InputError, match="did not clog"):
         arch.measure(reference.path)
 
 
 def test_the_arch_is_drawn(tmp_path):
     folder = settled(tmp_path, row(0.05))
-    answer = silo2d("observe", folder, "arch")
-    assert answer.code == 0, answer.err
+    result = silo2d("observe", folder, "arch")
+    assert result.code == 0, result.err
     assert (folder / "figures" / "arch.png").stat().st_size > 10_000
     assert len(read_moments(folder)) == 1

@@ -207,8 +207,8 @@ def test_a_folder_that_cannot_be_written(tmp_path, monkeypatch):
     occupied.write_text("mine", encoding="utf-8")
     before = contents(tmp_path)
     for command in ("run", "packing"):
-        answer = silo2d(command, case, "-o", occupied, "--quiet")
-        assert_refused(answer, str(occupied), "cannot be written", "--out")
+        result = silo2d(command, case, "-o", occupied, "--quiet")
+        assert_refused(result, str(occupied), "cannot be written", "--out")
     assert contents(tmp_path) == before
 
 
@@ -262,8 +262,8 @@ def test_a_damaged_checkpoint(unfinished, tmp_path, damage):
     before = contents(unfinished)
     same = ["run", write_case(tmp_path), "-o", unfinished.parent]
     for command in (same, ["run", "--resume", unfinished]):
-        answer = silo2d(*command, "--quiet", "--no-figures")
-        assert_refused(answer, str(checkpoint), word, "delete the file")
+        result = silo2d(*command, "--quiet", "--no-figures")
+        assert_refused(result, str(checkpoint), word, "delete the file")
         assert contents(unfinished) == before
 
 
@@ -282,15 +282,15 @@ def test_a_checkpoint_of_another_case(unfinished, lost):
         kept = {name: array for name, array in others.items() if array is not None}
         save_checkpoint(checkpoint, kept, meta)
         before = contents(unfinished)
-        answer = silo2d("run", "--resume", unfinished, "--quiet")
-        assert_refused(answer, str(checkpoint), "does not fit this case", "delete it")
+        result = silo2d("run", "--resume", unfinished, "--quiet")
+        assert_refused(result, str(checkpoint), "does not fit this case", "delete it")
         assert contents(unfinished) == before
 
 
 def test_a_checkpoint_whose_frames_are_lost(unfinished):
     (unfinished / "parts" / "00000.h5").unlink()
-    answer = silo2d("run", "--resume", unfinished, "--quiet")
-    assert_refused(answer, "parts", "--again")
+    result = silo2d("run", "--resume", unfinished, "--quiet")
+    assert_refused(result, "parts", "--again")
 
 
 @pytest.mark.parametrize("damage", ["truncated", "bit flipped", "emptied", "of another schema"])
@@ -301,8 +301,8 @@ def test_a_damaged_packing(runs, tmp_path, damage):
     packing.write_bytes(harm(whole))
     harmed = packing.read_bytes()
     for command in ("run", "packing"):
-        answer = silo2d(command, write_case(tmp_path), "-o", runs, "--quiet")
-        assert_refused(answer, str(packing), "damaged", "delete it")
+        result = silo2d(command, write_case(tmp_path), "-o", runs, "--quiet")
+        assert_refused(result, str(packing), "damaged", "delete it")
     assert packing.read_bytes() == harmed
 
 
@@ -319,7 +319,7 @@ def test_a_damaged_packing(runs, tmp_path, damage):
     ],
 )
 def test_a_damaged_summary(finished, tmp_path, harm):
-    """It is refused and left as it is; --again computes the run beside it."""
+    """It is refused and left as it is; --again computes the run in a new folder."""
     run = the_run(finished)
     summary = run.path / "summary.json"
     text = harm(summary.read_text(encoding="utf-8"))
@@ -390,8 +390,8 @@ def test_damaged_contacts_are_not_taken_for_none(finished):
     with h5py.File(folder / "trajectory.h5", "r+") as file:
         del file["tables/contacts/length"]
     for to in ("vtkhdf", "csv"):
-        answer = silo2d("export", folder, "--to", to)
-        assert_refused(answer, "trajectory.h5", "damaged", "--again")
+        result = silo2d("export", folder, "--to", to)
+        assert_refused(result, "trajectory.h5", "damaged", "--again")
     assert not (folder / "export").exists()
 
 
@@ -400,8 +400,8 @@ def test_a_damaged_summary_is_neither_drawn_nor_exported(finished, command):
     folder = the_run(finished).path
     for text in ("{", '{"schema": 1, "n_out": 3}', '{"schema": 1, "outcome": 3}'):
         (folder / "summary.json").write_text(text, encoding="utf-8")
-        answer = silo2d(command[0], folder, *command[1:])
-        assert_refused(answer, "summary.json", "damaged", "--again")
+        result = silo2d(command[0], folder, *command[1:])
+        assert_refused(result, "summary.json", "damaged", "--again")
     assert not (folder / "figures").exists()
     assert not (folder / "export").exists()
 
@@ -423,12 +423,12 @@ def test_nothing_is_measured_of_a_damaged_run(finished):
         with h5py.File(trajectory, "r+") as file:
             harm(file)
         for what in MEASURES:
-            answer = silo2d("observe", trajectory.parent, what)
-            assert_refused(answer, str(trajectory.parent), *words, "--again")
+            result = silo2d("observe", trajectory.parent, what)
+            assert_refused(result, str(trajectory.parent), *words, "--again")
     trajectory.write_bytes(_truncated(whole))
     for what in MEASURES:
-        answer = silo2d("observe", trajectory.parent, what)
-        assert_refused(answer, str(trajectory), "damaged", "--again")
+        result = silo2d("observe", trajectory.parent, what)
+        assert_refused(result, str(trajectory), "damaged", "--again")
     assert not (trajectory.parent / "figures").exists()
 
 
@@ -470,7 +470,7 @@ def test_a_state_that_is_no_longer_possible(unfinished, column, value):
     arrays["row"][0, column] = value
     save_checkpoint(checkpoint, arrays, meta)
     before = contents(unfinished)
-    answer = silo2d("run", "--resume", unfinished, "--quiet", "--no-figures")
+    result = silo2d("run", "--resume", unfinished, "--quiet", "--no-figures")
     words = ["the simulation failed at t = 0.0", "in steps of 10 us"]
-    assert_refused(answer, *words, code=3)
+    assert_refused(result, *words, code=3)
     assert contents(unfinished) == before

@@ -48,7 +48,7 @@ def test_presets_are_the_papers_silos_and_wood(name):
 
 
 def test_a_silo_is_known_by_its_outline_not_by_how_it_is_written(tmp_path):
-    """The hopper of 60 degrees spelled out, and as a polygon, is A4: same answers published.
+    """The hopper of 60 degrees spelled out, and as a polygon, is A4: same results published.
 
     The polygon's corner is rounded to 0.1 nm, a tenth of the 1 nm that silo_name allows.
     """

@@ -1,4 +1,4 @@
-"""Two runs beside each other: the distance of curves, the table, the picture, bad input."""
+"""Two runs compared: the distance of curves, the table, the picture, bad input."""
 
 import json
 
@@ -38,7 +38,7 @@ def test_early_and_late_do_not_cancel_in_the_distance():
 
 
 def test_only_counts_that_both_reach_are_compared():
-    """One that clogs after two particles tells of these two; one that lets none out, of nothing."""
+    """One that clogs after two particles is compared over two; one without any, over none."""
     found = curve_distance(TIMES, TIMES[:2] + 0.01)
     assert found["counts"] == 2
     assert found["max_s"] == pytest.approx(0.01)
@@ -48,7 +48,7 @@ def test_only_counts_that_both_reach_are_compared():
     assert mean_distance([nothing, something, something]) == pytest.approx(found)
 
 
-def test_a_run_beside_itself_is_no_distance_away(reference):
+def test_a_run_compared_with_itself_is_no_distance_away(reference):
     """And starts where it starts; what it found stands in its summary."""
     found = compare(reference.path, reference.path)
     assert found["curve"]["max_s"] == 0.0
@@ -66,15 +66,15 @@ def test_engines_are_compared_on_the_same_packing(reference, runs, tmp_path):
     """One table, one picture; asked for the two folders, the same numbers again."""
     case = write_case(tmp_path)
     arguments = ["--engines", "dem,pymunk", case, "-o", runs, "--quiet"]
-    answer = silo2d("compare", *arguments, "--json")
-    (pair,) = answer.json["pairs"]
+    result = silo2d("compare", *arguments, "--json")
+    (pair,) = result.json["pairs"]
     assert [row["engine"] for row in pair["runs"]] == ["dem", "pymunk"]
     assert [row["label"] for row in pair["runs"]] == ["dem, 10 us", "pymunk, 30 x 0.25 ms"]
-    assert answer.json["mean_curve"] == pair["curve"]
+    assert result.json["mean_curve"] == pair["curve"]
     law, impulses = (read_trajectory(row["run_folder"])["out_time"][-1] for row in pair["runs"])
     apart = np.sort(impulses) - np.sort(law)
     assert pair["curve"]["mean_s"] == pytest.approx(np.abs(apart).mean())
-    picture = answer.err.strip()
+    picture = result.err.strip()
     assert picture.endswith(".png")
     folders = [row["run_folder"] for row in pair["runs"]]
     assert picture.startswith(folders[0])
@@ -105,15 +105,15 @@ def test_engines_are_compared_on_the_same_packing(reference, runs, tmp_path):
 def test_bad_comparisons_are_refused_in_one_line(arguments, words, tmp_path, monkeypatch):
     """With what would do; nothing is run."""
     monkeypatch.chdir(tmp_path)
-    answer = silo2d("compare", *arguments)
-    assert answer.code == 2
-    assert words in answer.err
-    assert len(answer.err.splitlines()) == 1
+    result = silo2d("compare", *arguments)
+    assert result.code == 2
+    assert words in result.err
+    assert len(result.err.splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_run_that_is_not_finished_or_is_damaged_is_refused(reference, finished, tmp_path):
-    """It has no answers; the message says how to get them."""
+    """It has no results; the message says how to get them."""
     unfinished = write_fake_run(tmp_path / "unfinished", finished=False)
     with pytest.raises(FolderError, match="not finished; go on with: silo2d run --resume"):
         compare(reference.path, unfinished.path)

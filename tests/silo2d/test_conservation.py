@@ -41,14 +41,14 @@ MODES = ("normal_damping", "tangential_damping", "friction")
 def encounter(
     law, impact_parameter=3e-3, spins=(200.0, -80.0), turn=0.0, drift=(0.0, 0.0), step=STEP
 ):
-    """A block and a kite that meet with speeds of some m/s and spin, in a frame that is turned
+    """A block and a kite that meet with speeds of some m/s and rotation, in a frame that is rotated
     [rad] and drifts [m/s]."""
     cos, sin = math.cos(turn), math.sin(turn)
-    turned = np.array([[cos, -sin], [sin, cos]])
+    rotation = np.array([[cos, -sin], [sin, cos]])
     middle = np.array([0.0, LEVEL])
-    places = middle + np.array([[-13e-3, 0.0], [13e-3, impact_parameter]]) @ turned.T
-    velocities = np.array([[2.0, 0.5], [-1.5, -0.2]]) @ turned.T + drift
-    poses = [(*places[0], 0.4 + turn), (*places[1], -0.7 + turn)]
+    positions = middle + np.array([[-13e-3, 0.0], [13e-3, impact_parameter]]) @ rotation.T
+    velocities = np.array([[2.0, 0.5], [-1.5, -0.2]]) @ rotation.T + drift
+    poses = [(*positions[0], 0.4 + turn), (*positions[1], -0.7 + turn)]
     simulation = simulation_of(SHAPES, poses, law=law, time_step=step)
     for particle in (0, 1):
         launch(simulation, particle, *velocities[particle], spins[particle])
@@ -68,14 +68,14 @@ def momenta(simulation):
 
 
 def separate(simulation):
-    """Run on until nothing touches: amid a contact the books lag by half a step."""
+    """Run on until nothing touches: amid a contact the energy balance lags by half a step."""
     while len(simulation.touching()):
         simulation.run(20)
     simulation.run(1)
 
 
 def total_energy(simulation):
-    """All that the books know of [J]."""
+    """All that is accounted [J]."""
     return math.fsum(simulation.energies().values())
 
 
@@ -100,7 +100,7 @@ def test_oblique_encounter_keeps_momentum(impact_parameter, spins, mu, pulls):
 
 
 def test_the_encounter_is_one():
-    """The scene of this file does collide, turns the bodies and takes energy in every way."""
+    """The scene of this file does collide, rotates the particles and takes energy in every way."""
     simulation = encounter(WOOD)
     before = velocity(simulation, 0).copy()
     simulation.run(20000)
@@ -111,7 +111,7 @@ def test_the_encounter_is_one():
 
 
 @pytest.mark.parametrize("turn_deg", [30.0, 90.0, 200.0])
-def test_turned_frame(turn_deg):
+def test_rotated_frame(turn_deg):
     """No direction is special. Tolerance: rounding of 1e-17 m at 0.1 m, which an overlap of
     1e-6 m and the sharp corners of the encounter magnify."""
     turn = math.radians(turn_deg)
@@ -127,7 +127,7 @@ def test_turned_frame(turn_deg):
 
 @pytest.mark.parametrize("drift", [(3.0, 0.0), (-4.0, 7.0)])
 def test_drifting_frame(drift):
-    """Galilei: laws see relative velocities alone. Tolerance: as for the turned frame."""
+    """Galilei: laws see relative velocities alone. Tolerance: as for the rotated frame."""
     here, there = encounter(WOOD), encounter(WOOD, drift=drift)
     for simulation in (here, there):
         simulation.run(20000)
@@ -138,7 +138,7 @@ def test_drifting_frame(drift):
 
 def test_normal_damping_alone():
     """It takes (1 - e^2) m v^2/2 from a head-on impact, with the reduced mass; nothing else is
-    booked. Tolerance: the dashpot's jumps, gamma dt, and the leapfrog's (omega0 dt)^2."""
+    accounted. Tolerance: the dashpot's jumps, gamma dt, and the leapfrog's (omega0 dt)^2."""
     e, v = 0.6, 1.0
     m = 1 / (1 / mass(corner_on_face(WOOD, 1.0)) + 1 / mass(corner_on_face(WOOD, 1.0), 1))
     omega0 = angular_frequency(WOOD.kn, m)
@@ -204,7 +204,7 @@ LAWS = {
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
-def test_energy_books_close_with_the_square_of_the_step(law):
+def test_energy_balance_closes_with_the_square_of_the_step(law):
     """What is in motion, in springs and dissipated adds up; what is missing comes from the steps
     that contacts begin and end in, so it scatters: the root mean square over many encounters.
     A quarter of the step leaves a sixteenth; tolerance: the scatter of such a mean."""

@@ -18,7 +18,7 @@ TIME_STEP = 2e-6
 def behind_door(reference) -> tuple[SiloCase, Simulation]:
     """The small silo, poured and its door closed."""
     case = SiloCase.load(reference.path / "case.toml")
-    (packing,) = reference.path.parent.glob("packings/*/packing.h5")  # locks stand beside it
+    (packing,) = reference.path.parent.glob("packings/*/packing.h5")  # locks stand next to it
     return case, Simulation(world_behind_door(case, load_packing(packing.parent)))
 
 
@@ -41,7 +41,7 @@ def loads(contacts, n_bodies: int, rows) -> np.ndarray:
 
 
 def test_contact_forces_are_mass_times_acceleration(reference):
-    """Newton and Euler for every particle, and what every wall books, at moments of a flow.
+    """Newton and Euler for every particle, and the load of every wall, at moments of a flow.
 
     The step takes the same forces, so only rounding is between the two: of sums of ten terms,
     1e-15 of the largest, and of the velocity's difference, 1e-16 of the velocity over the step.
@@ -71,7 +71,7 @@ def test_contact_forces_are_mass_times_acceleration(reference):
     assert seen > 200
 
 
-def test_asking_for_contacts_changes_no_bit(reference):
+def test_reading_the_contacts_changes_no_bit(reference):
     """Neither slips nor lists nor loads: the state after is that of a world never asked."""
     flowing, other = (opened(*behind_door(reference)) for _ in range(2))
     for steps in (1, 3, 10, 100, 1000, 3000):

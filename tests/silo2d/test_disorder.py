@@ -274,13 +274,13 @@ def test_the_stable_step_covers_the_stiffest_pair(tmp_path):
 
 def drawn_run(folder: Path, runs: Path, changes: dict[str, Any]) -> dict[str, Any]:
     case = write_case(folder, SLOW | changes)
-    answer = silo2d("run", case, "-o", runs, "--no-figures", "--quiet", "--json")
-    return answer.json
+    result = silo2d("run", case, "-o", runs, "--no-figures", "--quiet", "--json")
+    return result.json
 
 
 @pytest.fixture(scope="module")
 def kinds(_finished_root, tmp_path_factory) -> dict[str, dict[str, Any]]:
-    """What the small silo answers without disorder, with it per particle and per pair."""
+    """Results of the small silo without disorder, with it per particle and per pair."""
     root = tmp_path_factory.mktemp("kinds")
     shutil.copytree(_finished_root / "runs" / "packings", root / "runs" / "packings")
     return {
@@ -294,31 +294,33 @@ def kinds(_finished_root, tmp_path_factory) -> dict[str, dict[str, Any]]:
 def test_disorder_of_no_width_gives_the_bits_of_none(per, kinds, tmp_path, runs):
     """The kernels of drawn laws are those of shared ones."""
     off = dict.fromkeys(("disorder.friction", "disorder.stiffness", "disorder.restitution"), False)
-    answer = drawn_run(tmp_path, runs, {"disorder.per": per, **off})
-    assert answer["state_digest"] == kinds["none"]["state_digest"]
+    result = drawn_run(tmp_path, runs, {"disorder.per": per, **off})
+    assert result["state_digest"] == kinds["none"]["state_digest"]
 
 
 @dynamic
 @pytest.mark.parametrize("per", ["particle", "pair"])
-def test_a_run_with_disorder_is_reproducible_and_its_books_close(per, kinds, tmp_path, runs):
-    """Stopped and gone on with at random, or looked at more often, it has the same bits; its books
-    close as those of a run without (a few parts in a thousand of what is dissipated)."""
-    answer = kinds[per]
-    assert abs(answer["energy_closure"]) < 0.01
+def test_a_run_with_disorder_is_reproducible_and_its_energy_balance_closes(
+    per, kinds, tmp_path, runs
+):
+    """Stopped and gone on with at random, or looked at more often, it has the same bits; its
+    energies close as those of a run without (a few parts in a thousand of what is dissipated)."""
+    result = kinds[per]
+    assert abs(result["energy_closure"]) < 0.01
     again = tmp_path / "again"
     shutil.copytree(runs, again)
     case = SiloCase.load(write_case(tmp_path, SLOW | {"disorder.per": per}))
-    chance, stops, result = random.Random(3), 0, None
+    chance, stops, ended = random.Random(3), 0, None
     stop = DischargeStop(lambda: chance.random() < 0.3)
-    while result is None:
+    while ended is None:
         try:
-            result = protocol.run(case, out=again, progress=stop.progress, stop=stop)
+            ended = protocol.run(case, out=again, progress=stop.progress, stop=stop)
         except Stopped:
             stops += 1
     assert stops >= 3
-    assert_same_run(the_run(again), RunFolder(Path(answer["run_folder"])))
+    assert_same_run(the_run(again), RunFolder(Path(result["run_folder"])))
     often = {"disorder.per": per, "output.frame_interval": "3.3 ms"}
-    assert drawn_run(tmp_path, runs, often)["state_digest"] == answer["state_digest"]
+    assert drawn_run(tmp_path, runs, often)["state_digest"] == result["state_digest"]
     kept = read_trajectory(the_run(again).path).static
     if per == "particle":
         for row, name in enumerate(("friction", "stiffness", "restitution")):
@@ -329,7 +331,7 @@ def test_a_run_with_disorder_is_reproducible_and_its_books_close(per, kinds, tmp
 def test_the_kinds_of_disorder_differ(kinds):
     """None, per particle and per pair are three runs of one packing."""
     for key, number in (("state_digest", 3), ("run_folder", 3), ("packing_fraction", 1)):
-        assert len({answer[key] for answer in kinds.values()}) == number, key
+        assert len({result[key] for result in kinds.values()}) == number, key
 
 
 # Bad input
@@ -389,6 +391,6 @@ def test_what_is_drawn_is_the_scatter_of_trials_not_the_uncertainty_of_their_mea
     text = path.read_text(encoding="utf-8").replace('sigma = "10 %", ', both)
     (tmp_path / "both.toml").write_text(text, encoding="utf-8")
     changes = SLOW | {"disorder.per": "pair", "particles.materials": "both.toml"}
-    answer = silo2d("run", write_case(tmp_path, changes), "--dry-run")
-    assert answer.code == code, answer.err
-    assert code == 0 or "a standard deviation of 50 %" in answer.err
+    result = silo2d("run", write_case(tmp_path, changes), "--dry-run")
+    assert result.code == code, result.err
+    assert code == 0 or "a standard deviation of 50 %" in result.err

@@ -58,9 +58,9 @@ def test_a_particle_on_the_door_is_dragged_to_its_speed(mu):
     assert velocity(sim)[0] == pytest.approx(SPEED, abs=2 * swing(sim, law))
 
 
-def test_the_books_hold_what_the_door_gives():
+def test_the_energy_balance_holds_the_work_of_the_door():
     """While the particle slides the door gives mu m g v t; the particle has m (mu g t)^2/2 of it,
-    friction the rest; all books together stay what they were. Tolerance: the friction builds up
+    friction the rest; all energies together stay what they were. Tolerance: the friction builds up
     in a swing of 1/omega_t, a part 1/(omega_t t) of all."""
     law = LAW._replace(mu=0.38)
     sim = on_door(law)
@@ -72,13 +72,13 @@ def test_the_books_hold_what_the_door_gives():
     late = 2 / (angular_frequency(law.kt, m, 2) * t)
     assert -table["given_to_door"] == pytest.approx(given, rel=late)
     assert table["kinetic"] == pytest.approx(0.5 * m * (law.mu * G * t) ** 2, rel=2 * late)
-    rubbed = given - 0.5 * m * (law.mu * G * t) ** 2
-    assert table["friction_grain_wall"] == pytest.approx(rubbed, rel=2 * late)
+    friction = given - 0.5 * m * (law.mu * G * t) ** 2
+    assert table["friction_grain_wall"] == pytest.approx(friction, rel=2 * late)
     assert math.fsum(table.values()) == pytest.approx(before, abs=1e-4 * given)
 
 
-def test_the_force_on_the_door_is_the_mean_since_last_asked():
-    """The books take the force of each step out of the sum that wall_forces gives: -mu m g along
+def test_the_force_on_the_door_is_the_mean_since_it_was_last_read():
+    """The energies take the force of each step out of the sum that wall_forces gives: -mu m g along
     and the weight down."""
     law = LAW._replace(mu=0.38)
     sim = on_door(law)
@@ -125,16 +125,16 @@ def drawn(_finished_root, tmp_path_factory):
     """A finished run of the small silo with a door that is drawn."""
     root = tmp_path_factory.mktemp("drawn")
     case = write_case(root, {"run.door_speed": "0.5 m/s"})
-    answer = silo2d("run", case, "-o", root / "runs", "--no-figures", "--quiet", "--json")
-    return answer.json, the_run(root / "runs")
+    result = silo2d("run", case, "-o", root / "runs", "--no-figures", "--quiet", "--json")
+    return result.json, the_run(root / "runs")
 
 
-def test_books_close_with_a_moving_door(drawn):
+def test_the_energy_balance_closes_with_a_moving_door(drawn):
     """As those of a run whose door is gone at once: a few parts in a thousand."""
-    answer, folder = drawn
+    result, folder = drawn
     frames = read_trajectory(folder.path)
     assert frames["given_to_door"][-1] < 0
-    assert abs(answer["energy_closure"]) < 0.01
+    assert abs(result["energy_closure"]) < 0.01
     unaccounted, _ = energy_closure(frames)
     assert abs(unaccounted).max() < 0.01 * frames["potential"][0]
 
@@ -160,10 +160,10 @@ def test_pictures_have_the_door_where_it_is(drawn, reference):
 def test_times_count_from_the_start_of_the_motion(drawn, reference):
     """The first particle leaves later than through a door that is gone at once, so does the last;
     none before it can have fallen by half of its width."""
-    answer, folder = drawn
+    result, folder = drawn
     at_once = reference.read_summary()
-    assert answer["outcome"] == "empty"
-    assert answer["discharge_time_s"] > at_once["discharge_time_s"]
+    assert result["outcome"] == "empty"
+    assert result["discharge_time_s"] > at_once["discharge_time_s"]
     first = [np.nanmin(read_trajectory(f.path)["out_time"][-1]) for f in (folder, reference)]
     assert first[0] > first[1]
     assert folder.path.name != reference.path.name
@@ -173,7 +173,7 @@ def test_a_run_with_a_door_that_moves_goes_on_with_the_same_bits(drawn, tmp_path
     """Stopped at random looks and gone on with, its lists made again with other skins.
 
     The heap that rests on the door has more close pairs than one block of the force pass holds:
-    the books, too, must not depend on which pairs are listed together.
+    the energy balance, too, must not depend on which pairs are listed together.
     """
     case = SiloCase.load(write_case(tmp_path, {"run.door_speed": "0.5 m/s"}))
     chance, stops, result = random.Random(5), 0, None

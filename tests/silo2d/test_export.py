@@ -181,7 +181,7 @@ def test_tables_hold_the_motion_of_every_particle_in_every_frame(run, tmp_path):
     np.testing.assert_array_equal(table["inside"].astype(int), is_inside)
 
 
-def test_kinetic_energy_from_the_tables_is_that_of_the_books(reference, tmp_path):
+def test_kinetic_energy_from_the_tables_is_that_of_the_energy_balance(reference, tmp_path):
     """sum of m v^2/2 + I w^2/2 over the rows of a frame, m from grains.csv, I/m from shapes."""
     frames, particles, *_ = map(read_csv, export(reference.path, "csv", tmp_path / "tables"))
     trajectory = read_trajectory(reference.path)
@@ -296,10 +296,10 @@ def test_exported_twice_it_is_the_same_file(run, tmp_path):
 
 
 def test_the_command_says_which_files_it_wrote(run, tmp_path):
-    answer = silo2d("export", run, "--to", "csv", "-o", tmp_path)
+    result = silo2d("export", run, "--to", "csv", "-o", tmp_path)
     names = ["frames.csv", "grains.csv", "walls.csv"]
-    assert answer.code == 0
-    assert answer.out.split() == [str(tmp_path / name) for name in names]
+    assert result.code == 0
+    assert result.out.split() == [str(tmp_path / name) for name in names]
 
 
 @pytest.mark.parametrize(
@@ -315,8 +315,8 @@ def test_the_command_says_which_files_it_wrote(run, tmp_path):
 def test_what_cannot_be_written_is_refused(run, tmp_path, monkeypatch, arguments, words):
     monkeypatch.chdir(tmp_path)
     Path("a file").touch()
-    answer = silo2d("export", run, *arguments)
-    assert_refused(answer, *words)
+    result = silo2d("export", run, *arguments)
+    assert_refused(result, *words)
     assert list(tmp_path.iterdir()) == [tmp_path / "a file"]
 
 
@@ -328,8 +328,8 @@ def test_a_full_disk_keeps_what_stood_there(run, tmp_path):
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
     try:
-        answer = silo2d("export", run, "--to", "vtkhdf", "-o", target)
+        result = silo2d("export", run, "--to", "vtkhdf", "-o", target)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    assert_refused(answer, "run.vtkhdf: cannot be written", "make room there")
+    assert_refused(result, "run.vtkhdf: cannot be written", "make room there")
     assert contents(tmp_path) == before

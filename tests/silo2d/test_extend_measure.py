@@ -39,11 +39,11 @@ def registered():
 def test_a_measure_from_outside_is_listed_made_and_drawn(tmp_path, registered):
     run = write_fake_run(tmp_path).path
     assert "half            when half of the particles are out [s]" in silo2d("observe", run).out
-    answer = silo2d("observe", run, registered, "--json")
-    assert answer.json == half_out(run)
-    assert 0 < answer.json["half_out_s"] < read_trajectory(run)["time"][-1]
+    result = silo2d("observe", run, registered, "--json")
+    assert result.json == half_out(run)
+    assert 0 < result.json["half_out_s"] < read_trajectory(run)["time"][-1]
     picture = run / "figures" / "half.png"
-    assert str(picture) in answer.err
+    assert str(picture) in result.err
     assert picture.stat().st_size > 1000
     with pytest.raises(InputError, match="there is one of that name"):
         register_measure("arch", MEASURES.find("half"))

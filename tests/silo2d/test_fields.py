@@ -48,7 +48,7 @@ def lattice(silo, spacing=SPACING):
 
 @pytest.fixture(scope="module")
 def lattice_scene():
-    """Specks on a square lattice in a silo, moving like a rigid body that turns and sinks."""
+    """Specks on a square lattice in a silo, moving like a rigid body that rotates and sinks."""
     points = lattice(SILO)
     x, y = points.T
     return scene_of([SPECK], np.zeros(len(x), int), SILO, x, y, vx=2 * y, vy=-1 - 2 * x)
@@ -73,7 +73,7 @@ def test_deposit_is_a_sum_of_gaussians_and_keeps_their_weight(points):
 
 def test_part_inside_at_walls_and_corners():
     """Half a kernel on a wall, a quarter in a corner, and the distribution function between; the
-    rows of an eighth of a width are good to 1e-3 at a floor, and exact beside a wall."""
+    rows of an eighth of a width are good to 1e-3 at a floor, and exact next to a wall."""
     box = hopper(0.0, 0.05, 0.2, 0.3).polygon
     xs, ys = np.array([-0.1, -0.1 + WIDTH, 0.0]), np.array([0.0, WIDTH, 0.15])
     found = part_inside(Grid(xs, ys, WIDTH), box)
@@ -177,8 +177,8 @@ def test_fields_of_a_run(reference, tmp_path):
     inside = [mass[fields.in_silo(scene, frame)].sum() for frame in frames]
     assert numbers["mass_in_silo_kg"] == pytest.approx(np.mean(inside), rel=1e-6)
     assert numbers["profiles"][0]["mass_flow_kg_per_s"] > 0
-    answer = silo2d("observe", folder, "fields")
-    assert answer.code == 0, answer.err
+    result = silo2d("observe", folder, "fields")
+    assert result.code == 0, result.err
     assert (folder / "figures" / "fields.png").stat().st_size > 20_000
 
 
@@ -188,5 +188,5 @@ def test_a_run_that_hardly_flowed_has_no_flow_field(runs, tmp_path):
 
     case = write_case(tmp_path, {"run.max_time": "20 ms"})
     silo2d("run", case, "-o", runs, "--no-figures", "--quiet")
-    answer = silo2d("observe", the_run(runs).path, "fields", "--no-figures")
-    assert_refused(answer, "a mean over the flow needs 20 particles")
+    result = silo2d("observe", the_run(runs).path, "fields", "--no-figures")
+    assert_refused(result, "a mean over the flow needs 20 particles")

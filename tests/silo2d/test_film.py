@@ -37,7 +37,7 @@ def decoded(path) -> list[np.ndarray]:
     return frames
 
 
-def test_particles_stand_at_their_places_in_their_layers_colour(scene):
+def test_particles_are_drawn_at_their_positions_in_their_layers_colour(scene):
     """Scale and origin from the drawn walls, 0.3 m apart; every centroid has its layer's tone."""
     image = next(film_frames(scene))
     rows, columns = np.nonzero(near(image, WALL))

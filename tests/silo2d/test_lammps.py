@@ -1,4 +1,4 @@
-"""Another engine's answer to the same scenes: LAMMPS (docs/lammps.md says what it cannot express).
+"""Another engine's results for the same scenes: LAMMPS (docs/lammps.md: what it cannot express).
 
 Chaos parts two assemblies whatever the engine, so that they are compared body by body while they
 are together and by what they settle to afterwards.
@@ -54,7 +54,7 @@ def test_damped_discs_differ_by_the_time_step():
     assert coarse / fine == pytest.approx(2, rel=0.1)
 
 
-def test_friction_differs_by_the_arm_of_its_force():
+def test_friction_differs_by_the_lever_arm_of_its_force():
     """It acts at the rim in LAMMPS (R), in the middle of the overlap d here (R - d/2).
 
     The parts by which spins differ go with d/(2R), thus with kn^-1/2.
@@ -93,7 +93,7 @@ def test_aligned_squares_have_eight_springs_here_and_four_there():
         assert contact_time(motion) == pytest.approx(expected, abs=3e-6)
 
 
-def test_impacts_of_squares_turned_anyhow():
+def test_impacts_of_squares_at_any_angle():
     """Most are the same to rounding; in all of them the energy is kept here.
 
     The others touch with corners, where the polygons of LAMMPS gain energy from nowhere.

@@ -49,7 +49,7 @@ def test_last_in_first_out_and_those_that_stay(tmp_path):
     assert numbers["by_layer"][0]["mean_s"] is None
 
 
-def test_columns_tell_where_particles_wait(tmp_path):
+def test_columns_show_where_particles_wait(tmp_path):
     """Leaving after 0.1 s + |x| s/m: a column's mean lies within its edges' times."""
     write_moved_run(
         tmp_path, lambda s, t: falling(s, t, 0.0), silo=SILO,

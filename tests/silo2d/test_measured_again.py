@@ -13,11 +13,11 @@ def test_results_that_other_measures_made_are_measured_again_from_the_stored_fra
     (run.path / "summary.json").write_text(json.dumps({**right, "t90_s": 99.0}))
     (run.path / "provenance.json").write_text(json.dumps({**provenance, "measures_digest": "0"}))
 
-    answer = silo2d("run", run.path / "case.toml", "-o", finished, "--json", "--quiet")
+    result = silo2d("run", run.path / "case.toml", "-o", finished, "--json", "--quiet")
 
-    assert (answer.code, answer.err) == (0, "")
-    assert answer.json["reused"] is True
-    assert answer.json["t90_s"] == right["t90_s"]
+    assert (result.code, result.err) == (0, "")
+    assert result.json["reused"] is True
+    assert result.json["t90_s"] == right["t90_s"]
     assert json.loads((run.path / "summary.json").read_text()) == right
     assert json.loads((run.path / "provenance.json").read_text()) == provenance
 
@@ -26,5 +26,5 @@ def test_results_of_the_same_measures_are_read_as_they_stand(finished):
     run = the_run(finished)
     summary = json.loads((run.path / "summary.json").read_text())
     (run.path / "summary.json").write_text(json.dumps({**summary, "t90_s": 99.0}))
-    answer = silo2d("run", run.path / "case.toml", "-o", finished, "--json", "--quiet")
-    assert answer.json["t90_s"] == 99.0
+    result = silo2d("run", run.path / "case.toml", "-o", finished, "--json", "--quiet")
+    assert result.json["t90_s"] == 99.0

@@ -1,4 +1,4 @@
-"""Numbers from a run: definitions of the times, the energy books, the published tables."""
+"""Numbers from a run: definitions of the times, the energy balance, the published tables."""
 
 import math
 
@@ -65,7 +65,7 @@ def test_discharge_curve_agrees_with_the_counts_of_the_frames(tmp_path):
     np.testing.assert_array_equal(counted, trajectory["n_out"])
 
 
-def books(dissipated: float, lost: float) -> dict[str, np.ndarray]:
+def balance(dissipated: float, lost: float) -> dict[str, np.ndarray]:
     """Two frames: `dissipated` J become heat, 10 J are carried out and `lost` J vanish."""
     share = dissipated / len(MECHANISMS)
     return {
@@ -79,16 +79,16 @@ def books(dissipated: float, lost: float) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.parametrize("lost", [0.0, 2.0, -3.0])
-def test_energy_closure_is_what_the_books_lack(lost):
+def test_energy_closure_is_what_the_balance_lacks(lost):
     """E(0) - E(t) - carried out - dissipated, over the dissipated; tolerance: rounding of 100 J."""
-    unaccounted, closure = energy_closure(books(50.0, lost))
+    unaccounted, closure = energy_closure(balance(50.0, lost))
     np.testing.assert_allclose(unaccounted, [0.0, lost], atol=1e-13)
     assert closure == pytest.approx(lost / 50.0, abs=1e-14)
 
 
 def test_no_energy_closure_where_nothing_is_dissipated():
     """There is nothing to compare with."""
-    assert energy_closure(books(0.0, 1.0))[1] is None
+    assert energy_closure(balance(0.0, 1.0))[1] is None
 
 
 @given(
@@ -110,8 +110,8 @@ def test_centre_line_is_crossed_where_the_swept_core_meets_it(particles):
     found = crosses_centre_line(x, angle, kind, SHAPES, centre)
     assert found.shape == (len(particles),)
     for k, shape in enumerate(SHAPES[i] for i in kind):
-        turned = rotate(Polygon(shape.core), angle[k], origin=(0, 0), use_radians=True)
-        gap = translate(turned, x[k]).distance(line) - shape.spheroradius
+        rotated = rotate(Polygon(shape.core), angle[k], origin=(0, 0), use_radians=True)
+        gap = translate(rotated, x[k]).distance(line) - shape.spheroradius
         if abs(gap) > 1e-7:
             assert found[k] == (gap < 0)
 

@@ -23,7 +23,7 @@ def test_a_wide_hopper_empties(reference):
 
 
 def test_a_flat_floor_keeps_dead_zones(tmp_path):
-    """Beside an outlet in a flat floor particles lie on the floor; none lies over its middle."""
+    """Next to an outlet in a flat floor particles lie on the floor; none lies over its middle."""
     flat = {"silo.angle": "0 deg", "silo.width": "120 mm", "fill.level": "30 mm"}
     table = run_of(tmp_path, {**flat, "law.mu_particle": 0.4, "law.mu_wall": 0.4})
     assert table["outcome"] == "dead_zones"

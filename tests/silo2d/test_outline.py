@@ -62,7 +62,7 @@ def test_hopper_walls_are_named_and_run_with_the_inside_on_their_left():
     assert (side > 0).all()
 
 
-def test_flat_floor_has_two_pieces_beside_the_outlet():
+def test_flat_floor_has_two_pieces_next_to_the_outlet():
     walls = preset("D1").walls()
     assert walls.names == ["floor right", "right wall", "left wall", "floor left", "door"]
     assert_allclose(walls.segments[0], [(0.02, 0), (0.15, 0)])
@@ -132,7 +132,7 @@ def test_area_below_a_level(level):
     )
 
 
-def test_collinear_points_and_the_place_of_the_first_do_not_matter():
+def test_collinear_points_and_the_position_of_the_first_do_not_matter():
     points = [(0, 0.5), (0, 0), (0.1, 0), (0.2, 0), (0.3, 0), (0.3, 0.5), (0.2, 0.5)]
     silo = outline_from_polygon(points, outlet=0.1)
     assert len(silo.polygon) == 4

@@ -15,7 +15,7 @@ from silo2d.view.charts import discharge_chart, energy_chart, force_chart
 from silo2d.view.picture import make_figures, panel_frames, silo_figure
 from silo2d.view.scene import read_scene
 
-SHEETS = ["silo.png", "discharge.png", "energy.png", "forces.png"]
+FIGURES = ["silo.png", "discharge.png", "energy.png", "forces.png"]
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def run(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def clogged(tmp_path_factory):
-    """A3, clogged: published times beside no time of its own."""
+    """A3, clogged: published times, and no time of its own."""
     return write_fake_run(
         tmp_path_factory.mktemp("a3"), silo=preset("A3"), n_frames=40, outcome="clogged"
     ).path
@@ -36,7 +36,7 @@ def labels(axes) -> list[str]:
     return [text.get_text() for text in axes.get_legend().get_texts()]
 
 
-def test_outlines_have_the_particles_area_and_place(run):
+def test_outlines_have_the_particles_area_and_position(run):
     """Area x density x length is the mass; five points a corner cut off at most 0.3 % of it."""
     scene = read_scene(run)
     mass, traj = scene.trajectory.static["mass"], scene.trajectory
@@ -77,7 +77,7 @@ def test_scale_bar_is_a_round_length(length, rounded):
     assert round_length(length) == pytest.approx(rounded, rel=1e-12)
 
 
-def test_silo_figure_is_to_scale_and_tells_time_and_count(run):
+def test_silo_figure_is_to_scale_and_gives_time_and_count(run):
     """A metre is as many pixels across as upwards, in every panel."""
     scene = read_scene(run)
     figure = silo_figure(scene)
@@ -107,7 +107,7 @@ def test_clogged_run_has_no_t90(clogged):
     assert axes.get_xlim()[1] > 2.13  # beyond the band, though the run ended at 0.4 s
 
 
-def test_published_clogging_is_told(tmp_path):
+def test_published_clogging_is_reported(tmp_path):
     """A2 clogged in the one trial, and in SPOLY."""
     write_fake_run(tmp_path, silo=preset("A2"), n_frames=5, outcome="clogged_at_opening")
     (axes,) = discharge_chart(read_scene(tmp_path)).axes
@@ -141,8 +141,8 @@ def test_wall_forces_press_outwards(run):
         ("time_limit", "Silo A4: stopped at the time limit, "),
     ],
 )
-def test_headline_tells_the_outcome(tmp_path, outcome, words):
-    """One line above every sheet."""
+def test_headline_gives_the_outcome(tmp_path, outcome, words):
+    """One line above every figure."""
     write_fake_run(tmp_path, n_frames=5, outcome=outcome)
     assert read_scene(tmp_path).headline.startswith(words)
 
@@ -154,10 +154,10 @@ def test_figures_of_any_silo_are_files_in_its_folder(tmp_path, capfd):
     )
     write_fake_run(tmp_path, silo=silo, n_frames=5)
     paths = make_figures(tmp_path, film=False)
-    assert paths == [tmp_path / "figures" / name for name in SHEETS]
+    assert paths == [tmp_path / "figures" / name for name in FIGURES]
     for path in paths:
         assert path.read_bytes().startswith(b"\x89PNG")
-    assert sorted(p.name for p in (tmp_path / "figures").iterdir()) == sorted(SHEETS)
+    assert sorted(p.name for p in (tmp_path / "figures").iterdir()) == sorted(FIGURES)
     assert capfd.readouterr() == ("", "")
 
 

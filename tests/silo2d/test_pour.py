@@ -50,7 +50,7 @@ def test_rain_touches_nothing(case, silo):
     assert areas[kinds].sum() > needed - 3 * math.sqrt(len(kinds)) * areas.std()
 
 
-def test_particles_lie_in_the_silo_and_beside_each_other(case, packing):
+def test_particles_lie_in_the_silo_and_do_not_overlap(case, packing):
     """F = kn overlap: no contact carries more than ten times the weight of all particles."""
     deepest = 10 * weight(case, packing.kinds) / case.pour_laws[0].kn
     assert deepest < 0.02 * case.shapes.shapes[0].spheroradius
@@ -121,12 +121,12 @@ def test_levelling_keeps_what_lies_under_the_level_and_numbers_it_in_rows(case):
 
 
 def test_rain_that_has_just_begun_to_fall_does_not_count_as_settled(tmp_path):
-    """Agitation after 5 ms of free fall, (g t)^2/(2 g d): 0.009, less than is allowed here."""
+    """Normalised kinetic energy after 5 ms of free fall, (g t)^2/(2 g d): 0.009, as allowed."""
     case = small_case(tmp_path, {"fill.settled": 0.05})
-    told: list[float] = []
-    packing = pour(case, 1, lambda phase, fraction, text: told.append(fraction))
+    fractions: list[float] = []
+    packing = pour(case, 1, lambda phase, fraction, text: fractions.append(fraction))
     assert_filled_to_the_level(case, packing)
-    assert 0 <= min(told) <= max(told) <= 1
+    assert 0 <= min(fractions) <= max(fractions) <= 1
 
 
 def test_particles_that_do_not_come_to_rest_are_an_error(case, monkeypatch):

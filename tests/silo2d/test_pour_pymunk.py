@@ -47,7 +47,7 @@ def test_pymunk_leaves_overlaps_less_deep_than_a_skin():
     assert case.outline.area_below(heap[:, 1].max()) < areas.sum() / 0.75
 
 
-def test_particles_lie_in_the_silo_and_beside_each_other(case, packings):
+def test_particles_lie_in_the_silo_and_do_not_overlap(case, packings):
     """F = kn overlap: no contact carries more than ten times the weight of all particles."""
     for packing in packings:
         deepest = 10 * weight(case, packing.kinds) / case.pour_laws[0].kn

@@ -1,4 +1,4 @@
-"""pymunk as an engine: closed forms, momentum, and the contact law's answers within a distance."""
+"""pymunk as an engine: closed forms, momentum, and the contact law's results within a distance."""
 
 import dataclasses
 import json
@@ -62,7 +62,7 @@ def test_products_of_the_factors_are_the_pairs(particle_particle, particle_wall)
 
 
 def test_pymunk_takes_the_pairs_friction_and_restitution():
-    """As it tells them of the contacts: a particle on a particle on the floor."""
+    """As it reports them of the contacts: a particle on a particle on the floor."""
     space, surface = space_with_floor(e=E)
     lower = put(space, FLAT, [0.0, 5e-3, 0.0], surface)
     put(space, FLAT, [0.0, 15e-3, 0.0], surface)
@@ -167,7 +167,7 @@ def heap(runs, tmp_path) -> tuple[SiloCase, Baseline]:
     return case, Baseline(case, packing)
 
 
-def test_walls_carry_what_the_momentum_balance_asks(heap):
+def test_walls_carry_what_the_momentum_balance_requires(heap):
     """Impulse on walls and door = weight t - change of momentum, to rounding, also in flow.
 
     The first sum is of pymunk's contacts, the second of its bodies. While particles rest, the mean
@@ -243,8 +243,8 @@ def test_without_friction_between_particles_walls_may_have_some(tmp_path):
 
 def run_quietly(case, root) -> RunFolder:
     """The run by pymunk of a case in a folder that has its packing."""
-    answer = silo2d("run", case, "-o", root, "--engine", "pymunk", "--no-figures", "--quiet")
-    assert (answer.code, answer.err) == (0, "")
+    result = silo2d("run", case, "-o", root, "--engine", "pymunk", "--no-figures", "--quiet")
+    assert (result.code, result.err) == (0, "")
     return the_run(root)
 
 
@@ -276,10 +276,10 @@ def test_it_empties_as_the_contact_law_does(reference, finished_pymunk):
     np.testing.assert_allclose(times[1], times[0], rtol=0, atol=2e-3)
 
 
-def test_the_answers_have_the_same_fields_and_none_that_impulses_do_not_know(
+def test_the_results_have_the_same_fields_and_none_that_impulses_do_not_give(
     reference, finished_pymunk
 ):
-    """No books, so no closure; the restitution is what it was told."""
+    """No energy balance, so no closure; the restitution is the one given."""
     law, own = reference.read_summary(), finished_pymunk.read_summary()
     assert own.keys() == law.keys()
     assert own["engine"] == "pymunk"
@@ -319,7 +319,7 @@ def test_figures_and_report_say_what_is_not_known(finished_pymunk, tmp_path):
 
 
 def test_the_same_bits_again_and_none_twice(finished_pymunk, runs, tmp_path):
-    """In another folder, and by another process; asked again, the answer that stands there."""
+    """In another folder, and by another process; requested again, the result that is there."""
     case = write_case(tmp_path)
     assert_same_run(run_quietly(case, runs), finished_pymunk)
     arguments = ["run", case, "-o", runs, "--engine", "pymunk", "--json", "--quiet", "--no-figures"]
@@ -351,10 +351,10 @@ def test_ctrl_c_ends_with_one_line(runs, tmp_path):
         if "out" in line and "t =" in line:
             break
     process.send_signal(signal.SIGINT)
-    answer = finish(process)
-    assert answer.code == 130
-    assert "runs it again, from the opening" in answer.err
-    assert "Traceback" not in answer.err
+    result = finish(process)
+    assert result.code == 130
+    assert "runs it again, from the opening" in result.err
+    assert "Traceback" not in result.err
 
 
 # Settings
@@ -374,13 +374,13 @@ def test_settings_of_pymunk_name_its_runs_and_no_others():
     assert len(names | {usual}) == 5
 
 
-def test_a_case_tells_pymunk_the_pairs():
+def test_a_case_gives_pymunk_the_pairs():
     """Table 4's friction, and the restitution of Tables 2 and 3 as measured."""
-    told = SiloCase.load("A4", PYMUNK).impulses
-    assert told is not None
-    assert (told.iterations, told.time_step) == (30, STEP)
-    assert told.friction == (0.38, 0.44)
-    assert told.restitution == (0.45, 0.53)
+    given = SiloCase.load("A4", PYMUNK).impulses
+    assert given is not None
+    assert (given.iterations, given.time_step) == (30, STEP)
+    assert given.friction == (0.38, 0.44)
+    assert given.restitution == (0.45, 0.53)
     assert SiloCase.load("A4").impulses is None
     plastic = SiloCase.load("A4", {**PYMUNK, "pymunk.restitution": "none", "law.mu_wall": 0.2})
     assert plastic.impulses is not None
@@ -405,16 +405,16 @@ def test_a_case_tells_pymunk_the_pairs():
 )  # fmt: skip
 def test_bad_settings_are_refused_in_one_line(options, words, tmp_path):
     """With the key, what was given and what would do."""
-    answer = silo2d("run", write_case(tmp_path), "-o", tmp_path / "runs", *options)
-    assert answer.code == 2
-    assert answer.out == ""
-    assert len(answer.err.splitlines()) == 1
+    result = silo2d("run", write_case(tmp_path), "-o", tmp_path / "runs", *options)
+    assert result.code == 2
+    assert result.out == ""
+    assert len(result.err.splitlines()) == 1
     for word in words:
-        assert word in answer.err
+        assert word in result.err
     assert not (tmp_path / "runs").exists()
 
 
-def test_dry_run_says_what_pymunk_is_told():
+def test_dry_run_says_what_pymunk_is_given():
     """Iterations, step, what is left out of the law; a number of steps of its own."""
     said = silo2d("run", "A4", "--engine", "pymunk", "--iterations", 10, "--dry-run").out
     for words in (

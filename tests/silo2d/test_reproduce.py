@@ -1,4 +1,4 @@
-"""The paper's tables beside ours: words of the reports, files, and the command line."""
+"""The paper's tables compared with ours: words of the reports, files, and the command line."""
 
 from pathlib import Path
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from made_rows import clogged, emptied, ended, failed, line_of
 from refusals import assert_refused
-from small_silo import Answer, silo2d
+from small_silo import Completed, silo2d
 
 from granulab.campaign.output.results import read_results, write_results
 from granulab.campaign.runs.folder import FolderError
@@ -67,11 +67,11 @@ def test_a_silo_that_clogs_there_and_flows_here_differs_once_there_are_enough_ru
 def test_failed_runs_are_named_and_do_not_count():
     """Their reason stands below; mean and shares are those of the others."""
     good = emptied("A4", around(1.0))
-    text = discharge.report([*good, failed("the books are off", silo="A4", seed=6)])
+    text = discharge.report([*good, failed("the energy balance is off", silo="A4", seed=6)])
     line = line_of(text, "A4")
     assert line.split("0 of 5")[0] == line_of(discharge.report(good), "A4").split("0 of 5")[0]
     assert ", 1 failed" in line
-    assert "failed: silo A4, seed 6: the books are off" in text
+    assert "failed: silo A4, seed 6: the energy balance is off" in text
 
 
 def test_a_run_at_the_time_limit_is_neither_clogged_nor_emptied():
@@ -91,7 +91,7 @@ def test_all_runs_of_a_table_may_fail(tmp_path):
         write_results(tmp_path, "failed", own, head, "", lambda t=table, r=own: t.draw(r))
 
 
-def test_summary_counts_and_sets_the_deviation_beside_spolys():
+def test_summary_counts_and_compares_the_deviation_with_spolys():
     """A4 0.99 s there; ours 1.0 and SPOLY 1.00 s are both 1.0 % off. B4: 1.21; ours 1.4, 1.19."""
     rows = emptied("A4", around(1.0)) + emptied("B4", around(1.4)) + clogged("A1", 5)
     text = discharge.report(rows)
@@ -186,20 +186,20 @@ def test_a_damaged_table_is_named(text, tmp_path):
 
 def test_the_command_prints_the_table_and_writes_its_files(asked, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    answer = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", "--write", "kept")
-    assert (answer.code, answer.err) == (0, "")
-    assert "clogged" in answer.out
+    result = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", "--write", "kept")
+    assert (result.code, result.err) == (0, "")
+    assert "clogged" in result.out
     head, rows = read_results(tmp_path / "kept" / "reproduce-clogging.csv")
     assert head["command"] == "silo2d reproduce clogging --seeds 1"
     assert set(head) == {"command", "versions", "date", "machine"}
-    assert answer.out.strip() in (tmp_path / "kept" / "reproduce-clogging.txt").read_text("utf-8")
+    assert result.out.strip() in (tmp_path / "kept" / "reproduce-clogging.txt").read_text("utf-8")
     assert all(row["state"] == "done" for row in rows)
 
 
 def test_json_has_the_rows(asked, tmp_path):
-    answer = silo2d("reproduce", "discharge", "--seeds", 1, "-o", tmp_path, "--json")
-    assert [row["silo"] for row in answer.json["rows"]] == list(PRESETS)
-    assert "16 runs of 16 packings" in answer.err
+    result = silo2d("reproduce", "discharge", "--seeds", 1, "-o", tmp_path, "--json")
+    assert [row["silo"] for row in result.json["rows"]] == list(PRESETS)
+    assert "16 runs of 16 packings" in result.err
 
 
 def test_runs_cut_off_leave_earlier_results_alone(monkeypatch, tmp_path):
@@ -211,11 +211,11 @@ def test_runs_cut_off_leave_earlier_results_alone(monkeypatch, tmp_path):
         return [*rows, {**cases[-1][0], "state": "interrupted", "reason": "stopped"}]
 
     monkeypatch.setattr(sweep, "run_cases", run_cases)
-    answer = silo2d("reproduce", "clogging", "--seeds", 1, "-o", tmp_path / "runs", "--quiet")
-    assert answer.code == 130
-    assert answer.err.count("\n") == 1
-    assert "runs that are missing: 1" in answer.err
-    assert "interrupted: silo D3, seed 1: stopped" in answer.out
+    result = silo2d("reproduce", "clogging", "--seeds", 1, "-o", tmp_path / "runs", "--quiet")
+    assert result.code == 130
+    assert result.err.count("\n") == 1
+    assert "runs that are missing: 1" in result.err
+    assert "interrupted: silo D3, seed 1: stopped" in result.out
     assert not (tmp_path / "runs").exists()
 
 
@@ -228,15 +228,15 @@ def test_failed_runs_give_exit_code_3_and_the_table(monkeypatch, tmp_path):
         return [*rows, failed("no space left", **cases[-1][0])]
 
     monkeypatch.setattr(sweep, "run_cases", run_cases)
-    answer = silo2d("reproduce", "clogging", "--seeds", 1, "-o", tmp_path, "--quiet")
-    assert answer.code == 3
-    assert answer.err.count("\n") == 1
-    assert "1 of 12 rows are failed runs" in answer.err
+    result = silo2d("reproduce", "clogging", "--seeds", 1, "-o", tmp_path, "--quiet")
+    assert result.code == 3
+    assert result.err.count("\n") == 1
+    assert "1 of 12 rows are failed runs" in result.err
     _, rows = read_results(tmp_path / "reproduce-clogging.csv")
     assert [row["reason"] for row in rows if row["state"] == "failed"] == ["no space left"]
 
 
-def test_the_answer_is_printed_even_where_no_file_can_be_written(monkeypatch, tmp_path):
+def test_the_result_is_printed_even_where_no_file_can_be_written(monkeypatch, tmp_path):
     """Hours of work are not lost: the runs stand below --out, the words on stdout."""
     from silo2d.run import sweep
 
@@ -245,11 +245,11 @@ def test_the_answer_is_printed_even_where_no_file_can_be_written(monkeypatch, tm
         return [ended("clogged", **labels) for labels, _ in cases]
 
     monkeypatch.setattr(sweep, "run_cases", run_cases)
-    answer = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", "-o", tmp_path / "runs",
+    result = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", "-o", tmp_path / "runs",
                     "--write", tmp_path / "kept")  # fmt: skip
-    assert answer.code == 2
-    assert answer.err.count("\n") == 1
-    assert "of 12 silos agree with the experiment" in answer.out
+    assert result.code == 2
+    assert result.err.count("\n") == 1
+    assert "of 12 silos agree with the experiment" in result.out
 
 
 @pytest.mark.parametrize("place", ["file", "file/below", "link"])
@@ -261,28 +261,28 @@ def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_run(
     Path("file").write_text("in the way")
     Path("link").symlink_to("nowhere")
     before = sorted(tmp_path.iterdir())
-    answer = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", option, place)
-    assert (answer.code, answer.out, asked) == (2, "", [])
-    assert answer.err.count("\n") == 1
+    result = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", option, place)
+    assert (result.code, result.out, asked) == (2, "", [])
+    assert result.err.count("\n") == 1
     for word in (f"{place}: cannot be written", f"with {option}"):
-        assert word in answer.err
+        assert word in result.err
     assert sorted(tmp_path.iterdir()) == before
 
 
 def test_a_folder_without_permission_to_write_is_refused(asked, tmp_path, monkeypatch):
-    """What the system answers is made up here: root may write anywhere."""
+    """The system's error is made up here: root may write anywhere."""
     monkeypatch.setattr(
         "granulab.campaign.runs.folder.os.access", lambda path, mode: path != tmp_path
     )
-    answer = silo2d("reproduce", "clogging", "--quiet", "--write", tmp_path / "new" / "results")
-    assert (answer.code, answer.out, asked) == (2, "", [])
-    assert "results: cannot be written (Permission denied)" in answer.err
+    result = silo2d("reproduce", "clogging", "--quiet", "--write", tmp_path / "new" / "results")
+    assert (result.code, result.out, asked) == (2, "", [])
+    assert "results: cannot be written (Permission denied)" in result.err
 
 
 def test_without_a_table_it_lists_them():
-    answer = silo2d("reproduce")
-    assert answer.code == 0
-    assert [line.split()[0] for line in answer.out.splitlines()] == list(TABLES)
+    result = silo2d("reproduce")
+    assert result.code == 0
+    assert [line.split()[0] for line in result.out.splitlines()] == list(TABLES)
     for name in TABLES:
         assert find(name).SEEDS >= 1
 
@@ -300,6 +300,6 @@ def test_without_a_table_it_lists_them():
 )
 def test_a_bad_command_line(arguments, words, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    answer: Answer = silo2d("reproduce", *arguments)
-    assert_refused(answer, *words)
+    result: Completed = silo2d("reproduce", *arguments)
+    assert_refused(result, *words)
     assert not list(tmp_path.iterdir())

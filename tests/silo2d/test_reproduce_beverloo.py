@@ -126,7 +126,7 @@ def test_row_of_a_run(reference):
     assert share == pytest.approx(0.2, abs=2 / one["n_particles"])
 
 
-def test_every_run_is_asked_for_and_none_needs_to_come(monkeypatch, tmp_path):
+def test_every_run_is_requested_and_none_needs_to_end(monkeypatch, tmp_path):
     """The cases that the sweep is asked for; rows, report and picture where it did none of them."""
     sweep = pytest.importorskip("silo2d.run.sweep")
     asked = []

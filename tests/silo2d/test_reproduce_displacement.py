@@ -38,7 +38,7 @@ def rows(tmp_path_factory) -> list[dict]:
 def test_rows_are_those_of_the_profile(rows):
     """Every layer at 0 and 0.25 s; the parabola's depth to its bins (see test_measure_profile).
 
-    The side columns' grains stand some 4 mm further in than the columns' middles: 0.88 of the
+    The side columns' particles stand some 4 mm further in than the columns' middles: 0.88 of the
     whole depth, to 5 %.
     """
     json.dumps(rows, allow_nan=False)
@@ -68,7 +68,7 @@ def test_report_gives_mean_and_spread_over_the_seeds(rows):
 def test_claims_of_the_paper_are_checked(rows):
     """V shapes in both, the deeper in D4 wherever both have one; A4 empties and D4 does not.
 
-    Shear alone scatters displacements alike at all heights: mixing cannot be told from these.
+    Shear alone scatters displacements alike at all heights: mixing does not follow from these.
     """
     text = displacement.report(rows)
     assert "  PASS  A4  of " in text

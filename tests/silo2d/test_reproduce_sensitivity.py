@@ -24,11 +24,11 @@ def laws_of(parameters):
 def test_table_4_is_the_case_as_it_is():
     """Journal Table 4: nothing to change, so that its runs are those of `reproduce discharge`."""
     assert TABLE_4.changes() == {}
-    grain, wall = laws_of(TABLE_4)
-    for law in (grain, wall):
+    particle, wall = laws_of(TABLE_4)
+    for law in (particle, wall):
         assert (law.kn, law.kt, law.gamma_t) == (1e4 * N_PER_MM, 650 * N_PER_MM, 3)
-    assert (grain.mu, wall.mu) == (0.38, 0.44)
-    assert (grain.gamma_n, wall.gamma_n) == (6085, 4303)
+    assert (particle.mu, wall.mu) == (0.38, 0.44)
+    assert (particle.gamma_n, wall.gamma_n) == (6085, 4303)
 
 
 def test_the_implied_baseline_gives_0_99_s_in_every_table():
@@ -39,9 +39,9 @@ def test_the_implied_baseline_gives_0_99_s_in_every_table():
         assert row.time_s == 0.99
     (row,) = (p for p in published() if (p.parameter, p.value) == ("mu", IMPLIED.mu_wall))
     assert row.time_s == 0.99
-    grain, wall = laws_of(IMPLIED)
-    assert (grain.mu, wall.mu, grain.gamma_n, wall.gamma_n) == (0.4, 0.4, 4000, 4000)
-    assert grain.kt == wall.kt == 1000 * N_PER_MM
+    particle, wall = laws_of(IMPLIED)
+    assert (particle.mu, wall.mu, particle.gamma_n, wall.gamma_n) == (0.4, 0.4, 4000, 4000)
+    assert particle.kt == wall.kt == 1000 * N_PER_MM
 
 
 @pytest.mark.parametrize("name", BASELINES)
@@ -58,7 +58,7 @@ def test_kn_takes_kt_and_the_damping_along(name, kn):
 
 
 def test_table_7_s_gamma_n_is_that_of_the_implied_baseline():
-    """Printed beside kn: 1000, 2000, 4000, 8000 1/s."""
+    """Printed with kn: 1000, 2000, 4000, 8000 1/s."""
     for kn, gamma_n in ((625, 1000), (2500, 2000), (1e4, 4000), (4e4, 8000)):
         assert IMPLIED.varied("kn", kn).gamma_n == pytest.approx(gamma_n)
 
@@ -74,23 +74,23 @@ def test_gamma_n_keeps_the_ratio_of_its_pairs(name, value):
 @pytest.mark.parametrize("name", BASELINES)
 def test_friction_of_each_pair_alone(name):
     base = BASELINES[name]
-    grain, wall = laws_of(base)
+    particle, wall = laws_of(base)
     found = {
         pairs: laws_of(base.varied("mu", 0.1, pairs)) for pairs in ("both", "particle", "wall")
     }
     assert [law.mu for law in found["both"]] == [0.1, 0.1]
     assert [law.mu for law in found["particle"]] == [0.1, wall.mu]
-    assert [law.mu for law in found["wall"]] == [grain.mu, 0.1]
-    assert found["particle"][0]._replace(mu=grain.mu) == grain
+    assert [law.mu for law in found["wall"]] == [particle.mu, 0.1]
+    assert found["particle"][0]._replace(mu=particle.mu) == particle
 
 
 @pytest.mark.parametrize(("parameter", "value"), [("kt", 5000), ("gamma_t", 0), ("gamma_t", 100)])
 def test_other_parameters_change_alone(parameter, value):
-    grain, wall = laws_of(IMPLIED.varied(parameter, value))
+    particle, wall = laws_of(IMPLIED.varied(parameter, value))
     unit = N_PER_MM if parameter == "kt" else 1
-    assert getattr(grain, parameter) == getattr(wall, parameter) == value * unit
+    assert getattr(particle, parameter) == getattr(wall, parameter) == value * unit
     usual = laws_of(IMPLIED)[0]
-    assert grain._replace(**{parameter: getattr(usual, parameter)}) == usual
+    assert particle._replace(**{parameter: getattr(usual, parameter)}) == usual
 
 
 def test_every_line_of_the_tables_is_run_from_both_baselines(monkeypatch, tmp_path):
@@ -142,7 +142,7 @@ def test_times_as_printed_agree_in_rows_and_trend():
     assert line == ["0.1", "0.70", "0.700", "+-", "0.010", "(3)", "agrees", *t90]
 
 
-def test_restitution_of_the_masses_stands_beside_the_printed_one():
+def test_restitution_of_the_masses_stands_next_to_the_printed_one():
     """Table 10 prints 0.022 for 16000 1/s; the made rows have 0.80 and, face to face, 0.53."""
     line = words(sensitivity.report(made({1000: 0.93, 16000: 1.05}, parameter="gamma_n")), "16000")
     assert line.split()[:3] == ["16000", "1.05", "0.022"]
@@ -154,7 +154,7 @@ def test_restitution_of_the_masses_stands_beside_the_printed_one():
     [(lambda t: 0.886 + 0.3 * (t - 0.886), "weaker"), (lambda t: 2 * t, "steeper"),
      (lambda t: 2 * 0.886 - t, "opposite")],
 )  # fmt: skip
-def test_trends_that_differ_are_told(change, word):
+def test_trends_that_differ_are_reported(change, word):
     text = sensitivity.report(made({value: change(time) for value, time in AS_PRINTED.items()}))
     assert f"): {word}; T90" in words(text, "Table 4:")
 

@@ -112,7 +112,7 @@ def study_rows() -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def test_the_report_tells_numbers_and_words():
+def test_the_report_has_numbers_and_verdicts():
     text = disorder.report(study_rows())
     assert "all alike" in text
     assert "A3, per pair: time longer by" in text

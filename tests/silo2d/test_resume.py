@@ -30,8 +30,8 @@ SLOW = {
 
 
 def run_quietly(case: Path, root: Path) -> RunFolder:
-    answer = silo2d("run", case, "-o", root, "--no-figures", "--quiet")
-    assert (answer.code, answer.err) == (0, "")
+    result = silo2d("run", case, "-o", root, "--no-figures", "--quiet")
+    assert (result.code, result.err) == (0, "")
     return the_run(root)
 
 
@@ -58,7 +58,7 @@ def slow_reference(_finished_root, tmp_path_factory) -> RunFolder:
 
 
 def test_the_same_case_and_seed_give_the_same_bits(reference, tmp_path):
-    """In another folder, filled anew; another seed gives other particles."""
+    """In another folder, filled again; another seed gives other particles."""
     case = write_case(tmp_path)
     assert_same_run(run_quietly(case, tmp_path / "runs"), reference)
     arguments = ["-o", tmp_path / "other", "--no-figures", "--json", "--quiet", "--seed", 2]
@@ -77,16 +77,16 @@ def test_the_same_case_and_seed_give_the_same_bits(reference, tmp_path):
 def test_how_often_a_run_is_looked_at_does_not_change_it(reference, runs, tmp_path, output):
     """Frames and checkpoints come between the same steps: only how many there are changes."""
     other = run_quietly(write_case(tmp_path, output), runs)
-    answers = [folder.read_summary() for folder in (reference, other)]
-    for name in answers[0].keys() - COSTS:
+    results = [folder.read_summary() for folder in (reference, other)]
+    for name in results[0].keys() - COSTS:
         if name != "energy_closure":  # a difference between the first and last frame: the same
-            assert answers[0][name] == answers[1][name], name
+            assert results[0][name] == results[1][name], name
     last = [read_trajectory(folder.path)["out_time"][-1] for folder in (reference, other)]
     assert last[0].tobytes() == last[1].tobytes()
 
 
 def test_a_run_stopped_many_times_ends_with_the_same_bits(reference, runs, tmp_path):
-    """Gone on from every third checkpoint or so: the lists are made anew in the same order."""
+    """Gone on from every third checkpoint or so: the lists are made again in the same order."""
     case = SiloCase.load(write_case(tmp_path))
     chance, stops, result = random.Random(3), 0, None
     stop = DischargeStop(lambda: chance.random() < 0.3)
@@ -163,14 +163,14 @@ def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(slow_reference, runs, tmp_
     folder = the_run(runs)
     assert folder.state == "unfinished"
     assert silo2d("show", folder.path).out.startswith(f"{folder.path}: unfinished; go on with: ")
-    command = shlex.split(answer.err.partition("stopped; go on with: ")[2])
+    command = shlex.split(result.err.partition("stopped; go on with: ")[2])
     assert command == ["silo2d", "run", "--resume", str(folder.path)]
     resumed = silo2d(*command[1:], "--no-figures", "--json", "--quiet").json
     assert not resumed["reused"]
     assert_same_run(folder, slow_reference)
 
 
-def test_ctrl_c_while_filling_says_that_the_silo_is_filled_anew(reference, tmp_path):
+def test_ctrl_c_while_filling_says_that_the_silo_is_filled_again(reference, tmp_path):
     """Nothing of the filling is kept: the same command begins with it."""
     case, root = write_case(tmp_path), tmp_path / "runs"
     arguments = ["run", case, "-o", root, "--no-figures", "--quiet"]
@@ -185,7 +185,7 @@ def test_ctrl_c_while_filling_says_that_the_silo_is_filled_anew(reference, tmp_p
 
 
 def test_resume_works_inside_the_folder_and_finds_the_packing(runs, tmp_path, monkeypatch):
-    """`--resume .`: the packings are beside the folder, whatever it is called from within."""
+    """`--resume .`: the packings are next to the folder, whatever it is called from within."""
     case = SiloCase.load(write_case(tmp_path))
     stop = DischargeStop(lambda: True)
     with pytest.raises(Stopped, match="go on with: silo2d run --resume"):
@@ -219,7 +219,7 @@ def test_a_case_changed_under_an_unfinished_run_is_refused(finished):
     (folder.path / "summary.json").unlink()  # unfinished again
     case = folder.path / "case.toml"
     case.write_text(case.read_text().replace("mu_wall = 0.2", "mu_wall = 0.3"))
-    answer = silo2d("run", "--resume", folder.path, "--quiet")
-    assert answer.code == 2
-    assert "changed since the run began" in answer.err
-    assert answer.err.count("\n") == 1
+    result = silo2d("run", "--resume", folder.path, "--quiet")
+    assert result.code == 2
+    assert "changed since the run began" in result.err
+    assert result.err.count("\n") == 1

@@ -33,7 +33,7 @@ def cores(simulation):
         first, _, n_edges = world.bodies.layout[body]
         n = n_edges if body < simulation.n_particles else 2
         local = world.local[first : first + n, [state.VERTEX_X, state.VERTEX_Y]]
-        found.append(turned(local, angle) + np.array([x, y]))
+        found.append(rotated(local, angle) + np.array([x, y]))
     return found
 
 
@@ -83,7 +83,7 @@ def crowd(seed, size=50e-3):
     for _ in range(60):
         shape = SHAPES[rng.integers(len(SHAPES))]
         x, y, angle = rng.uniform(-size / 2, size / 2), rng.uniform(low, high), rng.uniform(0, 7)
-        core = shapely.Polygon(turned(shape.core, angle) + np.array([x, y]))
+        core = shapely.Polygon(rotated(shape.core, angle) + np.array([x, y]))
         if not clear(core):
             continue
         push = 0.2e-3 * np.array([np.cos(direction := rng.uniform(0, 7)), np.sin(direction)])
@@ -95,8 +95,8 @@ def crowd(seed, size=50e-3):
     return simulation_of(shapes, poses, walls=walls, time_step=1e-6)
 
 
-def turned(points, angle):
-    """Points (n, 2) turned by an angle [rad]."""
+def rotated(points, angle):
+    """Points (n, 2) rotated by an angle [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     return points @ np.array([[cos, sin], [-sin, cos]])
 
@@ -190,8 +190,8 @@ def test_same_bits_again_and_in_pieces(poured):
 
 def test_same_bits_with_all_lists_made_again_at_every_step(poured):
     """No contact is missed and no slip lost or doubled while the lists age: lists made again at
-    every step give the same bits. (The books add up what springs of dropped particles held when the
-    lists are made, so energies agree to rounding.)"""
+    every step give the same bits. (The energy sums add up what springs of dropped particles held
+    when the lists are made, so energies agree to rounding.)"""
     simulation = pour()
     for _ in range(STEPS):
         simulation.world.counts[state.STALE] = 3
@@ -203,7 +203,7 @@ def test_same_bits_with_all_lists_made_again_at_every_step(poured):
 
 
 def spin_on_the_spot(made_again):
-    """A long block that spins beside a wall and beside another block until it has hit both."""
+    """A long block that rotates next to a wall and to another block until it has hit both."""
     long, other = block(30e-3, 6e-3), block(10e-3, 10e-3)
     poses = [(0.0, LEVEL, 0.0), (0.0, LEVEL + 16e-3, 0.0)]
     simulation = simulation_of(
@@ -217,7 +217,7 @@ def spin_on_the_spot(made_again):
     return simulation
 
 
-def test_lists_follow_a_particle_that_only_turns():
+def test_lists_follow_a_particle_that_only_rotates():
     """A tip can come near while the centroid rests; the same bits as with lists made again."""
     simulation = spin_on_the_spot(made_again=False)
     energies = simulation.energies()
@@ -228,7 +228,7 @@ def test_lists_follow_a_particle_that_only_turns():
 
 @pytest.mark.parametrize("cut", [1, 2500, 17003])
 def test_restored_run_goes_on_with_the_same_bits(poured, cut):
-    """What `save` keeps is all there is: state, slips, books, who has left."""
+    """What `save` keeps is all there is: state, slips, energy sums, who has left."""
     first = pour()
     first.run(cut)
     saved = first.save()
@@ -275,7 +275,7 @@ def test_uncompiled_kernels_give_the_same_bits():
     )
     code = "from test_search import short_fall; print(short_fall())"
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": paths}
-    answer = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-W", "error", "-c", code],
         env=environment,
         cwd=repository,
@@ -283,8 +283,8 @@ def test_uncompiled_kernels_give_the_same_bits():
         text=True,
         check=False,
     )
-    assert answer.returncode == 0, answer.stderr
-    assert answer.stdout.strip() == short_fall()
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.strip() == short_fall()
 
 
 def short_fall() -> str:

@@ -262,12 +262,12 @@ def test_tractions_add_up_to_the_forces_on_the_walls(flow):
 
 
 @pytest.mark.parametrize("what", ["stress", "janssen", "network"])
-def test_measures_answer_and_draw(reference, tmp_path, what):
+def test_measures_give_results_and_figures(reference, tmp_path, what):
     """On a whole run: numbers for the opening and the flow."""
     import shutil
 
     folder = shutil.copytree(reference.path, tmp_path / "run")
-    answer = silo2d("observe", folder, what)
-    assert answer.code == 0, answer.err
-    assert "before_opening" in answer.out
+    result = silo2d("observe", folder, what)
+    assert result.code == 0, result.err
+    assert "before_opening" in result.out
     assert (folder / "figures" / f"{what}.png").stat().st_size > 20_000

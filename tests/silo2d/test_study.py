@@ -64,7 +64,7 @@ def test_a_combination_that_is_written_twice_is_one(tmp_path):
     assert values(tmp_path, '["1e3 N/mm", "1e6 N/m", "2e3 N/mm"]', "law.kn") == [1e6, 2e6]
 
 
-def test_cases_of_the_same_stem_are_told_apart(tmp_path):
+def test_cases_of_the_same_stem_are_distinguished(tmp_path):
     """A4 and a file A4.toml: the labels, by which means are taken, differ."""
     write_case(tmp_path, name="A4")
     loaded = load_study(write_study(tmp_path, "", 'schema = 1\ncase = ["A4", "A4.toml"]\n'))
@@ -96,7 +96,7 @@ def test_a_case_of_a_study_is_the_one_that_a_single_run_finds(tmp_path):
     assert run_digest(case) == run_digest(single)
 
 
-def test_case_files_are_looked_for_beside_the_study(tmp_path):
+def test_case_files_are_looked_for_in_the_study_s_folder(tmp_path):
     write_case(tmp_path)
     loaded = load_study(write_study(tmp_path, "", 'schema = 1\ncase = "small.toml"\n'))
     assert [(labels["case"], case.name) for labels, case in loaded.cases] == [("small", "small")]
@@ -148,7 +148,7 @@ def draw(seed: int = 1, key: str = "law.mu_wall", **table) -> np.ndarray:
 
 
 def test_draws_follow_their_distribution():
-    """Mean and standard deviation of 4000 draws, to four standard errors; cut off where told."""
+    """Mean and standard deviation of 4000 draws, to four standard errors; cut off where given."""
     count = 4000
     error = 4 / math.sqrt(count)
     x = draw(distribution="normal", number=count, mean=0.5, sd="10 %")
@@ -169,7 +169,7 @@ def test_draws_follow_their_distribution():
 
 
 def test_draws_depend_on_the_draw_seed_and_their_own_key_alone(tmp_path):
-    """Twice the same; the same with another key beside it; others for another seed or key."""
+    """Twice the same; the same with a second key; others for another seed or key."""
     table = '{distribution = "normal", mean = 0.4, sd = 0.05, number = 3}'
 
     def draws(text: str, column: str = "law.mu_wall") -> list[float]:
@@ -257,8 +257,8 @@ BAD: list[tuple[str, list[str]]] = [
 @pytest.mark.parametrize(("text", "words"), BAD)
 def test_a_bad_study_is_refused_in_one_line(tmp_path, text, words):
     path = write_study(tmp_path, text + "\n")
-    answer = silo2d("sweep", path, "-o", tmp_path / "runs")
-    assert_refused(answer, *words)
+    result = silo2d("sweep", path, "-o", tmp_path / "runs")
+    assert_refused(result, *words)
     assert [path] == list(tmp_path.iterdir())
 
 
@@ -273,13 +273,13 @@ def test_a_bad_study_is_refused_in_one_line(tmp_path, text, words):
     ],
 )
 def test_a_study_needs_a_case_and_a_schema(tmp_path, head, words):
-    answer = silo2d("sweep", write_study(tmp_path, "", head), "-o", tmp_path / "runs")
-    assert_refused(answer, *words)
+    result = silo2d("sweep", write_study(tmp_path, "", head), "-o", tmp_path / "runs")
+    assert_refused(result, *words)
 
 
 def test_a_study_that_is_not_there(tmp_path):
-    answer = silo2d("sweep", tmp_path / "none.toml")
-    assert_refused(answer, "cannot be read")
+    result = silo2d("sweep", tmp_path / "none.toml")
+    assert_refused(result, "cannot be read")
 
 
 def test_the_reader_alone_knows_what_keys_mean(tmp_path):

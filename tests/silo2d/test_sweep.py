@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 import pytest
 from refusals import assert_refused
-from small_silo import Answer, contents, finish, silo2d, start, write_case
+from small_silo import Completed, contents, finish, silo2d, start, write_case
 from waiting import is_alive, wait_until
 
 from granulab.campaign.runs import folder as campaign_folder
@@ -60,8 +60,8 @@ def make_study(folder: Path, packings: Path, text: str = STUDY, **changes: Any) 
     return path
 
 
-def sweep(study: Path, *options: object) -> Answer:
-    """Run a study beside itself."""
+def sweep(study: Path, *options: object) -> Completed:
+    """Run a study in the folder of its file."""
     return silo2d("sweep", study, "-o", study.parent / "runs", "--quiet", *options)
 
 
@@ -78,8 +78,8 @@ def run_folders(study: Path) -> list[Path]:
 def _swept_root(tmp_path_factory, packings) -> Path:
     """The study, swept by two workers."""
     root = tmp_path_factory.mktemp("swept")
-    answer = sweep(make_study(root, packings), "--workers", 2)
-    assert answer.code == 0, answer.err
+    result = sweep(make_study(root, packings), "--workers", 2)
+    assert result.code == 0, result.err
     return root
 
 
@@ -105,7 +105,7 @@ def digests(_swept_root) -> list[str]:
 def test_the_same_bits_as_alone_however_many_workers(study, digests):
     """None, as two, as `silo2d run`.
 
-    One tidy table: a row a run, what was varied in its unit, answers, state and reason.
+    One tidy table: a row a run, what was varied in its unit, results, state and reason.
     """
     case, root = study.parent / "small.toml", study.parent / "alone"
     shutil.copytree(study.parent / "runs", root)
@@ -193,8 +193,8 @@ def test_a_packing_that_runs_share_is_poured_once(tmp_path):
 
 def test_a_dry_run_says_what_would_be_done_and_writes_nothing(study):
     before = contents(study.parent)
-    answer = sweep(study, "--dry-run")
-    assert "4 runs, 0 of them finished; 0 packings to fill" in answer.out
+    result = sweep(study, "--dry-run")
+    assert "4 runs, 0 of them finished; 0 packings to fill" in result.out
     assert contents(study.parent) == before
 
 
@@ -207,10 +207,10 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path, packings):
     study = make_study(tmp_path, packings)
     broken = sorted((tmp_path / "runs" / "packings").glob("*/packing.h5"))[0]
     broken.write_bytes(broken.read_bytes()[:-100])
-    answer = sweep(study, "--workers", 1)
-    assert answer.code == 3
-    assert answer.err.count("\n") == 1
-    assert "2 of 4 runs failed" in answer.err
+    result = sweep(study, "--workers", 1)
+    assert result.code == 3
+    assert result.err.count("\n") == 1
+    assert "2 of 4 runs failed" in result.err
     rows = rows_of(study)
     failed = [row for row in rows if row["state"] == "failed"]
     assert len(failed) == 2
@@ -218,7 +218,7 @@ def test_a_failed_run_is_a_row_with_its_reason(tmp_path, packings):
         assert f"{broken}: damaged" in row["reason"]
         assert "delete it" in row["reason"]
         assert row["state_digest"] == ""
-    assert answer.out.count("failed: case small") == 2
+    assert result.out.count("failed: case small") == 2
     assert sum(row["state"] == "done" for row in rows) == 2
 
 
@@ -229,30 +229,30 @@ def test_a_checkpoint_that_does_not_fit_is_a_row_that_says_what_to_delete(swept)
     (folder / "summary.json").unlink()
     checkpoint = folder / "checkpoint.h5"
     save_checkpoint(checkpoint, {"key": np.zeros(3), "row": np.zeros((2, 2))}, {"parts": []})
-    answer = sweep(swept, "--workers", 1)
-    assert answer.code == 3
+    result = sweep(swept, "--workers", 1)
+    assert result.code == 3
     (row,) = [row for row in rows_of(swept) if row["state"] == "failed"]
     assert row["reason"].startswith(f"{checkpoint}: does not fit this case")
     assert "delete it and the run starts from its opening" in row["reason"]
 
 
 @pytest.mark.usefixtures("in_this_process")
-def test_what_other_sources_made_is_told_once(swept):
+def test_what_other_sources_made_is_reported_once(swept):
     """Not once a packing and run; a sweep has no --again to offer."""
     for folder in run_folders(swept)[:3]:
         file = folder / "provenance.json"
         file.write_text(json.dumps({**json.loads(file.read_text()), "source_digest": "0" * 12}))
     (folder / "summary.json").unlink()
-    answer = sweep(swept, "--workers", 1)
-    assert answer.code == 0
-    assert answer.err == (
+    result = sweep(swept, "--workers", 1)
+    assert result.code == 0
+    assert result.err == (
         "warning: 3 of 4 runs and 0 of 2 packings were made by another version of the sources; "
         "delete their folders and the same command makes them again\n"
     )
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "reported"),
     [
         ("x: damaged; use --again to compute", "x: damaged; delete the folder of the run and the "
          "same command does it again"),
@@ -260,8 +260,8 @@ def test_what_other_sources_made_is_told_once(swept):
         ("x: lost; delete it", "x: lost; delete it"),
     ],
 )  # fmt: skip
-def test_a_sweep_offers_no_again(line, told):
-    assert without_again(line) == told
+def test_a_sweep_offers_no_again(line, reported):
+    assert without_again(line) == reported
 
 
 @pytest.mark.usefixtures("in_this_process")
@@ -271,8 +271,8 @@ def test_a_damaged_summary_of_a_finished_run(swept, digests):
     harmed = run_folders(study)[0] / "summary.json"
     harmed.write_text("{")
     before = contents(harmed.parent)
-    answer = sweep(study)
-    assert answer.code == 3
+    result = sweep(study)
+    assert result.code == 3
     (row,) = [row for row in rows_of(study) if row["state"] == "failed"]
     assert row["reason"].startswith(f"{harmed}: damaged")
     assert row["reason"].endswith(f"delete the folder {harmed.parent} and the same command does "
@@ -283,7 +283,7 @@ def test_a_damaged_summary_of_a_finished_run(swept, digests):
     assert [row["state_digest"] for row in rows_of(study)] == digests
 
 
-def test_a_damaged_table_is_written_anew(swept, digests):
+def test_a_damaged_table_is_written_again(swept, digests):
     study = swept
     for table in study.parent.glob("runs/studies/walls-*/table.*"):
         table.write_bytes(b"\x00")
@@ -307,8 +307,8 @@ def test_a_full_disk_while_the_table_is_written(swept, digests):
     """Simulated: one line; the runs stay, and the same command writes the table."""
     study = swept
     with full_disk(lambda file: "studies" in file.parts and file.name.startswith("table")):
-        answer = sweep(study)
-    assert_refused(answer, "table.csv: cannot be written (No space left on device)")
+        result = sweep(study)
+    assert_refused(result, "table.csv: cannot be written (No space left on device)")
     assert sweep(study, "--json").json["reused"] == 4
     assert [row["state_digest"] for row in rows_of(study)] == digests
     assert not list(study.parent.rglob(".*.tmp"))
@@ -322,8 +322,8 @@ def test_a_full_disk_in_a_run(swept, digests):
         if "seed2" in folder.name:
             shutil.rmtree(folder)
     with full_disk(lambda file: "seed2" in str(file) and file.name == "summary.json"):
-        answer = sweep(study, "--workers", 1)
-    assert answer.code == 3
+        result = sweep(study, "--workers", 1)
+    assert result.code == 3
     failed = [row for row in rows_of(study) if row["state"] == "failed"]
     assert [row["seed"] for row in failed] == ["2", "2"]
     assert all("No space left on device" in row["reason"] for row in failed)
@@ -364,10 +364,10 @@ def test_ctrl_c_and_kill_9_lose_nothing(slow):
     """
     process = started(slow)
     process.send_signal(signal.SIGINT)
-    answer = finish(process)
-    assert answer.code == 130
-    assert answer.err == "silo2d: stopped; the same command goes on from there\n"
-    assert json.loads(answer.out)["interrupted"] >= 3
+    result = finish(process)
+    assert result.code == 130
+    assert result.err == "silo2d: stopped; the same command goes on from there\n"
+    assert json.loads(result.out)["interrupted"] >= 3
     states = [row["state"] for row in rows_of(slow)]
     assert states.count("interrupted") >= 3
     process = started(slow)
@@ -379,9 +379,9 @@ def test_ctrl_c_and_kill_9_lose_nothing(slow):
     assert n_parts(slow) >= 8
     process = started(slow)
     os.kill(children(process.pid)[-1], signal.SIGKILL)
-    answer = finish(process)
-    assert answer.code == 0, answer.err
-    assert json.loads(answer.out)["done"] == 4
+    result = finish(process)
+    assert result.code == 0, result.err
+    assert json.loads(result.out)["done"] == 4
     assert {row["reason"] for row in rows_of(slow)} == {""}
 
 

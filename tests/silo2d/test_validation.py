@@ -1,4 +1,4 @@
-"""Discharge times beside the published ones: minutes, so apart from the other tests."""
+"""Discharge times compared with the published ones: minutes, so apart from the other tests."""
 
 import numpy as np
 import pytest
