@@ -1,6 +1,6 @@
 """What a step costs: door closed, over a discharge, filling, and against the number of particles.
 
-Run as `make bench`, on a machine with nothing else to do. Every figure stands beside the
+Run as `make bench`, on a machine with nothing else to do. Every figure stands next to the
 reference kernel, timed in the same run, so that machines (and their moods) can be compared.
 """
 

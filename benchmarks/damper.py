@@ -1,4 +1,4 @@
-"""What a step of the damper costs: at rest, bouncing, beside LAMMPS, and against the number.
+"""What a step of the damper costs: at rest, bouncing, compared with LAMMPS, and against the number.
 
 Run as `make bench`. User CPU time of one core, energy split on; stretches of this engine and of
 LAMMPS (where it is installed) take turns, and medians are printed, so that a machine that others
@@ -163,7 +163,7 @@ def against_number(largest: int, repeats: int) -> None:
 
 
 def of_a_point(us: float) -> None:
-    """Print what a point of a map costs beside its steps, and what a whole map comes to."""
+    """Print what a point of a map costs on top of its steps, and what a whole map comes to."""
     from damper3d.run.protocol import run
 
     summary = {"output.keep": "summary", "output.frames": 0}
@@ -178,9 +178,7 @@ def of_a_point(us: float) -> None:
     steps = 8 * AMPLITUDES * sum(1 / f for f in FREQUENCIES) / point.time_step_s
     n_points = AMPLITUDES * len(FREQUENCIES)
     total = n_points * overhead + 1e-6 * us * steps
-    print(
-        f"\na point of a map, 40 Hz, Gamma 30: {seconds:.2f} s, {overhead:.2f} s beside its steps"
-    )
+    print(f"\na point of a map, 40 Hz, Gamma 30: {seconds:.2f} s, {overhead:.2f} s on top of it")
     print(
         f"{n_points} points of 8 cycles, {steps / 1e6:.1f} million steps: about {total:.0f} s, "
         f"{total / 120:.1f} min on two cores (4 min)"

@@ -66,7 +66,7 @@ def clips(rate: float, noise: float, blur: str, clip: int) -> tuple[DropScene, C
 
 
 def measured(case: tuple[float, float, str, int]) -> list[Row]:
-    """Every value of a clip that has a sigma, beside its truth."""
+    """Every value of a clip that has a sigma, with its truth."""
     scene, camera, codec = clips(*case)
     ball = scene.balls[0]
     duration = ball.contacts()[0][4]  # the fourth flight ends there

@@ -1,4 +1,4 @@
-"""Velocities of rendered discharge films beside the run's own: bias, scatter, coverage, a figure.
+"""Velocities of rendered discharge films and the run's own: bias, scatter, coverage, a figure.
 
 python benchmarks/flow_velocity.py RUN FOLDER FILM ... renders a run folder as each FILM's camera of
 flow_coverage.py sees it, measures the film, and writes FOLDER/velocity-FILM-RUN.npz and a figure;

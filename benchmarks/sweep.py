@@ -1,4 +1,4 @@
-"""What a sweep costs beside its runs: wall time of the workers in runs over that of the sweep.
+"""What a sweep costs on top of its runs: wall time of the workers in runs over that of the sweep.
 
     python benchmarks/sweep.py [RUNS] [WORKERS]
 

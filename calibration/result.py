@@ -1,7 +1,7 @@
 """The form that every result of calibration has, and the one way in which a command ends.
 
 A measurement of calibration returns a `Result`: numbers for a script, text for a person, a
-diagnostic figure. `finish` writes what was asked for and prints the result; no command does so by
+diagnostic figure. `finish` writes what was requested and prints the result; no command does so by
 itself.
 """
 

@@ -14,7 +14,7 @@ class SimulationError(RuntimeError):
 
 
 class Stopped(Exception):
-    """Raised by a run that was asked to stop and has kept its state; says how to go on."""
+    """Raised by a run that was stopped and has kept its state; says how to go on."""
 
 
 class Failed(Exception):

@@ -9,7 +9,7 @@ import click
 from granulab.campaign.cli.commandline import run_app
 from granulab.errors import InputError
 
-# name: module of calibration.commands, imported when it is called or asked for help
+# name: module of calibration.commands, imported when it or its help is called
 _COMMANDS: dict[str, str] = {
     "drop": "drop",
     "pendulum": "pendulum",

@@ -27,7 +27,7 @@ class Drop:
     remarks       on the time base
     name          of the film or table, for the diagnostic figure
     pictures      of the film, with what was measured drawn in; see calibration.drop.annotate
-    sheet, film   the diagnostic figure and the annotated film, where they were asked for
+    sheet, film   the diagnostic figure and the annotated film, where they were requested
     """
 
     bounces: Bounces

@@ -82,7 +82,7 @@ def _curve(axes: "Axes", flow: Flow) -> None:
     axes.axvline(0, color=GREY, lw=0.8)
     if flow.discharge is not None:
         d, sigma = flow.discharge.value, flow.discharge.sigma or 0.0
-        axes.axvspan(d - sigma, d + sigma, color=GREEN, alpha=0.3, lw=0, label="last grain")
+        axes.axvspan(d - sigma, d + sigma, color=GREEN, alpha=0.3, lw=0, label="last particle")
     axes.set_ylim(bottom=0)
     axes.set_xlabel("time since the opening [s]")
     axes.set_ylabel("share that remains in the silo")

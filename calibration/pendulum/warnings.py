@@ -137,7 +137,7 @@ def _mass(found: Pendulum) -> list[str]:
         return []
     given = "the masses given" if found.masses else "equal masses"
     return [
-        f"momentum asks for a mass ratio of {value:.3g} (sigma {sigma:.2g}), right to left, not "
+        f"momentum requires a mass ratio of {value:.3g} (sigma {sigma:.2g}), right to left, not "
         f"{second / first:.3g} of {given}: a block that turns, an oblique contact, or perspective"
     ]
 

@@ -162,9 +162,9 @@ def poses_at(scene: Scene, time: float) -> Poses:
     step, ahead = stored[n] - stored[k], time - stored[k]
     both = frames["inside"][n][which] & (n > k)
     out = []
-    for place, rate, pull in (("x", "vx", 0.0), ("y", "vy", -_GRAVITY), ("angle", "spin", 0.0)):
-        p0, v0 = (frames[key][k][which].astype(float) for key in (place, rate))
-        p1, v1 = (frames[key][n][which].astype(float) for key in (place, rate))
+    for position, rate, pull in (("x", "vx", 0.0), ("y", "vy", -_GRAVITY), ("angle", "spin", 0.0)):
+        p0, v0 = (frames[key][k][which].astype(float) for key in (position, rate))
+        p1, v1 = (frames[key][n][which].astype(float) for key in (position, rate))
         s = ahead / step if n > k else 0.0
         cubic = (
             p0 + s * step * v0 + s * s * (3 * (p1 - p0) - step * (2 * v0 + v1))

@@ -81,7 +81,7 @@ class Swinging:
 
 
 def swing(strings: Strings) -> Swinging:
-    """Integrate until one contact more than is asked for."""
+    """Integrate until one contact more than requested."""
     from scipy.integrate import solve_ivp
 
     start, b = strings.release, strings.objects

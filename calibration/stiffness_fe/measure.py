@@ -68,7 +68,7 @@ def measure(
     case: Case, flat: Load | None, rough: tuple[Load, Waves | Paths] | None, *,
     profiles: int, seed: int, sigma_e: float, progress: Progress = lambda _: None,
 ) -> Found:  # fmt: skip
-    """Test the surfaces asked for; sigma_e is that of Young's modulus, relative."""
+    """Test the surfaces requested; sigma_e is that of Young's modulus, relative."""
     even = found = None
     if flat is not None:
         progress("flat")

@@ -118,7 +118,7 @@ class Background:
         return self._limit
 
     def due(self) -> bool:
-        """True if it is this frame's turn to be learned; asked once a frame."""
+        """True if it is this frame's turn to be learned; called once a frame."""
         self._frames += 1
         return self._seen < _MEMORY / 2 or self._frames % _EVERY == 0
 
@@ -137,7 +137,7 @@ class Background:
         self.noise = max(_mean_of_quiet(difference) / _MEAN_OF_LARGEST, _ROUNDING / 2)
 
     def replace(self, picture: Picture, where: Mask) -> None:
-        """Take the picture as it is in some place: a ghost, or a new view."""
+        """Take the picture as it is at some position: a ghost, or a new view."""
         import cv2
 
         x, y, w, h = cv2.boundingRect(where)

@@ -58,8 +58,8 @@ def noise(t: Array, y: Array) -> float:
 def stretches(t: Array, y: Array) -> list[Stretch]:
     """The best cut of a track into parabolas; points that fit none are in none.
 
-    A stretch costs twice what the Bayesian information criterion asks for its three coefficients
-    and its end; a point left out costs what a normal deviate exceeds once in n points.
+    A stretch costs twice what the Bayesian information criterion requires for its three
+    coefficients and its end; a point left out costs what a normal deviate exceeds once in n points.
     """
     n, sigma = len(t), noise(t, y)
     per_stretch, per_point = 8 * np.log(n) * sigma**2, 2 * np.log(n) * sigma**2

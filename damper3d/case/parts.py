@@ -110,7 +110,7 @@ def _usual_fill_ratio(kind: str) -> float:
 
 
 def particle_wanted(particles: Particles, folder: Path) -> Particle:
-    """Shape that [particles] asks for; folder: looked through first for a mesh."""
+    """Shape that [particles] requests; folder: looked through first for a mesh."""
     wanted = Particle(
         particles.shape, particles.equal_volume_radius, particles.sub_spheres,
         particles.tolerance, particles.mesh_unit, folder,

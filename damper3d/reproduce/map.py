@@ -1,7 +1,7 @@
 """Figs 6.4 and 6.5: efficiency over frequency and Gamma for four fills in both orientations.
 
 358 spheres of 5 mm at the thesis's nine frequencies and nineteen Gammas; one packing unless more
-seeds are asked for.
+seeds are requested.
 """
 
 import itertools

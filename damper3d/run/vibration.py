@@ -24,7 +24,7 @@ CHECKPOINT_WORK = 2e8
 # Energy that may be unaccounted for, over the dissipated: 1 us leaves 0.5 % and 0.4 of Rayleigh's
 # step 5 %; more means that the state is wrong, not coarse.
 MOST_UNACCOUNTED = 0.2
-_NOTHING = 1e-4  # efficiency below which this is not asked: next to nothing is dissipated
+_NOTHING = 1e-4  # efficiency below which this is not checked: next to nothing is dissipated
 _LONGEST_LOOK = 2e7  # particles times steps between looks whether to stop
 
 

@@ -18,7 +18,7 @@ _MESH = Family("mesh:rock.stl", None)
 
 @dataclass(frozen=True)
 class Particle:
-    """Shape that a case asks for."""
+    """Shape that a case requests."""
 
     text: str  # such as "prolate:1.5"
     equal_volume_radius: float | None = None  # [m]; None: the text's or the family's usual one

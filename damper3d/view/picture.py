@@ -39,7 +39,7 @@ def make_figures(
     """Draw a run, finished or not, into its folder figures/; the paths of the pictures.
 
     cycle.png     particles and enclosure at even times of the last whole cycle; cycle-3d.png in
-                  its place with the engine "pyvista": the whole bed, in perspective
+                  its replacement by the engine "pyvista": the whole bed, in perspective
     energy.png    what a cycle dissipates, by mechanism, as it goes on; efficiency of each cycle
     motion.png    velocity of bed and enclosure, force on the enclosure, height of the bed's mass
     film.mp4      all frames (see make_film); left out without `film`

@@ -11,7 +11,7 @@ __all__ = ["Material", "Pair", "load_pairs", "load_table", "write_table"]
 
 
 def __getattr__(name: str):
-    # Imported when first asked for: commands must print --help without pydantic and pint.
+    # Imported on first use: commands must print --help without pydantic and pint.
     if name not in __all__:
         raise AttributeError(f"module 'granulab.contact' has no attribute {name!r}")
     home = "material" if name in ("Material", "Pair") else "files.table"

@@ -161,7 +161,7 @@ def _inner(capacity: int) -> Inner:
 
 
 def _staggered(n: int, capacity: int, behind: int = 0) -> list[np.ndarray]:
-    """Arrays of at least `capacity` for the force pass, n of them, read beside `behind` others."""
+    """Arrays of at least `capacity` for the force pass, n of them, read with `behind` others."""
     # Arrays of one size would all start at the same position in a memory page, and the force pass,
     # which reads all of them at once, would wait for cache lines that displace each other: shift
     # each by three cache lines against the one before.

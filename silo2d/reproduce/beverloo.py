@@ -39,7 +39,7 @@ _KEPT = ["state", "reason", "outcome", "n_particles", "n_out", "packing_fraction
          "cpu_s", "mean_mass_flow_kg_per_s"]  # fmt: skip
 
 
-NAMES = {"A": "silo A, 60 deg", "D": "silo D, flat", "wide": "wide silo, 5 mm grains"}
+NAMES = {"A": "silo A, 60 deg", "D": "silo D, flat", "wide": "wide silo, 5 mm particles"}
 
 _NOTE = """\
 W = rho_b sqrt(g) C (D - k d)^1.5 (Beverloo 1961, for a slot); W is the mass flow of the steady part

@@ -97,7 +97,7 @@ def test_velocities_come_back_within_their_uncertainty(measured, filmed):
 
 
 def test_true_velocities_are_none_before_the_opening(filmed):
-    """Grains at rest behind the door: 0 in every window that they fill."""
+    """Particles at rest behind the door: 0 in every window that they fill."""
     stage, times = filmed[3]
     x, y = np.arange(10, 75, 8) * 1e-3, np.arange(40, 5, -8) * 1e-3
     none = np.zeros((len(y), len(x)))
@@ -133,8 +133,8 @@ def squares(side=0.1, step=0.002):
 def test_layers_that_come_down_as_one_stay_level():
     """Rigid fall: each line one fall below the layer's level, whatever the parting; to rounding.
 
-    The level is the mean over particles that might have been, known to about a tenth of a grain's
-    10 mm for these forty."""
+    The level is the mean over particles that might have been, known to about a tenth of a
+    particle's 10 mm for these forty."""
     lines, start = squares()
     profile = lines.at(0.5, start - (0, 0.02), np.zeros(len(start)))
     upper = profile.lines[1]
@@ -146,8 +146,8 @@ def test_layers_that_come_down_as_one_stay_level():
 def test_a_piece_is_where_most_of_it_is():
     """A third of all tracers are far below: pieces of nine, of which half and more are elsewhere,
     keep the median, and so do lines. Pieces by chance hold up to a half of those; their line is
-    then a mean of 20 mm and 150 mm, and that of all is off by less than a tenth of a grain's 10 mm
-    where not one piece in a hundred is such."""
+    then a mean of 20 mm and 150 mm, and that of all is off by less than a tenth of a particle's 10
+    mm where not one piece in a hundred is such."""
     lines, start = squares()
     place = start - (0, 0.02)
     place[::3] -= (0, 0.15)
@@ -238,8 +238,9 @@ def test_a_tracer_that_creeps_out_after_the_last_particle_does_not_set_its_speed
 def test_a_particle_before_two_backdrops_is_distinguished_from_both(grey):
     """At the outlet a white backing ends, and a dark plate begins: the mean of such rows, 117, is
     as bright as a light particle. In each row it differs by more than half of the contrast to the
-    nearer tone there; a dark particle does by 20 sqrt(3) before the plate, where 30 is what grains
-    differ by. What differs by less, or in one row only, is none: here a codec's ten grey levels."""
+    nearer tone there; a dark particle does by 20 sqrt(3) before the plate, where 30 is what
+    particles differ by. What differs by less, or in one row only, is none: here a codec's ten grey
+    levels."""
     tones = Tones(np.array([[40] * 3, [120] * 3, [230] * 3], np.float32), 2, 30.0)
     behind = np.full((3, 4, 3), 60, np.uint8)
     behind[0] = 230

@@ -41,7 +41,7 @@ def filled(backing, codec):
 @pytest.mark.parametrize("backing", [235.0, 20.0])
 @pytest.mark.parametrize("codec", [0.0, 25.0])
 def test_a_codec_s_errors_about_edges_are_no_part_of_the_silo(backing, codec):
-    """They are many times what still pixels change by, and still far from the grains' contrast: the
+    """They are many times what still pixels change by, and far from the particles' contrast: the
     silo's sides are right to a pixel, as whole pixels and a limit at half of the change want it."""
     film = SimpleNamespace(width=SHAPE[1], height=SHAPE[0])
     silo = find_silo(film, filled(backing, codec), None, None, None)

@@ -242,8 +242,8 @@ def test_a_profile_is_the_lines_that_the_run_is_observed_to_have(silo):
     at = np.array([(t, k, middles[j]) for t, k, j in known]
                   + [(times[1], 1, edges[1]), (times[1], 7, 0.0)])  # fmt: skip
     nothing = np.zeros(len(at))
-    asked = Observation("profile", (), nothing, nothing, 1, at, (), nothing, ("", ""))
-    found = SIMULATED.kinds["profile"].of(asked, {"run_folder": str(run_folder)})
+    requested = Observation("profile", (), nothing, nothing, 1, at, (), nothing, ("", ""))
+    found = SIMULATED.kinds["profile"].of(requested, {"run_folder": str(run_folder)})
     expected = [lower[1, 2], upper[1, 0], upper[2, 3], (upper[1, 0] + upper[1, 1]) / 2, 0.0]
     assert found == pytest.approx(expected, abs=1e-12)
     assert lower[1, 2] < lower[0, 2] - 1e-3  # it has sunk by then

@@ -134,7 +134,7 @@ def test_layers_do_not_outweigh_the_particles(tones, method):
 
 
 def test_walls_left_out_by_the_mask_do_not_hold_back_the_particles():
-    """Grains fall between still walls: masked, all windows have the grains' displacement."""
+    """Particles fall between still walls: masked, all windows have their displacement."""
     pair = grains(uniform(0.5, 6.3), 3, shape=(200, 192), diameter=8.0, noise=3.0)
     random = np.random.default_rng(0)
     wall = np.zeros(pair.a.shape, dtype=bool)

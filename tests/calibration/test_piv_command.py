@@ -20,7 +20,7 @@ needs_media = pytest.mark.skipif(not MEDIA.is_dir(), reason=f"no recordings in {
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """Grains that move by (1.5, 4.25) px; a mask that leaves out the left quarter."""
+    """Particles that move by (1.5, 4.25) px; a mask that leaves out the left quarter."""
     folder = tmp_path_factory.mktemp("pair")
     pair = grains(uniform(1.5, 4.25), 8, shape=(128, 160))
     mask = np.full(pair.a.shape, 255, dtype=np.uint8)

@@ -231,7 +231,7 @@ def test_the_rayleigh_step_is_that_of_equation_3_31():
 @given(st.floats(1.0, 2000.0), st.sampled_from([8, 100, 500]), st.floats(0.2, 3.0))
 @settings(deadline=None)
 def test_steps_make_whole_samples_and_samples_whole_cycles(frequency, samples, step_us):
-    """At most the step that was asked for, and one more a sample would be too many."""
+    """At most the step that was requested, and one more a sample would be too many."""
     changes = {"motion.frequency": frequency, "output.samples": samples, "output.frames": 0}
     changes["run.time_step"] = f"{step_us!r} us"
     if 1 / (frequency * samples) < step_us * 1e-6 * (1 - 1e-9):

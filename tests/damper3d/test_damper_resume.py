@@ -1,4 +1,4 @@
-"""No damper run is lost: killed, stopped or asked twice, it ends with an undisturbed one's bits."""
+"""No damper run is lost: killed, stopped or repeated, it ends with an undisturbed one's bits."""
 
 import json
 import math

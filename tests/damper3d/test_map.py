@@ -24,7 +24,7 @@ SMALL = Grid((20, 40, 160), GAMMAS, packings=3)
 
 
 @pytest.fixture
-def asked(monkeypatch):
+def requested(monkeypatch):
     """Made runs in place of computed ones; the labels of each call."""
     calls = []
 
@@ -76,9 +76,9 @@ def test_runs_are_the_case_at_each_point_and_keep_only_their_results(monkeypatch
     monkeypatch.setattr(mapping, "run_cases", run_cases)
     grid = Grid((40.0, 20.0, 40.0), (3.0, 1.0), packings=2, seed=5)
     made_map(tmp_path, grid, {"motion.orientation": "horizontal"})
-    asked = [(c.settings.motion.frequency, c.settings.motion.gamma, c.settings.run.seed)
+    requested = [(c.settings.motion.frequency, c.settings.motion.gamma, c.settings.run.seed)
              for c in seen]  # fmt: skip
-    assert asked == [(f, g, s) for f in (20.0, 40.0) for g in (1.0, 3.0) for s in (5, 6)]
+    assert requested == [(f, g, s) for f in (20.0, 40.0) for g in (1.0, 3.0) for s in (5, 6)]
     assert {c.settings.output.keep for c in seen} == {"summary"}
     assert {c.settings.motion.orientation for c in seen} == {"horizontal"}
     assert {c.period for c in seen} == {1 / 20, 1 / 40}
@@ -97,7 +97,7 @@ def test_scatter_over_packings_is_the_half_width_of_three_and_the_cycles_that_of
     assert np.isnan(none.half_width).all()
 
 
-def test_point_whose_runs_failed_is_missing_and_the_rest_is_mapped(asked, tmp_path):
+def test_point_whose_runs_failed_is_missing_and_the_rest_is_mapped(requested, tmp_path):
     result = made_map(tmp_path)
     bad = [{**row, "state": "failed", "reason": "NaN"} if row["gamma"] == 5.0 else row
            for row in result.rows]  # fmt: skip
@@ -110,26 +110,26 @@ def test_point_whose_runs_failed_is_missing_and_the_rest_is_mapped(asked, tmp_pa
     assert "failed: 9 runs" in as_text(results)
 
 
-def test_unknown_column_is_refused_with_those_there_are(asked, tmp_path):
+def test_unknown_column_is_refused_with_those_there_are(requested, tmp_path):
     result = made_map(tmp_path)
     assert result.mean("law_term") == pytest.approx(0.01 * result.gamma)
     with pytest.raises(InputError, match=r"column 'law_terms'.*did you mean 'law_term'"):
         result.mean("law_terms")
 
 
-def test_refinement_computes_around_the_peaks_only_and_again_the_same(asked, tmp_path):
+def test_refinement_computes_around_the_peaks_only_and_again_the_same(requested, tmp_path):
     refined = Grid(SMALL.frequencies, SMALL.gammas, packings=3, refine=3)
     first = made_map(tmp_path, refined)
-    calls = [list(call) for call in asked]
+    calls = [list(call) for call in requested]
     assert len(calls) == 4
     # The 160 Hz of this map has one peak (Gamma 3); 20 and 40 Hz have two: 2 points each.
     assert [len(call) for call in calls[1:]] == [30, 30, 30]
-    asked.clear()
+    requested.clear()
     assert made_map(tmp_path, refined).rows == first.rows
-    assert asked == calls
+    assert requested == calls
 
 
-def test_refined_peaks_are_where_they_were_planted(asked, tmp_path):
+def test_refined_peaks_are_where_they_were_planted(requested, tmp_path):
     """Gamma 3 on the fluidised ridge and eq. 6.11 on the other lie in their brackets, which three
     halvings leave as wide as noise allows; the made noise is 1 % of the peaks."""
     result = made_map(tmp_path, Grid(SMALL.frequencies, GAMMAS, packings=3, refine=3))
@@ -161,7 +161,7 @@ def test_commonest_phase_stands_for_a_point():
     assert MapResult.of(rows).phases == ["transition", None]
 
 
-def test_contours_go_through_the_points_and_are_linear_in_ln_gamma_between(asked, tmp_path):
+def test_contours_go_through_the_points_and_are_linear_in_ln_gamma_between(requested, tmp_path):
     result = made_map(tmp_path, Grid((20, 40), (1, 4, 16)))
     frequency, gamma, eta = gridded(result)
     assert frequency.tolist() == [20, 40]
@@ -172,7 +172,7 @@ def test_contours_go_through_the_points_and_are_linear_in_ln_gamma_between(asked
     assert np.isfinite(eta).all()
 
 
-def test_table_and_summary_hold_every_point_and_are_read_back(asked, tmp_path):
+def test_table_and_summary_hold_every_point_and_are_read_back(requested, tmp_path):
     result = made_map(tmp_path)
     prediction = predict(DamperCase.load("thesis"))
     folder = RunFolder(tmp_path / "map")
@@ -192,7 +192,7 @@ def test_table_and_summary_hold_every_point_and_are_read_back(asked, tmp_path):
 
 
 @pytest.mark.parametrize("grid", [SMALL, Grid((40,), (1, 3, 10)), Grid((40, 80), (3,))])
-def test_picture_is_made_of_any_grid(asked, tmp_path, grid):
+def test_picture_is_made_of_any_grid(requested, tmp_path, grid):
     result = made_map(tmp_path, grid)
     prediction = predict(DamperCase.load("thesis"))
     found = ridges(result, prediction)

@@ -40,7 +40,7 @@ def killed(task: tuple[Path, int], stop: Stop) -> int:
 
 
 def patient(task: tuple[Path, float], stop: Stop) -> str:
-    """Writes its process number to a file and waits; keeps its state when asked to stop."""
+    """Writes its process number to a file and waits; keeps its state when requested to stop."""
     file, seconds = task
     file.write_text(str(os.getpid()))
     end = time.monotonic() + seconds

@@ -48,7 +48,7 @@ def static_of(shapes: Sequence[Shape], kinds, silo: Outline) -> tuple[dict, dict
 def simulation_in(
     silo: Outline, shapes: Sequence[Shape], poses, law: LinearLaw = STICKY, door: bool = False
 ) -> Simulation:
-    """Particles, one of each shape, at rest in a silo whose door is away unless asked for."""
+    """Particles, one of each shape, at rest in a silo whose door is away unless requested."""
     sim = Simulation(
         build_world(
             list(shapes), np.arange(len(shapes)), np.array(poses, dtype=float), silo.walls(),

@@ -1,6 +1,6 @@
 """Motions whose phase is known by construction: a bed that sticks, bounces, floats, rolls, ...
 
-Beds of touching spheres on a square lattice in a void 8 diameters wide and as long as asked for,
+Beds of touching spheres on a square lattice in a void 8 diameters wide and as long as requested,
 shaken by one sine along z. Nothing is simulated: positions and velocities are written down.
 """
 

@@ -63,7 +63,7 @@ def test_a_run_compared_with_itself_is_no_distance_away(reference):
 
 
 def test_engines_are_compared_on_the_same_packing(reference, runs, tmp_path):
-    """One table, one picture; asked for the two folders, the same numbers again."""
+    """One table, one picture; of the two folders, the same numbers again."""
     case = write_case(tmp_path)
     arguments = ["--engines", "dem,pymunk", case, "-o", runs, "--quiet"]
     result = silo2d("compare", *arguments, "--json")

@@ -72,7 +72,7 @@ def test_contact_forces_are_mass_times_acceleration(reference):
 
 
 def test_reading_the_contacts_changes_no_bit(reference):
-    """Neither slips nor lists nor loads: the state after is that of a world never asked."""
+    """Neither slips nor lists nor loads: the state after is that of a world never sampled."""
     flowing, other = (opened(*behind_door(reference)) for _ in range(2))
     for steps in (1, 3, 10, 100, 1000, 3000):
         flowing.run(steps)

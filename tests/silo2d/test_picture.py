@@ -73,7 +73,7 @@ def test_panels_stand_at_even_times(end, times):
     ("length", "rounded"), [(0.1, 0.1), (0.0999, 0.05), (0.4, 0.2), (9.99, 5.0)]
 )
 def test_scale_bar_is_a_round_length(length, rounded):
-    """1, 2 or 5 times a power of ten, not above what was asked for."""
+    """1, 2 or 5 times a power of ten, not above what was requested."""
     assert round_length(length) == pytest.approx(rounded, rel=1e-12)
 
 

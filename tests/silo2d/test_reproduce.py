@@ -119,7 +119,7 @@ def test_clogging_counts_the_opening_apart():
 
 
 @pytest.fixture
-def asked(monkeypatch) -> list[tuple[dict[str, Any], Any]]:
+def requested(monkeypatch) -> list[tuple[dict[str, Any], Any]]:
     """Takes the cases that a table would run, and lets all of them clog."""
     from silo2d.run import sweep
 
@@ -136,21 +136,21 @@ def asked(monkeypatch) -> list[tuple[dict[str, Any], Any]]:
 @pytest.mark.parametrize(
     ("table", "silos"), [("discharge", PRESETS), ("clogging", [p for p in PRESETS if p[1] != "4"])]
 )
-def test_each_silo_is_run_with_each_seed(table, silos, asked, tmp_path):
+def test_each_silo_is_run_with_each_seed(table, silos, requested, tmp_path):
     find(table).run(out=tmp_path, seeds=[1, 2, 7], workers=1, quiet=True)
-    labels = [(labels["silo"], labels["seed"]) for labels, _ in asked]
+    labels = [(labels["silo"], labels["seed"]) for labels, _ in requested]
     assert labels == [(silo, seed) for silo in silos for seed in (1, 2, 7)]
-    cases = [(case.name, case.settings.run.seed) for _, case in asked]
+    cases = [(case.name, case.settings.run.seed) for _, case in requested]
     assert cases == labels
 
 
-def test_a_case_at_a_seed_is_the_run_of_that_command(asked, tmp_path):
+def test_a_case_at_a_seed_is_the_run_of_that_command(requested, tmp_path):
     """Content-addressed: `silo2d run A4 --seed 2` is the same run, not done again."""
     from silo2d import SiloCase
     from silo2d.run.protocol import run_digest
 
     find("discharge").run(out=tmp_path, seeds=[2], workers=1, quiet=True)
-    case = next(case for labels, case in asked if labels["silo"] == "A4")
+    case = next(case for labels, case in requested if labels["silo"] == "A4")
     assert run_digest(case) == run_digest(SiloCase.load("A4", {"run.seed": 2}))
 
 
@@ -184,7 +184,7 @@ def test_a_damaged_table_is_named(text, tmp_path):
         read_results(path)
 
 
-def test_the_command_prints_the_table_and_writes_its_files(asked, tmp_path, monkeypatch):
+def test_the_command_prints_the_table_and_writes_its_files(requested, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", "--write", "kept")
     assert (result.code, result.err) == (0, "")
@@ -196,7 +196,7 @@ def test_the_command_prints_the_table_and_writes_its_files(asked, tmp_path, monk
     assert all(row["state"] == "done" for row in rows)
 
 
-def test_json_has_the_rows(asked, tmp_path):
+def test_json_has_the_rows(requested, tmp_path):
     result = silo2d("reproduce", "discharge", "--seeds", 1, "-o", tmp_path, "--json")
     assert [row["silo"] for row in result.json["rows"]] == list(PRESETS)
     assert "16 runs of 16 packings" in result.err
@@ -255,27 +255,27 @@ def test_the_result_is_printed_even_where_no_file_can_be_written(monkeypatch, tm
 @pytest.mark.parametrize("place", ["file", "file/below", "link"])
 @pytest.mark.parametrize("option", ["--out", "--write"])
 def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_run(
-    asked, tmp_path, monkeypatch, place, option
+    requested, tmp_path, monkeypatch, place, option
 ):
     monkeypatch.chdir(tmp_path)
     Path("file").write_text("in the way")
     Path("link").symlink_to("nowhere")
     before = sorted(tmp_path.iterdir())
     result = silo2d("reproduce", "clogging", "--seeds", 1, "--quiet", option, place)
-    assert (result.code, result.out, asked) == (2, "", [])
+    assert (result.code, result.out, requested) == (2, "", [])
     assert result.err.count("\n") == 1
     for word in (f"{place}: cannot be written", f"with {option}"):
         assert word in result.err
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_a_folder_without_permission_to_write_is_refused(asked, tmp_path, monkeypatch):
+def test_a_folder_without_permission_to_write_is_refused(requested, tmp_path, monkeypatch):
     """The system's error is made up here: root may write anywhere."""
     monkeypatch.setattr(
         "granulab.campaign.runs.folder.os.access", lambda path, mode: path != tmp_path
     )
     result = silo2d("reproduce", "clogging", "--quiet", "--write", tmp_path / "new" / "results")
-    assert (result.code, result.out, asked) == (2, "", [])
+    assert (result.code, result.out, requested) == (2, "", [])
     assert "results: cannot be written (Permission denied)" in result.err
 
 

@@ -67,7 +67,7 @@ def test_no_fit_of_two_outlets():
 def test_the_cases_are_the_paper_s_where_it_has_them():
     """A3, A4, D3, D4 as presets, so that their runs are shared; the wide silo as wide as it says.
 
-    Wider than 2.5 outlets, and than the outlet and 30 grains to 1 %; filled to 1.2 widths.
+    Wider than 2.5 outlets, and than the outlet and 30 particles to 1 %; filled to 1.2 widths.
     """
     chosen = list(beverloo.cases([2]))
     assert len(chosen) == 2 * len(beverloo.OUTLETS) + len(beverloo.WIDE)
@@ -127,16 +127,16 @@ def test_row_of_a_run(reference):
 
 
 def test_every_run_is_requested_and_none_needs_to_end(monkeypatch, tmp_path):
-    """The cases that the sweep is asked for; rows, report and picture where it did none of them."""
+    """The cases that the sweep is given; rows, report and picture where it did none of them."""
     sweep = pytest.importorskip("silo2d.run.sweep")
-    asked = []
+    requested = []
 
     def run_cases(cases, **options):
-        asked.extend(cases)
+        requested.extend(cases)
         return [{**labels, "state": "interrupted", "reason": "Ctrl-C"} for labels, _ in cases]
 
     monkeypatch.setattr(sweep, "run_cases", run_cases)
     rows = beverloo.run(out=tmp_path, seeds=[1], workers=1, quiet=True)
-    assert len(rows) == len(asked) == 2 * len(beverloo.OUTLETS) + len(beverloo.WIDE)
+    assert len(rows) == len(requested) == 2 * len(beverloo.OUTLETS) + len(beverloo.WIDE)
     assert "interrupted: wide 34 mm, seed 1: Ctrl-C" in beverloo.report(rows)
     assert write_figure(tmp_path / "b.png", lambda: beverloo.draw(rows)).exists()

@@ -72,8 +72,8 @@ def test_claims_of_the_paper_are_checked(rows):
     """
     text = displacement.report(rows)
     assert "  PASS  A4  of " in text
-    assert "  PASS  A4  0 of 600 grains stay" in text
-    assert "  PASS  D4  20 of 600 grains stay" in text
+    assert "  PASS  A4  0 of 600 particles stay" in text
+    assert "  PASS  D4  20 of 600 particles stay" in text
     (verdict,) = [line for line in text.splitlines() if " cases, by " in line]
     deeper, _, cases = verdict.split()[:3]
     assert deeper == cases
@@ -92,17 +92,17 @@ def test_picture(rows, tmp_path):
 
 
 def test_both_silos_are_run_with_every_seed(monkeypatch, tmp_path):
-    """The cases that the sweep is asked for, and rows of runs that it could not do."""
+    """The cases that the sweep is given, and rows of runs that it could not do."""
     sweep = pytest.importorskip("silo2d.run.sweep")
-    asked = []
+    requested = []
 
     def run_cases(cases, **options):
-        asked.extend((labels, case.name, case.settings.run.seed) for labels, case in cases)
+        requested.extend((labels, case.name, case.settings.run.seed) for labels, case in cases)
         return [{**labels, "state": "interrupted", "reason": "Ctrl-C"} for labels, _ in cases]
 
     monkeypatch.setattr(sweep, "run_cases", run_cases)
     rows = displacement.run(out=tmp_path, seeds=[1, 2], workers=1, quiet=True)
-    assert [(name, seed) for _, name, seed in asked] == [
+    assert [(name, seed) for _, name, seed in requested] == [
         ("A4", 1), ("A4", 2), ("D4", 1), ("D4", 2)
     ]  # fmt: skip
     assert {row["state"] for row in rows} == {"interrupted"}

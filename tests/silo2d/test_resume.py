@@ -1,4 +1,4 @@
-"""No run is lost: killed, stopped or asked twice, it ends with the bits of an uninterrupted one."""
+"""No run is lost: killed, stopped or repeated, it ends with the bits of an uninterrupted one."""
 
 import json
 import random

@@ -97,9 +97,9 @@ class Readings:
 
     def curves(self, share: str, part: str = "") -> Iterator[tuple[Row, Curve]]:
         """Count, diameter and frequency, and the share against Gamma, in a part of it or all."""
-        places = sorted({(r["frequency_hz"], r["diameter_mm"]) for r in done(self.rows)})
+        points = sorted({(r["frequency_hz"], r["diameter_mm"]) for r in done(self.rows)})
         for count in COUNTS:
-            for frequency, size in places:
+            for frequency, size in points:
                 low, high = _part(part, self.marks.of(size, frequency))
                 own = curve(of_size(self.rows, size, frequency), quantities(count)[share])
                 labels = {"count": count, "diameter_mm": size, "frequency_hz": frequency}

@@ -54,11 +54,11 @@ def shake_down(case: DamperCase, stop: Stop = lambda: False) -> Bed:
     Raises InputError where they do not fit, SimulationError, and Stopped where `stop` says so.
     """
 
-    def asked(_fraction: float = 0.0, _text: str = "") -> None:
+    def stop_if_requested(_fraction: float = 0.0, _text: str = "") -> None:
         if stop():
             raise Stopped("the same command pours them again, from their seed")
 
-    poured = fill(case, asked)
+    poured = fill(case, stop_if_requested)
     begun = time.process_time()
     sim = resting(case, poured.state["position"][:, :3])
     sim.restore(poured.state)
@@ -72,7 +72,7 @@ def shake_down(case: DamperCase, stop: Stop = lambda: False) -> Bed:
         )
         for _ in range(CYCLES):
             sim.step(per_cycle)
-            asked()
+            stop_if_requested()
     still = at_rest()
     sim.begin_phase(shaker=still, gravity=down, time_step=case.steps.free)
     sim.step(math.ceil(_REST / case.steps.free))

@@ -62,13 +62,13 @@ def summary(test: SlowTest, course: Course, sim: RigSimulation) -> dict[str, Any
 def curve(test: SlowTest, course: Course) -> tuple[np.ndarray, np.ndarray]:
     """Displacement (n,) [m] and force (n,) [N] of the test, from no displacement on."""
     if test.kind == "shear":
-        place = course.test["place"][:, TOP_SIDE, 0]
+        position = course.test["place"][:, TOP_SIDE, 0]
     else:
-        place = -course.test["place"][:, TABLE, 2]
-    place = place - place[0]
+        position = -course.test["place"][:, TABLE, 2]
+    position = position - position[0]
     before = reaction(test, course.preload)[-WINDOW:].mean()
     return (
-        np.append(0.0, 0.5 * (place[1:] + place[:-1])),
+        np.append(0.0, 0.5 * (position[1:] + position[:-1])),
         np.append(before, reaction(test, course.test)[1:]),
     )
 

@@ -2,7 +2,7 @@
 
 A rule takes items (a frame with a column `value`, labels, and what else the quantity gives, such as
 `noise`, the half width of a 95 % interval) and says of each case whether it holds. A limit is a
-number, or the name of a column. A value that lacks (NaN) fails where each item is asked for, and is
+number, or the name of a column. A value that lacks (NaN) fails where each item counts, and is
 left out elsewhere.
 """
 

@@ -16,7 +16,7 @@ class CaseCommand(click.Command):
 
     keys: "section.key", and what their help says besides the meaning of the key.
 
-    schema: gives the settings of the simulator, and is asked for them only when the options are
+    schema: gives the settings of the simulator, and is called only when the options are
     needed, so that the other commands do without pydantic. The command's function gets the values
     as `section__key`, see case_changes.
     """

@@ -84,7 +84,7 @@ def write_new(path: Path, text: str) -> None:
 
 
 def write_output(path: Path, content: bytes) -> Path:
-    """Write a file to a path that was asked for; the path. FolderError where it cannot be."""
+    """Write a file to a path that was given; the path. FolderError where it cannot be."""
     try:
         with writing(path.parent):
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -151,9 +151,9 @@ def _engine(
     """The engine as the table's `run` takes it; nothing where the usual one is meant."""
     if scheduler is not None and engine != "dask":
         raise click.UsageError("--scheduler goes with --engine dask")
-    asked: dict[str, Any] = {"engine": engine, "scheduler": scheduler}
-    asked = {key: value for key, value in asked.items() if value is not None}
+    given: dict[str, Any] = {"engine": engine, "scheduler": scheduler}
+    given = {key: value for key, value in given.items() if value is not None}
     takes = inspect.signature(table.run).parameters.values()
-    if asked and not any(p.kind is p.VAR_KEYWORD or p.name == "engine" for p in takes):
+    if given and not any(p.kind is p.VAR_KEYWORD or p.name == "engine" for p in takes):
         raise click.UsageError(f"--engine: {name} is computed on this machine only; leave it out")
-    return asked
+    return given

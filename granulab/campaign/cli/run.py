@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Runnable(NamedTuple):
-    """A case, and what the command asks of its simulator."""
+    """A case, and what the command takes of its simulator."""
 
     case: Any
     simulator: "Simulator"

@@ -30,7 +30,7 @@ class PolyDataFile:
         self._file = h5py.File(self._image, "w")
         self._root = self._file.create_group("VTKHDF")
         self._root.attrs["Version"] = np.array([2, 0], dtype=np.int64)
-        self._root.attrs["Type"] = np.bytes_("PolyData")  # the format asks for ASCII, fixed length
+        self._root.attrs["Type"] = np.bytes_("PolyData")  # the format requires ASCII, fixed length
         # Kept open: HDF5 compresses what it holds of a dataset each time that this is closed.
         self._open: dict[str, h5py.Dataset] = {}
         self._times: list[float] = []

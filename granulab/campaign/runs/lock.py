@@ -6,7 +6,7 @@ from pathlib import Path
 
 from granulab.campaign.runs.folder import writing
 
-_LOOK = 0.5  # [s] between the times that a waiting process asks whether it should stop
+_LOOK = 0.5  # [s] between the times that a waiting process checks whether it should stop
 
 
 @contextmanager

@@ -81,7 +81,7 @@ def layout(tables: Mapping[str, Columns]) -> dict[str, str]:
 
 @cache
 def in_words(dtype: np.dtype, shape: tuple[int, ...]) -> str:
-    """Such as "float64[3]"; asked for every column of every frame, and numpy takes its time."""
+    """Such as "float64[3]"; needed for every column of every frame, and numpy takes its time."""
     return f"{dtype}{list(shape)}"
 
 

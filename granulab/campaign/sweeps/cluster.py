@@ -14,9 +14,9 @@ from granulab.campaign.sweeps.task import EngineError, Function, Outcome, call
 from granulab.errors import Failed
 
 _PATIENCE = 10.0  # [s] for a scheduler to respond
-_ASK_AGAIN = 2.0  # [s] workers that come late are asked to stop too
+_REPEAT = 2.0  # [s] workers that come late are stopped too
 
-_stopping: set[str] = set()  # in a worker: the sweeps that are asked to stop
+_stopping: set[str] = set()  # in a worker: the sweeps that are to stop
 
 
 class DaskCluster:
@@ -69,7 +69,7 @@ class DaskCluster:
 
     def ask_to_stop(self) -> None:
         """Make the running tasks keep their state and end."""
-        if time.monotonic() - self._asked > _ASK_AGAIN and not self._is_lost:
+        if time.monotonic() - self._asked > _REPEAT and not self._is_lost:
             self._asked = time.monotonic()
             self._client.run(_ask, self._name, wait=False)
 

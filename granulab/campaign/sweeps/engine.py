@@ -1,7 +1,7 @@
 """Runs many tasks on the cores of a machine or on a Dask cluster; knows nothing of what they do.
 
 A task that fails is an outcome with its reason. A worker that is killed loses the task it had,
-which is tried again; the others go on. Ctrl-C asks the running tasks to keep their state.
+which is tried again; the others go on. Ctrl-C makes the running tasks keep their state.
 """
 
 import os

@@ -22,7 +22,7 @@ from granulab.campaign.sweeps.task import Function, Outcome, WorkerLost, call
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
-_flag: Any = None  # in a worker: whether it is asked to stop
+_flag: Any = None  # in a worker: whether it is to stop
 
 
 class Processes:
