@@ -1,4 +1,4 @@
-"""Load-unload cycles: where a load turns, and the stiffness of each unloading branch."""
+"""Load-unload cycles: where a load reverses, and the stiffness of each unloading branch."""
 
 from dataclasses import dataclass
 

@@ -1,6 +1,6 @@
 """Commands of the bench: one for each method that reads tables, made from the table of methods.
 
-damping turns a restitution into damping, published calculates the sources' measurements again.
+damping converts a restitution into damping, published calculates the sources' measurements again.
 """
 
 import importlib
@@ -216,7 +216,7 @@ def _command(name: str, method: Method) -> click.Command:
     return click.command(name, cls=_Columns, help=method.help)(argument(command))
 
 
-@click.command(short_help="A restitution turned into the damping gamma_n")
+@click.command(short_help="The damping gamma_n of a restitution")
 @click.option("--restitution", metavar='"0.53 +- 0.02"', help="[default: the pair's in the file]")
 @click.option("--kn", metavar='"1e4 N/mm +- 18 %"', help="Of one contact [default: likewise].")
 @click.option("--mass", metavar='"10.8 g +- 6 %"', help="Of a particle; the other is its like.")
@@ -242,7 +242,7 @@ def _command(name: str, method: Method) -> click.Command:
 @json_option  # fmt: skip
 def damping(into: str | None, materials: str | None, pair: str | None, as_json: bool,
             **given: Any) -> None:  # fmt: skip
-    """Turn a restitution into the damping gamma_n of one contact, with its uncertainty.
+    """Convert a restitution into the damping gamma_n of one contact, with its uncertainty.
 
     For example: calibrate damping --restitution "0.53 +- 0.02" --kn "1e4 N/mm" --mass "10.8 g"
     --wall

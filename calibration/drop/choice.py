@@ -125,7 +125,7 @@ def _refuse_what_falls_sideways(tracks: list[Track], where: str) -> None:
         side = "right" if found.flights.acceleration[0] > 0 else "left"
         raise InputError(
             f"{where}it falls to the {side}, along x, with a restitution of "
-            f"{found.pooled.value:.3f}: the recording is turned by 90 degrees; turn it upright"
+            f"{found.pooled.value:.3f}: the recording is rotated by 90 degrees; rotate it upright"
         )
 
 

@@ -33,7 +33,7 @@ def slowness(found: Bounces) -> tuple[Estimate, bool]:
     not taken for drag.
     """
     fitted = found.flights
-    left, odd, size, turned, spread = [], [], [0], [], []
+    left, odd, size, altered, spread = [], [], [0], [], []
     for rows, centre, (_, slope, bend) in zip(
         fitted.rows, fitted.centre, fitted.coefficients, strict=True
     ):
@@ -46,7 +46,7 @@ def slowness(found: Bounces) -> tuple[Estimate, bool]:
         left.append(seen - own @ np.linalg.lstsq(own, seen, rcond=None)[0])
         taken_up = np.linalg.lstsq(own, shapes, rcond=None)[0]
         odd.append(shapes - own @ taken_up)
-        turned.append(2 * taken_up[2, 0])  # what drag does to the flight's own acceleration
+        altered.append(2 * taken_up[2, 0])  # what drag does to the flight's own acceleration
         spread.append(np.std(s**2) / 2)  # of positions, by one unit of acceleration
         size.append(size[-1] + len(used))
     y, (air, shutter) = np.concatenate(left), np.concatenate(odd).T
@@ -57,7 +57,7 @@ def slowness(found: Bounces) -> tuple[Estimate, bool]:
     variance *= for_correlation(residuals, parts)
     by_shutter = y - shutter * float(shutter @ y / (shutter @ shutter))
     better = float(residuals @ residuals) <= float(by_shutter @ by_shutter) + variance
-    accelerations = fitted.own - value * np.stack([turned, np.zeros(len(parts))], axis=1)
+    accelerations = fitted.own - value * np.stack([altered, np.zeros(len(parts))], axis=1)
     wrong = scatter_beyond_noise(accelerations) * np.array(spread)
     bent = [np.linalg.norm(air[part]) * np.sqrt(len(part)) for part in parts]
     off = np.linalg.norm(wrong * bent) / (air @ air)

@@ -47,7 +47,7 @@ def not_upright(found: Bounces) -> list[str]:
     if found.track.radius is None:
         return []
     if found.flights.acceleration[0] < 0:
-        return ["it falls upwards in the picture: the recording is turned over"]
+        return ["it falls upwards in the picture: the recording is upside down"]
     lies = tilt(found)
     assert lies.sigma is not None
     if abs(lies.value) < max(_LEAST, _SIGMAS * lies.sigma):

@@ -157,8 +157,8 @@ def _as_in_file(tables: dict[str, Any], section: list[str]) -> list[str]:
     kind, names, *rest = section
     first, _, second = names.partition("-")
     known = tables.get(kind, {})
-    turned = f"{second}-{first}"
-    return [kind, turned, *rest] if names not in known and turned in known else section
+    swapped = f"{second}-{first}"
+    return [kind, swapped, *rest] if names not in known and swapped in known else section
 
 
 def _value_and_unit(old: Any, key: str) -> tuple[float | None, str | None]:

@@ -1,7 +1,7 @@
-"""Contacts of an object that swings against another: where its velocity turns all at once.
+"""Contacts of an object that swings against another: where its velocity reverses at once.
 
 The gap between the two, against time, is cut into parabolas (segments.stretches). At a turning
-point of a swing the velocity passes through zero; in a contact it turns within a frame.
+point of a swing the velocity passes through zero; in a contact it reverses within a frame.
 """
 
 from dataclasses import dataclass
@@ -38,23 +38,23 @@ def contacts(t: Array, gap: Array) -> tuple[Array, int]:
     """
     found = stretches(t, gap)
     step, sigma = float(np.median(np.diff(t))), noise(t, gap)
-    turns = []
+    contacts = []
     for k, last in enumerate(found[:-1]):
         for one in found[k + 1 : k + 3]:
             if one is not found[k + 1] and not _brief(found[k + 1], last, one):
                 continue
-            turn = _turn(last, one, step, sigma)
-            if turn is not None:
-                turns.append(turn)
+            contact = _reversal(last, one, step, sigma)
+            if contact is not None:
+                contacts.append(contact)
                 break
-    if not turns:
+    if not contacts:
         raise InputError(
-            "no contact: the velocity nowhere turns within a frame; a swing against a wall, or two "
+            "no contact: the velocity reverses within no frame; a swing against a wall, or two "
             "objects on strings, are needed"
         )
-    jumps = np.array([jump for _, jump in turns])
+    jumps = np.array([jump for _, jump in contacts])
     side = int(np.sign(jumps.sum()))
-    times = np.array([time for time, jump in turns if jump * side > 0])
+    times = np.array([time for time, jump in contacts if jump * side > 0])
     return _once(times, step), -side
 
 
@@ -62,7 +62,7 @@ def _brief(middle: Stretch, last: Stretch, one: Stretch) -> bool:
     return middle.duration < _SHORT * min(last.duration, one.duration)
 
 
-def _turn(last: Stretch, one: Stretch, step: float, sigma: float) -> tuple[float, float] | None:
+def _reversal(last: Stretch, one: Stretch, step: float, sigma: float) -> tuple[float, float] | None:
     """Time and jump of the velocity of a contact between two stretches; None where it is none."""
     middle = (last.end + one.start) / 2
     jump = speed(one, middle) - speed(last, middle)

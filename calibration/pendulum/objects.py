@@ -26,7 +26,7 @@ _STILL = 4  # times the noise: what moves less is held
 _MOST = 4  # tracks that are looked at, of those that go farthest
 _MOVES = 0.05  # of the widest track's range: what moves less is no object that swings
 _SURE = 5  # sigma by which a velocity must change at a contact
-_UPRIGHT = 2  # times as far along y as along x: no swing, or a film that is turned
+_UPRIGHT = 2  # times as far along y as along x: no swing, or a film that is rotated
 
 
 def repeats(t: Array, gap: Array) -> tuple[Rows, NDArray[np.bool_]]:
@@ -161,7 +161,7 @@ def _chosen(tracks: list[Track]) -> Objects:
     if np.ptp(tracks[0].y) > _UPRIGHT * np.ptp(tracks[0].x):
         raise InputError(
             "it moves along y more than along x: no swing seen from the side (a film that is "
-            "turned must be put upright)"
+            "rotated must be put upright)"
         )
     moving = [one for one in tracks if _range(one) > _MOVES * _range(tracks[0])]
     if not moving:

@@ -119,7 +119,7 @@ def _misfit(found: Pendulum) -> list[str]:
     if fitted.sigma > _MISFIT * own:
         lines.append(
             f"the swings are no pendulum's to within the noise: residuals of {fitted.sigma:.2g} "
-            f"{found.objects.unit}, noise {own:.2g}; the object turns on its string, leaves "
+            f"{found.objects.unit}, noise {own:.2g}; the object rotates on its string, leaves "
             "its plane, or its tracking depends on where it is"
         )
     if out:
@@ -138,7 +138,7 @@ def _mass(found: Pendulum) -> list[str]:
     given = "the masses given" if found.masses else "equal masses"
     return [
         f"momentum requires a mass ratio of {value:.3g} (sigma {sigma:.2g}), right to left, not "
-        f"{second / first:.3g} of {given}: a block that turns, an oblique contact, or perspective"
+        f"{second / first:.3g} of {given}: a block that rotates, an oblique contact, or perspective"
     ]
 
 

@@ -77,8 +77,8 @@ def _shared(weight: Pixels, shape: tuple[int, int], reach: int) -> Pixels:
 
 def _centre(plane: Pixels, reach: int) -> Pixels:
     """Shifts from -reach to reach of a plane that begins at shift 0."""
-    turned = np.roll(plane, (reach, reach), axis=(-2, -1))
-    return turned[..., : 2 * reach + 1, : 2 * reach + 1]
+    centred = np.roll(plane, (reach, reach), axis=(-2, -1))
+    return centred[..., : 2 * reach + 1, : 2 * reach + 1]
 
 
 def find_peaks(plane: Pixels) -> Peaks:

@@ -1,6 +1,6 @@
 """Pendulum tests of known truth, as a camera would see them: a ball and a wall, or two blocks.
 
-Strings hang as far apart as the blocks are wide, two to a block, so that blocks do not turn. A
+Strings hang as far apart as the blocks are wide, two to a block, so that blocks do not rotate. A
 camera that looks down sees what comes nearer lower in the picture, and larger.
 """
 

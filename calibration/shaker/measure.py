@@ -5,7 +5,7 @@
 
 The sums run over tones: each excited frequency and its harmonics. Force is that of the shaker on
 the enclosure, so that an empty one of mass m has F = m A; where the transducer points the other
-way (phase pi, as in the thesis) its sign is turned. What is left of the phase between F and A of
+way (phase pi, as in the thesis) its sign is reversed. What is left of the phase between F and A of
 the empty enclosure is the error of the measuring chain, phi(frequency, amplitude): it is taken off
 the phase of F (eq. 7.12). Sigma comes from the scatter of P over blocks of the record, with the
 cycles' own irregularity in it, and from that of phi.

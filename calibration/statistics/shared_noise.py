@@ -123,5 +123,5 @@ def _basis(position: bytes, time: bytes, lengths: bytes) -> tuple[Array, Array]:
     s = s - s.mean()
     powers = np.stack([s**0, s, s**2], axis=1)
     across = np.linalg.qr(powers, mode="complete")[0][:, _OWN:]
-    spread, turn = np.linalg.eigh(across.T @ _alike(at, length) @ across)
-    return np.maximum(spread, 0.0), np.swapaxes(turn, 1, 2) @ across.T
+    spread, axes = np.linalg.eigh(across.T @ _alike(at, length) @ across)
+    return np.maximum(spread, 0.0), np.swapaxes(axes, 1, 2) @ across.T

@@ -276,7 +276,7 @@ def _shares(
 def _of_what_is_near(share: Channels) -> Channels:
     """Shares of the most that a pixel shows within three: shade ends inside an object, not its rim.
 
-    Without that the dark side of a lit object counts less, and its position turns with its marks.
+    Without that the dark side of a lit object counts less, and its position rotates with its marks.
     """
     import cv2
 

@@ -1,9 +1,9 @@
 """Motion of the camera since the first frame: corners of what stands still, followed.
 
 Corners of the background are found in each picture by the pyramid of Lucas and Kanade (Bouguet
-2001); the similarity (shift, turn, zoom) that most of them agree on is the camera's, whatever moves
-in front of it (RANSAC). Turn and zoom are taken where corners all over the picture show them
-beyond chance, else a shift alone.
+2001); the similarity (shift, rotation, zoom) that most of them agree on is the camera's, whatever
+moves in front of it (RANSAC). Rotation and zoom are taken where corners all over the picture show
+them beyond chance, else a shift alone.
 """
 
 from typing import Any
@@ -18,7 +18,7 @@ _CORNERS = 100
 _APART = 24  # corners that fit side by side along the longer side of a picture
 _FEWEST = 12  # corners that must agree: a similarity has four unknowns, objects that move have some
 _SPREAD = 0.2  # standard deviation of corners all over a picture is 0.29 of its sides
-_CHANCE = 1e-4  # p below which turn and zoom are believed: one frame in ten thousand by mistake
+_CHANCE = 1e-4  # p below which rotation and zoom are believed: one frame in ten thousand by mistake
 _BACK = 0.5  # px by which a corner followed there and back may miss
 
 
@@ -101,7 +101,7 @@ def _agreed(
 def _better(
     corners: NDArray[np.float32], there: NDArray[np.float32], matrix: Array, shift: Array
 ) -> bool:
-    """True if a new turn and zoom, two more numbers, explain more than chance (F test)."""
+    """True if a new rotation and zoom, two more numbers, explain more than chance (F test)."""
     from scipy.special import fdtrc
 
     by_both, by_shift = (

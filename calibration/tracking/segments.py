@@ -4,7 +4,7 @@ Every stretch of the track is a parabola within the noise, or a single position 
 the cut that costs least is found exactly, by dynamic programming (optimal partitioning, Jackson et
 al. 2005, doi 10.1109/LSP.2001.838216), whatever is done to the object before it falls. Flights are
 the stretches that share the acceleration that draws the largest parabolas; a contact is where the
-velocity turns from along it to against it.
+velocity reverses from along it to against it.
 """
 
 from dataclasses import dataclass
@@ -238,7 +238,7 @@ def position(one: Stretch, time: float) -> float:
 
 
 def _meets(last: Stretch, one: Stretch, acceleration: float, step: float) -> bool:
-    """True if two parabolas meet in a contact between them, where the velocity turns.
+    """True if two parabolas meet in a contact between them, where the velocity reverses.
 
     Where it was seen in more positions between them than in either, it did something else there.
     """
@@ -251,7 +251,7 @@ def _meets(last: Stretch, one: Stretch, acceleration: float, step: float) -> boo
     contact = middle - (position(one, middle) - position(last, middle)) / jump
     between = last.end - 2 * step <= contact <= one.start + 2 * step
     down, up = np.sign(acceleration) * np.array([speed(last, contact), speed(one, contact)])
-    least = abs(acceleration) * step  # what a frame of flight changes: less turns nothing
+    least = abs(acceleration) * step  # what a frame of flight changes: less reverses nothing
     return bool(between and down > least and up < -least)
 
 
@@ -259,6 +259,6 @@ def _continues(last: Stretch, one: Stretch, acceleration: float) -> bool:
     """True if two stretches are one flight cut in two: by a bad point, a gap, or its length."""
     middle = (last.end + one.start) / 2
     jump = abs(speed(one, middle) - speed(last, middle))
-    # A contact turns the velocity: it changes by at least that which the shorter flight loses to
+    # A contact reverses the velocity: it changes by at least that which the shorter flight loses to
     # its apex. Less than a quarter of that is no contact.
     return bool(jump < abs(acceleration) * min(last.duration, one.duration) / 4)

@@ -42,7 +42,7 @@ Velocities over V = Gamma g/omega. enclosure, half way: its speed when a step st
   start, against the enclosure's half way. bed, relative: largest speed of the bed, and of the bed
   against the enclosure. together: part of the cycle in which the two differ by less than V/10.
   within: part of the energy that is dissipated at more than the mean power.
-  uneven: |b - a|/(b + a) of the energies of cycles in turn.
+  uneven: |b - a|/(b + a) of the energies of successive cycles.
 Histories are means over five pairs of cycles after three that do not count, so cycles 4 to 13; the
   thesis shows steady cycles and does not say which. Gamma 30, 40 and 60 are our choice."""
 

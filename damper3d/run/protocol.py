@@ -106,7 +106,7 @@ def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray],
         "radius": np.full(case.count, case.particle.equal_volume_radius),
         "mass": np.full(case.count, case.particle_mass),
     }
-    if not particle.is_sphere:  # about the centroid, in the axes that turn_... of the tables turn
+    if not particle.is_sphere:  # about the centroid, in the axes that turn_... of the tables rotate
         static |= {"sphere_offset": particle.offsets, "sphere_radius": particle.radii}
     attributes = {
         "wall_names": json.dumps(case.wall_names),

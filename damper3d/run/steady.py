@@ -17,7 +17,7 @@ ABSOLUTE = 0.005  # or this: efficiencies go from 0 to 1
 
 
 def interval(values: ArrayLike, confidence: float = CONFIDENCE) -> tuple[float, float] | None:
-    """Confidence interval of the mean of a few cycles in turn; None for fewer than three.
+    """Confidence interval of the mean of a few successive cycles; None for fewer than three.
 
     The cycles are taken as m + a (-1)^k + noise, fitted by least squares: an alternation is no
     scatter. The half width is Student's t, with two degrees of freedom taken, times the standard

@@ -7,7 +7,7 @@ radius of the contact area, the force after a displacement s from nothing is
     T(s) = mu N (1 - (1 - 2 kt s/(3 mu N))^(3/2))   up to s = 3 mu N/(2 kt),  then mu N,
 
 whose slope kt sqrt(1 - 2 kt s/(3 mu N)) is the bracket of the granular-damper thesis's eq. 5.13
-(erratum: its root is over Req times the overlap). Turned back at (s', T') it goes as
+(erratum: its root is over Req times the overlap). Reversed at (s', T') it goes as
 T' - 2 T((s' - s)/2), and forwards again likewise (Mindlin and Deresiewicz 1953, J. Appl. Mech.
 20, 327).
 
@@ -36,10 +36,10 @@ def loading_force(kt: float, limit: float, displacement: np.ndarray) -> np.ndarr
 
 
 def turned_force(
-    kt: float, limit: float, displacement: np.ndarray, turning: float, force: float
+    kt: float, limit: float, displacement: np.ndarray, reversal: float, force: float
 ) -> np.ndarray:
-    """The force [N] after a turn at displacement `turning` [m] and `force` [N], in either way."""
-    back = turning - np.asarray(displacement)
+    """The force [N] after a reversal at displacement `reversal` [m] and `force` [N], either way."""
+    back = reversal - np.asarray(displacement)
     way = np.sign(back)
     return force - 2.0 * way * loading_force(kt, limit, 0.5 * np.abs(back))
 

@@ -1,6 +1,6 @@
 """The largest stable time step, from all contacts of the stiffest configuration at once.
 
-A configuration of contacts is a Jacobian J: each row turns the velocities of the bodies into
+A configuration of contacts is a Jacobian J: each row maps the velocities of the bodies into
 the rate of one contact spring. With the springs' constants k and the inverse masses M^-1, the
 highest squared frequency is the largest eigenvalue of M^-1/2 J^T k J M^-1/2; with the dashpots'
 constants in place of k, it is the highest damping rate.

@@ -103,7 +103,7 @@ def test_a_phone_held_upright_is_read_upright(tmp_path):
 def test_gravity_that_does_not_point_down_is_reported(tmp_path):
     assert "to the left" in refused("turned, header silent", tmp_path)
     found = measured("upside down, header silent", tmp_path)
-    assert any("turned over" in said for said in found.warnings)
+    assert any("upside down" in said for said in found.warnings)
 
 
 def test_a_tilted_camera_is_reported_with_its_angle(tmp_path):

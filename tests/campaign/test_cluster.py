@@ -43,7 +43,7 @@ def has_a_worker(address: str) -> bool:
         assert outcome.value == 9, outcome
         return True
     except EngineError as error:
-        words = ("has no workers; start one with: dask worker", "does not result")
+        words = ("has no workers; start one with: dask worker", "does not respond")
         assert any(word in str(error) for word in words)  # noqa: PT017, until both are up
         return False
 
@@ -87,5 +87,5 @@ def test_a_scheduler_that_cannot_be_reached_is_one_line(tmp_path):
         options = ["--engine", "dask", "--scheduler", address, "-o", tmp_path / "runs"]
         result = silo2d("sweep", study, *options, "--quiet")
         assert_refused(
-            result, f"scheduler {address}: does not result; start one with: dask scheduler"
+            result, f"scheduler {address}: does not respond; start one with: dask scheduler"
         )

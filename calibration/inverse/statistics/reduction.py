@@ -90,16 +90,16 @@ def reduce(observed: Observed, which: np.ndarray, values: Array) -> Reduction:
     noise = np.sqrt(observed.sigma**2 + np.diag(single) / observed.trials)
     _, means, _ = point_means(which, values)
     centre = means.mean(axis=0)
-    _, size, turned = np.linalg.svd((means - centre) / noise, full_matrices=False)
+    _, size, rotated = np.linalg.svd((means - centre) / noise, full_matrices=False)
     spread = size / np.sqrt(len(means))
-    scores = ((values - centre) / noise) @ turned.T
+    scores = ((values - centre) / noise) @ rotated.T
     most = max(freedom // _FREEDOM_EACH, 1)
     kept = [
         k
         for k in range(min(len(size), most))
         if k == 0 or (spread[k] > _TELLS and _differs(which, scores[:, k]))
     ]
-    directions = turned[kept]
+    directions = rotated[kept]
     return Reduction(noise, centre, directions / noise, (directions * noise).T)
 
 

@@ -18,7 +18,7 @@ from granulab.errors import InputError
 MOST = 0.5
 # A bed is solid where all but an unseen tenth of it is; a part that moves makes another phase.
 ALL = 1.0 - SEEN
-# An end is struck by the bed where it turns a quarter of the ideal collision's momentum 2 M V
+# An end is struck by the bed where it reverses a quarter of the ideal collision's momentum 2 M V
 # (eq. 6.10), as for a bed that arrives at rest and leaves with V/2.
 STRUCK = 0.25
 # A bed goes from end to end where its mass crosses half of the clearance.

@@ -20,7 +20,7 @@ MEANING = {
     "carried_share": "share of particles that move with the enclosure",
     "agitated_share": "share of particles that move against their neighbours",
     "agitation": "normalised kinetic energy of moving against neighbours, median",
-    "travelling_share": "share of particles that do not turn back within a cycle",
+    "travelling_share": "share of particles that do not return within a cycle",
     "travel": "displacement of a cycle over the farthest within it, median",
     "packed_share": "share of particles in contact, in the frame of each cycle with most of them",
     "neighbours_kept": "share of neighbours that are neighbours a cycle later",

@@ -10,7 +10,7 @@ from damper3d.measures.phases.motion import Motion
 
 SEEN = 0.1  # share of the energy below which a motion is taken as absent
 LOOKS = 10  # a cycle
-RETURNED = 0.5  # who ends a cycle nearer than half of its farthest has turned back
+RETURNED = 0.5  # who ends a cycle nearer than half of its farthest has returned
 NEAR = 1.2  # neighbours: centres nearer than this many sums of the radii
 # Free flight changes a velocity by g t alone. The tolerance, in units of the enclosure's largest
 # speed, is above rounding in single precision and below any impact that could be noticed.

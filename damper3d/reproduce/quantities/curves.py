@@ -39,5 +39,5 @@ def curve(
         if number is not None:
             found.setdefault(float(row[x]), []).append(number)
     points = sorted(found)
-    samples = [mean_sd(found[x]) for x in points]
+    samples = [mean_sd(found[point]) for point in points]
     return Curve(points, [s.mean or 0.0 for s in samples], [s.sd or 0.0 for s in samples])

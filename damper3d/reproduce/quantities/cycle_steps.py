@@ -1,6 +1,6 @@
 """The steps of a dissipation history: where in the cycle the bed collides, and how long it takes.
 
-A history is the mean of pairs of counted cycles, since cycles may be unlike in turn; it is taken as
+A history is the mean of pairs of counted cycles, since successive cycles may differ; it is taken as
 periodic. A step is a stretch in which the power is above its mean. Parts of the cycle are counted
 from when the enclosure, which moves as sin(2 pi p) (eq. 6.2), is fastest one way.
 """
@@ -56,7 +56,7 @@ class Reading:
     together       part of the cycle in which the two are alike
     within         part of the energy that is dissipated at more than the mean power
     deceleration   largest, of the bed [m/s2]
-    unevenness     |b - a|/(b + a) of the energies of cycles in turn
+    unevenness     |b - a|/(b + a) of the energies of successive cycles
     """
 
     steps: float
@@ -117,9 +117,9 @@ def _step(runs: list[tuple[int, int]], k: int, spread: Floats, n: int) -> Step:
     grown = np.concatenate([[0.0], np.cumsum(spread[a:b])])
     edges = np.array([_EDGE, 0.5, 1 - _EDGE]) * grown[-1]
     start, half, end = (a + np.interp(edges, grown, np.arange(len(grown)))) * 2 / n
-    turns = 2 * np.floor(start / 2)
+    cycle = 2 * np.floor(start / 2)
     whole = spread[:n].sum() / 2
-    start, half, end = (float(part - turns) for part in (start, half, end))
+    start, half, end = (float(part - cycle) for part in (start, half, end))
     return Step(start, half, end, float(grown[-1] / whole))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 LATITUDES = 400  # of each sphere; some 1e-4 of volume and surface are left (tests)
 # The poles lie in no direction in which spheres are likely to stand in a row, so that their free
-# parts are no bands along the latitudes: a turn by one radian round (1, 2, 3).
+# parts are no bands along the latitudes: a rotation by one radian about (1, 2, 3).
 _AXIS = np.array([1.0, 2.0, 3.0]) / math.sqrt(14.0)
 _CROSS = np.cross(np.eye(3), _AXIS)
 _TURN = np.eye(3) + math.sin(1.0) * _CROSS + (1.0 - math.cos(1.0)) * _CROSS @ _CROSS

@@ -98,7 +98,7 @@ def _connect(scheduler: str, stack: ExitStack) -> Any:
         client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError):
         raise EngineError(
-            f"scheduler {scheduler}: does not answer; start one with: dask scheduler, and give "
+            f"scheduler {scheduler}: does not respond; start one with: dask scheduler, and give "
             "the address that it prints, such as tcp://127.0.0.1:8786"
         ) from None
     stack.callback(_close, client)

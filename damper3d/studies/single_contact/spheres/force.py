@@ -52,8 +52,8 @@ def compute() -> Found:
         ]  # fmt: skip
         rows += _tangential(law, radius, kind, "tangential", np.linspace(0, ACROSS, _POINTS))
         top, bottom = 0.75 * slides_at(law, radius), -0.4 * slides_at(law, radius)
-        turns = [0.0, top, bottom, top]
-        path = np.concatenate([np.linspace(a, b, 81)[1:] for a, b in pairwise(turns)])
+        extremes = [0.0, top, bottom, top]
+        path = np.concatenate([np.linspace(a, b, 81)[1:] for a, b in pairwise(extremes)])
         rows += _tangential(law, radius, kind, "loop", np.concatenate([[0.0], path]))
         numbers[kind] = _numbers(law, radius, rows, kind)
     modulus = steel.youngs_modulus.value if steel.youngs_modulus else 0.0
@@ -107,11 +107,11 @@ def _tangential(
 
 
 def _closed_curve(kt: float, limit: float, path: np.ndarray) -> np.ndarray:
-    """Mindlin and Deresiewicz's curves along a path that turns at its extremes."""
+    """Mindlin and Deresiewicz's curves along a path that reverses at its extremes."""
     ways = np.sign(np.diff(path))
-    turns = [0, *(np.flatnonzero(ways[1:] != ways[:-1]) + 1), len(path) - 1]
+    extremes = [0, *(np.flatnonzero(ways[1:] != ways[:-1]) + 1), len(path) - 1]
     forces = np.zeros(len(path))
-    for n, (begin, end) in enumerate(pairwise(turns)):
+    for n, (begin, end) in enumerate(pairwise(extremes)):
         leg = path[begin : end + 1]
         if n == 0:
             forces[begin : end + 1] = loading_force(kt, limit, leg)

@@ -129,7 +129,7 @@ def run(impact: Impact, steps_per_contact: int = STEPS_PER_CONTACT) -> Outcome:
     deepest = hertz_overlap(meeting, impact.speed * math.cos(impact.angle))
     dt = hertz_contact_time(meeting, impact.speed * math.cos(impact.angle)) / steps_per_contact
     n_springs = N_SPRINGS if impact.tangential == "mindlin-deresiewicz" else 0
-    # A contact area a little larger than an elastic impact's: turning adds next to nothing.
+    # A contact area a little larger than an elastic impact's: rotation adds next to nothing.
     reach = 1.05 * math.sqrt(meeting.reduced_radius * deepest)
     rows = np.full((_LONGEST * min(_ROWS_PER_CONTACT, steps_per_contact), 5), np.nan)
     most = _LONGEST * steps_per_contact
@@ -220,9 +220,9 @@ def _outcome(
     slide = after.tangential - impact.radius * sum(after.spins)
     moves = before.tangential > 0.0 and impact.angle > 0.0
     scale = impact.mass * impact.speed
-    turning = scale * impact.radius + 0.4 * impact.mass * impact.radius**2 * abs(impact.spin)
+    momentum = scale * impact.radius + 0.4 * impact.mass * impact.radius**2 * abs(impact.spin)
     shift = float(np.abs(after.momentum - before.momentum).max())
-    turn = abs(after.angular - before.angular)
+    gained = abs(after.angular - before.angular)
     return Outcome(
         normal_restitution=-after.normal / before.normal,
         tangential_restitution=after.tangential / before.tangential if moves else None,
@@ -240,7 +240,7 @@ def _outcome(
         max_force_ratio=float(totals[collision.MAX_RATIO]),
         max_tilt=float(totals[collision.MAX_TILT]),
         momentum_error=shift / scale if impact.sphere else None,
-        angular_momentum_error=turn / turning if impact.sphere else None,
+        angular_momentum_error=gained / momentum if impact.sphere else None,
         time_step_s=dt,
         steps=steps,
         history=rows[np.isfinite(rows[:, 0])],
