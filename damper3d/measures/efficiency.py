@@ -152,8 +152,8 @@ def within_cycle(samples: Samples, per_cycle: int) -> dict[str, np.ndarray]:
 
 def _mean_cycle(column: np.ndarray, per_cycle: int) -> np.ndarray:
     """Mean over the cycles of each row of a cycle, first and last included."""
-    body = column[1:].reshape(-1, per_cycle, *column.shape[1:]).mean(axis=0)
-    return np.concatenate([column[:-1:per_cycle].mean(axis=0)[None], body])
+    rest = column[1:].reshape(-1, per_cycle, *column.shape[1:]).mean(axis=0)
+    return np.concatenate([column[:-1:per_cycle].mean(axis=0)[None], rest])
 
 
 def impact_ratios(

@@ -160,7 +160,7 @@ def model_panels() -> list[Panel]:
     return [
         panel(
             shape, "vertical", [(COMPARED_AT, gamma) for gamma in _about(shape, COMPARED_AT)],
-            treatment=own,
+            model=own,
         )
         for own, shape in itertools.product(MODELS[1:], COMPARED)
     ]  # fmt: skip
@@ -168,19 +168,19 @@ def model_panels() -> list[Panel]:
 
 def panel(
     shape: Shape, orientation: str, points: Iterable[Point], *, part: str = "curves",
-    changed: tuple[str, float] = ("standard", 1.0), treatment: str = "sum",
+    changed: tuple[str, float] = ("standard", 1.0), model: str = "sum",
 ) -> Panel:  # fmt: skip
     """A shape's damper with its points; `changed` is a property and its value."""
     labels: Row = {
         "part": part, "shape": shape[0], "ratio": shape[1], "orientation": orientation,
-        "treatment": treatment, "property": changed[0], "value": changed[1],
+        "treatment": model, "property": changed[0], "value": changed[1],
     }  # fmt: skip
     case: dict[str, Any] = {
         "motion.orientation": orientation,
         "enclosure.height": f"{HEIGHT} mm",
         "particles.shape": particle_text(shape),
         "particles.count": _COUNTS[shape[0]],
-        "law.contact_treatment": treatment,
+        "law.contact_treatment": model,
         "run.cycles": 18,
         "run.discard": 3,
         "run.time_step": f"{1e6 * _time_step(shape) * _shortened(*changed):.3g} us",
@@ -246,8 +246,8 @@ def _treatment_table(found: Found) -> str:
     for shape in COMPARED:
         own = {t: found.get(Line(shape, "vertical", COMPARED_AT, t)) for t in MODELS}
         lines += [
-            [particle_text(shape), treatment, *_cells(one), _times(one, own["sum"])]
-            for treatment, one in own.items()
+            [particle_text(shape), model, *_cells(one), _times(one, own["sum"])]
+            for model, one in own.items()
             if one is not None
         ]
     heads = ["particles", "contacts", "onset", "bracket", "eta", "over sum's"]

@@ -26,7 +26,7 @@ class Packing:
     state: dict[str, np.ndarray]  # what Simulation.save gave
     fraction: float  # volume of the particles over that of the space, inside the bed [-]
     height: float  # of the highest particle's top over the enclosure's lowest point [m]
-    coordination: float  # bodies and walls that a particle touches, mean [-]
+    coordination: float  # particles and walls that a particle touches, mean [-]
     rms_speed: float  # that is left [m/s]
     cpu_s: float  # CPU time that the filling took [s]
     sources: str = ""  # digest of the sources that made it

@@ -1,8 +1,8 @@
 """Shapes of particles, one file a family (thesis, chapter 4), and the registry of families.
 
 A family makes of the numbers of a text such as "prolate:1.5" a multi-sphere particle: spheres
-that move as one rigid body. A new one is a file with its Family and a line in FAMILIES; or, from
-outside, a call of `register` before the case is read:
+that move as one rigid particle. A new one is a file with its Family and a line in FAMILIES; or,
+from outside, a call of `register` before the case is read:
 
     family = Family("myshape:1.5", build, values=(Value("ratio", 1.0, 3.0),))
     damper3d.shapes.register("myshape", family)

@@ -12,7 +12,7 @@ from granulab.errors import InputError
 
 
 def read_mesh(path: Path) -> tuple[Solid, float]:
-    """The body in a file, at an equal-volume radius of 1 m, and its own one in the file's unit.
+    """The solid in a file, at an equal-volume radius of 1 m, and its own one in the file's unit.
 
     Raises InputError, one line, where the file cannot be read or holds no sound closed surface.
     """

@@ -42,7 +42,7 @@ def centres(ratio: float, sub_spheres: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fewest_sub_spheres(ratio: float) -> int:
-    """The least odd number whose neighbours overlap, so that they are one body."""
+    """The least odd number whose neighbours overlap, so that they are one particle."""
     number = 3
     while True:
         x, radii = centres(ratio, number)

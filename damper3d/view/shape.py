@@ -75,7 +75,7 @@ def as_text(found: dict[str, Any]) -> str:
         ("groove under a wall", _groove(found)),
         ("smallest sub-sphere", f"{1e3 * found['smallest_sub_sphere_m']:.4g} mm: Rayleigh step "
                                 f"{1e6 * found['rayleigh_step_s']:.3g} us"),
-        ("time step", f"{1e6 * found['time_step_s']:.3g} us; the limit by the body's own contacts "
+        ("time step", f"{1e6 * found['time_step_s']:.3g} us; the limit by its own contacts "
                       f"is {1e6 * found['step_limit_s']:.3g} us"),
         ("in 40 mm x 40 mm", f"{found['n_particles']}, a fill ratio of {found['fill_ratio']:.3f}: "
                              f"{found['n_particles'] * found['sub_spheres']} sub-spheres"),

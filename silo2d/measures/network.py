@@ -41,7 +41,7 @@ def measure(folder: Path) -> dict[str, Any]:
     """Numbers of the network before the opening and at the last frame.
 
     contacts, pairs           vertex-edge contacts; pairs of bodies that touch
-    coordination              bodies that a particle inside touches, mean
+    coordination              particles and walls that one inside touches, mean
     touching_nothing          part of the particles inside
     sliding                   part of the contacts at their Coulomb limit; all without friction
     mean_normal_force_n       over the pairs

@@ -20,7 +20,7 @@ class Packing:
     kinds: np.ndarray  # (n,) index in the shape set
     poses: np.ndarray  # (n, 3) x, y [m], angle [rad]
     fraction: float  # area of particles over area of silo, well below the surface [-]
-    coordination: float  # bodies that a particle touches, mean [-]
+    coordination: float  # particles and walls that a particle touches, mean [-]
     poured_with: str
     cpu_s: float  # CPU time that the filling took [s]
     sources: str = ""  # digest of the sources that made it

@@ -162,8 +162,8 @@ def touching(contacts: "Tables", count: int) -> np.ndarray:
     """Share of the particles that are in a contact, of each table of contacts (S,)."""
     shares = []
     for k in range(len(contacts)):
-        bodies = contacts.at(k)
-        both = np.concatenate([bodies["body_1"], bodies["body_2"]])
+        pairs = contacts.at(k)
+        both = np.concatenate([pairs["body_1"], pairs["body_2"]])
         shares.append(len(np.unique(both[both < count])) / count)  # walls come after the particles
     return np.array(shares)
 

@@ -137,9 +137,9 @@ def _by_sphericity(panels: "Sequence[Axes]", found: Found) -> None:
 def _treatments(panels: "Sequence[Axes]", rows: Sequence[Row], found: Found) -> None:
     """Return what the multi-contact model does to eta and to the onset."""
     for axes, shape in zip(panels, COMPARED, strict=True):
-        for colour, treatment in zip((INK, BLUE, VERMILION), MODELS, strict=True):
-            line = Line(shape, "vertical", COMPARED_AT, treatment)
-            _curve(axes, rows_of(rows, line), colour, treatment)
+        for colour, model in zip((INK, BLUE, VERMILION), MODELS, strict=True):
+            line = Line(shape, "vertical", COMPARED_AT, model)
+            _curve(axes, rows_of(rows, line), colour, model)
             if (one := found.get(line)) is not None:
                 axes.plot(one.gamma, one.mean.efficiency, "o", mfc="none", mec=colour, ms=8)
         _with_gamma(axes, f"{particle_text(shape)}, {COMPARED_AT:g} Hz vertical, contacts by")

@@ -38,7 +38,7 @@ class Values:
     fill: float = 0.0  # ratio, of the thesis's number in its enclosure
 
     def largest(self) -> Sample | None:
-        """Close packing with the most bodies."""
+        """Close packing with the most particles."""
         return self.close[max(self.close)] if self.close else None
 
     def onset_over(self, spheres: "Values | None", bodies: int) -> float | None:

@@ -65,7 +65,7 @@ class Line(NamedTuple):
     shape: Shape
     orientation: str
     frequency: float  # [Hz]
-    treatment: str = "sum"
+    model: str = "sum"
 
 
 Found = Mapping[Line, Optimum | None]

@@ -1,8 +1,8 @@
 """Depth of the grooves between sub-spheres under a flat wall (eqs 5.18-5.20).
 
 A lying row or ring touches the wall with the tops of its sub-spheres. Once the overlap reaches the
-bottom of the groove between two of them, the spheres' caps fill the space in which the smooth body
-would have one contact, and their sum is stiffer than it.
+bottom of the groove between two of them, the spheres' caps fill the space in which the smooth
+surface would have one contact, and their sum is stiffer than it.
 """
 
 import math
@@ -51,7 +51,7 @@ def speed_to_groove(particle: MultiSphere, law: HertzLaw, mass: float) -> float 
     """The impact speed [m/s] at which one Hertz contact with a wall gets as deep as the groove.
 
     (1/2) m v^2 = (2/5) K d^2.5, K of the wall and the largest sub-sphere, without damping and with
-    the whole mass behind it: a contact that meets the body off its centroid has less, and needs
+    the whole mass behind it: a contact that meets the particle off its centroid has less, and needs
     more speed. None where there is no groove.
     """
     depth = groove_depth(particle)

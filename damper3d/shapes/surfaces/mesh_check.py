@@ -1,4 +1,4 @@
-"""Checks that a mesh encloses a body: closed, of one piece, orientable, not cutting itself."""
+"""Checks that a mesh encloses a solid: closed, of one piece, orientable, not cutting itself."""
 
 from typing import TYPE_CHECKING
 
@@ -17,7 +17,7 @@ _SHARED = 1e-3  # of the area of a triangle on another: less is rounding at its 
 def sound(corners: np.ndarray, name: str) -> Surface:
     """The closed surface of triangles (m, 3, 3), facing outwards; name: of the file, for messages.
 
-    Raises InputError, one line, where the triangles are not the surface of one body.
+    Raises InputError, one line, where the triangles are not the surface of one solid.
     """
     import trimesh
 

@@ -86,7 +86,7 @@ def squeeze(cell: Cell, fraction: float) -> None:
 
 
 def side_of(fraction: float, bodies: int) -> float:
-    """Side of a cube in equal-volume radii, by the fraction of it that the bodies take."""
+    """Side of a cube in equal-volume radii, by the fraction of it that the particles take."""
     return (bodies * 4.0 / 3.0 * math.pi / fraction) ** (1 / 3)
 
 
@@ -110,9 +110,9 @@ def cell_of(
 
 
 def coordination(neighbours: np.ndarray) -> tuple[float, float]:
-    """Mean neighbours of the bodies that are held, and their share, from (n, n) bools.
+    """Mean neighbours of the particles that are held, and their share, from (n, n) bools.
 
-    A body is held by four neighbours or more that are held themselves (three cannot balance a
+    A particle is held by four neighbours or more that are held themselves (three cannot balance a
     sphere in space, but for one in their plane).
     """
     held = np.ones(len(neighbours), bool)
@@ -126,7 +126,7 @@ def coordination(neighbours: np.ndarray) -> tuple[float, float]:
 
 
 def least_bodies(particle: MultiSphere, bodies: int) -> None:
-    """Raise InputError where so few bodies would meet their own images."""
+    """Raise InputError where so few particles would meet their own images."""
     size = 2.0 * particle.bounding_radius / particle.equal_volume_radius
     least = math.ceil(_DENSEST * size**3 / (4.0 / 3.0 * math.pi))
     if bodies < max(least, 2):

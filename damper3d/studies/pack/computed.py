@@ -28,7 +28,7 @@ def pack(
     """A row for each packing of the particles of a case; `place` is cell or enclosure.
 
     `name` and `changes` are what DamperCase.load takes; `engine` is what tasks.run takes. Raises
-    InputError where there is no such case, or too few bodies for the cell.
+    InputError where there is no such case, or too few particles for the cell.
     """
     particle = DamperCase.load(name, changes).particle
     least_bodies(particle, bodies)

@@ -21,7 +21,7 @@ FOLDER = "close-packings"  # below the folder of runs
 
 @dataclass(frozen=True)
 class Task:
-    """One packing: so many bodies in a periodic cell, or the case's own bed (bodies None)."""
+    """One packing: so many particles in a periodic cell, or the case's own bed (bodies None)."""
 
     out: Path
     seed: int

@@ -33,8 +33,8 @@ class Impact:
     """Bodies that meet, their speed, and the contact law.
 
     The sphere of material `first` comes along z onto a wall, or an equal sphere, of material
-    `second` (None: a rigid wall). Spins are about y, positive where the sphere rolls forwards.
-    With an equal sphere speeds are relative, and the centre of mass rests.
+    `second` (None: a rigid wall). Angular velocities are about y, positive where the sphere rolls
+    forwards. With an equal sphere speeds are relative, and the centre of mass rests.
     """
 
     first: Material
@@ -191,7 +191,7 @@ class _State:
 
     normal: float  # speed of parting along the line of centres [m/s]
     tangential: float  # of the first relative to the second, across it [m/s]
-    spins: tuple[float, float]  # [rad/s]
+    angular_velocities: tuple[float, float]  # [rad/s]
     energy: float  # kinetic [J]
     momentum: np.ndarray  # [kg m/s]
     angular: float  # angular momentum about the origin, along y [kg m2/s]
@@ -217,7 +217,7 @@ def _outcome(
     impact: Impact, before: _State, after: _State, totals: np.ndarray, dt: float, steps: int,
     rows: np.ndarray,
 ) -> Outcome:  # fmt: skip
-    slide = after.tangential - impact.radius * sum(after.spins)
+    slide = after.tangential - impact.radius * sum(after.angular_velocities)
     moves = before.tangential > 0.0 and impact.angle > 0.0
     scale = impact.mass * impact.speed
     momentum = scale * impact.radius + 0.4 * impact.mass * impact.radius**2 * abs(impact.spin)
@@ -226,8 +226,8 @@ def _outcome(
     return Outcome(
         normal_restitution=-after.normal / before.normal,
         tangential_restitution=after.tangential / before.tangential if moves else None,
-        spin_rad_s=after.spins[0],
-        other_spin_rad_s=after.spins[1] if impact.sphere else None,
+        spin_rad_s=after.angular_velocities[0],
+        other_spin_rad_s=after.angular_velocities[1] if impact.sphere else None,
         contact_point_rebound_deg=math.degrees(math.atan2(slide, after.normal)),
         contact_time_s=float(totals[collision.CONTACT_TIME]),
         max_overlap_m=float(totals[collision.MAX_OVERLAP]),

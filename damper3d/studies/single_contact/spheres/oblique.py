@@ -26,7 +26,7 @@ LAWS: dict[Tangential, tuple[str, str]] = {
 _STEPS = 4000  # a contact
 _PARTS = (
     ("tangential_restitution", "tangential restitution [-]"),
-    ("spin_rad_s", "spin after impact [rad/s]"),
+    ("spin_rad_s", "angular velocity after impact [rad/s]"),
     ("contact_point_rebound_deg", "contact point leaves at [deg]"),
 )
 
@@ -69,7 +69,7 @@ def _closed(angle: float, mu: float, e: float, speed: float = 3.9, radius: float
 
 
 def draw(found: Found) -> "Figure":
-    """Tangential restitution, spin and rebound angle over the angle of impact."""
+    """Tangential restitution, angular velocity and rebound angle over the angle of impact."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(12.5, 4.4), layout="constrained")
