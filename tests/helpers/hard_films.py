@@ -154,7 +154,7 @@ CASES = {
     "turned, header says so": Case(**turned_and_flagged(cv2.ROTATE_90_COUNTERCLOCKWISE, 90)),
     "upside down, header says so": Case(**turned_and_flagged(cv2.ROTATE_180, 180)),
     "turned, header silent": Case(
-        taken=turned(cv2.ROTATE_90_CLOCKWISE), truth=None, said="turned"),
+        taken=turned(cv2.ROTATE_90_CLOCKWISE), truth=None, said="rotated"),
     "upside down, header silent": Case(taken=turned(cv2.ROTATE_180), said="up"),
     "variable time stamps": Case(times=uneven_times(), finish=stamped, said="stamps"),
     "stamps that vary, camera that does not": Case(
@@ -162,7 +162,7 @@ CASES = {
     "24 frames/s made to 30": Case(
         TALL, replace(CAMERA, rate=24, moments=5), 2.2, taken=pulldown, header=30),
     "three drops in one clip": Case(
-        duration=3.0, paint=again_and_again(1.0), truth=None, said="3 things"),
+        duration=3.0, paint=again_and_again(1.0), truth=None, said="3 objects"),
     "begins in the middle of a flight": Case(start=0.36, duration=0.9),
     "begins at the top of a flight, two bounces": Case(start=0.47, duration=0.55),
     "slow motion header": Case(camera=replace(CAMERA, rate=240), header=30, said="--fps"),
