@@ -25,7 +25,7 @@ def drop():
 
 @pytest.fixture(scope="module")
 def sheets(tmp_path_factory):
-    """What the command answers, its folder, and the stills that its sheet shows."""
+    """Result of the command, its folder, and the stills that its sheet shows."""
     folder, stills = tmp_path_factory.mktemp("marked") / "sheets", []
 
     def noted(*arguments, **options):
@@ -83,10 +83,10 @@ def test_stills_are_of_release_first_contact_apex_and_last_contact(drop, sheets)
     assert (found[0].width, found[0].height) == (160, 320)
 
 
-def test_out_writes_a_sheet_and_a_film_with_every_frame(sheets):
-    answer, folder, _ = sheets
+def test_out_writes_a_diagnostic_figure_and_a_film_with_every_frame(sheets):
+    result, folder, _ = sheets
     sheet, film = folder / "drop-drop.png", folder / "drop-drop.mp4"
-    assert (answer["sheet"], answer["annotated_film"]) == (str(sheet), str(film))
+    assert (result["sheet"], result["annotated_film"]) == (str(sheet), str(film))
     assert cv2.imread(str(sheet)).shape[1] == 1760
     pictures = [frame.picture for frame in open_film(film).frames()]
     assert len(pictures) == len(list(open_film(CLIP).frames()))

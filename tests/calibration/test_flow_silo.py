@@ -91,8 +91,8 @@ def test_what_moves_otherwise_than_a_discharge_is_refused(tmp_path, path):
     """A pendulum, a ball and a block that goes are one line each, whatever part is looked at."""
     film = moving(tmp_path / "film.mp4", path(np.arange(0, 1.5, 1 / 60)))
     for options in ([], ["--roi", "0,0,240,200"], ["--roi", "15,55,60,50"]):
-        answer = calibrate("flow", film, "--no-velocity", "--quiet", *options)
-        assert_refused(answer)
+        result = calibrate("flow", film, "--no-velocity", "--quiet", *options)
+        assert_refused(result)
 
 
 @pytest.mark.parametrize("contrast", [0, 40])

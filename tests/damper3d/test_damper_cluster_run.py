@@ -123,6 +123,6 @@ def test_a_run_from_the_command_line(tmp_path):
                       200, "--cycles", 2, "--discard", 1, "--time-step", "2 us",
                       "--contact-treatment", "scaled", "--frames", 5, "-o", tmp_path,
                       "--quiet")  # fmt: skip
-    assert (answer.code, answer.err) == (0, "")
-    assert "12 of toroid:0.2" in answer.out
+    assert (result.code, result.err) == (0, "")
+    assert "12 of toroid:0.2" in result.out
     assert list((the_run(Path(tmp_path)).path / "figures").glob("*.png"))

@@ -108,8 +108,8 @@ def swept(tmp_path_factory) -> Path:
     study = write_study(tmp_path_factory.mktemp("swept"))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(engine, "_pool", ThisProcess)
-        answer = damper3d("sweep", study, "-o", study.parent / "runs", "--quiet")
-    assert answer.code == 0, answer.err
+        result = damper3d("sweep", study, "-o", study.parent / "runs", "--quiet")
+    assert result.code == 0, result.err
     return study
 
 

@@ -10,7 +10,7 @@ from dataclasses import astuple
 from pathlib import Path
 from unittest import mock
 
-from small_silo import Answer
+from small_silo import Completed
 
 
 def fork() -> int:
@@ -69,8 +69,8 @@ def killed_at(moment: Callable[[], object], wait: float, work: Callable[[], obje
 class Forked:
     """A command in a copy of this process, which has the kernels; cf. small_silo.start."""
 
-    def __init__(self, command: Callable[..., Answer], *arguments: object) -> None:
-        self._answer, write = os.pipe()
+    def __init__(self, command: Callable[..., Completed], *arguments: object) -> None:
+        self._result, write = os.pipe()
         self.pid = fork()
         if not self.pid:
             try:
@@ -89,10 +89,10 @@ class Forked:
     def send_signal(self, number: int) -> None:
         os.kill(self.pid, number)
 
-    def finish(self) -> Answer:
+    def finish(self) -> Completed:
         """Wait for it and give what it said."""
-        with os.fdopen(self._answer) as answer:
-            said = Answer(*json.loads(answer.read()))
+        with os.fdopen(self._result) as result:
+            said = Completed(*json.loads(result.read()))
         if not self._ended:
             os.waitpid(self.pid, 0)
         return said

@@ -157,9 +157,9 @@ def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(slow_reference, runs, tmp_
     process = start(*arguments) if number == signal.SIGINT else Forked(silo2d, *arguments)
     wait_for(process, part_is_there(runs, 3))
     process.send_signal(number)
-    answer = finish(process) if number == signal.SIGINT else process.finish()
-    assert (answer.code, answer.out) == (130, "")
-    assert answer.err.count("\n") == 1
+    result = finish(process) if number == signal.SIGINT else process.finish()
+    assert (result.code, result.out) == (130, "")
+    assert result.err.count("\n") == 1
     folder = the_run(runs)
     assert folder.state == "unfinished"
     assert silo2d("show", folder.path).out.startswith(f"{folder.path}: unfinished; go on with: ")
@@ -177,9 +177,9 @@ def test_ctrl_c_while_filling_says_that_the_silo_is_filled_again(reference, tmp_
     process = Forked(silo2d, *arguments)
     wait_for(process, lambda: list(root.glob("*/case.toml")))
     process.send_signal(signal.SIGINT)
-    answer = process.finish()
-    assert (answer.code, answer.out) == (130, "")
-    assert answer.err == "silo2d: stopped; the same command fills the silo again, from its seed\n"
+    result = process.finish()
+    assert (result.code, result.out) == (130, "")
+    assert result.err == "silo2d: stopped; the same command fills the silo again, from its seed\n"
     assert not list(root.glob("packings/*/*"))
     assert_same_run(run_quietly(case, root), reference)
 
