@@ -51,7 +51,7 @@ def test_steps_are_those_of_the_plain_engine(shape, options, direction, gravity)
     for arrays, linear, angular in ((world.particles, plain.v, plain.w),
                                     (world.spheres, plain.u, plain.w_now)):  # fmt: skip
         assert error(arrays.velocity[:n, :3], linear) < 1e-10
-        assert error(arrays.spin[:n, :3], angular) < 1e-10
+        assert error(arrays.angular_velocity[:n, :3], angular) < 1e-10
     assert error(forces, plain.wall_force / STEPS) < 1e-10
     assert error(world.balance, plain.books) < 1e-10
     pairs, walls = (plain.books[first : first + 3].sum() for first in (0, 5))
