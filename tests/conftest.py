@@ -3,8 +3,8 @@
 Each is made once for all workers of pytest.
 """
 
-import json
 import gc
+import json
 import logging
 import os
 import shutil
