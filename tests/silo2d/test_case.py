@@ -10,11 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_silo import write_case
 
+from granulab.contact.laws import LinearLaw
 from granulab.errors import InputError
 from silo2d.case.case import SiloCase
 from silo2d.case.outline import PRESETS
 from silo2d.case.parameters import USUAL_TIME_STEP
 from silo2d.case.settings import Settings, check_settings, to_toml
+from silo2d.case.shape import ShapeSet, shape_from_outline
 from silo2d.case.stability import largest_stable_step
 from silo2d.run.packing import packing_digest
 from silo2d.run.protocol import run_digest
@@ -180,6 +182,25 @@ def _limit_at_published_kn() -> float:
     return largest_stable_step(case.shapes, case.surface_density, case.particle_law, case.wall_law)[
         0
     ]
+
+
+def test_two_squares_face_to_face_rock_against_each_other_fastest():
+    """Eight springs kn, four at each end of the face, at +-c from its middle; both bodies move.
+
+    Rocking against each other, with I = m (2c)^2/6, has the squared rate 2 (8 kn c^2)/I = 24 kn/m;
+    pushing has 2 (8 kn)/m = 16 kn/m, and one square that rocks on a wall, 2 kn c^2/I = 3 kn/m.
+    Undamped, the step is stable up to 2/omega. Tolerances: terms of order of the spheroradius over
+    the side, and of kt over kn.
+    """
+    side, tiny = 20e-3, 1e-9
+    square = [[0, 0], [side, 0], [side, side], [0, side]]
+    shapes = ShapeSet("one", (shape_from_outline("square", square, tiny * side, "here"),))
+    kn, surface_density = 1e6, 50.0
+    law = LinearLaw(kn, tiny * kn, 0.4, 0.0, 0.0, False)
+    limit, where = largest_stable_step(shapes, surface_density, law, law)
+    mass = surface_density * side**2
+    assert limit == pytest.approx(2.0 / math.sqrt(24.0 * kn / mass), rel=1e-8)
+    assert where == "shape square face to face with a like one"
 
 
 # What names a packing and a run
