@@ -174,12 +174,9 @@ class Runs(Generic[Case, Found]):
             case = self.load(folder.path / "case.toml")
             summary = self.measured(folder, case, folder.read_summary())
             if summary is None:
-                made, cure = (
-                    origin.get("measures_digest"),
-                    "--again computes it again in a new folder",
-                )
                 what = f"the results of {folder.path} were measured"
-                self.measures.check(what, made, cure, warn)
+                made = origin.get("measures_digest")
+                self.measures.check(what, made, "--again computes it again in a new folder", warn)
             else:
                 folder.write_provenance({**origin, "measures_digest": self.measures.digest})
                 folder.write_summary(summary)
@@ -194,9 +191,7 @@ def restored(
     start: where the run begins again without the checkpoint. Raises FolderError where it does not
     fit the case.
     """
-    from granulab.campaign.runs.checkpoint import (
-        load_checkpoint,
-    )  # h5py, which --help can do without
+    from granulab.campaign.runs.checkpoint import load_checkpoint  # h5py: --help needs it not
 
     saved, said = load_checkpoint(folder.checkpoint)
     try:
