@@ -8,8 +8,9 @@ from cluster_beds import bed, particle, spheres_of, world_of
 from damper_beds import DENSITY, acrylic
 
 from damper3d.engine import state
+from damper3d.engine.multisphere import contact_models
 from damper3d.engine.records import CLASSES, HELD, MECHANISMS
-from damper3d.engine.world import with_capacities
+from damper3d.engine.world import empty_contacts, with_capacities
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact.particles import shape_force, shape_shear
 from damper3d.studies.single_contact.particles.held import AS_IT_IS, matrix, pressed, sheared
@@ -82,6 +83,21 @@ def test_no_bit_depends_on_the_lists(treatment):
     sim = bed(treatment=treatment)
     sim.world = with_capacities(sim.world, outer=1, inner=9, wall=9)
     assert state_after(sim)[0] == undisturbed[0]
+
+
+@pytest.mark.parametrize("known", [None, 0, 1, 2])
+def test_the_spring_of_a_pair_goes_to_its_deepest_contact(known):
+    """Of three contacts of one pair, the second is the deepest; `known` is the one that acted."""
+    contacts, spring = empty_contacts(9), np.arange(1.0, 1.0 + state.N_HISTORY)
+    listed, depth = np.array([1, 4, 5]), np.array([1e-6, 3e-6, 2e-6])
+    contacts.touching[:3] = listed
+    if known is not None:
+        contacts.history[listed[known]] = spring
+    assert contact_models.keep_deepest.py_func(contacts, depth, 0, 3) == listed[1]
+    expected = empty_contacts(9).history
+    if known is not None:
+        expected[listed[1]] = spring
+    assert np.array_equal(contacts.history, expected)
 
 
 @pytest.mark.parametrize("treatment", ["sum", "deepest", "scaled"])
