@@ -38,7 +38,7 @@ bench: $(VENV)/installed ## cost a step: the silo beside a reference kernel, the
 validate: $(VENV)/with-tests ## comparisons with published results (minutes)
 	$(BIN)/python -m pytest -m validation
 
-planted: $(VENV)/with-tests ## mistakes planted one at a time, and the test that catches each (an hour)
+planted: $(VENV)/with-tests ## mistakes planted one at a time, and the test that catches each (ten minutes)
 	$(BIN)/python tests/planted/plant.py
 
 reproduce: $(VENV)/installed ## every published table beside ours, into docs/results (hours)

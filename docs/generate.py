@@ -8,8 +8,11 @@ import sys
 from pathlib import Path
 
 from damper3d.case import settings as damper
-from granulab.contact.files.reference import key_tables
+from damper3d.run import sweep as damper_sweep
+from granulab.campaign.sweeps.study_keys import StudyKeys
+from granulab.contact.files.reference import key_tables, plain_table
 from silo2d.case import settings as silo
+from silo2d.run import sweep as silo_sweep
 
 ROOT = Path(__file__).parents[1]
 # Packages of the README's map, and their folders.
@@ -21,6 +24,9 @@ def generated() -> dict[Path, str]:
     return {
         ROOT / "data/cases/example.toml": silo.commented_case(),
         ROOT / "data/cases/damper.toml": damper.commented_case(),
+        ROOT / "data/studies/friction.toml": silo_sweep.commented_study(),
+        ROOT / "data/studies/damper.toml": damper_sweep.commented_study(),
+        **_with_part("docs/sweeps.md", "keys", plain_table(StudyKeys)),
         **_with_part("docs/silo-case.md", "keys", key_tables(silo.Settings)),
         **_with_part("docs/damper-case.md", "keys", key_tables(damper.Settings)),
         **_with_part("README.md", "map", _map()),

@@ -17,6 +17,7 @@ from damper3d.run.result import Result
 from damper3d.run.sources import MEASURES, SOURCES
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import Stop, packing_sources
+from granulab.campaign.sweeps import study_keys
 from granulab.campaign.sweeps.cases import label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled, run_or_pack, silent
@@ -32,6 +33,27 @@ _SMALL = {
     "run.cycles": 1,
     "run.discard": 0,
     "output.keep": "summary",
+}
+
+
+# Lines of [vary] in the study that `init` writes.
+_VARIED = {
+    "listed": [
+        "motion.frequency = [20, 40]",
+        '# "law.friction, law.friction_wall" = [0.2, 0.52]',
+        "# particles.count = [180, 358]",
+    ],
+    "range": [
+        "motion.gamma = { start = 5, stop = 25, step = 5 }",
+        '# law.youngs_modulus = { start = "33 MPa", stop = "3.3 GPa", number = 3, log = true }',
+    ],
+    "one": [
+        'output.keep = "summary"  # a sweep keeps the results of a run and not its frames',
+    ],
+    "drawn": [
+        '# law.restitution = { distribution = "normal", mean = 0.86, sd = "3 %", max = 1, '
+        "number = 8 }",
+    ],
 }
 
 
@@ -71,3 +93,11 @@ DAMPER = Simulator(
 load_study = partial(label_study, keys=Keys(Settings), load=DamperCase.load)
 run_cases = partial(run_labelled, DAMPER)  # labelled DamperCases; a row for each
 run_study = partial(run_labelled_study, DAMPER)
+
+
+def commented_study() -> str:
+    """A study file with a comment on every key, which can be run as it stands."""
+    values = {"name": "damper", "case": "thesis", "seeds": 3}
+    return study_keys.commented_study(
+        values, _VARIED, package="damper3d", note=", nor have frequency [Hz] and gamma [g]"
+    )

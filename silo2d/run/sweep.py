@@ -6,6 +6,7 @@ from pathlib import Path
 
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import Stop, packing_sources
+from granulab.campaign.sweeps import study_keys
 from granulab.campaign.sweeps.cases import label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled, run_or_pack, silent
@@ -29,6 +30,27 @@ _SMALL = {
     "fill.level": "100 mm",
     "fill.settled": 1e-2,
     "run.max_time": "20 ms",
+}
+
+
+# Lines of [vary] in the study that `init` writes.
+_VARIED = {
+    "listed": [
+        '"law.mu_particle, law.mu_wall" = [0.2, 0.4]',
+    ],
+    "range": [
+        'silo.outlet = { start = "100 mm", stop = "150 mm", step = "25 mm" }',
+        '# law.kn = { start = "1e3 N/mm", stop = "1e4 N/mm", number = 3, log = true }',
+    ],
+    "one": [
+        '# law.damping = "restitution"',
+    ],
+    "drawn": [
+        '# law.mu_wall = { distribution = "normal", mean = 0.44, sd = "7 %", min = 0, number = 8 }',
+        '# law.gamma_n = { distribution = "lognormal", mean = "6085 1/s", sd = "600 1/s", '
+        "number = 8 }",
+        '# silo.angle = { distribution = "uniform", min = "30 deg", max = "60 deg", number = 8 }',
+    ],
 }
 
 
@@ -78,3 +100,9 @@ SILO = Simulator(
 load_study = partial(label_study, keys=Keys(Settings), load=SiloCase.load)
 run_cases = partial(run_labelled, SILO)  # labelled SiloCases; a row for each
 run_study = partial(run_labelled_study, SILO)
+
+
+def commented_study() -> str:
+    """A study file with a comment on every key, which can be run as it stands."""
+    values = {"name": "friction", "case": "A4", "seeds": 5}
+    return study_keys.commented_study(values, _VARIED, package="silo2d")

@@ -19,8 +19,6 @@ MAX_RUNS = 10_000  # more is taken for a slip
 
 Reader = Callable[[str, Any], Any]  # key and value as written -> number in SI, or a word
 
-_KEYS = ("schema", "name", "case", "seeds", "combine", "draw_seed", "vary")
-
 
 class StudyError(ValueError):
     """A study file that cannot be used; one line that says what would do."""
@@ -60,9 +58,12 @@ def read_study(path: str | Path, read: Reader) -> Study:
 
 
 def _study(document: dict[str, Any], stem: str, text: str, read: Reader) -> Study:
-    unknown = next((key for key in document if key not in _KEYS), None)
+    from granulab.campaign.sweeps.study_keys import StudyKeys  # pydantic: --help needs it not
+
+    known = ("schema", *StudyKeys.model_fields, "vary")
+    unknown = next((key for key in document if key not in known), None)
     if unknown is not None:
-        raise StudyError(f"unknown key {unknown!r}; {nearest(unknown, _KEYS)}")
+        raise StudyError(f"unknown key {unknown!r}; {nearest(unknown, known)}")
     if document.get("schema") != SCHEMA or isinstance(document["schema"], bool):
         raise StudyError(f"schema must be {SCHEMA}; write schema = {SCHEMA} on the first line")
     name = document.get("name", stem)

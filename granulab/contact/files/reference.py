@@ -1,7 +1,7 @@
 """Texts made from a schema: a case file with a comment on every key, and tables of the keys."""
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -105,6 +105,27 @@ def commented_case(settings: type[Section], head: str, name: str, schema: int) -
     return "\n".join(lines) + "\n"
 
 
+def commented_file(
+    settings: type[Section], head: str, schema: int, values: Mapping[str, Any]
+) -> str:
+    """A file of keys without sections, with a comment on every key.
+
+    values: what is written for keys, where it is not the default.
+    """
+    lines = [*_comment(head), f"schema = {schema}"]
+    for key in plain_keys(settings):
+        written = toml_value(values[key.name]) if key.name in values else key.written
+        lines += _commented(f"{key.name} = {written}", _remark(key))
+    return "\n".join(lines) + "\n"
+
+
+def plain_keys(settings: type[Section]) -> Iterator[Key]:
+    """The keys of a file without sections, in their order."""
+    schema = settings.model_json_schema()["properties"]
+    for name, field in settings.model_fields.items():
+        yield _key("", name, field, schema[name])
+
+
 def _entry(key: Key) -> str:
     return f"{'' if key.spelled_out else '# '}{key.name} = {key.written}"
 
@@ -146,6 +167,12 @@ def key_tables(settings: type[Section]) -> str:
             + "\n".join(rows)
         )
     return "\n\n".join(parts) + "\n"
+
+
+def plain_table(settings: type[Section]) -> str:
+    """The keys of a file without sections as Markdown."""
+    rows = [f"| `{key.name}` | {key.default} | {key.meaning} |" for key in plain_keys(settings)]
+    return "\n".join(["| key | default | meaning |", "|---|---|---|", *rows]) + "\n"
 
 
 def _row(key: Key) -> str:
