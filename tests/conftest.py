@@ -29,7 +29,7 @@ _HERE = Path(__file__).parent
 
 # numba makes and keeps very many objects: to look through them as often as Python does by itself
 # takes an eighth of the time that kernels compile.
-gc.set_threshold(100_000, 50, 50)
+gc.set_threshold(500_000, 50, 50)
 
 # How long an example takes says how busy the machine is, with another worker next to this one.
 # `make fuzz` takes the other profile and the tests that draw their input alone; counts that a test
