@@ -6,6 +6,7 @@ import numpy as np
 
 from damper3d.engine import sampling, state
 from damper3d.engine.integrate import advance, enclosure_at, search
+from damper3d.engine.multisphere.pairs import key_of
 from damper3d.engine.records import CLASSES, MECHANISMS
 from damper3d.engine.state import (
     DONE,
@@ -269,16 +270,11 @@ class Simulation:
         self._kind.settle(self.world)
 
     def _restore_pairs(self, pairs: np.ndarray, histories: np.ndarray) -> None:
-        """Give the next list the pairs in contact (n, 2) and their histories.
-
-        Their keys are those of kinds.key_of, which only kernels can call.
-        """
+        """Give the next list the pairs in contact (n, 2) and their histories, by their keys."""
         while len(self.world.kept.key) < len(pairs):
             self.world = lengthened(self.world, "inner")
-        kept, n, k = self.world.kept, len(pairs), self.n_spheres
-        spheres = pairs.astype(np.int64)
-        (i, j), (a, b) = spheres.T, (spheres // k).T
-        kept.key[:n] = ((a * self.n_particles + b) * k + (i - a * k)) * k + (j - b * k)
+        kept, n = self.world.kept, len(pairs)
+        kept.key[:n] = key_of.py_func(self.n_spheres, self.n_particles, *pairs.T)
         kept.history[:n] = histories
         kept.number[0] = n
 
