@@ -20,17 +20,20 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import llvmlite.binding
 import numba
+from numba.core import event
 from numba.core.cpu import CPUTargetOptions
 from numba.core.options import TargetOptions
 from numba.core.registry import cpu_target
 from numba.extending import overload
+
+from granulab.contact.kept import keep
 
 # numba knows this flag of its compiler but offers no option for it: arguments do not alias.
 # LLVM then keeps values in registers across stores and vectorises; arrays that a kernel takes
@@ -101,7 +104,7 @@ def extend(room: Path, module: str, *sources: str | Path) -> None:
     for place in (room, *known):
         with _kept_in(place):
             for dispatcher in _DISPATCHERS.get(place, []):
-                dispatcher.enable_caching()
+                keep(dispatcher)
 
 
 def extensions(room: Path) -> list[Path]:
@@ -121,9 +124,10 @@ def cache_folder(room: Path = _LAWS) -> str:
                 text.update(path.read_bytes())
     kernels = _all_kernels()
     folder = kernels / text.hexdigest()[:16]
-    folder.mkdir(exist_ok=True)
-    folder.touch()  # in use: the youngest are kept
-    _prune(kernels, folder)
+    with suppress(OSError):  # a full disk: kept.py says that nothing can be kept
+        folder.mkdir(exist_ok=True)
+        folder.touch()  # in use: the youngest are kept
+        _prune(kernels, folder)
     return str(folder)
 
 
@@ -138,14 +142,41 @@ def _all_kernels() -> Path:
     except OSError:
         writable = False
     if not writable:  # no home, or not ours
-        kernels = Path(tempfile.mkdtemp(prefix="granulab-kernels-"))
-        atexit.register(shutil.rmtree, kernels, ignore_errors=True)
+        with suppress(OSError):  # nor a temporary folder: kept.py says so
+            kernels = Path(tempfile.mkdtemp(prefix="granulab-kernels-"))
+            atexit.register(shutil.rmtree, kernels, ignore_errors=True)
     return kernels
 
 
 def already_compiled(room: Path) -> bool:
     """Return whether kernels of a room are compiled already: then a start takes no time."""
     return any(Path(cache_folder(room)).glob("*/*.nbc"))
+
+
+class _Compilation(event.Listener):
+    """Counts functions as they are compiled; those that call others take these in."""
+
+    def __init__(self, report: Callable[[bool], None]) -> None:
+        self._report, self._depth = report, 0
+
+    def on_start(self, event: Any) -> None:
+        self._depth += 1
+        if self._depth == 1:
+            self._report(False)
+
+    def on_end(self, event: Any) -> None:
+        self._depth -= 1
+        self._report(True)
+
+
+@contextmanager
+def watched_compilation(report: Callable[[bool], None]) -> Iterator[None]:
+    """Call report(False) before, and report(True) after each function that is compiled within.
+
+    What is compiled already is loaded without a word.
+    """
+    with event.install_listener("numba:compile", _Compilation(report)):
+        yield
 
 
 def _prune(kernels: Path, current: Path) -> None:
@@ -171,7 +202,9 @@ def njit(function, **options):
     """numba.njit with the project's cache folder and options."""
     room = room_of(function.__module__, function.__code__.co_filename)
     with _kept_in(room):
-        dispatcher = numba.njit(cache=True, **_USUAL, **options)(function)
+        dispatcher = numba.njit(**_USUAL, **options)(function)
+        if dispatcher is not function:  # which it is where NUMBA_DISABLE_JIT is set
+            keep(dispatcher)
     _DISPATCHERS.setdefault(room, []).append(dispatcher)
     return dispatcher
 

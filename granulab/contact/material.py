@@ -17,23 +17,46 @@ class Property(NamedTuple):
     unit_in_files: str  # the one people use for it
     allowed: str  # the range, in words that follow "must be"
     holds: Callable[[float], bool]  # whether an SI number is in the range
+    meaning: str  # for a person who writes a file
 
 
 _POSITIVE: tuple[str, Callable[[float], bool]] = "above 0", lambda value: value > 0
 _NOT_NEGATIVE: tuple[str, Callable[[float], bool]] = "at least 0", lambda value: value >= 0
 
 PROPERTIES = {
-    "density": Property("kg/m3", "g/cm3", *_POSITIVE),
-    "length": Property("m", "mm", *_POSITIVE),
-    "youngs_modulus": Property("Pa", "GPa", *_POSITIVE),
-    "poisson": Property("1", "1", "between -1 and 0.5", lambda value: -1 < value < 0.5),
-    "yield_strength": Property("Pa", "MPa", *_POSITIVE),
-    "friction": Property("1", "1", *_NOT_NEGATIVE),
-    "restitution": Property("1", "1", "above 0 and at most 1", lambda value: 0 < value <= 1),
-    "kn": Property("N/m", "N/mm", *_POSITIVE),
-    "kt": Property("N/m", "N/mm", *_NOT_NEGATIVE),
-    "gamma_n": Property("1/s", "1/s", *_NOT_NEGATIVE),
-    "gamma_t": Property("1/s", "1/s", *_NOT_NEGATIVE),
+    "density": Property("kg/m3", "g/cm3", *_POSITIVE, "density"),
+    "length": Property(
+        "m", "mm", *_POSITIVE, "length of the prisms whose cross section is simulated"
+    ),
+    "youngs_modulus": Property("Pa", "GPa", *_POSITIVE, "Young's modulus"),
+    "poisson": Property(
+        "1", "1", "between -1 and 0.5", lambda value: -1 < value < 0.5, "Poisson's ratio"
+    ),
+    "yield_strength": Property(
+        "Pa",
+        "MPa",
+        *_POSITIVE,
+        "yield strength, for the speed at which spheres yield; may be left out",
+    ),
+    "friction": Property("1", "1", *_NOT_NEGATIVE, "Coulomb coefficient"),
+    "restitution": Property(
+        "1",
+        "1",
+        "above 0 and at most 1",
+        lambda value: 0 < value <= 1,
+        "leaving over arriving normal speed",
+    ),
+    "kn": Property("N/m", "N/mm", *_POSITIVE, "normal stiffness of one vertex-edge contact"),
+    "kt": Property(
+        "N/m", "N/mm", *_NOT_NEGATIVE, "tangential stiffness of one vertex-edge contact"
+    ),
+    "gamma_n": Property(
+        "1/s",
+        "1/s",
+        *_NOT_NEGATIVE,
+        "normal damping; left out: [law] damping = 'restitution'",
+    ),
+    "gamma_t": Property("1/s", "1/s", *_NOT_NEGATIVE, "tangential damping; likewise"),
 }
 
 
@@ -87,16 +110,24 @@ class Material:
 class LinearParameters:
     """Stiffness and damping of the linear spring and dashpot, one vertex-edge contact.
 
-    The dashpots are -m gamma v with the reduced mass m (wood-silo paper, eqs 2.2 and 2.3).
+    The dashpots are -m gamma v with the reduced mass m (wood-silo paper, eqs 2.2 and 2.3). None
+    where a value is not known.
     """
 
-    kn: Measured  # normal stiffness [N/m]
-    kt: Measured  # tangential stiffness [N/m]
-    gamma_n: Measured  # normal damping [1/s]
-    gamma_t: Measured  # tangential damping [1/s]
+    kn: Measured | None = None  # normal stiffness [N/m]
+    kt: Measured | None = None  # tangential stiffness [N/m]
+    gamma_n: Measured | None = None  # normal damping [1/s]
+    gamma_t: Measured | None = None  # tangential damping [1/s]
 
     def __post_init__(self) -> None:
         _check_ranges(self)
+
+    @property
+    def numbers(self) -> tuple[float, float, float, float]:
+        """kn, kt [N/m], gamma_n, gamma_t [1/s] where all are known."""
+        known = self.kn, self.kt, self.gamma_n, self.gamma_t
+        kn, kt, gamma_n, gamma_t = (one.value for one in known if one is not None)
+        return kn, kt, gamma_n, gamma_t
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

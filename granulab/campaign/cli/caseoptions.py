@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 class CaseCommand(click.Command):
     """A command with an option for each key of a case that has one, or for `keys` alone.
 
-    keys: "section.key", and what their help says besides the meaning of the key.
+    keys: "section.key", and what their help says besides the meaning of the key; without: keys
+    that the command sets itself, and what to give in place of their options.
 
     schema: gives the settings of the simulator, and is called only when the options are
     needed, so that the other commands do without pydantic. The command's function gets the values
@@ -26,27 +27,47 @@ class CaseCommand(click.Command):
         *arguments: Any,
         schema: Callable[[], "type[Section]"],
         keys: Mapping[str, str] = MappingProxyType({}),
+        without: Mapping[str, str] = MappingProxyType({}),
         **options: Any,
     ) -> None:
         super().__init__(*arguments, **options)
-        self._schema, self._keys = schema, keys
+        self._schema, self._keys, self._without = schema, keys, without
         self._case_options: list[click.Parameter] | None = None
 
     def get_params(self, context: click.Context) -> list[click.Parameter]:
         """The arguments, the options of the case, and the command's own options."""
         if self._case_options is None:
-            self._case_options = _options(self._schema(), self._keys)
+            self._case_options = _options(self._schema(), self._keys, self._without)
         given = super().get_params(context)
         first = sum(isinstance(one, click.Argument) for one in given)
         return [*given[:first], *self._case_options, *given[first:]]
 
 
-def _options(schema: "type[Section]", keys: Mapping[str, str]) -> list[click.Parameter]:
+def _options(
+    schema: "type[Section]", keys: Mapping[str, str], without: Mapping[str, str]
+) -> list[click.Parameter]:
     from granulab.contact.files.reference import keys_of
 
     every = {f"{key.section}.{key.name}": key for key in keys_of(schema)}
     chosen = keys or {name: "" for name, key in every.items() if key.option}
-    return [_option(every[name], more) for name, more in chosen.items()]
+    return [
+        _option(every[name], more) if name not in without else _refusal(every[name], without[name])
+        for name, more in chosen.items()
+    ]
+
+
+def _refusal(key: "Key", cure: str) -> click.Option:
+    """An option that the command does not take and its help does not show; it says what would."""
+
+    def refuse(context: click.Context, option: click.Parameter, value: Any) -> None:
+        if value is not None:
+            raise click.UsageError(f"{option.opts[0]}: not taken here; {cure}")
+
+    flag = key.option or f"--{key.name.replace('_', '-')}"
+    value: dict[str, Any] = {"hidden": True, "expose_value": False, "callback": refuse}
+    if key.kind == "boolean":
+        value |= {"flag_value": "yes", "default": None}
+    return click.Option([flag], help=f"Not taken; {cure}.", **value)
 
 
 def _option(key: "Key", more: str) -> click.Option:

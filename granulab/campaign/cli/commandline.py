@@ -1,10 +1,13 @@
 """The group of commands, the options that all packages share, and the end of a command."""
 
+import errno
+import io
 import shlex
 import sys
 import tempfile
 import traceback
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import click
@@ -13,6 +16,9 @@ out_option = click.option(
     "-o", "--out", default="runs", metavar="DIR", help="Holds runs and packings [default: runs]."
 )
 quiet_option = click.option("--quiet", is_flag=True, help="Print nothing but the result.")
+workers_option = click.option(
+    "--workers", type=int, metavar="N", help="Processes [default: one per core]."
+)
 json_option = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 
 
@@ -50,10 +56,13 @@ def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
             default="processes",
             help="Where the runs go [default: processes of this machine].",
         ),
-        click.option("--workers", type=int, metavar="N", help="Processes [default: one per core]."),
+        workers_option,
     ):
         command = option(command)
     return command
+
+
+_INTERRUPTED = "interrupted; the same command goes on from the last checkpoint"
 
 
 def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
@@ -63,20 +72,29 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
     that nobody foresaw (also a numerical library's) ends with the code 3, and its traceback is
     kept in a file.
     """
+    from granulab.campaign.output.terminal import StopRequest
     from granulab.campaign.runs.folder import FolderError
     from granulab.campaign.sweeps.study import StudyError
     from granulab.campaign.sweeps.task import EngineError
-    from granulab.errors import SimulationError, Stopped
+    from granulab.contact.files.datafile import refuse_pipe
+    from granulab.errors import InputError, SimulationError, Stopped
 
     def fail(line: str, code: int) -> None:
-        click.echo(f"{name}: {line}", err=True)
+        shown = "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)  # one line it is
+        click.echo(f"{name}: {shown}", err=True)
         sys.exit(code)
 
+    StopRequest.interrupted = False
+    if isinstance(sys.stdout, io.TextIOWrapper):  # letters that its alphabet lacks: as \u0416
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
+        for argument in sys.argv[1:]:
+            refuse_pipe(Path(argument.rpartition("=")[2].removeprefix("mesh:")))
         app(standalone_mode=False, prog_name=name)
+        sys.stdout.flush()
     except click.ClickException as error:
         fail(error.format_message().replace("\n", " "), 2)
-    except (bad_input, FolderError, EngineError, StudyError) as error:
+    except (bad_input, InputError, FolderError, EngineError, StudyError) as error:
         fail(str(error), 2)
     except Ended as error:
         fail(str(error), error.code)
@@ -85,11 +103,20 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
     except Stopped as error:
         fail(f"stopped; {error}", 130)
     except (KeyboardInterrupt, click.Abort):
-        fail("interrupted; the same command goes on from the last checkpoint", 130)
+        fail(_INTERRUPTED, 130)
     except BrokenPipeError:
         sys.stderr.close()  # the reader of a pipe (head) has gone: nobody is left to read a line
         sys.exit(0)
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            fail(f"{error.filename}: longer than a name of a file may be; give a shorter one", 2)
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
+            fail(_unforeseen(app, name, error), 3)
+        fail(f"the output cannot be written ({error.strerror}); make room there, or send it "
+             "elsewhere, and give the same command again", 2)  # fmt: skip
     except Exception as error:
+        if StopRequest.interrupted:  # numba makes another error of it while it compiles
+            fail(_INTERRUPTED, 130)
         fail(_unforeseen(app, name, error), 3)
 
 
@@ -120,8 +147,9 @@ def _kept_traceback(name: str, error: Exception) -> str:
     text = f"{shlex.join([name, *sys.argv[1:]])}\n{''.join(traceback.format_exception(error))}"
     try:
         with tempfile.NamedTemporaryFile(
-            "w", prefix=f"{name}-", suffix="-traceback.txt", delete=False, encoding="utf-8"
-        ) as file:
+            "w", prefix=f"{name}-", suffix="-traceback.txt", delete=False, encoding="utf-8",
+            newline="\n",
+        ) as file:  # fmt: skip
             file.write(text)
     except OSError:
         return "its traceback could not be kept: the temporary folder cannot be written"

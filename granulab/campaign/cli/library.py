@@ -1,50 +1,142 @@
 """The commands `init`, `list`, `show`: new files to edit; packings and runs in words."""
 
 import importlib
-import shlex
-import tomllib
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 
-from granulab.campaign.cli.commandline import out_option
-from granulab.campaign.runs.folder import FolderError, RunFolder, resume_run, write_atomic, writing
+from granulab.campaign.cli.commandline import Ended, out_option
+from granulab.campaign.output.layout import wrapped
+from granulab.campaign.runs.folder import (
+    FolderError,
+    RunFolder,
+    in_shell,
+    resume_run,
+    write_atomic,
+    writing,
+)
 from granulab.errors import InputError
 
 
-def file_commands(package: str, study_file: str, kinds: str) -> list[click.Command]:
+class NewFile(NamedTuple):
+    """A kind of file that `init` writes."""
+
+    text: Callable[[], str]  # as an example, with a comment on every key
+    use: str  # the command that takes it, with {file}
+    folder: str  # of the shipped ones
+    names: Callable[[], Sequence[str]]  # of those there that --from copies
+    table: str  # one that such a file has
+
+
+_LONGEST = 40  # characters of a value in a list
+
+
+def file_commands(
+    package: str, study_file: str, kinds: str, new: Sequence[str] = ("materials",)
+) -> list[click.Command]:
     """The commands `init`, `list` and `show` of a simulator's package, called as it is.
 
-    Its `case.settings.commented_case()` gives a case file with a comment on every key; its
-    `commands.library` has `listing(root)`, the cases and files that there are and what stands
-    below a folder of runs, and `description(name)`, one of these in words. study_file: a shipped
-    one, as an example; kinds: of files, for the help.
+    Its `commands.library` has `listing(root)`, the cases and files that there are and what stands
+    below a folder of runs, `description(name)`, one of these in words, `new_files()`, the kinds of
+    files that `init` writes besides studies: "case" and those in `new`, and `preset_case(name)`,
+    the case file of a preset or None. study_file: a shipped one, as an example; kinds: of files,
+    for the help.
     """
 
-    def of_package(module: str) -> Any:
-        return importlib.import_module(f"{package}.{module}")
+    def library() -> Any:
+        return importlib.import_module(f"{package}.commands.library")
 
-    @click.command(help="Write a case file with a comment on every key.")
+    def known() -> dict[str, NewFile]:
+        study, sweep = [study_file], f"{package} sweep {{file}}"
+        return {
+            **library().new_files(),
+            "study": NewFile(lambda: _shipped(study_file), sweep, "studies", lambda: study, "vary"),
+        }
+
     @click.argument("file")
-    @click.option("--study", is_flag=True, help="Write a study file instead.")
-    def init(file: str, study: bool) -> None:
-        text = _shipped(study_file) if study else of_package("case.settings").commented_case()
+    @click.option("--study", "kind", flag_value="study", help="Write a study file instead.")
+    @click.option(
+        "--from", "source", metavar="NAME",
+        help=f"Write a copy of this one to change: a preset, a shipped {kinds}, or a file.",
+    )  # fmt: skip
+    def init(file: str, kind: str | None, source: str | None) -> None:
+        files = known()
+        if source is None:
+            kind = kind or "case"
+            text = files[kind].text()
+        else:
+            text, found = _copied(source, files, library().preset_case)
+            if kind not in (None, found):
+                raise InputError(f"--from {source}: a {found} file, and --{kind} wants another")
+            kind = found
         write_new(Path(file), text)
-        click.echo(f"wrote {file}; run it with: {package} {'sweep' if study else 'run'} {file}")
+        use = files[kind].use.format(file=in_shell(file))
+        click.echo(f"wrote {file}; change it, and use it with: {use}")
+
+    for one in new:
+        text = f"Write a {one} file instead."
+        init = click.option(f"--{one}", "kind", flag_value=one, help=text)(init)
+    about = "Write a file with a comment on every key: a case."
 
     @click.command("list", help="List presets, files, packings; runs with their state and size.")
     @out_option
-    def list_(out: str) -> None:
-        click.echo(of_package("commands.library").listing(Path(out)))
+    @click.option("--verify", "check", is_flag=True, help="Check all files below DIR for damage.")
+    def list_(out: str, check: bool) -> None:
+        (_verify if check else partial(_list, library()))(Path(out))
 
     @click.command(help=f"Describe a preset, {kinds} or run folder in words and numbers.")
     @click.argument("name")
     def show(name: str) -> None:
-        click.echo(of_package("commands.library").description(name))
+        click.echo(wrapped(library().description(name), 14))
 
-    return [init, list_, show]
+    return [click.command("init", help=about)(init), list_, show]
+
+
+def _copied(
+    source: str, files: dict[str, NewFile], preset_case: Callable[[str], str | None]
+) -> tuple[str, str]:
+    """The text and the kind of the preset or file that `init --from` names."""
+    from granulab.contact.files.datafile import data_file, is_file, toml_text
+    from granulab.contact.files.units import nearest
+
+    if (text := preset_case(source)) is not None:
+        return text, "case"
+    shipped = {name: one.folder for one in reversed(files.values()) for name in one.names()}
+    path = Path(source) if is_file(Path(source)) else None
+    if path is None and source in shipped:
+        path = data_file(shipped[source], source)
+    if path is None:
+        names = list(shipped)
+        raise InputError(f"--from {source}: no such preset or file; {nearest(source, names)}")
+    text, tables = toml_text(path)
+    return text, next((kind for kind, one in files.items() if one.table in tables), "case")
+
+
+def _list(library: Any, root: Path) -> None:
+    """Print what there is to run, and what stands below a folder."""
+    click.echo(wrapped(library.listing(root), 11))
+
+
+def _verify(root: Path) -> None:
+    """Print what is damaged below a folder; Ended where anything is."""
+    from granulab.campaign.runs.verify import verify  # h5py: --help needs it not
+
+    if not root.is_dir():
+        raise FolderError(f"{root}: no such folder; give that of the runs with --out")
+    found = verify(root)
+    for line in found.damaged:
+        click.echo(f"damaged    {line}")
+    n_files = len(found.whole) + len(found.unsealed) + len(found.damaged)
+    click.echo(
+        f"{n_files} files below {root}: {len(found.whole)} sealed and whole, "
+        f"{len(found.damaged)} damaged, {len(found.unsealed)} without a seal (pictures, films, "
+        "exports, and runs of versions before there were seals)"
+    )
+    if found.damaged:
+        raise Ended(f"{len(found.damaged)} of {n_files} files below {root} are damaged", 2)
 
 
 def _shipped(study: str) -> str:
@@ -60,22 +152,19 @@ def read_shown(name: str, known: Sequence[str]) -> tuple[str, dict[str, Any]]:
 
     known: all names that there are. Raises InputError where there is none, or none that is TOML.
     """
-    from granulab.contact.files.datafile import data_file
+    from granulab.contact.files.datafile import data_file, toml_text
     from granulab.contact.files.units import nearest
 
     file = Path(name) if Path(name).is_file() else data_file("materials", name)
     if file is None:
         raise InputError(f"{name!r}: no such preset, file or run; {nearest(name, known)}")
-    try:
-        return str(file), tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{file}: cannot be read ({error}); give a TOML file") from None
+    return str(file), toml_text(file)[1]
 
 
 def write_new(path: Path, text: str) -> None:
     """Write a file that is not there yet; FolderError where it is, or cannot be written."""
     try:
-        with path.open("x", encoding="utf-8") as file:
+        with path.open("x", encoding="utf-8", newline="\n") as file:
             file.write(text)
     except FileExistsError:
         raise FolderError(f"{path}: exists; give another name, nothing was written") from None
@@ -99,39 +188,92 @@ def write_output(path: Path, content: bytes) -> Path:
 
 
 def packings_and_runs(root: Path, result: Callable[[dict[str, Any]], str]) -> list[str]:
-    """A line for each packing and run below a folder: where it is, its state and size.
+    """Lines on what stands below a folder: packings, studies, and each run in which runs differ.
 
     result: words on a finished run, from its summary; where it raises, that is damaged.
     """
     packings = sorted((root / "packings").glob("*/packing.h5"))
-    runs = sorted(root.glob("*/case.toml"))
-    return [
-        *(f"packing    {path.parent}  {_size(path.parent)}" for path in packings),
-        *(f"run        {p.parent}  {_state(p.parent, result)}  {_size(p.parent)}" for p in runs),
-    ]
+    studies = sorted((root / "studies").glob("*/study.toml"))
+    runs = sorted(path.parent for path in root.glob("*/case.toml"))
+    lines = []
+    if packings:
+        lines.append(f"packings   {len(packings)} in {root / 'packings'} ({_size(*packings)})")
+    lines += [f"study      {path.parent} ({_size(path.parent)})" for path in studies]
+    differences = _differences(runs)
+    for run in runs:
+        own = "".join(f"; {key} {value}" for key, value in differences[run].items())
+        lines.append(f"run        {run}: {_state(run, result)}{own} ({_size(run)})")
+    return lines
 
 
-def run_in_words(path: Path, command: str, report: Callable[[RunFolder], str]) -> str:
-    """A run folder in words: `report` of a finished one; `command` goes on with an unfinished one.
+def _differences(runs: Sequence[Path]) -> dict[Path, dict[str, str]]:
+    """Keys of the cases, with their values as written, in which runs of one name differ."""
+    cases = {run: _keys(run / "case.toml") for run in runs}
+    found: dict[Path, dict[str, str]] = {}
+    for run, case in cases.items():
+        like = [other for other in cases.values() if other.get("name") == case.get("name")]
+        names = dict.fromkeys(key for other in like for key in other)
+        found[run] = {
+            key: case.get(key, "left out")
+            for key in names
+            if len({other.get(key) for other in like}) > 1
+        }
+    return found
 
-    FolderError where it is no run folder.
+
+def _keys(case: Path) -> dict[str, str]:
+    """The keys of a case file as "section.key", and their values; none where it is damaged."""
+    from granulab.contact.files.datafile import toml_text
+
+    try:
+        _, tables = toml_text(case)
+    except (InputError, OSError):
+        return {}
+    keys: dict[str, str] = {}
+    for section, table in tables.items():
+        if isinstance(table, dict):
+            keys |= {f"{section}.{key}": _as_written(value) for key, value in table.items()}
+        else:
+            keys[section] = _as_written(table)
+    return keys
+
+
+def _as_written(value: Any) -> str:
+    """A value of a case in a few words."""
+    words = str(value).lower() if isinstance(value, bool) else str(value)
+    return words if len(words) <= _LONGEST else f"{words[: _LONGEST - 3]}..."
+
+
+def run_in_words(
+    path: Path, command: str, echo: Callable[[Path], str], report: Callable[[RunFolder], str]
+) -> str:
+    """A run folder in words: its case by `echo`; then `report` of a finished one.
+
+    Of another, what became of it, and that `command` goes on with it. FolderError where it is no
+    run folder.
     """
     run = resume_run(path)
-    if run.state == "unfinished":
-        return f"{path}: unfinished; go on with: {command} run --resume {shlex.quote(str(path))}"
-    return report(run)
+    case = echo(run.path / "case.toml")
+    if run.state == "finished":
+        return f"{case}\n\n{report(run)}"
+    go_on = run.go_on(command)
+    if run.failure:
+        again = f"it is tried again from its last checkpoint by: {go_on}"
+        return f"{case}\n\n{path}: failed: {run.failure}\n{again}"
+    return f"{case}\n\n{path}: unfinished; go on with: {go_on}"
 
 
 def _state(folder: Path, result: Callable[[dict[str, Any]], str]) -> str:
     run = RunFolder(folder)
     if run.state != "finished":
-        return "unfinished"
+        return f"failed: {run.failure}" if run.failure else "unfinished"
     try:
         return result(run.read_summary())
     except (FolderError, KeyError, TypeError, ValueError):
         return "damaged"
 
 
-def _size(folder: Path) -> str:
-    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
-    return f"{size / 1e6:.1f} MB"
+def _size(*places: Path) -> str:
+    """Size of folders, or of files, with all that they hold."""
+    files = (file for place in places for file in (place, *place.rglob("*")) if file.is_file())
+    return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"

@@ -3,22 +3,24 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from granulab.campaign.cli.commandline import json_option
+from granulab.campaign.output.layout import wrapped
 
 if TYPE_CHECKING:
     from granulab.campaign.output.measures import Measures
 
 
 def observe_command(
-    measures: "Callable[[], Measures]", run_folder: Callable[[str], Path]
+    measures: "Callable[[], Measures]", run_folder: Callable[[str], Path], of: str
 ) -> click.Command:
     """The command `observe RUN WHAT` of a simulator.
 
-    measures: gives its registry; run_folder: the path of a run, FolderError where it is none.
+    measures: gives its registry; run_folder: the path of a run, FolderError where it is none; of:
+    whose ranges its numbers are judged by (granulab/campaign/output/ranges.py).
     """
 
     @click.command()
@@ -32,24 +34,33 @@ def observe_command(
         Without WHAT it lists the measures.
         """
         from granulab.campaign.output.figure import write_figure
+        from granulab.campaign.output.ranges import judged
+        from granulab.contact.files.units import located
 
         known = measures()
         if what is None:
-            click.echo(known.listing())
+            click.echo(wrapped(known.listing(), 16))
             return
         found, path = known.find(what), run_folder(folder)
         numbers = found.measure(path)
+        with located(f"{path}: {what}:"):
+            for line in judged(of, numbers):
+                click.echo(f"warning: {line}", err=True)
         if as_json:
             click.echo(json.dumps(numbers, indent=2))
         else:
-            lines = (
-                f"{key:32} {value:.4g}" if isinstance(value, float) else f"{key:32} {value}"
-                for key, value in numbers.items()
-                if not isinstance(value, (list, dict))
-            )
-            click.echo("\n".join(lines))
+            shown = {k: v for k, v in numbers.items() if not isinstance(v, (list, dict))}
+            wide = max(map(len, shown), default=0)
+            lines = (f"{key:{wide}}  {_value(value)}" for key, value in shown.items())
+            click.echo(wrapped("\n".join(lines), wide + 2))
         if not no_figures:
             picture = write_figure(path / "figures" / f"{what}.png", lambda: found.draw(path))
             click.echo(picture, err=True)
 
     return observe
+
+
+def _value(value: Any) -> str:
+    if value is None:
+        return "none"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

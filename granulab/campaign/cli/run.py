@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
+from granulab.campaign.output.layout import wrapped
+
+_DRAWING = 8.0  # [s] that the figures and the film of a run take, about
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.sweep import Simulator
@@ -23,7 +26,8 @@ class Runnable(NamedTuple):
     plan: Callable[[Any], dict[str, Any]]  # steps and expected time, of --dry-run --json
     echo: Callable[..., str]  # the case in words
     report: Callable[[Any], str]  # the result in words
-    draw: Callable[[str], Any] | None  # the figures of a run folder; None where none are wanted
+    # The figures of a run folder; reports the pictures done and left. None where none are wanted.
+    draw: Callable[..., Any] | None
 
 
 def run_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -47,25 +51,45 @@ def run_case(
 ) -> None:  # fmt: skip
     """Compute a case, draw it and print its result; or say what would be run.
 
-    Raises FolderError before anything is echoed or computed where the run cannot be kept.
+    Raises FolderError before anything is echoed or computed where the run cannot be kept, and
+    InputError in place of a result that cannot be.
     """
+    from granulab.campaign.output import room
+    from granulab.campaign.output.ranges import judged
+    from granulab.contact.files.units import located
+
     case, echo = runnable.case, runnable.echo
+    short = room.shortage(runnable.simulator.disk_of([case]), Path(out))
+    warning = f"\n  warning     {short}" if short else ""
     if dry_run:
-        shown = json.dumps(runnable.plan(case), indent=2) if as_json else echo(case, dry_run=True)
-        click.echo(shown)
+        planned = {**runnable.plan(case), "disk_free_bytes": room.free(Path(out))}
+        text = wrapped(echo(case, dry_run=True) + warning, 14)
+        click.echo(json.dumps(planned, indent=2) if as_json else text)
         return
     _refuse_unless_kept(runnable.simulator, case, Path(out), resume, again)
     if not quiet:
-        click.echo(echo(case, dry_run=False), err=True)
-    result = _computed(runnable, out, resume, again, quiet)
-    if not no_figures and runnable.draw is not None:
-        figures = Path(result.run_folder) / "figures"
-        if not (result.reused and (figures / "energy.png").exists()):  # which every run has
-            if not quiet:
-                click.echo(f"drawing {figures} ...", err=True)
-            runnable.draw(result.run_folder)
+        click.echo(wrapped(echo(case, dry_run=False) + warning, 14), err=True)
+    draw = None if no_figures else runnable.draw
+    result, paths = _computed(runnable, draw, out, resume, again, quiet)
+    _say_what_plays(paths, quiet)
     table = dataclasses.asdict(result)
-    click.echo(json.dumps(table, indent=2) if as_json else runnable.report(result))
+    with located(f"{result.run_folder}:"):
+        warnings = judged(runnable.simulator.name, table)
+    if as_json:
+        click.echo(json.dumps(table | {"warnings": warnings}, indent=2))
+        return
+    lines = [runnable.report(result), *(f"  warning: {line}" for line in warnings)]
+    click.echo(wrapped("\n".join(lines), 4))
+
+
+def _say_what_plays(paths: Any, quiet: bool) -> None:
+    """Say what plays the film among some pictures, where not everything does."""
+    from granulab.campaign.output.film import played_by
+
+    for path in paths:
+        words = played_by(path) if path.suffix in (".mp4", ".gif") else ""
+        if words and not quiet:
+            click.echo(f"{path}: {words}", err=True)
 
 
 def _refuse_unless_kept(
@@ -78,13 +102,34 @@ def _refuse_unless_kept(
     refuse_unless_writable(folder, "--out")
 
 
-def _computed(runnable: Runnable, out: str, resume: str | None, again: bool, quiet: bool) -> Any:
-    """The result of a case, with a bar on stderr; Ctrl-C stops at the next look."""
-    from granulab.campaign.output.terminal import Progress, StopRequest, announce_compilation
+def _computed(
+    runnable: Runnable,
+    draw: Callable[..., Any] | None,
+    out: str,
+    resume: str | None,
+    again: bool,
+    quiet: bool,
+) -> tuple[Any, list[Path]]:
+    """The result of a case and its figures, a bar on stderr; Ctrl-C stops at the next look."""
+    from granulab.campaign.output.terminal import Progress, StopRequest
+    from granulab.campaign.runs.stages import Stages
 
-    announce_compilation(quiet, runnable.simulator.compiled())
-    with StopRequest() as stop, Progress(runnable.case.name, quiet=quiet) as bar:
-        common = {"progress": bar.update, "stop": lambda: stop.requested}
-        if resume:
-            return runnable.protocol.resume(resume, **common)
-        return runnable.protocol.run(runnable.case, out=out, again=again, **common)
+    with Progress(runnable.case.name, quiet=quiet, estimates=False) as bar:
+        stages = Stages(bar.update)
+        if draw is not None:
+            stages.expect(drawing=_DRAWING)
+        with StopRequest() as stop:
+            common = {"progress": stages, "stop": lambda: stop.requested}
+            if resume:
+                result = runnable.protocol.resume(resume, **common)
+            else:
+                result = runnable.protocol.run(runnable.case, out=out, again=again, **common)
+        figures = Path(result.run_folder) / "figures"
+        if draw is not None and not (result.reused and (figures / "energy.png").exists()):
+            stages.report("drawing", 0.0, 1.0, str(figures))  # of which energy.png is always one
+
+            def drawn(done: int, left: int) -> None:
+                stages.report("drawing", done, left, f"{done / (done + left):.0%} of the pictures")
+
+            return result, draw(result.run_folder, report=drawn)
+    return result, []

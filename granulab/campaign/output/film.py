@@ -18,6 +18,7 @@ from granulab.campaign.runs.folder import write_atomic, writing
 Image = NDArray[np.uint8]  # (height, width, 3), red green blue; both even, as codecs want it
 
 FPS = 25
+CHART = 20  # pictures of a film that are drawn while a chart is
 
 
 def write_film(folder: Path, pictures: Callable[[], Iterator[Image]], name: str = "film") -> Path:
@@ -35,6 +36,31 @@ def write_film(folder: Path, pictures: Callable[[], Iterator[Image]], name: str 
         path = folder / f"{name}{unfinished.suffix}"
         write_atomic(path, unfinished.read_bytes())
     return path
+
+
+def played_by(path: Path) -> str:
+    """Programs that play a film, and what makes one for all; none for H.264, which all play."""
+    if path.suffix == ".gif":
+        return "browsers and picture viewers play it"
+    if b"avc1" in path.read_bytes():
+        return ""
+    return (
+        "VP9: browsers and VLC play it, QuickTime and PowerPoint do not; H.264 comes with "
+        "pip install imageio-ffmpeg"
+    )
+
+
+def reporting(report: Callable[[int, int], None] | None, number: int) -> Callable[[int], None]:
+    """A function that takes how many of a number of pictures are done, and reports those left."""
+    return lambda done: report(done, number - done) if report is not None else None
+
+
+def counted(pictures: Iterator[Image], report: Callable[[int], None] | None) -> Iterator[Image]:
+    """The pictures; report is called with the number of those that are made."""
+    for k, picture in enumerate(pictures, 1):
+        yield picture
+        if report is not None:
+            report(k)
 
 
 def pace(time: NDArray[np.float64]) -> str:

@@ -1,11 +1,20 @@
 """Columns of text, and how numbers and runs that failed are written in them."""
 
+import re
+import shutil
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
 from granulab.campaign.output.statistics import Sample, noise_of_difference, wilson
 
 Row = dict[str, Any]
+
+_NAME = re.compile(r"( +\S+( \S+)* {2,}| {8,})(?=\S)")  # of a line, with what is between
+_UNIT = re.compile(
+    r"(?<=[a-z_=]) (?=[\d.+-]+)|(?<=\d) (?=(?:[kmuMG]?(?:m|s|g|N|J|W|B|Pa|Hz)\b|min\b|1/s|%))"
+)
+_TIED = "\0"  # in place of the space between a name, a number and its unit
 
 
 def columns(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
@@ -16,6 +25,60 @@ def columns(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
         "  ".join(f"{cell:{w}}" for cell, w in zip(line, widths, strict=True)) for line in table
     )
     return "\n".join(row.rstrip() for row in rows)
+
+
+def screen() -> int:
+    """Characters in a line of the terminal; 80 where there is none."""
+    return max(shutil.get_terminal_size((80, 24)).columns, 40)
+
+
+def wrapped(text: str, indent: int, width: int | None = None) -> str:
+    """The text with long lines broken between words, never in one or before a unit.
+
+    What follows stands below what the line says after its name ("  energy      ..."), else it is
+    indented by so many characters.
+    """
+    width = screen() if width is None else width
+    lines = []
+    for line in text.split("\n"):
+        name = _NAME.match(line)
+        lines += textwrap.wrap(
+            _UNIT.sub(_TIED, line), width, break_long_words=False, break_on_hyphens=False,
+            subsequent_indent=" " * (len(name[0]) if name else indent),
+        ) or [""]  # fmt: skip
+    return "\n".join(lines).replace(_TIED, " ")
+
+
+def fitted(
+    header: Sequence[str], lines: Sequence[Sequence[str]], labels: int, width: int | None = None
+) -> str:
+    """A table of text no wider than the terminal: one below the other where it would be.
+
+    labels: the first columns, which say what a line is. Of these, those that are the same in all
+    lines are said once, above; the others begin each part.
+    """
+    width = screen() if width is None else width
+    same = [k for k in range(labels) if len(lines) > 1 and len({line[k] for line in lines}) == 1]
+    said = f"all with {', '.join(f'{header[k]} {lines[0][k]}' for k in same)}" if same else ""
+    table = [[line[k] for k in range(len(line)) if k not in same] for line in [header, *lines]]
+    labels -= len(same)
+    sizes = [max(map(len, column)) + 2 for column in zip(*table, strict=True)]
+    if labels == len(sizes) or 2 * sum(sizes[:labels]) > width:  # lines are known by a number
+        table = [[str(k) if k else "no", *line] for k, line in enumerate(table)]
+        sizes, labels = [len(str(len(lines))) + 3, *sizes], 1
+    parts: list[list[int]] = [[]]
+    for k in range(labels, len(sizes)):
+        if parts[-1] and sum(sizes[:labels]) + sum(sizes[c] for c in [*parts[-1], k]) - 2 > width:
+            parts.append([])
+        parts[-1].append(k)
+    texts = [
+        "\n".join(
+            "  ".join(line[k].rjust(sizes[k] - 2) for k in [*range(labels), *part]).rstrip()
+            for line in table
+        )
+        for part in parts
+    ]
+    return paragraphs(wrapped(said, 2, width), *texts)
 
 
 def paragraphs(*parts: str) -> str:

@@ -3,7 +3,8 @@
 import io
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
+from itertools import takewhile
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 import h5py
@@ -17,13 +18,15 @@ if TYPE_CHECKING:
 Row = Mapping[str, Any]
 
 
-def write_table(folder: Path, rows: Sequence[Row]) -> None:
-    """Write table.csv, table.parquet and table.h5, each as one whole file.
+def write_table(folder: Path, rows: Sequence[Row]) -> list[str]:
+    """Write table.csv, table.parquet and table.h5, each as one whole file; their names.
 
     The columns are all keys in the order in which they first appear; what a row lacks is empty or
-    NaN. In HDF5 each is a dataset, of integers, of floating-point numbers, or of texts. Raises
-    FolderError where they cannot be written.
+    NaN. A run_folder is written as seen from the table's folder: both can be moved together. In
+    HDF5 each is a dataset, of integers, of floating-point numbers, or of texts. Raises FolderError
+    where they cannot be written.
     """
+    rows = [_from(folder.resolve(), row) for row in rows]
     write_atomic(folder / "table.csv", as_csv(rows))
     write_atomic(folder / "table.parquet", as_parquet(rows))
     image = io.BytesIO()  # not on disk: HDF5 that meets a full disk itself ends the process
@@ -31,6 +34,24 @@ def write_table(folder: Path, rows: Sequence[Row]) -> None:
         for name in _names(rows):
             file.create_dataset(name, data=_column([row.get(name) for row in rows]))
     write_atomic(folder / "table.h5", image.getvalue())
+    return ["table.csv", "table.parquet", "table.h5"]
+
+
+def _from(folder: Path, row: Row) -> Row:
+    """The row with its run_folder, where it has one, relative to a folder."""
+    if not row.get("run_folder"):
+        return row
+    return {**row, "run_folder": _seen_from(folder, Path(row["run_folder"]).resolve())}
+
+
+def _seen_from(folder: PurePath, path: PurePath) -> str:
+    """A path from a folder on, with slashes; whole where it is on another drive (Windows)."""
+    here, there = folder.parts, path.parts
+    shared = len(list(takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False))))
+    if not shared:
+        return path.as_posix()
+    up = [".."] * (len(here) - shared)
+    return type(path)(*up, *there[shared:]).as_posix()
 
 
 def as_csv(rows: Sequence[Row], kept: tuple[str, ...] | None = None) -> str:
@@ -42,7 +63,8 @@ def as_csv(rows: Sequence[Row], kept: tuple[str, ...] | None = None) -> str:
         groups = tuple(name for name in kept if name.endswith("."))
         names = [name for name in names if name in kept or name.startswith(groups)]
     cells = [[_cell(row.get(name)) for name in names] for row in rows]
-    text: str = DataFrame(cells, columns=names, dtype=object).to_csv(index=False)
+    frame = DataFrame(cells, columns=names, dtype=object)
+    text: str = frame.to_csv(index=False, lineterminator="\n")  # also on Windows
     return text
 
 

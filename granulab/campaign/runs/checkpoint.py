@@ -1,24 +1,24 @@
 """Checkpoints: the arrays from which a run goes on to the same bits, sealed against damage.
 
-The file is HDF5 behind a user block of 512 bytes, which says the schema and the SHA-256 of all
-that follows. Nothing of a damaged file reaches HDF5.
+Nothing of a damaged file reaches HDF5. A run keeps some of its earlier checkpoints too, the fewer
+the older they are: where a part of its trajectory is damaged, it goes on from the one before it.
+
+    checkpoint.h5    checkpoints/00012.h5, 00011.h5, 00010.h5, 00008.h5
 """
 
-import hashlib
-import io
 import json
-import re
+import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
-from granulab.campaign.runs.folder import SCHEMA, FolderError, plain, write_atomic
-
-_SEAL_BYTES = 512  # the smallest user block of HDF5
-_SEAL = re.compile(rb"checkpoint\nschema (\d+)\nsha256 ([0-9a-f]{64})\n")
+from granulab.campaign.runs.folder import RunFolder, plain
+from granulab.campaign.runs.h5file import made, opened
+from granulab.campaign.runs.seal import content
 
 
 def save_checkpoint(
@@ -28,46 +28,56 @@ def save_checkpoint(
 
     Raises FolderError when the file cannot be written; the one before it then stands.
     """
-    image = io.BytesIO()  # not on disk: HDF5 that meets a full disk itself ends the process
-    with h5py.File(image, "w", userblock_size=_SEAL_BYTES) as file:
+    with made(Path(path), "checkpoint") as file:
         group = file.create_group("arrays")
         for name, array in arrays.items():
             group.create_dataset(name, data=array)
         file["meta"] = json.dumps(meta, default=plain)
-    content = image.getvalue()[_SEAL_BYTES:]
-    seal = f"checkpoint\nschema {SCHEMA}\nsha256 {hashlib.sha256(content).hexdigest()}\n"
-    write_atomic(path, seal.encode().ljust(_SEAL_BYTES, b"\n") + content)
 
 
 def load_checkpoint(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The arrays and meta that save_checkpoint wrote.
 
-    Raises FolderError when the file is missing, damaged or of another schema.
+    Raises FolderError when the file is missing or of another schema, DamagedError when damaged.
     """
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise _refusal(path, f"cannot be read ({error.strerror})") from error
-    seal = _SEAL.match(data)
-    if seal is None:
-        raise _refusal(path, "damaged, or not a checkpoint")
-    if int(seal[1]) != SCHEMA:
-        other = f"schema {int(seal[1])} of another version (this one reads {SCHEMA})"
-        raise _refusal(path, other)
-    if hashlib.sha256(data[_SEAL_BYTES:]).hexdigest() != seal[2].decode():
-        raise _refusal(path, "damaged")
     arrays: dict[str, np.ndarray] = {}
 
     def collect(name: str, item: h5py.Dataset | h5py.Group) -> None:
         if isinstance(item, h5py.Dataset):
-            arrays[name] = np.asarray(item[()])
+            arrays[name] = np.asarray(content(item))
 
-    with h5py.File(io.BytesIO(data)) as file:
+    with opened(Path(path), "checkpoint") as file:
         file["arrays"].visititems(collect)  # "grains/x" is a name too
-        return arrays, json.loads(file["meta"].asstr()[()])
+        return arrays, json.loads(content(file["meta"]))
 
 
-def _refusal(path: str | Path, what: str) -> FolderError:
-    return FolderError(
-        f"{path}: {what}; delete the file to start this run from its beginning, or use --again"
-    )
+def keep_checkpoint(
+    run: RunFolder, parts: int, arrays: Mapping[str, np.ndarray], meta: Mapping[str, Any]
+) -> None:
+    """Write the checkpoint of a run that has flushed so many parts; keep some of those before it.
+
+    With n parts the checkpoint of m stays while n - m is less than twice the largest power of two
+    that divides m: about log2(n) stand, and one lies before any damage, not much further back.
+    Where the file system has no second names for a file, none of those before it is kept.
+    """
+    save_checkpoint(run.checkpoint, arrays, meta)
+    older = run.checkpoints
+    if older.is_symlink():  # nothing is removed elsewhere
+        return
+    with suppress(OSError):
+        older.mkdir(exist_ok=True)
+        this = older / f"{parts:05d}.h5"
+        this.unlink(missing_ok=True)
+        os.link(run.checkpoint, this)
+        for path in older.glob("[0-9]*.h5"):
+            known = int(path.stem)
+            if not 0 <= parts - known < 2 * (known & -known):
+                path.unlink()
+
+
+def checkpoints(run: RunFolder) -> list[Path]:
+    """The checkpoints that a run may go on from, the newest first; empty where it has none."""
+    if not run.checkpoint.exists():  # deleted, so that the run starts from its beginning
+        return []
+    there = [] if run.checkpoints.is_symlink() else run.checkpoints.glob("[0-9]*.h5")
+    return [run.checkpoint, *sorted(there, key=lambda path: int(path.stem), reverse=True)]

@@ -2,21 +2,35 @@
 
 import errno
 import hashlib
+import io
 import json
 import os
 import secrets
-from collections.abc import Iterator, Mapping
+import shlex
+import shutil
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Any, Literal
 
+from granulab.campaign.runs.seal import NotSealed, open_kept, opened_json, sealed_json, sha256_of
+
 SCHEMA = 1  # of the JSON files, trajectories and checkpoints; raise it when their keys change
+RESULTS = ("records.csv", "trajectory.h5")  # of a finished run, besides its summary
+_SEALS = "sealed_files"  # in the provenance
+_AGAIN = "use --again to compute the run again"
+_RUN_ANEW = f"{_AGAIN}, and run a changed case as a new one"
 
 
 class FolderError(ValueError):
     """A run folder or a file in it that cannot be used; one line that says what would do."""
+
+
+class DamagedError(FolderError):
+    """A file of a run folder that holds something else than was written to it."""
 
 
 @contextmanager
@@ -50,24 +64,47 @@ def refuse_unless_writable(folder: Path, option: str) -> None:
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
 
-def write_atomic(path: str | Path, content: bytes | str) -> None:
-    """Write a file so that at any moment, also after kill -9, it is the old or the new one whole.
+@contextmanager
+def replacing(path: str | Path) -> Iterator[io.FileIO]:
+    """A new file that takes the place of one when the enclosed lines end, and none when they fail.
 
-    Raises FolderError when it cannot be written (no permission, disk full).
+    At any moment, also after kill -9, the file is the old or the new one whole. Raises FolderError
+    when it cannot be written (no permission, disk full).
     """
     path = Path(path)
     # A name of its own: two processes may write the same file at once (a shared packing).
     part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     with writing(path):
         try:
-            with part.open("wb") as file:
-                file.write(content.encode() if isinstance(content, str) else content)
-                file.flush()
+            with io.FileIO(part, "w+") as file:
+                yield file
                 os.fsync(file.fileno())
             part.replace(path)
         except BaseException:
             part.unlink(missing_ok=True)
             raise
+
+
+def in_shell(word: str) -> str:
+    """A word of a command line as the shell of this system takes it: quoted where it must be."""
+    if sys.platform == "win32":
+        import subprocess  # --help needs it not
+
+        return subprocess.list2cmdline([word])
+    return shlex.quote(word)
+
+
+def write_atomic(path: str | Path, content: bytes | str) -> None:
+    """Write a file whole; see replacing."""
+    with replacing(path) as file:
+        write_all(file, content.encode() if isinstance(content, str) else content)
+
+
+def write_all(file: io.FileIO, content: bytes | memoryview) -> None:
+    """Write all of some bytes: a disk that is nearly full takes a part and says so."""
+    left = memoryview(content).cast("B")
+    while left:
+        left = left[file.write(left) :]
 
 
 def digest(mapping: Mapping[str, Any]) -> str:
@@ -100,9 +137,37 @@ class RunFolder:
         return "unfinished" if (self.path / "case.toml").exists() else "new"
 
     @property
+    def failure(self) -> str | None:
+        """Reason why the run ended without a result when it was last tried; None where it did not.
+
+        What has failed is unfinished: tried again, it goes on from its last checkpoint.
+        """
+        if self.state != "unfinished":
+            return None
+        try:
+            return self.read_provenance().get("failed")
+        except FolderError:
+            return None
+
+    @property
     def checkpoint(self) -> Path:
         """Path of the checkpoint."""
         return self.path / "checkpoint.h5"
+
+    def go_on(self, command: str) -> str:
+        """The line that goes on with this run, as one gives it to the shell."""
+        return f"{command} run --resume {in_shell(str(self.path))}"
+
+    @property
+    def checkpoints(self) -> Path:
+        """Folder of the checkpoints before it."""
+        return self.path / "checkpoints"
+
+    def drop_checkpoints(self) -> None:
+        """Remove all checkpoints, the newest first: without it the others do not count."""
+        self.checkpoint.unlink(missing_ok=True)
+        if not self.checkpoints.is_symlink():
+            shutil.rmtree(self.checkpoints, ignore_errors=True)
 
     @property
     def figures(self) -> Path:
@@ -142,24 +207,66 @@ class RunFolder:
         """The case as resolved (TOML)."""
         return _read_text(self.path / "case.toml")
 
+    @property
+    def case_file(self) -> Path:
+        """Path of the case as resolved, once it and the files beside it are found unchanged.
+
+        Raises FolderError where they are not; a version before seals kept nothing to compare with.
+        """
+        seals = self.seals()
+        there = {path.name for path in self.path.glob("*.toml")}
+        for name in sorted((there | seals.keys()) - set(RESULTS)):
+            self.check_seal(name, seals.get(name))
+        return self.path / "case.toml"
+
+    def seals(self) -> dict[str, str]:
+        """SHA-256 of the files without a seal of their own, by name, as the provenance has them."""
+        there = (self.path / "provenance.json").exists()
+        return dict(self.read_provenance().get(_SEALS, {})) if there else {}
+
+    def check_seal(self, name: str, seal: str | None) -> None:
+        """Raise FolderError where a file cannot be read, or has another SHA-256 than a seal."""
+        path = self.path / name
+        try:
+            found = sha256_of(path)
+        except OSError as error:
+            raise FolderError(f"{path}: cannot be read ({error.strerror}); {_RUN_ANEW}") from error
+        if seal is not None and found != seal:
+            raise DamagedError(f"{path}: changed since the run began, or damaged; {_RUN_ANEW}")
+
+    def seal(self, *names: str) -> None:
+        """Have the provenance seal those of the named files that are there."""
+        self.write_provenance(self.with_seals(self.read_provenance(), names))
+
+    def with_seals(self, provenance: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+        """A provenance that seals those of the named files that are there, besides others."""
+        there = [name for name in names if (self.path / name).is_file()]
+        seals = {name: sha256_of(self.path / name) for name in there}
+        return {**provenance, _SEALS: {**provenance.get(_SEALS, {}), **seals}}
+
     def write_provenance(self, provenance: Mapping[str, Any]) -> None:
         """Keep where the numbers come from."""
-        _write_json(self.path / "provenance.json", provenance)
+        write_json(self.path / "provenance.json", {"schema": SCHEMA, **provenance})
 
     def read_provenance(self) -> dict[str, Any]:
         """Return the provenance; FolderError when missing, damaged or of another schema."""
-        return _read_json(self.path / "provenance.json")
+        return _of_this_schema(self.path / "provenance.json")
 
     def write_summary(self, summary: Mapping[str, Any]) -> None:
         """Keep the results; from here on the run counts as finished.
 
         A value that does not exist is None; NaN and infinity are refused (ValueError).
         """
-        _write_json(self.path / "summary.json", summary)
+        write_json(self.path / "summary.json", {"schema": SCHEMA, **summary})
 
     def read_summary(self) -> dict[str, Any]:
         """Return the summary; FolderError when missing, damaged or of another schema."""
-        return _read_json(self.path / "summary.json")
+        return _of_this_schema(self.path / "summary.json")
+
+
+def seals_of(texts: Mapping[str, str]) -> dict[str, Any]:
+    """Entry of a provenance that seals texts which are about to be written, by name of the file."""
+    return {_SEALS: {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()}}
 
 
 def open_run(root: str | Path, name: str, digest: str, again: bool = False) -> RunFolder:
@@ -205,33 +312,41 @@ def resume_run(path: str | Path) -> RunFolder:
     return run
 
 
-def _write_json(path: Path, mapping: Mapping[str, Any]) -> None:
-    text = json.dumps(
-        {"schema": SCHEMA, **mapping}, indent=2, ensure_ascii=False, allow_nan=False, default=plain
-    )
-    write_atomic(path, text + "\n")
+def write_json(path: Path, mapping: Mapping[str, Any]) -> None:
+    """Write a JSON object with its seal; FolderError where it cannot be written."""
+    write_atomic(path, sealed_json(mapping, plain))
 
 
-def _read_json(path: Path) -> dict[str, Any]:
-    cure = "use --again to compute the run again"
+def read_json(path: Path) -> tuple[dict[str, Any], bool]:
+    """Read what write_json wrote, and whether it is sealed: versions before seals wrote none.
+
+    FolderError where the file is missing or damaged.
+    """
     text = _read_text(path)
     try:
-        mapping = json.loads(text)
-        schema = mapping.pop("schema")
-    except (ValueError, AttributeError, KeyError, TypeError) as error:
-        raise FolderError(f"{path}: damaged, no JSON object with a schema; {cure}") from error
+        return opened_json(text)
+    except NotSealed as error:
+        raise DamagedError(f"{path}: {error}; {_AGAIN}") from error
+    except (ValueError, RecursionError) as error:
+        raise DamagedError(f"{path}: damaged, no JSON object with a schema; {_AGAIN}") from error
+
+
+def _of_this_schema(path: Path) -> dict[str, Any]:
+    mapping, _ = read_json(path)
+    if "schema" not in mapping:
+        raise DamagedError(f"{path}: damaged, no JSON object with a schema; {_AGAIN}")
+    schema = mapping.pop("schema")
     if schema != SCHEMA:
         raise FolderError(
-            f"{path}: schema {schema!r} of another version (this one reads {SCHEMA}); {cure}"
+            f"{path}: schema {schema!r} of another version (this one reads {SCHEMA}); {_AGAIN}"
         )
     return mapping
 
 
 def _read_text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        with open_kept(path) as file:
+            return file.read().decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "damaged, not UTF-8 text"
-        raise FolderError(
-            f"{path}: cannot be read ({reason}); use --again to compute the run again"
-        ) from error
+        raise FolderError(f"{path}: cannot be read ({reason}); {_AGAIN}") from error

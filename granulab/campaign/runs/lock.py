@@ -1,7 +1,7 @@
 """Making what several processes share, once: one makes it, the others wait for it."""
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from granulab.campaign.runs.folder import writing
@@ -42,7 +42,10 @@ def once(folder: Path, name: str, work: Callable[[], None]) -> None:
     done = folder / name
     if done.exists():
         return
-    with FileLock(folder / ".lock"):
+    with ExitStack() as stack:
+        with suppress(OSError):  # a full disk: then nobody waits, and everybody does it
+            stack.enter_context(FileLock(folder / ".lock"))
         if not done.exists():
             work()
-            done.touch()
+            with suppress(OSError):
+                done.touch()

@@ -8,16 +8,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from granulab.campaign.runs.folder import (
+    RESULTS,
+    DamagedError,
     FolderError,
     RunFolder,
     open_run,
     resume_run,
+    seals_of,
     write_atomic,
     writing,
 )
 from granulab.campaign.runs.lock import alone
 from granulab.campaign.runs.provenance import Sources, Warn, provenance, to_stderr
-from granulab.errors import Stopped
+from granulab.campaign.runs.stages import Stages
+from granulab.errors import InputError, SimulationError, Stopped
 
 if TYPE_CHECKING:
     from granulab.campaign.runs.result import Results
@@ -59,7 +63,8 @@ class Runs(Generic[Case, Found]):
 
     result     type of the results
     digest     names a run: its case, seed and engine
-    compute    results of a run that is not finished, from where it was left; it raises Stopped
+    compute    results of a run that is not finished, from where it was left; it reports how far
+               its stages are, and raises Stopped
     packages   distributions whose versions matter to the last bit
     sources    of a case: those that decide what its run computes
     load       the case of a case.toml; None: such runs are gone on with by their command alone
@@ -68,11 +73,12 @@ class Runs(Generic[Case, Found]):
     measured   results measured again, given those that stand there; None where too little is stored
     clear      removes what a finished run does not need
     find       the folder of a begun run at a path
+    compiling  expected cost of a case's kernels [s], and about how many functions they are
     """
 
     result: type[Found]
     digest: Callable[[Case], str]
-    compute: Callable[[RunFolder, Case, Progress, Stop, Warn], dict[str, Any]]
+    compute: Callable[[RunFolder, Case, Stages, Stop, Warn], dict[str, Any]]
     packages: list[str]
     sources: Callable[[Case], Sources]
     load: Callable[[Path], Case] | None = None
@@ -81,13 +87,14 @@ class Runs(Generic[Case, Found]):
     measured: Callable[[RunFolder, Case, Mapping[str, Any]], dict[str, Any] | None] | None = None
     clear: Callable[[RunFolder, Case], None] = lambda folder, case: None
     find: Callable[[str | Path], RunFolder] = resume_run
+    compiling: Callable[[Case], tuple[float, int]] = lambda case: (30.0, 100)
 
     def run(
         self,
         case: Case,
         *,
         out: str | Path | None = None,
-        progress: Progress | None = None,
+        progress: Progress | Stages | None = None,
         again: bool = False,
         stop: Stop = lambda: False,
         warn: Warn = to_stderr,
@@ -104,16 +111,31 @@ class Runs(Generic[Case, Found]):
         return self._run_in(folder, case, progress, stop, warn)
 
     def resume(
-        self, path: str | Path, *, progress: Progress | None = None, stop: Stop = lambda: False
+        self,
+        path: str | Path,
+        *,
+        progress: Progress | Stages | None = None,
+        stop: Stop = lambda: False,
     ) -> Found:
         """Go on with the run in a folder; see `run`."""
         assert self.load
         folder = self.find(path)
-        case = self.load(folder.path / "case.toml")
-        if folder.read_provenance().get("run_digest") != self.digest(case):
+        changed = FolderError(
+            f"{folder.path}: {self.described} were changed since the run began, or damaged; run a "
+            "changed case as a new one"
+        )
+        try:
+            case = self.load(folder.case_file)
+        except DamagedError as error:
+            raise changed from error
+        origin = folder.read_provenance()
+        if origin.get("run_digest") != self.digest(case):
+            if not folder.seals():  # of a version before seals: nobody knows
+                raise changed
             raise FolderError(
-                f"{folder.path}: {self.described} were changed since the run began; run the "
-                "changed case as a new one"
+                f"{folder.path}: begun by another version (granulab {origin.get('granulab')}, "
+                f"sources {origin.get('source_digest')}), which made another run of this case; go "
+                "on with that version, or run its case.toml as a new one"
             )
         return self._run_in(folder, case, progress, stop, to_stderr)
 
@@ -125,7 +147,12 @@ class Runs(Generic[Case, Found]):
             return self._read(folder, warn)
 
     def _run_in(
-        self, folder: RunFolder, case: Case, progress: Progress | None, stop: Stop, warn: Warn
+        self,
+        folder: RunFolder,
+        case: Case,
+        progress: Progress | Stages | None,
+        stop: Stop,
+        warn: Warn,
     ) -> Found:
         with folder.lock():
             begun = time.perf_counter()
@@ -133,12 +160,21 @@ class Runs(Generic[Case, Found]):
             if folder.state == "finished":
                 self._clear(folder, case)  # it may have been killed before it could
                 return self._read(folder, warn)
-            silent = progress or (lambda fraction, text: None)
-            summary = self.compute(folder, case, silent, stop, warn)
+            stages = Stages.of(progress)
+            stages.compiling = self.compiling(case)
+            tried = folder.read_provenance()
+            if tried.pop("failed", None):
+                folder.write_provenance(tried)  # it goes on
+            try:
+                with stages.watching():
+                    summary = self.compute(folder, case, stages, stop, warn)
+            except (InputError, SimulationError) as error:
+                folder.write_provenance({**tried, "failed": str(error)})
+                raise
             origin = {**folder.read_provenance(), "wall_s": time.perf_counter() - begun}
             if self.measures:
                 origin["measures_digest"] = self.measures.digest
-            folder.write_provenance(origin)
+            folder.write_provenance(folder.with_seals(origin, RESULTS))
             folder.write_summary(summary)
             self._clear(folder, case)
             return self.result.read(folder, reused=False)
@@ -155,11 +191,12 @@ class Runs(Generic[Case, Found]):
             write_atomic(folder.path / name, text)
         seed, packages = case.settings.run.seed, self.packages
         origin = provenance(command=sys.argv, seed=seed, packages=packages, sources=sources.folders)
-        folder.write_provenance({**origin, "run_digest": self.digest(case)})
+        seals = seals_of({**case.files, "case.toml": case.to_toml()})
+        folder.write_provenance({**origin, "run_digest": self.digest(case), **seals})
         folder.write_case(case.to_toml())  # last: from here on the run counts as begun
 
     def _clear(self, folder: RunFolder, case: Case) -> None:
-        folder.checkpoint.unlink(missing_ok=True)
+        folder.drop_checkpoints()
         self.clear(folder, case)
 
     def _is_outdated(self, folder: RunFolder) -> bool:
@@ -171,7 +208,7 @@ class Runs(Generic[Case, Found]):
         """The results of a finished run, brought up to date where other measures made them."""
         if self.measures and self.measured and self.load and self._is_outdated(folder):
             origin = folder.read_provenance()
-            case = self.load(folder.path / "case.toml")
+            case = self.load(folder.case_file)
             summary = self.measured(folder, case, folder.read_summary())
             if summary is None:
                 what = f"the results of {folder.path} were measured"
@@ -184,24 +221,45 @@ class Runs(Generic[Case, Found]):
 
 
 def restored(
-    folder: RunFolder, restore: Callable[[dict[str, Any]], object], meta: type[Meta], start: str
-) -> Meta:
+    folder: RunFolder,
+    restore: Callable[[dict[str, Any]], object],
+    meta: type[Meta],
+    start: str,
+    warn: Warn,
+) -> Meta | None:
     """Return the data of a checkpoint on the run (meta), once its arrays are restored.
 
-    start: where the run begins again without the checkpoint. Raises FolderError where it does not
-    fit the case.
+    That is the newest one, or where a file is damaged the newest one that needs none of them;
+    None where none is left. `warn` is told which file it is and what is computed again. start:
+    where the run then begins. Raises FolderError where a checkpoint does not fit the case.
     """
-    from granulab.campaign.runs.checkpoint import load_checkpoint  # h5py: --help needs it not
+    from granulab.campaign.runs.checkpoint import checkpoints, load_checkpoint  # h5py: slow
+    from granulab.campaign.runs.trajectory import whole_parts
 
-    saved, said = load_checkpoint(folder.checkpoint)
-    try:
-        restore(saved)
-        return meta(**said)
-    except (IndexError, KeyError, TypeError, ValueError) as error:
-        raise FolderError(
-            f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run starts "
-            f"from {start}"
-        ) from None
+    whole, there, wrong = whole_parts(folder.path)
+    for path in checkpoints(folder):
+        try:
+            saved, said = load_checkpoint(path)
+        except DamagedError as error:
+            wrong = wrong or str(error).partition(";")[0]
+            continue
+        try:
+            if said.get("parts", 0) > whole:
+                continue
+            restore(saved)
+            found = meta(**said)
+        except (IndexError, KeyError, TypeError, ValueError) as error:
+            raise FolderError(
+                f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run "
+                f"starts from {start}"
+            ) from None
+        if wrong:
+            again = there - said.get("parts", 0)
+            repeated = f" and computes {again} of its {there} parts again, to the same bits"
+            warn(f"{wrong}; the run goes on from {path}{repeated if again else ''}")
+        return found
+    warn(f"{wrong}; no checkpoint before it is left, so that the run starts from {start}")
+    return None
 
 
 def kept(

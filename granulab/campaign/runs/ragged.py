@@ -3,15 +3,15 @@
 In a file each is a group: `frame` and `length` of the tables (S,), and their rows in `columns`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any
 
 import h5py
 import numpy as np
 
 from granulab.campaign.runs.folder import FolderError
+from granulab.campaign.runs.seal import content
 
 Columns = Mapping[str, np.ndarray]
 
@@ -85,19 +85,31 @@ def in_words(dtype: np.dtype, shape: tuple[int, ...]) -> str:
     return f"{dtype}{list(shape)}"
 
 
-def write(group: h5py.Group, tables: Tables, storage: Any) -> None:
-    """Write into a group; `storage` gives the HDF5 options for an array."""
+def write(group: h5py.Group, tables: Tables) -> None:
+    """Write into a group."""
     group.create_dataset("frame", data=tables.frame)
     group.create_dataset("length", data=tables.length)
     columns = group.create_group("columns")
     for name, rows in tables.columns.items():
-        columns.create_dataset(name, data=rows, **storage(rows))
+        columns.create_dataset(name, data=rows)
 
 
-def read(group: h5py.Group) -> Tables:
-    """Return what `write` wrote. Raises FolderError where lengths do not fit."""
-    columns = {name: rows[()] for name, rows in group["columns"].items()}
-    tables = Tables(group["frame"][()], group["length"][()], columns)
-    if any(len(rows) != tables.start[-1] for rows in columns.values()):
-        raise FolderError(f"{group.file.filename}: damaged, tables of uneven length")
+def read(group: h5py.Group, only: Collection[str] | None = None) -> Tables:
+    """Return what `write` wrote, all columns or some only; FolderError where lengths do not fit."""
+    lengths = content(group["length"])
+    tables = Tables(content(group["frame"]), lengths, {})
+    for name, rows in group["columns"].items():
+        if len(rows) != tables.start[-1]:
+            raise FolderError(f"{group.file.filename}: damaged, tables of uneven length")
+        if only is None or name in only:
+            tables.columns[name] = content(rows)
     return tables
+
+
+def read_of_frames(group: h5py.Group, first: int, last: int) -> Tables:
+    """The tables of the frames first ... last - 1, and nothing else, of what `write` wrote."""
+    index = Tables(content(group["frame"]), content(group["length"]), {})
+    low, high = (int(k) for k in np.searchsorted(index.frame, [first, last]))
+    rows = slice(int(index.start[low]), int(index.start[high]))
+    columns = {name: content(stored, rows) for name, stored in group["columns"].items()}
+    return Tables(index.frame[low:high], index.length[low:high], columns)

@@ -8,19 +8,23 @@ the same files and share their fate.
 """
 
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
+import h5py
 import numpy as np
 
 from granulab.campaign.runs import ragged
-from granulab.campaign.runs.folder import FolderError, writing
-from granulab.campaign.runs.h5file import opened, save
+from granulab.campaign.runs.folder import DamagedError, FolderError, writing
+from granulab.campaign.runs.h5file import merge, opened, save
 from granulab.campaign.runs.ragged import Columns, Tables, in_words, joined, laid_end_to_end
+from granulab.campaign.runs.seal import content
 
 T = TypeVar("T")
+Choose = Callable[[str, h5py.Dataset], slice | None]
 
 
 @dataclass(frozen=True)
@@ -64,22 +68,33 @@ class TrajectoryWriter:
                 self._merged.unlink(missing_ok=True)
                 if self._folder.exists():
                     shutil.rmtree(self._folder)
+            _refuse_link(self._folder)
             self._folder.mkdir(parents=True, exist_ok=True)
             if self._merged.exists():
                 self._take_apart()
             for path in _part_files(self._folder)[parts:]:
                 path.unlink()
         if parts:
-            known = _read_parts(self._folder)
-            if len(known.part_frames) < parts:
-                raise FolderError(
-                    f"{self._folder}: {len(known.part_frames)} parts where the checkpoint knows "
-                    f"{parts}; use --again to compute the run again"
-                )
-            self._n_frames = sum(known.part_frames)
-            self._layout = _layout({key: known[key][-1] for key in known})
-            stored = _read_tables(_part_paths(self._folder))
-            self._tables_layout = ragged.layout({k: t.columns for k, t in stored.items()})
+            self._go_on_after(parts)
+
+    def _go_on_after(self, parts: int) -> None:
+        """Take over how many frames the parts have, and the layout of frames and tables."""
+        known = _part_paths(self._folder)[:parts]
+        counts: list[int] = []
+        for path in known:
+            with opened(path) as file:
+                counts.extend(map(int, file.attrs["part_frames"]))
+                for name, group in file.get("tables", {}).items():
+                    columns = group["columns"].items()
+                    self._tables_layout |= ragged.layout({name: {k: v[:0] for k, v in columns}})
+        if len(counts) < parts:
+            raise FolderError(
+                f"{self._folder}: {len(counts)} parts where the checkpoint knows {parts}; use "
+                "--again to compute the run again"
+            )
+        self._n_frames = sum(counts)
+        with opened(known[-1]) as file:
+            self._layout = _layout({key: data[-1] for key, data in file["frames"].items()})
 
     def append(self, frame: Mapping[str, Any], tables: Mapping[str, Columns] | None = None) -> None:
         """Take a copy of one frame: numbers or arrays, of the same keys and shapes every time.
@@ -135,39 +150,36 @@ class TrajectoryWriter:
         """Merge all parts into trajectory.h5 and remove them; the path of the file."""
         self.flush()
         self.write_static(static, attributes)
-        whole = _read_parts(self._folder)
-        save(
-            self._merged,
-            frames=whole.frames,
-            static=whole.static,
-            attributes=whole.attributes,
-            part_frames=whole.part_frames,
-            tables=_read_tables(_part_paths(self._folder)),
-        )
+        merge(self._merged, _part_paths(self._folder)[: self._n_parts], static, attributes)
         # What cannot be removed does no harm: trajectory.h5 is read first.
         shutil.rmtree(self._folder, ignore_errors=True)
         return self._merged
 
     def _take_apart(self) -> None:
         """Undo finish(): the run was cut off after it and before its summary."""
-        whole, tables = _read([self._merged]), _read_tables([self._merged])
-        self.write_static(whole.static, whole.attributes)
-        start = 0
-        for k, n_frames in enumerate(whole.part_frames):
-            end = start + n_frames
-            frames = {key: whole[key][start:end] for key in whole}
-            pieces = {name: table.of_frames(start, end) for name, table in tables.items()}
-            save(_part(self._folder, k), frames=frames, tables=pieces)
-            start = end
+        with opened(self._merged) as file:
+            self.write_static({k: content(data) for k, data in file["static"].items()}, _attributes(file))
+            start = 0
+            for k, n_frames in enumerate(map(int, file.attrs["part_frames"])):
+                end = start + n_frames
+                rows = slice(start, end)
+                frames = {key: content(stored, rows) for key, stored in file["frames"].items()}
+                pieces = {
+                    name: ragged.read_of_frames(group, start, end)
+                    for name, group in file.get("tables", {}).items()
+                }
+                save(_part(self._folder, k), frames=frames, tables=pieces)
+                start = end
         self._merged.unlink()
 
 
-def read_trajectory(folder: str | Path) -> Trajectory:
+def read_trajectory(folder: str | Path, choose: Choose | None = None) -> Trajectory:
     """The frames of a run, finished or not, also while it goes on.
 
-    Raises FolderError when there are none, or when a file is damaged.
+    choose: the rows to read of an array as it is stored in each file, by its name; None for none
+    of it. Raises FolderError when there are no frames, or when a file is damaged.
     """
-    return _from_run(Path(folder), _read)
+    return _from_run(Path(folder), partial(_read, choose=choose or _everything))
 
 
 def read_tables(folder: str | Path, name: str) -> Tables:
@@ -184,14 +196,53 @@ def read_tables(folder: str | Path, name: str) -> Tables:
     return tables[name]
 
 
-def stored_tables(folder: str | Path) -> dict[str, Tables]:
-    """All tables of a run, finished or not, by name; FolderError as read_trajectory."""
-    return _from_run(Path(folder), _read_tables)
+def stored_tables(
+    folder: str | Path, only: Mapping[str, Collection[str]] | None = None
+) -> dict[str, Tables]:
+    """All tables of a run, finished or not, by name, or only some columns of some of them.
+
+    Raises FolderError as read_trajectory.
+    """
+    return _from_run(Path(folder), partial(_read_tables, only=only))
+
+
+def whole_parts(folder: Path) -> tuple[int, int, str]:
+    """Parts of an unfinished run before the first that is damaged or missing, parts that there
+    are, and what is wrong with that one ("" where none is).
+
+    Of a run that was cut off between its last frame and its results the parts are those of
+    trajectory.h5.
+    """
+    merged, parts = folder / "trajectory.h5", folder / "parts"
+    if merged.exists():
+        try:
+            with opened(merged) as file:
+                n_parts = len(file.attrs["part_frames"])
+            return n_parts, n_parts, ""
+        except DamagedError as error:
+            return 0, 0, str(error).partition(";")[0]
+    _refuse_link(parts)
+    files = _part_files(parts)
+    for k, path in enumerate(files):
+        if path != _part(parts, k):
+            return k, len(files), f"{_part(parts, k)}: missing"
+        try:
+            with opened(path):
+                pass
+        except DamagedError as error:
+            return k, len(files), str(error).partition(";")[0]
+    return len(files), len(files), ""
+
+
+def _refuse_link(parts: Path) -> None:
+    if parts.is_symlink():
+        raise FolderError(f"{parts}: a link that leads out of the run folder; remove it")
 
 
 def _from_run(folder: Path, read: Callable[[list[Path]], T]) -> T:
     """Return the arrays in the files of a run: the parts while it goes on, else the whole."""
     merged, parts = folder / "trajectory.h5", folder / "parts"
+    _refuse_link(parts)
     if not merged.exists() and parts.is_dir():
         try:
             unfinished = read(_part_paths(parts))
@@ -214,12 +265,8 @@ def _part_files(folder: Path) -> list[Path]:
     return sorted(folder.glob("[0-9]*.h5"), key=lambda path: int(path.stem))
 
 
-def _read_parts(folder: Path) -> Trajectory:
-    return _read(_part_paths(folder))
-
-
 def _part_paths(folder: Path) -> list[Path]:
-    """The parts in turn, and what does not change; FolderError where one is missing."""
+    """The parts in turn, and last what does not change; FolderError where one is missing."""
     parts = _part_files(folder)
     for k, path in enumerate(parts):
         if path != _part(folder, k):
@@ -228,28 +275,43 @@ def _part_paths(folder: Path) -> list[Path]:
     return [*parts, static] if static.exists() else parts
 
 
-def _read(paths: Iterable[Path]) -> Trajectory:
+def _everything(name: str, stored: h5py.Dataset) -> slice | None:
+    return slice(None)
+
+
+def _read(paths: Iterable[Path], choose: Choose) -> Trajectory:
     pieces: dict[str, list[np.ndarray]] = {}
     whole = Trajectory({}, {}, {}, [])
     for path in paths:
         with opened(path) as file:
-            attributes = dict(file.attrs)
-            del attributes["schema"]
-            whole.part_frames.extend(map(int, attributes.pop("part_frames")))
-            whole.attributes.update(attributes)
-            for key, dataset in file["frames"].items():
-                pieces.setdefault(key, []).append(dataset[()])
-            whole.static.update({k: data[()] for k, data in file["static"].items()})
-    whole.frames.update({key: np.concatenate(pieces[key]) for key in pieces})
+            whole.part_frames.extend(map(int, file.attrs["part_frames"]))
+            whole.attributes.update(_attributes(file))
+            lengths = {stored.shape[:1] for stored in file["frames"].values()}
+            if len(lengths) > 1 or () in lengths:
+                raise ValueError("not a row a frame in all of them")
+            for key, stored in file["frames"].items():
+                if (rows := choose(key, stored)) is not None:
+                    pieces.setdefault(key, []).append(content(stored, rows))
+            whole.static.update({k: content(data) for k, data in file["static"].items()})
+    whole.frames.update({key: np.concatenate(pieces.pop(key)) for key in list(pieces)})
     return whole
 
 
-def _read_tables(paths: Iterable[Path]) -> dict[str, Tables]:
+def _attributes(file: h5py.File) -> dict[str, Any]:
+    """Those that its writer was given."""
+    return {k: v for k, v in file.attrs.items() if k not in ("schema", "part_frames")}
+
+
+def _read_tables(
+    paths: Iterable[Path], only: Mapping[str, Collection[str]] | None = None
+) -> dict[str, Tables]:
     pieces: dict[str, list[Tables]] = {}
     for path in paths:
         with opened(path) as file:
             for name, group in file.get("tables", {}).items():
-                pieces.setdefault(name, []).append(ragged.read(group))
+                if only is None or name in only:
+                    columns = None if only is None else only[name]
+                    pieces.setdefault(name, []).append(ragged.read(group, columns))
     return {name: joined(found) for name, found in pieces.items()}
 
 

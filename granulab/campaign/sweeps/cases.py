@@ -81,7 +81,7 @@ def run_study(
         )
     )
     rows = run_labelled(simulator, loaded.cases, out=out, **options)
-    write_table(folder.path, rows)
+    folder.seal("study.toml", *write_table(folder.path, rows))
     return folder.path, rows
 
 

@@ -6,10 +6,12 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import Future
 from contextlib import ExitStack, contextmanager, suppress
+from ipaddress import ip_address
 from typing import Any, Self
 from urllib.parse import urlsplit
 from uuid import uuid4
 
+from granulab.campaign.runs.provenance import to_stderr
 from granulab.campaign.sweeps.task import EngineError, Function, Outcome, call
 from granulab.errors import Failed
 
@@ -36,7 +38,8 @@ class DaskCluster:
             if not self._client.ncores():
                 raise EngineError(
                     f"scheduler {self._scheduler}: has no workers; start one with: "
-                    f"dask worker {self._scheduler} --nthreads 1"
+                    f"dask worker {self._scheduler} --host 127.0.0.1 --dashboard-address "
+                    "127.0.0.1:0 --nthreads 1"
                 )
             self._stack = stack.pop_all()
         return self
@@ -73,6 +76,10 @@ class DaskCluster:
             self._asked = time.monotonic()
             self._client.run(_ask, self._name, wait=False)
 
+    def give_up(self) -> bool:
+        """Nothing: the workers of a cluster are its own, and end their tasks by themselves."""
+        return False
+
     def lost(self) -> str:
         """Return why no more outcomes can come, in one line, or nothing."""
         if not self._is_lost and self._client.status == "running":
@@ -94,15 +101,28 @@ def _connect(scheduler: str, stack: ExitStack) -> Any:
         address = urlsplit(scheduler if "://" in scheduler else f"tcp://{scheduler}")
         if address.scheme not in ("tcp", "tls") or address.hostname is None or address.port is None:
             raise ValueError(scheduler)
+        if address.scheme == "tcp" and not _is_loopback(address.hostname):
+            to_stderr(
+                f"scheduler {scheduler}: whoever reaches it or a worker can run any code there; on "
+                "a trusted network only, or with TLS (docs/sweeps.md)"
+            )
         socket.create_connection((address.hostname, address.port), _PATIENCE).close()
         client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError):
         raise EngineError(
-            f"scheduler {scheduler}: does not respond; start one with: dask scheduler, and give "
-            "the address that it prints, such as tcp://127.0.0.1:8786"
+            f"scheduler {scheduler}: does not respond; start one with: dask scheduler --host "
+            "127.0.0.1 --dashboard-address 127.0.0.1:8787, and give the address that it prints, "
+            "such as tcp://127.0.0.1:8786"
         ) from None
     stack.callback(_close, client)
     return client
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:  # a name
+        return host == "localhost"
 
 
 def _close(client: Any) -> None:

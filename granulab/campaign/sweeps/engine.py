@@ -8,12 +8,14 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
+from time import monotonic
 from typing import Any
 
 from granulab.campaign.output.terminal import StopRequest
 from granulab.campaign.sweeps.task import EngineError, Function, Outcome, WorkerLost, in_one_line
 
 TRIES = 3  # of a task whose worker is killed
+_GRACE = 0.5  # [s] for tasks to keep their state and end
 _LOOK = 0.2  # [s] between looks for Ctrl-C
 
 
@@ -25,6 +27,9 @@ class Tally:
     done: int = 0
     running: int = 0
     failed: int = 0
+    slots: int = 1  # tasks that can run at once
+    took: dict[int, float] = field(default_factory=dict)  # [s] by index, of those that ended
+    since: dict[int, float] = field(default_factory=dict)  # [s] by index, of those that run
 
 
 @dataclass
@@ -36,6 +41,7 @@ class _Work:
     needs: Mapping[int, int]
     outcomes: dict[int, Outcome] = field(default_factory=dict)
     running: dict[Future, int] = field(default_factory=dict)
+    began: dict[int, float] = field(default_factory=dict)
     tries: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -68,10 +74,16 @@ class _Work:
         else:
             self.outcomes[k] = Outcome("failed", reason=f"{error}, {TRIES} times")
 
-    def tally(self) -> Tally:
+    def tally(self, slots: int) -> Tally:
         states = [outcome.state for outcome in self.outcomes.values()]
         return Tally(
-            len(self.tasks), states.count("done"), len(self.running), states.count("failed")
+            len(self.tasks),
+            states.count("done"),
+            len(self.running),
+            states.count("failed"),
+            slots,
+            {k: outcome.wall_s for k, outcome in self.outcomes.items()},
+            {k: monotonic() - self.began[k] for k in self.running.values()},
         )
 
 
@@ -90,14 +102,20 @@ def run_tasks(
     `needs` gives, by index, the task that must be done before another starts. `engine` is
     "processes" (`workers` of them, one per core by default) or "dask" (the cluster whose
     `scheduler` has this address). After Ctrl-C, SIGTERM or the loss of the scheduler, what did
-    not end is "interrupted". Raises EngineError where the engine cannot start.
+    not end is "interrupted": tasks have half a second to keep their state; processes that go on
+    (they compile, grow particles, or have long frames) are killed, and go on from their last
+    checkpoint the next time. Raises EngineError where the engine cannot start.
     """
     work = _Work(function, tasks, needs or {})
-    reason = "not started"
+    reason, asked = "not started", 0.0
     with _pool(engine, workers, scheduler, len(tasks)) as pool, StopRequest() as request:
         while True:
             if request.requested:
                 pool.ask_to_stop()
+                asked = asked or monotonic()
+                if monotonic() - asked > _GRACE and pool.give_up():
+                    reason = "stopped between two checkpoints"
+                    break
             lost = pool.lost()
             if lost:
                 reason = lost
@@ -106,8 +124,9 @@ def run_tasks(
                 k = work.ready()
                 if k is None:
                     break
+                work.began[k] = monotonic()
                 work.running[pool.submit(function, tasks[k])] = k
-            report(work.tally())
+            report(work.tally(pool.slots))
             if not work.running:
                 break
             ended = wait(work.running, _LOOK, FIRST_COMPLETED).done

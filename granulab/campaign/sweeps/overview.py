@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from granulab.campaign.output import room
+from granulab.campaign.output.layout import fitted, wrapped
 from granulab.campaign.output.statistics import mean_sd
 from granulab.campaign.sweeps.cases import LabelledStudy, study_folder
 from granulab.campaign.sweeps.sweep import Labelled, Simulator
@@ -50,6 +52,8 @@ def plan(simulator: Simulator, loaded: LabelledStudy, out: Path) -> dict[str, An
         "runs": len(loaded.cases),
         "finished": sum(folder.state == "finished" for folder in folders),
         "packings_to_fill": sum(not file.exists() for file in packings),
+        "disk_bytes_at_most": simulator.disk_of(list(todo.values())),
+        "disk_free_bytes": room.free(out),
         "rows": [
             {**labels, "run_folder": str(folder.path), "state": folder.state}
             for folder, (labels, _) in zip(folders, loaded.cases, strict=True)
@@ -67,7 +71,8 @@ def plan_as_text(loaded: LabelledStudy, planned: dict[str, Any]) -> str:
             f"{planned['study']}: {planned['runs']} runs, {planned['finished']} of them finished; "
             f"{planned['packings_to_fill']} packings to fill",
             f"each with {_plural(len(loaded.study.seeds), 'seed')}:",
-            *_aligned([list(columns), *cells]),
+            fitted(columns, cells, len(columns)),
+            room.line(planned),
             f"table       {planned['folder']}/table.csv",
         ]
     )
@@ -115,17 +120,33 @@ def _means(simulator: Simulator, rows: Rows) -> dict[str, Any]:
 def as_text(table: dict[str, Any]) -> str:
     """A summary in words: a line for every combination."""
     rows = table["combinations"]
-    cells = [[_number(value) for value in row.values()] for row in rows]
+    names, cells = _with_spreads(rows)
     counts = ", ".join(f"{table[name]} {name}" for name in ("done", "failed", "interrupted"))
     return "\n".join(
         [
-            *_aligned([list(rows[0]), *cells]),
-            *(f"failed: {line}" for line in table["failures"]),
+            fitted(names, cells, names.index("runs")),
+            *(wrapped(f"failed: {line}", 8) for line in table["failures"]),
             f"{table['study']}: {_plural(table['runs'], 'run')}: {counts} ({table['reused']} were "
             "there before)",
             f"table       {table['table']}",
         ]
     )
+
+
+def _with_spreads(rows: Rows) -> tuple[list[str], list[list[str]]]:
+    """Names and cells of a table, a mean and its standard deviation as one: "0.341 +- 0.003"."""
+    means = [name.removesuffix(".mean") for name in rows[0] if name.endswith(".mean")]
+    others = [name for name in rows[0] if name.removesuffix(".sd").removesuffix(".mean") == name]
+
+    def spread(row: dict[str, Any], name: str) -> str:
+        mean, sd = row[f"{name}.mean"], row[f"{name}.sd"]
+        return _number(mean) + ("" if sd is None else f" +- {sd:.2g}")
+
+    cells = [
+        [*(_number(row[name]) for name in others), *(spread(row, name) for name in means)]
+        for row in rows
+    ]
+    return others + means, cells
 
 
 def _key(columns: tuple[str, ...], row: dict[str, Any]) -> tuple[Any, ...]:
@@ -148,11 +169,3 @@ def _number(value: Any) -> str:
 
 def _plural(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
-
-
-def _aligned(rows: list[list[str]]) -> list[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]

@@ -41,8 +41,7 @@ class Processes:
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         if kind is not None:
-            for child in filter(None, list(self._children.values())):
-                child.kill()
+            self.give_up()
         for executor in list(self._children):
             executor.shutdown()
 
@@ -80,13 +79,19 @@ class Processes:
         """Make the running tasks keep their state and end."""
         self._stop.value = True
 
+    def give_up(self) -> bool:
+        """Kill the workers: all that they leave is whole files; whether there are any to kill."""
+        for child in filter(None, list(self._children.values())):
+            child.kill()
+        return True
+
     def lost(self) -> str:
         """Return why no more outcomes can come; nothing here."""
         return ""
 
     def _new(self) -> ProcessPoolExecutor:
         executor = ProcessPoolExecutor(
-            1, mp_context=self._context, initializer=_begin, initargs=(self._stop,)
+            1, mp_context=self._context, initializer=_begin, initargs=(self._stop, not _masks())
         )
         self._children[executor] = None
         return executor
@@ -106,21 +111,32 @@ def _worker_surroundings() -> Iterator[None]:
     """Let a process that starts here inherit one thread, and leave signals to this process."""
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS) if _masks() else None
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if mask is not None:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for name, value in before.items():
             os.environ.pop(name)
             if value is not None:
                 os.environ[name] = value
 
 
-def _begin(flag: Any) -> None:
-    """Begin a worker: it ends with the process that started it, however that one ends."""
+def _masks() -> bool:
+    """True where a process can keep signals from the processes that it starts; not on Windows."""
+    return hasattr(signal, "pthread_sigmask")
+
+
+def _begin(flag: Any, deaf: bool) -> None:
+    """Begin a worker: it ends with the process that started it, however that one ends.
+
+    deaf: whether it must be kept from Ctrl-C, which a Windows console sends to all its processes.
+    """
     global _flag
     _flag = flag
+    if deaf:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def leave() -> None:
         parent = multiprocessing.parent_process()

@@ -92,7 +92,7 @@ def _drawn(
     from scipy.special import ndtr, ndtri
 
     kind = table["distribution"]
-    if kind not in _DRAWN:
+    if kind not in tuple(_DRAWN):  # also a list, which has no hash
         raise SeriesError(f"{where}: distribution = {kind!r}: {nearest(str(kind), list(_DRAWN))}")
     known = ("distribution", "number", *_DRAWN[kind])
     needed = ("number", *(("min", "max") if kind == "uniform" else ("mean", "sd")))

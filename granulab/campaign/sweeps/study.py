@@ -6,13 +6,14 @@ turns what is written for a key into a number (in SI) or a word.
 
 import itertools
 import math
-import tomllib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from granulab.campaign.sweeps.series import SeriesError, nearest, series
+from granulab.contact.files.datafile import toml_text
+from granulab.errors import InputError
 
 SCHEMA = 1
 MAX_RUNS = 10_000  # more is taken for a slip
@@ -45,12 +46,11 @@ def read_study(path: str | Path, read: Reader) -> Study:
     """The study of a TOML file; StudyError, or what the reader raises, where it cannot be used."""
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
-        document = tomllib.loads(text)
-    except OSError as error:
-        raise StudyError(f"{path}: cannot be read ({error.strerror}); give a study file") from None
-    except ValueError as error:  # also bytes that are not text
-        raise StudyError(f"{path}: not valid TOML: {error}") from None
+        text, document = toml_text(path)
+    except FileNotFoundError:
+        raise StudyError(f"{path}: cannot be read (no such file); give a study file") from None
+    except InputError as error:
+        raise StudyError(str(error)) from None
     try:
         return _study(document, path.stem, text, read)
     except (StudyError, SeriesError) as error:
@@ -59,6 +59,7 @@ def read_study(path: str | Path, read: Reader) -> Study:
 
 def _study(document: dict[str, Any], stem: str, text: str, read: Reader) -> Study:
     from granulab.campaign.sweeps.study_keys import StudyKeys  # pydantic: --help needs it not
+    from granulab.contact.files.casefile import folder_name
 
     known = ("schema", *StudyKeys.model_fields, "vary")
     unknown = next((key for key in document if key not in known), None)
@@ -67,8 +68,10 @@ def _study(document: dict[str, Any], stem: str, text: str, read: Reader) -> Stud
     if document.get("schema") != SCHEMA or isinstance(document["schema"], bool):
         raise StudyError(f"schema must be {SCHEMA}; write schema = {SCHEMA} on the first line")
     name = document.get("name", stem)
-    if not isinstance(name, str) or not (name and name.isprintable() and Path(name).name == name):
-        raise StudyError(f"name = {name!r}: a folder is called after it; give letters, digits, '-'")
+    try:
+        folder_name(name)
+    except ValueError as error:
+        raise StudyError(str(error)) from None
     draw_seed = document.get("draw_seed", 1)
     if not _is_count(draw_seed):
         raise StudyError(f"draw_seed = {draw_seed!r}: must be an integer, 0 or more")

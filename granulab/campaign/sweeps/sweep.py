@@ -14,15 +14,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from granulab.campaign.output import room
 from granulab.campaign.output.terminal import Progress, announce_compilation
 from granulab.campaign.runs.folder import FolderError, RunFolder, find_run
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.provenance import Sources, to_stderr
+from granulab.campaign.runs.stages import in_words
 from granulab.campaign.sweeps.engine import Tally, run_tasks
 from granulab.campaign.sweeps.task import Function, Outcome
 from granulab.errors import Failed, InputError, SimulationError
 
-_MEMORY = 3600.0  # [s] over which the speed is taken that gives the time left
+_TRUSTED = 1.0  # [s] of runs, from which on their cost is rather measured than expected
 
 Labels = dict[str, Any]
 Labelled = tuple[Labels, Any]  # the labels and the case that they name
@@ -34,6 +36,7 @@ class Task(NamedTuple):
     case: Any
     out: Path
     packing_only: bool  # which several runs wait for
+    shared: bool = False  # whether another task makes the packing of this run
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,7 @@ class Simulator:
     work           runs the case of a Task in a worker, or makes its packing; found by its name
     read           what a finished run found, a dataclass; FolderError where it is damaged
     expected_cpu_s CPU time [s] that the packing of a case and its run will take, about
+    disk_at_most   bytes that the run of a case takes at most, by what they are of
     sources        the folders of code that decide what a run computes
     measures       those that make its results from what it stored; None: none do
     made_by        of a case, the sources of its run and of its packing, where they differ
@@ -71,10 +75,15 @@ class Simulator:
     means: tuple[str, ...] = ()
     counted: Mapping[str, Callable[[dict[str, Any]], bool]] = field(default_factory=dict)
     compiled: Callable[[], bool] = lambda: True
+    disk_at_most: Callable[[Any], Mapping[str, int]] = lambda case: {}
 
     def run_folder(self, case: Any, out: Path) -> RunFolder:
         """Return where a case is run, which a single run finds too; it may not exist yet."""
         return find_run(out, f"{case.name}-seed{case.settings.run.seed}", self.digest(case))
+
+    def disk_of(self, cases: Sequence[Any]) -> int:
+        """Bytes that the runs of some cases take at most, none of which is there yet."""
+        return sum(sum(self.disk_at_most(case).values()) for case in cases)
 
     def packing_file(self, case: Any, out: Path) -> Path:
         """The packing in its folder."""
@@ -127,16 +136,19 @@ def run_labelled(
         else:
             missing[folder.path] = case
     if missing:
+        if short := room.shortage(simulator.disk_of(list(missing.values())), out):
+            to_stderr(short)
         announce_compilation(quiet, simulator.compiled())
         tasks, needs = _tasks(simulator, list(missing.values()), out)
         before = len(ended)
         title = f"{len(missing)} runs"
         if len(tasks) > len(missing):
             title += f", {len(tasks) - len(missing)} packings"
-        with Progress(title, quiet=quiet, memory=_MEMORY) as bar:
+        costs = [_expected(simulator, task) for task in tasks]
+        with Progress(title, quiet=quiet, estimates=False) as bar:
             outcomes = run_tasks(
                 simulator.work, tasks, needs=needs, engine=engine, workers=workers,
-                scheduler=scheduler, report=lambda tally: bar.update(*_words(tally, before)),
+                scheduler=scheduler, report=lambda tally: bar.update(*_words(tally, before, costs)),
             )  # fmt: skip
         runs = (o for o, task in zip(outcomes, tasks, strict=True) if not task.packing_only)
         ended |= dict(zip(missing, runs, strict=True))
@@ -241,19 +253,45 @@ def _tasks(simulator: Simulator, cases: list[Any], out: Path) -> tuple[list[Task
                 makings[file] = len(tasks)
                 tasks.append(Task(case, out, packing_only=True))
             needs[len(tasks)] = makings[file]
-        tasks.append(Task(case, out, packing_only=False))
+        tasks.append(Task(case, out, packing_only=False, shared=file in makings))
     return tasks, needs
 
 
-def _words(tally: Tally, before: int) -> tuple[float, str]:
+def _expected(simulator: Simulator, task: Task) -> float:
+    """Expected cost [s] of a task; a run that finds no packing fills it first."""
+    packing, run = simulator.expected_cpu_s(task.case)
+    if task.packing_only:
+        return packing
+    alone = not simulator.packing_file(task.case, task.out).exists() and not task.shared
+    return run + (packing if alone else 0.0)
+
+
+def _words(tally: Tally, before: int, costs: Sequence[float]) -> tuple[float, str]:
     """Return how far a sweep is, and the same in words."""
     ended = tally.done + tally.failed
     there = f" and {before} before" if before else ""
+    done, left = progress_of(tally, costs)
     return (
-        ended / tally.total,
+        done,
         f"{tally.done} done{there}, {tally.running} running, {tally.failed} failed, "
-        f"{tally.total - ended - tally.running} waiting",
+        f"{tally.total - ended - tally.running} waiting; {in_words(left)} left",
     )
+
+
+def progress_of(tally: Tally, costs: Sequence[float]) -> tuple[float, float]:
+    """Part (0 to 1) of the work of tasks that is done, and the time left [s].
+
+    costs: expected ones of all tasks [s]; those that ended say how they are on this machine.
+    """
+    measured, expected = sum(tally.took.values()), sum(costs[k] for k in tally.took)
+    slowness = (_TRUSTED + measured) / (_TRUSTED + expected)
+    slowness = max([slowness, *(time / costs[k] for k, time in tally.since.items())])
+    cost = {k: slowness * each for k, each in enumerate(costs) if k not in tally.took}
+    left = {k: each - tally.since.get(k, 0.0) for k, each in cost.items()}
+    longest = max(left.values(), default=0.0)
+    whole = slowness * sum(costs)
+    done = 1.0 - sum(left.values()) / whole if whole else 1.0
+    return done, max(sum(left.values()) / tally.slots, longest)
 
 
 def _row(labels: Labels, folder: Path, outcome: Outcome) -> dict[str, Any]:

@@ -7,13 +7,22 @@ are made from it (granulab.contact.files.reference, granulab.campaign.cli.caseop
 
 import copy
 import json
+import re
 import reprlib
 import typing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Generic, TypeVar
 
-from pydantic import BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
 
 from granulab.contact.files.datafile import read_toml
 from granulab.contact.files.schema import Table
@@ -26,6 +35,10 @@ class Unit:
     """Marks a field that is a quantity, a number in this SI unit; "1" is that of pure numbers."""
 
     name: str
+
+
+# Lengths [m] that a case may have: from one atom's width to the earth's.
+SMALLEST, LARGEST = 1e-10, 1e7
 
 
 def _read(unit: str) -> BeforeValidator:
@@ -41,13 +54,27 @@ def _read_frequency(value: object, info: ValidationInfo) -> float:
     return to_si(value, "1" if is_plain_number(value) else "Hz", name)
 
 
-Length = Annotated[float, _read("m"), Unit("m")]
-Size = Annotated[float, _read("m"), Unit("m"), Field(gt=0)]
+def of_a_size(length: float, name: str) -> float:
+    """A length [m] that something may have; ValueError for one below atoms or beyond the earth."""
+    if not SMALLEST <= abs(length) <= LARGEST and length != 0.0:
+        raise ValueError(
+            f"{name} = {length:g} m: {SMALLEST:g} to {LARGEST:g} m are taken; check the unit"
+        )
+    return length
+
+
+def _sized(value: float, info: ValidationInfo) -> float:
+    return of_a_size(value, info.field_name or "value")
+
+
+Length = Annotated[float, _read("m"), Unit("m"), AfterValidator(_sized)]
+Size = Annotated[float, _read("m"), Unit("m"), Field(gt=0), AfterValidator(_sized)]
 Time = Annotated[float, _read("s"), Unit("s"), Field(gt=0)]
 Angle = Annotated[float, _read("rad"), Unit("rad")]
 Stiffness = Annotated[float, _read("N/m"), Unit("N/m"), Field(gt=0)]
 Rate = Annotated[float, _read("1/s"), Unit("1/s"), Field(ge=0)]
 Number = Annotated[float, _read("1"), Unit("1"), Field(ge=0)]
+Friction = Annotated[float, _read("1"), Unit("1"), Field(ge=0, le=1000)]
 Positive = Annotated[float, _read("1"), Unit("1"), Field(gt=0)]
 Frequency = Annotated[float, BeforeValidator(_read_frequency), Unit("1"), Field(gt=0)]
 Speed = Annotated[float, _read("m/s"), Unit("m/s"), Field(gt=0)]
@@ -59,6 +86,18 @@ class Section(Table):
     """A table of the case file; takes the keys of its class and no others."""
 
     model_config = ConfigDict(frozen=True, strict=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_truth_for_a_number(cls, table: object) -> object:
+        """Refuse true and false where a key takes a number: Python would count them as 1 and 0."""
+        for name, value in table.items() if isinstance(table, dict) else ():
+            field = cls.model_fields.get(name)
+            within = value if isinstance(value, list) else [value]
+            if field and any(isinstance(one, bool) for one in within) and not takes_truth(field):
+                shown = str(value).lower()
+                raise ValueError(f"{name} = {shown}: true and false are no numbers; give a number")
+        return table
 
 
 Model = TypeVar("Model", bound=Section)
@@ -94,13 +133,36 @@ def key(
     )
 
 
-def folder_name(name: str) -> str:
+def takes_truth(field: Any) -> bool:
+    """True where a field may be true or false."""
+    return bool in (field.annotation, *typing.get_args(field.annotation))
+
+
+def folder_name(name: object) -> str:
     """The name of a case, after which its run folder is called; ValueError if it cannot be."""
-    if not name or not name.isprintable() or "/" in name or "\\" in name:
+    usable = isinstance(name, str) and name.isprintable() and name not in ("", ".", "..")
+    if not isinstance(name, str) or not usable or set("/\\") & set(name):
         raise ValueError(
-            f"name = {name!r}: the run folder is called after it; give letters, digits, '-', '_'"
+            f"name = {reprlib.repr(name)}: the run folder is called after it; give letters, "
+            "digits, '-', '_'"
+        )
+    if len(name.encode()) > _LONGEST_NAME:
+        raise ValueError(
+            f"name = {reprlib.repr(name)}: {len(name.encode())} bytes; the run folder is called "
+            f"after it: at most {_LONGEST_NAME}"
+        )
+    if set(_NOT_IN_WINDOWS) & set(name) or name[-1] in ". " or _DEVICE.fullmatch(name):
+        raise ValueError(
+            f"name = {reprlib.repr(name)}: the run folder is called after it, and Windows has no "
+            f"such folder; leave out {' '.join(_NOT_IN_WINDOWS)}, '.' and ' ' at the end, and "
+            "names of devices (CON, NUL, COM1)"
         )
     return name
+
+
+_NOT_IN_WINDOWS = '<>:"|?*'
+_DEVICE = re.compile(r"(con|prn|aux|nul|(com|lpt)[0-9¹²³])( *\..*)?", re.IGNORECASE)
+_LONGEST_NAME = 200  # [bytes] of the 255 of a file name: seed and digest follow
 
 
 def sections(settings: type[Section]) -> dict[str, type[Section]]:
@@ -131,9 +193,14 @@ class CaseFile(Generic[Model]):
 
     def read(self, path: Path) -> dict[str, Any]:
         """The tables of a case file as they are written; InputError where it cannot be read."""
-        document = read_toml(path, "cases", self.schema)
+        document = read_toml(path, "cases", self.schema, self._lacks)
         document.setdefault("name", path.stem)
         return document
+
+    def _lacks(self, document: dict[str, Any]) -> str:
+        required = [name for name, f in self.settings.model_fields.items() if f.is_required()]
+        absent = [f"[{name}]" for name in required if name not in document]
+        return f"{', '.join(absent)} is missing too; write at least {self.least}" if absent else ""
 
     def check(self, document: dict[str, Any], where: str) -> Model:
         """The settings of a document; InputError with one line for the first error in it."""

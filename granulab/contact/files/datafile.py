@@ -1,6 +1,9 @@
 """Data files: the folder of the shipped ones, in a checkout or installed, and reading TOML."""
 
+import os
+import stat
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -44,28 +47,96 @@ def is_file(path: Path) -> bool:
         return False
 
 
+def content_of(file: str | Path) -> bytes:
+    """Content of a file by which what was read of it is kept; empty where it cannot be read."""
+    try:
+        return Path(file).read_bytes() if is_file(Path(file)) else b""
+    except OSError:
+        return b""  # the reader says what is wrong
+
+
+def refuse_pipe(path: Path) -> None:
+    """Raise InputError for a pipe, socket or device, which may give bytes late or for ever."""
+    try:
+        mode = path.stat().st_mode
+    except (OSError, ValueError):  # nothing there, a loop of links, no name for a file
+        return
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode) or str(path) == os.devnull):
+        raise InputError(f"{path}: a pipe or device, not a file; write it to a file and give that")
+
+
 def find(name: str, kind: str, folder: Path) -> str | Path:
-    """A file in the folder of the case, else a shipped one of a kind, else the name as it is."""
+    """A file in the folder of the case, else a shipped one of a kind, else the name as it is.
+
+    Raises InputError for a name that no file has.
+    """
+    if "\0" in name:
+        raise InputError(f"{kind} = {name!r}: no name of a file; leave out the zero byte")
+    refuse_pipe(folder / name)
     return folder / name if is_file(folder / name) else data_file(kind, name) or name
 
 
-def read_toml(path: Path, kind: str, schema: int) -> dict[str, Any]:
+def toml_text(path: Path) -> tuple[str, dict[str, Any]]:
+    """The text of a TOML file, and its tables.
+
+    Raises FileNotFoundError where there is none, and InputError, one line that names the file,
+    where it is no file that ends, no text, no TOML, or nested beyond belief.
+    """
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"{path}: not a file; give a TOML file")
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError(f"{path}: larger than {_MOST_BYTES >> 20} MB; give a TOML file")
+        text = path.read_text(encoding="utf-8")
+        tables = tomllib.loads(text)
+    except (FileNotFoundError, InputError):
+        raise
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
+    except ValueError as error:  # also bytes that are not text, and a name with a NUL
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise _nested(path) from None
+    level: list[Any] = [tables]
+    for _ in range(_DEEPEST):
+        level = [inner for outer in level for inner in _inside(outer)]
+    if level:
+        raise _nested(path)
+    return text, tables
+
+
+_MOST_BYTES = 2**26
+_DEEPEST = 50  # tables and lists in each other; the deepest of ours have five
+
+
+def _inside(outer: Any) -> list[Any]:
+    parts = outer.values() if isinstance(outer, dict) else outer if isinstance(outer, list) else []
+    return [part for part in parts if isinstance(part, dict | list)]
+
+
+def _nested(path: Path) -> InputError:
+    return InputError(f"{path}: tables or lists nested more than {_DEEPEST} deep; none needs that")
+
+
+def read_toml(
+    path: Path, kind: str, schema: int, lacks: Callable[[dict[str, Any]], str] = lambda document: ""
+) -> dict[str, Any]:
     """The tables of a TOML file of a kind, its schema number checked and taken out.
 
+    lacks: words on what else is missing in the tables, for the line about a missing schema.
     Raises InputError, one line that names the file, where it is missing, cannot be read, is no
     TOML, or is of another schema.
     """
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        _, document = toml_text(path)
     except FileNotFoundError:
         hint = nearest(str(path), data_names(kind))
         raise InputError(f"{path}: no such {kind} file, nor a shipped one; {hint}") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
-    except ValueError as error:  # also bytes that are not text
-        raise InputError(f"{path}: not valid TOML: {error}") from None
     if "schema" not in document:
-        raise InputError(f"{path}: schema is missing; write schema = {schema} on the first line")
+        more = f"; {words}" if (words := lacks(document)) else ""
+        raise InputError(
+            f"{path}: schema is missing; write schema = {schema} on the first line{more}"
+        )
     found = document.pop("schema")
     if type(found) is not int or found != schema:
         raise InputError(f"{path}: schema = {found!r}: unknown; this version reads {schema}")

@@ -1,10 +1,16 @@
 """Keys of a case file as a study takes them: read to SI, written back, named with units."""
 
-import typing
 from dataclasses import dataclass
 from typing import Any
 
-from granulab.contact.files.casefile import Section, Unit, known_keys, marks_of, unit_of
+from granulab.contact.files.casefile import (
+    Section,
+    Unit,
+    known_keys,
+    marks_of,
+    takes_truth,
+    unit_of,
+)
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
 
@@ -24,7 +30,7 @@ class Keys:
             field = self._field(key)
         except InputError as error:
             raise InputError(f"{where} {error}") from None
-        if not _is_quantity(field) or (isinstance(value, bool) and _takes_truth(field)):
+        if not _is_quantity(field) or (isinstance(value, bool) and takes_truth(field)):
             return value
         return to_si(value, unit_of(field), f"{where} {key}")
 
@@ -60,7 +66,3 @@ class Keys:
 
 def _is_quantity(field: Any) -> bool:
     return any(isinstance(mark, Unit) for mark in marks_of(field))
-
-
-def _takes_truth(field: Any) -> bool:
-    return bool in typing.get_args(field.annotation)

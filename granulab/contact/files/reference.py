@@ -3,9 +3,14 @@
 import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from granulab.contact.files.casefile import Section, marks_of, sections, toml_value, unit_of
+from granulab.contact.files.needs import Needs, keys_needed, with_besides
+from granulab.contact.files.schema import SCHEMA
+from granulab.contact.files.table import ContactTable, entry_of, toml_entry
+from granulab.contact.material import PROPERTIES, Measured
 
 _COLUMN = 35  # where comments begin in a commented case
 _WIDTH = 100
@@ -90,10 +95,17 @@ def _bounds(field: Any) -> list[str]:
     return list(found.values())
 
 
-def commented_case(settings: type[Section], head: str, name: str, schema: int) -> str:
+def commented_case(
+    settings: type[Section],
+    head: str,
+    name: str,
+    schema: int,
+    values: Mapping[str, Any] = MappingProxyType({}),
+) -> str:
     """A case file with a comment on every key; what stands in it are the defaults.
 
-    head: of the file; keys without a default are comments themselves, with an example.
+    head: of the file; values: by "section.key", what is written instead. Keys without a default
+    are comments themselves, with an example.
     """
     lines = [*_comment(head), f"schema = {schema}"]
     lines += _commented(f"name = {toml_value(name)}", "the run folder is called after it")
@@ -101,7 +113,9 @@ def commented_case(settings: type[Section], head: str, name: str, schema: int) -
         lines += ["", f"[{section}]", *_comment(_text(model))]
         for key in keys_of(settings):
             if key.section == section:
-                lines += _commented(_entry(key), _remark(key))
+                own = values.get(f"{section}.{key.name}")
+                entry = _entry(key) if own is None else f"{key.name} = {toml_value(own)}"
+                lines += _commented(entry, _remark(key))
     return "\n".join(lines) + "\n"
 
 
@@ -116,6 +130,31 @@ def commented_file(
     for key in plain_keys(settings):
         written = toml_value(values[key.name]) if key.name in values else key.written
         lines += _commented(f"{key.name} = {written}", _remark(key))
+    return "\n".join(lines) + "\n"
+
+
+def commented_materials(needs: Needs, particle: str, wall: str, example: ContactTable) -> str:
+    """A materials file of two materials and their pairs, with a comment on every key.
+
+    example: holds them; its values alone are written, not where they are from.
+    """
+    head = (
+        f"Materials and contact parameters for {needs.program}. What stands here are values of "
+        f"{' and '.join(dict.fromkeys([particle, wall]))}, as an example: replace them by yours, "
+        "names of materials too (a case names them). An entry may say what is known of it: "
+        '{ value = "0.45 g/cm3", sigma = "6 %", source = "weighed, five particles" }; '
+        "`calibrate ... --into FILE` writes such entries from measurements."
+    )
+    lines, last = [*_comment(head), f"schema = {SCHEMA}"], ""
+    for where, name in with_besides(needs, keys_needed(needs, particle, wall)):
+        known = entry_of(example, where, name)
+        if known is None:
+            continue
+        if where != last:
+            lines += ["", f"[{where}]"]
+            last = where
+        lines += _commented(f"{name} = {toml_entry(name, Measured(known.value))}",
+                            PROPERTIES[name].meaning)  # fmt: skip
     return "\n".join(lines) + "\n"
 
 

@@ -63,10 +63,10 @@ class MaterialTable(Table):
 class LinearTable(Table):
     """[pair.NAME-NAME.linear]"""
 
-    kn: Entry
-    kt: Entry
-    gamma_n: Entry
-    gamma_t: Entry
+    kn: Entry | None = None
+    kt: Entry | None = None
+    gamma_n: Entry | None = None
+    gamma_t: Entry | None = None
 
 
 class PairTable(Table):
@@ -85,39 +85,66 @@ class File(Table):
 
 
 def read_file(path: Path) -> File:
-    """The tables of a TOML file as they are written; InputError for a wrong key or structure."""
-    try:
-        return File.model_validate(read_toml(path, "materials", SCHEMA))
-    except ValidationError as error:
-        raise InputError(f"{path}: {_one_line(error.errors()[0])}") from None
+    """The tables of a TOML file as they are written; InputError for a wrong key or structure.
+
+    All keys that are missing are named at once.
+    """
+    tables = read_toml(path, "materials", SCHEMA, lambda found: _lacks(path, found))
+    absent = missing_keys(path, tables)
+    if absent:
+        raise InputError(f"{path}: {missing_words(absent)}")
+    return File.model_validate(tables)
 
 
-def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
-    """Keys that simulators need and the tables of an unfinished file do not have yet.
+def missing_keys(path: Path, tables: dict[str, Any]) -> list[tuple[str, str]]:
+    """Sections and keys that every file must have and these tables do not.
 
-    As in "[pair.wood-steel] friction". Raises InputError for a wrong key or structure.
+    Raises InputError for a wrong key or structure.
     """
     try:
         File.model_validate(tables)
     except ValidationError as error:
         problems = error.errors()
     else:
-        problems = []
-    absent = [p["loc"] for p in problems if p["type"] == "missing" and p["loc"][-1] != "value"]
+        return []
     for problem in problems:
-        if problem["loc"] not in absent:
+        if problem["type"] != "missing" or problem["loc"][-1] == "value":
             raise InputError(f"{path}: {_one_line(problem)}")
-    materials = tables.get("material", {})
-    named = dict.fromkeys(name for pair in tables.get("pair", {}) for name in pair.split("-"))
-    unknown = [f"{section('material', name)} density" for name in named if name not in materials]
-    return unknown + [_place(loc) for loc in absent if loc != ("material",)]
+    return [_section_and_key(problem["loc"]) for problem in problems]
+
+
+def _lacks(path: Path, tables: dict[str, Any]) -> str:
+    absent = missing_keys(path, tables)
+    return missing_words(absent) if absent else ""
+
+
+def missing_words(absent: list[tuple[str, str]]) -> str:
+    """Keys that are missing, in words, with the units that files use: one phrase a section."""
+    by_section: dict[str, list[str]] = {}
+    for where, name in absent:
+        known = PROPERTIES.get(name)
+        unit = known.unit_in_files if known else "1"
+        by_section.setdefault(where, []).append(name if unit == "1" else f"{name} [{unit}]")
+    parts = [
+        f"[{_shown(where)}] {', '.join(names)}".rstrip() for where, names in by_section.items()
+    ]
+    if len(absent) > 1:
+        return f"missing: {'; '.join(parts)}"
+    name, bracket, unit = parts[0].rpartition(" [")
+    return f"{name} is missing; give it in {unit[:-1]}" if bracket else f"{parts[0]} is missing"
+
+
+def _section_and_key(loc: tuple[int | str, ...]) -> tuple[str, str]:
+    """The section, as in "pair.wood-wood.linear", and the key of a position in the file."""
+    path = [str(part) for part in loc]
+    depth = 3 if path[2:3] == ["linear"] else 2
+    return ".".join(_shown(key) for key in path[:depth]), ".".join(path[depth:])
 
 
 def _place(loc: tuple[int | str, ...]) -> str:
     """Position in the file, such as [pair.wood-wood] friction."""
-    path = [str(part) for part in loc]
-    depth = 3 if path[2:3] == ["linear"] else 2
-    return " ".join(filter(None, [section(*path[:depth]), ".".join(path[depth:])]))
+    where, name = _section_and_key(loc)
+    return " ".join(filter(None, [f"[{where}]" if where else "", name]))
 
 
 def _one_line(problem: Any) -> str:
@@ -126,13 +153,14 @@ def _one_line(problem: Any) -> str:
     if problem["type"] == "value_error":  # raised by Table
         return f"{where}: {problem['ctx']['error']}".removeprefix(": ")
     if problem["type"] == "missing":
-        known = PROPERTIES.get(str(problem["loc"][-1]))
-        unit = known.unit_in_files if known else "1"
-        return f"{where} is missing" + ("" if unit == "1" else f"; give it in {unit}")
+        return missing_words([_section_and_key(problem["loc"])])
     return f"{where} = {reprlib.repr(problem['input'])}: {problem['msg'].lower()}"
 
 
 def section(*keys: str) -> str:
     """The head of a TOML table, such as [pair.wood-wood], for an error line."""
-    shown = [key if key.isprintable() else repr(key) for key in keys]
-    return f"[{'.'.join(shown)}]" if keys else ""
+    return f"[{'.'.join(_shown(key) for key in keys)}]" if keys else ""
+
+
+def _shown(key: str) -> str:
+    return key if key.isprintable() else repr(key)

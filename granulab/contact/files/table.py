@@ -4,6 +4,7 @@ import contextlib
 import dataclasses
 import json
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 from granulab.contact.files.datafile import data_file
@@ -47,17 +48,7 @@ class ContactTable:
 
     def namesake(self) -> Material:
         """The material that the table's file is called after, or its only one; else InputError."""
-        stem = self.path.stem if self.path else None
-        if stem in self.materials:
-            return self.materials[stem]
-        if not self.materials:
-            raise InputError(f"{self._name}holds no material; give one as [material.NAME]")
-        if len(self.materials) > 1:
-            raise InputError(
-                f"{self._name}holds several materials ({', '.join(self.materials)}); name the file "
-                "after one of them, or set materials and material in a case file"
-            )
-        return next(iter(self.materials.values()))
+        return self.materials[namesake(self.path, self.materials)]
 
     def pair(self, first: str, second: str) -> Pair:
         """The pair of two materials, in either order; InputError lists those there are."""
@@ -66,6 +57,40 @@ class ContactTable:
             hint = nearest(f"{first}-{second}", ["-".join(key) for key in self.pairs])
             raise InputError(f"{self._name}no pair {first}-{second}; {hint}")
         return found
+
+
+def namesake(path: Path | None, names: Iterable[str]) -> str:
+    """Of the materials of a file, the one that it is called after, or its only one.
+
+    Raises InputError where there is none, or there are several.
+    """
+    known, where = list(names), f"{path}: " if path else ""
+    if path and path.stem in known:
+        return path.stem
+    if not known:
+        raise InputError(f"{where}holds no material; give one as [material.NAME]")
+    if len(known) > 1:
+        raise InputError(
+            f"{where}holds several materials ({', '.join(known)}); name the file after one of "
+            "them, or set materials and material in a case file"
+        )
+    return known[0]
+
+
+def entry_of(table: ContactTable, where: str, key: str) -> Measured | None:
+    """A value by its section, as in "pair.wood-wood.linear", and key; None where it is not known.
+
+    Raises InputError where the table has no such material or pair.
+    """
+    kind, names, *linear = where.split(".")
+    record: object
+    if kind == "material":
+        record = table.material(names)
+    else:
+        first, _, second = names.partition("-")
+        pair = table.pair(first, second)
+        record = pair.linear if linear else pair
+    return getattr(record, key, None)
 
 
 def load_pairs(name_or_path: str | Path) -> dict[tuple[str, str], Pair]:

@@ -5,9 +5,10 @@ import difflib
 import math
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from decimal import Context, Decimal
 from functools import cache, lru_cache
+from typing import Any, TypeVar
 
 from granulab.errors import InputError
 
@@ -85,7 +86,7 @@ def _parse(text: str, unit: str, field: str, example: str) -> float:
     in_g = unit == "m/s2" and match["unit"] == "g"  # of an accelerometer: gravity, no gram
     try:
         given = registry.Unit("standard_gravity" if in_g else _spelled_for_pint(match["unit"]))
-    except pint.PintError as error:
+    except (pint.PintError, ValueError) as error:  # ValueError: "nan" is a number to pint
         raise bad(f"unknown unit {match['unit']!r}") from error
     # Root units, not dimensions: an angle is no pure number by these, and rpm not 1/s.
     if registry.get_root_units(given)[1] != registry.get_root_units(target)[1]:
@@ -114,7 +115,7 @@ def is_unit(text: str) -> bool:
     match = _QUANTITY.fullmatch(f"1 {text}")
     try:
         return match is not None and bool(_registry().Unit(_spelled_for_pint(match["unit"])))
-    except pint.PintError:
+    except (pint.PintError, ValueError):
         return False
 
 
@@ -153,3 +154,21 @@ def located(where: str) -> Iterator[None]:
         yield
     except InputError as error:
         raise InputError(f"{where} {error}") from None
+
+
+First = TypeVar("First")
+Second = TypeVar("Second")
+
+
+def both(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
+    """Results of two readers; where they refuse, one InputError with the lines of both."""
+    lines: list[str] = []
+    found: list[Any] = []
+    for read in (first, second):
+        try:
+            found.append(read())
+        except InputError as error:
+            lines.append(str(error))
+    if lines:
+        raise InputError("; and ".join(lines))
+    return found[0], found[1]
