@@ -38,13 +38,20 @@ def run_engines(
     The packing is filled before either, so that the filling counts for neither's time.
     """
     folders = []
-    for seed in seeds:
+
+    def part(k: int) -> Progress:
+        """Progress of the packing or run number k, of three a seed."""
+        return lambda fraction, words: progress((k + fraction) / (3 * len(seeds)), words)
+
+    for number, seed in enumerate(seeds):
         cases = [
             SiloCase.load(name, {**changes, "run.seed": seed, "run.engine": engine})
             for engine in engines
         ]
-        get_packing(cases[0], out, progress, stop)
-        folders.append(
-            [run(case, out=out, progress=progress, stop=stop).run_folder for case in cases]
+        get_packing(cases[0], out, part(3 * number), stop)
+        runs = (
+            run(case, out=out, progress=part(3 * number + k), stop=stop)
+            for k, case in enumerate(cases, 1)
         )
+        folders.append([result.run_folder for result in runs])
     return folders

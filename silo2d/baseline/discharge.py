@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from granulab.campaign.runs.protocol import Progress
+from granulab.campaign.runs.stages import Stages
 from granulab.campaign.runs.trajectory import TrajectoryWriter
 from granulab.contact.jit import njit
 from granulab.errors import SimulationError, Stopped
@@ -244,7 +244,7 @@ def discharge_by_impulses(
     packing: Packing,
     writer: TrajectoryWriter,
     clock: Clock,
-    progress: Progress,
+    stages: Stages,
     stop: Callable[[], bool],
 ) -> str:
     """Run from behind the closed door to the end and return the outcome.
@@ -271,7 +271,7 @@ def discharge_by_impulses(
                 writer.append(sim.frame(sim.wall_forces()))
             if outcome:
                 return outcome
-            report_progress(sim, case, clock, progress)
+            report_progress(sim, case, clock, stages)
             if stop():
                 raise Stopped("a run by pymunk cannot be kept half way: the same command runs it "
                               "again, from the opening")  # fmt: skip

@@ -11,28 +11,32 @@ import numpy as np
 
 from granulab.contact.files.casefile import changed
 from granulab.contact.files.datafile import case_names, data_file, find, is_file
-from granulab.contact.files.units import located, nearest, to_si
+from granulab.contact.files.units import both, located, nearest, to_si
 from granulab.contact.laws import LinearLaw
 from granulab.contact.restitution import linear_restitution
 from granulab.errors import InputError
 from silo2d.case.disorder import Spread, drawn_laws, spreads, stiffest
-from silo2d.case.impulses import Impulses, impulses_of
-from silo2d.case.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
-from silo2d.case.parameters import (
-    contact_laws,
+from silo2d.case.filling import (
+    GRAVITY,
     filling_friction,
     filling_laws,
     filling_time_step,
+    rain_of,
+)
+from silo2d.case.impulses import Impulses, impulses_of
+from silo2d.case.limits import check_contacts, check_softness, check_steps
+from silo2d.case.outline import PRESETS, Outline, hopper, outline_from_polygon, preset, preset_sizes
+from silo2d.case.parameters import (
+    contact_laws,
     shapes_of,
     table_of,
     time_step_of,
+    whole_pairs,
 )
 from silo2d.case.settings import Fill, Settings, Silo, check_settings, read_settings, to_toml
 from silo2d.case.shape import ShapeSet, vertex_list
 from silo2d.engine.pair_law import Law
 from silo2d.engine.state import MAX_VERTICES
-
-GRAVITY = 9.81  # [m/s2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,33 +85,39 @@ class SiloCase:
         shapes_file = find(settings.particles.shapes, "shapes", folder)
         table_file = find(settings.particles.materials, "materials", folder)
         outline = _outline(settings.silo, settings.name, where)
-        shapes = shapes_of(shapes_file)
+        shapes, table = both(lambda: shapes_of(shapes_file), lambda: table_of(table_file, settings))
         _check_sizes(outline, shapes, settings, where)
-        table = table_of(table_file)
         particles = settings.particles
         material = table.material(particles.material)
-        if material.length is None:
-            raise InputError(
-                f"{table_file}: [material.{material.name}] length is missing; give the length of "
-                "the prisms, such as '120 mm'"
-            )
+        assert material.length is not None  # table_of has refused that
         surface_density = material.density.value * material.length.value
-        pairs = (
-            table.pair(particles.material, particles.material),
-            table.pair(particles.material, particles.wall),
-        )
         mean_mass = surface_density * shapes.mean_area
+        pairs = whole_pairs(
+            settings,
+            (
+                table.pair(particles.material, particles.material),
+                table.pair(particles.material, particles.wall),
+            ),
+            mean_mass,
+            where,
+        )
         laws = contact_laws(settings, pairs, mean_mass, where)
+        check_contacts(laws, material.length.value, mean_mass, where)
         disorder = spreads(settings, pairs, laws, where)
         bounds = stiffest(laws, disorder, settings.law.contact_end)
         time_step, reason = time_step_of(
             settings.run.time_step, shapes, surface_density, bounds, disorder is not None, where
         )
-        pour_laws = filling_laws(pairs, filling_friction(settings, laws, where))
+        rain = rain_of(outline, shapes, surface_density, settings.fill)
+        if settings.run.engine == "dem":
+            check_softness(laws, rain, settings.fill.level, shapes, where)
+        pour_laws = filling_laws(pairs, filling_friction(settings, laws, where), rain)
+        pour_time_step = filling_time_step(shapes, surface_density, pour_laws)
+        check_steps(settings, time_step, pour_time_step, where)
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}
         return cls(
             settings, outline, shapes, surface_density, *laws, disorder, time_step, reason,
-            pour_laws, filling_time_step(shapes, surface_density, pour_laws),
+            pour_laws, pour_time_step,
             {name: Path(file).read_text(encoding="utf-8") for name, file in files.items()},
             impulses_of(
                 settings, pairs, laws, shapes, math.sqrt(2 * GRAVITY * outline.height), where
@@ -118,6 +128,11 @@ class SiloCase:
     def name(self) -> str:
         """Name that the run folder is called after."""
         return self.settings.name
+
+    @property
+    def step_source(self) -> str:
+        """Source of the time step: "given" by the case, or "chosen"."""
+        return "chosen" if self.settings.run.time_step is None else "given"
 
     @cached_property
     def silo_name(self) -> str | None:
@@ -281,6 +296,9 @@ def _outline(silo: Silo, name: str, where: str) -> Outline:
         points = vertex_list(silo.outline, field) * unit
         return outline_from_polygon(points, silo.outlet, silo.outlet_centre, name, field)
     with located(f"{where}: [silo]"):
+        to_si(f"1 {silo.outline_unit}", "m", "outline_unit")
+        if silo.outlet_centre is not None:
+            raise InputError("outlet_centre goes with an outline; leave it out, or give one")
         angle, outlet = preset_sizes(silo.preset) if silo.preset else (None, None)
         angle = angle if silo.angle is None else silo.angle
         outlet = silo.outlet or outlet

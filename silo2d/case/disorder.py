@@ -60,7 +60,8 @@ def spreads(
 
 
 def _spread(settings: Settings, pair: Pair, law: LinearLaw, where: str) -> Spread:
-    assert pair.linear is not None  # contact_laws has refused that
+    assert pair.linear is not None
+    assert pair.linear.kn is not None  # of a whole pair
     file = f"{settings.particles.materials}: [pair.{pair.first}-{pair.second}]"
     wanted, e = settings.disorder, pair.restitution
     friction = _relative(wanted.friction, pair.friction, "friction", file, where)

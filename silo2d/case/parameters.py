@@ -1,32 +1,37 @@
 """Shapes, contact laws and time steps of a case: the files it names, then what it changes."""
 
+import dataclasses
 import math
 from functools import lru_cache
 from pathlib import Path
 
-from granulab.contact.files.table import ContactTable, load_table
+from granulab.contact.files.datafile import content_of
+from granulab.contact.files.needs import SILO, Keys, keys_needed, table_with
+from granulab.contact.files.table import ContactTable
 from granulab.contact.laws import LinearLaw
-from granulab.contact.material import Pair
+from granulab.contact.material import LinearParameters, Measured, Pair
 from granulab.contact.restitution import damping_for_restitution
 from granulab.errors import InputError
 from silo2d.case.settings import Settings
-from silo2d.case.shape import ShapeSet, load_shapes
-from silo2d.case.stability import largest_stable_step, step_for_held_particles
-
-USUAL_TIME_STEP = 5e-6  # [s] discharge times do not change between 2 and 10 us
-# Filling takes a quarter of the stiffness, and so twice the step, of the materials file.
-POUR_SOFTER = 4.0
-_MARGIN = 0.8  # of the largest stable step, where the usual one is too long
+from silo2d.case.shape import ShapeSet
+from silo2d.case.shapefile import load_shapes
+from silo2d.case.stability import (
+    MARGIN,
+    USUAL_TIME_STEP,
+    chosen_step,
+    largest_stable_step,
+    step_for_held_particles,
+)
 
 
 def shapes_of(file: str | Path) -> ShapeSet:
     """See load_shapes; the same object for the same text."""
-    return _shapes(file, _content(file))
+    return _shapes(file, content_of(file))
 
 
-def table_of(file: str | Path) -> ContactTable:
-    """See load_table; the same object for the same text."""
-    return _table(file, _content(file))
+def table_of(file: str | Path, settings: Settings) -> ContactTable:
+    """See table_with: a table with all that the case needs."""
+    return table_with(file, needed_keys(settings), _cure)
 
 
 @lru_cache(maxsize=8)
@@ -34,16 +39,60 @@ def _shapes(file: str | Path, _content: bytes) -> ShapeSet:
     return load_shapes(file)
 
 
-@lru_cache(maxsize=8)
-def _table(file: str | Path, _content: bytes) -> ContactTable:
-    return load_table(file)
+def _cure(absent: Keys) -> str:
+    """The end of a refusal: what else would do."""
+    damping = any(key in ("gamma_n", "gamma_t") for _, key in absent)
+    instead = "or damping from the restitution (--damping restitution); " if damping else ""
+    return f"{instead}silo2d init --materials FILE writes a file with all"
 
 
-def _content(file: str | Path) -> bytes:
-    try:
-        return Path(file).read_bytes()
-    except OSError:
-        return b""  # the reader says what is wrong
+def needed_keys(settings: Settings) -> Keys:
+    """Sections and keys that a case takes of its materials file: what it does not give itself."""
+    law, particles = settings.law, settings.particles
+    needed = keys_needed(SILO, particles.material, particles.wall)
+    given = {key for key in ("kn", "kt", "gamma_n", "gamma_t") if getattr(law, key) is not None}
+    by_restitution = law.damping == "restitution"
+    if by_restitution:
+        given |= {"gamma_n", "gamma_t"}
+        pairs = dict.fromkeys(where for where, key in needed if key == "friction")
+        needed += [(where, "restitution") for where in pairs]
+    wall = f"pair.{particles.material}-{particles.wall}.linear"
+    if "gamma_n" in given and not by_restitution and law.gamma_n_wall is None:
+        given.remove("gamma_n")  # the wall's scales with it by the two of the file
+    apart = {(wall, "gamma_n")} if law.gamma_n_wall is not None else set()
+    return [
+        key
+        for key in needed
+        if not (key[0].endswith(".linear") and key[1] in given) and key not in apart
+    ]
+
+
+def whole_pairs(
+    settings: Settings, pairs: tuple[Pair, Pair], mean_mass: float, where: str
+) -> tuple[Pair, Pair]:
+    """The pairs with all constants: those that the file does not have are the case's own.
+
+    gamma_n may follow from the restitution instead, and gamma_t is then 0 where none is given.
+    """
+    whole = []
+    for k, (pair, mass) in enumerate(zip(pairs, (mean_mass / 2, mean_mass), strict=True)):
+        linear, law = pair.linear or LinearParameters(), settings.law
+        kn, kt = linear.kn or _given(law.kn), linear.kt or _given(law.kt)
+        gamma_n, gamma_t = linear.gamma_n, linear.gamma_t or _given(law.gamma_t)
+        if gamma_n is None and law.damping == "restitution" and kn is not None:
+            gamma_n = Measured(_gamma_from_restitution(settings, pair, kn.value, mass, where))
+        if gamma_n is None:
+            gamma_n = _given(law.gamma_n_wall if k and law.gamma_n_wall is not None
+                             else law.gamma_n)  # fmt: skip
+        if gamma_t is None and law.damping == "restitution":
+            gamma_t = Measured(0.0)
+        known = LinearParameters(kn, kt, gamma_n, gamma_t)
+        whole.append(dataclasses.replace(pair, linear=known))
+    return whole[0], whole[1]
+
+
+def _given(value: float | None) -> Measured | None:
+    return None if value is None else Measured(value)
 
 
 def contact_laws(
@@ -57,57 +106,25 @@ def contact_laws(
     for pair, mu, gamma, mass in zip(
         pairs, friction, gammas, (mean_mass / 2, mean_mass), strict=True
     ):
-        if pair.linear is None:
-            raise InputError(
-                f"{settings.particles.materials}: [pair.{pair.first}-{pair.second}.linear] is "
-                "missing; give kn, kt, gamma_n and gamma_t"
-            )
-        known = pair.linear
-        kn = law.kn or known.kn.value
-        stiffer = kn / known.kn.value if law.keep_ratios else 1.0
-        kt = law.kt or known.kt.value * stiffer
+        known_kn, known_kt, known_gamma_n, known_gamma_t = constants(pair)
+        kn = law.kn or known_kn
+        stiffer = kn / known_kn if law.keep_ratios else 1.0
+        kt = law.kt or known_kt * stiffer
         if kt <= 0:
             raise InputError(f"{where}: kt = {kt:g} N/m: must be above 0; for no friction, set mu")
-        gamma_n = known.gamma_n.value * math.sqrt(stiffer) if gamma is None else gamma
+        gamma_n = known_gamma_n * math.sqrt(stiffer) if gamma is None else gamma
         if law.damping == "restitution":
             gamma_n = _gamma_from_restitution(settings, pair, kn, mass, where)
-        gamma_t = known.gamma_t.value if law.gamma_t is None else law.gamma_t
+        gamma_t = known_gamma_t if law.gamma_t is None else law.gamma_t
         mu = pair.friction.value if mu is None else mu
         laws.append(LinearLaw(kn, kt, mu, gamma_n, gamma_t, law.contact_end == "overlap"))
     return laws[0], laws[1]
 
 
-def filling_laws(
-    pairs: tuple[Pair, Pair], friction: tuple[float, float]
-) -> tuple[LinearLaw, LinearLaw]:
-    """Laws of the filling: soft, to be quick, and with a friction of its own.
-
-    The rest comes from the materials file alone: what a case changes acts after the opening, and
-    cases that differ in it share a packing.
-    """
-    laws = []
-    for pair, mu in zip(pairs, friction, strict=True):
-        assert pair.linear is not None  # contact_laws has refused that
-        kn, kt = pair.linear.kn.value / POUR_SOFTER, pair.linear.kt.value / POUR_SOFTER
-        gamma_n = pair.linear.gamma_n.value / math.sqrt(POUR_SOFTER)
-        laws.append(LinearLaw(kn, kt, mu, gamma_n, pair.linear.gamma_t.value, True))
-    return laws[0], laws[1]
-
-
-def filling_friction(
-    settings: Settings, laws: tuple[LinearLaw, LinearLaw], where: str
-) -> tuple[float, float]:
-    """Friction of the filling, between particles and at walls: none, the laws' or a given one."""
-    fill = settings.fill
-    if fill.pour_with == "pymunk" and (fill.friction or fill.layer is not None):
-        key = "friction" if fill.friction else "layer"
-        raise InputError(
-            f"{where}: [fill] {key} goes with pour_with = 'dem'; pymunk pours all at once and "
-            "without friction"
-        )
-    if fill.friction is True:
-        return laws[0].mu, laws[1].mu
-    return float(fill.friction), float(fill.friction)
+def constants(pair: Pair) -> tuple[float, float, float, float]:
+    """kn, kt [N/m], gamma_n, gamma_t [1/s] of a whole pair."""
+    assert pair.linear is not None  # see whole_pairs
+    return pair.linear.numbers
 
 
 def _gamma_overrides(
@@ -115,9 +132,9 @@ def _gamma_overrides(
 ) -> tuple[float | None, float | None]:
     """gamma_n of the case for both pairs; the wall's scales with the particles' unless given."""
     particle, wall = settings.law.gamma_n, settings.law.gamma_n_wall
-    first, second = pairs[0].linear, pairs[1].linear
-    if particle is not None and wall is None and first and second and first.gamma_n.value > 0:
-        wall = particle * second.gamma_n.value / first.gamma_n.value
+    first, second = (constants(pair)[2] for pair in pairs)
+    if particle is not None and wall is None and first > 0:
+        wall = particle * second / first
     return particle, wall
 
 
@@ -130,11 +147,7 @@ def _gamma_from_restitution(
             f"{where}: [law] gamma_n goes with damping = 'published'; with 'restitution' it "
             "follows from the materials file: leave one of them out"
         )
-    if pair.restitution is None:
-        raise InputError(
-            f"{settings.particles.materials}: [pair.{pair.first}-{pair.second}] restitution is "
-            "missing; damping = 'restitution' needs it"
-        )
+    assert pair.restitution is not None  # needed_keys has it
     return damping_for_restitution(pair.restitution.value, kn, mass, end=settings.law.contact_end)
 
 
@@ -165,22 +178,6 @@ def time_step_of(
                 f"{limit * 1e6:.3g} us ({configuration}); leave it out and one is chosen"
             )
         return wanted, f"as given; {bound}"
-    chosen = _chosen_step(USUAL_TIME_STEP, limit)
-    reason = "the usual one" if chosen == USUAL_TIME_STEP else f"{_MARGIN:g} of the largest stable"
+    chosen = chosen_step(1.0, limit)
+    reason = "the usual one" if chosen == USUAL_TIME_STEP else f"{MARGIN:g} of the largest stable"
     return chosen, f"{reason}; {bound}"
-
-
-def filling_time_step(
-    shapes: ShapeSet, surface_density: float, laws: tuple[LinearLaw, LinearLaw]
-) -> float:
-    """The time step [s] of the filling."""
-    limit, _ = largest_stable_step(shapes, surface_density, *laws)
-    return _chosen_step(math.sqrt(POUR_SOFTER) * USUAL_TIME_STEP, limit)
-
-
-def _chosen_step(usual: float, limit: float) -> float:
-    """The usual time step [s], or a part of the limit rounded down to two digits."""
-    if limit >= usual:
-        return usual
-    exponent = math.floor(math.log10(_MARGIN * limit)) - 1
-    return math.floor(_MARGIN * limit / 10**exponent) * 10.0**exponent

@@ -1,15 +1,29 @@
-"""Plan of a run before anything is filled: particles, steps, CPU time."""
+"""Plan of a run before anything is filled: particles, steps, CPU time, disk and memory."""
 
 import math
 from typing import Any
 
-from silo2d.case.case import SiloCase
+from granulab.campaign.output import room
+from silo2d.case.case import GRAVITY, SiloCase
 
 # Costs and usual values that the plan is made with.
-_SECONDS_PER_PARTICLE_STEP = 6e-8  # on one core of a current server
+_SECONDS_PER_PARTICLE_STEP = 1.2e-7  # in a bed, on one core of a server of 2020
 _SECONDS_PER_PARTICLE_IMPULSES = 6e-7, 4e-8  # of pymunk: a step, and an iteration in it
+FALLING = 0.4  # cost of a particle that falls over that of one in a bed
 _USUAL_FRACTION = 0.88  # packing fraction
-FILLING, DISCHARGE = 1.1, 1.5  # [s] of simulated time
+# [s] of simulated time from when the rain is down until it lies still: without friction, and with
+COLLAPSE, WITH_FRICTION = 0.7, 0.2
+_OF_A_LAYER = 0.65  # of this, where it lies still by layers
+SETTLING = 0.1  # [s] of simulated time until it lies still under its own law
+_WRITING = 0.5  # [s]
+# Beverloo's law of a slot, C (D - k d)^1.5, for a rate before there is any: right to a third.
+_BEVERLOO_C, _BEVERLOO_K = 0.85, 1.5
+# Bytes: of a particle and of a contact in a frame, of a particle in a checkpoint (its row, layout
+# and slips; found up to 270), and of the program with its kernels (350 MB when they are compiled).
+_OF_A_PARTICLE, _OF_A_CONTACT, _KEPT_OF_A_PARTICLE, _PROCESS = 33, 37, 400, 350e6
+_NUMBERS = 16  # of a frame, besides the wall forces
+_OF_ARRAYS = 5e3  # [B] of the arrays of a frame in memory, besides what is in them
+_DENSEST = 1.1  # particles over those expected
 
 
 def plan(case: SiloCase) -> dict[str, Any]:
@@ -25,7 +39,46 @@ def plan(case: SiloCase) -> dict[str, Any]:
         "restitution": case.restitution(),
         "steps_at_most": math.ceil(case.settings.run.max_time / step),
         "expected_min": sum(expected_cpu_s(case)) / 60,
+        "disk_bytes_at_most": disk_at_most(case),
+        "memory_bytes_at_most": memory_at_most(case),
     }
+
+
+def _kept(case: SiloCase) -> tuple[float, float, float, float, float]:
+    """Frames, tables of contacts and parts of a run at most; frames a part, bytes a frame."""
+    step = case.impulses.time_step if case.impulses else case.time_step
+    output, longest = case.settings.output, case.settings.run.max_time
+    frame, part = max(output.frame_interval, step), max(output.checkpoint_interval, step)
+    frames = longest / frame + 2
+    tables = 0.0 if case.impulses else longest / max(output.contact_interval, frame) + 2
+    n_bytes = _DENSEST * expected_particles(case) * _OF_A_PARTICLE + 8 * _numbers(case)
+    return frames, tables, longest / part + 2, min(part / frame + 1, frames), n_bytes
+
+
+def _numbers(case: SiloCase) -> int:
+    return _NUMBERS + 2 * len(case.outline.walls().names)
+
+
+def disk_at_most(case: SiloCase) -> dict[str, int]:
+    """Bytes of frames, contacts and checkpoints that a run takes at most, to its longest time."""
+    frames, tables, parts, _, of_frame = _kept(case)
+    n = _DENSEST * expected_particles(case)
+    return room.on_disk(
+        frames=[(frames, of_frame)],
+        numbers=frames * _numbers(case),
+        contacts=(tables, room.CONTACTS * n * _OF_A_CONTACT),
+        parts=parts,
+        checkpoint=n * _KEPT_OF_A_PARTICLE,
+    )
+
+
+def memory_at_most(case: SiloCase) -> int:
+    """Bytes of memory that a run takes at most: most is the program's own."""
+    frames, tables, _, together, of_frame = _kept(case)
+    n = _DENSEST * expected_particles(case)
+    of_contacts = tables / frames * room.CONTACTS * n * _OF_A_CONTACT
+    own = n * 16 * 200  # 16 pairs of vertices and edges a particle, of 25 numbers in three lists
+    return room.in_memory(_PROCESS + own, together * (of_frame + of_contacts + _OF_ARRAYS))
 
 
 def expected_particles(case: SiloCase) -> int:
@@ -34,12 +87,62 @@ def expected_particles(case: SiloCase) -> int:
     return round(area * _USUAL_FRACTION / case.shapes.mean_area)
 
 
-def expected_cpu_s(case: SiloCase) -> tuple[float, float]:
-    """About what the filling and the discharge of a case cost [s of CPU]."""
+def expected_rate(case: SiloCase) -> float:
+    """About how many particles leave in a second, if they flow (Beverloo et al. 1961) [1/s]."""
+    area = case.shapes.mean_area
+    diameter = math.sqrt(4 * area / math.pi)
+    width = max(case.outline.outlet - _BEVERLOO_K * diameter, 0.1 * case.outline.outlet)
+    return _BEVERLOO_C * _USUAL_FRACTION * math.sqrt(GRAVITY) * width**1.5 / area
+
+
+def particle_seconds(inside: float, rate: float, span: float) -> float:
+    """Integral of the number of particles inside over a time [s], or until the last is out.
+
+    rate: particles that leave in a second.
+    """
+    span = min(max(span, 0.0), inside / rate)
+    return inside * span - 0.5 * rate * span**2
+
+
+def hedge(
+    case: SiloCase, inside: float | None = None, rate: float | None = None, time: float = 0.0
+) -> str:
+    """Words after a time left: of the longest time, or of a flow that empties the silo before."""
+    inside = expected_particles(case) if inside is None else inside
+    empty = time + inside / (expected_rate(case) if rate is None else rate)
+    return " at most" if empty > case.settings.run.max_time else " if it flows on"
+
+
+def expected_stages(case: SiloCase) -> dict[str, float]:
+    """About what each stage of a run costs [s of CPU]."""
     n, cost, step = expected_particles(case), _SECONDS_PER_PARTICLE_STEP, case.time_step
-    filling = 1.5 * cost * FILLING / case.pour_time_step
+    level, layer = case.settings.fill.level, case.settings.fill.layer
+    n_layers = max(math.ceil(level / layer - 1e-9), 1) if layer else 1
+    collapse = WITH_FRICTION if case.settings.fill.friction else COLLAPSE
+    collapse *= 1.0 if n_layers == 1 else _OF_A_LAYER
+    filling = FALLING * math.sqrt(2 * level / GRAVITY / n_layers) + collapse
+    # Layer k of L costs (k + 1)/(L + 1) of what the whole bed does.
+    spread = 0.5 * n_layers * (n_layers + 3) / (n_layers + 1)
+    settling = cost * SETTLING / step
     if case.impulses:
         a_step, an_iteration = _SECONDS_PER_PARTICLE_IMPULSES
         cost, step = a_step + an_iteration * case.impulses.iterations, case.impulses.time_step
-    discharge = 0.5 * cost * DISCHARGE / step  # half of the particles, on average, are inside
-    return n * filling, n * discharge
+        settling = 0.0
+    inside = particle_seconds(n, expected_rate(case), case.settings.run.max_time)
+    return {
+        "filling": _SECONDS_PER_PARTICLE_STEP * n * spread * filling / case.pour_time_step,
+        "settling": n * settling,
+        "discharging": cost * inside / step,
+        "writing": _WRITING,
+    }
+
+
+def expected_cpu_s(case: SiloCase) -> tuple[float, float]:
+    """About what the filling of a case and its run cost [s of CPU]."""
+    filling, *run = expected_stages(case).values()
+    return filling, sum(run)
+
+
+def compiling(case: SiloCase) -> tuple[float, int]:
+    """About what the kernels of a case cost to compile [s of CPU], and how many functions."""
+    return 33.0, 78

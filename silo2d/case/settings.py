@@ -1,12 +1,15 @@
 """The schema of a silo's case file: sections, keys, units, ranges, defaults, meanings, options."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from granulab.contact.files import casefile, reference
 from granulab.contact.files.casefile import (
     Angle,
+    Friction,
     Length,
     Number,
     Rate,
@@ -32,7 +35,11 @@ def _yes_or_number(value: object, info: ValidationInfo) -> object:
 
 
 # Yes, no, or a number that stands for yes.
-YesOrNumber = Annotated[bool | float, BeforeValidator(_yes_or_number), Unit("1"), Field(ge=0)]
+YesOrNumber = Annotated[
+    bool | float, BeforeValidator(_yes_or_number), Unit("1"), Field(ge=0, le=1000)
+]
+# Kinetic energy over what lifts each particle by its size: at 1 everything is in the air.
+Calm = Annotated[Number, Field(gt=0, le=1)]
 
 
 class Silo(Section):
@@ -96,10 +103,10 @@ class Law(Section):
         "overlap", 'end of a contact: it may pull until the overlap is zero, with "force" '
         "never", option="--contact-end",
     )  # fmt: skip
-    mu_particle: Number | None = key(
+    mu_particle: Friction | None = key(
         None, "friction between particles", example=0.38, left_out=_TABLE, option="--mu-particle"
     )
-    mu_wall: Number | None = key(
+    mu_wall: Friction | None = key(
         None, "friction at the walls", example=0.44, left_out=_TABLE, option="--mu-wall"
     )
     kn: Stiffness | None = key(
@@ -160,7 +167,7 @@ class Fill(Section):
         None, "height of the layers that are poured and settled one by one", example="95 mm",
         left_out="all at once",
     )  # fmt: skip
-    settled: Annotated[Number, Field(gt=0)] = key(
+    settled: Calm = key(
         1e-4, "normalised kinetic energy below which the filling counts as settled: kinetic "
         "energy over what lifts each particle by its size",
     )  # fmt: skip
@@ -169,7 +176,7 @@ class Fill(Section):
 class Run(Section):
     """Seed, engine, time step, and the end of the run."""
 
-    seed: Annotated[int, Field(ge=0, strict=True)] = key(
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1, strict=True)] = key(
         1, "seed of the filling: shapes, positions and angles", option="--seed", metavar="1"
     )
     engine: Literal["dem", "pymunk"] = key(
@@ -179,7 +186,7 @@ class Run(Section):
         None, "time step of dem", example="5 us",
         left_out="5 us, or less where contacts are stiffer", option="--time-step",
     )  # fmt: skip
-    door_speed: Speed | None = key(
+    door_speed: Annotated[Speed, Field(le=1000)] | None = key(
         None, "speed at which the door is drawn to the right", example="0.5 m/s",
         left_out="it is gone at once", option="--door-speed",
     )  # fmt: skip
@@ -187,7 +194,7 @@ class Run(Section):
         6.0, "simulated time at which a run stops at the latest", example="6 s",
         option="--max-time",
     )  # fmt: skip
-    at_rest: Annotated[Number, Field(gt=0)] = key(
+    at_rest: Calm = key(
         1e-4, "normalised kinetic energy, as of settled, below which the silo counts as at rest"
     )
     rest_time: Time = key(
@@ -222,7 +229,9 @@ class Output(Section):
         "them always", example="50 ms",
     )  # fmt: skip
     checkpoint_interval: Time = key(0.1, "simulated time between checkpoints", example="100 ms")
-    layer_height: Size = key(0.045, "height of the painted layers in the pictures", example="45 mm")
+    layer_height: Annotated[Size, Field(ge=1e-6)] = key(  # layers are counted: not of dust
+        0.045, "height of the painted layers in the pictures", example="45 mm"
+    )
 
 
 class Settings(Section):
@@ -239,14 +248,18 @@ class Settings(Section):
     output: Output = Output()
 
 
-def commented_case() -> str:
-    """A case file with a comment on every key; as it stands it is the preset A4."""
+def commented_case(name: str = "example", values: Mapping[str, Any] = MappingProxyType({})) -> str:
+    """A case file with a comment on every key; as it stands it is the preset A4.
+
+    values: by "section.key", what is written instead.
+    """
     return reference.commented_case(
         Settings,
         "A silo case. Every key but schema and those of [silo] may be left out; what stands here "
         "are the defaults. Quantities are texts with a unit; pure numbers have none.",
-        "example",
+        name,
         SCHEMA,
+        values,
     )
 
 

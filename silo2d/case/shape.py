@@ -1,15 +1,11 @@
-"""Particle cross sections: an outline with rounded corners, its mass integrals, and shape files."""
+"""Particle cross sections: an outline with rounded corners, and its mass integrals."""
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granulab.contact.files.datafile import data_file, read_toml
-from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
 
 Points = NDArray[np.float64]
@@ -256,64 +252,3 @@ def _cross(a: Points, b: Points) -> NDArray[np.float64]:
 
 def _mm(point: Points) -> str:
     return f"({1e3 * point[0]:g}, {1e3 * point[1]:g}) mm"
-
-
-def load_shapes(name_or_path: str | Path) -> ShapeSet:
-    """The shape set of a shipped name ("wood19") or of a TOML file.
-
-    The file holds `schema = 1`, `spheroradius` (a length with its unit), `unit` (of the vertex
-    lists) and one `[[shape]]` for each cross section: `name`, `outline` (the outer outline,
-    counter-clockwise, see shape_from_outline) and, if not all occur equally often, `share`.
-
-    Raises InputError, "FILE: [shape NAME] ...", for whatever is missing, unknown or impossible.
-    """
-    path = data_file("shapes", str(name_or_path)) or Path(name_or_path)
-    table = read_toml(path, "shapes", 1)
-    _check_keys(table, str(path), required=("spheroradius", "unit", "shape"))
-    unit = table["unit"]
-    if not (isinstance(unit, str) and unit.isalpha()):
-        raise InputError(f"{path}: unit = {unit!r}: expected a unit of length, such as 'mm'")
-    length = to_si(f"1 {unit}", "m", f"{path}: unit")
-    spheroradius = to_si(table["spheroradius"], "m", f"{path}: spheroradius")
-    if not (isinstance(table["shape"], list) and table["shape"]):
-        raise InputError(f"{path}: shape: write one [[shape]] for each cross section")
-
-    entries = [_entry(entry, k, str(path)) for k, entry in enumerate(table["shape"], start=1)]
-    names = [name for name, _, _ in entries]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"{path}: [shape {name}] occurs twice; give each shape its own name")
-    shapes = tuple(
-        shape_from_outline(name, length * outline, spheroradius, str(path))
-        for name, outline, _ in entries
-    )
-    return ShapeSet(path.stem, shapes, tuple(share for _, _, share in entries))
-
-
-def _entry(entry: object, number: int, file: str) -> tuple[str, Points, float]:
-    """Name, outline in the file's unit, and share of one [[shape]]."""
-    where = f"{file}: [shape number {number}]"
-    if not isinstance(entry, dict):
-        raise InputError(f"{where}: expected a table; write it under [[shape]]")
-    name = entry.get("name")
-    if isinstance(name, str) and name:
-        where = f"{file}: [shape {name}]"
-    _check_keys(entry, where, required=("name", "outline"), optional=("share",))
-    if not (isinstance(name, str) and name):
-        raise InputError(f"{where} name = {name!r}: expected a text, such as '12'")
-    share = to_si(entry.get("share", 1), "1", f"{where} share")
-    if share <= 0:
-        raise InputError(f"{where} share = {share:g}: must be positive; or leave the shape out")
-    return name, vertex_list(entry["outline"], f"{where} outline"), share
-
-
-def _check_keys(
-    table: dict, where: str, required: Iterable[str], optional: Iterable[str] = ()
-) -> None:
-    known = [*required, *optional]
-    for key in table:
-        if key not in known:
-            raise InputError(f"{where}: unknown key {key!r}; {nearest(key, known)}")
-    for key in required:
-        if key not in table:
-            raise InputError(f"{where}: {key} is missing; needed: {', '.join(required)}")

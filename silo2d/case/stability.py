@@ -13,11 +13,16 @@ what lifts a particle by its size, and discharge times do not change. It is repo
 so that those who need a heap free of it can take a smaller step.
 """
 
+import math
+
 import numpy as np
 
 from granulab.contact.laws import LinearLaw
 from granulab.contact.timestep import highest_rate, stable_time_step
 from silo2d.case.shape import Shape, ShapeSet
+
+USUAL_TIME_STEP = 5e-6  # [s] discharge times do not change between 2 and 10 us
+MARGIN = 0.8  # of the largest stable step, where the usual one is too long
 
 
 def largest_stable_step(
@@ -30,6 +35,14 @@ def largest_stable_step(
             step = _face_step(shape, surface_density, law, pairs, with_partner=pairs == 4)
             found.append((step, f"shape {shape.name} face to face with {against}"))
     return min(found)
+
+
+def chosen_step(times_usual: float, limit: float) -> float:
+    """A multiple of the usual time step [s], or a part of the limit rounded down to two digits."""
+    if limit >= times_usual * USUAL_TIME_STEP:
+        return times_usual * USUAL_TIME_STEP
+    exponent = math.floor(math.log10(MARGIN * limit)) - 1
+    return math.floor(MARGIN * limit / 10**exponent) * 10.0**exponent
 
 
 def step_for_held_particles(

@@ -2,9 +2,53 @@
 
 from pathlib import Path
 
-from granulab.campaign.cli.library import packings_and_runs, read_shown, run_in_words
+from granulab.campaign.cli.library import NewFile, packings_and_runs, read_shown, run_in_words
 from granulab.contact.files.datafile import case_names, data_names
 from silo2d.case.outline import PRESETS
+
+
+def new_files() -> dict[str, NewFile]:
+    """Files that `init` writes besides studies."""
+
+    def materials() -> str:
+        from granulab.contact.files.needs import SILO
+        from granulab.contact.files.reference import commented_materials
+        from granulab.contact.files.table import load_table
+
+        return commented_materials(SILO, "wood", "methacrylate", load_table("wood"))
+
+    def shapes() -> str:
+        from silo2d.case.shapefile import EXAMPLE
+
+        return EXAMPLE
+
+    def case() -> str:
+        from silo2d.case.settings import commented_case
+
+        return commented_case()
+
+    with_shapes = "silo2d run A4 --shapes {file} --dry-run"
+    with_materials = "silo2d run A4 --materials {file} --dry-run"
+    return {
+        "case": NewFile(case, "silo2d run {file}", "cases", lambda: case_names("silo"), "silo"),
+        "materials": NewFile(
+            materials, with_materials, "materials", lambda: data_names("materials"), "material"
+        ),
+        "shapes": NewFile(shapes, with_shapes, "shapes", lambda: data_names("shapes"), "shape"),
+    }
+
+
+def preset_case(name: str) -> str | None:
+    """The commented case of a preset; None for another name."""
+    if name not in PRESETS:
+        return None
+    from granulab.contact.files.units import from_si
+    from silo2d.case.outline import preset_sizes
+    from silo2d.case.settings import commented_case
+
+    angle, outlet = preset_sizes(name)
+    sizes = {"silo.angle": from_si(angle, "deg"), "silo.outlet": from_si(outlet, "mm")}
+    return commented_case(name, sizes)
 
 
 def listing(root: Path) -> str:
@@ -35,22 +79,22 @@ def description(name: str) -> str:
     return _materials(file) if "material" in document else _case(file)
 
 
-def _case(name: str) -> str:
+def _case(name: str | Path) -> str:
     from silo2d.case.case import SiloCase
     from silo2d.view.report import echo
 
-    return echo(SiloCase.load(name), dry_run=True)
+    return echo(SiloCase.load(name), dry_run=not isinstance(name, Path))
 
 
 def _run(folder: Path) -> str:
     from silo2d.run.result import Result
     from silo2d.view.report import report
 
-    return run_in_words(folder, "silo2d", lambda run: report(Result.read(run, reused=False)))
+    return run_in_words(folder, "silo2d", _case, lambda run: report(Result.read(run, reused=False)))
 
 
 def _shapes(name: str) -> str:
-    from silo2d.case.shape import load_shapes
+    from silo2d.case.shapefile import load_shapes
 
     shapes = load_shapes(name)
     lines = [
@@ -66,6 +110,7 @@ def _shapes(name: str) -> str:
 
 def _materials(name: str) -> str:
     from granulab.contact.files.table import load_table
+    from granulab.contact.material import PROPERTIES
 
     table = load_table(name)
     lines = [f"{table.path}"]
@@ -74,8 +119,10 @@ def _materials(name: str) -> str:
         parts = [f"friction {pair.friction.value:g}"]
         if pair.restitution:
             parts.append(f"restitution {pair.restitution.value:g}")
-        if pair.linear:
-            parts.append(f"kn {pair.linear.kn.value:g} N/m, kt {pair.linear.kt.value:g} N/m")
-            parts.append(f"gamma_n {pair.linear.gamma_n.value:g} 1/s")
+        parts += [
+            f"{name} {known.value:g} {PROPERTIES[name].unit}"
+            for name in ("kn", "kt", "gamma_n", "gamma_t")
+            if (known := getattr(pair.linear, name, None))
+        ]
         lines.append(f"  {pair.first}-{pair.second}: {', '.join(parts)}")
     return "\n".join(lines)

@@ -42,7 +42,12 @@ app = command_group(
         results.observe,
         results.compare,
         results.export,
-        *file_commands("silo2d", "friction", "case file, shape set, materials file"),
+        *file_commands(
+            "silo2d",
+            "friction",
+            "case file, shape set, materials file",
+            new=("materials", "shapes"),
+        ),
     ],
     """Discharge of angular particles from 2D silos.
 

@@ -35,10 +35,11 @@ def _run_folder(path: str) -> Path:
     return resume_run(path).path
 
 
-observe = observe_command(_measures, _run_folder)
+observe = observe_command(_measures, _run_folder, "silo2d")
+_WITHOUT = {"run.engine": "give --engines, such as dem,pymunk"}
 
 
-@case_command()
+@case_command(without=_WITHOUT)
 @click.argument("runs_or_case", metavar="RUN RUN | CASE", nargs=-1, required=True)
 @click.option("--engines", metavar="dem,pymunk", help="Run a case by both, and compare these runs.")
 @click.option("--seeds", type=click.IntRange(1), metavar="3", help="With --engines: seeds 1 to N.")
@@ -82,18 +83,16 @@ def _by_engines(
     case: str, engines: str, seeds: int | None, changes: dict[str, Any], out: Path, quiet: bool
 ) -> list[list[str]]:
     """The folders of a case's runs by two engines, a pair a seed."""
-    from granulab.campaign.output.terminal import Progress, StopRequest, announce_compilation
+    from granulab.campaign.output.terminal import Progress, StopRequest
     from granulab.campaign.runs.folder import refuse_unless_writable
     from silo2d.baseline.comparison import engine_pair, run_engines
-    from silo2d.run.sweep import SILO
 
-    if "run.engine" in changes or (seeds and "run.seed" in changes):
-        raise click.UsageError("--engines and --seeds say this; leave --engine and --seed out")
+    if seeds and "run.seed" in changes:
+        raise click.UsageError("--seeds says this; leave --seed out")
     chosen = range(1, seeds + 1) if seeds else [changes.get("run.seed", 1)]
     pair = engine_pair(engines)
     refuse_unless_writable(out, "--out")
-    announce_compilation(quiet, SILO.compiled())
-    with StopRequest() as stop, Progress(case, quiet=quiet) as bar:
+    with StopRequest() as stop, Progress(case, quiet=quiet, estimates=False) as bar:
         return run_engines(case, changes, pair, chosen, out, bar.update, lambda: stop.requested)
 
 

@@ -37,7 +37,7 @@ def run(
     from silo2d.view.picture import make_figures
     from silo2d.view.report import echo, report
 
-    loaded = SiloCase.load(resume_run(resume).path / "case.toml" if resume else str(case), changes)
+    loaded = SiloCase.load(resume_run(resume).case_file if resume else str(case), changes)
     run_case(
         Runnable(loaded, SILO, protocol, plan, echo, report, make_figures), out=out, resume=resume,
         again=again, dry_run=dry_run, no_figures=no_figures, quiet=quiet, as_json=as_json,
@@ -55,7 +55,7 @@ def packing(
     as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """Fill a silo and keep the packing; runs of the same case take it from there."""
-    from granulab.campaign.output.terminal import Progress, StopRequest, announce_compilation
+    from granulab.campaign.output.terminal import Progress, StopRequest
     from granulab.campaign.runs.folder import refuse_unless_writable
     from silo2d.case.case import SiloCase
     from silo2d.run.packing import packing_folder
@@ -66,8 +66,7 @@ def packing(
     folder = packing_folder(loaded, Path(out))
     if not SILO.packing_file(loaded, Path(out)).exists():
         refuse_unless_writable(folder, "--out")
-    announce_compilation(quiet, SILO.compiled())
-    with StopRequest() as stop, Progress(loaded.name, quiet=quiet) as bar:
+    with StopRequest() as stop, Progress(loaded.name, quiet=quiet, estimates=False) as bar:
         found = get_packing(loaded, Path(out), bar.update, lambda: stop.requested)
     table = {
         "n_particles": len(found.kinds),

@@ -48,7 +48,8 @@ def list_class(row, inner, forces, law, first, last, dt, bodies, numbers, found)
                 numbers[found, FORCE_Y] = sign * forces.fy[k]
                 numbers[found, SLIDES] = 1.0 if slides else 0.0
                 found += 1
-        inner.slip[begin : begin + n_pairs] = before
+        for k in range(n_pairs):  # one by one: a slice takes numba 4 s to compile
+            inner.slip[begin + k] = before[k]
     return found
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _FEWEST = 20  # forces in a tail that is fitted
+_NO_FRICTION = 1e-6  # tangential over normal forces, which are kept in single precision
 _RESAMPLES = 200  # of the bootstrap: its error has an error of 5 %
 _WIDEST = 5.0  # line of a force of six times the mean [points]
 _PALE = "#f0e6d2", "#c9b79a"  # of particles under a network: face, edge
@@ -144,8 +145,13 @@ def _in_words(moment: Moment) -> str:
     numbers = numbers_of(moment)
     if not numbers["pairs"]:
         return "no contacts"
+    normal, force = moment.normal, moment.force
+    along = np.abs(normal[:, 0] * force[:, 1] - normal[:, 1] * force[:, 0])
     sliding = numbers["sliding"]
-    how = "frictionless" if sliding == 1 else f"{100 * sliding:.0f} % of contacts slide"
+    if along.max() <= _NO_FRICTION * np.abs(moment.force).max():
+        how = "frictionless"
+    else:
+        how = "all contacts slide" if sliding == 1 else f"{100 * sliding:.0f} % of contacts slide"
     return f"{numbers['coordination']:.2f} neighbours, {how}"
 
 

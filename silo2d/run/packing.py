@@ -19,10 +19,12 @@ class Packing:
 
     kinds: np.ndarray  # (n,) index in the shape set
     poses: np.ndarray  # (n, 3) x, y [m], angle [rad]
-    fraction: float  # area of particles over area of silo, well below the surface [-]
+    # area of particles over area of silo, well below the surface [-]; None: too few for one
+    fraction: float | None
     coordination: float  # particles and walls that a particle touches, mean [-]
     poured_with: str
     cpu_s: float  # CPU time that the filling took [s]
+    attempts: int = 1  # at the filling, each stiffer than the one before
     sources: str = ""  # digest of the sources that made it
 
 
@@ -66,14 +68,20 @@ def load_packing(folder: Path) -> Packing | None:
     )
 
 
+_DEEP = 3  # largest particles one above the other, below which no fraction is known
+
+
 def packing_fraction(
     outline: Outline, shapes: ShapeSet, kinds: np.ndarray, y: np.ndarray, level: float
-) -> float:
+) -> float | None:
     """Area of particles over area of silo, both up to one largest particle below `level` [-].
 
-    A particle counts where its centroid is; those cut by the line cancel on average.
+    A particle counts where its centroid is; those cut by the line cancel on average, where there
+    are some: None for less than _DEEP particles below the line.
     """
     line = level - 2 * shapes.bounding_radius
+    if line < _DEEP * 2 * shapes.bounding_radius:
+        return None
     areas = np.array([shape.area for shape in shapes.shapes])[kinds]
     return float(areas[y < line].sum() / outline.area_below(line))
 

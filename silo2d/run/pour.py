@@ -1,42 +1,37 @@
 """Filling by rain: particles fall on a closed door until they lie still.
 
 All at once and without friction, which would leave large voids (the paper pours without it); or
-with friction, or layer by layer, where the case says so. The contacts are a quarter as
-stiff as the materials file says, which allows twice the time step; the run lets the packing
-settle once more under its own law before friction is switched on.
+with friction, or layer by layer, where the case says so. The contacts are the filling's own
+(silo2d/case/filling.py); the run lets the packing settle once more under its own law before
+friction is switched on.
 """
 
+import dataclasses
 import math
 import time
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
-from granulab.errors import InputError, SimulationError
+from granulab.errors import SimulationError
 from silo2d.case.case import GRAVITY, SiloCase
+from silo2d.case.filling import PITCH, Layer, layers_of, rows_of_rain, stiffened
 from silo2d.case.outline import Outline
+from silo2d.case.plan import COLLAPSE, FALLING, WITH_FRICTION
 from silo2d.case.shape import ShapeSet
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.state import INV_MASS
 from silo2d.engine.world import build_world
 from silo2d.run.packing import Packing, in_rows, packing_fraction
 
-LOOSE = (
-    0.93  # packing fraction that the number of poured particles is reckoned with; above any seen
-)
 _FRAME = 5e-3  # [s] between looks at the kinetic energy
+_POURING = 0.95  # part of the cost of a layer that is poured and levelled
+_SLOWED = 1.5  # over the mean, how slow the decay of the energy is once the rain is down
 _PATIENCE = 6.0  # [s] of simulated time; a filling has settled long before
 
+_ATTEMPTS = 4
+
 Report = Callable[[str, float, str], None]  # phase, fraction done (0 to 1), words
-
-
-class Layer(NamedTuple):
-    """Layer that is poured at once: from a height to a height, over what lies there [m]."""
-
-    begin: float
-    end: float
-    above: float  # how high what lies there reaches, bounding circles included; 0 for nothing
 
 
 def rain(
@@ -48,70 +43,70 @@ def rain(
     it, each rotated at random; the lower they start, the sooner they lie still. Also returns how
     far [m] the side walls must be prolonged to hold them. Without a layer it is the whole filling.
     """
-    from shapely import LineString, Polygon
-
-    radius = case.shapes.bounding_radius
-    pitch = 2.05 * radius
-    begin, end, above = layer or Layer(0.0, case.settings.fill.level, 0.0)
-    area = case.outline.area_below(end) - (case.outline.area_below(begin) if begin else 0.0)
-    n = math.ceil(area * LOOSE / case.shapes.mean_area)
-    high = case.outline.raised(above + n * pitch)  # more than enough: one particle a row
-    free = Polygon(high.polygon).buffer(-1.02 * radius)
-    left, bottom, right, top = free.bounds if not free.is_empty else (0.0, 0.0, 0.0, 0.0)
-    positions: list[tuple[float, float]] = []
-    y = max(bottom, above + radius if above else bottom) + 1e-3 * pitch
-    staggered = False
-    while len(positions) < n and y < top:
-        stretch = free.intersection(LineString([(left - 1, y), (right + 1, y)]))
-        for line in getattr(stretch, "geoms", [stretch]):
-            if line.is_empty:
-                continue
-            left_end, _, right_end, _ = line.bounds
-            # Every second row stands over the gaps of the one below.
-            first = left + (pitch / 2 if staggered else 0.0)
-            columns = range(
-                math.ceil((left_end - first) / pitch), math.floor((right_end - first) / pitch) + 1
-            )
-            positions += [(first + k * pitch, y) for k in columns]
-        y += math.sqrt(0.75) * pitch
-        staggered = not staggered
+    positions, top = rows_of_rain(
+        case.outline, case.shapes, layer or Layer(0.0, case.settings.fill.level, 0.0)
+    )
     n = len(positions)
-    if not n:
-        raise InputError(
-            f"{case.name}: the silo is too small for its particles: it must be wider than "
-            f"{2.04e3 * radius:.3g} mm somewhere, a largest particle and a little more"
-        )
     kinds = rng.choice(len(case.shapes.shapes), size=n, p=case.shapes.shares)
     poses = np.column_stack([positions, rng.uniform(0, 2 * math.pi, n)])
-    return kinds, poses, max(y - case.outline.height, 0.0) + pitch
+    return kinds, poses, max(top - case.outline.height, 0.0) + PITCH * case.shapes.bounding_radius
 
 
 def pour(case: SiloCase, seed: int, report: Report) -> Packing:
     """Fill the silo with the case's own engine: at once, or by layers of a height.
 
+    What does not come to rest is poured again from the same seed, four times as stiff and in steps
+    half as long, a few times; raises the last SimulationError.
+    """
+    for attempt in range(1, _ATTEMPTS):
+        try:
+            return _poured(case, seed, report, attempt)
+        except SimulationError:
+            case = dataclasses.replace(
+                case,
+                pour_laws=(stiffened(case.pour_laws[0]), stiffened(case.pour_laws[1])),
+                pour_time_step=case.pour_time_step / 2,
+            )
+    return _poured(case, seed, report, _ATTEMPTS)
+
+
+def _poured(case: SiloCase, seed: int, report: Report, attempt: int) -> Packing:
+    """Fill the silo, layer by layer.
+
     Each layer falls on those below, settles, is levelled off at its height and settles again.
     """
-    rng, level = np.random.default_rng(seed), case.settings.fill.level
-    height = case.settings.fill.layer or level
-    n_layers = max(math.ceil(level / height - 1e-9), 1)
+    rng, layers = np.random.default_rng(seed), layers_of(case.settings.fill)
     kinds, poses = np.zeros(0, np.int64), np.zeros((0, 3))
     begun = 0.0
-    for k in range(n_layers):
+    for k, (begin, end) in enumerate(layers):
         top = (poses[:, 1].max() + case.shapes.bounding_radius) if len(poses) else 0.0
-        layer = Layer(k * height, min((k + 1) * height, level), top)
-        more, positions, above = rain(case, rng, layer)
+        more, positions, above = rain(case, rng, Layer(begin, end, top))
         kinds, poses = np.concatenate([kinds, more]), np.concatenate([poses, positions])
         sim = pouring(case, kinds, poses, case.outline.raised(above))
         if k == 0:
             sim.compile()
             begun = time.process_time()
-        which = f" layer {k + 1} of {n_layers}" if n_layers > 1 else ""
-        settle(sim, case, report, f"pouring{which}", down_at(positions, layer.end))
-        kinds, poses = level_off(case, kinds, sim.poses(), layer.end)
+        again = f" again ({attempt} of {_ATTEMPTS})" if attempt > 1 else ""
+        which = f" layer {k + 1} of {len(layers)}" if len(layers) > 1 else ""
+        own = _of_layer(report, k, len(layers))
+        settle(sim, case, own, f"pouring{which}{again}", down_at(positions, end))
+        kinds, poses = level_off(case, kinds, sim.poses(), end)
         sim = pouring(case, kinds, poses, case.outline)
-        settle(sim, case, report, f"levelling{which}")
+        settle(sim, case, own, f"levelling{which}{again}")
         poses = sim.poses()
-    return packed(case, sim, kinds, "dem", time.process_time() - begun)
+    made = packed(case, sim, kinds, "dem", time.process_time() - begun)
+    return dataclasses.replace(made, attempts=attempt)
+
+
+def _of_layer(report: Report, k: int, n_layers: int) -> Report:
+    """Report of layer k alone, for its part of the whole: it costs the more, the more lie below."""
+
+    def own(phase: str, fraction: float, words: str) -> None:
+        levelling = phase.startswith("levelling")
+        part = _POURING + (1 - _POURING) * fraction if levelling else _POURING * fraction
+        report(phase, (k * (k + 3) + 2 * (k + 2) * part) / (n_layers * (n_layers + 3)), words)
+
+    return own
 
 
 def pouring(case: SiloCase, kinds: np.ndarray, poses: np.ndarray, outline: Outline) -> Simulation:
@@ -171,8 +166,8 @@ def settle(
         start = max(start or 0.0, moving)
         if moving < case.settings.fill.settled and sim.time >= soonest:
             return
-        done = part_settled(start, moving, case.settings.fill.settled)
-        report(phase, done, f"t = {sim.time:.2f} s")
+        settled = part_settled(start, moving, case.settings.fill.settled)
+        report(phase, part_done(case, sim.time, soonest, settled), f"t = {sim.time:.2f} s")
         if sim.time > _PATIENCE:
             raise SimulationError(
                 f"the {phase} did not come to rest within {_PATIENCE:g} s; allow more motion with "
@@ -188,6 +183,17 @@ def part_settled(start: float, moving: float, enough: float) -> float:
     if start <= enough:
         return 0.0
     return min(math.log(start / moving) / math.log(start / enough), 1.0)
+
+
+def part_done(case: SiloCase, time: float, soonest: float, settled: float) -> float:
+    """Part (0 to 1) of the cost of a settling that is done, so many seconds after its beginning.
+
+    soonest: when [s] all can be down; settled: part of the way to rest, see part_settled.
+    """
+    down, collapse = min(time, soonest), WITH_FRICTION if case.settings.fill.friction else COLLAPSE
+    left = FALLING * (soonest - down) + collapse * min(_SLOWED * (1.0 - settled), 1.0)
+    done = FALLING * down + (time - down)
+    return done / (done + left)
 
 
 def normalised_kinetic_energy(sim: Simulation, shapes: ShapeSet) -> float:

@@ -9,16 +9,18 @@ from typing import Any
 from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.protocol import Progress, Runs, Stop, kept, restored
 from granulab.campaign.runs.provenance import Sources, Warn, to_stderr
+from granulab.campaign.runs.stages import Stages
 from granulab.campaign.runs.trajectory import TrajectoryWriter
-from granulab.errors import Stopped
+from granulab.errors import SimulationError, Stopped
 from silo2d.baseline.discharge import Baseline, discharge_by_impulses
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.disorder import with_friction
+from silo2d.case.plan import SETTLING, compiling, expected_stages, hedge
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.world import build_world
 from silo2d.run.discharge import discharge
-from silo2d.run.ending import Clock
+from silo2d.run.ending import MOST_HALVINGS, Clock
 from silo2d.run.packing import Packing, load_packing, packing_folder, save_packing
 from silo2d.run.pour import normalised_kinetic_energy, pour
 from silo2d.run.result import Result
@@ -46,16 +48,35 @@ def sources_of_both(case: SiloCase) -> tuple[Sources, Sources]:
 
 
 def _compute(
-    folder: RunFolder, case: SiloCase, progress: Progress, stop: Stop, warn: Warn
+    folder: RunFolder, case: SiloCase, stages: Stages, stop: Stop, warn: Warn
 ) -> dict[str, Any]:
     """The results of a silo: filled, settled, opened and discharged, or gone on with."""
+    stages.expect(**expected_stages(case))
+    stages.hedge = hedge(case)
     if case.impulses:
-        return _by_pymunk(folder, case, progress, stop, warn)
-    sim, clock, packing = _start_or_resume(folder, case, progress, stop, warn)
+        return _by_pymunk(folder, case, stages, stop, warn)
+    most = MOST_HALVINGS if case.step_source == "chosen" else 0
+    for halvings in range(most + 1):
+        try:
+            return _in_steps(folder, case, halvings, stages, stop, warn)
+        except SimulationError:
+            if halvings == most:
+                raise
+            folder.drop_checkpoints()
+    raise AssertionError("the last go returns or raises")
+
+
+def _in_steps(
+    folder: RunFolder, case: SiloCase, halvings: int, stages: Stages, stop: Stop, warn: Warn
+) -> dict[str, Any]:
+    """The results of a silo whose chosen time step is halved so often, or gone on with."""
+    sim, clock, packing = _start_or_resume(folder, case, halvings, stages, stop, warn)
     static = describe(case, packing)
     writer = TrajectoryWriter(folder.path, parts=clock.parts)
     writer.write_static(*static)
-    outcome = discharge(sim, case, packing, folder, writer, clock, progress, stop)
+    outcome = discharge(sim, case, packing, folder, writer, clock, stages, stop)
+    stages.finish("discharging")
+    stages.hedge = ""
     writer.finish(*static)
     write_records(folder)
     return summarise(folder, case, sim, packing, clock, outcome)
@@ -68,42 +89,50 @@ def _measured(
 
 
 def _by_pymunk(
-    folder: RunFolder, case: SiloCase, progress: Progress, stop: Stop, warn: Warn
+    folder: RunFolder, case: SiloCase, stages: Stages, stop: Stop, warn: Warn
 ) -> dict[str, Any]:
     """The summary of a discharge by pymunk; its frames are in the folder."""
-    packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
+    packing = get_packing(case, folder.path.resolve().parent, stages, stop, warn)
     static, attributes = describe(case, packing)
     attributes["engine"] = "pymunk"
     clock = Clock(filling_cpu_s=packing.cpu_s)
     writer = TrajectoryWriter(folder.path)
     writer.write_static(static, attributes)
     sim = Baseline(case, packing)
-    outcome = discharge_by_impulses(sim, case, packing, writer, clock, progress, stop)
+    outcome = discharge_by_impulses(sim, case, packing, writer, clock, stages, stop)
+    stages.finish("discharging")
+    stages.hedge = ""
     writer.finish(static, attributes)
     write_records(folder)
     return summarise(folder, case, sim, packing, clock, outcome)
 
 
 def _start_or_resume(
-    folder: RunFolder, case: SiloCase, progress: Progress, stop: Stop, warn: Warn
+    folder: RunFolder, case: SiloCase, halvings: int, stages: Stages, stop: Stop, warn: Warn
 ) -> tuple[Simulation, Clock, Packing]:
     resuming = folder.checkpoint.exists()
-    packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
-    sim = Simulation(world_behind_door(case, packing))
+    packing = get_packing(case, folder.path.resolve().parent, stages, stop, warn)
+    step = case.time_step / 2**halvings
+    sim = Simulation(world_behind_door(case, packing, step))
     if resuming:
-        sim.begin_phase(*case.laws(sim.n_particles), case.time_step)
-        return sim, restored(folder, sim.restore, Clock, "its opening"), packing
+        stages.finish("settling")
+        sim.begin_phase(*case.laws(sim.n_particles), step)
+        if found := restored(folder, sim.restore, Clock, "its opening", warn):
+            sim.time_step = case.time_step / 2**found.halvings
+            return sim, found, packing
+        sim = Simulation(world_behind_door(case, packing, step))
     sim.compile()
     begun = time.process_time()
-    settle_under_own_law(sim, case, progress, stop)
-    clock = Clock(filling_cpu_s=packing.cpu_s + time.process_time() - begun)
-    return sim, clock, packing
+    settle_under_own_law(sim, case, stages, stop)
+    stages.finish("settling")
+    filling = packing.cpu_s + time.process_time() - begun
+    return sim, Clock(filling_cpu_s=filling, halvings=halvings), packing
 
 
 def get_packing(
     case: SiloCase,
     root: Path,
-    progress: Progress,
+    progress: Progress | Stages,
     stop: Stop = lambda: False,
     warn: Warn = to_stderr,
 ) -> Packing:
@@ -112,21 +141,26 @@ def get_packing(
     A filling that is stopped is poured again from its seed the next time (raises Stopped).
     Raises FolderError where a packing is damaged, or could not be written.
     """
-    folder = packing_folder(case, root)
-    return kept(
-        folder,
-        load=load_packing,
-        make=lambda: _fill(case, folder, progress, stop),
-        cure="delete it and it is filled again",
-        sources=sources_of_both(case)[1],
-        stop=stop,
-        warn=warn,
-    )
+    folder, stages = packing_folder(case, root), Stages.of(progress)
+    with stages.watching():
+        packing = kept(
+            folder,
+            load=load_packing,
+            make=lambda: _fill(case, folder, stages, stop),
+            cure="delete it and it is filled again",
+            sources=sources_of_both(case)[1],
+            stop=stop,
+            warn=warn,
+        )
+    stages.finish("filling")
+    return packing
 
 
-def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Stop) -> Packing:
+def _fill(case: SiloCase, folder: Path, stages: Stages, stop: Stop) -> Packing:
+    stages.expect(filling=expected_stages(case)["filling"])
+
     def report(phase: str, fraction: float, text: str) -> None:
-        progress(fraction, f"{phase}, {text}")
+        stages.report("filling", fraction, 1.0 - fraction, f"{phase}, {text}")
         if stop():
             raise Stopped("the same command fills the silo again, from its seed")
 
@@ -142,7 +176,9 @@ def _fill(case: SiloCase, folder: Path, progress: Progress, stop: Stop) -> Packi
     return packing
 
 
-def world_behind_door(case: SiloCase, packing: Packing) -> state.World:
+def world_behind_door(
+    case: SiloCase, packing: Packing, time_step: float | None = None
+) -> state.World:
     """The packing behind the closed door, with the friction that it was poured with."""
     particle_law, wall_law = case.laws(len(packing.kinds))
     if case.settings.fill.friction is not True:
@@ -158,18 +194,21 @@ def world_behind_door(case: SiloCase, packing: Packing) -> state.World:
         particle_law=particle_law,
         wall_law=wall_law,
         gravity=GRAVITY,
-        time_step=case.time_step,
+        time_step=time_step or case.time_step,
     )
 
 
 def settle_under_own_law(
-    sim: Simulation, case: SiloCase, progress: Progress, stop: Stop = lambda: False
+    sim: Simulation,
+    case: SiloCase,
+    progress: Progress | Stages,
+    stop: Stop = lambda: False,
 ) -> None:
     """Let a packing that was poured softer come to rest, which several looks in a row must find.
 
     Raises Stopped, and SimulationError where it takes more than 2 s of simulated time.
     """
-    steps = max(round(_SETTLE_FRAME / case.time_step), 1)
+    steps, stages = max(round(_SETTLE_FRAME / sim.time_step), 1), Stages.of(progress)
     quiet_looks = 0
     while True:
         sim.wall_forces()
@@ -180,7 +219,8 @@ def settle_under_own_law(
             return
         if stop():
             raise Stopped("the same command goes on from the packing")
-        progress(0.0, f"settling, t = {sim.time:.3f} s")
+        left = max(SETTLING - sim.time, _QUIET_LOOKS * _SETTLE_FRAME)
+        stages.report("settling", sim.time, left, f"t = {sim.time:.3f} s")
         if sim.time > _SETTLE_PATIENCE:
             raise sim.failure(
                 "the packing did not come to rest under its own law (normalised kinetic energy "
@@ -198,5 +238,6 @@ RUNS = Runs(
     described="case.toml, shapes.toml or materials.toml",
     measures=MEASURES,
     measured=_measured,
+    compiling=compiling,
 )
 run, resume, read_finished = RUNS.run, RUNS.resume, RUNS.read_finished

@@ -5,14 +5,21 @@ import io
 import json
 from typing import Any
 
+import h5py
 import numpy as np
 
 from granulab.campaign.runs.folder import RunFolder, write_atomic
 from granulab.campaign.runs.trajectory import read_trajectory
-from silo2d.case.case import SiloCase
+from granulab.contact.attraction import Attraction
+from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.disorder import QUANTITIES, scores
 from silo2d.run.ending import Clock, Flow
-from silo2d.run.numbers import MECHANISMS, discharge_measures, energy_closure, published_times
+from silo2d.run.numbers import (
+    MECHANISMS,
+    discharge_measures,
+    energy_closure,
+    published_times,
+)
 from silo2d.run.packing import Packing
 
 
@@ -20,6 +27,7 @@ def summarise(
     folder: RunFolder, case: SiloCase, sim: Flow, packing: Packing, clock: Clock, outcome: str
 ) -> dict[str, Any]:
     """The summary of a finished discharge, from its trajectory."""
+    pulling = Attraction(*clock.attraction)
     return {
         "silo": case.label,
         "seed": case.settings.run.seed,
@@ -29,12 +37,14 @@ def summarise(
         "n_out": sim.n_out,
         "packing_fraction": packing.fraction,
         "coordination": packing.coordination,
-        "time_step_s": case.impulses.time_step if case.impulses else case.time_step,
+        "time_step_s": sim.time_step,
+        "time_step_halvings": clock.halvings,
         "steps": sim.steps,
         "simulated_s": sim.time,
         "cpu_us_per_step": 1e6 * clock.cpu_s / sim.steps,
         "cpu_s": clock.cpu_s + clock.filling_cpu_s,
         "restitution": case.restitution(),
+        "pulling": None if case.impulses else pulling.numbers(GRAVITY * case.mean_mass),
         "state_digest": sim.state_digest(),
         **measured(folder, case, outcome),
     }
@@ -42,19 +52,22 @@ def summarise(
 
 def measured(folder: RunFolder, case: SiloCase, outcome: str) -> dict[str, Any]:
     """The part of the results that measures make from the stored frames."""
-    frames = read_trajectory(folder.path)
+    frames = read_trajectory(folder.path, _numbers)
     mass, out_time = frames.static["mass"], frames["out_time"][-1]
     measures = discharge_measures(out_time, mass)
-    # Where the flow was cut off, the times of those that left before mean nothing.
+    # Where the flow was cut off, the times of those that left before mean nothing; its rate does.
     cut_off = outcome not in ("empty", "dead_zones")
+    clogged = outcome.startswith("clogged")
     by_mechanism = all(name in frames for name in MECHANISMS)
     return {
         "mass_kg": float(mass.sum()),
         "mass_out_kg": float(mass[~np.isnan(out_time)].sum()),
         "discharge_time_s": None if cut_off else measures["last_out_s"],
         "t90_s": None if cut_off else measures["t90_s"],
-        "mean_rate_per_s": None if cut_off else measures["mean_rate_per_s"],
-        "mean_mass_flow_kg_per_s": None if cut_off else measures["mean_mass_flow_kg_per_s"],
+        "clogged": clogged,
+        "clogged_after_s": (measures["last_out_s"] or 0.0) if clogged else None,
+        "mean_rate_per_s": measures["mean_rate_per_s"],
+        "mean_mass_flow_kg_per_s": measures["mean_mass_flow_kg_per_s"],
         "energy_closure": energy_closure(frames)[1] if by_mechanism else None,
         "dissipated_j": {
             name: float(frames[name][-1]) if by_mechanism else None for name in MECHANISMS
@@ -92,16 +105,37 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
 
 
 def write_records(folder: RunFolder) -> None:
-    """records.csv: time, particles out, energies and wall forces, a line a frame."""
-    frames = read_trajectory(folder.path)
+    """records.csv: time, particles out, energies and wall forces, a line a frame.
+
+    The names of its columns end with their unit, as those of the results do.
+    """
+    frames = read_trajectory(folder.path, _numbers)
     names = json.loads(frames.attributes["wall_names"])
     numbers = [k for k in frames if frames[k].ndim == 1]
-    columns = {k: frames[k] for k in numbers}
+    columns = {with_unit(k): frames[k] for k in numbers}
     for w, name in enumerate(names):
         for axis, letter in enumerate("xy"):
-            columns[f"force_{letter}_{name.replace(' ', '_')}"] = frames["wall_force"][:, w, axis]
+            key = f"force_{letter}_{name.replace(' ', '_')}_n"
+            columns[key] = frames["wall_force"][:, w, axis]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
     write_atomic(folder.path / "records.csv", text.getvalue())
+
+
+def _numbers(name: str, stored: h5py.Dataset) -> slice | None:
+    """Rows of the frames that results are made of: numbers of all, and the last times of leaving.
+
+    What a frame has of each particle is many times as much, and may not find room in memory.
+    """
+    if name == "out_time":
+        return slice(-1, None)
+    return slice(None) if stored.ndim == 1 or name == "wall_force" else None
+
+
+def with_unit(series: str) -> str:
+    """The name of a series of a trajectory, with its unit: of counts none, of energies J."""
+    if series == "time":
+        return "time_s"
+    return series if series in ("steps", "n_out") else f"{series}_j"

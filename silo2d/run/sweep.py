@@ -13,7 +13,7 @@ from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled, run_or
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
 from silo2d.case.case import SiloCase
-from silo2d.case.plan import expected_cpu_s
+from silo2d.case.plan import disk_at_most, expected_cpu_s
 from silo2d.case.settings import Settings
 from silo2d.engine import ENGINE
 from silo2d.run import protocol
@@ -86,6 +86,7 @@ SILO = Simulator(
     work=run_task,
     read=partial(protocol.read_finished, warn=silent),
     expected_cpu_s=expected_cpu_s,
+    disk_at_most=disk_at_most,
     sources=SOURCES,
     measures=MEASURES,
     made_by=protocol.sources_of_both,

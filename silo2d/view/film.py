@@ -1,13 +1,13 @@
 """The film of a run: a picture of every stored frame."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import PAPER, WALL
-from granulab.campaign.output.film import Image, font, pace, rgb, write_film, write_words
+from granulab.campaign.output.film import Image, counted, font, pace, rgb, write_film, write_words
 from silo2d.view.scene import PARTICLE_EDGE, WOOD, Scene
 
 _LONGEST, _PIXELS = 780, 430 * 780  # of the window in a picture
@@ -16,9 +16,12 @@ _HEADING, _MARGIN = 74, 16
 _SHIFT = 4  # OpenCV takes corners in sixteenths of a pixel
 
 
-def make_film(scene: Scene, folder: Path) -> Path:
-    """Write film.mp4 into a folder; its path. See granulab.campaign.output.film.write_film."""
-    return write_film(folder, lambda: film_frames(scene))
+def make_film(scene: Scene, folder: Path, report: Callable[[int], None] | None = None) -> Path:
+    """Write film.mp4 into a folder; its path. See granulab.campaign.output.film.write_film.
+
+    report: called with the number of pictures that are made.
+    """
+    return write_film(folder, lambda: counted(film_frames(scene), report))
 
 
 def film_frames(scene: Scene) -> Iterator[Image]:

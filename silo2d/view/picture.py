@@ -1,5 +1,6 @@
 """Figures of a run, drawn from its folder: the silo here, graphs and the film elsewhere."""
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -7,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from granulab.campaign.output.figure import INK, WALL, round_length, write_figure
+from granulab.campaign.output.film import CHART, reporting
 from granulab.campaign.runs.folder import RunFolder
 from silo2d.view.charts import discharge_chart, energy_chart, force_chart
 from silo2d.view.film import make_film
@@ -21,7 +23,9 @@ _MOST_PANELS = 8
 _PANEL_WIDTH, _GAP, _TITLE, _HEADLINE, _NARROWEST = 2.5, 0.22, 0.36, 0.5, 6.0  # inches
 
 
-def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
+def make_figures(
+    run_folder: str | Path, film: bool = True, report: Callable[[int, int], None] | None = None
+) -> list[Path]:
     """Draw a run, finished or not, into its folder figures/; the paths of the pictures.
 
     silo.png         the painted layers every 0.25 s, or every multiple of it that fits
@@ -29,6 +33,8 @@ def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
     energy.png       where the energy went
     forces.png       what the walls carried
     film.mp4         all frames (see make_film); left out without `film`
+
+    report: called with the pictures done and left, a chart counting as many of a film's.
 
     Raises FolderError when the folder holds no frame yet or cannot be read or written.
     """
@@ -40,10 +46,15 @@ def make_figures(run_folder: str | Path, film: bool = True) -> list[Path]:
         "energy": energy_chart,
         "forces": force_chart,
     }
-    paths = [
-        write_figure(folder / f"{name}.png", partial(draw, scene)) for name, draw in figures.items()
-    ]
-    return [*paths, make_film(scene, folder)] if film else paths
+    charts = CHART * len(figures)
+    told = reporting(report, charts + (n_pictures := len(scene.time) if film else 0))
+    paths = []
+    for k, (name, draw) in enumerate(figures.items(), 1):
+        paths.append(write_figure(folder / f"{name}.png", partial(draw, scene)))
+        told(CHART * k)
+    if not n_pictures:
+        return paths
+    return [*paths, make_film(scene, folder, lambda k: told(charts + k))]
 
 
 def silo_figure(scene: Scene) -> "Figure":

@@ -2,10 +2,19 @@
 
 from typing import Any
 
+from granulab.campaign.output import room
+from granulab.campaign.sweeps.overview import in_minutes
 from granulab.contact.laws import LinearLaw
 from silo2d.case.case import SiloCase
 from silo2d.case.disorder import QUANTITIES
-from silo2d.case.plan import DISCHARGE, FILLING, plan
+from silo2d.case.plan import (
+    disk_at_most,
+    expected_cpu_s,
+    expected_particles,
+    hedge,
+    memory_at_most,
+    plan,
+)
 from silo2d.run.ending import ENERGY_TOLERANCE
 from silo2d.run.result import Result
 
@@ -21,11 +30,10 @@ _OUTCOMES = {
 def echo(case: SiloCase, dry_run: bool) -> str:
     """The case in SI, the time step with its reason, the restitution that follows."""
     outline, fill, run = case.outline, case.settings.fill, case.settings.run
-    expected = plan(case)
     lines = [
         f"{case.name}, seed {run.seed}",
         f"  silo        {outline.width:g} m wide, {outline.height:g} m high, outlet "
-        f"{outline.outlet:g} m, filled to {fill.level:g} m (about {expected['n_particles']} "
+        f"{outline.outlet:g} m, filled to {fill.level:g} m (about {expected_particles(case)} "
         "particles)",
         f"  particles   {case.shapes.name}: {len(case.shapes.shapes)} shapes, mean area "
         f"{case.shapes.mean_area:.4g} m2, {case.surface_density:g} kg/m2, mean mass "
@@ -51,12 +59,13 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         f"{run.opening_count} out), else dead zones",
     ]
     if dry_run:
+        filling, discharge = expected_cpu_s(case)
         lines.append(
-            f"  expected    about {max(expected['expected_min'], 0.1):.1g} min, if filling takes "
-            f"{FILLING:g} s and the discharge {DISCHARGE:g} s of simulated time; at most "
-            f"{expected['steps_at_most']:,} steps of discharge"
+            f"  expected    about {in_minutes(filling + discharge)} min of CPU{hedge(case)}, "
+            f"{in_minutes(filling)} of them for a packing that is not there yet; at most "
+            f"{plan(case)['steps_at_most']:,} steps of discharge"
         )
-    return "\n".join(lines)
+    return "\n".join([*lines, *room.lines(disk_at_most(case), memory_at_most(case))])
 
 
 def _law(law: Any) -> str:
@@ -129,23 +138,42 @@ def _door(case: SiloCase) -> list[str]:
 def report(result: Result) -> str:
     """The results of a run with the published values."""
     out = f"{result.n_out} of {result.n_particles} particles out"
-    lines = [f"{result.silo}, seed {result.seed}: {_OUTCOMES[result.outcome]}, {out}"]
+    when = "" if not result.clogged_after_s else f" after {result.clogged_after_s:.3f} s"
+    lines = [f"{result.silo}, seed {result.seed}: {_OUTCOMES[result.outcome]}{when}, {out}"]
     lines.append(f"  discharge time   {_time(result.discharge_time_s)}   {_published(result)}")
     lines.append(f"  T90              {_time(result.t90_s)}")
     if result.mean_rate_per_s is not None and result.mean_mass_flow_kg_per_s is not None:
+        cut_off = result.outcome not in ("empty", "dead_zones")
         lines.append(
             f"  mean rate        {result.mean_rate_per_s:.0f} particles/s, "
-            f"{result.mean_mass_flow_kg_per_s:.2f} kg/s"
+            f"{result.mean_mass_flow_kg_per_s:.2f} kg/s{' until then' if cut_off else ''}"
         )
     lines += [
-        f"  packing          fraction {result.packing_fraction:.3f}, coordination "
+        f"  packing          fraction {_fraction(result.packing_fraction)}, coordination "
         f"{result.coordination:.2f}",
+        *_pulling(result),
         f"  energy           {_energy(result)}",
+        *_shortened(result),
         f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
         f"steps; {result.cpu_s:.1f} s in all",
         f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
     ]
     return "\n".join(lines)
+
+
+def _fraction(value: float | None) -> str:
+    return "not known of so few layers" if value is None else f"{value:.3f}"
+
+
+def _pulling(result: Result) -> list[str]:
+    """A line where the law pulled."""
+    found = result.pulling
+    if not found or not found["particle_weights"] > 0.0:
+        return []
+    return [
+        f"  law pulls        in {_percent(found['share'])} of the contacts, with up to "
+        f'{found["particle_weights"]:.3g} particle weights (contact_end = "force": never)'
+    ]
 
 
 def _time(seconds: float | None) -> str:
@@ -157,9 +185,20 @@ def _energy(result: Result) -> str:
     if not parts:
         return "not known by mechanism: impulses have no energy balance"
     return (
-        f"{sum(parts):.3f} J dissipated, energy balance closed to "
-        f"{_percent(result.energy_closure)} of it (tolerance: {100 * ENERGY_TOLERANCE:g} %)"
+        f"{sum(parts):.3g} J dissipated, energy balance closed to "
+        f"{_percent(result.energy_closure)} of it"
     )
+
+
+def _shortened(result: Result) -> list[str]:
+    """A line on a time step that was shortened."""
+    if not result.time_step_halvings:
+        return []
+    longer = 2e6 * result.time_step_s
+    return [
+        f"  time step        {longer / 2:.3g} us: the energy balance did not close to "
+        f"{100 * ENERGY_TOLERANCE['chosen']:g} % in {longer:.3g} us"
+    ]
 
 
 def _percent(part: float | None) -> str:
