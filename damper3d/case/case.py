@@ -13,6 +13,7 @@ from damper3d.case.parameters import (
     contact_laws,
     materials_of,
     restitutions,
+    table_of,
     time_steps,
     yield_velocities,
 )
@@ -36,7 +37,7 @@ from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import particle_of
 from granulab.contact.files.casefile import changed
 from granulab.contact.files.datafile import case_names, data_file, find, is_file
-from granulab.contact.files.table import ContactTable, load_table
+from granulab.contact.files.table import ContactTable
 from granulab.contact.files.units import located, nearest
 from granulab.contact.hertz import HertzLaw
 from granulab.errors import InputError
@@ -91,7 +92,7 @@ class DamperCase:
         settings = with_usual_cycles(check_settings(document, where), document)
         check_protocol(settings, where)
         file = find(settings.particles.materials, "materials", folder)
-        table = load_table(file)
+        table = table_of(file, settings)
         try:
             case = _resolved(cls, settings, table, where, Path(file), folder)
             motion_of(settings.motion, where)  # refuses what its kind cannot be
@@ -103,6 +104,7 @@ class DamperCase:
                 f"{where}: some values are too large or too small to calculate with; look at "
                 "sizes, frequency, gamma, density, modulus and yield strength"
             )
+        _check_stiff(case, where)
         return case
 
     @property
@@ -245,6 +247,20 @@ def _resolved(
         unit_vector(direction, f"{where}: [motion] direction"),
         {"materials.toml": file.read_text(encoding="utf-8"), **mesh_copy(wanted)},
     )  # fmt: skip
+
+
+def _check_stiff(case: DamperCase, where: str) -> None:
+    """Raise InputError where a particle sinks into a wall by its own weight alone.
+
+    Hertz: m g = K d^(3/2), with K as in an impact (damper3d.case.plan).
+    """
+    radius, law = case.particle.smallest_radius, case.wall_law
+    sunk = (case.particle_mass * GRAVITY / (law.hertz * math.sqrt(radius))) ** (2 / 3)
+    if sunk > 0.5 * radius:  # which ends a run
+        raise InputError(
+            f"{where}: youngs_modulus is too low: by its own weight a particle would sink into a "
+            f"wall by {sunk / radius:.2g} radii; give a higher one"
+        )
 
 
 def _calculable(case: DamperCase) -> bool:

@@ -8,10 +8,13 @@ from damper3d.case.oscillation import equivalent_sphere_radius
 from damper3d.case.settings import Law, Settings
 from damper3d.engine.records import CLASSES
 from damper3d.shapes.multisphere import MultiSphere
-from granulab.contact.files.table import ContactTable, load_table
+from granulab.contact.files.datafile import data_file, read_toml
+from granulab.contact.files.needs import DAMPER, Keys, keys_needed, table_with
+from granulab.contact.files.schema import SCHEMA
+from granulab.contact.files.table import ContactTable, namesake
 from granulab.contact.files.units import located
 from granulab.contact.hertz import HertzLaw
-from granulab.contact.material import Material, Measured, Pair
+from granulab.contact.material import Material, Measured
 from granulab.contact.sphere_law import sphere_law, yield_velocity
 from granulab.contact.timestep import rayleigh_time_step
 from granulab.errors import InputError
@@ -39,6 +42,35 @@ def materials_of(table: ContactTable, settings: Settings) -> tuple[Material, Mat
     return particle, wall
 
 
+def table_of(file: str | Path, settings: Settings) -> ContactTable:
+    """See table_with: a table with all that the case needs and does not give itself, in [law]."""
+    law = settings.law
+    given = {key for key in _LAW_STANDS_IN if getattr(law, key) is not None}
+    at_wall = {f"{key}_wall" for key in given} | {
+        key for key in ("friction_wall", "restitution_wall") if getattr(law, key) is not None
+    }
+    particle, wall = settings.particles.material, settings.enclosure.material
+    of_wall = f"pair.{particle}-{wall}" if particle != wall else ""
+    needed = [
+        (where, key)
+        for where, key in keys_needed(DAMPER, particle, wall)
+        if key not in given and not (where == of_wall and f"{key}_wall" in at_wall)
+    ]
+    return table_with(file, needed, _cure)
+
+
+_LAW_STANDS_IN = ("friction", "restitution", "youngs_modulus")  # for what a file does not have
+
+
+def _cure(absent: Keys) -> str:
+    """The end of a refusal: what else would do."""
+    missing = {key for _, key in absent}
+    keys = [key for key in _LAW_STANDS_IN if key in missing]
+    options = ", ".join(f"--{key.replace('_', '-')}" for key in keys)
+    instead = f"or give [law] {', '.join(keys)} ({options}); " if keys else ""
+    return f"{instead}damper3d init --materials FILE writes a file with all"
+
+
 def restitutions(table: ContactTable, settings: Settings) -> dict[str, float]:
     """Restitution of each kind of contact [-]: the case's, else the file's."""
     law = settings.law
@@ -46,12 +78,8 @@ def restitutions(table: ContactTable, settings: Settings) -> dict[str, float]:
     found = {}
     for name, names, own in zip(CLASSES, _pairs(settings), given, strict=True):
         if own is None:
-            known = _pair(table, names, "restitution").restitution
-            if known is None:
-                raise InputError(
-                    f"{table.path}: [pair.{'-'.join(names)}] restitution is missing; give it "
-                    "there, or [law] restitution (--restitution)"
-                )
+            known = table.pair(*names).restitution
+            assert known is not None  # table_of has refused that
             own = known.value
         found[name] = own
     return found
@@ -62,7 +90,7 @@ def frictions(table: ContactTable, settings: Settings) -> dict[str, float]:
     law = settings.law
     given = law.friction, _first(law.friction_wall, law.friction)
     return {
-        name: _pair(table, names, "friction").friction.value if own is None else own
+        name: table.pair(*names).friction.value if own is None else own
         for name, names, own in zip(CLASSES, _pairs(settings), given, strict=True)
     }
 
@@ -71,14 +99,6 @@ def _pairs(settings: Settings) -> tuple[tuple[str, str], tuple[str, str]]:
     """The materials of particle-particle and particle-wall contacts."""
     particle, wall = settings.particles.material, settings.enclosure.material
     return (particle, particle), (particle, wall)
-
-
-def _pair(table: ContactTable, names: tuple[str, str], key: str) -> Pair:
-    """A pair of the table; InputError that says what of the case stands in for it."""
-    try:
-        return table.pair(*names)
-    except InputError as error:
-        raise InputError(f"{error}; or give [law] {key} (--{key})") from None
 
 
 def _first(*values: float | None) -> float | None:
@@ -217,7 +237,8 @@ def named_material(file: str) -> dict[str, str]:
 
     It is the one that the table is called after, or its only one. Raises InputError otherwise.
     """
-    name = load_table(file).namesake().name
+    path = data_file("materials", file) or Path(file)
+    name = namesake(path, read_toml(path, "materials", SCHEMA).get("material", {}))
     return {
         "particles.materials": str(Path(file).resolve()) if Path(file).is_file() else file,
         "particles.material": name,

@@ -188,6 +188,11 @@ def check_protocol(settings: Settings, where: str) -> None:
             f"{where}: [run] discard = {run.discard}: must be below {key} = {cycles}, or none is "
             "left to count"
         )
+    if settings.motion.ramp > cycles:
+        raise InputError(
+            f"{where}: [motion] ramp = {settings.motion.ramp:g} cycles: the amplitude would not be "
+            f"reached in {cycles}; give less, or more cycles"
+        )
     if output.frames and output.samples % output.frames:
         near = [n for n in range(1, output.samples + 1) if output.samples % n == 0]
         best = min(near, key=lambda n: abs(n - output.frames))

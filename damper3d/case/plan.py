@@ -1,18 +1,35 @@
-"""Plan of a run: its steps, the CPU time to expect, and warnings."""
+"""Plan of a run: its steps, the CPU time, disk and memory to expect, and warnings."""
 
 import math
 from typing import Any
 
-from damper3d.case.case import DamperCase
+from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.case.closed_forms import fluidisation_threshold
 from damper3d.case.oscillation import DEEPEST
 from damper3d.case.parameters import SAFE_SHARE
 from damper3d.engine.records import CLASSES
+from granulab.campaign.output import room
 
-# On one core of a current server, of a particle and step [s] (benchmarks/damper.py and clusters.py;
+# On one core of a server of 2020, of a particle and step [s] (benchmarks/damper.py and clusters.py;
 # the runs that those of several spheres were fitted to stand in docs/damper-shapes.md).
-_OF_A_SPHERE = 2.5e-8
+_OF_A_SPHERE = 4e-8
 _OF_A_PARTICLE, _OF_A_SUB_SPHERE = 1.2e-7, 3.6e-9
+_GROWING = 3000  # steps of a random start
+# Cost of a step of the settled bed, of one that the enclosure throws, and what is added with the
+# square root of the peak speed over sqrt(g d), d of a sphere of a particle's volume: fitted to runs
+# at 20, 40 and 80 Hz and Gamma 2 to 40, which it meets to a quarter.
+_SETTLED, _THROWN, _STIRRED = 2.5, 0.75, 0.3
+_WRITING = 0.5  # [s]
+# Particles times steps between checkpoints, some seconds of work: a checkpoint must not depend on
+# how fast a machine is, and in the short runs of a map it would cost more than it saves.
+CHECKPOINT_WORK = 2e8
+_MOST_SAMPLES = 10_000  # between checkpoints, of a few particles too: until then they are in memory
+# Bytes: of a contact in a frame, of a particle in a checkpoint (with its contacts' springs), of the
+# program with its kernels (when they are compiled), and of a particle in a frame that counts, while
+# its motion is measured at the end (found 102).
+_OF_A_CONTACT, _KEPT_OF_A_PARTICLE, _PROCESS, _MEASURED = 20, 800, 600e6, 110
+_NUMBERS = 30  # of a sample, besides the wall forces
+_OF_ARRAYS = 5e3  # [B] of the arrays of a sample in memory, besides what is in them
 _HEAVY = 25e3  # [kg/m3] above osmium and all others
 _FAST = 3.0  # peak speed of the enclosure over the yield velocity
 
@@ -34,11 +51,78 @@ def expected_cpu_of_step(case: DamperCase) -> float:
     return each * case.count
 
 
-def expected_cpu_s(case: DamperCase) -> tuple[float, float]:
-    """About what filling and motion of a case cost [s of CPU]."""
+def expected_stages(case: DamperCase) -> dict[str, float]:
+    """About what each stage of a run costs [s of CPU]."""
     cost = expected_cpu_of_step(case)
-    filling = case.settings.fill.settle_time / case.steps.free
-    return cost * filling, cost * steps_at_most(case)
+    return {
+        "filling": _GROWING * cost,
+        "settling": _SETTLED * cost * case.settings.fill.settle_time / case.steps.free,
+        "shaking": _stirring(case) * cost * steps_at_most(case),
+        "writing": _WRITING,
+    }
+
+
+def _stirring(case: DamperCase) -> float:
+    """Cost of a step of the shaken bed, over the mean of all: particles that fly touch nobody."""
+    if case.settings.motion.gamma <= 1.0:
+        return _SETTLED
+    own = math.sqrt(GRAVITY * 2.0 * case.particle.equal_volume_radius)
+    return min(_THROWN + _STIRRED * math.sqrt(case.peak_speed / own), _SETTLED)
+
+
+def expected_cpu_s(case: DamperCase) -> tuple[float, float]:
+    """About what the packing of a case and its run cost [s of CPU]."""
+    growing, settling, *run = expected_stages(case).values()
+    return growing + settling, sum(run)
+
+
+def compiling(case: DamperCase) -> tuple[float, int]:
+    """About what the kernels of a case cost to compile [s of CPU], and how many functions."""
+    return (60.0, 155) if case.particle.is_sphere else (100.0, 240)
+
+
+def checkpoint_interval(case: DamperCase, work: float = CHECKPOINT_WORK) -> int:
+    """Samples between checkpoints: whole cycles, or less in cycles that take long."""
+    per_cycle = case.settings.output.samples
+    samples = min(max(int(work / (case.count * case.steps_per_sample)), 1), _MOST_SAMPLES)
+    return samples if samples < per_cycle else samples // per_cycle * per_cycle
+
+
+def _kept(case: DamperCase) -> tuple[int, int, float, float, float]:
+    """Samples and frames of a run at most; bytes of a sample, and of a frame's particles and
+    contacts.
+    """
+    output = case.settings.output
+    samples = steps_at_most(case) // case.steps_per_sample
+    frames = samples // output.samples * output.frames + 1 if output.frames else 0
+    numbers = _NUMBERS + 3 * len(case.wall_names)
+    columns = (
+        10 if case.particle.is_sphere else 14
+    )  # place, motion, spin, heat; and how it is turned
+    of_contacts = room.CONTACTS * case.count * _OF_A_CONTACT
+    return samples + 1, frames, 8.0 * numbers, 4.0 * columns * case.count, of_contacts
+
+
+def disk_at_most(case: DamperCase) -> dict[str, int]:
+    """Bytes of frames, contacts and checkpoints that a run takes at most, to its last cycle."""
+    samples, frames, of_sample, of_frame, of_contacts = _kept(case)
+    return room.on_disk(
+        frames=[(samples, of_sample), (frames, of_frame)],
+        numbers=0,
+        contacts=(frames, of_contacts),
+        parts=samples / checkpoint_interval(case) + 1,
+        checkpoint=case.count * _KEPT_OF_A_PARTICLE,
+        merged=case.settings.output.keep == "all",
+    )
+
+
+def memory_at_most(case: DamperCase) -> int:
+    """Bytes of memory that a run takes at most; most frames are in it when it is measured."""
+    samples, frames, of_sample, of_frame, of_contacts = _kept(case)
+    together = min(checkpoint_interval(case), samples)
+    unwritten = together * (of_sample + _OF_ARRAYS)
+    unwritten += frames / samples * together * (of_frame + of_contacts)
+    return room.in_memory(_PROCESS + frames * case.count * _MEASURED, unwritten)
 
 
 def warnings(case: DamperCase) -> list[str]:
@@ -53,6 +137,12 @@ def warnings(case: DamperCase) -> list[str]:
     if case.density > _HEAVY:
         found.append(
             f"density {case.density:g} kg/m3: heavier than any metal; 1 g/cm3 is 1000 kg/m3"
+        )
+    particles = case.settings.particles
+    if case.particle.kind == "mesh" and not (particles.mesh_unit or particles.equal_volume_radius):
+        found.append(
+            f"the mesh does not keep its size: it is scaled to an equal-volume radius of "
+            f"{1e3 * case.particle.equal_volume_radius:g} mm; --mesh-unit mm keeps it"
         )
     motion, run = case.settings.motion, case.settings.run
     if motion.ramp > run.discard:
@@ -131,5 +221,7 @@ def plan(case: DamperCase) -> dict[str, Any]:
         "yield_velocity_m_s": case.yield_velocity,
         "steps": steps_at_most(case),
         "expected_min": sum(expected_cpu_s(case)) / 60,
+        "disk_bytes_at_most": disk_at_most(case),
+        "memory_bytes_at_most": memory_at_most(case),
         "warnings": warnings(case),
     }

@@ -16,6 +16,7 @@ from granulab.contact.files import casefile, reference
 from granulab.contact.files.casefile import (
     Density,
     Frequency,
+    Friction,
     Number,
     Positive,
     Pressure,
@@ -182,10 +183,10 @@ _TABLE = "materials table"
 class Law(Section):
     """The contact law; what is given here goes before the materials table."""
 
-    friction: Number | None = key(
+    friction: Friction | None = key(
         None, "friction of all contacts", example=0.52, left_out=_TABLE, option="--friction"
     )
-    friction_wall: Number | None = key(
+    friction_wall: Friction | None = key(
         None, "friction of contacts with the walls", example=0.52, left_out="as of all contacts",
         option="--friction-wall",
     )  # fmt: skip

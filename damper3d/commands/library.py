@@ -5,9 +5,45 @@ from typing import Any
 
 from damper3d.case.case import PRESETS, DamperCase
 from damper3d.run.folders import is_slow_test
-from granulab.campaign.cli.library import packings_and_runs, read_shown, run_in_words
+from granulab.campaign.cli.library import NewFile, packings_and_runs, read_shown, run_in_words
 from granulab.campaign.runs.folder import resume_run
 from granulab.contact.files.datafile import case_names, data_names
+
+
+def new_files() -> dict[str, NewFile]:
+    """Files that `init` writes besides studies."""
+
+    def materials() -> str:
+        from granulab.contact.files.needs import DAMPER
+        from granulab.contact.files.reference import commented_materials
+        from granulab.contact.files.table import load_table
+
+        return commented_materials(DAMPER, "acrylic", "acrylic", load_table("acrylic"))
+
+    def case() -> str:
+        from damper3d.case.settings import commented_case
+
+        return commented_case()
+
+    return {
+        "case": NewFile(
+            case, "damper3d run {file}", "cases", lambda: case_names("enclosure"), "enclosure"
+        ),
+        "materials": NewFile(
+            materials,
+            "damper3d run --material {file} --dry-run",
+            "materials",
+            lambda: data_names("materials"),
+            "material",
+        ),
+    }
+
+
+def preset_case(name: str) -> str | None:
+    """The commented case of a preset; None for another name."""
+    from damper3d.case.settings import commented_case
+
+    return commented_case() if name in PRESETS else None
 
 
 def listing(root: Path) -> str:
@@ -29,10 +65,12 @@ def _result(summary: dict[str, Any]) -> str:
             f"{float(summary['preload_n']):g} N: secant stiffness "
             f"{1e-3 * float(summary['stiffness_n_per_m']):.3g} N/mm"
         )
+    from damper3d.measures.efficiency import in_words
+
     return (
         f"{summary['n_particles']} of {summary['particles']}, {summary['orientation']}, "
-        f"{float(summary['frequency_hz']):g} Hz, gamma {float(summary['gamma']):g}: efficiency "
-        f"{float(summary['efficiency']):.3f}"
+        f"{float(summary['frequency_hz']):g} Hz, gamma {float(summary['gamma']):g}: "
+        f"{in_words(summary)}"
     )
 
 
@@ -48,10 +86,10 @@ def description(name: str) -> str:
     return _materials(file) if "material" in document else _case(file)
 
 
-def _case(name: str) -> str:
+def _case(name: str | Path) -> str:
     from damper3d.view.report import echo
 
-    return echo(DamperCase.load(name), dry_run=True)
+    return echo(DamperCase.load(name), dry_run=not isinstance(name, Path))
 
 
 def _run(folder: Path) -> str:
@@ -61,7 +99,9 @@ def _run(folder: Path) -> str:
 
     run = resume_run(folder)
     if not is_slow_test(run):
-        return run_in_words(folder, "damper3d", lambda run: report(Result.read(run, reused=False)))
+        return run_in_words(
+            folder, "damper3d", _case, lambda run: report(Result.read(run, reused=False))
+        )
     if run.state == "unfinished":
         return f"{run.path}: unfinished; the same damper3d shear or compress goes on with it"
     return finished_test(run)

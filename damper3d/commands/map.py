@@ -13,8 +13,13 @@ from granulab.campaign.cli.many import numbers, stop_unless_whole
 if TYPE_CHECKING:
     from damper3d.studies.map.grid import Grid
 
+_WITHOUT = {
+    "motion.frequency": "give --frequencies, a list such as 20,40,80",
+    "motion.gamma": "give --gammas, a list such as 1,3,10",
+}
 
-@case_command("map")
+
+@case_command("map", without=_WITHOUT)
 @click.argument("case", required=False)
 @material_option
 @click.option("--frequencies", metavar="20,40", help="In Hz [default: the thesis's nine].")
@@ -39,8 +44,6 @@ def map_(
     and --refine or --packings take the runs of a smaller map, into a map of their own.
     For example: damper3d map --frequencies 20,40 --packings 3 --refine 3
     """
-    if options.pop("motion__frequency") or options.pop("motion__gamma"):
-        raise click.UsageError("a map takes --frequencies and --gammas, lists such as 20,40,80")
     from damper3d.case.case import DamperCase
     from damper3d.studies.map.chart import draw_map
     from damper3d.studies.map.grid import FREQUENCIES, GAMMAS, Grid, efficiency_map
@@ -63,13 +66,14 @@ def map_(
         return
     refuse_unless_writable(Path(out), "--out")
     engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
-    result = efficiency_map(name, changes, grid, out=Path(out), **engines)
     folder = map_folder(name, changes, grid, Path(out))
+    result = efficiency_map(name, changes, grid, out=Path(out), **engines)
     on_ridges = ridges(result, prediction)
     results = summary(grid, result, prediction, on_ridges, folder.path)
     write_map(folder, result, results)
     click.echo(json.dumps(results, indent=2) if as_json else as_text(results))
-    if not no_figures and results["done"]:
+    stopped = any(row["state"] == "interrupted" for row in result.rows)
+    if not no_figures and results["done"] and not stopped:
         picture = folder.path / "map.png"
         click.echo(write_figure(picture, lambda: draw_map(result, prediction, on_ridges)), err=True)
     stop_unless_whole(result.rows)
@@ -80,6 +84,7 @@ def _plan(name: str, changes: dict[str, Any], grid: "Grid", out: Path) -> dict[s
     from damper3d.run.sweep import DAMPER
     from damper3d.studies.map.grid import map_cases
     from damper3d.studies.map.report import map_folder
+    from granulab.campaign.output import room
 
     cases = [case for _, case in map_cases(name, changes, grid)]
     todo = [case for case in cases if DAMPER.run_folder(case, out).state != "finished"]
@@ -98,10 +103,14 @@ def _plan(name: str, changes: dict[str, Any], grid: "Grid", out: Path) -> dict[s
         "finished": len(cases) - len(todo),
         "packings_to_fill": len(to_fill),
         "expected_cpu_min": seconds / 60,
+        "disk_bytes_at_most": DAMPER.disk_of(todo),
+        "disk_free_bytes": room.free(out),
     }
 
 
 def _in_words(planned: dict[str, Any]) -> str:
+    from granulab.campaign.output import room
+
     def listed(values: list[float]) -> str:
         return " ".join(f"{value:g}" for value in values)
 
@@ -113,6 +122,7 @@ def _in_words(planned: dict[str, Any]) -> str:
             f"frequencies {listed(planned['frequencies_hz'])} Hz",
             f"Gamma       {listed(planned['gammas'])}",
             f"expected    about {planned['expected_cpu_min']:.1f} min of CPU",
+            room.line(planned),
             f"table       {planned['folder']}/table.csv",
         ]
     )

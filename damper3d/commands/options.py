@@ -27,6 +27,12 @@ def material_option(command: Callable[..., Any]) -> Callable[..., Any]:
     return click.option("--material", metavar="acrylic|FILE", help=text)(command)
 
 
+cycles_in_film = click.option(
+    "--cycles-in-film", type=click.IntRange(1), metavar="N",
+    help="Film of the last N cycles [default: all].",
+)  # fmt: skip
+
+
 def changes_of(material: str | None, options: dict[str, Any]) -> dict[str, Any]:
     """The keys of the case that the options change, as they would stand in a file."""
     changes = case_changes(options)

@@ -7,23 +7,25 @@ from typing import Any
 import click
 
 from damper3d.commands.options import case_command, changes_of, material_option
-from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+from granulab.campaign.cli.commandline import json_option, out_option, quiet_option, workers_option
 from granulab.campaign.cli.many import stop_unless_whole
 
+_WITHOUT = {"run.seed": "packings take the seeds 1 to --packings"}
 
-@case_command()
+
+@case_command(without=_WITHOUT)
 @click.argument("case", required=False)
 @material_option
 @click.option("--bodies", type=int, default=100, metavar="100", help="In the periodic cell.")
 @click.option("--packings", type=int, default=3, metavar="3", help="Of each kind: seeds 1 to N.")
 @click.option("--no-enclosure", is_flag=True, help="The periodic cell only.")
-@engine_options
+@workers_option
 @out_option
 @quiet_option
 @json_option
 def pack(
     case: str | None, material: str | None, bodies: int, packings: int, no_enclosure: bool,
-    workers: int | None, engine: str, scheduler: str | None, out: str, quiet: bool, as_json: bool,
+    workers: int | None, out: str, quiet: bool, as_json: bool,
     **options: Any,
 ) -> None:  # fmt: skip
     """Compute random close and loose packing fractions of a case's particles.
@@ -33,10 +35,6 @@ def pack(
     """
     if packings < 1:
         raise click.UsageError(f"--packings = {packings}: must be at least 1")
-    if scheduler is not None or engine != "processes":
-        raise click.UsageError("packings are computed on this machine only; leave --engine out")
-    if options["run__seed"] is not None:
-        raise click.UsageError("packings take the seeds 1 to --packings; leave --seed out")
     from damper3d.case.case import DamperCase
     from damper3d.run.sweep import DAMPER
     from damper3d.studies.pack import computed

@@ -9,13 +9,20 @@ import click
 from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 from granulab.campaign.cli.many import numbers, stop_unless_whole
+from granulab.campaign.output.layout import wrapped
 
 if TYPE_CHECKING:
     from damper3d.case.random_packing import Fraction
     from damper3d.studies.predict.prediction import Prediction
 
+_FREQUENCIES = "give --frequencies, a list such as 20,40,80"
+_WITHOUT = {
+    "motion.frequency": _FREQUENCIES,
+    "motion.gamma": "a prediction is for all gamma, and --simulate chooses some",
+}
 
-@case_command()
+
+@case_command(without=_WITHOUT)
 @click.argument("case", required=False)
 @material_option
 @click.option("--frequencies", metavar="20,40,80", help="In Hz [default: 20, 40, 80].")
@@ -39,8 +46,6 @@ def predict(
     Without CASE, --height and --count it is the thesis's damper at its four heights.
     For example: damper3d predict --height "45 mm" --count 358 --packing 0.6
     """
-    if options.pop("motion__frequency") or options.pop("motion__gamma"):
-        raise click.UsageError("predictions take --frequencies, a list such as 20,40,80")
     from damper3d.case.case import DamperCase
     from damper3d.studies.map.grid import rising
     from damper3d.studies.predict import prediction as predicting
@@ -68,7 +73,8 @@ def predict(
         "fills": [predicting.as_dict(p, wanted) for p in predictions],
         "simulated": rows,
     }
-    click.echo(json.dumps(results, indent=2) if as_json else _in_words(predictions, wanted, rows))
+    words = wrapped(_in_words(predictions, wanted, rows), 4)
+    click.echo(json.dumps(results, indent=2) if as_json else words)
     if not no_figures:
         picture = Path(out) / f"predict-{cases[0].name}.png"
         write_figure(picture, lambda: draw_predictions(predictions, wanted, rows))

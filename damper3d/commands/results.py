@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from damper3d.commands.options import cycles_in_film
 from granulab.campaign.cli.commandline import json_option
 from granulab.campaign.cli.observe import observe_command
 
@@ -25,11 +26,15 @@ from granulab.campaign.cli.observe import observe_command
     metavar="matplotlib|pyvista",
     help="Drawing of the particles: a cut, or all of them in space (extra pyvista).",
 )
-def render(folder: str, no_film: bool, by: str, engine: str) -> None:
+@cycles_in_film
+def render(folder: str, no_film: bool, by: str, engine: str, cycles_in_film: int | None) -> None:
     """Make the pictures and the film of a run again from its folder."""
     from damper3d.view.picture import make_figures
 
-    for path in make_figures(folder, film=not no_film, by=by, engine=engine):
+    paths = make_figures(
+        folder, film=not no_film, by=by, engine=engine, cycles_in_film=cycles_in_film
+    )
+    for path in paths:
         click.echo(path)
 
 
@@ -45,7 +50,7 @@ def _run_folder(path: str) -> Path:
     return shaken(path).path
 
 
-observe = observe_command(_measures, _run_folder)
+observe = observe_command(_measures, _run_folder, "damper3d")
 
 
 @click.command()

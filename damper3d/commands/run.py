@@ -1,20 +1,22 @@
 """The command that computes one damper: run."""
 
+from functools import partial
 from typing import Any
 
 import click
 
-from damper3d.commands.options import case_command, changes_of, material_option
+from damper3d.commands.options import case_command, changes_of, cycles_in_film, material_option
 from granulab.campaign.cli.run import Runnable, run_case, run_options
 
 
 @case_command()
 @click.argument("case", required=False)
 @material_option
+@cycles_in_film
 @run_options
 def run(
-    case: str | None, material: str | None, out: str, resume: str | None,
-    again: bool, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
+    case: str | None, material: str | None, cycles_in_film: int | None, out: str,
+    resume: str | None, again: bool, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
     **options: Any,
 ) -> None:  # fmt: skip
     """Shake a granular damper and measure the energy that it dissipates.
@@ -34,8 +36,9 @@ def run(
     from damper3d.view.report import echo, report
 
     usual = "thesis" if case is None else case
-    loaded = DamperCase.load(shaken(resume).path / "case.toml" if resume else usual, changes)
-    draw = make_figures if loaded.settings.output.keep == "all" else None
+    loaded = DamperCase.load(shaken(resume).case_file if resume else usual, changes)
+    drawn = partial(make_figures, cycles_in_film=cycles_in_film)
+    draw = drawn if loaded.settings.output.keep == "all" else None
     run_case(
         Runnable(loaded, DAMPER, protocol, plan, echo, report, draw), out=out, resume=resume,
         again=again, dry_run=dry_run, no_figures=no_figures, quiet=quiet, as_json=as_json,

@@ -57,6 +57,7 @@ def shape(
     from damper3d.case.parts import particle_wanted
     from damper3d.shapes.errors import curve, errors_of
     from damper3d.view.shape import as_text, summary
+    from granulab.campaign.output.terminal import patience
     from granulab.campaign.runs.folder import refuse_unless_writable
 
     if not no_figures:
@@ -68,8 +69,9 @@ def shape(
         "sub_spheres": sub_spheres, "tolerance": tolerance, "mesh_unit": mesh_unit,
     }  # fmt: skip
     changes = {f"particles.{key}": value for key, value in given.items() if value is not None}
-    case = DamperCase.load("thesis", changes)
-    errors = errors_of(case.particle)
+    with patience("preparing the particle's sub-spheres", quiet=as_json):
+        case = DamperCase.load("thesis", changes)
+        errors = errors_of(case.particle)
     found = summary(case, errors)
     click.echo(json.dumps(found, indent=2) if as_json else as_text(found))
     if no_figures:

@@ -20,6 +20,7 @@ from damper3d.engine.state import (
 from damper3d.engine.world import kind_of, lengthened
 from granulab.errors import SimulationError
 
+_AT_A_TIME = 5_000_000  # spheres times steps of a call of the kernels: some tenths of a second
 # Of each class in the kernels' balance, in their order (state.py).
 _BOOKS = (*MECHANISMS, "law_term", "slip_count")
 _FULL = {OUTER_FULL: "outer", INNER_FULL: "inner", WALL_FULL: "wall"}
@@ -90,10 +91,14 @@ class Simulation:
         """
         n_walls = len(self.world.walls.force)
         rows = np.zeros((n_samples, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls))
-        done = 0
+        done, at_a_time = 0, self._steps_at_a_time() // self.steps_per_sample
         while done < n_samples:
+            if not at_a_time:  # a sample takes long
+                self._sample_by_parts(rows[done])
+                done += 1
+                continue
             filled, over, outcome = sampling.advance_sampling(
-                self.world, self.steps_per_sample, rows[done:]
+                self.world, self.steps_per_sample, rows[done : done + at_a_time]
             )
             done += filled
             if outcome != DONE:  # in the middle of a sample: make room, and go on to its end
@@ -105,10 +110,19 @@ class Simulation:
             raise self.failure("the state is no longer finite")
         return _named(rows, n_walls)
 
+    def _steps_at_a_time(self) -> int:
+        """Steps of a call of the kernels, which hear no Ctrl-C."""
+        return max(_AT_A_TIME // (self.n_particles * self.n_spheres), 1)
+
+    def _sample_by_parts(self, row: np.ndarray) -> None:
+        self.step(self.steps_per_sample)
+        sampling.sample(self.world, self.steps_per_sample, row)
+
     def step(self, n_steps: int) -> None:
         """Go on for a number of steps; raises as run does."""
+        at_a_time = self._steps_at_a_time()
         while n_steps:
-            taken, outcome = advance(self.world, n_steps)
+            taken, outcome = advance(self.world, min(n_steps, at_a_time))
             n_steps -= taken
             if outcome != DONE:
                 self._answer(outcome)

@@ -51,7 +51,7 @@ def read_cycles(folder: str | Path) -> Cycles:
             f'{run.path}: only its summary was kept (output.keep = "summary"), nothing to measure; '
             'run it with output.keep = "all"'
         )
-    case, samples = DamperCase.load(run.path / "case.toml"), read_trajectory(run.path)
+    case, samples = DamperCase.load(run.case_file), read_trajectory(run.path)
     first = case.settings.run.discard if first is None else first
     per_cycle = case.settings.output.samples
     if (len(samples["time"]) - 1) // per_cycle <= first:

@@ -24,6 +24,8 @@ from granulab.campaign.output.figure import BLUE, GREY, headline
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+OWN = 0.1  # of what is lost, that may be the bed's own energy in an efficiency
+
 
 def reference_energy(peak_speed: float, mass: float) -> float:
     """The most that a cycle can dissipate, 4 V^2 M [J] (eq. 6.10).
@@ -88,6 +90,22 @@ def efficiencies(samples: Samples, per_cycle: int, reference: float) -> dict[str
         "wall_work": samples["wall_work"],
     }
     return {name: per_cycle_change(s, per_cycle) / reference for name, s in series.items()}
+
+
+def settling(efficiency: float, wall_work: float) -> str | None:
+    """Reason why a run has no efficiency: much of it is the bed's own energy; None for little.
+
+    In the long run all that is lost is the enclosure's work. Over the counted cycles the bed gives
+    what it falls, slows down and springs back, or takes it: up to OWN of what counts is let pass.
+    """
+    own = efficiency - wall_work
+    if not abs(own) > OWN * abs(efficiency):
+        return None
+    whence = "the bed gives itself as it settles" if own > 0 else "the bed takes up and keeps"
+    return (
+        f"{abs(own):.3g} of {efficiency:.3g} is energy that {whence}, and not the shaker's work, "
+        f"{wall_work:.3g}: go on until it is steady (--steady, or more --cycles)"
+    )
 
 
 def shares(samples: Samples) -> dict[str, dict[str, float | None]]:
@@ -177,16 +195,27 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     eta = efficiencies(counted, cycles.per_cycle, reference)
     whole = efficiencies(cycles.samples, cycles.per_cycle, reference)["efficiency"]
     unaccounted, law_term = closure(counted)
+    whole_mean, wall_mean = (float(eta[name].mean()) for name in ("efficiency", "wall_work"))
+    note = settling(whole_mean, wall_mean)
     return {
-        "efficiency": float(eta["efficiency"].mean()),
+        "efficiency": None if note else whole_mean,
+        "efficiency_note": note,
+        "efficiency_with_settling": whole_mean,
         "efficiency_contact_count": float(eta["contact_count"].mean()),
-        "efficiency_wall_work": float(eta["wall_work"].mean()),
+        "efficiency_wall_work": wall_mean,
         "efficiency_per_cycle": whole.tolist(),
         "shares": shares(counted),
         "shares_contact_count": shares_contact_count(counted),
         "law_term": law_term,
         "energy_closure": unaccounted,
     }
+
+
+def in_words(found: Mapping[str, Any]) -> str:
+    """The efficiency of a run, or that it has none; `found`: its results, by their names."""
+    if found["efficiency"] is not None:
+        return f"efficiency {found['efficiency']:.3f}"
+    return f"no efficiency, the bed settles (wall work {found['efficiency_wall_work']:.3f})"
 
 
 def measure(folder: Path) -> dict[str, Any]:
@@ -201,7 +230,7 @@ def draw(folder: Path) -> "Figure":
     cycles = read_cycles(folder)
     found = numbers(cycles)
     figure = Figure(figsize=(9.6, 4.0), layout="constrained")
-    headline(figure, f"{cycles.case.name}: efficiency {found['efficiency']:.3f}")
+    headline(figure, f"{cycles.case.name}: {in_words(found)}")
     each, parts = figure.subplots(1, 2)
     eta = np.array(found["efficiency_per_cycle"])
     number = 1 + np.arange(len(eta))

@@ -19,7 +19,7 @@ import numpy as np
 
 from damper3d.engine.records import Samples
 from damper3d.measures.counted import Cycles, read_cycles
-from damper3d.measures.efficiency import efficiencies, reference_energy
+from damper3d.measures.efficiency import efficiencies, reference_energy, settling
 from granulab.campaign.output.figure import BLUE, GREY, headline
 
 if TYPE_CHECKING:
@@ -93,13 +93,16 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     case, counted = cycles.case, cycles.counted
     omega, speed = 2.0 * math.pi / case.period, case.peak_speed
     reference = reference_energy(speed, case.mass)
-    eta = efficiencies(counted, cycles.per_cycle, reference)["efficiency"]
-    energy = float(eta.mean()) * reference  # that a cycle dissipates [J]
+    eta = efficiencies(counted, cycles.per_cycle, reference)
+    energy = float(eta["efficiency"].mean()) * reference  # that a cycle dissipates [J]
     mass = effective_mass(counted, case.direction, omega)
+    settles = settling(float(eta["efficiency"].mean()), float(eta["wall_work"].mean()))
     return {
         "dissipated_power_w": dissipated_power(energy, case.period),
-        "loss_factor": loss_factor(energy, speed, case.mass),
-        "equivalent_damping_n_s_per_m": equivalent_damping(energy, speed, omega),
+        "loss_factor": None if settles else loss_factor(energy, speed, case.mass),
+        "equivalent_damping_n_s_per_m": (
+            None if settles else equivalent_damping(energy, speed, omega)
+        ),
         "effective_mass": {"in_phase_kg": mass.real, "out_of_phase_kg": -mass.imag},
         "peak_wall_force_n": peak_wall_force(counted, case.direction),
     }

@@ -17,8 +17,9 @@ from damper3d.run.packing import Packing, lowest, packing_fraction
 from granulab.errors import InputError
 
 _LOOK = 1e-3  # [s] of simulated time between reports
+_LOOSE = 0.75  # cost of a step at the start of settling over the mean
 
-Report = Callable[[float, str], None]  # fraction done (0 to 1), words
+Report = Callable[[str, float, str], None]  # stage, fraction done (0 to 1), words
 
 
 def fill(case: DamperCase, report: Report) -> Packing:
@@ -28,10 +29,14 @@ def fill(case: DamperCase, report: Report) -> Packing:
     -z where they are shaken without. Raises InputError where they do not fit, SimulationError, and
     what `report` raises.
     """
-    report(0.0, "filling")
+    report("filling", 0.0, "random start")
     random_start(case, 1)  # compiles
     begun = time.process_time()
-    sim = resting(case, *random_start(case, case.count))
+
+    def grown(part: float) -> None:
+        report("filling", part, f"grown to {part:.0%}")
+
+    sim = resting(case, *random_start(case, case.count, grown))
     growing = time.process_time() - begun
     sim.compile()
     begun = time.process_time()
@@ -40,25 +45,32 @@ def fill(case: DamperCase, report: Report) -> Packing:
     sim.steps_per_sample = math.ceil(n_steps / n_looks)
     for k in range(n_looks):
         sim.run(1)
-        report((k + 1) / n_looks, f"settling, t = {sim.time:.3f} s")
+        report("settling", _part_settled((k + 1) / n_looks), f"t = {sim.time:.3f} s")
     return packed(case, sim, growing + time.process_time() - begun)
 
 
-def random_start(case: DamperCase, count: int) -> tuple[np.ndarray, np.ndarray | None]:
+def _part_settled(part: float) -> float:
+    """Part of the cost of settling that part of its time took: few touch at first, then most."""
+    return part * (_LOOSE + part * (1.0 - _LOOSE))
+
+
+def random_start(
+    case: DamperCase, count: int, grown: Callable[[float], None] | None = None
+) -> tuple[np.ndarray, np.ndarray | None]:
     """Centres (count, 3) [m] and orientations (count, 4) of particles, from the case's seed.
 
-    They do not overlap. Orientations are unit quaternions, None of spheres. Raises InputError where
-    there are too many.
+    They do not overlap. Orientations are unit quaternions, None of spheres. grown is called with
+    the part (0 to 1) of their growth that is over. Raises InputError where there are too many.
     """
     rng = np.random.default_rng(case.settings.run.seed)
     orientations = None
     if case.particle.is_sphere:
         radius = case.particle.bounding_radius
-        centres, reached = grow(case.enclosure, count, radius, rng)
+        centres, reached = grow(case.enclosure, count, radius, rng, grown)
     else:
         *places, first = random_places(case.enclosure, case.particle, count, rng)
         world = resting(case, *places).world
-        reached = grow_clusters(world, case.particle, first)
+        reached = grow_clusters(world, case.particle, first, grown)
         centres, orientations = world.particles.position[:, :3], world.particles.orientation
     if reached < 1.0:
         fit = max(math.floor(count * reached**3), 1)

@@ -76,10 +76,14 @@ def packing_fraction(
 ) -> float:
     """Volume of the particles over that of the space, up to where 80 % of the centres are [-].
 
-    centres (n, 3) [m]. A particle counts where its centre is: those cut by that level cancel on
-    average, and the loose surface is left out.
+    centres (n, 3) [m]. The loose surface is left out. Of a particle that the level cuts the part
+    below it counts, as of a sphere of its volume: a few particles on a floor, which stand up out of
+    that space, do not fill more than it.
     """
     heights = np.sort(centres @ up)
     count = max(round(_INNER * len(heights)), 1)
     level = float(heights[count - 1 : count + 1].mean())
-    return count * particle_volume / volume_below(enclosure, up, level)
+    radius = (0.75 * particle_volume / np.pi) ** (1 / 3)
+    deep = np.clip(level - heights + radius, 0.0, 2.0 * radius)  # of each sphere, below the level
+    inside = float((np.pi * deep**2 * (radius - deep / 3.0)).sum())
+    return inside / volume_below(enclosure, up, level)

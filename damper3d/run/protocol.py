@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from damper3d.case.case import DamperCase
+from damper3d.case.case import GRAVITY, DamperCase
+from damper3d.case.plan import compiling, expected_stages
 from damper3d.engine.simulation import Simulation
 from damper3d.measures.phases.criteria import phase_of_run
 from damper3d.run.fill import fill, resting
@@ -21,7 +22,9 @@ from damper3d.run.vibration import Clock, vibrate
 from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.protocol import Progress, Runs, Stop, damaged, kept, restored
 from granulab.campaign.runs.provenance import Warn, to_stderr
+from granulab.campaign.runs.stages import Stages
 from granulab.campaign.runs.trajectory import TrajectoryWriter, read_trajectory
+from granulab.contact.attraction import Attraction
 from granulab.errors import Stopped
 
 __all__ = ["PACKAGES", "get_packing", "resume", "run", "run_digest"]
@@ -35,21 +38,24 @@ def run_digest(case: DamperCase) -> str:
 
 
 def _compute(
-    folder: RunFolder, case: DamperCase, progress: Progress, stop: Stop, warn: Warn
+    folder: RunFolder, case: DamperCase, stages: Stages, stop: Stop, warn: Warn
 ) -> dict[str, Any]:
     """The results of a damper: filled, settled and shaken, or gone on with."""
-    packing = get_packing(case, folder.path.resolve().parent, progress, stop, warn)
-    sim, clock = _start_or_resume(folder, case, packing)
+    stages.expect(**expected_stages(case))
+    packing = get_packing(case, folder.path.resolve().parent, stages, stop, warn)
+    sim, clock = _start_or_resume(folder, case, packing, warn)
     writer = TrajectoryWriter(folder.path, parts=clock.parts)
     writer.write_static(*describe(case, packing))
-    vibrate(sim, case, folder, writer, clock, progress, stop)
+    vibrate(sim, case, folder, writer, clock, stages, stop)
+    stages.finish("shaking")
+    stages.hedge = ""
     return _end(folder, case, packing, sim, clock, writer)
 
 
 def get_packing(
     case: DamperCase,
     root: Path,
-    progress: Progress,
+    progress: Progress | Stages,
     stop: Stop = lambda: False,
     warn: Warn = to_stderr,
 ) -> Packing:
@@ -58,21 +64,25 @@ def get_packing(
     A filling that is stopped is done again from its seed the next time (raises Stopped). Raises
     FolderError where a packing is damaged, or could not be written, and what `fill` raises.
     """
-    folder = packing_folder(case, root)
-    return kept(
-        folder,
-        load=load_packing,
-        make=lambda: _fill(case, folder, progress, stop),
-        cure=f"delete it and {REFILLED}",
-        sources=SOURCES,
-        stop=stop,
-        warn=warn,
-    )
+    folder, stages = packing_folder(case, root), Stages.of(progress)
+    with stages.watching():
+        packing = kept(
+            folder,
+            load=load_packing,
+            make=lambda: _fill(case, folder, stages, stop),
+            cure=f"delete it and {REFILLED}",
+            sources=SOURCES,
+            stop=stop,
+            warn=warn,
+        )
+    for stage in ("filling", "settling"):
+        stages.finish(stage)
+    return packing
 
 
-def _fill(case: DamperCase, folder: Path, progress: Progress, stop: Stop) -> Packing:
-    def report(fraction: float, text: str) -> None:
-        progress(fraction, text)
+def _fill(case: DamperCase, folder: Path, stages: Stages, stop: Stop) -> Packing:
+    def report(stage: str, done: float, text: str) -> None:
+        stages.report(stage, done, 1.0 - done, text)
         if stop():
             raise Stopped("the same command fills the enclosure again, from its seed")
 
@@ -82,7 +92,7 @@ def _fill(case: DamperCase, folder: Path, progress: Progress, stop: Stop) -> Pac
 
 
 def _start_or_resume(
-    folder: RunFolder, case: DamperCase, packing: Packing
+    folder: RunFolder, case: DamperCase, packing: Packing, warn: Warn
 ) -> tuple[Simulation, Clock]:
     """The settled bed in an enclosure that begins to move, or the state of the checkpoint."""
     sim = resting(case, packing.state["position"][:, :3])
@@ -94,9 +104,9 @@ def _start_or_resume(
         shaker=case.shaker, gravity=np.append(case.gravity, 0.0), time_step=case.time_step
     )
     sim.compile()
-    if not folder.checkpoint.exists():
-        return sim, Clock(filling_cpu_s=packing.cpu_s)
-    return sim, restored(folder, sim.restore, Clock, "its first cycle")
+    going_on = folder.checkpoint.exists()
+    clock = restored(folder, sim.restore, Clock, "its first cycle", warn) if going_on else None
+    return sim, clock or Clock(filling_cpu_s=packing.cpu_s)
 
 
 def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
@@ -144,6 +154,7 @@ def _end(
             "coordination": packing.coordination,
             "rms_speed_m_s": packing.rms_speed,
         },
+        "pulling": Attraction(*clock.attraction).numbers(GRAVITY * case.particle_mass),
         "steps": sim.steps,
         "cpu_us_per_step": 1e6 * clock.cpu_s / sim.steps,
         "cpu_s": clock.cpu_s + clock.filling_cpu_s,
@@ -185,5 +196,6 @@ RUNS = Runs(
     measured=_measured_again,
     clear=_clear,
     find=shaken,
+    compiling=compiling,
 )
 run, resume, read_finished = RUNS.run, RUNS.resume, RUNS.read_finished

@@ -30,8 +30,12 @@ class Result(Results):
     packing: dict[str, float]  # at rest: fraction, height_m, coordination, rms_speed_m_s
     cycles: int
     discarded: int
-    efficiency: float  # from the energy budget (thesis, eqs 6.8-6.10)
-    efficiency_interval: tuple[float, float] | None  # [low, high]
+    # from the energy budget (thesis, eqs 6.8-6.10); None where much of it is the bed's settling
+    efficiency: float | None
+    efficiency_note: str | None = field(default=None, kw_only=True)  # why there is none
+    # the same, whatever is the bed's own; None in runs of earlier versions
+    efficiency_with_settling: float | None = field(default=None, kw_only=True)
+    efficiency_interval: tuple[float, float] | None  # [low, high], of that with settling
     efficiency_contact_count: float  # the thesis's count: mu Fn times the whole sliding velocity
     efficiency_wall_work: float
     efficiency_per_cycle: list[float]  # of all cycles, those that do not count too
@@ -48,6 +52,9 @@ class Result(Results):
     peak_wall_force_n: float
     bed_height_m: float | None
     energy_closure: float | None
+    # Attractive normal forces at the ends of the cycles: their share of the contacts, and the
+    # strongest over a particle's weight; None in runs of earlier versions.
+    pulling: dict[str, float] | None = field(default=None, kw_only=True)
     max_impact_over_yield_velocity: dict[str, float | None]
     phase: str | None  # of the particles' motion; None where too few frames were kept
     phase_next: (

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from damper3d.case.case import DamperCase
-from damper3d.case.plan import expected_cpu_s
+from damper3d.case.plan import disk_at_most, expected_cpu_s
 from damper3d.case.settings import Settings
 from damper3d.engine import ENGINE
 from damper3d.run.packing import load_packing, packing_folder
@@ -81,6 +81,7 @@ DAMPER = Simulator(
     work=run_task,
     read=partial(read_finished, warn=silent),
     expected_cpu_s=expected_cpu_s,
+    disk_at_most=disk_at_most,
     sources=SOURCES,
     measures=MEASURES,
     packages=PACKAGES,

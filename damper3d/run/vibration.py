@@ -1,31 +1,29 @@
 """From the first moment of the motion to the last cycle: samples, frames, checkpoints, the end."""
 
-import shlex
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, astuple, dataclass, field
 
 import numpy as np
 
 from damper3d.case.case import DamperCase
+from damper3d.case.plan import CHECKPOINT_WORK, checkpoint_interval, expected_cpu_of_step
 from damper3d.engine.records import MECHANISMS
 from damper3d.engine.simulation import Simulation
 from damper3d.measures.efficiency import held, reference_energy, summed
 from damper3d.run.steady import BLOCK, is_steady
-from granulab.campaign.runs.checkpoint import save_checkpoint
+from granulab.campaign.runs.checkpoint import keep_checkpoint
 from granulab.campaign.runs.folder import RunFolder
-from granulab.campaign.runs.protocol import Progress
+from granulab.campaign.runs.stages import Stages
 from granulab.campaign.runs.trajectory import TrajectoryWriter
+from granulab.contact.attraction import Attraction
 from granulab.errors import Stopped
 
-# Particles times steps between checkpoints, some seconds of work: a checkpoint must not depend on
-# how fast a machine is, and in the short runs of a map it would cost more than it saves.
-CHECKPOINT_WORK = 2e8
 # Energy that may be unaccounted for, over the dissipated: 1 us leaves 0.5 % and 0.4 of Rayleigh's
 # step 5 %; more means that the state is wrong, not coarse.
 MOST_UNACCOUNTED = 0.2
 _NOTHING = 1e-4  # efficiency below which this is not checked: next to nothing is dissipated
-_LONGEST_LOOK = 2e7  # particles times steps between looks whether to stop
+_LONGEST_LOOK = 0.3  # [s of CPU, as expected] between looks whether to stop
 
 
 @dataclass
@@ -36,6 +34,7 @@ class Clock:
     cpu_s: float = 0.0  # CPU time of the step loop
     filling_cpu_s: float = 0.0  # CPU time of filling and settling
     lost: list[float] = field(default_factory=list)  # energy lost by the end of each cycle [J]
+    attraction: list[float] = field(default_factory=list)  # of the contacts at the ends of cycles
 
 
 def vibrate(
@@ -44,7 +43,7 @@ def vibrate(
     folder: RunFolder,
     writer: TrajectoryWriter,
     clock: Clock,
-    progress: Progress,
+    stages: Stages,
     stop: Callable[[], bool],
 ) -> None:
     """Shake from the first moment, or from a checkpoint, to the last cycle.
@@ -53,9 +52,11 @@ def vibrate(
     Stopped when `stop` says so, and SimulationError; the state is kept before either.
     """
     sim.steps_per_sample = case.steps_per_sample
-    per_cycle, checkpoint = case.settings.output.samples, _checkpoint_interval(case)
+    per_cycle, checkpoint = case.settings.output.samples, checkpoint_interval(case, CHECKPOINT_WORK)
     intervals = (per_cycle, frame_interval(case), checkpoint, _look_interval(case))
     now = sim.steps // case.steps_per_sample
+    stages.begin(*_so_far(case, now)[:3])
+    stages.hedge = " at most" if case.settings.run.steady else ""
     if now == 0:
         _take(sim, case, writer, clock, sim.sample(), now)
     while not (now % per_cycle == 0 and _ended(case, clock)):
@@ -67,10 +68,10 @@ def vibrate(
         _take(sim, case, writer, clock, rows, now)
         if now % checkpoint == 0:
             _keep(sim, folder, writer, clock)
-        _report(case, now, progress)
+        stages.report(*_so_far(case, now))
         if stop():
             _keep(sim, folder, writer, clock)
-            raise Stopped(f"go on with: damper3d run --resume {shlex.quote(str(folder.path))}")
+            raise Stopped(f"go on with: {folder.go_on('damper3d')}")
 
 
 def frame_interval(case: DamperCase) -> int:
@@ -79,15 +80,8 @@ def frame_interval(case: DamperCase) -> int:
     return output.samples // (output.frames or 1)
 
 
-def _checkpoint_interval(case: DamperCase) -> int:
-    """Samples between checkpoints: whole cycles, or less in cycles that take long."""
-    per_cycle = case.settings.output.samples
-    samples = max(int(CHECKPOINT_WORK / (case.count * case.steps_per_sample)), 1)
-    return samples if samples < per_cycle else samples // per_cycle * per_cycle
-
-
 def _look_interval(case: DamperCase) -> int:
-    return max(int(_LONGEST_LOOK / (case.count * case.steps_per_sample)), 1)
+    return max(int(_LONGEST_LOOK / (expected_cpu_of_step(case) * case.steps_per_sample)), 1)
 
 
 def efficiencies_so_far(case: DamperCase, clock: Clock) -> np.ndarray:
@@ -123,6 +117,9 @@ def _take(
         writer.append(row, tables_of(sim) if framed and k == last else None)
     if now % case.settings.output.samples == 0:
         clock.lost.append(float(rows["wall_work"][last] - held(rows)[last]))
+        attraction = Attraction(*clock.attraction)
+        attraction.look(sim.contacts())
+        clock.attraction = list(astuple(attraction))
         _check_balance(sim, case, clock, rows)
 
 
@@ -162,12 +159,12 @@ def tables_of(sim: Simulation) -> dict[str, dict[str, np.ndarray]]:
 
 def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: Clock) -> None:
     clock.parts = writer.flush()
-    save_checkpoint(folder.checkpoint, sim.save(), asdict(clock))
+    keep_checkpoint(folder, clock.parts, sim.save(), asdict(clock))
 
 
-def _report(case: DamperCase, now: int, progress: Progress) -> None:
-    """Report how far the motion is."""
+def _so_far(case: DamperCase, now: int) -> tuple[str, float, float, str]:
+    """Stage, cycles done and left, and words."""
     run = case.settings.run
     cycle, most = now / case.settings.output.samples, run.max_cycles if run.steady else run.cycles
     until = f"of at most {most}" if run.steady else f"of {most}"
-    progress(cycle / most, f"cycle {cycle:.1f} {until}")
+    return "shaking", cycle, most - cycle, f"cycle {cycle:.1f} {until}"

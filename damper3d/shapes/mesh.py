@@ -7,6 +7,7 @@ from damper3d.shapes.surfaces.mesh_check import sound
 from damper3d.shapes.surfaces.mesh_data import mass_of, principal_axes, read_triangles
 from damper3d.shapes.surfaces.solid import Solid
 from damper3d.shapes.surfaces.surface import Surface
+from granulab.contact.files.casefile import of_a_size
 from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 
@@ -36,4 +37,7 @@ def unit_of(text: str) -> float:
     length = to_si(text if text[:1].isdigit() else f"1 {text}", "m", "mesh_unit")
     if length <= 0.0:
         raise InputError(f"mesh_unit = {text!r}: must be above 0, such as 'mm'")
-    return length
+    try:
+        return of_a_size(length, "mesh_unit")
+    except ValueError as error:
+        raise InputError(str(error)) from None

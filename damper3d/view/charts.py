@@ -130,7 +130,8 @@ def _per_cycle(axes: "Axes", scene: Scene) -> None:
     axes.plot(number, eta, color=GREY, lw=0.8)
     axes.plot(before, eta[: counted[0]], "o", mfc="white", color=GREY, label="discarded")
     axes.plot(number[counted], eta[counted], "o", color=BLUE, label="counted")
-    mean = scene.summary.get("efficiency", float(eta[counted].mean()))
+    mean = scene.summary.get("efficiency")
+    mean = float(eta[counted].mean()) if mean is None else mean
     axes.axhline(mean, color=BLUE, lw=0.9, ls=(0, (4, 3)), label=f"mean: {mean:.3f}")
     low, high = scene.summary.get("efficiency_interval") or (mean, mean)
     if high > low:

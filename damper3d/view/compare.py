@@ -50,7 +50,7 @@ def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
     """
     one, other = (_row(shaken(path)) for path in (first, second))
     first_half, second_half = (_half_width(row["efficiency_interval"]) for row in (one, other))
-    change = other["efficiency"] - one["efficiency"]
+    change = _minus(other["efficiency"], one["efficiency"])
     spread = None
     if first_half is not None and second_half is not None:
         spread = float(np.hypot(first_half, second_half))
@@ -58,7 +58,7 @@ def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
         "runs": [one, other],
         "difference": {
             "efficiency": change,
-            "efficiency_over_interval": change / spread if spread else None,
+            "efficiency_over_interval": None if change is None or not spread else change / spread,
             "shares": {
                 c: {m: _minus(other["shares"][c][m], one["shares"][c][m]) for m in MECHANISMS}
                 for c in CLASSES
@@ -136,6 +136,8 @@ def _cell(value: Any, digits: str | None) -> str:
 
 
 def _verdict(difference: dict[str, Any]) -> str:
+    if difference["efficiency"] is None:
+        return "efficiency of the second: not compared, as a bed settles; see the wall work"
     words = f"efficiency of the second: {difference['efficiency']:+.4f}"
     over = difference["efficiency_over_interval"]
     if over is None:

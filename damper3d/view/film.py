@@ -1,7 +1,6 @@
 """The film of a run: every stored frame of the particles, 25 a second."""
 
-from collections.abc import Iterator
-from functools import partial
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ from damper3d.view.colouring import colouring
 from damper3d.view.scene import Scene
 from damper3d.view.spheres import corners, draw_spheres, spheres_drawn, window
 from granulab.campaign.output.figure import GREY, INK, PAPER, VERMILION, WALL
-from granulab.campaign.output.film import Image, font, pace, rgb, write_film, write_words
+from granulab.campaign.output.film import Image, counted, font, pace, rgb, write_film, write_words
 
 _LONGEST, _PIXELS = 640, 460 * 520  # of the part that shows the enclosure
 _NARROWEST = 560  # for the words
@@ -21,19 +20,32 @@ _SHIFT = 4  # OpenCV takes corners in sixteenths of a pixel
 _SCALE_FRAMES = 60  # of which the scale of colours is made, at most
 
 
-def make_film(scene: Scene, folder: Path, by: str = "velocity") -> Path:
-    """Write the film into a folder; its path (see granulab.campaign.output.film.write_film)."""
-    return write_film(folder, partial(film_frames, scene, by))
+def make_film(
+    scene: Scene,
+    folder: Path,
+    by: str = "velocity",
+    cycles: int | None = None,
+    report: Callable[[int], None] | None = None,
+) -> Path:
+    """Write the film into a folder; its path (see granulab.campaign.output.film.write_film).
+
+    cycles: how many of the last are shown; all if left out. report: called with the number of
+    pictures that are made.
+    """
+    return write_film(folder, lambda: counted(film_frames(scene, by, cycles), report))
 
 
-def film_frames(scene: Scene, by: str = "velocity") -> Iterator[Image]:
-    """One picture for each stored frame, all of one even size.
+def film_frames(scene: Scene, by: str = "velocity", cycles: int | None = None) -> Iterator[Image]:
+    """One picture for each stored frame, of the last `cycles` or all, all of one even size.
 
     Raises InputError where `by` names no colouring.
     """
     canvas = _Canvas(scene, by)
+    last = int(scene.frame_sample[-1])
+    first = 0 if cycles is None else last - cycles * scene.samples_per_cycle
     for frame in range(len(scene.tables)):
-        yield canvas.draw(frame)
+        if scene.frame_sample[frame] >= first:
+            yield canvas.draw(frame)
 
 
 class _Canvas:

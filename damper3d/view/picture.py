@@ -1,5 +1,6 @@
 """Figures of a run, drawn from its folder: particles through a cycle here, graphs elsewhere."""
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ from damper3d.view.film import make_film
 from damper3d.view.scene import Scene, read_scene
 from damper3d.view.spheres import corners, draw_spheres, spheres_drawn, window
 from granulab.campaign.output.figure import GREY, INK, VERMILION, WALL, headline, write_figure
+from granulab.campaign.output.film import CHART, reporting
 from granulab.campaign.runs.folder import FolderError, RunFolder
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
@@ -34,7 +36,12 @@ _ASIDE, _ABOVE = 0.5, 0.35  # how far the eye goes to the right and up, of its w
 
 
 def make_figures(
-    run_folder: str | Path, film: bool = True, by: str = "velocity", engine: str = "matplotlib"
+    run_folder: str | Path,
+    film: bool = True,
+    by: str = "velocity",
+    engine: str = "matplotlib",
+    cycles_in_film: int | None = None,
+    report: Callable[[int, int], None] | None = None,
 ) -> list[Path]:
     """Draw a run, finished or not, into its folder figures/; the paths of the pictures.
 
@@ -42,7 +49,9 @@ def make_figures(
                   its replacement by the engine "pyvista": the whole bed, in perspective
     energy.png    what a cycle dissipates, by mechanism, as it goes on; efficiency of each cycle
     motion.png    velocity of bed and enclosure, force on the enclosure, height of the bed's mass
-    film.mp4      all frames (see make_film); left out without `film`
+    film.mp4      all frames, or those of the last `cycles_in_film`; left out without `film`
+
+    report: called with the pictures done and left, a chart counting as many of a film's.
 
     `by` says what the particles' colours show: "velocity" or "dissipation". A run that kept no
     frames (output.frames = 0) has neither cycle.png nor film. Raises FolderError when the folder
@@ -55,10 +64,15 @@ def make_figures(
     figures = {"energy": energy_chart, "motion": motion_chart}
     if len(scene.tables):
         figures = {ENGINES[engine]: partial(cycle_figure, by=by, engine=engine), **figures}
-    paths = [
-        write_figure(folder / f"{name}.png", partial(draw, scene)) for name, draw in figures.items()
-    ]
-    return [*paths, make_film(scene, folder, by)] if film and len(scene.tables) else paths
+    charts = CHART * len(figures)
+    told = reporting(report, charts + (n_pictures := len(scene.tables) if film else 0))
+    paths = []
+    for k, (name, draw) in enumerate(figures.items(), 1):
+        paths.append(write_figure(folder / f"{name}.png", partial(draw, scene)))
+        told(CHART * k)
+    if not n_pictures:
+        return paths
+    return [*paths, make_film(scene, folder, by, cycles_in_film, lambda k: told(charts + k))]
 
 
 def panel_frames(scene: Scene) -> list[int]:

@@ -3,13 +3,20 @@
 import numpy as np
 
 from damper3d.case.case import DamperCase
-from damper3d.case.plan import expected_cpu_s, steps_at_most, warnings
+from damper3d.case.plan import (
+    disk_at_most,
+    expected_cpu_s,
+    memory_at_most,
+    steps_at_most,
+    warnings,
+)
 from damper3d.engine.records import CLASSES
+from damper3d.measures.efficiency import in_words
 from damper3d.run.result import Result
+from granulab.campaign.output import room
 from granulab.campaign.sweeps.overview import in_minutes
 from granulab.contact.hertz import HertzLaw
 
-_UNSTEADY = 0.1  # of the efficiency, by which the walls' work may differ without a word
 _COARSE = 0.005  # closed at 1 us, relative to what is dissipated
 _MOST_CYCLES = 12  # that are listed one by one
 
@@ -40,6 +47,7 @@ def echo(case: DamperCase, dry_run: bool) -> str:
             f"  expected    about {in_minutes(filling + motion)} min of CPU, "
             f"{in_minutes(filling)} of them for a packing that is not there yet"
         )
+    lines += room.lines(disk_at_most(case), memory_at_most(case))
     return "\n".join([*lines, *(f"  warning     {line}" for line in warnings(case))])
 
 
@@ -106,12 +114,12 @@ def report(result: Result) -> str:
     """Report of a finished run."""
     lines = [
         f"{result.n_particles} of {result.particles}, {result.orientation}, "
-        f"{result.frequency_hz:g} Hz, gamma {result.gamma:g}, seed {result.seed}: efficiency "
-        f"{result.efficiency:.3f}{_interval(result.efficiency_interval)}",
+        f"{result.frequency_hz:g} Hz, gamma {result.gamma:g}, seed {result.seed}: "
+        f"{_efficiency(result)}",
         f"  cycles           {_cycles(result)}",
         f"  by other counts  {result.efficiency_contact_count:.3f} as the thesis counts, "
         f"{result.efficiency_wall_work:.3f} from the work of the walls",
-        *_own_energy(result),
+        *([] if result.efficiency_note is None else [f"  warning: {result.efficiency_note}"]),
         *_shares(result),
         f"  design           {result.dissipated_power_w:.4g} W dissipated, loss factor "
         f"{_number(result.loss_factor)}, like a damper of "
@@ -121,6 +129,7 @@ def report(result: Result) -> str:
         f"{_number(result.bed_height_m)} m up; largest force on the enclosure "
         f"{result.peak_wall_force_n:.4g} N",
         f"  impacts          largest over the yield velocity: {_impacts(result)}",
+        *_pulling(result),
         f"  energy           {_balance(result)}",
         f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
         f"steps of {result.time_step_s:.4g} s; {result.cpu_s:.1f} s in all",
@@ -129,13 +138,20 @@ def report(result: Result) -> str:
     return "\n".join(lines)
 
 
-def _own_energy(result: Result) -> list[str]:
-    """A line where much of what is dissipated is not the shaker's work."""
-    own = result.efficiency - result.efficiency_wall_work
-    if not abs(own) > _UNSTEADY * abs(result.efficiency):
+def _efficiency(result: Result) -> str:
+    interval = "" if result.efficiency is None else _interval(result.efficiency_interval)
+    return in_words(vars(result)) + interval
+
+
+def _pulling(result: Result) -> list[str]:
+    """A line where the law pulled at the end of a cycle."""
+    found = result.pulling
+    if not found or not found["particle_weights"] > 0.0:
         return []
-    whence = "the bed gives itself (it sinks or slows down)" if own > 0 else "the bed takes up"
-    return [f"                   they differ by what {whence}: go on until it is steady (--steady)"]
+    return [
+        f"  law pulls        at the ends of cycles in {found['share']:.2%} of the contacts, with "
+        f'up to {found["particle_weights"]:.3g} particle weights (contact_end = "force": never)'
+    ]
 
 
 def _interval(interval: tuple[float, float] | None) -> str:

@@ -14,7 +14,7 @@ from damper3d.case.parts import enclosure_of, orientation_of
 from damper3d.case.settings import Settings, check_settings, read_settings
 from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.records import UNITS
-from damper3d.measures.efficiency import reference_energy
+from damper3d.measures.efficiency import in_words, reference_energy
 from damper3d.run.folders import shaken
 from granulab.campaign.runs.folder import FolderError, RunFolder
 from granulab.campaign.runs.ragged import Tables
@@ -257,7 +257,7 @@ class Scene:
         """Result of the run, in a few words."""
         if not self.summary:
             return f"unfinished, {self.time[-1] / self.period:.1f} cycles"
-        words = f"efficiency {self.summary['efficiency']:.3f}"
+        words = in_words(self.summary)
         phase = self.summary.get("phase")
         return f"{words}, {str(phase).replace('_', ' ')}" if phase else words
 
@@ -269,7 +269,7 @@ def read_scene(run_folder: str | Path) -> Scene:
     where it has no samples any more.
     """
     run = RunFolder(Path(run_folder))
-    path = shaken(run_folder).path / "case.toml"
+    path = shaken(run_folder).case_file
     settings = check_settings(read_settings(path), str(path))
     summary = run.read_summary() if run.state == "finished" else {}
     if summary and not (run.path / "trajectory.h5").exists():

@@ -21,6 +21,7 @@ from damper3d.engine.growth.relaxation import (
     PATIENCE,
     PUSHED,
     TOLERANCE,
+    Grown,
     displace,
     first_size,
     grow_to_size,
@@ -63,7 +64,9 @@ def random_places(
     return centres, turns / np.linalg.norm(turns, axis=1)[:, None], first * reached
 
 
-def grow_clusters(world: World, particle: Particle, first: float) -> float:
+def grow_clusters(
+    world: World, particle: Particle, first: float, grown: Grown | None = None
+) -> float:
     """Let the particles of a world grow to their size, without overlaps; the part they reached.
 
     They stand where random_places put them, at their first size. Less than 1: they found no place,
@@ -76,17 +79,17 @@ def grow_clusters(world: World, particle: Particle, first: float) -> float:
 
     def comes_to_rest(size: float) -> bool:
         nonlocal world
-        grown = size * (1.0 + MARGIN)
-        _resize(world, particle, grown)
+        larger = size * (1.0 + MARGIN)
+        _resize(world, particle, larger)
         outcome = OUTER_FULL
         while outcome in (OUTER_FULL, INNER_FULL):
-            bed = Growing(world, grown * gyration)
+            bed = Growing(world, larger * gyration)
             outcome, _, _ = relax(bed, velocity, force, allowed, PATIENCE, 0.0)
             if outcome in (OUTER_FULL, INNER_FULL):
                 world = lengthened(world, "outer" if outcome == OUTER_FULL else "inner")
         return bool(outcome == AT_REST)
 
-    return grow_to_size(first, comes_to_rest)
+    return grow_to_size(first, comes_to_rest, grown)
 
 
 def _resize(world: World, particle: Particle, size: float) -> None:

@@ -19,6 +19,7 @@ from damper3d.engine.growth.relaxation import (
     PATIENCE,
     PUSHED,
     TOLERANCE,
+    Grown,
     displace,
     first_size,
     grow_to_size,
@@ -42,7 +43,11 @@ class Balls(NamedTuple):
 
 
 def grow(
-    enclosure: Enclosure, count: int, radius: float, rng: np.random.Generator
+    enclosure: Enclosure,
+    count: int,
+    radius: float,
+    rng: np.random.Generator,
+    grown: Grown | None = None,
 ) -> tuple[np.ndarray, float]:
     """Centres (count, 3) [m] of spheres without overlap in an enclosure, and how far they grew.
 
@@ -56,14 +61,14 @@ def grow(
     n_curved = len(enclosure.wall_names) - len(enclosure.planes)
 
     def comes_to_rest(size: float) -> bool:
-        grown = size * radius * (1.0 + MARGIN)
-        balls = Balls(centres.copy(), grown, enclosure.planes, enclosure.surface, n_curved)
+        larger = size * radius * (1.0 + MARGIN)
+        balls = Balls(centres.copy(), larger, enclosure.planes, enclosure.surface, n_curved)
         outcome, _, _ = relax(balls, velocity, force, TOLERANCE * radius, PATIENCE, 0.0)
         if outcome == AT_REST:
             centres[:] = balls.centres
         return bool(outcome == AT_REST)
 
-    reached = grow_to_size(first, comes_to_rest)
+    reached = grow_to_size(first, comes_to_rest, grown)
     return centres, reached
 
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from damper3d.case.case import DamperCase
     from granulab.campaign.runs.ragged import Tables
 
+# Columns of the tables that are read: about half of what a run keeps.
+_STORED = {"particles": ("x", "y", "z", "vx", "vy", "vz"), "contacts": ("body_1", "body_2")}
 FEWEST_FRAMES = 8  # a cycle: an eighth of it is as far as a particle may go unseen
 
 
@@ -130,8 +132,8 @@ def of_run(folder: str | Path, discard: int | None = None) -> Motion | None:
 
     run = RunFolder(Path(folder))
     discard = discarded(run) if discard is None else discard
-    case, samples = DamperCase.load(run.path / "case.toml"), read_trajectory(run.path)
-    tables = stored_tables(run.path)
+    case, samples = DamperCase.load(run.case_file), read_trajectory(run.path)
+    tables = stored_tables(run.path, _STORED)
     if "particles" not in tables:
         return None
     table = tables["particles"]

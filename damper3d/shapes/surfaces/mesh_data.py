@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damper3d.shapes.surfaces.surface import area_of
+from granulab.contact.files.datafile import refuse_pipe
 from granulab.errors import InputError
 
 MOST_TRIANGLES = 20_000
@@ -26,6 +27,7 @@ def read_triangles(path: Path) -> np.ndarray:
 
     Raises InputError, one line, where it cannot be read, holds no triangles or too many.
     """
+    refuse_pipe(path)
     try:
         data = path.read_bytes()
     except (OSError, ValueError) as error:
@@ -61,14 +63,18 @@ def _stl(data: bytes) -> np.ndarray | None:
 
 
 def _obj(data: bytes) -> np.ndarray | None:
-    """Faces of more than three corners are cut into fans; None where a line is none of OBJ."""
+    """Faces of more than three corners are cut into fans; None where a line is none of OBJ.
+
+    A corner of fewer than three numbers is none.
+    """
     vertices: list[list[float]] = []
     triangles: list[tuple[int, int, int]] = []
     try:
         for line in data.decode("utf-8", "replace").replace("\\\n", " ").splitlines():
             key, *words = line.split("#")[0].split() or [""]
             if key == "v":
-                vertices.append([float(word) for word in words[:3]])
+                x, y, z = words[:3]
+                vertices.append([float(x), float(y), float(z)])
             elif key == "f":
                 numbers = [_index(word, len(vertices)) for word in words]
                 fan = pairwise(numbers[1:])

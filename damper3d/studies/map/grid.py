@@ -201,6 +201,7 @@ def _is_number(value: Any) -> bool:
 
 def _half_width(group: Rows) -> float:
     """Half width of the interval of a point's efficiency, from its runs that are done."""
+    group = [row for row in group if row["efficiency"] is not None]  # the bed settles
     found = mean_sd([row["efficiency"] for row in group])
     if found.sd is not None:
         return quantile(found.n - 1) * found.sd / math.sqrt(found.n)

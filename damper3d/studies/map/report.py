@@ -32,12 +32,12 @@ def write_map(folder: RunFolder, result: MapResult, results: dict[str, Any]) -> 
     runs = folder.path / "runs"
     with writing(runs):
         runs.mkdir(parents=True, exist_ok=True)
-    write_table(folder.path, points(result))
-    write_table(runs, result.rows)
     seed = min((row["seed"] for row in result.rows), default=1)
     folder.write_provenance(
         provenance(command=sys.argv, seed=seed, packages=PACKAGES, sources=SOURCES.folders)
     )
+    of_runs = [f"runs/{name}" for name in write_table(runs, result.rows)]
+    folder.seal(*of_runs, *write_table(folder.path, points(result)))
     folder.write_summary(results)
 
 
@@ -80,6 +80,7 @@ def summary(
         "reused": sum(bool(row.get("reused")) for row in result.rows),
         "failed": states["failed"],
         "interrupted": states["interrupted"],
+        "settling": sum(bool(row.get("efficiency_note")) for row in result.rows),
         "failures": _failures(result.rows),
         "best": _best(result),
         "ridges": [_peak(item, prediction) for item in on_ridges],
@@ -107,6 +108,11 @@ def as_text(results: dict[str, Any]) -> str:
         )
     counts = ", ".join(f"{results[name]} {name}" for name in ("done", "failed", "interrupted"))
     lines.append(f"runs        {counts} ({results['reused']} were there)")
+    if results["settling"]:
+        lines.append(
+            f"settling    {results['settling']} runs have no efficiency, as their bed still "
+            "settles; give more --cycles and --discard, or --steady"
+        )
     lines += [f"failed: {line}" for line in results["failures"]]
     return "\n".join([*lines, f"table       {results['table']}"])
 

@@ -54,7 +54,7 @@ def shake_down(case: DamperCase, stop: Stop = lambda: False) -> Bed:
     Raises InputError where they do not fit, SimulationError, and Stopped where `stop` says so.
     """
 
-    def stop_if_requested(_fraction: float = 0.0, _text: str = "") -> None:
+    def stop_if_requested(*_progress: object) -> None:
         if stop():
             raise Stopped("the same command pours them again, from their seed")
 

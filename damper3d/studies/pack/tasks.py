@@ -1,7 +1,6 @@
 """Packings as tasks of an engine: each is computed once, and its numbers are kept as JSON."""
 
 import dataclasses
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,13 @@ from typing import Any
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.studies.pack import compact, shaken
 from granulab.campaign.output.terminal import Progress
-from granulab.campaign.runs.folder import digest, refuse_unless_writable, write_atomic
+from granulab.campaign.runs.folder import (
+    FolderError,
+    digest,
+    read_json,
+    refuse_unless_writable,
+    write_json,
+)
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.sweeps.engine import run_tasks
 from granulab.campaign.sweeps.sweep import as_outcome
@@ -81,11 +86,10 @@ def _kept(out: Path, identity: dict[str, Any], make: Callable[[], Any]) -> dict[
     """Result of `make` as a dict; read where it was made before."""
     file = out / FOLDER / f"{digest(identity)}.json"
     try:
-        found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-        return found
-    except (OSError, ValueError):
+        return read_json(file)[0]
+    except FolderError:
         pass  # not there, or damaged: it is made again
     made = dataclasses.asdict(make())
     file.parent.mkdir(parents=True, exist_ok=True)
-    write_atomic(file, json.dumps(made))
+    write_json(file, made)
     return made

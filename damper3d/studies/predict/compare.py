@@ -58,13 +58,15 @@ def _rounded_up(gamma: float) -> float:
 def as_text(rows: Rows, predictions: Sequence[Prediction]) -> str:
     """The rows in words: a line for each run."""
     words = ("fill", "Hz", "Gamma", "over onset", "ideal bed", "ideal block", "simulated")
-    lines = ["".join(f"{word:>13}" for word in words)]
+    wide = [max(len(word) + 2, 8) for word in words]
+    lines = ["".join(word.rjust(w) for word, w in zip(words, wide, strict=True))]
     for row in rows:
         number = [
             predictions[row["fill"]].fill_ratio, row["frequency_hz"], row["gamma"],
             row["over_onset"], row["ideal_bouncing_bed"], row["ideal_block"], row["efficiency"],
         ]  # fmt: skip
-        lines.append("".join(f"{'-' if n is None else f'{n:.3g}':>13}" for n in number))
+        cells = ("-" if n is None else f"{n:.3g}" for n in number)
+        lines.append("".join(cell.rjust(w) for cell, w in zip(cells, wide, strict=True)))
     return "\n".join(lines)
 
 

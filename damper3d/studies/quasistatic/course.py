@@ -14,7 +14,8 @@ from damper3d.studies.quasistatic.case import TOLERANCE, SlowTest
 from damper3d.studies.quasistatic.rig import TABLE, TOP_SIDE, RigSimulation
 from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
 from granulab.campaign.runs.folder import FolderError, RunFolder
-from granulab.campaign.runs.protocol import Progress, Stop
+from granulab.campaign.runs.protocol import Stop
+from granulab.campaign.runs.stages import Stages
 from granulab.errors import SimulationError, Stopped
 
 SAMPLES = 100  # rows of the test
@@ -50,7 +51,7 @@ class Course:
 
 
 def follow(
-    sim: RigSimulation, test: SlowTest, course: Course, folder: RunFolder, progress: Progress,
+    sim: RigSimulation, test: SlowTest, course: Course, folder: RunFolder, stages: Stages,
     stop: Stop,
 ) -> None:  # fmt: skip
     """Go on to the end of the test; the state is kept at times, and before Stopped is raised.
@@ -72,7 +73,7 @@ def follow(
                 f"the pre-load of {test.preload:g} N did not come to rest in {LONGEST_PRELOAD:g} "
                 "s; give another --preload, or a higher --speed, which requires less rest"
             )
-        report(test, course, progress)
+        report(test, course, stages)
         every = max(int(_CHECKPOINT_WORK / (test.damper.count * sim.steps_per_sample)), 1)
         if stop():
             keep(sim, course, folder)
@@ -139,13 +140,19 @@ def take(course: Course, rows: Samples, sim: RigSimulation) -> None:
         course.rows[name] = value if before is None else np.concatenate([before, value])
 
 
-def report(test: SlowTest, course: Course, progress: Progress) -> None:
-    """Say how far the test is: the pre-load counts for a fifth, as it has no known length."""
+def report(test: SlowTest, course: Course, stages: Stages) -> None:
+    """Report how far the test is; of the pre-load the part of the longest time that it may take."""
     if course.testing:
+        stages.hedge = ""
+        stages.finish("pre-load")
         done = (course.n_rows - 1) / SAMPLES
-        progress(0.2 + 0.8 * done, f"{test.kind}, {1e3 * done * test.distance:.3g} mm")
+        words = f"{test.kind}, {1e3 * done * test.distance:.3g} mm"
+        stages.report("testing", done, 1.0 - done, words)
     else:
-        progress(0.0, f"pre-load, {course.n_rows} ms")
+        stages.hedge = " at most"
+        longest = LONGEST_PRELOAD / _PRELOAD_SAMPLE
+        words = f"{course.n_rows} ms"
+        stages.report("pre-load", course.n_rows, max(longest - course.n_rows, 1.0), words)
 
 
 _ARRAYS = ("preload", "test")

@@ -35,6 +35,7 @@ from granulab.campaign.runs.protocol import (
     packing_sources,
 )
 from granulab.campaign.runs.provenance import Warn
+from granulab.campaign.runs.stages import Stages
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_or_pack, silent
 from granulab.contact.jit import already_compiled, cache_folder
 from granulab.errors import Stopped
@@ -50,15 +51,16 @@ def run_digest(test: SlowTest) -> str:
 
 
 def _compute(
-    folder: RunFolder, test: SlowTest, progress: Progress, stop: Stop, warn: Warn
+    folder: RunFolder, test: SlowTest, stages: Stages, stop: Stop, warn: Warn
 ) -> dict[str, Any]:
     """The results of a test: halves filled, pre-loaded and moved, or gone on with."""
     out = folder.path.parent
-    packing = get_packing(test, out, progress, stop, warn)
+    stages.expect(**expected_stages(test))
+    packing = get_packing(test, out, stages, stop, warn)
     sim = settled(test, packing, packing_folder(test, out))
     sim.compile()
     course = go_on(sim, folder)
-    follow(sim, test, course, folder, progress, stop)
+    follow(sim, test, course, folder, stages, stop)
     found = summary(test, course, sim)
     if abs(found["energy_closure"] or 0.0) > MOST_UNACCOUNTED:
         raise sim.failure(
@@ -80,6 +82,7 @@ RUNS = Runs(
     compute=_compute,
     packages=PACKAGES,
     sources=lambda test: SOURCES,
+    compiling=lambda test: (100.0, 250),
 )
 run = RUNS.run
 
@@ -89,22 +92,27 @@ def packing_folder(test: SlowTest, root: Path) -> Path:
     return root / "packings" / digest(test.packing_identity())
 
 
-def get_packing(test: SlowTest, root: Path, progress: Progress, stop: Stop, warn: Warn) -> Packing:
+def get_packing(
+    test: SlowTest, root: Path, progress: Progress | Stages, stop: Stop, warn: Warn
+) -> Packing:
     """The packing of a test: kept under root/packings, or made and kept now; see protocol.kept."""
-    folder = packing_folder(test, root)
+    folder, stages = packing_folder(test, root), Stages.of(progress)
 
     def make() -> Packing:
-        packing = dataclasses.replace(settle(test, progress, stop), sources=SOURCES.digest)
+        packing = dataclasses.replace(settle(test, stages, stop), sources=SOURCES.digest)
         save_packing(packing, folder)
         return packing
 
-    return kept(
-        folder, load=load_packing, make=make, cure="delete it and the halves are filled again",
-        sources=SOURCES, stop=stop, warn=warn,
-    )  # fmt: skip
+    with stages.watching():
+        packing = kept(
+            folder, load=load_packing, make=make, cure="delete it and the halves are filled again",
+            sources=SOURCES, stop=stop, warn=warn,
+        )  # fmt: skip
+    stages.finish("settling")
+    return packing
 
 
-def settle(test: SlowTest, progress: Progress, stop: Stop) -> Packing:
+def settle(test: SlowTest, stages: Stages, stop: Stop) -> Packing:
     """Fill both halves from the seed and let the particles settle under gravity.
 
     The table rests at the top of the top half meanwhile. Raises InputError where they do not fit,
@@ -118,7 +126,7 @@ def settle(test: SlowTest, progress: Progress, stop: Stop) -> Packing:
     sim.steps_per_sample = math.ceil(n_steps / n_looks)
     for k in range(n_looks):
         sim.run(1)
-        progress((k + 1) / n_looks, f"settling, t = {sim.time:.3f} s")
+        stages.report("settling", k + 1, n_looks - k - 1, f"t = {sim.time:.3f} s")
         if stop():
             raise Stopped("the same command fills the halves again, from their seed")
     return packed(damper, sim, time.process_time() - begun)
@@ -164,14 +172,20 @@ def compile_kernels() -> None:
 _QUIETLY: tuple[Progress, Stop, Warn] = (lambda fraction, text: None, lambda: False, silent)
 
 
-def expected_cpu_s(test: SlowTest) -> tuple[float, float]:
-    """About what filling and test cost [s of CPU]; the pre-load takes a tenth of its most."""
+def expected_stages(test: SlowTest) -> dict[str, float]:
+    """About what each stage of a test costs [s of CPU]; a pre-load takes a tenth of its most."""
     each = _SECONDS_PER_PARTICLE_STEP * test.damper.count
-    preload = 0.1 * LONGEST_PRELOAD / test.time_step
-    return (
-        each * test.settings.fill.settle_time / test.time_step,
-        each * (preload + SAMPLES * steps_per_sample(test, True)),
-    )
+    return {
+        "settling": each * test.settings.fill.settle_time / test.time_step,
+        "pre-load": 0.1 * each * LONGEST_PRELOAD / test.time_step,
+        "testing": each * SAMPLES * steps_per_sample(test, True),
+    }
+
+
+def expected_cpu_s(test: SlowTest) -> tuple[float, float]:
+    """About what filling and test cost [s of CPU]."""
+    settling, *testing = expected_stages(test).values()
+    return settling, sum(testing)
 
 
 SLOW_TESTS = Simulator(
