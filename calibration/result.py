@@ -130,8 +130,11 @@ def report_of(written: "Written") -> str:
     if not written.changed:
         return f"{what} stands there already, from this measurement; nothing changed"
     before = "added" if written.replaces is None else "replaced; the old value is kept as history"
-    needs = f"; a simulator still needs {', '.join(written.lacking)}" if written.lacking else ""
-    return f"{what} {before}{needs}"
+    if not written.lacking:
+        return f"{what} {before}"
+    from granulab.contact.files.needs import lacking_words
+
+    return f"{what} {before}; a simulator still needs {lacking_words(written.lacking)}"
 
 
 def finish(
@@ -156,6 +159,8 @@ def finish(
     Paths of files are printed on stderr, unless quiet or as_json. Raises InputError or FolderError
     for what cannot be written; nothing is printed then.
     """
+    answers = result.to_dict()
+    warnings = checked(answers, measured)
     if into is not None:
         if not isinstance(result, Parameters):
             raise InputError(f"--into {into.path}: this result has no value for it")
@@ -165,14 +170,31 @@ def finish(
         paths[figure_key] = None if out is None else draw(result, out / f"{name}.png")
     if as_json:
         listed = {key: _as_words(path) for key, path in paths.items()}
-        click.echo(json.dumps(result.to_dict() | listed, indent=2))
+        if warnings:
+            listed["warnings"] = [*answers.get("warnings", []), *warnings]
+        click.echo(json.dumps(answers | listed, indent=2))
         return
-    click.echo(result.text())
+    click.echo("\n".join([result.text(), *(f"warning: {warning}" for warning in warnings)]))
     if not quiet:
         for key, one in paths.items():
             label = _LABELS.get(key, key.removesuffix("s").replace("_", " "))
             for path in [one] if isinstance(one, Path) else one or []:
                 click.echo(f"{label}: {path}", err=True)
+
+
+def checked(answers: Mapping[str, Any], measured: Sequence[str | Path] = ()) -> list[str]:
+    """Warnings about answers that no such experiment finds; InputError for impossible ones.
+
+    answers    of a result, as they stand in its JSON
+    measured   the files that they came from
+    """
+    from granulab.campaign.output.ranges import judged
+    from granulab.contact.files.units import located
+
+    if not measured:
+        return judged("calibration", answers)
+    with located(f"{', '.join(map(str, measured))}:"):
+        return judged("calibration", answers)
 
 
 def draw(result: Result, path: Path) -> Path:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Columns, Input, Request, curves, need
+from calibration.bench.sections import Columns, Input, Request, Section, curves, need
 from calibration.statistics.uncertainty import Estimate, of_trials
 from granulab.errors import InputError
 
@@ -22,6 +22,7 @@ INPUTS = (Input("x", "m", "along the path"), Input("z", "m", "height of the surf
 FORMS = ("mean", "line", "parabola", "circle")
 _LENGTHS = 5  # equal parts of a path, ISO 4288
 _LEAST_POINTS = 50
+_FAR = 10  # usual steps that a point may be from the one before without a remark
 
 
 def mean_roughness(
@@ -32,6 +33,7 @@ def mean_roughness(
     for section in sections:
         need(section, [["x", "z"]], INPUTS)
     remarks.append(f"form taken off: {form}")
+    remarks += filter(None, map(_gap, sections))
 
     def evaluate(columns: Columns) -> Estimate:
         order = np.argsort(columns["x"], kind="stable")
@@ -44,6 +46,21 @@ def mean_roughness(
             key="ra_m", name="mean roughness Ra", si="m", unit="um", remarks=remarks,
         )
     ]  # fmt: skip
+
+
+def _gap(section: Section) -> str | None:
+    """A remark where a point stands far from its neighbours, and Ra counts a line between them."""
+    x = np.sort(section.columns["x"])
+    steps = np.diff(x)
+    usual = float(np.median(steps)) if len(steps) else 0.0
+    k = int(np.argmax(steps)) if len(steps) else 0
+    if not usual > 0 or steps[k] <= _FAR * usual:
+        return None
+    return (
+        f"{section.name}: no point between x = {x[k]:.6g} m and {x[k + 1]:.6g} m, "
+        f"{steps[k] / usual:.0f} usual steps: a slip in x, or a gap, over which Ra counts a "
+        "straight line; check it"
+    )
 
 
 def without_form(x: NDArray[np.float64], z: NDArray[np.float64], form: str) -> NDArray[np.float64]:

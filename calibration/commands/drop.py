@@ -11,6 +11,7 @@ from calibration.commands.options import (
     into_options,
     position,
     roi_option,
+    unit_option,
 )
 from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
@@ -19,6 +20,7 @@ from granulab.campaign.cli.commandline import json_option, quiet_option
 @click.command(short_help="Restitution of an object that falls and bounces")
 @click.argument("file")
 @fps_option
+@unit_option
 @click.option("--scale", metavar='"0.81 mm/px"', help="Length per unit of x and y.")
 @click.option("--track", metavar="NAME", help="Which of several objects that bounce.")
 @click.option("--one-bounce", is_flag=True, help="Take a single bounce, unchecked by another.")
@@ -29,9 +31,9 @@ from granulab.campaign.cli.commandline import json_option, quiet_option
 @quiet_option
 @json_option
 def command(
-    file: str, fps: float | None, scale: str | None, track: str | None, one_bounce: bool,
-    roi: Box | None, at: str | None, out: Path | None, into: Into | None, quiet: bool,
-    as_json: bool,
+    file: str, fps: float | None, units: dict[str, str], scale: str | None, track: str | None,
+    one_bounce: bool, roi: Box | None, at: str | None, out: Path | None, into: Into | None,
+    quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution of an object that falls on a plate and bounces (eq. 3.5).
 
@@ -47,7 +49,7 @@ def command(
     with Progress(Path(file).name, quiet) as progress:
         drop = measure_drop(
             file, fps=fps, scale=scale, track=track, one_bounce=one_bounce, roi=roi,
-            hint=position(at), progress=progress.update, out=out,
+            hint=position(at), progress=progress.update, units=units, out=out,
         )  # fmt: skip
     finish(
         drop, as_json=as_json, quiet=quiet, into=into, measured=[file],

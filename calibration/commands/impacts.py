@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from calibration.commands.options import figures_option, into_options
+from calibration.commands.options import figures_option, into_options, unit_option
 from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 from granulab.contact.files.units import to_si
@@ -13,6 +13,7 @@ from granulab.contact.files.units import to_si
 @click.command(short_help="Restitution from sound, force or acceleration")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--rate", type=float, metavar="200000", help="Samples/s of a table without times.")
+@unit_option
 @click.option("--column", metavar="NAME", help="The only column wanted of a table.")
 @click.option(
     "--window", metavar='"2 ms"',
@@ -24,7 +25,7 @@ from granulab.contact.files.units import to_si
 @quiet_option
 @json_option
 def command(
-    file: Path, rate: float | None, column: str | None, window: str | None,
+    file: Path, rate: float | None, units: dict[str, str], column: str | None, window: str | None,
     drop_height: str | None, out: Path | None, into: Into | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution from the times between impacts: force, acceleration or sound (WAV, CSV).
@@ -38,6 +39,7 @@ def command(
         file,
         rate=rate,
         column=column,
+        units=units,
         window=WINDOW if window is None else to_si(window, "s", "--window"),
         drop_height=None if drop_height is None else to_si(drop_height, "m", "--drop-height"),
     )

@@ -70,6 +70,28 @@ def _checked(
     return wanted
 
 
+def unit_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """--unit NAME=UNIT of columns of a table, as {"time": "ms"}; the command gets `units`."""
+
+    def parsed(
+        _context: click.Context, _option: click.Parameter, words: tuple[str, ...]
+    ) -> dict[str, str]:
+        from granulab.contact.files.units import is_unit
+
+        found = {}
+        for word in words:
+            name, _, unit = (part.strip() for part in word.partition("="))
+            if not name or not is_unit(unit):
+                raise InputError(f"--unit = {word!r}: column and unit, such as time=ms or x=mm")
+            found[name.lower()] = unit
+        return found
+
+    return click.option(
+        "--unit", "units", multiple=True, metavar="time=ms", callback=parsed,
+        help="Unit of a column of a table whose head has none; once for each.",
+    )(command)  # fmt: skip
+
+
 Box = tuple[int, int, int, int]  # x, y, width, height [px]
 
 

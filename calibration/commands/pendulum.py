@@ -4,7 +4,14 @@ from pathlib import Path
 
 import click
 
-from calibration.commands.options import Box, figures_option, fps_option, into_options, roi_option
+from calibration.commands.options import (
+    Box,
+    figures_option,
+    fps_option,
+    into_options,
+    roi_option,
+    unit_option,
+)
 from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import json_option, quiet_option
 from granulab.contact.files.units import to_si
@@ -14,6 +21,7 @@ from granulab.errors import InputError
 @click.command(short_help="Restitution of two blocks on strings, or a ball and a wall")
 @click.argument("file")
 @fps_option
+@unit_option
 @roi_option("Part of the picture to look at, in pixels.")
 @click.option("--track", multiple=True, metavar="NAME", help="Which object; twice for two blocks.")
 @click.option("--masses", metavar='"10 g,12 g"', help="Of the left and the right block: a check.")
@@ -22,8 +30,8 @@ from granulab.errors import InputError
 @quiet_option
 @json_option
 def command(
-    file: str, fps: float | None, roi: Box | None, track: tuple[str, ...], masses: str | None,
-    out: Path | None, into: Into | None, quiet: bool, as_json: bool,
+    file: str, fps: float | None, units: dict[str, str], roi: Box | None, track: tuple[str, ...],
+    masses: str | None, out: Path | None, into: Into | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution of two blocks on strings (eq. 3.6), or of a ball on a string against a wall.
 
@@ -37,7 +45,8 @@ def command(
 
     with Progress(Path(file).name, quiet) as progress:
         found = measure_pendulum(
-            file, fps=fps, tracks=track, roi=roi, masses=_masses(masses), progress=progress.update,
+            file, fps=fps, tracks=track, roi=roi, masses=_masses(masses),
+            progress=progress.update, units=units,
         )  # fmt: skip
     finish(
         found, as_json=as_json, quiet=quiet, out=out, name=f"pendulum-{found.objects.name}",

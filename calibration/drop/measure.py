@@ -1,7 +1,7 @@
 """measure_drop: a film or a track of a bouncing object to restitution, speeds, scale and rate."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,8 +9,8 @@ from calibration.drop.choice import the_one_that_bounces
 from calibration.drop.drag import with_drag
 from calibration.drop.fall import with_free_fall
 from calibration.drop.result import Drop
-from calibration.files.track_table import read_tracks
-from calibration.result import draw
+from calibration.files.track_table import read_tracks, refuse_units
+from calibration.result import checked, draw
 from calibration.statistics.quantity import metres_per_pixel
 from calibration.tracking.film.reader import Progress, is_film, is_pattern, open_film, said_rate
 from calibration.tracking.track import Track
@@ -28,6 +28,7 @@ def measure_drop(
     hint: tuple[float, float, float] | None = None,
     progress: Progress | None = None,
     out: str | Path | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> Drop:
     """Restitution of an object that falls on a plate and bounces, from its track.
 
@@ -40,17 +41,19 @@ def measure_drop(
     hint        frame, x, y [px] of the object in a film
     progress    receives the share of a film that is read, and a few words
     out         folder for the diagnostic figure and the annotated film
+    units       of the columns of a table: {"time": "ms", "x": "mm", "y": "mm"}
 
     Raises InputError, one line, for what cannot be measured.
     """
     where = f"{source}: " if isinstance(source, str | Path) else ""
     length = _metres(scale)
     fps = said_rate(fps)
-    tracks, header = _tracks(source, roi, hint, progress)
+    tracks, header = _tracks(source, roi, hint, progress, units)
     found = with_drag(the_one_that_bounces(tracks, track, one_bounce, where))
     if length is not None and found.track.scale is not None:
         raise InputError(f"{where}--scale: the unit of y stands in the table's head already")
     drop = with_free_fall(found, fps, found.track.scale if length is None else length, header)
+    checked(drop.to_dict(), [source] if isinstance(source, str | Path) else ())
     if out is None:
         return drop
     return with_pictures(drop, source, Path(out), progress)
@@ -72,6 +75,7 @@ def _tracks(
     roi: tuple[int, int, int, int] | None,
     hint: tuple[float, float, float] | None,
     progress: Progress | None,
+    units: Mapping[str, str] | None,
 ) -> tuple[list[Track], float | None]:
     """All tracks of a source, and the frames/s that the header of a film says."""
     if isinstance(source, Track):
@@ -79,7 +83,8 @@ def _tracks(
     if not isinstance(source, str | Path):
         return list(source), None
     if not is_film(source):
-        return read_tracks(source), None
+        return read_tracks(source, units), None
+    refuse_units(source, units)
     from calibration.tracking.follow import follow
 
     film = open_film(source)

@@ -88,7 +88,7 @@ def _separator(lines: Sequence[str]) -> str:
     if most(",") and not (decimal and several):
         return ","
     spaces = {line.count(" ") for line in lines}
-    one_space_each = len(spaces) == 1 and any(len(line) - 1 not in spaces for line in fields)
+    one_space_each = len(spaces) == 1 and len({len(words) for words in fields}) > 1
     return " " if one_space_each else ""
 
 

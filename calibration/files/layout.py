@@ -26,12 +26,16 @@ _WITH_MEANS = {"min", "max", "minimum", "maximum", "n", "count", "anzahl"}  # an
 
 @dataclass(frozen=True)
 class Layout:
-    """Names of the columns, unit of each ("" where there is none), the rows, what was left out."""
+    """Names of the columns, unit of each ("" where there is none), the rows, what was left out.
+
+    headed is False for names that stand nowhere: "column 1".
+    """
 
     names: list[str]
     units: dict[str, str]
     rows: list[Row]
     remarks: tuple[str, ...] = ()
+    headed: bool = True
 
 
 def layout(rows: Sequence[Row], where: str) -> Layout:
@@ -49,6 +53,7 @@ def layout(rows: Sequence[Row], where: str) -> Layout:
     body, below = _parted(rows[begin:], counts)
     above = [fields for _, fields in rows[:begin]]
     head, units, spare = _head(above, len(counts))
+    headed = bool(head)
     width = len(head) if head else len(body[0][1])
     body = _without_surplus(body, width)
     if not head:
@@ -65,7 +70,7 @@ def layout(rows: Sequence[Row], where: str) -> Layout:
         for line, fields in below
         if any(fields)
     ]
-    return Layout(names, units_of, body, tuple(remarks))
+    return Layout(names, units_of, body, tuple(remarks), headed)
 
 
 def _counted(rows: Sequence[Row]) -> list[int]:
@@ -130,15 +135,19 @@ def _is_note(fields: Sequence[str], counted: Sequence[int]) -> bool:
 def _head(
     above: Sequence[list[str]], counted: int
 ) -> tuple[list[str], list[str], Sequence[list[str]]]:
-    """Names, units, and the lines above both; [] for names where no line has enough words."""
+    """Names, units, and the other lines; [] for names where no line has enough words.
+
+    Remarks of fewer words may stand between the names and the numbers.
+    """
 
     def filled(fields: Sequence[str]) -> int:
         return sum(map(bool, fields))
 
     if len(above) > 1 and _are_units(above[-1], above[-2]):
         return above[-2], above[-1], above[:-2]
-    if above and filled(above[-1]) >= counted:
-        return above[-1], [], above[:-1]
+    for k in reversed(range(len(above))):
+        if filled(above[k]) >= counted:
+            return above[k], [], [*above[:k], *above[k + 1 :]]
     return [], [], above
 
 

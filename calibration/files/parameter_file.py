@@ -17,7 +17,8 @@ from typing import Any
 from calibration.files.toml_edit import alone, inline, with_entry, write
 from calibration.statistics.uncertainty import Estimate
 from granulab.contact.files.datafile import read_toml
-from granulab.contact.files.schema import SCHEMA, LinearTable, MaterialTable, PairTable, lacking
+from granulab.contact.files.needs import lacking
+from granulab.contact.files.schema import SCHEMA, LinearTable, MaterialTable, PairTable
 from granulab.contact.files.table import toml_entry
 from granulab.contact.files.units import located, to_si
 from granulab.contact.material import PROPERTIES, Measured, check_range

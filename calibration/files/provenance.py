@@ -5,13 +5,13 @@ from typing import Any
 
 from calibration.statistics.quantity import plus_minus
 from granulab.contact.files.datafile import data_file, read_toml
+from granulab.contact.files.needs import lacking, lacking_words
 from granulab.contact.files.schema import (
     SCHEMA,
     Entry,
     LinearTable,
     MaterialTable,
     PairTable,
-    lacking,
     section,
 )
 from granulab.contact.files.table import measured
@@ -86,7 +86,7 @@ def as_text(path: Path, values: dict[tuple[str, str], Measured], needs: list[str
         lines.append(f"  {key:16}{_line(key, value)}")
         lines += [f"    {'before':14}{_line(key, old)}" for old in reversed(value.history)]
     if needs:
-        lines += ["", f"a simulator still needs {', '.join(needs)}"]
+        lines += ["", f"a simulator still needs {lacking_words(needs)}"]
     return "\n".join(lines)
 
 

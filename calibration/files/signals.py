@@ -1,8 +1,8 @@
 """Signals against time as instruments write them: WAV, or CSV with a time column or a rate."""
 
-import math
 import struct
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +15,8 @@ from granulab.errors import InputError
 
 _TIME_NAMES = ("time", "t", "zeit")
 _LEAST_SAMPLES = 16
+_FASTEST = 1e12  # samples per second of the fastest recorders; and one in 30,000 years
+_LARGEST = 1e30  # of a sample, in any unit: its fourth power is a number still
 _UNREADABLE = (  # what scipy raises, depending on which byte of the head is wrong
     ValueError, TypeError, ArithmeticError, struct.error, EOFError, MemoryError, UnboundLocalError,
 )  # fmt: skip
@@ -40,26 +42,36 @@ class Signal:
 
 
 def read_signal(
-    path: str | Path, *, rate: float | None = None, column: str | None = None
-) -> Signal:
+    path: str | Path, *, rate: float | None = None, column: str | None = None,
+    units: Mapping[str, str] | None = None,
+) -> Signal:  # fmt: skip
     """The signal of a WAV file, else of a table of numbers.
 
     rate    samples per second [Hz] of a table without a column of times
     column  the only channel wanted of a table
+    units   of its columns, where the head has none: {"time": "ms"}
 
     Raises InputError, one line, for what is neither, for gaps, and for too few samples.
     """
     path = Path(path)
     if _head(path) in (b"RIFF", b"RIFX", b"RF64") or path.suffix.lower() in (".wav", ".wave"):
-        if rate is not None or column is not None:
-            raise InputError(f"{path}: --rate and --column are for tables; a WAV has its own rate")
+        if rate is not None or column is not None or units:
+            raise InputError(
+                f"{path}: --rate, --column and --unit are for tables; a WAV has its own rate"
+            )
         signal = _wav(path)
     else:
-        signal = _table(read_table(path), rate, column)
+        signal = _table(read_table(path).with_units(units or {}), rate, column)
     if len(signal.channels) < _LEAST_SAMPLES:
         raise InputError(f"{path}: {len(signal.channels)} samples; at least {_LEAST_SAMPLES}")
     if not np.isfinite(signal.channels).all():
         raise InputError(f"{path}: a sample is missing or not finite; cut the signal around it")
+    size = np.abs(signal.channels).max()
+    if not (size < _LARGEST and (size > 1 / _LARGEST or size == 0)):
+        raise InputError(
+            f"{path}: a sample of {size:.3g}: no instrument writes numbers as large or small; "
+            "check the unit, or cut the signal around it"
+        )
     return signal
 
 
@@ -125,7 +137,7 @@ def clock_of(table: Table, rate: float | None) -> Clock:
 
     Raises InputError where there is neither, and where the times do not grow evenly.
     """
-    if rate is not None and not (math.isfinite(rate) and rate > 0):
+    if rate is not None and not 1 / _FASTEST < rate < _FASTEST:
         raise InputError(f"--rate = {rate:g}: samples per second, such as 200000")
     timed = next((key for name in _TIME_NAMES if (key := _called(table, name))), None)
     if rate is not None:
@@ -139,6 +151,11 @@ def clock_of(table: Table, rate: float | None) -> Clock:
         )
     times, remarks = _times(table, timed)
     rate = (len(times) - 1) / (times[-1] - times[0])
+    if not 1 / _FASTEST < rate < _FASTEST:
+        raise InputError(
+            f"{table.path}: the column {timed!r} gives {rate:.3g} samples per second; check its "
+            "unit: --unit time=ms, or write it into the head"
+        )
     return Clock(rate, float(times[0]), timed, table.remarks + remarks)
 
 

@@ -75,6 +75,11 @@ class Table:
             table = table._with_copy(found, name, unit or self.units[found])
         return table
 
+    def with_units(self, units: Mapping[str, str]) -> "Table":
+        """The table with units that its file lacks, or has wrong: {"time": "ms"}."""
+        found = {self._find(name, "1")[0]: unit for name, unit in units.items()}
+        return replace(self, units=self.units | found)
+
     def _with_copy(self, found: str, name: str, unit: str) -> "Table":
         taken = {key for key in self.texts if key.lower() == name.lower() and key != found}
         texts = {k: v for k, v in self.texts.items() if k not in taken}
@@ -123,13 +128,18 @@ def _is_unit(text: str, unit: str) -> bool:
     return bool(text)
 
 
+def rows_of(path: Path) -> list[dialect.Row]:
+    """The lines of a table in any dialect, cut into fields; InputError for what is no text."""
+    return dialect.rows(_text(path), str(path))
+
+
 def read_table(path: str | Path) -> Table:
     """The table of a file.
 
     Raises InputError, one line with file, line and value, for what is no table with numbers.
     """
     path = Path(path)
-    found = layout(dialect.rows(_text(path), str(path)), str(path))
+    found = layout(rows_of(path), str(path))
     width = len(found.names)
     for line, fields in found.rows:
         if len(fields) != width:

@@ -1,25 +1,27 @@
 """Track tables as other tools write them: which column is what, several tracks in one file.
 
 Understood: one line per frame with x, y (or X1 Y1 X2 Y2 ...), or one line per frame and object with
-a column that names the object (particle, track id). Comma, semicolon, tab or spaces; decimal comma;
-short lines; more than one line of words at the top; words after the numbers end the table.
+a column that names the object (particle, track id). Dialect, head and units are those of all tables
+(calibration/files/tables.py); short lines, and words after the numbers, which end the table.
 Some trackers leave out empty fields, so that a number does not stand below its name: such lines are
 read as a frame and pairs, and the pairs are linked to tracks by where they are.
 """
 
-import csv
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from calibration.files import dialect
+from calibration.files.dialect import Row, is_number
+from calibration.files.layout import Layout, layout
+from calibration.files.tables import rows_of
 from calibration.tracking.track import Array, Track, link
-from granulab.contact.files.units import to_si
+from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
 
-_MOST_BYTES = 512 * 2**20
-_EMPTY = ("", "nan", "na", "null", "none", "*")
 _KINDS = {
     "frame": r"frame|frames|frame[ _]?(number|no|nr|index)|slice|image",
     "time": r"t|time|times|timestamp|position_t|sec|seconds",
@@ -28,7 +30,10 @@ _KINDS = {
     "object": r"particle|track|track[ _]?id|object|trajectory|id",
     "flag": r"flag\d*",
 }
-_UNIT = re.compile(r"(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])]|_(?P<tail>px|mm|cm|m|s|ms))?")
+_TAIL = re.compile(r"(?P<name>.*?)(?:_(?P<tail>px|mm|cm|m|s|ms))?")
+_PIXELS = ("px", "pixel", "pixels", "-")
+_IN_PIXELS = "x and y without a unit of length: read as pixels"
+_LARGEST = 1e12  # of a frame number, a time stamp or a position, whatever its unit
 
 
 @dataclass(frozen=True)
@@ -38,117 +43,86 @@ class _Column:
     unit: str
 
 
-def read_tracks(path: str | Path) -> list[Track]:
+def read_tracks(path: str | Path, units: Mapping[str, str] | None = None) -> list[Track]:
     """All tracks of a table, as they stand in it.
+
+    units   of columns whose head has none, or a wrong one: {"time": "ms", "x": "mm", "y": "mm"}
 
     Raises InputError, one line with file, line and what would do, for what holds no track.
     """
     path = Path(path)
-    head, rows, remarks = _split(path, _text(path))
-    columns = _columns(path, head, max(len(row) for row in rows), rows)
-    if _packed(columns, rows):
-        tracks, more = _from_pairs(path, rows)
+    lines, remarks = _until_words(path, rows_of(path))
+    found = layout(lines, str(path))
+    numbers = [[_number(path, line, f) for f in fields] for line, fields in found.rows]
+    columns = _with_units(path, _columns(path, found, numbers), units or {})
+    if _packed(columns, numbers):
+        tracks, more = _from_pairs(path, numbers)
     else:
-        wide = np.array([_padded(row, len(columns)) for row in rows])
+        wide = np.array([_padded(row, len(columns)) for row in numbers])
         tracks, more = _from_columns(path, columns, wide)
-    remarks += more
+    remarks += [*found.remarks, *more]
     return [replace(track, remarks=track.remarks + tuple(remarks)) for track in tracks]
 
 
-def _text(path: Path) -> list[str]:
-    try:
-        if path.stat().st_size > _MOST_BYTES:
-            raise InputError(f"{path}: larger than {_MOST_BYTES >> 20} MiB")
-        return path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file; tables of frame or time, x, y") from None
+def refuse_units(film: str | Path, units: Mapping[str, str] | None) -> None:
+    """InputError for units of columns where the source is a film."""
+    if units:
+        raise InputError(f"{film}: --unit is of a column of a table, and this is a film")
 
 
-def _split(path: Path, lines: list[str]) -> tuple[list[str], list[list[float]], list[str]]:
-    """The names of the columns ([] where there are none), the numbers, and remarks."""
-    separator = _separator(lines)
-    head: list[str] = []
-    rows: list[list[float]] = []
-    remarks: list[str] = []
-    for number, line in enumerate(lines, start=1):
-        fields = _fields(line, separator)
-        if line.lstrip().startswith("#") or not any(_filled(field) for field in fields):
-            continue
-        values = [_number(field, separator) for field in fields]
-        if all(value is not None for value in values):
-            rows.append([value for value in values if value is not None])
-        elif rows and values[0] is None:
-            after = sum(bool(line.strip()) for line in lines[number - 1 :])
-            remarks.append(f"{after} lines from line {number} ({fields[0]!r} ...) on left out")
-            break  # words after the numbers: what another tool adds at the end
-        elif rows:
-            bad = fields[values.index(None)]
-            raise InputError(f"{path}: line {number}: {bad!r} is no number")
-        elif sum(map(_known, fields)) >= max(1, sum(map(_known, head))):
-            head = fields
-    if not rows:
+def _until_words(path: Path, rows: list[Row]) -> tuple[list[Row], list[str]]:
+    """The lines down to words below the numbers, which other tools add; marks of doubt taken out.
+
+    Raises InputError where no line holds numbers.
+    """
+    rows = [(line, [f for f in fields if f != "*"]) for line, fields in rows]
+    begin = next((k for k, row in enumerate(rows) if _all_numbers(row[1])), None)
+    if begin is None:
         raise InputError(f"{path}: no line of numbers; a track table has frame or time, x and y")
-    return head, rows, remarks
+    # "Tracks 1 to 2": a remark with numbers, and no head, which has none
+    above = [(line, fields) for line, fields in rows[:begin] if not any(map(is_number, fields))]
+    rows = above + rows[begin:]
+    for k in range(len(above), len(rows)):
+        line, fields = rows[k]
+        first = fields[0] if fields else ""
+        if dialect.number(first) is None and not first[:1].isdigit():
+            words = f"{len(rows) - k} lines from line {line} ({first!r} ...) on left out"
+            return rows[:k], [words]
+    return rows, []
 
 
-def _separator(lines: list[str]) -> str:
-    """Semicolon, tab or comma where most lines of digits have it; else spaces ("")."""
-    digits = [line for line in lines if re.search(r"\d", line)]
-    for separator in (";", "\t"):
-        if sum(separator in line.strip() for line in digits) > len(digits) / 2:
-            return separator
-    # a comma with a space, or two in a row of digits, separates; one inside each word is decimal
-    by_space = [line.split() for line in digits if len(line.split()) > 1]
-    decimal = sum(all(re.fullmatch(r"[-+\d.eE]+(,\d+)?", w) for w in row) for row in by_space)
-    if sum("," in line for line in digits) > len(digits) / 2 and decimal <= len(digits) / 2:
-        return ","
-    return ""
+def _all_numbers(fields: list[str]) -> bool:
+    return any(map(is_number, fields)) and all(dialect.number(f) is not None for f in fields)
 
 
-def _fields(line: str, separator: str) -> list[str]:
-    if not separator:
-        return [word for word in line.split() if word != "*"]
-    parsed = next(csv.reader([line], delimiter=separator), [])
-    return [field.strip() for field in parsed]
+def _number(path: Path, line: int, field: str) -> float:
+    """A field as a number, NaN where it is empty; InputError for a word or what is no position."""
+    value = dialect.number(field)
+    if value is None:
+        raise InputError(f"{path}: line {line}: {field!r} is no number")
+    if abs(value) > _LARGEST:
+        raise InputError(f"{path}: line {line}: {field!r}: no frame, time or position is as large")
+    return value
 
 
-def _filled(field: str) -> bool:
-    return field.lower() not in _EMPTY
-
-
-def _number(field: str, separator: str) -> float | None:
-    """A field as a number, NaN where it is empty, None where it is a word."""
-    if not _filled(field):
-        return np.nan
-    plain = field.replace(",", ".", 1)
-    try:
-        value = None if "_" in field else float(plain)
-    except ValueError:
-        return None
-    return value if value is not None and np.isfinite(value) else None
-
-
-def _known(field: str) -> bool:
-    return _column(field).kind != ""
-
-
-def _column(field: str) -> _Column:
-    match = _UNIT.fullmatch(field.strip())
+def _column(head: str, unit: str) -> _Column:
+    """Meaning of a head and its unit; the unit may be part of the name, as in x_mm."""
+    match = _TAIL.fullmatch(head.strip())
     assert match is not None
-    name, unit = match["name"].strip().lower(), match["unit"] or match["tail"] or ""
+    name = match["name"].strip().lower()
+    unit = unit or match["tail"] or ""
     for kind, pattern in _KINDS.items():
         found = re.fullmatch(pattern, name)
         if found:
             which = (found.groupdict().get(kind) or "").strip("_") if kind in "xy" else ""
-            return _Column(kind, which, "" if unit in ("px", "pixel", "pixels") else unit)
+            return _Column(kind, which, "" if unit in _PIXELS else unit)
     return _Column("", "", "")
 
 
-def _columns(path: Path, head: list[str], width: int, rows: list[list[float]]) -> list[_Column]:
+def _columns(path: Path, found: Layout, rows: list[list[float]]) -> list[_Column]:
     """Meaning of each column, by its name, or by its position where there is no head."""
-    if not head:
+    width = max(len(row) for row in rows)
+    if not found.headed:
         if width not in (2, 3):
             raise InputError(
                 f"{path}: {width} columns without names; write a first line such as 'frame,x,y'"
@@ -156,11 +130,21 @@ def _columns(path: Path, head: list[str], width: int, rows: list[list[float]]) -
         first = [row[0] for row in rows if np.isfinite(row[0])]
         kind = "frame" if all(value.is_integer() for value in first) else "time"
         return [_Column(k, "", "") for k in ([kind, "x", "y"] if width == 3 else [kind, "y"])]
-    columns = [_column(field) for field in head]
+    columns = [_column(name, found.units[name]) for name in found.names]
     if not any(column.kind == "y" for column in columns):
-        names = ", ".join(repr(field) for field in head if field)
+        names = ", ".join(map(repr, found.names))
         raise InputError(f"{path}: no column 'y'; there are {names}")
     return columns
+
+
+def _with_units(path: Path, columns: list[_Column], units: Mapping[str, str]) -> list[_Column]:
+    """The columns with units that were given for time, x or y."""
+    kinds = {column.kind for column in columns} & {"time", "x", "y"}
+    for name in units:
+        if name not in kinds:
+            raise InputError(f"{path}: --unit {name}: no such column; {nearest(name, kinds)}")
+    given = {kind: "" if unit in _PIXELS else unit for kind, unit in units.items()}
+    return [replace(column, unit=given.get(column.kind, column.unit)) for column in columns]
 
 
 def _packed(columns: list[_Column], rows: list[list[float]]) -> bool:
@@ -199,14 +183,20 @@ def _from_pairs(path: Path, rows: list[list[float]]) -> tuple[list[Track], list[
 def _from_columns(path: Path, columns: list[_Column], wide: Array) -> tuple[list[Track], list[str]]:
     frame, time, remarks = _clock(path, columns, wide)
     of_kind = {kind: [k for k, c in enumerate(columns) if c.kind == kind] for kind in _KINDS}
-    tracks = []
+    tracks, pixels = [], False
     for k in of_kind["y"]:
         with_it = [i for i in of_kind["x"] if columns[i].which == columns[k].which]
-        factor, scale = _length(path, columns[k])
-        x = factor * wide[:, with_it[0]] if with_it else np.zeros(len(wide))
+        factor, scale = _length(path, "y", columns[k])
+        x = np.zeros(len(wide))
+        if with_it:
+            own, x_scale = _length(path, "x", columns[with_it[0]])
+            x = own * wide[:, with_it[0]]
+            if x_scale != scale:
+                raise InputError(f"{path}: x and y: one has a unit of length and the other has not")
+        pixels |= scale is None
         track = Track(frame, x, factor * wide[:, k], time, None, scale, columns[k].which)
         tracks += _by_object(track, wide[:, of_kind["object"][0]]) if of_kind["object"] else [track]
-    return tracks, remarks
+    return tracks, [*remarks, *([_IN_PIXELS] if pixels else [])]
 
 
 def _by_object(track: Track, object: Array) -> list[Track]:
@@ -217,11 +207,11 @@ def _by_object(track: Track, object: Array) -> list[Track]:
     return [replace(one, name=name) for one, name in each]
 
 
-def _length(path: Path, column: _Column) -> tuple[float, float | None]:
+def _length(path: Path, name: str, column: _Column) -> tuple[float, float | None]:
     """Factor to metres and 1, for a column with a unit; 1 and no scale for pixels."""
     if not column.unit:
         return 1.0, None
-    return to_si(f"1 {column.unit}", "m", f"{path}: column 'y'"), 1.0
+    return to_si(f"1 {column.unit}", "m", f"{path}: column {name!r}"), 1.0
 
 
 def _clock(

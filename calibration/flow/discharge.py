@@ -124,6 +124,10 @@ class Crossing:
             self._last = frame
         self._steps.extend(steps.tolist())
 
+    def over(self, frame: float) -> bool:
+        """True if something has crossed, and nothing does so in a frame."""
+        return self._last is not None and self._last < frame
+
     def last(self) -> Estimate | None:
         """Frame at which the last particle's centroid passed; None where nothing crossed.
 

@@ -120,6 +120,9 @@ class Flow:
             "scale_m_per_px": as_pair(silo.scale) if silo.unit == "m" else None,
             "silo_px": [silo.left, silo.top, silo.width, silo.height],
             "outlet": list(self.outlet),
+            "outlet_over_width": (
+                (self.outlet[1] - self.outlet[0]) / (self.silo.width * self.silo.scale.value)
+            ),
             "opening_frame": as_pair(self.opening),
             "outcome": self.outcome,
             "discharge_time_s": as_pair(self.discharge),

@@ -182,7 +182,10 @@ def _without_door(grey: NDArray[np.uint8], there: Mask) -> float:
     if end == len(rough):
         return float(end)
     middle = (usual + float(np.median(rough[end:]))) / 2
-    last = int(np.flatnonzero(rough[:end] > middle)[-1])
+    rougher = np.flatnonzero(rough[:end] > middle)
+    if not len(rougher):  # nothing is rough: no particles that a door could be told from
+        return float(end)
+    last = int(rougher[-1])
     # A row's value stands at its middle.
     part = (rough[last] - middle) / (rough[last] - rough[last + 1])
     return last + 0.5 + float(part)

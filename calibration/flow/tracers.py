@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from calibration.flow.silo import Silo, changes
 from calibration.flow.survey import Grey, Labels, Survey, Tones, to_grey
+from granulab.errors import InputError
 
 Points = NDArray[np.float32]
 
@@ -174,5 +175,5 @@ def outlet_columns(mask: Mask, silo: Silo, particle: float) -> tuple[int, int]:
     lowest = mask[rows.stop - max(round(particle / 2), 2) : rows.stop, columns]
     there = np.flatnonzero(lowest.mean(axis=0) > 0.5)
     if len(there) == 0:
-        return columns.start, columns.stop
+        raise InputError("no material stands at the outlet's level: is --roi the silo's inside?")
     return columns.start + int(there[0]), columns.start + int(there[-1]) + 1

@@ -252,12 +252,15 @@ class Watch:
 
     def _outcome(self) -> str:
         """Outcome of the discharge, by what the last picture shows (spec: clogged, dead zones)."""
+        columns, left = self.silo.box[1], self.left
+        gone = self.tones.backing is not None and left.sum() < self.particle**2
+        if gone and self.crossing.over(self._last):
+            return "empty"  # whatever still moves, shadows and dust, is none of it
         if (self._last - self._moved) / self.rate < _REST:
             return "unfinished"
-        columns, left = self.silo.box[1], self.left
         if self.tones.backing is None:
             return "clogged"
-        if left.sum() < self.particle**2:
+        if gone:
             return "empty"
         middle = round(sum(self.outlet) / 2) - columns.start
         strip = left[:, max(middle - 1, 0) : middle + 2]
@@ -284,6 +287,11 @@ class Watch:
             found.append("the backing is not seen: what remains follows from the tracers alone")
         if len(self.bands) == 1:
             found.append("no painted layers were found: one line for all; see --layer-height")
+        if self._outcome() == "unfinished":
+            found.append(
+                f"something still moves within {_REST:g} s of the film's end: no discharge time; "
+                "film on until it is at rest, or take what moves out of it with --roi"
+            )
         if self.opening.moving and self._series and curve.time[0] > -1 / self.rate:
             found.append("the film begins with the opening or after it: times count from there")
         return found

@@ -1,5 +1,6 @@
 """A signal with impacts to their times and the restitution, with what has to be said about it."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from calibration.impacts.ratios import Restitution, first_restitution, restituti
 from calibration.impacts.result import Impacts
 from calibration.impacts.search import RISE, WINDOW, Search, search
 from calibration.impacts.sequence import bouncing, weakness
+from calibration.result import checked
 from granulab.errors import InputError
 
 _MOST_LISTED = 6  # events that a warning names
@@ -23,6 +25,7 @@ def measure_impacts(
     column: str | None = None,
     window: float = WINDOW,
     drop_height: float | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> Impacts:
     """Impact times and restitution from force, acceleration or sound against time (WAV, CSV).
 
@@ -30,11 +33,14 @@ def measure_impacts(
     column       the only channel wanted of a table
     window       time [s] over which energy is taken: longer than a contact, shorter than a flight
     drop_height  [m] of the fall before the first impact, a check; with two impacts the measurement
+    units        of the columns of a table: {"time": "ms"}
 
     Raises InputError for what is no signal, and where there are fewer than two impacts.
     """
-    signal = read_signal(path, rate=rate, column=column)
-    return measure_signal(signal, window=window, drop_height=drop_height)
+    signal = read_signal(path, rate=rate, column=column, units=units)
+    found = measure_signal(signal, window=window, drop_height=drop_height)
+    checked(found.to_dict(), [path])
+    return found
 
 
 def measure_signal(

@@ -43,7 +43,9 @@ def _read_eta(written: Written) -> list[Observation]:
 
 
 def _eta_of(_observation: Observation, row: Row) -> Array:
-    return np.array([row["efficiency"]], dtype=float)
+    """The efficiency; of a bed that settles what a force transducer sees, the wall's work."""
+    eta = row["efficiency"]
+    return np.array([row["efficiency_wall_work"] if eta is None else eta], dtype=float)
 
 
 def _parameters(case: DamperCase) -> Values:

@@ -130,7 +130,7 @@ def run_fit(fit: Fit, *, out: Path, **engine: Any) -> Fitted:
     except NothingPassed:
         raise Ended(_none_passed(evaluate, folder), 3) from None
     finally:
-        write_table(folder.path, evaluate.rows)
+        folder.seal("fit.toml", *write_table(folder.path, evaluate.rows))
     return fitted(fit, folder, runs, posterior)
 
 

@@ -12,6 +12,7 @@ from calibration.inverse.observation import Observation, Simulated, Written
 from calibration.inverse.statistics.data import Observed
 from calibration.inverse.statistics.prior import Array, Prior, prior_of
 from granulab.campaign.runs.folder import digest
+from granulab.contact.files.casefile import folder_name
 from granulab.contact.files.datafile import is_file, read_toml
 from granulab.contact.files.units import located, nearest
 from granulab.errors import InputError
@@ -121,8 +122,10 @@ def _fit(document: dict[str, Any], path: Path, text: str) -> Fit:
         if key not in _KEYS:
             raise InputError(f"unknown key {key!r}; {nearest(key, _KEYS)}")
     name = document.get("name", path.stem)
-    if not isinstance(name, str) or not name.isprintable() or Path(name).name != name:
-        raise InputError(f"name = {name!r}: a folder is called after it; give letters, digits, '-'")
+    try:
+        folder_name(name)
+    except ValueError as error:
+        raise InputError(str(error)) from None
     if document.get("simulator") not in NAMES:
         raise InputError(f"simulator = {document.get('simulator')!r}: one of {', '.join(NAMES)}")
     simulated = simulator(document["simulator"])

@@ -1,6 +1,6 @@
 """measure_pendulum: a ball on a string before a wall, or two blocks on strings, to restitution."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,14 +13,12 @@ from calibration.pendulum.fit import Seen, fit
 from calibration.pendulum.objects import Objects, objects_in
 from calibration.pendulum.result import Pendulum
 from calibration.pendulum.warnings import warnings_of
-from calibration.result import draw
+from calibration.result import checked, draw
 from calibration.statistics.correlated import pool
 from calibration.tracking.film.reader import Progress
 from calibration.tracking.segments import noise
 from calibration.tracking.track import Array, Track
 from granulab.errors import InputError
-
-_SURE = 3  # sigma
 
 
 def measure_pendulum(
@@ -32,6 +30,7 @@ def measure_pendulum(
     masses: tuple[float, float] | None = None,
     out: str | Path | None = None,
     progress: Progress | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> Pendulum:
     """Restitution of two objects on strings (eq. 3.6), or of one against a wall.
 
@@ -41,10 +40,11 @@ def measure_pendulum(
     roi       x, y, width, height of the part of a film to look at [px]
     masses    of the left and the right object [kg]; their ratio is checked by momentum
     out       folder for the diagnostic figure
+    units     of the columns of a table: {"time": "ms", "x": "mm", "y": "mm"}
 
     Raises InputError, one line, for what cannot be measured.
     """
-    objects = objects_in(source, fps=fps, names=tracks, roi=roi, progress=progress)
+    objects = objects_in(source, fps=fps, names=tracks, roi=roi, progress=progress, units=units)
     if masses is not None and len(objects.x) == 1:
         raise InputError("--masses: of two blocks; this is one object against a wall")
     rough, found = found_swings(objects.t, objects.gap)
@@ -53,23 +53,11 @@ def measure_pendulum(
         for x, y in zip(objects.x, objects.y, strict=True)
     )
     pendulum = _measured(objects, arcs, found, rough, masses)
-    _refuse_impossible(pendulum)
+    checked(pendulum.to_dict(), [objects.name])
     pendulum = replace(pendulum, warnings=tuple(warnings_of(pendulum)))
     if out is None:
         return pendulum
     return replace(pendulum, sheet=draw(pendulum, Path(out) / f"pendulum-{objects.name}.png"))
-
-
-def _refuse_impossible(found: Pendulum) -> None:
-    """InputError where the pooled restitution is surely below 0 or above 1."""
-    value, sigma = found.pooled.value, found.pooled.sigma
-    assert sigma is not None
-    if value < -_SURE * sigma or value > 1 + _SURE * sigma:
-        raise InputError(
-            f"{found.objects.name}: the speeds about its turning points give a restitution of "
-            f"{value:.2f} (sigma {sigma:.2g}), outside 0 to 1: these are no contacts of objects "
-            "that swing freely; give the part of the film where they are (--roi, or cut it)"
-        )
 
 
 def _measured(

@@ -3,7 +3,7 @@
 Frames that repeat the one before are left out, and the time for which the object is held.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.files.track_table import read_tracks
+from calibration.files.track_table import read_tracks, refuse_units
 from calibration.pendulum.colours import by_colour
 from calibration.pendulum.contacts import FEWEST, found_swings
 from calibration.statistics.repeated import repeated
@@ -88,12 +88,13 @@ def objects_in(
     names: Sequence[str] = (),
     roi: tuple[int, int, int, int] | None = None,
     progress: Progress | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> Objects:
     """Objects that swing in a film, a table or tracks; see measure_pendulum. Raises InputError."""
     fps = said_rate(fps)
     path = Path(source) if isinstance(source, str | Path) else None
     where = "" if path is None else f"{path}: "
-    tracks = _read(source, roi, progress)
+    tracks = _read(source, roi, progress, units)
     if names:
         tracks = _named(tracks, names, where)
     try:
@@ -111,6 +112,7 @@ def _read(
     source: str | Path | Track | Sequence[Track],
     roi: tuple[int, int, int, int] | None,
     progress: Progress | None,
+    units: Mapping[str, str] | None,
 ) -> list[Track]:
     if isinstance(source, Track):
         return [source]
@@ -119,7 +121,8 @@ def _read(
     if not is_film(source):
         if roi is not None:
             raise InputError(f"{source}: --roi is a part of a film; this is a table")
-        return read_tracks(source)
+        return read_tracks(source, units)
+    refuse_units(source, units)
     return _of_film(open_film(source), roi, progress)
 
 

@@ -50,6 +50,7 @@ def write_drop(folder: Path) -> list[Path]:
         f"contact_times_s = {_listed(truth.contacts)}\n"
         f"impact_speeds_m_s = {_listed(truth.speeds)}\n",
         encoding="utf-8",
+        newline="\n",
     )
     return [clip, facts]
 
@@ -71,6 +72,7 @@ def write_pendulum(folder: Path) -> list[Path]:
         f"contact_frames = {_listed(truth.frame)}\n"
         f"contact_times_s = {_listed(truth.contacts)}\n",
         encoding="utf-8",
+        newline="\n",
     )
     return [clip, facts]
 
@@ -82,14 +84,14 @@ def write_flow(folder: Path) -> list[Path]:
     clip, facts = folder / "flow.mp4", folder / "flow.json"
     with tempfile.TemporaryDirectory() as work:
         case = Path(work) / "sample.toml"
-        case.write_text(_SILO, encoding="utf-8")
+        case.write_text(_SILO, encoding="utf-8", newline="\n")
         run = simulated(case, Path(work) / "runs")
         stage = Stage(run, Look(scale=0.75e-3, lead=0.08, rest=0.3))
         times, pictures = film_of_run(stage, _SILO_CAMERA)
         write_film(pictures, clip, _SILO_CAMERA.rate)
         known = truth(run, stage, times, _SILO_CAMERA, _INTERVAL)
     recipe = {"recipe": "python -m calibration.rendered flow data/media", "schema": 1}
-    facts.write_text(json.dumps(recipe | known, indent=1) + "\n", encoding="utf-8")
+    facts.write_text(json.dumps(recipe | known, indent=1) + "\n", encoding="utf-8", newline="\n")
     return [clip, facts]
 
 

@@ -20,6 +20,7 @@ from calibration.files.tables import read_table
 from granulab.errors import InputError
 
 _MOST_ROUNDS = 5
+_LARGEST = 1e12  # [N, m/s2] of a sample
 INPUTS = (
     Input("force", "N", "of the shaker on the enclosure"),
     Input("acceleration", "m/s2", "of the enclosure"),
@@ -183,6 +184,11 @@ def _with_harmonics(
 def _finite(path: str | Path, name: str, x: NDArray[np.float64]) -> NDArray[np.float64]:
     if not np.isfinite(x).all():
         raise InputError(f"{path}: column {name!r}: a sample is missing or not finite")
+    if (size := float(np.abs(x).max(initial=0.0))) > _LARGEST:
+        raise InputError(
+            f"{path}: column {name!r}: a sample of {size:.3g} in SI: no shaker does that; check "
+            "the unit in the head"
+        )
     return x
 
 

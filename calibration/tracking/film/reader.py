@@ -172,7 +172,12 @@ def _natural(path: Path) -> list[Any]:
 def _picture(path: Path) -> Picture | None:
     import cv2
 
-    picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
+    try:
+        content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+    except OSError:
+        return None
+    # OpenCV itself finds no picture on Windows whose path has other letters than English ones.
+    picture = cv2.imdecode(content, cv2.IMREAD_COLOR) if len(content) else None
     return None if picture is None else np.asarray(picture, dtype=np.uint8)
 
 
