@@ -86,8 +86,11 @@ def _kernels_are_compiled_once(_of_all_workers) -> None:
 
 
 def _made_once(shared: Path, name: str, make: Callable[[Path], None]) -> Path:
-    """The folder of that name, made by the first worker that asks; the others wait for it."""
-    root = shared / name
+    """The folder of that name, made by the first worker that asks; the others wait for it.
+
+    Its path has spaces and letters of other languages, as those of other people have.
+    """
+    root = shared / f"{name}, größer Опыт"
     with FileLock(shared / f"{name}.lock"):
         if not (root / "finished").exists():
             shutil.rmtree(root, ignore_errors=True)  # of a worker that failed in it

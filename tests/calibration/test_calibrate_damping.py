@@ -111,7 +111,8 @@ def test_the_report_of_a_file_in_the_making(tmp_path):
     new = tmp_path / "new.toml"
     calibrate("damping", "--into", new, "--pair", "wood-steel", *GIVEN)
     result = calibrate("report", new)
-    assert "a simulator still needs [material.wood] density, [material.steel]" in result.out
+    assert "a simulator still needs [material.steel] density; [material.wood]" in result.out
+    assert "[pair.wood-wood.linear] kn, kt, gamma_n, gamma_t" in result.out
 
 
 @pytest.mark.parametrize("name", data_names("materials"))

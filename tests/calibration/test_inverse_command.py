@@ -11,37 +11,16 @@ from pathlib import Path
 import calibrating
 import numpy as np
 import pytest
-from small_damper import write_damper
+from small_fit import FIT, TRUTH, run_here, write_fit
 from small_silo import write_case
 
 from calibration.inverse import fit as fits
 from calibration.inverse.observation import Observation
 from calibration.inverse.silo import SIMULATED
-from damper3d.case.case import DamperCase
-from damper3d.run.protocol import run
-from granulab.campaign.sweeps.sweep import Task, run_labelled
 from silo2d.case.case import SiloCase
 from silo2d.measures.profile import measure
 from silo2d.run.protocol import run as run_silo
 
-# Ten cycles that count: the efficiency scatters by 6 % from one packing to the next.
-BED = {"output.keep": "summary", "output.frames": 0, "run.cycles": 12, "run.discard": 2}
-TRUTH, TRIALS = 0.3, 12
-FIT = """
-schema = 1
-simulator = "damper3d"
-case = "small.toml"
-seeds = 2
-runs = 24
-[settings]
-law.restitution = 0.6
-[parameters]
-law.friction = { distribution = "uniform", min = 0.02, max = 2.0 }
-[[observation]]
-kind = "eta"
-file = "eta.csv"
-trials = 12
-"""
 # Forty particles that come to rest soon, in layers of 15 mm: a run takes a quarter of a second.
 SILO = {
     "fill.level": "30 mm",
@@ -67,14 +46,6 @@ trials = 6
 """
 
 
-def run_here(simulator, cases, *, out, **engine):
-    """Runs in this process, which has the kernels: new workers would load them again."""
-    for _, case in cases:
-        if simulator.run_folder(case, out).state != "finished":
-            simulator.work(Task(case, out, packing_only=False), lambda: False)
-    return run_labelled(simulator, cases, out=out, quiet=True)
-
-
 @pytest.fixture
 def here(monkeypatch):
     monkeypatch.setattr(fits, "run_labelled", run_here)
@@ -83,21 +54,7 @@ def here(monkeypatch):
 @pytest.fixture(scope="module")
 def damper(tmp_path_factory):
     """A fit file with the mean efficiency of packings of a known friction, sigma 0.5 %."""
-    folder = tmp_path_factory.mktemp("damper")
-    case = write_damper(folder, BED)
-    changes = {"law.friction": TRUTH, "law.restitution": 0.6}
-    found = [
-        run(
-            DamperCase.load(case, changes | {"run.seed": 1000 + k}), out=folder / "truth"
-        ).efficiency
-        for k in range(TRIALS)
-    ]
-    mean = sum(found) / TRIALS
-    (folder / "eta.csv").write_text(
-        f"frequency [Hz],gamma,eta,sigma\n80,10,{mean},{0.005 * mean}\n"
-    )
-    (folder / "fit.toml").write_text(FIT)
-    return folder
+    return write_fit(tmp_path_factory.mktemp("damper")).parent
 
 
 @pytest.fixture(scope="module")

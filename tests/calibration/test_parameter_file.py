@@ -111,14 +111,22 @@ def test_a_file_is_begun_and_says_what_it_lacks(tmp_path):
     put(path, "pair.wood-steel", "kn", Estimate(1e7, None, 1))
     assert put(path, "material.wood", "density", Estimate(450.0, 5.0, 3)).lacking == [
         "[material.steel] density",
+        "[material.wood] length",
         "[pair.wood-steel] friction",
-        *[f"[pair.wood-steel.linear] {key}" for key in ("kt", "gamma_n", "gamma_t")],
+        "[pair.wood-steel.linear] kt",  # its gammas may follow from the restitution
+        "[pair.wood-wood] friction",
+        *[f"[pair.wood-wood.linear] {key}" for key in ("kn", "kt", "gamma_n", "gamma_t")],
     ]
     with pytest.raises(InputError, match="friction is missing"):
         load_table(path)
     put(path, "material.steel", "density", Estimate(7850.0, 5.0, 3))
     for key in ("kt", "gamma_n", "gamma_t"):
         put(path, "pair.wood-steel", key, Estimate(3.0, None, 1))
+    put(path, "material.wood", "length", Estimate(0.02, None, 1))
+    put(path, "pair.wood-wood", "friction")
+    for key in ("kn", "kt", "gamma_n", "gamma_t"):
+        assert put(path, "pair.wood-steel", "friction").lacking != []
+        put(path, "pair.wood-wood", key, Estimate(3.0, None, 1))
     assert put(path, "pair.wood-steel", "friction").lacking == []
     assert load_table(path).pair("steel", "wood").linear.kn.value == 1e7
 
@@ -439,7 +447,7 @@ def test_a_file_that_cannot_be_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"clip.mp4: no parameter file; give the name of a .toml"):
         put(tmp_path / "clip.mp4")
     (tmp_path / "folder.toml").mkdir()
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="not a file"):
         put(tmp_path / "folder.toml")
 
 

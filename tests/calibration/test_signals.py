@@ -54,7 +54,9 @@ def test_a_damaged_wav_is_read_or_refused_in_one_line(tmp_path, damage, length):
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @given(
-    values=st.lists(st.floats(-1e6, 1e6), min_size=16, max_size=50),
+    values=st.lists(  # no instrument writes 1e-30
+        st.floats(-1e6, 1e6).map(lambda value: round(value, 12)), min_size=16, max_size=50
+    ),
     separator=st.sampled_from([",", ";", "\t"]),
     unit=st.sampled_from([("s", 1.0), ("ms", 1e-3), ("us", 1e-6)]),
 )

@@ -129,7 +129,7 @@ def test_numbers_that_do_not_stand_below_their_names_are_linked_by_position(tmp_
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "no line of numbers"),
+        ("", "empty"),
         ("hello\nworld\n", "no line of numbers"),
         ("frame,x,z\n1,2,3\n", "no column 'y'"),
         ("1,2,3,4\n2,3,4,5\n", "without names"),

@@ -2,21 +2,28 @@
 
 import os
 import pty
+import re
 import signal
 import sys
 import threading
+import time
 
 import pytest
 
 from granulab.campaign.output import terminal
 from granulab.campaign.output.terminal import Progress, StopRequest
+from granulab.campaign.runs import stages as stages_module
+from granulab.campaign.runs.stages import COMPILING, Stages
+from granulab.campaign.sweeps.engine import Tally
+from granulab.campaign.sweeps.sweep import progress_of
 
 
 @pytest.fixture
 def clock(monkeypatch):
     """A clock that the test moves by hand, in seconds."""
     now = [100.0]
-    monkeypatch.setattr(terminal, "monotonic", lambda: now[0])
+    for module in (terminal, stages_module):
+        monkeypatch.setattr(module, "monotonic", lambda: now[0])
     return now
 
 
@@ -106,3 +113,112 @@ def test_stop_request_is_harmless_in_other_threads():
     thread.start()
     thread.join()
     assert seen == [(False, before)]
+
+
+def test_what_never_looks_is_interrupted_within_a_second(monkeypatch):
+    """Growth, shapes and long steps have no frames to end at; who looks ends by itself."""
+    monkeypatch.setattr(StopRequest, "interrupted", False)
+
+    def busy():
+        with StopRequest():
+            signal.raise_signal(signal.SIGINT)
+            while time.monotonic() - begun < 10.0:
+                pass
+
+    begun = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        busy()
+    assert time.monotonic() - begun < 5.0  # half a second on a machine that is not busy
+    with StopRequest() as stop:
+        signal.raise_signal(signal.SIGINT)
+        assert stop.requested
+        time.sleep(0.7)
+
+
+def test_what_takes_long_says_so_and_what_does_not_is_silent(monkeypatch, capsys):
+    monkeypatch.setattr(terminal, "_UNNOTICED", 0.01)
+    with terminal.patience("filling a shape", quiet=True):
+        time.sleep(0.05)
+    assert capsys.readouterr().err == ""
+    with terminal.patience("filling a shape"):
+        time.sleep(0.1)
+    assert capsys.readouterr().err == "filling a shape ... 0 s\n"
+
+
+def _seconds(words):
+    """The time left that words say [s], None where they say none."""
+    found = re.search(r"; (\S+) (s|min|h) left", words)
+    return found and float(found[1]) * {"s": 1, "min": 60, "h": 3600}[found[2]]
+
+
+def test_time_left_is_within_a_factor_of_a_half_though_all_was_expected_wrong(clock):
+    """Three stages on a machine three times as slow, the first four times.
+
+    Told from 5 s or 5 % of the work on, the later; the bar never goes back, and ends below 1 as the
+    caller's command goes on.
+    """
+    told = []
+    stages = Stages(lambda fraction, words: told.append((clock[0], fraction, words)))
+    stages.expect(filling=10.0, settling=2.0, shaking=20.0)
+    for stage, cost in (("filling", 40.0), ("settling", 6.0), ("shaking", 60.0)):
+        stages.begin(stage)
+        for k in range(100):
+            clock[0] += cost / 100
+            stages.report(stage, k + 1, 99 - k, "on")
+        stages.finish(stage)
+    end = clock[0]
+    fractions = [fraction for _, fraction, _ in told]
+    assert fractions == sorted(fractions)
+    assert 0.9 < fractions[-1] < 1.0
+    late = [(end - now, _seconds(words)) for now, _, words in told if 105.3 < now < end - 2.0]
+    assert len(late) > 280
+    assert all(left / 1.5 < said < 1.5 * left for left, said in late)
+
+
+def test_bar_of_what_may_end_early_is_by_its_position_and_hedged(clock):
+    told = []
+    stages = Stages(lambda fraction, words: told.append((fraction, words)))
+    stages.expect(discharging=10.0)
+    stages.hedge = " at most"
+    clock[0] += 4.0
+    stages.report("discharging", 3.0, 1.0, "t = 1 s of at most 6 s", position=1 / 6)
+    fraction, words = told[-1]
+    assert fraction == pytest.approx(1 / 6)
+    assert words == "discharging, t = 1 s of at most 6 s; 2 s left at most"
+
+
+def test_stage_that_is_gone_on_with_is_judged_by_what_was_done_since(clock):
+    stages = Stages(lambda fraction, words: None)
+    stages.expect(filling=5.0, shaking=100.0)
+    stages.finish("filling")  # it was there
+    stages.begin("shaking", 90, 10)
+    clock[0] += 5.0
+    stages.report("shaking", 95, 5, "on")
+    assert stages.seconds_left() == pytest.approx(5.0)
+
+
+def test_compiling_is_reported_once_and_is_no_other_stages_time(clock, monkeypatch):
+    """numba's own events of a function compiled on the fly: words, and no time of the stage's."""
+    import numba
+
+    told = []
+    stages = Stages(lambda fraction, words: told.append(words), compiling=(4.0, 1))
+    stages.expect(filling=10.0)
+    stages.report("filling", 1, 9, "on")
+    with stages.watching(), stages.watching():
+        numba.njit(lambda x: x + 1)(1)
+    assert told[-1].startswith(f"{COMPILING}, function 1 of about 1")
+    clock[0] += 1.0
+    stages.report("filling", 2, 8, "on")
+    assert stages.seconds_left() == pytest.approx(
+        8.0 * (1 + 0.05 * 10) / (0.2 + 0.05) / 10, rel=0.2
+    )
+
+
+def test_sweep_says_the_time_left_from_what_its_runs_took():
+    """Eight runs of 10 s expected; two took 30 s, two run for 15 s: 4.5 times 30 s on two cores."""
+    tally = Tally(8, 2, 2, 0, slots=2, took={0: 30.0, 1: 30.0}, since={2: 15.0, 3: 15.0})
+    done, left = progress_of(tally, [10.0] * 8)
+    assert left == pytest.approx(75.0, rel=0.1)
+    assert done == pytest.approx(3 / 8, abs=0.03)
+    assert progress_of(Tally(1, 1, took={0: 5.0}), [10.0]) == (1.0, 0.0)

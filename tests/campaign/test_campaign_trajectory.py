@@ -6,15 +6,23 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from resealed import resealed
 
 from granulab.campaign.runs.folder import SCHEMA, FolderError
-from granulab.campaign.runs.trajectory import TrajectoryWriter, read_tables, read_trajectory
+from granulab.campaign.runs.trajectory import (
+    TrajectoryWriter,
+    read_tables,
+    read_trajectory,
+    stored_tables,
+)
 
+_HERE = Path(__file__).parent
 STATIC = {"radius": np.array([1.0, 2.0]), "n_corners": np.array([3, 4])}
 ATTRIBUTES = {"unit": "SI", "frame_step": 0.01}
 
@@ -208,9 +216,16 @@ def test_damaged_foreign_and_absent_files_are_refused(tmp_path):
     path.write_bytes(whole[: len(whole) // 2])
     refused(lambda: read_trajectory(tmp_path), "trajectory.h5", "damaged")
     path.write_bytes(whole)
-    with h5py.File(path, "r+") as file:
+    with resealed(path) as file:
         file.attrs["schema"] = SCHEMA + 1
     refused(lambda: read_trajectory(tmp_path), "trajectory.h5", f"schema {SCHEMA + 1}")
+    for rows in (1.0, np.zeros(1)):  # where the others have two
+        with resealed(path) as file:
+            file.attrs["schema"] = SCHEMA
+            (name, *_) = file["frames"]
+            del file["frames"][name]
+            file["frames"][name] = rows
+        refused(lambda: read_trajectory(tmp_path), "trajectory.h5", "damaged")
 
 
 def test_full_disk_loses_no_frame(tmp_path):
@@ -226,6 +241,100 @@ def test_full_disk_loses_no_frame(tmp_path):
     holds(tmp_path, 2)
     writer.flush()
     holds(tmp_path, 4)
+
+
+def arrays_in(path: Path) -> dict[str, np.ndarray]:
+    """What moves in a file of a trajectory, by name, as other programs read it."""
+    found: dict[str, np.ndarray] = {}
+
+    def collect(name: str, item: h5py.Dataset | h5py.Group) -> None:
+        if isinstance(item, h5py.Dataset) and not name.startswith("static/"):
+            found[name] = item[()]
+
+    with h5py.File(path) as file:
+        file.visititems(collect)
+    return found
+
+
+def many_frames(folder: Path, n_parts: int) -> TrajectoryWriter:
+    """Parts of ten frames of 2000 numbers, and a table each that is longer in every part."""
+    writer, random_numbers = TrajectoryWriter(folder), np.random.default_rng(1)
+    for k in range(n_parts):
+        for _ in range(10):
+            writer.append({"x": random_numbers.standard_normal(2000), "time": 0.1 * k})
+        forces = {"contacts": {"force": random_numbers.standard_normal((50 * k, 2))}}
+        writer.append({"x": np.zeros(2000), "time": 0.1 * k}, forces)
+        writer.flush()
+    return writer
+
+
+def test_the_merged_file_holds_what_the_parts_held(tmp_path):
+    """Every array end to end, to the bit, over several chunks of half a mebibyte."""
+    writer = many_frames(tmp_path, 12)
+    parts = [arrays_in(tmp_path / "parts" / f"{k:05d}.h5") for k in range(12)]
+    merged = arrays_in(writer.finish(STATIC, ATTRIBUTES))
+    assert merged.keys() == parts[0].keys()
+    for name, array in merged.items():
+        expected = np.concatenate([part[name] for part in parts if name in part])
+        assert (array.dtype, array.shape) == (expected.dtype, expected.shape)
+        assert array.tobytes() == expected.tobytes()
+
+
+def peak_of_merging(folder: Path, n_parts: int) -> int:
+    writer = many_frames(folder, n_parts)
+    tracemalloc.start()
+    try:
+        writer.finish(STATIC, ATTRIBUTES)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_merging_takes_no_more_memory_for_more_parts(tmp_path):
+    """An array of a part is in memory at a time, with a frame's numbers and the hash's 2^18 bytes.
+
+    Five times as many parts may take one such array more, as the last may not be freed yet.
+    """
+    an_array = 11 * 2000 * 8
+    few, many = (peak_of_merging(tmp_path / str(n), n) for n in (4, 20))
+    assert few < 2 * an_array + 2**18 + 2**16
+    assert many < few + an_array  # all of them: 20
+
+
+def test_a_disk_that_fills_up_while_parts_are_merged_loses_no_frame(tmp_path):
+    """Wherever in the file it happens; HDF5 does not take the process down."""
+    writer = many_frames(tmp_path, 8)
+    size = sum(path.stat().st_size for path in (tmp_path / "parts").iterdir())
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for limit in (100, 513, 3000, size // 8, size // 2):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limits[1]))
+        try:
+            refused(lambda: writer.finish(STATIC, ATTRIBUTES), "cannot be written", "make room")
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        assert not list(tmp_path.rglob(".*.tmp"))
+    writer.finish(STATIC, ATTRIBUTES)
+    assert len(read_trajectory(tmp_path)["time"]) == 8 * 11
+
+
+def test_what_is_not_chosen_is_not_read(tmp_path):
+    """Some rows of some arrays, of each file; columns of tables likewise."""
+    write(writer := TrajectoryWriter(tmp_path), range(0, 4))
+    write(writer, range(4, 7))
+
+    def last_of_x(name: str, stored: h5py.Dataset) -> slice | None:
+        return slice(-1, None) if name == "x" else None
+
+    for merged, rows in ((False, [frame(3)["x"], frame(6)["x"]]), (True, [frame(6)["x"]])):
+        if merged:
+            writer.finish(STATIC, ATTRIBUTES)
+        chosen = read_trajectory(tmp_path, last_of_x)
+        assert set(chosen) == {"x"}
+        np.testing.assert_array_equal(chosen["x"], np.stack(rows))
+        tables = stored_tables(tmp_path, {"contacts": ["body"]})["contacts"]
+        assert set(tables.columns) == {"body"}
+        assert tables.at(-1)["body"].tolist() == [6, 6]
+        assert stored_tables(tmp_path, {"walls": ["force"]}) == {}
 
 
 _FLUSHING = """
@@ -249,7 +358,7 @@ def kill_while(folder: Path, loop: str, parts: int, rounds: int, delay: float) -
     """SIGKILL a process in its loop after some rounds and a little; the parts it promised."""
     script = (
         "import sys\nfrom pathlib import Path\n"
-        f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        f"sys.path[:0] = [{str(_HERE)!r}, {str(_HERE.parent / 'helpers')!r}]\n"
         "from test_campaign_trajectory import *\n"
         f"folder, parts = Path({str(folder)!r}), {parts}\n{loop}"
     )

@@ -316,7 +316,6 @@ gamma_t = "3 1/s"
         ),
         ("friction = 0.38", "", "[pair.wood-wood] friction is missing"),
         ("friction = 0.38", "friction = {}", "[pair.wood-wood] friction.value is missing"),
-        ('kn = "1.0e4 N/mm"', "", "[pair.wood-wood.linear] kn is missing; give it in N/mm"),
         (
             'density = "0.45 g/cm3"',
             "",
@@ -430,7 +429,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
     path.write_bytes(b"\x89PNG\r\n\x1a\n")
     with pytest.raises(InputError, match="not valid TOML"):
         load_table(path)
-    with pytest.raises(InputError, match=r"cannot be read \(.*\); give a TOML file"):
+    with pytest.raises(InputError, match="not a file; give a TOML file"):
         load_table(tmp_path)
 
 

@@ -20,7 +20,7 @@ from damper3d.case.settings import Settings, check_settings, to_toml
 from damper3d.engine.enclosures import box, cylinder
 from damper3d.shapes.particle import parse_particle
 from granulab.campaign.runs.folder import digest
-from granulab.contact.files.casefile import known_keys
+from granulab.contact.files.casefile import LARGEST, SMALLEST, known_keys
 from granulab.contact.files.datafile import data_file, data_root
 from granulab.errors import InputError
 
@@ -529,16 +529,21 @@ def test_whatever_stands_in_a_case_file_is_resolved_or_refused_in_one_line(chang
 def any_settings() -> st.SearchStrategy[Settings]:
     """Settings of any values that their ranges allow, whether or not a damper can have them."""
     sizes = st.floats(min_value=0, exclude_min=True, allow_infinity=False)
+    lengths = st.floats(SMALLEST, LARGEST)
     finite = st.floats(allow_nan=False, allow_infinity=False)
     vectors = st.lists(finite, min_size=3, max_size=3)
     tables = {
-        "enclosure": {"diameter": st.none() | sizes, "height": sizes, "material": words()},
+        "enclosure": {"diameter": st.none() | lengths, "height": lengths, "material": words()},
         "particles": {"shape": words(), "count": st.none() | st.integers(1, 10**7)},
         "motion": {
             "gamma": sizes,
             "direction": st.none() | vectors,
         },
-        "law": {"friction": st.none() | sizes, "yielding": st.booleans(), "density": sizes},
+        "law": {
+            "friction": st.none() | st.floats(0, 1000),
+            "yielding": st.booleans(),
+            "density": sizes,
+        },
         "fill": {"settle_time": sizes},
         "run": {"seed": st.integers(0, 2**63 - 1), "time_step": st.none() | sizes},
         "output": {"frames": st.integers(0, 10_000)},

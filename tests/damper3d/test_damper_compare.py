@@ -8,6 +8,7 @@ from fake_damper_run import EFFICIENCY, LAW_GAIN, SHARES, write_fake_damper_run
 from small_damper import damper3d
 
 from damper3d.view.compare import compare, draw, labels
+from granulab.campaign.runs.folder import RunFolder
 
 
 @pytest.fixture(scope="module")
@@ -42,8 +43,8 @@ def test_a_run_compared_with_itself_does_not_differ(runs):
 def test_runs_without_an_interval_are_compared_all_the_same(runs, tmp_path):
     """One counted cycle has none."""
     write_fake_damper_run(tmp_path / "run")
-    path = tmp_path / "run" / "summary.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"efficiency_interval": None}))
+    run = RunFolder(tmp_path / "run")
+    run.write_summary(run.read_summary() | {"efficiency_interval": None})
     found = compare(runs[0], tmp_path / "run")
     assert found["difference"]["efficiency_over_interval"] is None
     assert damper3d("compare", runs[0], tmp_path / "run", "--no-figures").code == 0
@@ -91,10 +92,10 @@ def test_runs_that_are_not_finished_or_damaged_are_refused(runs, tmp_path):
     assert result.code == 2
     assert "not finished; go on with: damper3d run --resume" in result.err
     write_fake_damper_run(tmp_path / "damaged")
-    path = tmp_path / "damaged" / "summary.json"
-    kept = json.loads(path.read_text())
+    run = RunFolder(tmp_path / "damaged")
+    kept = run.read_summary()
     del kept["shares"]
-    path.write_text(json.dumps(kept))
+    run.write_summary(kept)
     result = damper3d("compare", tmp_path / "damaged", runs[0])
     assert result.code == 2
     assert "damaged (no shares); use --again" in result.err

@@ -23,7 +23,7 @@ UP = np.array([0.0, 0.0, 1.0])
 SIDEWAYS = np.array([1.0, 0.0, 0.0])
 
 
-def _silent(fraction: float, text: str) -> None: ...
+def _silent(stage: str, fraction: float, text: str) -> None: ...
 
 
 # The random start

@@ -11,7 +11,7 @@ from damper3d.view.film import film_frames, make_film
 from damper3d.view.scene import read_scene
 from damper3d.view.spheres import cut_open
 from granulab.campaign.output.figure import PAPER, WALL
-from granulab.campaign.output.film import FPS, rgb
+from granulab.campaign.output.film import FPS, played_by, rgb, write_film
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +37,21 @@ def test_film_has_a_picture_for_every_frame(scene, frames):
     assert not others
     assert height % 2 == width % 2 == 0
     assert max(height, width) < 900
+
+
+def test_a_film_of_the_last_cycle_alone(scene, frames):
+    """From its first moment to its last: eight frames and the one before."""
+    last = list(film_frames(scene, cycles=1))
+    assert len(last) == 9
+    assert all((one == other).all() for one, other in zip(last, frames[-9:], strict=True))
+
+
+def test_a_film_that_not_everything_plays_says_so(frames, tmp_path, monkeypatch):
+    monkeypatch.setattr("granulab.campaign.output.film._h264", lambda path, frames: False)
+    path = write_film(tmp_path, lambda: iter(frames[:2]))
+    assert "H.264 comes with" in played_by(path)
+    (tmp_path / "other.mp4").write_bytes(b"....avc1....")
+    assert played_by(tmp_path / "other.mp4") == ""
 
 
 def test_enclosure_and_spheres_move_together_in_the_film(scene, frames):

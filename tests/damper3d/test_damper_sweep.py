@@ -123,7 +123,10 @@ def test_a_sweep_has_the_bits_of_single_runs_and_one_packing(swept, tmp_path):
     options = ["--gamma", 5, "-o", tmp_path, "--quiet", "--json", "--no-figures"]
     single = damper3d("run", swept.parent / "small.toml", *options).json
     assert single["state_digest"] == rows[0]["state_digest"] != rows[1]["state_digest"]
-    assert float(rows[0]["efficiency"]) == single["efficiency"]
+    whole = "efficiency_with_settling"
+    assert float(rows[0][whole]) == single[whole]
+    assert (rows[0]["efficiency"], single["efficiency"]) == ("", None)  # two cycles: it settles
+    assert rows[0]["efficiency_note"] == single["efficiency_note"] != ""
     assert single["n_particles"] == CASE["particles.count"]
 
 

@@ -57,7 +57,7 @@ def test_dry_run_says_how_many_runs_and_writes_nothing(damper3d, tmp_path):
         (["map", "--gammas", "1,0"], "gammas: 0: must be above 0"),
         (["map", "--frequencies", ""], "frequencies: empty"),
         (["map", "--packings", "0"], "packings = 0"),
-        (["map", "--frequency", "40"], "--frequencies and --gammas"),
+        (["map", "--frequency", "40"], "give --frequencies"),
         (["predict", "--frequencies", "a"], "write numbers with commas"),
         (["predict", "--frequencies", "0"], "frequencies: 0"),
         (["predict", "--packing", "0.4"], "fill ratio = 0.466"),

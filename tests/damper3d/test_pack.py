@@ -199,3 +199,21 @@ def test_the_count_may_fill_as_much_as_the_shape_packs():
     assert shaped("prolate:1.5", **{"particles.count": 145}).count == 145
     with pytest.raises(InputError, match=r"above random close packing, 0\.64"):
         shaped("prolate:1", **{"particles.count": 145})
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "cure"),
+    [
+        (["predict", "--frequency", "20"], "--frequency", "--frequencies"),
+        (["predict", "--gamma", "3"], "--gamma", "--simulate"),
+        (["map", "--gamma", "3"], "--gamma", "--gammas"),
+        (["pack", "--seed", "2"], "--seed", "--packings"),
+        (["pack", "--engine", "dask"], "--engine", "No such option"),
+    ],
+)
+def test_option_that_a_command_does_not_take_is_refused_and_not_in_its_help(
+    command, option, cure, tmp_path
+):
+    assert_refused(damper3d(*command), option, cure)
+    told = damper3d(command[0], "--help").out
+    assert f" {option} " not in told

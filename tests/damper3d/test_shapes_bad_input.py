@@ -56,6 +56,8 @@ def test_a_shape_that_cannot_be(text, words):
         ("sphere:5mm", {"tolerance": 0.1}, ["tolerance goes with other shapes"]),
         ("toroid:0.2", {"mesh_unit": "mm"}, ["mesh_unit goes with a mesh"]),
         ("mesh:x.stl", {"mesh_unit": "mm", "equal_volume_radius": 1e-3}, ["leave one of them"]),
+        ("mesh:x.stl", {"mesh_unit": "nan"}, ["mesh_unit", "unknown unit 'nan'"]),
+        ("mesh:x.stl", {"mesh_unit": "1e-300 mm"}, ["mesh_unit = 1e-303 m", "check the unit"]),
     ],
 )
 def test_sub_spheres_that_cannot_be(text, given_values, words):
@@ -149,6 +151,8 @@ def test_a_face_that_is_folded_back_is_found_wherever_it_is(x, y, angle):
         ("x.ply", b"ply"), ("x.stl", b""), ("x.stl", b"\x00" * 90),
         ("x.stl", b"solid\nvertex 0 0 zero\n"), ("x.obj", b"f 1 2 3\n"),
         ("x.obj", b"v 0 0 0\nv 1 0 0\nv 0 inf 0\nf 1 2 3\n"),
+        ("x.obj", b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n"), ("x.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"),
+        ("x.stl", b"solid x\nendsolid x\n"),
     ],
 )  # fmt: skip
 def test_a_file_that_is_no_mesh(name, data, tmp_path):

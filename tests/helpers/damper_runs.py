@@ -21,6 +21,8 @@ CASE: dict[str, Any] = {
     "output.samples": 20,
     "output.frames": 4,
 }
+# Particles times steps of three samples: a checkpoint each, so some 27 in the four cycles.
+OFTEN = 3 * 20 * 315 + 1
 # Particles of several spheres in the same enclosure.
 SPHEROIDS = CASE | {
     "particles.shape": "prolate:1.5",

@@ -26,7 +26,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as out:
         result = run(case, out=out)
         found = {
-            "closure": result.energy_closure, "efficiency": result.efficiency,
+            "closure": result.energy_closure, "efficiency": result.efficiency_with_settling,
             "enclosure": enclosure.found(case, result, out), "motion": motion.found(case, result),
         }  # fmt: skip
     print(json.dumps(found))

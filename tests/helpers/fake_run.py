@@ -8,7 +8,7 @@ import numpy as np
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import TrajectoryWriter
 from silo2d.case.outline import Outline, preset
-from silo2d.case.shape import load_shapes
+from silo2d.case.shapefile import load_shapes
 from silo2d.run.numbers import MECHANISMS, discharge_measures, published_times
 
 GRAVITY = 9.81

@@ -29,6 +29,11 @@ def surroundings(_: Any, stop: Stop) -> tuple[str | None, str | None, int]:
     return os.environ.get("OMP_NUM_THREADS"), os.environ.get("NUMBA_NUM_THREADS"), os.getpid()
 
 
+def on_ctrl_c(_: Any, stop: Stop) -> str:
+    """What Ctrl-C does to the process of a task."""
+    return "ignored" if signal.getsignal(signal.SIGINT) == signal.SIG_IGN else "taken"
+
+
 def killed(task: tuple[Path, int], stop: Stop) -> int:
     """Kills its own process the first so many times that it is called; then says how many."""
     file, times = task

@@ -29,6 +29,10 @@ class ThisProcess:
     def ask_to_stop(self) -> None:
         """No task runs when it could be asked."""
 
+    def give_up(self) -> bool:
+        """No task runs when it could be killed."""
+        return False
+
     def lost(self) -> str:
         """Nothing is ever lost."""
         return ""

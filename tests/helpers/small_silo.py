@@ -51,6 +51,12 @@ CASE: dict[str, Any] = {
     "run.rest_time": "50 ms",
     "output.checkpoint_interval": "20 ms",
 }
+# More steps, and some thirty checkpoints: more time to be killed in.
+SLOW = {
+    "run.time_step": "6 us",
+    "output.checkpoint_interval": "10 ms",
+    "output.contact_interval": "20 ms",  # in one part of two, and after every checkpoint
+}
 
 
 class DischargeStop:

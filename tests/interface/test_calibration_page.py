@@ -1,4 +1,4 @@
-"""The way from measurements to a simulation that docs/calibration.md goes, gone."""
+"""The ways from measurements to a simulation that the docs go, gone."""
 
 import re
 import shlex
@@ -10,16 +10,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 from calibrating import calibrate
+from refusals import assert_refused
+from small_damper import damper3d
 from small_silo import silo2d
+
+from granulab.contact.files.datafile import data_file
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "calibration.md").read_text()
-COMMANDS = {"calibrate": calibrate, "silo2d": silo2d}
+OWN = (ROOT / "docs" / "own-case.md").read_text()
+COMMANDS = {"calibrate": calibrate, "silo2d": silo2d, "damper3d": damper3d}
+_COMMAND = r"^    ((?:calibrate|silo2d|damper3d) (?:.*\\\n)*.*)$"
+_FILE = r"`([\w.]+)`:\n\n```\w+\n(.*?)```"
 
 
-def commands():
-    """The lines of the page that are commands, each in words."""
-    shown = re.findall(r"^    ((?:calibrate|silo2d) (?:.*\\\n)*.*)$", PAGE, re.MULTILINE)
+def commands(page=PAGE):
+    """The lines of a page that are commands, each in words."""
+    shown = re.findall(_COMMAND, page, re.MULTILINE)
     return [shlex.split(text.replace("\\\n", " ")) for text in shown]
 
 
@@ -61,6 +68,29 @@ def test_the_page_goes_from_measurements_to_a_simulation(at_the_top):
     ):
         value, sigma = (float(str(entry[key]).split()[0]) for key in ("value", "sigma"))
         assert abs(value - truth) < 3 * sigma
+
+
+def test_a_run_of_ones_own_begins_in_an_empty_folder(tmp_path, monkeypatch):
+    """Files and commands as the page has them, in its order; of the discharge the first 20 ms.
+
+    The film is the shipped one, which is rendered as the page says (test_media_samples).
+    """
+    monkeypatch.chdir(tmp_path)
+    Path("drop.mp4").write_bytes(data_file("media", "drop").read_bytes())
+    for name, text in re.findall(_FILE, OWN, re.DOTALL):
+        Path(name).write_text(text)
+    for program, *words in commands(OWN):
+        if "steel" in words:
+            assert_refused(COMMANDS[program](*words), "[material.beech] density [g/cm3], length")
+            continue
+        if words == ["run", "bench.toml"]:
+            words += ["--max-time", "20 ms", "--no-figures"]
+        result = COMMANDS[program](*words)
+        assert result.code == 0, (words, result.err)
+        if words[0] == "report":
+            assert "still needs" not in result.out
+        if "20 ms" in words:
+            assert "bench, seed 1: stopped at the time limit" in result.out
 
 
 def test_the_tables_are_those_of_their_recipe(tmp_path):

@@ -36,6 +36,12 @@ def test_a_folder_that_cannot_be_written_is_refused_before_all_else(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("command", [silo2d, damper3d])
+@pytest.mark.parametrize("options", [(), ("--verify",)])
+def test_a_folder_with_a_name_longer_than_any_is_refused(command, options):
+    assert_refused(command("list", *options, "-o", "x" * 300), "xxx", "longer than", "shorter")
+
+
 def test_a_finished_run_is_given_from_a_folder_that_takes_no_new_ones(
     finished, tmp_path, monkeypatch
 ):

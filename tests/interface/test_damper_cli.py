@@ -63,10 +63,10 @@ def test_a_run_leaves_its_case_and_list_and_show_find_it(finished):
     for name in ("case.toml", "materials.toml", "provenance.json", "summary.json", "trajectory.h5"):
         assert (run / name).is_file()
     listed = damper3d("list", "-o", finished / "runs").out
-    line = next(line for line in listed.splitlines() if line.startswith(f"run        {run}  "))
+    _, _, line = " ".join(listed.split()).partition(f"run {run}: ")
     for word in ("20 of sphere:5mm", "vertical", " Hz, gamma ", ": efficiency 0."):
         assert word in line
-    assert "packing    " in listed
+    assert "packings   " in listed
     assert "seed 1: efficiency" in damper3d("show", run).out
     resumed = damper3d("run", "--resume", run, "--json", "--quiet", "--no-figures").json
     assert resumed["reused"]

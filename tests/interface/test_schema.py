@@ -8,16 +8,18 @@ from pathlib import Path
 
 import click
 import pytest
+from refusals import assert_refused
 from small_damper import damper3d
 from small_silo import silo2d
 
 from damper3d.case import settings as damper
 from granulab.contact.files.casefile import sections
-from granulab.contact.files.datafile import data_root
+from granulab.contact.files.datafile import data_file, data_root
 from granulab.contact.files.keys import Keys
 from granulab.contact.files.reference import keys_of
 from granulab.errors import InputError
 from silo2d.case import settings as silo
+from silo2d.case.case import SiloCase
 
 BOTH = pytest.mark.parametrize("simulator", [silo, damper], ids=["silo", "damper"])
 ROOT = Path(__file__).parents[2]
@@ -51,6 +53,41 @@ def test_pages_name_files_that_exist(page):
     folder = (ROOT / page).parent
     missing = [name for name in named if not list(ROOT.glob(name.rstrip("/")))]
     assert missing + [name for name in linked if not (folder / name).exists()] == []
+
+
+@pytest.mark.parametrize(
+    ("program", "start", "use"),
+    [
+        (silo2d, ["--materials"], ["run", "A4", "--materials"]),
+        (silo2d, ["--shapes"], ["run", "A4", "--shapes"]),
+        (silo2d, ["--from", "wood"], ["run", "A4", "--materials"]),
+        (silo2d, ["--from", "pentagons"], ["run", "beverloo", "--shapes"]),
+        (silo2d, ["--from", "B2"], ["run"]),
+        (damper3d, ["--materials"], ["run", "--material"]),
+        (damper3d, ["--from", "steel"], ["run", "--restitution", "0.7", "--material"]),
+        (damper3d, ["--from", "damper"], ["run"]),
+    ],
+)
+def test_init_begins_files_that_a_run_takes(program, start, use, tmp_path):
+    file = tmp_path / "mine.toml"
+    written = program("init", file, *start)
+    assert (written.code, written.err) == (0, "")
+    assert str(file) in written.out
+    done = program(*use, file, "--dry-run")
+    assert done.code == 0, done.err
+
+
+def test_init_copies_a_file_that_is_there_and_of_the_kind(tmp_path):
+    file, copy = tmp_path / "mine.toml", tmp_path / "copy.toml"
+    assert silo2d("init", file, "--from", "wood").code == 0
+    assert silo2d("init", copy, "--from", file).code == 0
+    assert copy.read_text("utf-8") == data_file("materials", "wood").read_text("utf-8")
+    for words in (["--from", "wod"], ["--from", "thesis"], ["--from", "wood", "--shapes"]):
+        assert_refused(silo2d("init", tmp_path / "new.toml", *words), f"--from {words[1]}")
+    preset = tmp_path / "b2.toml"
+    silo2d("init", preset, "--from", "B2")
+    mine, b2 = SiloCase.load(preset), SiloCase.load("B2")
+    assert (mine.outline.polygon == b2.outline.polygon).all()
 
 
 @BOTH

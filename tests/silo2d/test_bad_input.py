@@ -1,7 +1,11 @@
 """What cannot be run: one line on stderr, exit code 2 or 3, no traceback, nothing overwritten."""
 
 import json
+import os
+import re
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,6 +13,7 @@ from typing import Any
 import h5py
 import pytest
 from refusals import assert_refused
+from resealed import resealed
 from small_silo import NARROWEST, DischargeStop, contents, silo2d, the_run, write_case
 
 from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
@@ -71,7 +76,9 @@ BAD_CASES: list[tuple[dict[str, Any], list[str]]] = [
     ({"particles.shapes": "small.toml"}, ["small.toml", "unknown key"]),
     ({"name": "up/down"}, ["name = 'up/down'", "run folder"]),
     ({"name": "two\nlines"}, ["name = 'two\\nlines'", "run folder"]),
+    ({"name": "a:b"}, ["name = 'a:b'", "Windows", "leave out"]),
     ({"name": 4}, ["name = 4", "valid string"]),
+    ({"name": 255 * "a" + "b"}, ["256 bytes", "at most 200"]),
     ({"silo": 4, **POLYGON}, ["[silo] expected a table"]),
     # units
     ({"silo.outlet": 50}, ["[silo] outlet = 50", "unit is missing", "'475 mm'"]),
@@ -98,6 +105,10 @@ BAD_CASES: list[tuple[dict[str, Any], list[str]]] = [
     ({"run.seed": -1}, ["seed = -1", "greater than or equal to 0"]),
     ({"run.seed": 1.5}, ["seed = 1.5", "integer"]),
     ({"output.layer_height": "0 mm"}, ["layer_height", "greater than 0"]),
+    ({"output.layer_height": "1e-300 m"}, ["layer_height = 1e-300 m", "check the unit"]),
+    ({"output.layer_height": "1e-9 m"}, ["layer_height", "greater than or equal to 0.000001"]),
+    ({"pymunk.iterations": True}, ["[pymunk] iterations = true", "give a number"]),
+    ({"run.seed": True}, ["seed = true", "give a number"]),
     ({"silo.angle": "90 deg"}, ["[silo]", "angle = 90 deg"]),
     ({"silo.angle": "-5 deg"}, ["[silo]", "angle = -5 deg"]),
     ({"silo.angle": "85 deg"}, ["[silo]", "angle = 85 deg", "at most"]),
@@ -128,10 +139,41 @@ BAD_CASES: list[tuple[dict[str, Any], list[str]]] = [
         {**POLYGON, "silo.outline": SQUARE, "silo.outlet": "20 mm", "silo.outlet_centre": "5 mm"},
         ["outlet_centre = 5 mm", "from 10 mm to 40 mm"],
     ),
+    # what no material, and nobody's patience, can have
+    ({"law.kn": "1e20 N/m", "run.time_step": None}, ["kn = 1e+20 N/m", "stiffer than any"]),
+    ({"law.gamma_n": "1e9 1/s", "run.time_step": None}, ["gamma_n = 1e+09", "overdamped"]),
+    ({"law.gamma_t": "1e9 1/s", "run.time_step": None}, ["gamma_t = 1e+09", "overdamped"]),
+    ({"run.time_step": "1e-30 s"}, ["time_step = 1e-30 s", "6.0e+30 steps", "nobody can wait"]),
+    ({"run.max_time": "1e12 s"}, ["1e+12 s take", "steps", "max_time"]),
+    ({"run.max_time": "1e-9 s"}, ["max_time = 1e-09 s", "shorter than a step"]),
+    (
+        {"run.engine": "pymunk", "pymunk.time_step": "1 ns"},
+        ["[pymunk] time_step = 1e-09", "nobody can wait"],
+    ),
+    (
+        {"output.frame_interval": "1 us", "run.max_time": "60 s"},
+        ["frame_interval = 1e-06 s", "no disk keeps"],
+    ),
+    ({"law.mu_wall": 1e6, "law.mu_particle": None}, ["mu_wall = 1000000.0", "equal to 1000"]),
+    ({"fill.settled": 1e12}, ["settled", "less than or equal to 1"]),
+    ({"run.seed": 10**300}, ["[run] seed", "9223372036854775807"]),
+    ({"run.door_speed": "1e12 m/s"}, ["door_speed", "less than or equal to 1000"]),
+    ({"silo.outlet_centre": "0 mm"}, ["outlet_centre goes with an outline"]),
+    ({"silo.outline_unit": "s"}, ["outline_unit = '1 s'", "wrong"]),
+    # names
+    ({"name": "n" * 300}, ["name = ", "300 bytes", "at most 200"]),
+    ({"name": ".."}, ["name = '..'"]),
+    ({"particles.shapes": "a\x00b"}, ["zero byte"]),
     # what the materials file lacks
-    ({"particles.wall": "steel"}, ["wood.toml", "no pair wood-steel", "known: wood-wood"]),
+    (
+        {"particles.wall": "steel"},
+        ["wood.toml", "[material.steel] density", "[pair.wood-steel.linear] kt", "known: wood,"],
+    ),
     ({"particles.materials": "steel"}, ["steel.toml", "no material 'wood'"]),
-    ({"particles.material": "methacrylate"}, ["[material.methacrylate] length is missing"]),
+    (
+        {"particles.material": "methacrylate"},
+        ["[material.methacrylate] length [mm]", "[pair.methacrylate-methacrylate] friction"],
+    ),
     (
         {"law.damping": "restitution", "law.gamma_n": "5 1/s"},
         ["[law] gamma_n", "leave one of them out"],
@@ -163,6 +205,8 @@ def test_an_outlet_as_wide_as_the_narrowest_particle_is_tried(tmp_path):
         (b"schema = 1\n", ["[silo] is missing"]),
         (b"schema = 1\n[silo\n", ["not valid TOML"]),
         (b"\xff\xfe\x00", ["not valid TOML"]),
+        (b"x = " + b"[" * 5000 + b"]" * 5000, ["nested more than 50 deep"]),
+        (b"[" + b".".join([b"a"] * 5000) + b"]\n", ["nested more than 50 deep"]),
     ],
 )
 def test_a_file_that_is_no_case(text, words, tmp_path):
@@ -176,11 +220,14 @@ def test_a_file_that_is_no_case(text, words, tmp_path):
 @pytest.mark.parametrize(
     ("cut", "words"),
     [
-        ("[pair.wood-methacrylate.linear]", ["[pair.wood-methacrylate.linear] is missing"]),
-        ("[pair.wood-methacrylate]", ["no pair wood-methacrylate", "known: wood-wood"]),
-        ("friction", ["[pair.wood-wood] friction is missing"]),
-        ("kt", ["[pair.wood-wood.linear] kt is missing"]),
-        ("density", ["[material.wood] density is missing"]),
+        (
+            "[pair.wood-methacrylate.linear]",
+            ["[pair.wood-methacrylate.linear] kt [N/mm], gamma_n [1/s]"],
+        ),
+        ("[pair.wood-methacrylate]", ["no pair 'wood-methacrylate'", "known: wood-wood"]),
+        ("friction", ["[pair.wood-wood] friction; [pair.wood-methacrylate] friction"]),
+        ("kt", ["[pair.wood-wood.linear] kt [N/mm]; [pair.wood-methacrylate.linear] kt"]),
+        ("density", ["[material.wood] density [g/cm3]", "init --materials"]),
     ],
 )
 def test_a_materials_file_without_what_is_needed(cut, words, tmp_path):
@@ -194,6 +241,47 @@ def test_a_materials_file_without_what_is_needed(cut, words, tmp_path):
     (tmp_path / "mine.toml").write_text("\n".join(lines), encoding="utf-8")
     case = write_case(tmp_path, {"particles.materials": "mine.toml"})
     assert_refused(silo2d("run", case, "--dry-run"), "mine.toml", *words)
+
+
+def test_all_that_a_materials_file_lacks_comes_in_one_answer(tmp_path):
+    """The file that then has what was named is enough: one attempt, not one a key."""
+    mine = tmp_path / "mine.toml"
+    mine.write_text("schema = 1\n[material.wood]\npoisson = 0.3\n[pair.wood-wood]\n")
+    changes = {"particles.materials": "mine.toml", "law.kn": None, "law.kt": "650 N/mm"}
+    case = write_case(tmp_path, {**changes, "run.time_step": None})
+    refused = silo2d("run", case, "--dry-run")
+    assert_refused(refused, "mine.toml: missing: [material.wood] density [g/cm3], length [mm]")
+    named = re.findall(r"\[([\w.-]+)\] ([a-z_]+(?: \[[^]]+\])?(?:, [a-z_]+(?: \[[^]]+\])?)*)",
+                       refused.err)  # fmt: skip
+    values = {"density": "0.5", "length": "20", "friction": "0.4", "kn": "1e4", "gamma_n": "6e3",
+              "gamma_t": "3"}  # fmt: skip
+    tables = {"material.wood": ["poisson = 0.3"], "pair.wood-wood": []}
+    for where, keys in named:
+        for one in keys.split(", "):
+            key, _, unit = one.partition(" ")
+            value = f'"{values[key]} {unit[1:-1]}"' if unit else values[key]
+            tables.setdefault(where, []).append(f"{key} = {value}")
+    text = "\n".join(f"[{where}]\n" + "\n".join(lines) for where, lines in tables.items())
+    mine.write_text(f"schema = 1\n{text}\n")
+    done = silo2d("run", case, "--dry-run")
+    assert done.code == 0, done.err
+
+
+def test_damping_from_restitution_takes_no_damping_of_the_file(tmp_path):
+    """gamma_n follows from the restitution; the tangential one is 0 where nobody gives one."""
+    wood = data_file("materials", "wood").read_text(encoding="utf-8").splitlines()
+    kept = [line for line in wood if not line.startswith("gamma_")]
+    (tmp_path / "mine.toml").write_text("\n".join(kept), encoding="utf-8")
+    changes = {
+        "particles.materials": "mine.toml", "law.damping": "restitution", "run.time_step": None
+    }  # fmt: skip
+    case = SiloCase.load(write_case(tmp_path, changes))
+    shipped = SiloCase.load(write_case(tmp_path, {**changes, "particles.materials": "wood"}))
+    assert case.particle_law.gamma_n == shipped.particle_law.gamma_n
+    assert (case.particle_law.gamma_t, case.wall_law.gamma_t) == (0, 0)
+    del changes["law.damping"]
+    case = write_case(tmp_path, changes)
+    assert_refused(silo2d("run", case, "--dry-run"), "[pair.wood-wood.linear] gamma_n [1/s], gam")
 
 
 # Folders and files that cannot be used
@@ -253,17 +341,15 @@ def unfinished(runs, tmp_path) -> Path:
     return the_run(runs).path
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_checkpoint(unfinished, tmp_path, damage):
-    """It is refused and left as it is; without it the run starts from its opening."""
-    harm, word = DAMAGES[damage]
+def test_a_checkpoint_of_another_schema(unfinished, tmp_path):
+    """It is refused and left as it is."""
     checkpoint = unfinished / "checkpoint.h5"
-    checkpoint.write_bytes(harm(checkpoint.read_bytes()))
+    checkpoint.write_bytes(_of_another_schema(checkpoint.read_bytes()))
     before = contents(unfinished)
     same = ["run", write_case(tmp_path), "-o", unfinished.parent]
     for command in (same, ["run", "--resume", unfinished]):
         result = silo2d(*command, "--quiet", "--no-figures")
-        assert_refused(result, str(checkpoint), word, "delete the file")
+        assert_refused(result, str(checkpoint), "schema 9 of another version", "delete the file")
         assert contents(unfinished) == before
 
 
@@ -285,12 +371,6 @@ def test_a_checkpoint_of_another_case(unfinished, lost):
         result = silo2d("run", "--resume", unfinished, "--quiet")
         assert_refused(result, str(checkpoint), "does not fit this case", "delete it")
         assert contents(unfinished) == before
-
-
-def test_a_checkpoint_whose_frames_are_lost(unfinished):
-    (unfinished / "parts" / "00000.h5").unlink()
-    result = silo2d("run", "--resume", unfinished, "--quiet")
-    assert_refused(result, "parts", "--again")
 
 
 @pytest.mark.parametrize("damage", ["truncated", "bit flipped", "emptied", "of another schema"])
@@ -377,7 +457,7 @@ HARMS: list[tuple[Callable[[h5py.File], None], list[str]]] = [
 def test_a_trajectory_that_lacks_something(finished, tmp_path, harm, words):
     """Neither drawn nor exported."""
     folder = the_run(finished).path
-    with h5py.File(folder / "trajectory.h5", "r+") as file:
+    with resealed(folder / "trajectory.h5") as file:
         harm(file)
     before = contents(finished)
     for command in (["render", folder, "--no-film"], ["export", folder, "--to", "vtkhdf"]):
@@ -387,7 +467,7 @@ def test_a_trajectory_that_lacks_something(finished, tmp_path, harm, words):
 
 def test_damaged_contacts_are_not_taken_for_none(finished):
     folder = the_run(finished).path
-    with h5py.File(folder / "trajectory.h5", "r+") as file:
+    with resealed(folder / "trajectory.h5") as file:
         del file["tables/contacts/length"]
     for to in ("vtkhdf", "csv"):
         result = silo2d("export", folder, "--to", to)
@@ -420,7 +500,7 @@ def test_nothing_is_measured_of_a_damaged_run(finished):
     whole = trajectory.read_bytes()
     for harm, words in HARMS[:3]:
         trajectory.write_bytes(whole)
-        with h5py.File(trajectory, "r+") as file:
+        with resealed(trajectory) as file:
             harm(file)
         for what in MEASURES:
             result = silo2d("observe", trajectory.parent, what)
@@ -471,6 +551,60 @@ def test_a_state_that_is_no_longer_possible(unfinished, column, value):
     save_checkpoint(checkpoint, arrays, meta)
     before = contents(unfinished)
     result = silo2d("run", "--resume", unfinished, "--quiet", "--no-figures")
+    del before["provenance.json"]  # which says now that the run failed, and why
     words = ["the simulation failed at t = 0.0", "in steps of 10 us"]
     assert_refused(result, *words, code=3)
-    assert contents(unfinished) == before
+    after = contents(unfinished)
+    assert {name: after[name] for name in before} == before
+
+
+def _with_pipe(folder: Path) -> Path:
+    pipe = folder / "pipe.toml"
+    os.mkfifo(pipe)
+    return pipe
+
+
+@pytest.mark.parametrize("where", ["--materials", "particles.shapes", "sweep"])
+def test_a_pipe_given_as_a_file_is_refused_and_not_waited_for(tmp_path, where):
+    pipe = _with_pipe(tmp_path)
+    if where == "sweep":
+        result = silo2d("sweep", pipe, "--dry-run")
+    elif where == "--materials":
+        result = silo2d("run", "A4", where, pipe, "--dry-run")
+    else:
+        result = silo2d("run", write_case(tmp_path, {where: pipe.name}), "--dry-run")
+    assert_refused(result, str(pipe), "a pipe or device")
+
+
+@pytest.mark.parametrize("name", ["case.toml", "summary.json", "provenance.json", "trajectory.h5"])
+def test_a_pipe_in_a_run_folder_is_refused_and_not_waited_for(finished, name):
+    folder = the_run(finished).path
+    (folder / name).unlink()
+    os.mkfifo(folder / name)
+    resume = ["run", "--resume", folder, "--no-figures", "--quiet"]
+    for command in (["show", folder], ["observe", folder, "curve"], resume):
+        result = silo2d(*command)
+        if result.code:
+            assert_refused(result, str(folder))
+    assert silo2d("list", "--verify", "-o", finished).code == 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"name": "a\0b"}, ["name", "letters, digits"]),
+        ({"particles.shapes": "a\0b"}, ["shapes", "zero byte"]),
+    ],
+)
+def test_a_name_that_no_file_can_have(tmp_path, changes, words):
+    assert_refused(silo2d("run", write_case(tmp_path, changes), "--dry-run"), *words)  # fmt: skip
+
+
+def test_an_output_that_is_full_is_one_line_with_an_exit_code():
+    """/dev/full takes nothing."""
+    command = [sys.executable, "-m", "silo2d", "list"]
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert "output cannot be written (No space left on device)" in done.stderr
+    assert done.stderr.count("\n") == 1

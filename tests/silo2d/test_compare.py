@@ -1,13 +1,11 @@
 """Two runs compared: the distance of curves, the table, the picture, bad input."""
 
-import json
-
 import numpy as np
 import pytest
 from fake_run import write_fake_run
 from small_silo import silo2d, write_case
 
-from granulab.campaign.runs.folder import FolderError
+from granulab.campaign.runs.folder import FolderError, RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
 from silo2d.view.compare import compare, curve_distance, mean_distance
 
@@ -96,7 +94,10 @@ def test_engines_are_compared_on_the_same_packing(reference, runs, tmp_path):
         (["--engines", "dem,bullet", "A4"], "no engine 'bullet'"),
         (["--engines", "dem,dem", "A4"], "give two that differ"),
         (["--engines", "dem", "A4"], "give two that differ"),
-        (["--engines", "dem,pymunk", "A4", "--engine", "dem"], "leave --engine and --seed out"),
+        (
+            ["--engines", "dem,pymunk", "A4", "--engine", "dem"],
+            "--engine: not taken here; give --engines",
+        ),
         (["--engines", "dem,pymunk", "A4", "--seeds", "0"], "--seeds"),
         (["--seeds", "2", "A", "B"], "give two run folders; or --engines"),
         (["nowhere", "elsewhere"], "not a run folder"),
@@ -118,8 +119,9 @@ def test_a_run_that_is_not_finished_or_is_damaged_is_refused(reference, finished
     with pytest.raises(FolderError, match="not finished; go on with: silo2d run --resume"):
         compare(reference.path, unfinished.path)
     (summary,) = finished.glob("*/summary.json")
-    kept = json.loads(summary.read_text())
+    run = RunFolder(summary.parent)
+    kept = run.read_summary()
     del kept["t90_s"]
-    summary.write_text(json.dumps(kept))
+    run.write_summary(kept)
     with pytest.raises(FolderError, match=r"summary\.json: damaged \('t90_s'\); use --again"):
         compare(reference.path, summary.parent)

@@ -15,7 +15,8 @@ from vtkmodules.vtkIOHDF import vtkHDFReader
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import read_tables, read_trajectory
 from silo2d.case.case import SiloCase
-from silo2d.case.shape import corner_angles, load_shapes
+from silo2d.case.shape import corner_angles
+from silo2d.case.shapefile import load_shapes
 from silo2d.measures.basics.contacts import particle_stress
 from silo2d.view.export import export, vtkhdf
 from silo2d.view.scene import read_scene

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from granulab.campaign.runs.trajectory import read_trajectory
+from granulab.contact.attraction import Attraction
 from granulab.contact.files.datafile import data_file
 from silo2d.case.outline import PRESETS
-from silo2d.case.shape import load_shapes
+from silo2d.case.shapefile import load_shapes
 from silo2d.run.ending import crosses_centre_line
 from silo2d.run.numbers import (
     MECHANISMS,
@@ -20,6 +21,7 @@ from silo2d.run.numbers import (
     energy_closure,
     published_times,
 )
+from silo2d.run.summary import write_records
 
 NAN = math.nan
 SHAPES = load_shapes("wood19").shapes
@@ -53,6 +55,30 @@ def test_no_rate_where_nothing_leaves_or_all_at_once(out_time, n):
     assert measures["n_out"] == n
     assert measures["t90_s"] == measures["last_out_s"] == (0.3 if n else None)
     assert measures["mean_rate_per_s"] is measures["mean_mass_flow_kg_per_s"] is None
+
+
+def test_attraction_is_counted_along_the_normal_and_in_particle_weights():
+    """Three press or only shear, one pulls with 0.3 N: a quarter, and three weights of 0.1 N."""
+    normal = np.array([[0.0, 1.0], [1.0, 0.0], [0.0, 1.0], [0.6, 0.8]])
+    force = np.array([[0.1, 2.0], [0.0, -5.0], [0.0, -0.3], [0.6, 0.8]])
+    found = Attraction()
+    found.look({"normal": normal, "force": force})
+    assert found.numbers(0.1) == pytest.approx({"share": 0.25, "particle_weights": 3.0})
+    found.look({"normal": np.zeros((0, 2)), "force": np.zeros((0, 2))})
+    found.look({"normal": normal[:2], "force": force[:2]})
+    assert found.numbers(0.1)["share"] == pytest.approx(1 / 6)
+    assert Attraction().numbers(0.1) == {"share": 0.0, "particle_weights": 0.0}
+
+
+def test_columns_of_the_records_end_with_their_unit(tmp_path):
+    """Counts have none; energies are in J, forces in N; the numbers are those of the frames."""
+    run = write_fake_run(tmp_path)
+    write_records(run)
+    head, *rows = (run.path / "records.csv").read_text().splitlines()
+    bare = [name for name in head.split(",") if not name.endswith(("_s", "_j", "_n"))]
+    assert bare == ["n_out", "steps"] or bare == ["n_out"]
+    assert "time_s" in head
+    assert len(rows) == len(read_trajectory(run.path)["time"])
 
 
 def test_discharge_curve_agrees_with_the_counts_of_the_frames(tmp_path):

@@ -15,9 +15,10 @@ from heaps import (
 
 from granulab.errors import SimulationError
 from silo2d.case.case import GRAVITY, SiloCase
+from silo2d.case.filling import LOOSE
 from silo2d.engine import state
 from silo2d.run import pour as pour_module
-from silo2d.run.pour import LOOSE, level_off, pour, pouring, rain, settle
+from silo2d.run.pour import level_off, pour, pouring, rain, settle
 
 
 @pytest.fixture(scope="module")

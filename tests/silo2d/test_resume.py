@@ -13,20 +13,13 @@ import pytest
 from forking import Forked, forked, killed_at
 from refusals import assert_refused
 from same_run import COSTS, assert_same_run
-from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
+from small_silo import SLOW, DischargeStop, finish, silo2d, start, the_run, write_case
 
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.run import protocol
-
-# More steps, and some thirty checkpoints: more time to be killed in.
-SLOW = {
-    "run.time_step": "6 us",
-    "output.checkpoint_interval": "10 ms",
-    "output.contact_interval": "20 ms",  # in one part of two, and after every checkpoint
-}
 
 
 def run_quietly(case: Path, root: Path) -> RunFolder:
@@ -162,7 +155,8 @@ def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(slow_reference, runs, tmp_
     assert result.err.count("\n") == 1
     folder = the_run(runs)
     assert folder.state == "unfinished"
-    assert silo2d("show", folder.path).out.startswith(f"{folder.path}: unfinished; go on with: ")
+    shown = " ".join(silo2d("show", folder.path).out.split())
+    assert f"{folder.path}: unfinished; go on with: " in shown
     command = shlex.split(result.err.partition("stopped; go on with: ")[2])
     assert command == ["silo2d", "run", "--resume", str(folder.path)]
     resumed = silo2d(*command[1:], "--no-figures", "--json", "--quiet").json

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from scenes import LEVEL, SPHERORADIUS, block, launch, simulation_of, wall
 
 from granulab.errors import SimulationError
-from silo2d.case.shape import load_shapes
+from silo2d.case.shapefile import load_shapes
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 

@@ -227,6 +227,7 @@ BAD: list[tuple[str, list[str]]] = [
     ('[vary]\nlaw.damping = {start = "a", stop = "b", number = 2}', ["start = 'a'", "number"]),
     # distributions
     ('[vary]\nlaw.mu_wall = {distribution = "norml"}', ["'norml'", "did you mean 'normal'?"]),
+    ("[vary]\nlaw.mu_wall = {distribution = [1]}", ["distribution = [1]", "normal"]),
     (f"[vary]\nlaw.mu_wall = {{{NORMAL}, mean = 0.4}}", ["sd is missing"]),
     (f"[vary]\nlaw.mu_wall = {{{NORMAL}, mean = 0.4, sd = 0}}", ["sd = 0", "greater than 0"]),
     (f'[vary]\nlaw.mu_wall = {{{NORMAL}, mean = 0.4, sd = "a %"}}', ["'a %'", "not a quantity"]),

@@ -20,6 +20,7 @@ from waiting import is_alive, wait_until
 
 from granulab.campaign.runs import folder as campaign_folder
 from granulab.campaign.runs.checkpoint import save_checkpoint
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.sweeps.sweep import without_again
 from silo2d.case.case import SiloCase
 from silo2d.run.numbers import MECHANISMS
@@ -240,8 +241,8 @@ def test_a_checkpoint_that_does_not_fit_is_a_row_that_says_what_to_delete(swept)
 def test_what_other_sources_made_is_reported_once(swept):
     """Not once a packing and run; a sweep has no --again to offer."""
     for folder in run_folders(swept)[:3]:
-        file = folder / "provenance.json"
-        file.write_text(json.dumps({**json.loads(file.read_text()), "source_digest": "0" * 12}))
+        run = RunFolder(folder)
+        run.write_provenance({**run.read_provenance(), "source_digest": "0" * 12})
     (folder / "summary.json").unlink()
     result = sweep(swept, "--workers", 1)
     assert result.code == 0

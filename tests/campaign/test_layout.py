@@ -1,0 +1,99 @@
+"""Text for a terminal: lines that end between words, tables that fit, what became of runs."""
+
+import dataclasses
+
+import pytest
+
+from granulab.campaign.cli.library import packings_and_runs, run_in_words
+from granulab.campaign.output.layout import fitted, wrapped
+from granulab.campaign.output.table import as_csv, write_table
+from granulab.errors import SimulationError
+from silo2d.case.case import SiloCase
+from silo2d.run.protocol import RUNS
+
+
+def test_long_lines_end_between_words_and_keep_numbers_with_their_units():
+    """What follows stands under what the line says after its name."""
+    text = "  energy      1 J dissipated, closed to 0.2 % of it\na word"
+    assert wrapped(text, 4, width=32).split("\n") == [
+        "  energy      1 J dissipated,",
+        "              closed to 0.2 % of",
+        "              it",
+        "a word",
+    ]
+    assert wrapped("averyverylongword", 2, width=8) == "averyverylongword"
+    assert wrapped("it took 1234567 kg", 2, width=17) == "it\n  took 1234567 kg"
+
+
+def test_table_that_is_too_wide_is_said_in_parts_that_fit():
+    """Labels that do not vary are said once, the others begin each part."""
+    header = ["case", "outlet_m", "runs", "time_s", "rate_per_s"]
+    lines = [["A4", "0.06", "2", "-", "-"], ["A4", "0.10", "2", "0.34 +- 0.01", "307"]]
+    assert fitted(header, lines, 2, width=34).split("\n") == [
+        "all with case A4",
+        "",
+        "outlet_m  runs        time_s",
+        "    0.06     2             -",
+        "    0.10     2  0.34 +- 0.01",
+        "",
+        "outlet_m  rate_per_s",
+        "    0.06           -",
+        "    0.10         307",
+    ]
+    wide = fitted([f"label_{k}" for k in range(12)] + ["x"], [["1"] * 13, ["2"] * 13], 12, 80)
+    assert max(map(len, wide.split("\n"))) <= 80
+    assert "label_11" in wide
+
+
+@pytest.fixture
+def failed(tmp_path):
+    """A folder of runs with one that failed."""
+
+    def fail(*_):
+        raise SimulationError("the simulation failed at t = 0.5 s: try another step")
+
+    runs = dataclasses.replace(RUNS, compute=fail)
+    with pytest.raises(SimulationError):
+        runs.run(SiloCase.load("A4"), out=tmp_path)
+    return tmp_path
+
+
+def test_run_that_failed_is_listed_and_shown_as_failed(failed):
+    (line,) = packings_and_runs(failed, str)
+    assert "failed: the simulation failed at t = 0.5 s" in line
+    assert "unfinished" not in line
+    (folder,) = failed.glob("A4-*")
+    words = run_in_words(folder, "silo2d", lambda case: "A4", str)
+    assert "failed: the simulation failed at t = 0.5 s" in words
+
+
+def test_run_that_goes_on_after_a_failure_is_no_longer_one_that_failed(failed):
+    runs = dataclasses.replace(RUNS, compute=lambda *_: {}, result=_Anything)
+    runs.run(SiloCase.load("A4"), out=failed)
+    (line,) = packings_and_runs(failed, lambda summary: "empty")
+    assert "failed" not in line
+
+
+class _Anything:
+    @classmethod
+    def read(cls, folder, *, reused):
+        return folder
+
+
+def test_list_says_in_what_the_runs_of_a_sweep_differ(tmp_path):
+    for outlet in ("100 mm", "120 mm"):
+        case = SiloCase.load("A4", {"silo.outlet": outlet})
+        dataclasses.replace(RUNS, compute=lambda *_: {}, result=_Anything).run(case, out=tmp_path)
+    lines = packings_and_runs(tmp_path, lambda summary: "empty")
+    assert sorted(line.partition("empty; ")[2].partition(" (")[0] for line in lines) == [
+        "silo.outlet 0.1 m", "silo.outlet 0.12 m",
+    ]  # fmt: skip
+
+
+def test_run_folders_in_a_table_are_relative_to_it(tmp_path):
+    folder = tmp_path / "studies" / "one"
+    folder.mkdir(parents=True)
+    write_table(folder, [{"n": 1, "run_folder": str(tmp_path / "A4-1")}, {"n": 2}])
+    assert (folder / "table.csv").read_text() == as_csv(
+        [{"n": 1, "run_folder": "../../A4-1"}, {"n": 2}]
+    )
