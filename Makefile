@@ -1,6 +1,8 @@
 # Set-up and daily commands; the README has the same in plain pip lines.
 PYTHON ?= python3
+PYTHONS ?= python3.11 python3.12 python3.13
 VENV := .venv
+CONSTRAINTS := constraints.txt
 BIN := $(VENV)/bin
 RUNS ?= runs
 # Of a file's tests all run in one worker, so that what they share is made once; tests/conftest.py
@@ -9,9 +11,10 @@ TESTERS := --numprocesses logical --maxprocesses 4 --dist loadfile --no-loadscop
 # A worker a core is enough: the linear algebra of small matrices only loses by threads of its own.
 test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
-	--constraint constraints.txt --editable
+	--constraint $(CONSTRAINTS) --editable
 
-.PHONY: demo test fuzz lint bench validate planted reproduce wheel clean
+.PHONY: demo test test-oldest test-pythons fuzz fuzz-brief own-silos lint bench validate planted \
+	reproduce wheel clean
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/installed ## discharge silo A4: a number and pictures
@@ -20,9 +23,26 @@ demo: $(VENV)/installed ## discharge silo A4: a number and pictures
 test: $(VENV)/with-tests ## all tests but the long comparisons
 	$(BIN)/python -m pytest -m "not validation" $(TESTERS)
 
+test-oldest: ## the same with the oldest versions of what pyproject.toml asks for
+	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt
+
+test-pythons: ## the same with each of PYTHONS
+	for python in $(PYTHONS); do \
+		$(MAKE) test PYTHON=$$python VENV=.venv-$$(basename $$python) || exit 1; \
+	done
+
 fuzz: export FUZZ_TIMES := 20
-fuzz: $(VENV)/with-tests ## the tests that draw their input, with twenty times as many examples
+fuzz: $(VENV)/with-tests ## twenty thousand wrong inputs, a hundred kills, full disks; drawn tests (an hour)
+	$(BIN)/python tests/fuzz/campaign.py --write docs/results/fuzz.txt
+	$(BIN)/python tests/fuzz/kills.py --write docs/results/kills.txt
 	$(BIN)/python -m pytest -m "hypothesis and not validation" $(TESTERS)
+
+fuzz-brief: $(VENV)/with-tests ## a part of it (five minutes at most)
+	$(BIN)/python tests/fuzz/campaign.py --times 0.05 --minutes 3
+	$(BIN)/python tests/fuzz/kills.py --kills 4
+
+own-silos: $(VENV)/with-tests ## two hundred silos as strangers would describe them (an hour or two)
+	$(BIN)/python tests/fuzz/own_silos.py --write docs/results/own-silos.csv
 
 lint: $(VENV)/with-tests ## style, types, import order
 	$(BIN)/ruff check .
@@ -52,11 +72,11 @@ wheel: $(VENV)/installed
 	$(BIN)/python -m pip wheel --no-deps --wheel-dir dist .
 
 clean:
-	rm -rf $(VENV) dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf .venv .venv-* dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 
 # One file says that the environment is whole; it is made anew when what it follows from changes.
 # What only the tests need (other engines, readers of exports) is large and comes with them.
-$(VENV)/installed: pyproject.toml constraints.txt
+$(VENV)/installed: pyproject.toml $(CONSTRAINTS)
 	$(PYTHON) -m venv $(VENV)
 	$(INSTALL) ".[pictures]"
 	touch $@
