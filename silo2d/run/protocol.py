@@ -217,10 +217,10 @@ def settle_under_own_law(
         quiet_looks = quiet_looks + 1 if moving < case.settings.fill.settled else 0
         if quiet_looks == _QUIET_LOOKS:
             return
-        if stop():
-            raise Stopped("the same command goes on from the packing")
         left = max(SETTLING - sim.time, _QUIET_LOOKS * _SETTLE_FRAME)
         stages.report("settling", sim.time, left, f"t = {sim.time:.3f} s")
+        if stop():
+            raise Stopped("the same command goes on from the packing")
         if sim.time > _SETTLE_PATIENCE:
             raise sim.failure(
                 "the packing did not come to rest under its own law (normalised kinetic energy "

@@ -68,7 +68,7 @@ class DischargeStop:
 
     def progress(self, fraction: float, text: str) -> None:
         """To be given as progress: its words name the phase."""
-        self._is_open = text.endswith(" out")
+        self._is_open = " out" in text.partition(";")[0]
 
     def __call__(self) -> bool:
         return self._is_open and self._decide()
