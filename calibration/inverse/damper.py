@@ -43,9 +43,12 @@ def _read_eta(written: Written) -> list[Observation]:
 
 
 def _eta_of(_observation: Observation, row: Row) -> Array:
-    """The efficiency; of a bed that settles what a force transducer sees, the wall's work."""
-    eta = row["efficiency"]
-    return np.array([row["efficiency_wall_work"] if eta is None else eta], dtype=float)
+    """The efficiency that a force transducer sees, of the wall's work.
+
+    The one of what contacts dissipate is null while the bed settles: to take now this and now
+    that would scatter by more than the packings do.
+    """
+    return np.array([row["efficiency_wall_work"]], dtype=float)
 
 
 def _parameters(case: DamperCase) -> Values:

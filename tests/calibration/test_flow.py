@@ -82,7 +82,8 @@ def test_profiles_come_back_within_their_uncertainty(measured, filmed):
 def test_velocities_come_back_within_their_uncertainty(measured, filmed):
     """Of some two hundred components 68 % lie within sigma; windows overlap by half and share
     particles, so that one in ten counts as independent: two binomial standard deviations are 0.2.
-    On average they are right to a twentieth of the speed, which is what a window's edges show."""
+    On average they are right to a twentieth of the speed, which is what a window's edges show, and
+    two standard deviations of such a mean."""
     off, sigma, speed = [], [], []
     for field in measured.velocities:
         true = true_field(*filmed[3], field)
@@ -93,7 +94,8 @@ def test_velocities_come_back_within_their_uncertainty(measured, filmed):
     off, sigma, speed = (np.concatenate(part, axis=-1) for part in (off, sigma, speed))
     assert off.size > 150
     assert np.mean(np.abs(off) < sigma) > 0.48
-    assert np.abs(off.mean(axis=1)).max() < 0.05 * speed.mean()
+    chance = 2 * off.std(axis=1) / np.sqrt(off.shape[1] / 10)
+    assert (np.abs(off.mean(axis=1)) < 0.05 * speed.mean() + chance).all()
 
 
 def test_true_velocities_are_none_before_the_opening(filmed):

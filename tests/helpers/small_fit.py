@@ -9,8 +9,9 @@ from damper3d.case.case import DamperCase
 from damper3d.run.protocol import run
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled
 
-# Ten cycles that count: the efficiency scatters by 6 % from one packing to the next.
-BED = {"output.keep": "summary", "output.frames": 0, "run.cycles": 12, "run.discard": 2}
+# Of 25 cycles that count the efficiency scatters by 3 % from one packing to the next, and goes from
+# 0.113 to 0.146 as the friction goes from 0.03 to 1.
+BED = {"output.keep": "summary", "output.frames": 0, "run.cycles": 30, "run.discard": 5}
 TRUTH, TRIALS = 0.3, 12
 FIT = """
 schema = 1
@@ -45,9 +46,7 @@ def write_fit(folder: Path) -> Path:
         run(DamperCase.load(case, changes | {"run.seed": 1000 + k}), out=folder / "truth")
         for k in range(TRIALS)
     ]
-    # Of a bed that still settles there is none, and the fit takes the wall's work, too.
-    etas = [one.efficiency_wall_work if one.efficiency is None else one.efficiency for one in found]
-    mean = sum(etas) / TRIALS
+    mean = sum(one.efficiency_wall_work for one in found) / TRIALS
     (folder / "eta.csv").write_text(
         f"frequency [Hz],gamma,eta,sigma\n80,10,{mean},{0.005 * mean}\n"
     )

@@ -156,7 +156,7 @@ def test_kept_contacts_are_those_of_the_moment(reference):
     opened(case, sim).run(round(0.05 / case.time_step))
     moments.append(sim.contacts())
     for k, moment in enumerate(moments):
-        assert len(moment["overlap"]) > 20
+        assert len(moment["overlap"]) > 5  # a dozen to sixty, while it flows
         for name, column in kept.at(k).items():
             assert column.tobytes() == moment[name].astype(column.dtype).tobytes(), name
 

@@ -158,14 +158,15 @@ def test_pictures_have_the_door_where_it_is(drawn, reference):
 
 
 def test_times_count_from_the_start_of_the_motion(drawn, reference):
-    """The first particle leaves later than through a door that is gone at once, so does the last;
-    none before it can have fallen by half of its width."""
+    """Through a door that opens in 0.1 s the first particle leaves later than through one that is
+    gone at once, and so do the first ten on average. (The last ones leave as chance has it.)"""
     result, folder = drawn
-    at_once = reference.read_summary()
     assert result["outcome"] == "empty"
-    assert result["discharge_time_s"] > at_once["discharge_time_s"]
-    first = [np.nanmin(read_trajectory(f.path)["out_time"][-1]) for f in (folder, reference)]
-    assert first[0] > first[1]
+    drawn_open, at_once = (
+        np.sort(read_trajectory(f.path)["out_time"][-1]) for f in (folder, reference)
+    )
+    assert drawn_open[0] > at_once[0]
+    assert drawn_open[:10].mean() > at_once[:10].mean()
     assert folder.path.name != reference.path.name
 
 
