@@ -40,7 +40,7 @@ def command(
     from calibration.piv.result import measure_pair
     from calibration.statistics.quantity import metres_per_pixel
     from granulab.campaign.output.table import as_csv
-    from granulab.campaign.runs.folder import write_atomic
+    from granulab.campaign.runs.folder import write_atomic, writing
     from granulab.contact.files.units import to_si
 
     found = measure_pair(
@@ -56,6 +56,7 @@ def command(
     name, table = f"{found.first.stem}-{found.field.method}", None
     if out is not None:
         table = out / f"{name}.csv"
-        out.mkdir(parents=True, exist_ok=True)
+        with writing(out, "--out"):
+            out.mkdir(parents=True, exist_ok=True)
         write_atomic(table, as_csv(found.rows()))
     finish(found, as_json=as_json, quiet=quiet, out=out, name=name, files={"table": table})

@@ -122,6 +122,7 @@ def _quiet_parts(x: NDArray[np.float64], window: int) -> NDArray[np.float64]:
     """(q, window): the windows that hold and change least, which have no impact in them."""
     parts = x[: len(x) // window * window].reshape(-1, window)
     sizes = np.array([parts.var(axis=1), np.diff(parts, axis=1).var(axis=1)])
-    medians = np.maximum(np.median(sizes, axis=1, keepdims=True), np.finfo(float).tiny)
+    least = np.finfo(float).tiny * max(sizes.max(), 1.0)  # their ratio is a number
+    medians = np.maximum(np.median(sizes, axis=1, keepdims=True), least)
     largest = (sizes / medians).max(axis=0)
     return parts[largest <= np.quantile(largest, _QUIET)]

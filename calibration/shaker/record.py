@@ -69,7 +69,8 @@ def strongest(x: NDArray[np.float64], rate: float) -> float:
     spectrum = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(len(x))))
     k = int(np.argmax(spectrum[1:-1])) + 1
     low, middle, high = np.log(np.maximum(spectrum[k - 1 : k + 2], 1e-300))
-    return float((k + 0.5 * (low - high) / (low - 2.0 * middle + high)) * rate / len(x))
+    bend = low - 2.0 * middle + high  # 0 where all lines are alike
+    return float((k + (0.5 * (low - high) / bend if bend else 0.0)) * rate / len(x))
 
 
 def tuned(x: NDArray[np.float64], rate: float, frequency: float, blocks: int) -> float:

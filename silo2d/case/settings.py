@@ -186,7 +186,7 @@ class Run(Section):
         None, "time step of dem", example="5 us",
         left_out="5 us, or less where contacts are stiffer", option="--time-step",
     )  # fmt: skip
-    door_speed: Annotated[Speed, Field(le=1000)] | None = key(
+    door_speed: Annotated[Speed, Field(ge=1e-6, le=1000)] | None = key(
         None, "speed at which the door is drawn to the right", example="0.5 m/s",
         left_out="it is gone at once", option="--door-speed",
     )  # fmt: skip

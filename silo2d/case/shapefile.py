@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from granulab.contact.files.casefile import of_a_size
 from granulab.contact.files.datafile import data_file, read_toml
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
@@ -49,6 +50,10 @@ def load_shapes(name_or_path: str | Path) -> ShapeSet:
         raise InputError(f"{path}: unit = {unit!r}: expected a unit of length, such as 'mm'")
     length = to_si(f"1 {unit}", "m", f"{path}: unit")
     spheroradius = to_si(table["spheroradius"], "m", f"{path}: spheroradius")
+    try:
+        of_a_size(spheroradius, f"{path}: spheroradius")
+    except ValueError as error:
+        raise InputError(str(error)) from None
     if not (isinstance(table["shape"], list) and table["shape"]):
         raise InputError(f"{path}: shape: write one [[shape]] for each cross section")
 

@@ -149,4 +149,6 @@ def _wrong(trajectory: Trajectory) -> str:
         return f"no {', '.join(missing)}"
     shape = len(trajectory["time"]), len(trajectory.static["kind"])
     odd = [key for key in _OF_PARTICLES if trajectory[key].shape != shape]
-    return f"{odd[0]} is not of {shape[0]} frames and {shape[1]} particles" if odd else ""
+    for key in ("kind", "mass", "layer"):
+        odd += [key] if np.shape(trajectory.static[key]) != shape[1:] else []
+    return f"{odd[0]} is not of the {shape[1]} particles in {shape[0]} frames" if odd else ""

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import trimesh
 from fuzzing import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -161,5 +162,15 @@ def test_finer_triangles_are_the_same_surface():
     corners = unit_sphere(1).corners
     pieces = fine(corners, 2000)
     assert len(pieces) > 1500
+    assert area_of(pieces) == pytest.approx(area_of(corners), rel=1e-12)
+    assert mass_of(pieces).volume == pytest.approx(mass_of(corners).volume, rel=1e-12)
+
+
+@pytest.mark.parametrize("length", [10.0, 1000.0])
+def test_long_triangles_are_cut_in_few_more_pieces_than_their_area_needs(length):
+    """A bar of 1 mm x 1 mm; in triangles of its own form one of 1000 mm took a million pieces."""
+    corners = trimesh.creation.box((1.0, 1.0, length)).triangles
+    pieces = fine(corners, 2000)
+    assert 1500 < len(pieces) < 20_000
     assert area_of(pieces) == pytest.approx(area_of(corners), rel=1e-12)
     assert mass_of(pieces).volume == pytest.approx(mass_of(corners).volume, rel=1e-12)

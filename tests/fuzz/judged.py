@@ -23,7 +23,9 @@ LIMIT = 60.0  # [s] that no command here may take, on a machine that does other 
 UNFORESEEN = "nobody foresaw"
 # Ranges of the plan that --dry-run prints, by key: between 0 and these.
 PLAN = {"time_step_s": 1.0, "n_particles": 1e8, "steps_at_most": 1e13, "steps": 1e13}
-_NO_NUMBER = re.compile(r"(?<![\w/.:'\"])-?(nan|inf)(?![\w.'\":-])")
+# Not after "; ": a source of a value, which may be any text.
+_NO_NUMBER = re.compile(r"(?<![\w/.:'\"])(?<!; )-?(nan|inf)(?![\w.'\":-])")
+_JSON = re.compile(r"\s*\{\s*[\"}]")
 
 
 class Hung(BaseException):
@@ -124,7 +126,7 @@ def judge(
 
 def _impossible(name: str, out: str) -> str:
     """What cannot be in an answer; "" where it can be."""
-    if not out.lstrip().startswith("{"):
+    if not _JSON.match(out):
         found = _NO_NUMBER.search(out)
         return f"no number: {out[max(found.start() - 80, 0) : found.end() + 20]!r}" if found else ""
     try:

@@ -147,7 +147,7 @@ def damage_bytes(path: Path, chance: Random) -> str:
 
 
 def _scaled(rows: list[list[str]], chance: Random) -> None:
-    column, factor = chance.randrange(len(rows[0])), chance.choice(NUMBERS)
+    column, factor = chance.randrange(len(rows[0]) or 1), chance.choice(NUMBERS)
     for row in rows[1:]:
         if column < len(row):
             try:

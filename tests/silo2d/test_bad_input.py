@@ -71,6 +71,7 @@ BAD_CASES: list[tuple[dict[str, Any], list[str]]] = [
     ({"silo.orifice": "5 cm"}, ["[silo] unknown key 'orifice'", "known: preset, angle"]),
     ({"silo.outlat": "5 cm"}, ["unknown key 'outlat'", "did you mean 'outlet'?"]),
     ({"sillo.outlet": "5 cm"}, ["unknown key 'sillo'", "did you mean 'silo'?"]),
+    ({"run.door_speed": "1e-300 m/s"}, ["door_speed = ", "1e-300 m/s", "0.000001"]),
     ({"silo.preset": "A44", "silo.angle": None}, ["'A44'", "did you mean 'A4'?"]),
     ({"particles.material": "wod"}, ["no material 'wod'", "did you mean 'wood'?"]),
     ({"particles.shapes": "small.toml"}, ["small.toml", "unknown key"]),

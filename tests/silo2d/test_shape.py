@@ -250,6 +250,7 @@ def test_shape_file_carries_units_and_shares(tmp_path):
         ("schema = 1", "schema = 2", r": schema = 2: unknown; this version reads 1"),
         ("schema = 1", "", r": schema is missing"),
         ('"1 mm"', "1", r": spheroradius = 1: the unit is missing"),
+        ('"1 mm"', '"1e-200 mm"', r": spheroradius = 1e-203 m: 1e-10 to 1e\+07 m are taken"),
         ('"1 mm"', '"9 mm"', r": \[shape a\] spheroradius = 9 mm: too large"),
         ('"cm"', '"kg"', r": unit = '1 kg': the unit is wrong here"),
         ('"cm"', "10", r": unit = 10: expected a unit of length"),

@@ -19,6 +19,7 @@ from granulab.errors import InputError
 
 MOST_SUB_SPHERES = 1000  # of one particle: 90 of them are as many spheres as 250 dampers of 358
 _PIECES = 4000  # of the surface, about: those of a sphere have edges of 0.085 of its radius
+_SLIVERS = 10.0  # times as many pieces as their area needs are too many
 _POINTS = 1500  # where spheres touch, from which to choose
 _REFINEMENTS = 3  # halve the triangles where the shape is sharp
 _UNEVENNESS = 0.01  # of the equal-volume radius: half of the usual tolerance
@@ -148,12 +149,52 @@ def fine(corners: np.ndarray, pieces: int = _PIECES) -> np.ndarray:
     """The same surface in about so many triangles, or more, whose edges are of one size [m]."""
     area = area_of(corners)
     edge = np.sqrt(4.0 / np.sqrt(3.0) * area / pieces)  # of equal regular triangles
-    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    parts = np.maximum(np.rint(longest / edge).astype(int), 1)
+    parts = _parts(corners, edge)
+    if (parts**2).sum() > _SLIVERS * pieces:
+        corners = _without_slivers(corners, edge)
+        parts = _parts(corners, edge)
     split = np.concatenate([_split(corners[parts == n], n) for n in np.unique(parts)])
     sides = split - np.roll(split, 1, axis=1)
     flat = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) <= 1e-12 * area
     return split[~flat]  # a triangle without area is part of its neighbours' edges
+
+
+def _parts(corners: np.ndarray, edge: float) -> np.ndarray:
+    """In how many parts of an edge [m] each triangle's longest edge is cut (m,)."""
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    return np.maximum(np.rint(longest / edge).astype(int), 1)
+
+
+def _without_slivers(corners: np.ndarray, edge: float) -> np.ndarray:
+    """The same surface, triangles much longer than wide cut across in strips of triangles.
+
+    Cut in triangles of their own form they would be many times the pieces that their area needs.
+    """
+    area = normals_and_areas(corners)[1]
+    sliver = _parts(corners, edge) ** 2 > _SLIVERS * np.maximum(area / edge**2, 1.0)
+    long = corners[sliver]
+    first = np.linalg.norm(np.roll(long, -1, axis=1) - long, axis=2).argmax(axis=1)
+    turned = np.take_along_axis(long, (first[:, None] + np.arange(3))[..., None] % 3, axis=1)
+    a, b, c = np.moveaxis(turned, 1, 0)  # the longest edge is from a to b
+    share = np.sum((c - a) * (b - a), axis=1) / np.sum((b - a) ** 2, axis=1)
+    foot = a + share[:, None] * (b - a)  # of the height from c
+    # Two right triangles, their sharp ends first.
+    halves = np.concatenate([np.stack([a, foot, c], 1), np.stack([b, c, foot], 1)])
+    length = np.linalg.norm(0.5 * (halves[:, 1] + halves[:, 2]) - halves[:, 0], axis=1)
+    width = np.linalg.norm(halves[:, 1] - halves[:, 2], axis=1)
+    strips = np.maximum(np.rint(length / np.maximum(width, edge)).astype(int), 1)
+    cut = [_strips(halves[strips == n], n) for n in np.unique(strips)]
+    return np.concatenate([corners[~sliver], *cut])
+
+
+def _strips(corners: np.ndarray, n: int) -> np.ndarray:
+    """Each triangle in n strips parallel to the edge opposite its first corner, as triangles."""
+    part = np.arange(n + 1)[:, None] / n
+    sharp, one, other = corners[:, :1], corners[:, 1:2], corners[:, 2:]
+    q, r = sharp + part * (one - sharp), sharp + part * (other - sharp)  # (m, n + 1, 3)
+    lower = np.stack([q[:, :-1], q[:, 1:], r[:, 1:]], axis=2)
+    upper = np.stack([q[:, 1:-1], r[:, 2:], r[:, 1:-1]], axis=2)
+    return np.concatenate([lower, upper], axis=1).reshape(-1, 3, 3)
 
 
 def _split(corners: np.ndarray, n: int) -> np.ndarray:

@@ -9,6 +9,7 @@ negative where the triangle faces it; the sums are the integrals of 1, x and x x
 """
 
 import io
+import logging
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -20,6 +21,8 @@ from granulab.contact.files.datafile import refuse_pipe
 from granulab.errors import InputError
 
 MOST_TRIANGLES = 20_000
+# It would print a traceback of what it then reads otherwise.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
 
 def read_triangles(path: Path) -> np.ndarray:

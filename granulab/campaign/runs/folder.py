@@ -33,6 +33,17 @@ class DamagedError(FolderError):
     """A file of a run folder that holds something else than was written to it."""
 
 
+class Stored(dict[str, Any]):
+    """What a file or table of a run holds, by name; DamagedError for what it does not hold."""
+
+    def __init__(self, where: object, items: Mapping[str, Any]) -> None:
+        super().__init__(items)
+        self._where = where
+
+    def __missing__(self, name: str) -> Any:
+        raise DamagedError(f"{self._where}: damaged (no {name}); {_AGAIN}")
+
+
 @contextmanager
 def writing(path: Path, option: str = "--out") -> Iterator[None]:
     """Turn an OSError of the enclosed lines into a FolderError about `path`.
@@ -261,7 +272,8 @@ class RunFolder:
 
     def read_summary(self) -> dict[str, Any]:
         """Return the summary; FolderError when missing, damaged or of another schema."""
-        return _of_this_schema(self.path / "summary.json")
+        path = self.path / "summary.json"
+        return Stored(path, _of_this_schema(path))
 
 
 def seals_of(texts: Mapping[str, str]) -> dict[str, Any]:
@@ -313,8 +325,12 @@ def resume_run(path: str | Path) -> RunFolder:
 
 
 def write_json(path: Path, mapping: Mapping[str, Any]) -> None:
-    """Write a JSON object with its seal; FolderError where it cannot be written."""
-    write_atomic(path, sealed_json(mapping, plain))
+    """Write a JSON object with its seal; FolderError where it cannot be written, or holds NaN."""
+    try:
+        text = sealed_json(mapping, plain)
+    except ValueError as error:
+        raise FolderError(f"{path}: not written, a result is no number ({error}); {_AGAIN}") from None
+    write_atomic(path, text)
 
 
 def read_json(path: Path) -> tuple[dict[str, Any], bool]:

@@ -10,7 +10,7 @@ from functools import cache, cached_property
 import h5py
 import numpy as np
 
-from granulab.campaign.runs.folder import FolderError
+from granulab.campaign.runs.folder import FolderError, Stored
 from granulab.campaign.runs.seal import content
 
 Columns = Mapping[str, np.ndarray]
@@ -41,7 +41,9 @@ class Tables:
         """The columns of table k; negative k counts from the last."""
         k = range(len(self))[k]
         rows = slice(self.start[k], self.start[k + 1])
-        return {name: column[rows] for name, column in self.columns.items()}
+        return Stored(
+            "stored tables", {name: column[rows] for name, column in self.columns.items()}
+        )
 
     def of_frames(self, first: int, last: int) -> "Tables":
         """The tables of the frames first ... last - 1."""
