@@ -26,11 +26,10 @@ class Elastic:
 
     def lame(self) -> tuple[float, float]:
         """lambda and mu of the plane problem [Pa]."""
-        from skfem.models.elasticity import lame_parameters, plane_stress
-
-        of_plane = lame_parameters if self.plane == "strain" else plane_stress
-        first, shear = of_plane(self.youngs_modulus, self.poisson)
-        return float(first), float(shear)
+        # Not by scikit-fem: what its plane_stress returns is another pair in 12.0.0 than in 12.0.2.
+        modulus, nu = self.youngs_modulus, self.poisson
+        thinned = 1 - nu if self.plane == "stress" else 1 - 2 * nu
+        return modulus * nu / ((1 + nu) * thinned), modulus / (2 * (1 + nu))
 
 
 class Block:
