@@ -39,7 +39,7 @@ def discharge(
 
     Looks, frames and checkpoints come at fixed numbers of steps since the opening; the first and
     the last frame bring the contacts, and of those between every so many. Raises Stopped when
-    `stop` says so, and SimulationError; the state is kept before either.
+    `stop` says so, with the state kept, and SimulationError.
     """
     if clock.parts == 0:
         _open_door(sim, case, writer, clock)

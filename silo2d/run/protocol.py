@@ -55,22 +55,25 @@ def _compute(
     stages.hedge = hedge(case)
     if case.impulses:
         return _by_pymunk(folder, case, stages, stop, warn)
-    most = MOST_HALVINGS if case.step_source == "chosen" else 0
-    for halvings in range(most + 1):
+    packing = get_packing(case, folder.path.resolve().parent, stages, stop, warn)
+    halvings, most = 0, MOST_HALVINGS if case.step_source == "chosen" else 0
+    while True:
         try:
-            return _in_steps(folder, case, halvings, stages, stop, warn)
+            sim, clock = _start_or_resume(folder, case, packing, halvings, stages, stop, warn)
+            halvings = clock.halvings
+            return _discharged(folder, case, packing, sim, clock, stages, stop)
         except SimulationError:
-            if halvings == most:
+            if halvings >= most:
                 raise
+            halvings += 1
             folder.drop_checkpoints()
-    raise AssertionError("the last go returns or raises")
 
 
-def _in_steps(
-    folder: RunFolder, case: SiloCase, halvings: int, stages: Stages, stop: Stop, warn: Warn
-) -> dict[str, Any]:
-    """The results of a silo whose chosen time step is halved so often, or gone on with."""
-    sim, clock, packing = _start_or_resume(folder, case, halvings, stages, stop, warn)
+def _discharged(
+    folder: RunFolder, case: SiloCase, packing: Packing, sim: Simulation, clock: Clock,
+    stages: Stages, stop: Stop,
+) -> dict[str, Any]:  # fmt: skip
+    """The results of a silo that has settled or is gone on with."""
     static = describe(case, packing)
     writer = TrajectoryWriter(folder.path, parts=clock.parts)
     writer.write_static(*static)
@@ -108,10 +111,11 @@ def _by_pymunk(
 
 
 def _start_or_resume(
-    folder: RunFolder, case: SiloCase, halvings: int, stages: Stages, stop: Stop, warn: Warn
-) -> tuple[Simulation, Clock, Packing]:
+    folder: RunFolder, case: SiloCase, packing: Packing, halvings: int, stages: Stages, stop: Stop,
+    warn: Warn,
+) -> tuple[Simulation, Clock]:  # fmt: skip
+    """The silo behind its door in a step halved so often, or as its checkpoint has it."""
     resuming = folder.checkpoint.exists()
-    packing = get_packing(case, folder.path.resolve().parent, stages, stop, warn)
     step = case.time_step / 2**halvings
     sim = Simulation(world_behind_door(case, packing, step))
     if resuming:
@@ -119,14 +123,14 @@ def _start_or_resume(
         sim.begin_phase(*case.laws(sim.n_particles), step)
         if found := restored(folder, sim.restore, Clock, "its opening", warn):
             sim.time_step = case.time_step / 2**found.halvings
-            return sim, found, packing
+            return sim, found
         sim = Simulation(world_behind_door(case, packing, step))
     sim.compile()
     begun = time.process_time()
     settle_under_own_law(sim, case, stages, stop)
     stages.finish("settling")
     filling = packing.cpu_s + time.process_time() - begun
-    return sim, Clock(filling_cpu_s=filling, halvings=halvings), packing
+    return sim, Clock(filling_cpu_s=filling, halvings=halvings)
 
 
 def get_packing(

@@ -197,6 +197,17 @@ def test_stage_that_is_gone_on_with_is_judged_by_what_was_done_since(clock):
     assert stages.seconds_left() == pytest.approx(5.0)
 
 
+def test_stage_that_turns_out_longer_than_when_it_was_gone_on_with_has_time_left(clock):
+    """A bed that lay still flows again: less of all is done than at the start."""
+    stages = Stages(lambda fraction, words: None)
+    stages.expect(shaking=600.0)
+    stages.begin("shaking", 95, 5)
+    for k in range(1, 60):
+        clock[0] += 5.0
+        stages.report("shaking", 95 + k, 160 - k, "on")
+        assert stages.seconds_left() > 150.0
+
+
 def test_compiling_is_reported_once_and_is_no_other_stages_time(clock, monkeypatch):
     """numba's own events of a function compiled on the fly: words, and no time of the stage's."""
     import numba

@@ -19,6 +19,7 @@ from granulab.errors import SimulationError, Stopped
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.filling import rain_of
 from silo2d.run import discharge, protocol
+from silo2d.run.ending import Clock
 from silo2d.run.pour import pour, rain
 
 SOFT = {"law.kn": "10 N/mm", "law.keep_ratios": True}
@@ -109,6 +110,41 @@ def test_a_chosen_step_is_halved_until_the_energy_closes(tight, monkeypatch, tmp
     given = SiloCase.load(file, {"run.time_step": "5 us"})
     with pytest.raises(SimulationError, match="J of energy"):
         protocol.run(given, out=root)
+
+
+def test_a_filling_that_fails_is_no_reason_for_a_shorter_step(tmp_path, monkeypatch):
+    """It has its own attempts, and the discharge's step is nothing to it."""
+    poured = []
+
+    def fails(*_: object) -> None:
+        poured.append(1)
+        raise SimulationError("no rest")
+
+    monkeypatch.setattr(protocol, "get_packing", fails)
+    with pytest.raises(SimulationError, match="no rest"):
+        protocol.run(small_case(tmp_path, {"run.time_step": None}), out=tmp_path)
+    assert poured == [1]
+
+
+def test_a_halved_run_that_goes_on_and_fails_again_is_not_tried_in_longer_steps(
+    tmp_path, monkeypatch
+):
+    """Its checkpoint knows how often it was halved."""
+    case, tried = small_case(tmp_path, {"run.time_step": None}), []
+
+    def started(_folder, _case, _packing, halvings, *_: object) -> tuple[object, Clock]:
+        tried.append(2 if not tried else halvings)
+        return None, Clock(halvings=tried[-1])
+
+    def fails(*_: object) -> None:
+        raise SimulationError("too much energy")
+
+    monkeypatch.setattr(protocol, "get_packing", lambda *_: None)
+    monkeypatch.setattr(protocol, "_start_or_resume", started)
+    monkeypatch.setattr(protocol, "_discharged", fails)
+    with pytest.raises(SimulationError, match="energy"):
+        protocol.run(case, out=tmp_path)
+    assert tried == [2, 3, 4]
 
 
 @pytest.mark.parametrize(

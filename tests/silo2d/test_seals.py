@@ -16,7 +16,7 @@ from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.verify import verify
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
-from silo2d.run import protocol
+from silo2d.run import discharge, protocol
 
 # Ten parts in a tenth of the discharge, and a contact table in every one.
 BRIEF = {
@@ -136,6 +136,44 @@ def test_a_run_without_any_whole_checkpoint_starts_from_its_opening(unfinished, 
     assert (result.code, result.err.count("\n")) == (0, 1)
     assert "no checkpoint before it is left, so that the run starts from its opening" in result.err
     assert_same_run(unfinished, the_run(brief_root / "whole"))
+
+
+def test_a_last_part_that_is_missing_is_said(unfinished, brief_root):
+    (unfinished.path / "parts" / "00009.h5").unlink()
+    result = silo2d("run", "--resume", unfinished.path, "--quiet", "--no-figures")
+    assert result.err.startswith(f"warning: {unfinished.path / 'parts' / '00009.h5'}: missing")
+    assert_same_run(unfinished, the_run(brief_root / "whole"))
+
+
+def test_checkpoints_after_one_that_is_gone_back_to_do_not_count_again(
+    unfinished, brief_root, monkeypatch
+):
+    """Part 5 is computed again, cut off elsewhere, and the process dies before its checkpoint."""
+    flip(unfinished.path / "parts" / "00005.h5", 3000)
+    looks = iter([False])
+    stop = DischargeStop(lambda: next(looks, True))
+    monkeypatch.setattr(discharge, "keep_checkpoint", _dies)
+    with pytest.raises(KeyboardInterrupt):
+        protocol.resume(unfinished.path, progress=stop.progress, stop=stop)
+    monkeypatch.undo()
+    assert not [path for path in unfinished.checkpoints.iterdir() if int(path.stem) > 4]
+    result = silo2d("run", "--resume", unfinished.path, "--quiet", "--no-figures")
+    assert result.code == 0
+    assert_same_run(unfinished, the_run(brief_root / "whole"))
+
+
+def _dies(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+def test_verify_leaves_alone_what_is_not_of_a_run_and_what_goes_on(unfinished, brief_root):
+    """A stranger's files have no seal, and an unfinished run has no results to be missing."""
+    (unfinished.path / "notes.json").write_text("[1, 2]")
+    (unfinished.path / "own.h5").write_bytes(b"own")
+    seals = the_run(brief_root / "whole").read_provenance()["sealed_files"]
+    assert "trajectory.h5" in seals
+    unfinished.write_provenance({**unfinished.read_provenance(), "sealed_files": seals})
+    assert not verify(unfinished.path).damaged
 
 
 def test_damage_is_listed_with_its_files_and_an_exit_code(brief_root, tmp_path):

@@ -66,7 +66,8 @@ def run_case(
         text = wrapped(echo(case, dry_run=True) + warning, 14)
         click.echo(json.dumps(planned, indent=2) if as_json else text)
         return
-    _refuse_unless_kept(runnable.simulator, case, Path(out), resume, again)
+    if not (no_figures and _is_kept(runnable.simulator, case, Path(out), resume, again)):
+        _refuse_unless_writable(runnable.simulator, case, Path(out), resume, again)
     if not quiet:
         click.echo(wrapped(echo(case, dry_run=False) + warning, 14), err=True)
     draw = None if no_figures else runnable.draw
@@ -92,7 +93,12 @@ def _say_what_plays(paths: Any, quiet: bool) -> None:
             click.echo(f"{path}: {words}", err=True)
 
 
-def _refuse_unless_kept(
+def _is_kept(simulator: "Simulator", case: Any, out: Path, resume: str | None, again: bool) -> bool:
+    """True where a run is finished, so that nothing but pictures is written."""
+    return not (resume or again) and simulator.run_folder(case, out).state == "finished"
+
+
+def _refuse_unless_writable(
     simulator: "Simulator", case: Any, out: Path, resume: str | None, again: bool
 ) -> None:
     """Raise FolderError where the folder that a run will have cannot be written."""

@@ -16,7 +16,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from granulab.campaign.runs.folder import RunFolder, plain
+from granulab.campaign.runs.folder import RunFolder, plain, replacing
 from granulab.campaign.runs.h5file import made, opened
 from granulab.campaign.runs.seal import content
 
@@ -73,6 +73,19 @@ def keep_checkpoint(
             known = int(path.stem)
             if not 0 <= parts - known < 2 * (known & -known):
                 path.unlink()
+
+
+def go_back(run: RunFolder, path: Path) -> None:
+    """Make an earlier checkpoint of a run the newest: what is computed again may be cut elsewhere.
+
+    A later one would go with other parts than those that it was written after.
+    """
+    for later in checkpoints(run)[1:]:
+        if later == path:
+            break
+        later.unlink()
+    with replacing(run.checkpoint) as file:
+        file.write(path.read_bytes())
 
 
 def checkpoints(run: RunFolder) -> list[Path]:

@@ -1,5 +1,6 @@
 """Steps that the run of any simulator goes through: folder begun or found, packing shared."""
 
+import os
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -154,6 +155,10 @@ class Runs(Generic[Case, Found]):
         stop: Stop,
         warn: Warn,
     ) -> Found:
+        kept = folder.state == "finished" and not self._is_outdated(folder)
+        if kept and not os.access(folder.path, os.W_OK):  # nor can anybody change it
+            self._begin_or_check(folder, case, warn)
+            return self.result.read(folder, reused=True)
         with folder.lock():
             begun = time.perf_counter()
             self._begin_or_check(folder, case, warn)
@@ -233,7 +238,7 @@ def restored(
     None where none is left. `warn` is told which file it is and what is computed again. start:
     where the run then begins. Raises FolderError where a checkpoint does not fit the case.
     """
-    from granulab.campaign.runs.checkpoint import checkpoints, load_checkpoint  # h5py: slow
+    from granulab.campaign.runs.checkpoint import checkpoints, go_back, load_checkpoint  # h5py: slow
     from granulab.campaign.runs.trajectory import whole_parts
 
     whole, there, wrong = whole_parts(folder.path)
@@ -245,6 +250,7 @@ def restored(
             continue
         try:
             if said.get("parts", 0) > whole:
+                wrong = wrong or f"{folder.path / 'parts' / f'{whole:05d}.h5'}: missing"
                 continue
             restore(saved)
             found = meta(**said)
@@ -253,11 +259,14 @@ def restored(
                 f"{folder.checkpoint}: does not fit this case ({error}); delete it and the run "
                 f"starts from {start}"
             ) from None
+        if path != folder.checkpoint:
+            go_back(folder, path)
         if wrong:
             again = there - said.get("parts", 0)
             repeated = f" and computes {again} of its {there} parts again, to the same bits"
             warn(f"{wrong}; the run goes on from {path}{repeated if again else ''}")
         return found
+    folder.drop_checkpoints()
     warn(f"{wrong}; no checkpoint before it is left, so that the run starts from {start}")
     return None
 

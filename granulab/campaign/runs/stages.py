@@ -127,22 +127,22 @@ class Stages:
             part = self._parts.get(name, 0.0)
             own = slowness * cost  # of the whole stage
             if name == self._stage:
-                measured, done = self._measured[name], part - self._first.get(name, 0.0)
+                measured, done = self._measured[name], self._gone(name)
                 own = (measured + _PRIOR * own) / (done + _PRIOR)
             elif name == COMPILING and part:
                 continue  # what another stage has still to compile is not known
             left += own * (1.0 - part)
         return left
 
+    def _gone(self, stage: str) -> float:
+        """Part of a stage that was done here; it may turn out longer than when it began."""
+        return max(self._parts.get(stage, 0.0) - self._first.get(stage, 0.0), 0.0)
+
     def _slowness(self) -> float:
         """Measured over expected cost of what is done; that of compiling where nothing else is."""
         ratio, own = 1.0, [name for name in self._expected if name != COMPILING]
         for names in ([COMPILING], own):
-            cost = sum(
-                self._expected.get(name, 0.0)
-                * (self._parts.get(name, 0.0) - self._first.get(name, 0.0))
-                for name in names
-            )
+            cost = sum(self._expected.get(name, 0.0) * self._gone(name) for name in names)
             measured = sum(self._measured.get(name, 0.0) for name in names)
             ratio = (_TRUSTED * ratio + measured) / (_TRUSTED + cost)
         return ratio

@@ -3,9 +3,11 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from granulab.campaign.runs.folder import FolderError, RunFolder, read_json
+from granulab.campaign.runs.folder import RESULTS, FolderError, RunFolder, read_json
 from granulab.campaign.runs.h5file import opened
 
+_JSON = ("summary.json", "provenance.json")
+_HDF5 = ("trajectory.h5", "checkpoint.h5", "packing.h5")
 _OF_CHECKPOINTS = ("checkpoint.h5", "packing.h5")
 _NO_CONTENT = (".lock", ".tmp")  # endings of files that nobody reads back
 
@@ -38,16 +40,22 @@ def verify(root: Path) -> Verified:
             continue
         try:
             sealed = _is_sealed(path, seals.get(path))
-        except FolderError as error:
+        except (FolderError, FileNotFoundError) as error:
+            if not path.exists() and not path.is_symlink():
+                continue  # of a run that goes on
             found.damaged.append(str(error))
         else:
             (found.whole if sealed else found.unsealed).append(path)
     found.damaged += [
         f"{path}: missing; use --again to compute the run again"
         for path in seals
-        if not path.exists()
+        if not path.exists() and (path.name not in RESULTS or _finished(path.parent))
     ]
     return found
+
+
+def _finished(folder: Path) -> bool:
+    return RunFolder(folder).state == "finished"
 
 
 def _seals(folder: Path) -> dict[str, str]:
@@ -64,9 +72,10 @@ def _is_sealed(path: Path, seal: str | None) -> bool:
     seal: of the whole file, which the provenance keeps; None where it keeps none.
     """
     RunFolder(path.parent).check_seal(path.name, seal)
-    if path.suffix == ".json":
+    if path.name in _JSON:
         return read_json(path)[1]
-    if path.suffix != ".h5" or path.name == "table.h5":
+    ours = path.parent.name in ("parts", "checkpoints") or path.name in _HDF5
+    if path.suffix != ".h5" or not ours:
         return seal is not None
     of_checkpoint = path.name in _OF_CHECKPOINTS or path.parent.name == "checkpoints"
     with opened(path, "checkpoint" if of_checkpoint else "trajectory") as file:
