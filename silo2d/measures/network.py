@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _FEWEST = 20  # forces in a tail that is fitted
-_NO_FRICTION = 1e-6  # tangential over normal forces, which are kept in single precision
+_NO_FRICTION = 1e-3  # tangential over normal forces, in sum: less than any friction
 _RESAMPLES = 200  # of the bootstrap: its error has an error of 5 %
 _WIDEST = 5.0  # line of a force of six times the mean [points]
 _PALE = "#f0e6d2", "#c9b79a"  # of particles under a network: face, edge
@@ -124,7 +124,7 @@ def draw(folder: Path) -> "Figure":
                                  (panels[1], end, f"{end.time:.2f} s")):  # fmt: skip
         draw_particles(panel, scene, moment.frame)
         draw_network(panel, moment, unit)
-        panel.set_title(f"{words}\n{_in_words(moment)}", fontsize=10)
+        panel.set_title(f"{words}\n{in_words(moment)}", fontsize=10)
     words = f"lines: normal forces, {_WIDEST / 6:.1f} points wide for {unit:.3g} N; red pulls"
     figure.text(0.01, 0.01, words, fontsize=8, color=WALL)
     _draw_distribution(
@@ -141,14 +141,15 @@ def _last_shown(moments: list[Moment]) -> Moment:
     return min(moments, key=lambda m: abs(n_out[m.frame] - n_out[-1] / 2))
 
 
-def _in_words(moment: Moment) -> str:
+def in_words(moment: Moment) -> str:
+    """Neighbours of a particle and how many contacts slide, for the head of a picture."""
     numbers = numbers_of(moment)
     if not numbers["pairs"]:
         return "no contacts"
     normal, force = moment.normal, moment.force
     along = np.abs(normal[:, 0] * force[:, 1] - normal[:, 1] * force[:, 0])
     sliding = numbers["sliding"]
-    if along.max() <= _NO_FRICTION * np.abs(moment.force).max():
+    if along.sum() <= _NO_FRICTION * np.hypot(*force.T).sum():
         how = "frictionless"
     else:
         how = "all contacts slide" if sliding == 1 else f"{100 * sliding:.0f} % of contacts slide"

@@ -1,5 +1,7 @@
 """Contact network: pairs, coordination, and the tail of the force distribution."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import scenes
@@ -7,7 +9,7 @@ from hand_built import moment_of, scene_of
 
 from silo2d.case.outline import hopper
 from silo2d.measures.basics.contacts import flowing, read_moments, states
-from silo2d.measures.network import coordination, exponential_tail, measure
+from silo2d.measures.network import coordination, exponential_tail, in_words, measure
 from silo2d.view.scene import read_scene
 
 
@@ -63,6 +65,17 @@ def test_numbers_of_a_run(reference):
     assert 3 < numbers["before_opening_coordination"] < 6
     assert numbers["before_opening_grains"] == read_scene(reference.path).n_particles
     assert len(numbers["series"]["time_s"]) == len(read_moments(reference.path))
+
+
+def test_frictionless_is_said_of_what_has_no_friction_alone(reference):
+    """A bed poured without friction; with a third of each force along it, its contacts slide."""
+    before = read_moments(reference.path)[0]
+    assert before.slides.all()
+    assert in_words(before).endswith("neighbours, frictionless")
+    along = np.stack([-before.normal[:, 1], before.normal[:, 0]], axis=1)
+    size = np.hypot(*before.force.T)[:, None]
+    rubbing = dataclasses.replace(before, force=before.force + 0.3 * size * along)
+    assert in_words(rubbing).endswith("neighbours, all contacts slide")
 
 
 def test_states_of_a_run(reference):
