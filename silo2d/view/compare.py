@@ -80,7 +80,7 @@ def _row(folder: RunFolder) -> dict[str, Any]:
     try:
         row = {name: summary[name] for name in _KEPT}
         row["discharge_cpu_s"] = 1e-6 * row["cpu_us_per_step"] * row["steps"]
-    except (KeyError, TypeError) as error:
+    except TypeError as error:
         raise FolderError(
             f"{folder.path / 'summary.json'}: damaged ({error}); use --again to compute the run "
             "again"

@@ -123,5 +123,5 @@ def test_a_run_that_is_not_finished_or_is_damaged_is_refused(reference, finished
     kept = run.read_summary()
     del kept["t90_s"]
     run.write_summary(kept)
-    with pytest.raises(FolderError, match=r"summary\.json: damaged \('t90_s'\); use --again"):
+    with pytest.raises(FolderError, match=r"summary\.json: damaged \(no t90_s\); use --again"):
         compare(reference.path, summary.parent)

@@ -269,7 +269,7 @@ def _state(folder: Path, result: Callable[[dict[str, Any]], str]) -> str:
         return f"failed: {run.failure}" if run.failure else "unfinished"
     try:
         return result(run.read_summary())
-    except (FolderError, KeyError, TypeError, ValueError):
+    except (TypeError, ValueError):  # FolderError is one
         return "damaged"
 
 

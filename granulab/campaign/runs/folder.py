@@ -34,7 +34,7 @@ class DamagedError(FolderError):
 
 
 class Stored(dict[str, Any]):
-    """What a file or table of a run holds, by name; DamagedError for what it does not hold."""
+    """Content of a file or table of a run, by name; DamagedError for what it does not hold."""
 
     def __init__(self, where: object, items: Mapping[str, Any]) -> None:
         super().__init__(items)
