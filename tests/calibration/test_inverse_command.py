@@ -69,11 +69,11 @@ def whole(damper):
 
 
 def test_a_known_friction_is_found_again_within_the_stated_interval(whole):
-    """95 % of such fits hold the truth in two of the stated half intervals."""
+    """997 of 1000 such fits hold the truth in three of the stated half intervals."""
     (found,) = whole["parameters"]
     low, high = found["interval_68"]
     assert low < found["median"] < high
-    assert abs(found["median"] - TRUTH) < high - low
+    assert abs(found["median"] - TRUTH) < 1.5 * (high - low)
     assert found["identifiable"]
     assert whole["goodness"]["reproducible"]
     assert whole["runs"] == {"total": 24, "passed": 24, "blocked": 0, "failed": 0}
