@@ -14,8 +14,8 @@ from damper3d.view.export import walls
 from damper3d.view.film import make_film
 from damper3d.view.scene import Scene, read_scene
 from damper3d.view.spheres import corners, draw_spheres, spheres_drawn, window
-from granulab.campaign.output.figure import GREY, INK, VERMILION, WALL, headline, write_figure
-from granulab.campaign.output.film import CHART, reporting
+from granulab.campaign.output.figure import GREY, INK, VERMILION, WALL, headline
+from granulab.campaign.output.film import write_all
 from granulab.campaign.runs.folder import FolderError, RunFolder
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
@@ -64,15 +64,9 @@ def make_figures(
     figures = {"energy": energy_chart, "motion": motion_chart}
     if len(scene.tables):
         figures = {ENGINES[engine]: partial(cycle_figure, by=by, engine=engine), **figures}
-    charts = CHART * len(figures)
-    told = reporting(report, charts + (n_pictures := len(scene.tables) if film else 0))
-    paths = []
-    for k, (name, draw) in enumerate(figures.items(), 1):
-        paths.append(write_figure(folder / f"{name}.png", partial(draw, scene)))
-        told(CHART * k)
-    if not n_pictures:
-        return paths
-    return [*paths, make_film(scene, folder, by, cycles_in_film, lambda k: told(charts + k))]
+    charts = {name: partial(draw, scene) for name, draw in figures.items()}
+    filmed = partial(make_film, scene, folder, by, cycles_in_film)
+    return write_all(folder, charts, len(scene.tables) if film else 0, filmed, report)
 
 
 def panel_frames(scene: Scene) -> list[int]:

@@ -14,6 +14,7 @@ from damper3d.engine.records import CLASSES
 from damper3d.measures.efficiency import in_words
 from damper3d.run.result import Result
 from granulab.campaign.output import room
+from granulab.campaign.output.layout import pulls_in_words
 from granulab.campaign.sweeps.overview import in_minutes
 from granulab.contact.hertz import HertzLaw
 
@@ -129,7 +130,7 @@ def report(result: Result) -> str:
         f"{_number(result.bed_height_m)} m up; largest force on the enclosure "
         f"{result.peak_wall_force_n:.4g} N",
         f"  impacts          largest over the yield velocity: {_impacts(result)}",
-        *_pulling(result),
+        *pulls_in_words(result.pulling, "{:.2%}".format, "at the ends of cycles "),
         f"  energy           {_balance(result)}",
         f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
         f"steps of {result.time_step_s:.4g} s; {result.cpu_s:.1f} s in all",
@@ -141,17 +142,6 @@ def report(result: Result) -> str:
 def _efficiency(result: Result) -> str:
     interval = "" if result.efficiency is None else _interval(result.efficiency_interval)
     return in_words(vars(result)) + interval
-
-
-def _pulling(result: Result) -> list[str]:
-    """A line where the law pulled at the end of a cycle."""
-    found = result.pulling
-    if not found or not found["particle_weights"] > 0.0:
-        return []
-    return [
-        f"  law pulls        at the ends of cycles in {found['share']:.2%} of the contacts, with "
-        f'up to {found["particle_weights"]:.3g} particle weights (contact_end = "force": never)'
-    ]
 
 
 def _interval(interval: tuple[float, float] | None) -> str:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granulab.campaign.output.figure import INK, WALL, round_length, write_figure
-from granulab.campaign.output.film import CHART, reporting
+from granulab.campaign.output.figure import INK, WALL, round_length
+from granulab.campaign.output.film import write_all
 from granulab.campaign.runs.folder import RunFolder
 from silo2d.view.charts import discharge_chart, energy_chart, force_chart
 from silo2d.view.film import make_film
@@ -46,15 +46,9 @@ def make_figures(
         "energy": energy_chart,
         "forces": force_chart,
     }
-    charts = CHART * len(figures)
-    told = reporting(report, charts + (n_pictures := len(scene.time) if film else 0))
-    paths = []
-    for k, (name, draw) in enumerate(figures.items(), 1):
-        paths.append(write_figure(folder / f"{name}.png", partial(draw, scene)))
-        told(CHART * k)
-    if not n_pictures:
-        return paths
-    return [*paths, make_film(scene, folder, lambda k: told(charts + k))]
+    charts = {name: partial(draw, scene) for name, draw in figures.items()}
+    n_pictures = len(scene.time) if film else 0
+    return write_all(folder, charts, n_pictures, partial(make_film, scene, folder), report)
 
 
 def silo_figure(scene: Scene) -> "Figure":

@@ -3,6 +3,7 @@
 from typing import Any
 
 from granulab.campaign.output import room
+from granulab.campaign.output.layout import pulls_in_words
 from granulab.campaign.sweeps.overview import in_minutes
 from granulab.contact.laws import LinearLaw
 from silo2d.case.case import SiloCase
@@ -151,7 +152,7 @@ def report(result: Result) -> str:
     lines += [
         f"  packing          fraction {_fraction(result.packing_fraction)}, coordination "
         f"{result.coordination:.2f}",
-        *_pulling(result),
+        *pulls_in_words(result.pulling, _percent),
         f"  energy           {_energy(result)}",
         *_shortened(result),
         f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
@@ -163,17 +164,6 @@ def report(result: Result) -> str:
 
 def _fraction(value: float | None) -> str:
     return "not known of so few layers" if value is None else f"{value:.3f}"
-
-
-def _pulling(result: Result) -> list[str]:
-    """A line where the law pulled."""
-    found = result.pulling
-    if not found or not found["particle_weights"] > 0.0:
-        return []
-    return [
-        f"  law pulls        in {_percent(found['share'])} of the contacts, with up to "
-        f'{found["particle_weights"]:.3g} particle weights (contact_end = "force": never)'
-    ]
 
 
 def _time(seconds: float | None) -> str:

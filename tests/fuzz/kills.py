@@ -98,27 +98,28 @@ def _timed(work: Callable[[Path], object], folder: Path) -> float:
     return time.monotonic() - begun
 
 
-def kill_silo(chance: Random, kills: int, folder: Path) -> Count:
-    """Kills while a silo is filled and emptied."""
-    case, whole, count = SiloCase.load(write_case(folder, SLOW)), folder / "whole", Count()
-    length = _timed(lambda root: silo.run(case, out=root), folder)
+def _kill_run(chance: Random, kills: int, folder: Path, run: Callable[[Path], object]) -> Count:
+    """Kills of a run in the folder that it is given."""
+    whole, count = folder / "whole", Count()
+    length = _timed(run, folder)
     _until_killed(
-        chance, kills, length, folder, lambda root: silo.run(case, out=root),
+        chance, kills, length, folder, run,
         lambda root: assert_same_run(the_run(root), the_run(whole)), count,
     )  # fmt: skip
     return count
 
 
+def kill_silo(chance: Random, kills: int, folder: Path) -> Count:
+    """Kills while a silo is filled and emptied."""
+    case = SiloCase.load(write_case(folder, SLOW))
+    return _kill_run(chance, kills, folder, lambda root: silo.run(case, out=root))
+
+
 def kill_damper(chance: Random, kills: int, folder: Path) -> Count:
     """Kills while a damper is filled and shaken."""
-    case, whole, count = small(), folder / "whole", Count()
+    case = small()
     with mock.patch.object(vibration, "CHECKPOINT_WORK", OFTEN):
-        length = _timed(lambda root: damper.run(case, out=root), folder)
-        _until_killed(
-            chance, kills, length, folder, lambda root: damper.run(case, out=root),
-            lambda root: assert_same_run(the_run(root), the_run(whole)), count,
-        )  # fmt: skip
-    return count
+        return _kill_run(chance, kills, folder, lambda root: damper.run(case, out=root))
 
 
 def kill_fit(chance: Random, kills: int, folder: Path) -> Count:

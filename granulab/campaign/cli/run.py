@@ -66,8 +66,9 @@ def run_case(
         text = wrapped(echo(case, dry_run=True) + warning, 14)
         click.echo(json.dumps(planned, indent=2) if as_json else text)
         return
-    if not (no_figures and _is_kept(runnable.simulator, case, Path(out), resume, again)):
-        _refuse_unless_writable(runnable.simulator, case, Path(out), resume, again)
+    _refuse_unless_writable(
+        runnable.simulator, case, Path(out), resume, again, drawn=not no_figures
+    )
     if not quiet:
         click.echo(wrapped(echo(case, dry_run=False) + warning, 14), err=True)
     draw = None if no_figures else runnable.draw
@@ -93,19 +94,18 @@ def _say_what_plays(paths: Any, quiet: bool) -> None:
             click.echo(f"{path}: {words}", err=True)
 
 
-def _is_kept(simulator: "Simulator", case: Any, out: Path, resume: str | None, again: bool) -> bool:
-    """True where a run is finished, so that nothing but pictures is written."""
-    return not (resume or again) and simulator.run_folder(case, out).state == "finished"
-
-
 def _refuse_unless_writable(
-    simulator: "Simulator", case: Any, out: Path, resume: str | None, again: bool
+    simulator: "Simulator", case: Any, out: Path, resume: str | None, again: bool, drawn: bool
 ) -> None:
-    """Raise FolderError where the folder that a run will have cannot be written."""
+    """Raise FolderError where the folder that a run will have cannot be written, and must be."""
     from granulab.campaign.runs.folder import refuse_unless_writable
 
-    folder = Path(resume) if resume else out if again else simulator.run_folder(case, out).path
-    refuse_unless_writable(folder, "--out")
+    if resume or again:
+        refuse_unless_writable(Path(resume) if resume else out, "--out")
+        return
+    folder = simulator.run_folder(case, out)
+    if drawn or folder.state != "finished":
+        refuse_unless_writable(folder.path, "--out")
 
 
 def _computed(

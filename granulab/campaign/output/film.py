@@ -4,16 +4,19 @@ What is written into pictures, and how fast the film runs, is here too.
 """
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granulab.campaign.output.figure import INK
+from granulab.campaign.output.figure import INK, write_figure
 from granulab.campaign.runs.folder import write_atomic, writing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Image = NDArray[np.uint8]  # (height, width, 3), red green blue; both even, as codecs want it
 
@@ -50,9 +53,26 @@ def played_by(path: Path) -> str:
     )
 
 
-def reporting(report: Callable[[int, int], None] | None, number: int) -> Callable[[int], None]:
-    """A function that takes how many of a number of pictures are done, and reports those left."""
-    return lambda done: report(done, number - done) if report is not None else None
+def write_all(
+    folder: Path, figures: Mapping[str, Callable[[], "Figure"]], n_pictures: int,
+    film: Callable[[Callable[[int], None]], Path], report: Callable[[int, int], None] | None,
+) -> list[Path]:  # fmt: skip
+    """Write figures as NAME.png into a folder, and a film of so many pictures; their paths.
+
+    film    makes it, and is given what to call with the number of its pictures that are made; not
+            called where it has none
+    report  called with the pictures done and left, a chart counting as CHART of them
+    """
+    charts, paths = CHART * len(figures), []
+
+    def told(done: int) -> None:
+        if report is not None:
+            report(done, charts + n_pictures - done)
+
+    for k, (name, draw) in enumerate(figures.items(), 1):
+        paths.append(write_figure(folder / f"{name}.png", draw))
+        told(CHART * k)
+    return [*paths, film(lambda k: told(charts + k))] if n_pictures else paths
 
 
 def counted(pictures: Iterator[Image], report: Callable[[int], None] | None) -> Iterator[Image]:

@@ -3,7 +3,7 @@
 import re
 import shutil
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from granulab.campaign.output.statistics import Sample, noise_of_difference, wilson
@@ -136,3 +136,19 @@ def share(k: int, n: int) -> str:
     """ "1 of 5 [0.04, 0.62]", with Wilson's interval."""
     low, high = wilson(k, n)
     return f"{k} of {n} [{low:.2f}, {high:.2f}]" if n else "-"
+
+
+def pulls_in_words(
+    found: dict[str, float] | None, share: Callable[[float], str], when: str = ""
+) -> list[str]:
+    """A line of a report where the law pulled, none elsewhere.
+
+    found: `numbers` of an Attraction; share: spells the share of the contacts; when: they were
+    looked at, in words.
+    """
+    if not found or not found["particle_weights"] > 0.0:
+        return []
+    return [
+        f"  law pulls        {when}in {share(found['share'])} of the contacts, with up to "
+        f'{found["particle_weights"]:.3g} particle weights (contact_end = "force": never)'
+    ]
