@@ -239,7 +239,7 @@ def restored(
     where the run then begins. Raises FolderError where a checkpoint does not fit the case.
     """
     from granulab.campaign.runs.checkpoint import checkpoints, go_back, load_checkpoint  # h5py: slow
-    from granulab.campaign.runs.trajectory import whole_parts
+    from granulab.campaign.runs.trajectory import part_file, whole_parts
 
     whole, there, wrong = whole_parts(folder.path)
     for path in checkpoints(folder):
@@ -250,7 +250,7 @@ def restored(
             continue
         try:
             if said.get("parts", 0) > whole:
-                wrong = wrong or f"{folder.path / 'parts' / f'{whole:05d}.h5'}: missing"
+                wrong = wrong or f"{part_file(folder.path / 'parts', whole)}: missing"
                 continue
             restore(saved)
             found = meta(**said)

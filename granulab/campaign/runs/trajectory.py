@@ -135,7 +135,7 @@ class TrajectoryWriter:
                 name: laid_end_to_end(list(taken), list(taken.values()))
                 for name, taken in self._pending_tables.items()
             }
-            save(_part(self._folder, self._n_parts), frames=frames, tables=tables)
+            save(part_file(self._folder, self._n_parts), frames=frames, tables=tables)
             self._n_frames += len(self._pending)
             self._pending.clear()
             self._pending_tables.clear()
@@ -168,7 +168,7 @@ class TrajectoryWriter:
                     name: ragged.read_of_frames(group, start, end)
                     for name, group in file.get("tables", {}).items()
                 }
-                save(_part(self._folder, k), frames=frames, tables=pieces)
+                save(part_file(self._folder, k), frames=frames, tables=pieces)
                 start = end
         self._merged.unlink()
 
@@ -224,8 +224,8 @@ def whole_parts(folder: Path) -> tuple[int, int, str]:
     _refuse_link(parts)
     files = _part_files(parts)
     for k, path in enumerate(files):
-        if path != _part(parts, k):
-            return k, len(files), f"{_part(parts, k)}: missing"
+        if path != part_file(parts, k):
+            return k, len(files), f"{part_file(parts, k)}: missing"
         try:
             with opened(path):
                 pass
@@ -257,7 +257,8 @@ def _from_run(folder: Path, read: Callable[[list[Path]], T]) -> T:
     return read([merged])
 
 
-def _part(folder: Path, k: int) -> Path:
+def part_file(folder: Path, k: int) -> Path:
+    """Place of part k in the folder of the parts."""
     return folder / f"{k:05d}.h5"
 
 
@@ -269,8 +270,8 @@ def _part_paths(folder: Path) -> list[Path]:
     """The parts in turn, and last what does not change; FolderError where one is missing."""
     parts = _part_files(folder)
     for k, path in enumerate(parts):
-        if path != _part(folder, k):
-            raise FolderError(f"{_part(folder, k)}: missing; use --again to compute the run again")
+        if path != part_file(folder, k):
+            raise FolderError(f"{part_file(folder, k)}: missing; use --again to compute the run again")
     static = folder / "static.h5"
     return [*parts, static] if static.exists() else parts
 
