@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from granulab.contact.files.casefile import changed
-from granulab.contact.files.datafile import case_names, data_file, find, is_file
+from granulab.contact.files.datafile import case_names, data_file, find, is_file, is_shipped
 from granulab.contact.files.units import both, located, nearest, to_si
 from granulab.contact.laws import LinearLaw
 from granulab.contact.restitution import linear_restitution
@@ -106,8 +106,9 @@ class SiloCase:
         disorder = spreads(settings, pairs, laws, where)
         bounds = stiffest(laws, disorder, settings.law.contact_end)
         time_step, reason = time_step_of(
-            settings.run.time_step, shapes, surface_density, bounds, disorder is not None, where
-        )
+            settings.run.time_step, shapes, surface_density, bounds,
+            is_shipped(shapes_file, "shapes"), disorder is not None, where,
+        )  # fmt: skip
         rain = rain_of(outline, shapes, surface_density, settings.fill)
         if settings.run.engine == "dem":
             check_softness(laws, rain, settings.fill.level, shapes, where)

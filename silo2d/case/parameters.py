@@ -16,10 +16,10 @@ from silo2d.case.settings import Settings
 from silo2d.case.shape import ShapeSet
 from silo2d.case.shapefile import load_shapes
 from silo2d.case.stability import (
-    MARGIN,
     USUAL_TIME_STEP,
     chosen_step,
     largest_stable_step,
+    margin_of,
     step_for_held_particles,
 )
 
@@ -156,13 +156,14 @@ def time_step_of(
     shapes: ShapeSet,
     surface_density: float,
     laws: tuple[LinearLaw, LinearLaw],
+    shipped: bool,
     drawn: bool,
     where: str,
 ) -> tuple[float, str]:
     """The time step [s] and the reason for it; InputError for one beyond the stable one.
 
-    laws: the stiffest that a pair of particles, and a particle and a wall, can have; drawn: whether
-    others have softer ones.
+    laws: the stiffest that a pair of particles, and a particle and a wall, can have; shipped:
+    whether the shapes are; drawn: whether other pairs have softer laws.
     """
     limit, configuration = largest_stable_step(shapes, surface_density, *laws)
     configuration += ", the stiffest pair that can be drawn" if drawn else ""
@@ -178,6 +179,9 @@ def time_step_of(
                 f"{limit * 1e6:.3g} us ({configuration}); leave it out and one is chosen"
             )
         return wanted, f"as given; {bound}"
-    chosen = chosen_step(1.0, limit)
-    reason = "the usual one" if chosen == USUAL_TIME_STEP else f"{MARGIN:g} of the largest stable"
+    reduced_mass = 0.5 * surface_density * shapes.mean_area
+    margin = margin_of(laws[0], reduced_mass, shipped)
+    chosen = chosen_step(1.0, limit, margin)
+    usual = chosen == USUAL_TIME_STEP
+    reason = "the usual one" if usual else f"{margin.part:g} of the largest stable"
     return chosen, f"{reason}; {bound}"

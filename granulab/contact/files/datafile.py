@@ -55,6 +55,11 @@ def content_of(file: str | Path) -> bytes:
         return b""  # the reader says what is wrong
 
 
+def is_shipped(file: str | Path, kind: str) -> bool:
+    """True for a shipped file of a kind and for a copy of it, as a run folder holds one."""
+    return content_of(file) in map(content_of, (data_root() / kind).glob("*.*"))
+
+
 def refuse_pipe(path: Path) -> None:
     """Raise InputError for a pipe, socket or device, which may give bytes late or for ever."""
     try:
