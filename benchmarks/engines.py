@@ -14,8 +14,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from granulab.campaign.output.files import write_atomic
 from granulab.campaign.output.terminal import Progress, StopRequest
-from granulab.campaign.runs.folder import write_atomic
 from silo2d.baseline.comparison import run_engines
 from silo2d.view.compare import compare
 

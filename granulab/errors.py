@@ -1,7 +1,7 @@
 """Errors that reach a user, each as one line; what no one foresaw is another exception.
 
-A command ends with the exit code 2 after an InputError, with 3 after a SimulationError and with
-130 after Stopped. Imports nothing, so that an engine may raise them.
+A command ends with the exit code 2 after an InputError or a FolderError, with 3 after a
+SimulationError and with 130 after Stopped. Imports nothing, so that an engine may raise them.
 """
 
 
@@ -19,3 +19,11 @@ class Stopped(Exception):
 
 class Failed(Exception):
     """Raised by a task that fails for a reason which one line gives."""
+
+
+class FolderError(ValueError):
+    """A run folder or a file in it that cannot be used; one line that says what would do."""
+
+
+class DamagedError(FolderError):
+    """A file of a run folder that holds something else than was written to it."""

@@ -70,7 +70,7 @@ def _fitted(
     from calibration.inverse.figures import write_figures
     from calibration.inverse.fit import run_fit
     from calibration.inverse.parameter_values import write_into
-    from granulab.campaign.runs.folder import refuse_unless_writable, write_atomic
+    from granulab.campaign.output.files import refuse_unless_writable, write_atomic
 
     refuse_unless_writable(out, "--out")
     found = run_fit(loaded, out=out.resolve(), quiet=quiet, **engine)

@@ -15,7 +15,7 @@ def figures_option(words: str) -> Callable[[Callable[..., Any]], Callable[..., A
     """-o, --out: a folder for what the command draws; refused before the work if not writable."""
 
     def checked(_context: click.Context, _option: click.Parameter, out: Path | None) -> Path | None:
-        from granulab.campaign.runs.folder import refuse_unless_writable
+        from granulab.campaign.output.files import refuse_unless_writable
 
         if out is not None:
             refuse_unless_writable(out, "--out")

@@ -39,8 +39,8 @@ def command(
     """
     from calibration.piv.result import measure_pair
     from calibration.statistics.quantity import metres_per_pixel
+    from granulab.campaign.output.files import write_atomic, writing
     from granulab.campaign.output.table import as_csv
-    from granulab.campaign.runs.folder import write_atomic, writing
     from granulab.contact.files.units import to_si
 
     found = measure_pair(

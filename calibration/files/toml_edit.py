@@ -14,8 +14,8 @@ import tomlkit
 from tomlkit.container import OutOfOrderTableProxy
 from tomlkit.items import InlineTable, Table
 
-from granulab.campaign.runs.folder import FolderError, write_atomic
-from granulab.errors import InputError
+from granulab.campaign.output.files import write_atomic
+from granulab.errors import FolderError, InputError
 
 _LONGEST_WAIT = 60.0  # for another writer, who needs milliseconds [s]
 

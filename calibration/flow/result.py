@@ -14,8 +14,8 @@ from calibration.flow.velocity import VelocityField
 from calibration.statistics.quantity import plus_minus, six_digits
 from calibration.statistics.uncertainty import Estimate, as_pair
 from calibration.tracking.film.reader import Film
+from granulab.campaign.output.files import write_atomic
 from granulab.campaign.output.table import as_csv
-from granulab.campaign.runs.folder import write_atomic
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

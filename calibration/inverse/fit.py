@@ -24,8 +24,9 @@ from calibration.inverse.statistics.identify import (
 from calibration.inverse.statistics.posterior import NothingPassed, Posterior, infer
 from calibration.inverse.statistics.prior import Array
 from granulab.campaign.cli.commandline import Ended
+from granulab.campaign.output.files import write_atomic, writing
 from granulab.campaign.output.table import write_table
-from granulab.campaign.runs.folder import RunFolder, write_atomic, writing
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.provenance import provenance
 from granulab.campaign.sweeps.sweep import Labelled, over_seeds, run_labelled
 from granulab.errors import InputError

@@ -27,8 +27,8 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
     """
     from damper3d.run.sweep import DAMPER
     from damper3d.studies.single_contact import STUDIES, find
+    from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.output.terminal import announce_compilation
-    from granulab.campaign.runs.folder import refuse_unless_writable
 
     if study is None:
         click.echo("\n".join(f"{name:15} {entry.text}" for name, entry in STUDIES.items()))

@@ -51,7 +51,7 @@ def map_(
     from damper3d.studies.map.ridges import ridges
     from damper3d.studies.predict.prediction import predict
     from granulab.campaign.output.figure import write_figure
-    from granulab.campaign.runs.folder import refuse_unless_writable
+    from granulab.campaign.output.files import refuse_unless_writable
 
     name, changes = case or "thesis", changes_of(material, options)
     loaded = DamperCase.load(name, changes)

@@ -38,8 +38,8 @@ def pack(
     from damper3d.case.case import DamperCase
     from damper3d.run.sweep import DAMPER
     from damper3d.studies.pack import computed
+    from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.output.terminal import announce_compilation
-    from granulab.campaign.runs.folder import refuse_unless_writable
 
     name, changes = case or "thesis", changes_of(material, options)
     particles = DamperCase.load(name, changes).particle.name

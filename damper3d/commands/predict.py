@@ -51,7 +51,7 @@ def predict(
     from damper3d.studies.predict import prediction as predicting
     from damper3d.studies.predict.chart import draw_predictions
     from granulab.campaign.output.figure import write_figure
-    from granulab.campaign.runs.folder import refuse_unless_writable
+    from granulab.campaign.output.files import refuse_unless_writable
 
     wanted = rising("frequencies", numbers("--frequencies", frequencies, predicting.FREQUENCIES))
     fills = predicting.fills(case, changes_of(material, options))

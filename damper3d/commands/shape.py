@@ -57,8 +57,8 @@ def shape(
     from damper3d.case.parts import particle_wanted
     from damper3d.shapes.errors import curve, errors_of
     from damper3d.view.shape import as_text, summary
+    from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.output.terminal import patience
-    from granulab.campaign.runs.folder import refuse_unless_writable
 
     if not no_figures:
         refuse_unless_writable(Path(out), "--out")

@@ -93,7 +93,7 @@ def _slow(
     """Run the tests of all shapes and packings; print, keep and draw the table of them."""
     from damper3d.studies.quasistatic.protocol import SLOW_TESTS
     from damper3d.studies.quasistatic.report import report, summary
-    from granulab.campaign.runs.folder import refuse_unless_writable
+    from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.sweeps.overview import cost
     from granulab.campaign.sweeps.sweep import run_labelled
 

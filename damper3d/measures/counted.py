@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from damper3d.engine.records import Samples, cut
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
+from granulab.errors import FolderError
 
 if TYPE_CHECKING:
     from damper3d.case.case import DamperCase

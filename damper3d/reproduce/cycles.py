@@ -15,7 +15,7 @@ from damper3d.reproduce.quantities.cycles import CYCLES, FREQUENCY, ideal_since,
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
 from granulab.campaign.output.layout import columns, done, paragraphs
-from granulab.campaign.runs.folder import FolderError
+from granulab.errors import FolderError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -3,7 +3,8 @@
 import tomllib
 from pathlib import Path
 
-from granulab.campaign.runs.folder import FolderError, RunFolder, resume_run
+from granulab.campaign.runs.folder import RunFolder, resume_run
+from granulab.errors import FolderError
 
 
 def is_slow_test(folder: RunFolder) -> bool:

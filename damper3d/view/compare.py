@@ -11,7 +11,8 @@ from damper3d.run.folders import shaken
 from damper3d.view.charts import dissipated, efficiency_of_cycles, ruled
 from damper3d.view.scene import Scene, read_scene
 from granulab.campaign.output.figure import BLUE, GREY, INK, headline
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.folder import RunFolder
+from granulab.errors import FolderError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,9 +24,8 @@ from damper3d.view.colouring import power
 from damper3d.view.scene import Scene, read_scene
 from granulab.campaign.cli.library import write_output
 from granulab.campaign.output.table import numbers_as_csv
-from granulab.campaign.runs.folder import FolderError
 from granulab.contact.files.units import nearest
-from granulab.errors import InputError
+from granulab.errors import FolderError, InputError
 
 _SUFFIX = ".vtkhdf"  # by which ParaView and vtkHDFReader know the format
 _SIDES = 48  # of the polygon that stands for a circle

@@ -16,9 +16,9 @@ from damper3d.view.scene import Scene, read_scene
 from damper3d.view.spheres import corners, draw_spheres, spheres_drawn, window
 from granulab.campaign.output.figure import GREY, INK, VERMILION, WALL, headline
 from granulab.campaign.output.film import write_all
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.folder import RunFolder
 from granulab.contact.files.units import nearest
-from granulab.errors import InputError
+from granulab.errors import FolderError, InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

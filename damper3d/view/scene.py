@@ -16,9 +16,10 @@ from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.records import UNITS
 from damper3d.measures.efficiency import in_words, reference_energy
 from damper3d.run.folders import shaken
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import Trajectory, read_trajectory, stored_tables
+from granulab.errors import FolderError
 
 Array = NDArray[np.float64]
 

@@ -83,8 +83,8 @@ def _by_engines(
     case: str, engines: str, seeds: int | None, changes: dict[str, Any], out: Path, quiet: bool
 ) -> list[list[str]]:
     """The folders of a case's runs by two engines, a pair a seed."""
+    from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.output.terminal import Progress, StopRequest
-    from granulab.campaign.runs.folder import refuse_unless_writable
     from silo2d.baseline.comparison import engine_pair, run_engines
 
     if seeds and "run.seed" in changes:

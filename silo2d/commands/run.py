@@ -55,8 +55,8 @@ def packing(
     as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """Fill a silo and keep the packing; runs of the same case take it from there."""
+    from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.output.terminal import Progress, StopRequest
-    from granulab.campaign.runs.folder import refuse_unless_writable
     from silo2d.case.case import SiloCase
     from silo2d.run.packing import packing_folder
     from silo2d.run.protocol import get_packing

@@ -26,8 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import GREY, INK, ORANGE, PAPER, VERMILION, headline
-from granulab.campaign.runs.folder import FolderError
-from granulab.errors import InputError
+from granulab.errors import FolderError, InputError
 from silo2d.measures.basics.contacts import GRAVITY, Moment, read_moments
 from silo2d.measures.basics.walls import sides
 from silo2d.measures.network import draw_network, draw_particles

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, headline
-from granulab.campaign.runs.folder import FolderError
+from granulab.errors import FolderError
 from silo2d.measures.basics.coarse_graining import (
     Grid,
     draw_map,

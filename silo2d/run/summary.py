@@ -8,7 +8,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from granulab.campaign.runs.folder import RunFolder, write_atomic
+from granulab.campaign.output.files import write_atomic
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.contact.attraction import Attraction
 from silo2d.case.case import GRAVITY, SiloCase

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import BLUE, GREY, INK, headline
-from granulab.campaign.runs.folder import FolderError, RunFolder, resume_run
+from granulab.campaign.runs.folder import RunFolder, resume_run
 from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
+from granulab.errors import FolderError
 from silo2d.run.numbers import discharge_curve
 
 if TYPE_CHECKING:

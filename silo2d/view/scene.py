@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
+from granulab.errors import FolderError
 
 WOOD = "#ecd3a4", "#b5793f"  # of the painted layers, alternating; they differ in lightness too
 PARTICLE_EDGE = "#4a3018"

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
-from granulab.campaign.runs.folder import SCHEMA, FolderError
+from granulab.campaign.runs.folder import SCHEMA
+from granulab.errors import FolderError
 
 _ANY_BITS = hnp.arrays(
     np.uint64, hnp.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4)

@@ -13,15 +13,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from granulab.campaign.runs.folder import (
-    SCHEMA,
-    FolderError,
-    RunFolder,
-    digest,
-    open_run,
-    resume_run,
-    write_atomic,
-)
+from granulab.campaign.output.files import write_atomic
+from granulab.campaign.runs.folder import SCHEMA, RunFolder, digest, open_run, resume_run
+from granulab.errors import FolderError
 
 
 def one_line(error: pytest.ExceptionInfo, *words: str) -> None:

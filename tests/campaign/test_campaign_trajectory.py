@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 from resealed import resealed
 
-from granulab.campaign.runs.folder import SCHEMA, FolderError
+from granulab.campaign.runs.folder import SCHEMA
 from granulab.campaign.runs.trajectory import (
     TrajectoryWriter,
     read_tables,
     read_trajectory,
     stored_tables,
 )
+from granulab.errors import FolderError
 
 _HERE = Path(__file__).parent
 STATIC = {"radius": np.array([1.0, 2.0]), "n_corners": np.array([3, 4])}

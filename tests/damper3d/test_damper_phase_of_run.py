@@ -5,7 +5,7 @@ from small_damper import CASE
 
 from damper3d import DamperCase, run
 from damper3d.measures.phases.criteria import PHASES, phase_of_run
-from granulab.campaign.runs.folder import FolderError
+from granulab.errors import FolderError
 
 
 def test_a_run_keeps_its_phase_and_the_folder_gives_it_again(tmp_path):

@@ -14,7 +14,7 @@ from damper3d.view.colouring import power
 from damper3d.view.picture import cycle_figure, make_figures, panel_frames
 from damper3d.view.scene import read_scene
 from damper3d.view.spheres import corners, cut_open, window
-from granulab.campaign.runs.folder import FolderError
+from granulab.errors import FolderError
 
 FIGURES = ["cycle.png", "energy.png", "motion.png"]
 

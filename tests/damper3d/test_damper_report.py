@@ -13,7 +13,8 @@ from damper3d.case.plan import expected_cpu_s, expected_stages
 from damper3d.measures.efficiency import settling
 from damper3d.run.result import Result
 from damper3d.view.report import report
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.folder import RunFolder
+from granulab.errors import FolderError
 
 HEAVY = {"numba", "cv2", "matplotlib", "pint", "h5py", "scipy", "shapely", "numpy"}
 

@@ -8,11 +8,11 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from granulab.campaign.runs.folder import FolderError, RunFolder, digest, open_run
+from granulab.campaign.runs.folder import RunFolder, digest, open_run
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.provenance import Sources
 from granulab.campaign.sweeps.sweep import Simulator, Task, as_outcome
-from granulab.errors import Stopped
+from granulab.errors import FolderError, Stopped
 
 SOURCES = Sources(Path(__file__).parent / "published")  # of no .py file: a digest that stays
 

@@ -7,8 +7,7 @@ from hand_built import GRAVITY, moment_of, scene_of, simulation_in, write_run
 from refusals import assert_refused
 from small_silo import silo2d
 
-from granulab.campaign.runs.folder import FolderError
-from granulab.errors import InputError
+from granulab.errors import FolderError, InputError
 from silo2d.case.outline import hopper
 from silo2d.measures import arch
 from silo2d.measures.basics.contacts import read_moments

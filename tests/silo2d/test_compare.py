@@ -5,8 +5,9 @@ import pytest
 from fake_run import write_fake_run
 from small_silo import silo2d, write_case
 
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
+from granulab.errors import FolderError
 from silo2d.view.compare import compare, curve_distance, mean_distance
 
 TIMES = np.array([0.1, 0.2, 0.4, 0.8])

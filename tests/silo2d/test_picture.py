@@ -8,7 +8,7 @@ import pytest
 from fake_run import write_fake_run
 
 from granulab.campaign.output.figure import round_length
-from granulab.campaign.runs.folder import FolderError
+from granulab.errors import FolderError
 from silo2d.case.outline import outline_from_polygon, preset
 from silo2d.run.numbers import dissipated
 from silo2d.view.charts import discharge_chart, energy_chart, force_chart

@@ -9,7 +9,7 @@ from refusals import assert_refused
 from small_silo import Completed, silo2d
 
 from granulab.campaign.output.results import read_results, write_results
-from granulab.campaign.runs.folder import FolderError
+from granulab.errors import FolderError
 from silo2d.case.outline import PRESETS
 from silo2d.reproduce import TABLES, clogging, discharge, find
 

@@ -7,7 +7,7 @@ from damper3d.measures.phases.criteria import classify, criteria_of, phase_of_ru
 from damper3d.measures.phases.motion import of_run
 from damper3d.measures.phases.motion_measures import measure_motion
 from granulab.campaign.output.figure import BLUE, GREY, headline
-from granulab.campaign.runs.folder import FolderError
+from granulab.errors import FolderError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,8 +11,9 @@ from damper3d.run.sources import SOURCES
 from damper3d.studies.map.grid import Grid, MapResult, Rows, map_cases
 from damper3d.studies.map.ridges import OnRidge
 from damper3d.studies.predict.prediction import Prediction
+from granulab.campaign.output.files import writing
 from granulab.campaign.output.table import write_table
-from granulab.campaign.runs.folder import RunFolder, digest, writing
+from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.provenance import provenance
 
 

@@ -8,18 +8,13 @@ from typing import Any
 
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.studies.pack import compact, shaken
+from granulab.campaign.output.files import refuse_unless_writable
 from granulab.campaign.output.terminal import Progress
-from granulab.campaign.runs.folder import (
-    FolderError,
-    digest,
-    read_json,
-    refuse_unless_writable,
-    write_json,
-)
+from granulab.campaign.runs.folder import digest, read_json, write_json
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.sweeps.engine import run_tasks
 from granulab.campaign.sweeps.sweep import as_outcome
-from granulab.errors import InputError, SimulationError
+from granulab.errors import FolderError, InputError, SimulationError
 
 FOLDER = "close-packings"  # below the folder of runs
 

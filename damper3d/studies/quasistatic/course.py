@@ -13,10 +13,10 @@ import numpy as np
 from damper3d.studies.quasistatic.case import TOLERANCE, SlowTest
 from damper3d.studies.quasistatic.rig import TABLE, TOP_SIDE, RigSimulation
 from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.stages import Stages
-from granulab.errors import SimulationError, Stopped
+from granulab.errors import FolderError, SimulationError, Stopped
 
 SAMPLES = 100  # rows of the test
 WINDOW = 10  # rows of the pre-load over which it must be steady

@@ -73,11 +73,10 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
     kept in a file.
     """
     from granulab.campaign.output.terminal import StopRequest
-    from granulab.campaign.runs.folder import FolderError
     from granulab.campaign.sweeps.study import StudyError
     from granulab.campaign.sweeps.task import EngineError
     from granulab.contact.files.datafile import refuse_pipe
-    from granulab.errors import InputError, SimulationError, Stopped
+    from granulab.errors import FolderError, InputError, SimulationError, Stopped
 
     def fail(line: str, code: int) -> None:
         shown = "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)  # one line it is

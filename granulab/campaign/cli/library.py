@@ -9,16 +9,10 @@ from typing import Any, NamedTuple
 import click
 
 from granulab.campaign.cli.commandline import Ended, out_option
+from granulab.campaign.output.files import in_shell, write_atomic, writing
 from granulab.campaign.output.layout import wrapped
-from granulab.campaign.runs.folder import (
-    FolderError,
-    RunFolder,
-    in_shell,
-    resume_run,
-    write_atomic,
-    writing,
-)
-from granulab.errors import InputError
+from granulab.campaign.runs.folder import RunFolder, resume_run
+from granulab.errors import FolderError, InputError
 
 
 class NewFile(NamedTuple):

@@ -59,7 +59,7 @@ def _sweep(
     **engine: Any,
 ) -> None:
     """Run a study, or say what would be run; print its table, and raise Ended for gaps in it."""
-    from granulab.campaign.runs.folder import refuse_unless_writable
+    from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.sweeps.cases import run_study
     from granulab.campaign.sweeps.overview import as_text, plan, plan_as_text, summary
 

@@ -105,8 +105,8 @@ def reproduce_table(
     table, and FolderError where a folder cannot be written: before anything is run, or at the end,
     when it is printed.
     """
+    from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.output.results import origin, write_results
-    from granulab.campaign.runs.folder import refuse_unless_writable
 
     numbers = _numbers(seeds, workers, table)
     where = _engine(name, table, engine, scheduler)

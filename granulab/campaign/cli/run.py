@@ -98,7 +98,7 @@ def _refuse_unless_writable(
     simulator: "Simulator", case: Any, out: Path, resume: str | None, again: bool, drawn: bool
 ) -> None:
     """Raise FolderError where the folder that a run will have cannot be written, and must be."""
-    from granulab.campaign.runs.folder import refuse_unless_writable
+    from granulab.campaign.output.files import refuse_unless_writable
 
     if resume or again:
         refuse_unless_writable(Path(resume) if resume else out, "--out")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granulab.campaign.runs.folder import write_atomic, writing
+from granulab.campaign.output.files import write_atomic, writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import INK, write_figure
-from granulab.campaign.runs.folder import write_atomic, writing
+from granulab.campaign.output.files import write_atomic, writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granulab.campaign.output.figure import write_figure
+from granulab.campaign.output.files import write_atomic, writing
 from granulab.campaign.output.table import as_csv, as_parquet, read_parquet
-from granulab.campaign.runs.folder import FolderError, write_atomic, writing
 from granulab.campaign.runs.provenance import provenance
+from granulab.errors import FolderError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from granulab.campaign.runs.folder import write_atomic
+from granulab.campaign.output.files import write_atomic
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -1,14 +1,8 @@
-"""The folder of one run: its name, its state, its lock, and files that are written whole."""
+"""The folder of one run: its name, its state, its lock, its case, provenance and summary."""
 
-import errno
 import hashlib
-import io
 import json
-import os
-import secrets
-import shlex
 import shutil
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,21 +10,15 @@ from itertools import count
 from pathlib import Path
 from typing import Any, Literal
 
+from granulab.campaign.output.files import in_shell, write_atomic, writing
 from granulab.campaign.runs.seal import NotSealed, open_kept, opened_json, sealed_json, sha256_of
+from granulab.errors import DamagedError, FolderError
 
 SCHEMA = 1  # of the JSON files, trajectories and checkpoints; raise it when their keys change
 RESULTS = ("records.csv", "trajectory.h5")  # of a finished run, besides its summary
 _SEALS = "sealed_files"  # in the provenance
 _AGAIN = "use --again to compute the run again"
 _RUN_ANEW = f"{_AGAIN}, and run a changed case as a new one"
-
-
-class FolderError(ValueError):
-    """A run folder or a file in it that cannot be used; one line that says what would do."""
-
-
-class DamagedError(FolderError):
-    """A file of a run folder that holds something else than was written to it."""
 
 
 class Stored(dict[str, Any]):
@@ -42,80 +30,6 @@ class Stored(dict[str, Any]):
 
     def __missing__(self, name: str) -> Any:
         raise DamagedError(f"{self._where}: damaged (no {name}); {_AGAIN}")
-
-
-@contextmanager
-def writing(path: Path, option: str = "--out") -> Iterator[None]:
-    """Turn an OSError of the enclosed lines into a FolderError about `path`.
-
-    option: of the command line, which says where to write.
-    """
-    try:
-        yield
-    except OSError as error:
-        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
-            cure = "make room there and start the run again: it goes on from its last checkpoint"
-        else:
-            cure = f"choose a folder you may write to with {option}"
-        reason = error.strerror or type(error).__name__
-        raise FolderError(f"{path}: cannot be written ({reason}); {cure}") from error
-
-
-def refuse_unless_writable(folder: Path, option: str) -> None:
-    """Raise FolderError where a folder cannot be made or written to; nothing is made.
-
-    option: of the command line, which gave the folder.
-    """
-    with writing(folder, option):
-        whole = folder.absolute()
-        there = next(p for p in (whole, *whole.parents) if p.exists() or p.is_symlink())
-        if not there.is_dir():
-            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
-        if not os.access(there, os.W_OK | os.X_OK):
-            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-
-
-@contextmanager
-def replacing(path: str | Path) -> Iterator[io.FileIO]:
-    """A new file that takes the place of one when the enclosed lines end, and none when they fail.
-
-    At any moment, also after kill -9, the file is the old or the new one whole. Raises FolderError
-    when it cannot be written (no permission, disk full).
-    """
-    path = Path(path)
-    # A name of its own: two processes may write the same file at once (a shared packing).
-    part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
-    with writing(path):
-        try:
-            with io.FileIO(part, "w+") as file:
-                yield file
-                os.fsync(file.fileno())
-            part.replace(path)
-        except BaseException:
-            part.unlink(missing_ok=True)
-            raise
-
-
-def in_shell(word: str) -> str:
-    """A word of a command line as the shell of this system takes it: quoted where it must be."""
-    if sys.platform == "win32":
-        import subprocess  # --help needs it not
-
-        return subprocess.list2cmdline([word])
-    return shlex.quote(word)
-
-
-def write_atomic(path: str | Path, content: bytes | str) -> None:
-    """Write a file whole; see replacing."""
-    with replacing(path) as file:
-        write_all(file, content.encode() if isinstance(content, str) else content)
-
-
-def write_all(file: io.FileIO, content: bytes | memoryview) -> None:
-    """Write all of some bytes: a disk that is nearly full takes a part and says so."""
-    left = memoryview(content).cast("B")
-    while left:
-        left = left[file.write(left) :]
 
 
 def digest(mapping: Mapping[str, Any]) -> str:

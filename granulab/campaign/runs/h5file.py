@@ -15,13 +15,9 @@ import h5py
 import numpy as np
 
 from granulab.campaign.runs import ragged
-from granulab.campaign.runs.folder import (
-    SCHEMA,
-    DamagedError,
-    FolderError,
-    replacing,
-    write_all,
-)
+from granulab.campaign.runs.folder import SCHEMA
+from granulab.errors import DamagedError, FolderError
+from granulab.campaign.output.files import replacing, write_all
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.seal import (
     SEAL_BYTES,

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
-from granulab.campaign.runs.folder import writing
+from granulab.campaign.output.files import writing
 
 _LOOK = 0.5  # [s] between the times that a waiting process checks whether it should stop
 

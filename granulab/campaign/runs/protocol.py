@@ -8,21 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from granulab.campaign.runs.folder import (
-    RESULTS,
-    DamagedError,
-    FolderError,
-    RunFolder,
-    open_run,
-    resume_run,
-    seals_of,
-    write_atomic,
-    writing,
-)
+from granulab.campaign.runs.folder import RESULTS, RunFolder, open_run, resume_run, seals_of
+from granulab.errors import DamagedError, FolderError, InputError, SimulationError, Stopped
+from granulab.campaign.output.files import write_atomic, writing
 from granulab.campaign.runs.lock import alone
 from granulab.campaign.runs.provenance import Sources, Warn, provenance, to_stderr
 from granulab.campaign.runs.stages import Stages
-from granulab.errors import InputError, SimulationError, Stopped
 
 if TYPE_CHECKING:
     from granulab.campaign.runs.result import Results

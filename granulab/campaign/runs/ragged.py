@@ -10,7 +10,8 @@ from functools import cache, cached_property
 import h5py
 import numpy as np
 
-from granulab.campaign.runs.folder import FolderError, Stored
+from granulab.errors import FolderError
+from granulab.campaign.runs.folder import Stored
 from granulab.campaign.runs.seal import content
 
 Columns = Mapping[str, np.ndarray]

@@ -5,7 +5,8 @@ from typing import Self
 
 from pydantic import TypeAdapter, ValidationError
 
-from granulab.campaign.runs.folder import FolderError, RunFolder
+from granulab.errors import FolderError
+from granulab.campaign.runs.folder import RunFolder
 
 
 class Results:

@@ -18,7 +18,8 @@ import h5py
 import numpy as np
 
 from granulab.campaign.runs import ragged
-from granulab.campaign.runs.folder import DamagedError, FolderError, writing
+from granulab.errors import DamagedError, FolderError
+from granulab.campaign.output.files import writing
 from granulab.campaign.runs.h5file import merge, opened, save
 from granulab.campaign.runs.ragged import Columns, Tables, in_words, joined, laid_end_to_end
 from granulab.campaign.runs.seal import content

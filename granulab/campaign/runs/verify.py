@@ -3,7 +3,8 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from granulab.campaign.runs.folder import RESULTS, FolderError, RunFolder, read_json
+from granulab.campaign.runs.folder import RESULTS, RunFolder, read_json
+from granulab.errors import FolderError
 from granulab.campaign.runs.h5file import opened
 
 _JSON = ("summary.json", "provenance.json")

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+from granulab.campaign.output.files import write_atomic, writing
 from granulab.campaign.output.table import write_table
-from granulab.campaign.runs.folder import RunFolder, digest, write_atomic, writing
+from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.provenance import provenance
 from granulab.campaign.sweeps.study import Study, read_study
 from granulab.campaign.sweeps.sweep import Labelled, Simulator, over_seeds, run_labelled

@@ -16,13 +16,13 @@ from typing import Any, NamedTuple
 
 from granulab.campaign.output import room
 from granulab.campaign.output.terminal import Progress, announce_compilation
-from granulab.campaign.runs.folder import FolderError, RunFolder, find_run
+from granulab.campaign.runs.folder import RunFolder, find_run
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.provenance import Sources, to_stderr
 from granulab.campaign.runs.stages import in_words
 from granulab.campaign.sweeps.engine import Tally, run_tasks
 from granulab.campaign.sweeps.task import Function, Outcome
-from granulab.errors import Failed, InputError, SimulationError
+from granulab.errors import Failed, FolderError, InputError, SimulationError
 
 _TRUSTED = 1.0  # [s] of runs, from which on their cost is rather measured than expected
 

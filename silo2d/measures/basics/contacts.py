@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from granulab.campaign.runs.folder import FolderError
 from granulab.campaign.runs.trajectory import Tables, read_tables
+from granulab.errors import FolderError
 from silo2d.measures.basics.particles import FEWEST_OUT, areas, leavers
 from silo2d.view.scene import Scene, read_scene
 
