@@ -28,7 +28,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_all_else(
 ):
     """One line, before the case is echoed, kernels are compiled or anything is computed."""
     monkeypatch.setattr(
-        "granulab.campaign.runs.folder.os.access", lambda path, mode: path != tmp_path
+        "granulab.campaign.output.files.os.access", lambda path, mode: path != tmp_path
     )  # permissions do not bind root
     result = command(*line.split(), "-o", tmp_path / "runs")
     assert (result.code, result.out) == (2, "")
@@ -47,7 +47,7 @@ def test_a_finished_run_is_given_from_a_folder_that_takes_no_new_ones(
 ):
     """The run's own folder can be written, and its lock is taken there."""
     monkeypatch.setattr(
-        "granulab.campaign.runs.folder.os.access", lambda path, mode: path != finished
+        "granulab.campaign.output.files.os.access", lambda path, mode: path != finished
     )
     case = ["run", write_case(tmp_path), "-o", finished, "--no-figures"]
     assert silo2d(*case, "--json").json["reused"]

@@ -272,7 +272,7 @@ def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_run(
 def test_a_folder_without_permission_to_write_is_refused(requested, tmp_path, monkeypatch):
     """The system's error is made up here: root may write anywhere."""
     monkeypatch.setattr(
-        "granulab.campaign.runs.folder.os.access", lambda path, mode: path != tmp_path
+        "granulab.campaign.output.files.os.access", lambda path, mode: path != tmp_path
     )
     result = silo2d("reproduce", "clogging", "--quiet", "--write", tmp_path / "new" / "results")
     assert (result.code, result.out, requested) == (2, "", [])

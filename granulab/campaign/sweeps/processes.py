@@ -35,6 +35,8 @@ class Processes:
         self._stop = self._context.RawValue(ctypes.c_bool, False)
         self._idle: list[ProcessPoolExecutor] = []
         self._children: dict[ProcessPoolExecutor, BaseProcess | None] = {}
+        # Kept: one that is forgotten while it takes note of its end waits for itself (Python 3.12.1).
+        self._broken: list[ProcessPoolExecutor] = []
 
     def __enter__(self) -> Self:
         return self
@@ -98,6 +100,7 @@ class Processes:
 
     def _end_of(self, executor: ProcessPoolExecutor) -> str:
         child = self._children.pop(executor, None)
+        self._broken.append(executor)
         if child is not None:
             child.join(1.0)
         code = None if child is None else child.exitcode
