@@ -53,15 +53,15 @@ def film(folder, scene, motion=None, shift=lambda k: (0, 0)):
     )
 
 
-def agrees(found, scene):
-    """Within three sigma of less than a twentieth, or 0.004.
+def agrees(found, scene, most=0.05):
+    """Within three sigma of less than a twentieth or another part, or 0.004.
 
     Places are off by 0.05 px that differ from one place to another: of amplitudes of 50 px, 0.002
     of a speed, in each of two swings.
     """
     e = found.restitution
     off = abs(e.value - scene.strings.restitution)
-    return off < max(3 * e.sigma, 0.004) and e.sigma < 0.05
+    return off < max(3 * e.sigma, 0.004) and e.sigma < most
 
 
 def test_several_releases_in_a_film_are_measured_together(tmp_path):
@@ -86,11 +86,13 @@ def test_several_releases_in_a_film_are_measured_together(tmp_path):
 
 
 def test_a_camera_that_sways_is_taken_off(tmp_path):
-    """By 3 px with a period of 2.6 s; the wall's texture shows it, to a part of it."""
+    """By 3 px with a period of 2.6 s; the wall's texture shows it, to a part of it: sigma may hold
+    all of it, 3 px of an amplitude of 50 px.
+    """
     path, contacts = film(tmp_path, BALL, shift=lambda k: (3 * math.sin(k / 25), math.cos(k / 31)))
     found = measure_pendulum(path)
     assert any("the camera moves by up to" in line for line in found.warnings)
-    assert agrees(found, BALL)
+    assert agrees(found, BALL, most=0.06)
     assert found.times[:, 0] == pytest.approx(contacts, abs=0.2)
 
 
