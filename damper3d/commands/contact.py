@@ -28,6 +28,7 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
     from damper3d.run.sweep import DAMPER
     from damper3d.studies.single_contact import STUDIES, find
     from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.output.layout import on_screen
     from granulab.campaign.output.terminal import announce_compilation
 
     if study is None:
@@ -51,7 +52,7 @@ def contact(study: str | None, out: str | None, no_figures: bool, as_json: bool)
         result = {**found.numbers, "remarks": list(found.remarks), "files": files}
         click.echo(json.dumps(result, indent=2))
         return
-    click.echo(text)
+    click.echo(on_screen(text))
     for path in files:
         click.echo(path, err=True)
 

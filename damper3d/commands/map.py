@@ -52,6 +52,7 @@ def map_(
     from damper3d.studies.predict.prediction import predict
     from granulab.campaign.output.figure import write_figure
     from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.output.layout import on_screen
 
     name, changes = case or "thesis", changes_of(material, options)
     loaded = DamperCase.load(name, changes)
@@ -71,7 +72,7 @@ def map_(
     on_ridges = ridges(result, prediction)
     results = summary(grid, result, prediction, on_ridges, folder.path)
     write_map(folder, result, results)
-    click.echo(json.dumps(results, indent=2) if as_json else as_text(results))
+    click.echo(json.dumps(results, indent=2) if as_json else on_screen(as_text(results)))
     stopped = any(row["state"] == "interrupted" for row in result.rows)
     if not no_figures and results["done"] and not stopped:
         picture = folder.path / "map.png"

@@ -39,6 +39,7 @@ def pack(
     from damper3d.run.sweep import DAMPER
     from damper3d.studies.pack import computed
     from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.output.layout import on_screen
     from granulab.campaign.output.terminal import announce_compilation
 
     name, changes = case or "thesis", changes_of(material, options)
@@ -52,5 +53,5 @@ def pack(
     if as_json:
         click.echo(json.dumps(computed.summary(particles, bodies, rows), indent=2))
     else:
-        click.echo(computed.as_text(particles, bodies, rows))
+        click.echo(on_screen(computed.as_text(particles, bodies, rows)))
     stop_unless_whole(rows)

@@ -9,7 +9,7 @@ import click
 from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
 from granulab.campaign.cli.many import numbers, stop_unless_whole
-from granulab.campaign.output.layout import wrapped
+from granulab.campaign.output.layout import on_screen
 
 if TYPE_CHECKING:
     from damper3d.case.random_packing import Fraction
@@ -73,8 +73,8 @@ def predict(
         "fills": [predicting.as_dict(p, wanted) for p in predictions],
         "simulated": rows,
     }
-    words = wrapped(_in_words(predictions, wanted, rows), 4)
-    click.echo(json.dumps(results, indent=2) if as_json else words)
+    words = _in_words(predictions, wanted, rows)
+    click.echo(json.dumps(results, indent=2) if as_json else on_screen(words))
     if not no_figures:
         picture = Path(out) / f"predict-{cases[0].name}.png"
         write_figure(picture, lambda: draw_predictions(predictions, wanted, rows))

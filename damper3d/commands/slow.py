@@ -94,6 +94,7 @@ def _slow(
     from damper3d.studies.quasistatic.protocol import SLOW_TESTS
     from damper3d.studies.quasistatic.report import report, summary
     from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.output.layout import on_screen
     from granulab.campaign.sweeps.overview import cost
     from granulab.campaign.sweeps.sweep import run_labelled
 
@@ -114,7 +115,7 @@ def _slow(
         quiet=quiet,
     )  # fmt: skip
     text = report(rows)
-    click.echo(json.dumps(summary(kind, rows), indent=2) if as_json else text)
+    click.echo(json.dumps(summary(kind, rows), indent=2) if as_json else on_screen(text))
     given = {"particles": particles, "seeds": str(seeds), "material": material, **options}
     given |= {"so-far": ""} if so_far else {}
     if not no_figures and any(row["state"] == "done" for row in rows):

@@ -58,6 +58,7 @@ def compare(
     For example: silo2d compare --engines dem,pymunk A4
     """
     from granulab.campaign.output.figure import write_figure
+    from granulab.campaign.output.layout import on_screen
     from silo2d.view import compare as comparison
 
     changes = changes_of(mu, options)
@@ -74,7 +75,7 @@ def compare(
         pairs = [comparison.compare(*pair) for pair in folders]
         path = Path(folders[0][0]) / "figures" / f"beside-{Path(folders[0][1]).name}.png"
     result = {"pairs": pairs, "mean_curve": comparison.mean_distance(pairs)}
-    click.echo(json.dumps(result, indent=2) if as_json else comparison.table(pairs))
+    click.echo(json.dumps(result, indent=2) if as_json else on_screen(comparison.table(pairs)))
     if not no_figures:
         click.echo(write_figure(path, lambda: comparison.draw(pairs)), err=True)
 

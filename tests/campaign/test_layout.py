@@ -1,15 +1,18 @@
 """Text for a terminal: lines that end between words, tables that fit, what became of runs."""
 
 import dataclasses
+from pathlib import Path
 
 import pytest
 
 from granulab.campaign.cli.library import packings_and_runs, run_in_words
-from granulab.campaign.output.layout import fitted, wrapped
+from granulab.campaign.output.layout import fitted, on_screen, wrapped
 from granulab.campaign.output.table import as_csv, write_table
 from granulab.errors import SimulationError
 from silo2d.case.case import SiloCase
 from silo2d.run.protocol import RUNS
+
+RESULTS = Path(__file__).parents[2] / "docs" / "results"
 
 
 def test_long_lines_end_between_words_and_keep_numbers_with_their_units():
@@ -23,6 +26,36 @@ def test_long_lines_end_between_words_and_keep_numbers_with_their_units():
     ]
     assert wrapped("averyverylongword", 2, width=8) == "averyverylongword"
     assert wrapped("it took 1234567 kg", 2, width=17) == "it\n  took 1234567 kg"
+
+
+@pytest.mark.parametrize("report", sorted(RESULTS.glob("*/reproduce-*.txt")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("width", [60, 80, 400])
+def test_reports_fit_the_terminal_and_say_every_word(report, width):
+    """Tables of up to 394 characters a line; a word longer than a line stays whole."""
+    text = report.read_text(encoding="utf-8")
+    shown = on_screen(text, width)
+    words = set(text.split())
+    assert max(map(len, shown.split("\n"))) <= max(width, 4 + max(map(len, words)))
+    assert words <= set(shown.split())
+
+
+def test_a_wide_table_says_in_each_part_which_line_it_is():
+    """As many columns as tell the lines apart; what stands in no column is a sentence."""
+    text = "made of\n    place   kind  long words    number\n    a       x     said of it    1\n"
+    text += "    a       y     said of all   2\n    b       y     of none       3\nand so on"
+    assert on_screen(text, 26).split("\n") == [
+        "made of",
+        "place  kind   long words",
+        "    a     x   said of it",
+        "    a     y  said of all",
+        "    b     y      of none",
+        "",
+        "place  kind  number",
+        "    a     x       1",
+        "    a     y       2",
+        "    b     y       3",
+        "and so on",
+    ]
 
 
 def test_table_that_is_too_wide_is_said_in_parts_that_fit():

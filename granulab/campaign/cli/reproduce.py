@@ -106,6 +106,7 @@ def reproduce_table(
     when it is printed.
     """
     from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.output.layout import on_screen
     from granulab.campaign.output.results import origin, write_results
 
     numbers = _numbers(seeds, workers, table)
@@ -114,7 +115,7 @@ def reproduce_table(
     refuse_unless_writable(Path(write or out), "--write")
     rows = table.run(out=Path(out), seeds=numbers, workers=workers, quiet=quiet, **where)
     text = table.report(rows)
-    click.echo(json.dumps({"table": name, "rows": rows}, indent=2) if as_json else text)
+    click.echo(json.dumps({"table": name, "rows": rows}, indent=2) if as_json else on_screen(text))
     _stop_unless_whole(rows)
     lines = origin(f"{simulator.name} reproduce {name} --seeds {len(numbers)}", simulator)
     files = write_results(

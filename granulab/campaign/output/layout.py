@@ -4,6 +4,7 @@ import re
 import shutil
 import textwrap
 from collections.abc import Callable, Sequence
+from itertools import groupby
 from typing import Any
 
 from granulab.campaign.output.statistics import Sample, noise_of_difference, wilson
@@ -14,6 +15,7 @@ _NAME = re.compile(r"( +\S+( \S+)* {2,}| {8,})(?=\S)")  # of a line, with what i
 _UNIT = re.compile(
     r"(?<=[a-z_=]) (?=[\d.+-]+)|(?<=\d) (?=(?:[kmuMG]?(?:m|s|g|N|J|W|B|Pa|Hz)\b|min\b|1/s|%))"
 )
+_GAP = re.compile(r"\S {2,}\S")  # between two cells of a table
 _TIED = "\0"  # in place of the space between a name, a number and its unit
 
 
@@ -79,6 +81,60 @@ def fitted(
         for part in parts
     ]
     return paragraphs(wrapped(said, 2, width), *texts)
+
+
+def on_screen(text: str, width: int | None = None) -> str:
+    """A report with its tables (see columns) and its sentences no wider than the terminal."""
+    width = screen() if width is None else width
+    blocks: list[str] = []
+    for in_table, group in groupby(text.split("\n"), lambda line: bool(_GAP.search(line))):
+        lines = list(group)
+        if max(map(len, lines)) <= width:
+            blocks += lines
+        elif in_table and len(lines) > 1:
+            header, *rows = _cells(lines)
+            blocks.append(_narrow(fitted(header, rows, _labels(rows), width), width))
+        else:
+            blocks += [wrapped(line, _indented(line) + 2, width) for line in _sentences(lines)]
+    return "\n".join(blocks)
+
+
+def _cells(lines: Sequence[str]) -> list[list[str]]:
+    """The cells of the lines of a table: two spaces in all lines are between two columns."""
+    longest = max(map(len, lines))
+    padded = [line.ljust(longest) for line in lines]
+    gap = [all(line[k] == " " for line in padded) for k in range(longest)]
+    starts = [k for k in range(longest) if not gap[k] and all(gap[max(k - 2, 0) : k])]
+    ends = [*starts[1:], longest]
+    return [[line[a:b].strip() for a, b in zip(starts, ends, strict=True)] for line in padded]
+
+
+def _sentences(lines: Sequence[str]) -> list[str]:
+    """The lines with those joined that go on further to the right than the first one."""
+    joined: list[str] = []
+    for line in lines:
+        if joined and _indented(line) > _indented(joined[-1]) < len(joined[-1]):
+            joined[-1] += f" {line.lstrip()}"
+        else:
+            joined.append(line)
+    return joined
+
+
+def _indented(line: str) -> int:
+    return len(line) - len(line.lstrip())
+
+
+def _labels(rows: Sequence[Sequence[str]]) -> int:
+    """How many of the first columns tell the rows apart; one where none do."""
+    numbers = range(1, len(rows[0]) if rows else 1)
+    return next((k for k in numbers if len({tuple(row[:k]) for row in rows}) == len(rows)), 1)
+
+
+def _narrow(table: str, width: int) -> str:
+    """A table whose cells are sentences, with these wrapped below the first column."""
+    lines = table.split("\n")
+    short = (re.sub(" {2,}", "  ", line) if len(line) > width else line for line in lines)
+    return "\n".join(wrapped(line, 4, width) for line in short)
 
 
 def paragraphs(*parts: str) -> str:

@@ -35,7 +35,7 @@ class Processes:
         self._stop = self._context.RawValue(ctypes.c_bool, False)
         self._idle: list[ProcessPoolExecutor] = []
         self._children: dict[ProcessPoolExecutor, BaseProcess | None] = {}
-        # Kept: one that is forgotten while it takes note of its end waits for itself (Python 3.12.1).
+        # Kept: one that is forgotten while it notes its own end waits for itself (Python 3.12.1).
         self._broken: list[ProcessPoolExecutor] = []
 
     def __enter__(self) -> Self:
