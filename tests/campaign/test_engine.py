@@ -72,6 +72,21 @@ def test_a_killed_worker_loses_its_own_task_only_which_is_tried_again(tmp_path):
     assert [int(file.read_text()) for file, _ in tasks] == [2, 1, TRIES]
 
 
+def test_a_sweep_that_is_to_stop_says_so_while_its_tasks_still_run(tmp_path):
+    """What takes long to end (a packing that grows) is waited for; the user knows at once."""
+    tallies = []
+
+    def report(tally):
+        tallies.append(tally)
+        if len(tallies) == 1:
+            signal.raise_signal(signal.SIGINT)
+
+    (outcome,) = run_tasks(patient, [(tmp_path / "a", 60.0)], workers=1, report=report)
+    assert outcome.state == "interrupted"
+    assert [tally.stopping for tally in tallies[:2]] == [False, True]
+    assert tallies[1].running == 1
+
+
 def test_a_worker_killed_from_outside_leaves_the_other_one_alone(tmp_path):
     tasks = [(tmp_path / "a", 2.0), (tmp_path / "b", 2.0)]
     pids: list[int] = []

@@ -12,9 +12,21 @@ from typing import Any
 
 import click
 
+
+def _a_name(_context: click.Context, _option: click.Parameter, folder: str) -> str:
+    """A folder; OSError for a name longer than any may be, which Path takes for one not there."""
+    try:
+        Path(folder).stat()
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            raise
+    return folder
+
+
 out_option = click.option(
-    "-o", "--out", default="runs", metavar="DIR", help="Holds runs and packings [default: runs]."
-)
+    "-o", "--out", default="runs", metavar="DIR", callback=_a_name,
+    help="Holds runs and packings [default: runs].",
+)  # fmt: skip
 quiet_option = click.option("--quiet", is_flag=True, help="Print nothing but the result.")
 workers_option = click.option(
     "--workers", type=int, metavar="N", help="Processes [default: one per core]."

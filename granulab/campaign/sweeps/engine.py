@@ -30,6 +30,7 @@ class Tally:
     slots: int = 1  # tasks that can run at once
     took: dict[int, float] = field(default_factory=dict)  # [s] by index, of those that ended
     since: dict[int, float] = field(default_factory=dict)  # [s] by index, of those that run
+    stopping: bool = False  # whether they are to end
 
 
 @dataclass
@@ -74,7 +75,7 @@ class _Work:
         else:
             self.outcomes[k] = Outcome("failed", reason=f"{error}, {TRIES} times")
 
-    def tally(self, slots: int) -> Tally:
+    def tally(self, slots: int, stopping: bool) -> Tally:
         states = [outcome.state for outcome in self.outcomes.values()]
         return Tally(
             len(self.tasks),
@@ -84,6 +85,7 @@ class _Work:
             slots,
             {k: outcome.wall_s for k, outcome in self.outcomes.items()},
             {k: monotonic() - self.began[k] for k in self.running.values()},
+            stopping,
         )
 
 
@@ -126,7 +128,7 @@ def run_tasks(
                     break
                 work.began[k] = monotonic()
                 work.running[pool.submit(function, tasks[k])] = k
-            report(work.tally(pool.slots))
+            report(work.tally(pool.slots, request.requested))
             if not work.running:
                 break
             ended = wait(work.running, _LOOK, FIRST_COMPLETED).done
