@@ -2,9 +2,10 @@
 
     python tests/fuzz/estimates.py [--workers 2] [--write FILE.csv]
 
-Twenty silos of docs/results/own-silos.csv that emptied, fifteen published ones with other seeds,
-fifteen dampers drawn from their number. Of each the first time left that is stated after 5 s and a
-twentieth of the work; a run that is over within 2 s of it is left out. Kernels are compiled before.
+Twenty silos of docs/results/own-silos.csv that emptied, eighteen published ones with other seeds,
+eighteen dampers drawn from their number. Of each the first time left that is stated after 5 s and a
+twentieth of the work. A run that is over within 2 s of it is left out, and one that clogs, as what
+is stated holds if it flows on. Kernels are compiled before.
 """
 
 import argparse
@@ -26,7 +27,7 @@ from silo2d.case.case import SiloCase
 from silo2d.run import protocol as silos
 
 ROWS = Path(__file__).parents[2] / "docs" / "results" / "own-silos.csv"
-SILOS, PUBLISHED, DAMPERS = 20, 15, 15
+SILOS, PUBLISHED, DAMPERS = 20, 18, 18
 WIDE = ["A4", "B4", "C4", "D4", "A3"]  # published silos that empty
 FACTOR = 1.5
 SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0}
@@ -110,7 +111,8 @@ def main() -> None:
         for row in pool.imap_unordered(timed, planned):
             rows.append(row)
             print(*(f"{v:.3g}" if isinstance(v, float) else v for v in row.values()), flush=True)
-    ratios = [row["ratio"] for row in rows if "ratio" in row]
+    ended = (row for row in rows if not row["outcome"].startswith("clogged"))
+    ratios = [row["ratio"] for row in ended if "ratio" in row]
     held = sum(1 / FACTOR <= ratio <= FACTOR for ratio in ratios)
     print(f"{held} of {len(ratios)} times left within a factor of {FACTOR:g}")
     if args.write:
