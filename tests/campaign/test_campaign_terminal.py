@@ -154,11 +154,11 @@ def _seconds(words):
 def test_time_left_is_within_a_factor_of_a_half_though_all_was_expected_wrong(clock):
     """Three stages on a machine three times as slow, the first four times.
 
-    Told from 5 s or 5 % of the work on, the later; the bar never goes back, and ends below 1 as the
+    Reported from 5 s or 5 % of the work on, the later; the bar never goes back, and ends below 1 as the
     caller's command goes on.
     """
-    told = []
-    stages = Stages(lambda fraction, words: told.append((clock[0], fraction, words)))
+    reported = []
+    stages = Stages(lambda fraction, words: reported.append((clock[0], fraction, words)))
     stages.expect(filling=10.0, settling=2.0, shaking=20.0)
     for stage, cost in (("filling", 40.0), ("settling", 6.0), ("shaking", 60.0)):
         stages.begin(stage)
@@ -167,22 +167,22 @@ def test_time_left_is_within_a_factor_of_a_half_though_all_was_expected_wrong(cl
             stages.report(stage, k + 1, 99 - k, "on")
         stages.finish(stage)
     end = clock[0]
-    fractions = [fraction for _, fraction, _ in told]
+    fractions = [fraction for _, fraction, _ in reported]
     assert fractions == sorted(fractions)
     assert 0.9 < fractions[-1] < 1.0
-    late = [(end - now, _seconds(words)) for now, _, words in told if 105.3 < now < end - 2.0]
+    late = [(end - now, _seconds(words)) for now, _, words in reported if 105.3 < now < end - 2.0]
     assert len(late) > 280
     assert all(left / 1.5 < said < 1.5 * left for left, said in late)
 
 
 def test_bar_of_what_may_end_early_is_by_its_position_and_hedged(clock):
-    told = []
-    stages = Stages(lambda fraction, words: told.append((fraction, words)))
+    reported = []
+    stages = Stages(lambda fraction, words: reported.append((fraction, words)))
     stages.expect(discharging=10.0)
     stages.hedge = " at most"
     clock[0] += 4.0
     stages.report("discharging", 3.0, 1.0, "t = 1 s of at most 6 s", position=1 / 6)
-    fraction, words = told[-1]
+    fraction, words = reported[-1]
     assert fraction == pytest.approx(1 / 6)
     assert words == "discharging, t = 1 s of at most 6 s; 2 s left at most"
 
@@ -212,13 +212,13 @@ def test_compiling_is_reported_once_and_is_no_other_stages_time(clock, monkeypat
     """numba's own events of a function compiled on the fly: words, and no time of the stage's."""
     import numba
 
-    told = []
-    stages = Stages(lambda fraction, words: told.append(words), compiling=(4.0, 1))
+    reported = []
+    stages = Stages(lambda fraction, words: reported.append(words), compiling=(4.0, 1))
     stages.expect(filling=10.0)
     stages.report("filling", 1, 9, "on")
     with stages.watching(), stages.watching():
         numba.njit(lambda x: x + 1)(1)
-    assert told[-1].startswith(f"{COMPILING}, function 1 of about 1")
+    assert reported[-1].startswith(f"{COMPILING}, function 1 of about 1")
     clock[0] += 1.0
     stages.report("filling", 2, 8, "on")
     assert stages.seconds_left() == pytest.approx(

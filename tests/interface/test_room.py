@@ -1,4 +1,4 @@
-"""Disk and memory that runs take are told before them, and are enough."""
+"""Disk and memory that runs take are reported before them, and are enough."""
 
 import dataclasses
 import shutil
@@ -39,10 +39,10 @@ def bytes_of(run: Path, *patterns: str) -> int:
 def test_what_is_told_is_enough_and_not_far_too_much(case_of, plan, pattern):
     """Of runs to their longest time, a few frames each: the names of arrays count for most."""
     (run,) = (path for path in KEPT.glob(pattern) if (path / "case.toml").exists())
-    told = plan.disk_at_most(case_of.load(RunFolder(run).case_file))
+    reported = plan.disk_at_most(case_of.load(RunFolder(run).case_file))
     frames = bytes_of(run, "trajectory.h5", "records.csv", "parts/*")
-    assert frames < told["frames"] + told["contacts"] < 10 * frames
-    assert bytes_of(run, "checkpoint.h5", "checkpoints/*") < told["checkpoints"]
+    assert frames < reported["frames"] + reported["contacts"] < 10 * frames
+    assert bytes_of(run, "checkpoint.h5", "checkpoints/*") < reported["checkpoints"]
 
 
 def test_a_contact_a_frame_and_a_sample_are_as_long_as_told():
@@ -116,8 +116,8 @@ def nearly_full(monkeypatch):
 @pytest.mark.parametrize("command", [silo2d, damper3d])
 def test_a_disk_with_too_little_room_is_warned_of(command, nearly_full, tmp_path):
     case = ["A4"] if command is silo2d else []
-    told = command("run", *case, "--dry-run", "-o", tmp_path / "runs").out
-    words = " ".join(told.split())
+    reported = command("run", *case, "--dry-run", "-o", tmp_path / "runs").out
+    words = " ".join(reported.split())
     assert "disk at most" in words
     assert "has 1 kB left" in words
     planned = command("run", *case, "--dry-run", "--json", "-o", tmp_path / "runs").json

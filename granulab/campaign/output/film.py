@@ -65,14 +65,14 @@ def write_all(
     """
     charts, paths = CHART * len(figures), []
 
-    def told(done: int) -> None:
+    def reported(done: int) -> None:
         if report is not None:
             report(done, charts + n_pictures - done)
 
     for k, (name, draw) in enumerate(figures.items(), 1):
         paths.append(write_figure(folder / f"{name}.png", draw))
-        told(CHART * k)
-    return [*paths, film(lambda k: told(charts + k))] if n_pictures else paths
+        reported(CHART * k)
+    return [*paths, film(lambda k: reported(charts + k))] if n_pictures else paths
 
 
 def counted(pictures: Iterator[Image], report: Callable[[int], None] | None) -> Iterator[Image]:

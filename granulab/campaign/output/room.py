@@ -1,4 +1,4 @@
-"""Room that runs need at most, on disk and in memory: reckoned, told, and looked for."""
+"""Room that runs need at most, on disk and in memory: reckoned, reported, and looked for."""
 
 import math
 import shutil
@@ -54,7 +54,7 @@ def lines(disk: Mapping[str, int], memory: int) -> list[str]:
     """Lines of an echo on what a run takes at most."""
     parts = ", ".join(f"{name} {in_words(n_bytes)}" for name, n_bytes in disk.items())
     return [
-        f"  disk        at most {in_words(sum(disk.values()))} beside pictures: {parts}",
+        f"  disk        at most {in_words(sum(disk.values()))} besides pictures: {parts}",
         f"  memory      at most {in_words(memory)}",
     ]
 
@@ -62,7 +62,7 @@ def lines(disk: Mapping[str, int], memory: int) -> list[str]:
 def line(planned: Mapping[str, Any]) -> str:
     """Line of the plan of many runs on the disk that they take at most."""
     needed, there = (in_words(planned[key]) for key in ("disk_bytes_at_most", "disk_free_bytes"))
-    return f"disk        at most {needed} beside pictures; {there} are free"
+    return f"disk        at most {needed} besides pictures; {there} are free"
 
 
 def in_words(n_bytes: float) -> str:

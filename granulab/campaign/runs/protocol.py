@@ -226,7 +226,7 @@ def restored(
     """Return the data of a checkpoint on the run (meta), once its arrays are restored.
 
     That is the newest one, or where a file is damaged the newest one that needs none of them;
-    None where none is left. `warn` is told which file it is and what is computed again. start:
+    None where none is left. `warn` gets which file it is and what is computed again. start:
     where the run then begins. Raises FolderError where a checkpoint does not fit the case.
     """
     from granulab.campaign.runs.checkpoint import checkpoints, go_back, load_checkpoint  # h5py: slow

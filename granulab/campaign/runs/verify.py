@@ -68,7 +68,7 @@ def _seals(folder: Path) -> dict[str, str]:
 
 
 def _is_sealed(path: Path, seal: str | None) -> bool:
-    """Tell whether a file has a seal; FolderError where it does not hold.
+    """Return whether a file has a seal; FolderError where it does not hold.
 
     seal: of the whole file, which the provenance keeps; None where it keeps none.
     """
