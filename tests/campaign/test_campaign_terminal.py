@@ -154,8 +154,8 @@ def _seconds(words):
 def test_time_left_is_within_a_factor_of_a_half_though_all_was_expected_wrong(clock):
     """Three stages on a machine three times as slow, the first four times.
 
-    Reported from 5 s or 5 % of the work on, the later; the bar never goes back, and ends below 1 as the
-    caller's command goes on.
+    Reported from 5 s or 5 % of the work on, the later; the bar never goes back, and ends below 1
+    as the caller's command goes on.
     """
     reported = []
     stages = Stages(lambda fraction, words: reported.append((clock[0], fraction, words)))
