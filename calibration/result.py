@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 PAIR_KEYS = ("friction", "restitution", "kn", "kt", "gamma_n", "gamma_t")
 
+TABLE = "calibration.table"  # of a command's context: where --table writes the answers
+
 Files = Mapping[str, "Path | Sequence[Path] | None"]
 
 _LABELS = {"sheet": "diagnostic figure"}  # of files whose JSON key is not what people read
@@ -166,12 +168,18 @@ def finish(
             raise InputError(f"--into {into.path}: this result has no value for it")
         into.put_all(result.parameters(), measured)
     paths: dict[str, Path | Sequence[Path] | None] = dict(files or {})
+    said = [*answers.get("warnings", []), *warnings]
     if figure_key is not None and figure_key not in paths:
         paths[figure_key] = None if out is None else draw(result, out / f"{name}.png")
+    context = click.get_current_context(silent=True)
+    if table := context and context.meta.get(TABLE):
+        from calibration.files.answers import write_answers
+
+        paths["tables"] = write_answers(table, answers | ({"warnings": said} if said else {}))
     if as_json:
         listed = {key: _as_words(path) for key, path in paths.items()}
         if warnings:
-            listed["warnings"] = [*answers.get("warnings", []), *warnings]
+            listed["warnings"] = said
         click.echo(json.dumps(answers | listed, indent=2))
         return
     click.echo("\n".join([result.text(), *(f"warning: {warning}" for warning in warnings)]))

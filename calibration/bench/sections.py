@@ -20,11 +20,15 @@ _GROUPS = ("group", "pairing")  # columns that distinguish groups unless another
 
 
 class Input(NamedTuple):
-    """A column that a method reads, or a constant in its place."""
+    """A column that a method reads, or a constant in its place.
+
+    heads: what laboratories and their machines also call it, compared without case and signs.
+    """
 
     name: str
     unit: str  # SI
     meaning: str
+    heads: tuple[str, ...] = ()
 
 
 class Section(NamedTuple):
@@ -168,8 +172,8 @@ def _tables(
         for one in inputs:
             if one.name in what.constants:
                 columns[one.name] = np.full(n, what.constants[one.name])
-            elif table.has(one.name, one.unit):
-                columns[one.name] = table.column(one.name, one.unit)
+            elif (head := _head_of(one, table)) is not None:
+                columns[one.name] = table.column(head, one.unit)
         if columns.keys() <= what.constants.keys():
             raise InputError(
                 f"{path}: none of the columns {', '.join(one.name for one in inputs)}; it has "
@@ -186,6 +190,18 @@ def _tables(
                 f"{path}: {n - kept.sum()} of {n} rows left out: a field is empty or not finite"
             )
         yield table, columns, kept
+
+
+def _head_of(one: Input, table: Table) -> str | None:
+    """The head under which an input stands in a table; None where it does not."""
+    if table.has(one.name, one.unit):
+        return one.name
+    usual = {_plain(head) for head in (one.name, *one.heads)}
+    return next((head for head in table.texts if _plain(head) in usual), None)
+
+
+def _plain(head: str) -> str:
+    return "".join(c for c in head.lower() if c.isalnum())
 
 
 def _refuse_extremes(table: Table, columns: Columns) -> None:

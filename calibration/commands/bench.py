@@ -11,9 +11,9 @@ from typing import Any
 
 import click
 
-from calibration.commands.options import into_options
+from calibration.commands.options import answers_options, into_options
 from calibration.result import Into, finish
-from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import quiet_option
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
@@ -42,6 +42,17 @@ _TRIAL = click.option(
 )  # fmt: skip
 
 METHODS = {
+    "heights": Method(
+        "restitution",
+        """Restitution from heights of drop and rebound, e = sqrt(H1/H0) (eqs 3.5, 3.6).
+
+        A row a trial, a column a drop height, or means with standard deviations; CSV or a
+        spreadsheet.
+
+        For example: calibrate heights drops.xlsx --reading "h1=2 mm"
+        """,
+        {"restitution": "restitution"},
+    ),
     "incline": Method(
         "friction",
         """Friction from the angle of first slip, mu = tan(alpha).
@@ -165,7 +176,7 @@ _INPUT_OPTIONS = (
     ),
     click.option("--only", metavar="GROUP", help="Evaluate this group and no other."),
     quiet_option,
-    json_option,
+    answers_options,
 )  # fmt: skip
 
 
@@ -239,7 +250,7 @@ def _command(name: str, method: Method) -> click.Command:
 @click.option("--materials", metavar="FILE", help="Read what is not given [default: as --into].")
 @click.option("--pair", metavar="wood-steel", help="Of that file.")
 @click.option("--into", metavar="FILE.toml", help="Write gamma_n of the pair into this file.")
-@json_option  # fmt: skip
+@answers_options  # fmt: skip
 def damping(into: str | None, materials: str | None, pair: str | None, as_json: bool,
             **given: Any) -> None:  # fmt: skip
     """Convert a restitution into the damping gamma_n of one contact, with its uncertainty.
@@ -263,7 +274,7 @@ def damping(into: str | None, materials: str | None, pair: str | None, as_json: 
 
 @click.command("published", short_help="The sources' measurements, calculated again")
 @click.argument("tables", nargs=-1, metavar="[TABLE]...")
-@json_option
+@answers_options
 def published(tables: tuple[str, ...], as_json: bool) -> None:
     """The sources' bench measurements compared with what follows from their own parts.
 

@@ -6,6 +6,7 @@ import click
 
 from calibration.commands.options import (
     Box,
+    answers_options,
     figures_option,
     fps_option,
     into_options,
@@ -14,7 +15,7 @@ from calibration.commands.options import (
     unit_option,
 )
 from calibration.result import Into, finish
-from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import quiet_option
 
 
 @click.command(short_help="Restitution of an object that falls and bounces")
@@ -29,7 +30,7 @@ from granulab.campaign.cli.commandline import json_option, quiet_option
 @figures_option("Put diagnostic figure and annotated film there.")
 @into_options("restitution")
 @quiet_option
-@json_option
+@answers_options
 def command(
     file: str, fps: float | None, units: dict[str, str], scale: str | None, track: str | None,
     one_bounce: bool, roi: Box | None, at: str | None, out: Path | None, into: Into | None,

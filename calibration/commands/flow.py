@@ -6,9 +6,15 @@ from typing import Any
 
 import click
 
-from calibration.commands.options import Box, figures_option, fps_option, roi_option
+from calibration.commands.options import (
+    Box,
+    answers_options,
+    figures_option,
+    fps_option,
+    roi_option,
+)
 from calibration.result import draw, finish
-from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import quiet_option
 
 
 def film_options(command: Any) -> Any:
@@ -40,7 +46,7 @@ def film_options(command: Any) -> Any:
 @click.option("--collapse", is_flag=True, help="A column that spreads on a plate: its front.")
 @figures_option("Draw the diagnostic figure and write the tables there.")
 @quiet_option
-@json_option  # fmt: skip
+@answers_options  # fmt: skip
 def flow(
     video: str, fps: float | None, scale: str | None, width: str | None, roi: Box | None,
     interval: str | None, columns: int, layer_height: str | None, no_velocity: bool,
@@ -87,7 +93,7 @@ def flow(
 @click.option("--interval", metavar='"0.25 s"', help="Between profiles [default: 0.25 s].")
 @figures_option("Draw the figure there.")
 @quiet_option
-@json_option
+@answers_options
 def compare(
     run: str, video: str, fps: float | None, scale: str | None, width: str | None,
     roi: Box | None, interval: str | None, out: Path | None, quiet: bool, as_json: bool,

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import click
 
-from calibration.commands.options import figures_option, into_options, unit_option
+from calibration.commands.options import answers_options, figures_option, into_options, unit_option
 from calibration.result import Into, finish
-from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import quiet_option
 from granulab.contact.files.units import to_si
+from granulab.errors import InputError
 
 
 @click.command(short_help="Restitution from sound, force or acceleration")
@@ -23,19 +24,29 @@ from granulab.contact.files.units import to_si
 @figures_option("Folder for the diagnostic figure (PNG).")
 @into_options("restitution")
 @quiet_option
-@json_option
+@answers_options
 def command(
     file: Path, rate: float | None, units: dict[str, str], column: str | None, window: str | None,
     drop_height: str | None, out: Path | None, into: Into | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution from the times between impacts: force, acceleration or sound (WAV, CSV).
 
+    Also from what an acoustic stopwatch exports (xls, xlsx, csv): times of one or more throws.
+
     For example: calibrate impacts drop.wav --out figures
     """
     from calibration.impacts.measure import measure_impacts
     from calibration.impacts.search import WINDOW
+    from calibration.impacts.stopwatch import measure_stopwatch
 
-    found = measure_impacts(
+    given = {"--rate": rate, "--column": column, "--window": window, "--drop-height": drop_height}
+    spare = [name for name, value in given.items() if value is not None]
+    timed = measure_stopwatch(file)
+    if timed is not None and spare:
+        raise InputError(
+            f"{file}: holds times of events, which {' and '.join(spare)} do not go with; leave out"
+        )
+    found = timed or measure_impacts(
         file,
         rate=rate,
         column=column,

@@ -16,6 +16,7 @@ _COMMANDS: dict[str, str] = {
     "impacts": "impacts",
     "shaker": "shaker",
     "piv": "piv",
+    "heights": "bench",
     "incline": "bench",
     "slide": "bench",
     "compression": "bench",

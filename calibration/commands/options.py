@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from calibration.result import PAIR_KEYS, Into
+from calibration.result import PAIR_KEYS, TABLE, Into
+from granulab.campaign.cli.commandline import json_option
 from granulab.errors import InputError
 
 
@@ -68,6 +69,24 @@ def _checked(
     wanted = Into(Path(into), pair, material, tuple(keys))
     wanted.check()
     return wanted
+
+
+def answers_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """--json, and --table FILE: how else the answers are written; see calibration.result.finish."""
+
+    def checked(context: click.Context, _option: click.Parameter, table: Path | None) -> None:
+        from calibration.files.answers import check_table
+        from granulab.campaign.output.files import refuse_unless_writable
+
+        if table is not None:
+            context.meta[TABLE] = check_table(table)
+            refuse_unless_writable(table.parent, "--table")
+
+    option = click.option(
+        "--table", type=click.Path(path_type=Path), metavar="FILE.xlsx", callback=checked,
+        expose_value=False, help="Write all answers as tables, too: FILE.xlsx or FILE.csv.",
+    )  # fmt: skip
+    return option(json_option(command))
 
 
 def unit_option(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -6,6 +6,7 @@ import click
 
 from calibration.commands.options import (
     Box,
+    answers_options,
     figures_option,
     fps_option,
     into_options,
@@ -13,7 +14,7 @@ from calibration.commands.options import (
     unit_option,
 )
 from calibration.result import Into, finish
-from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import quiet_option
 from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 
@@ -28,7 +29,7 @@ from granulab.errors import InputError
 @figures_option("Draw the diagnostic figure there.")
 @into_options("restitution")
 @quiet_option
-@json_option
+@answers_options
 def command(
     file: str, fps: float | None, units: dict[str, str], roi: Box | None, track: tuple[str, ...],
     masses: str | None, out: Path | None, into: Into | None, quiet: bool, as_json: bool,

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
-from calibration.commands.options import figures_option
+from calibration.commands.options import answers_options, figures_option
 from calibration.result import finish
-from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import quiet_option
 
 
 @click.command(short_help="Displacement field between two pictures")
@@ -25,7 +25,7 @@ from granulab.campaign.cli.commandline import json_option, quiet_option
 @click.option("--dt", metavar='"1 ms"', help="Time from A to B.")
 @figures_option("Folder for table and diagnostic figure.")
 @quiet_option
-@json_option
+@answers_options
 def command(
     a: Path, b: Path, window: int, overlap: float, method: str, mask: Path | None,
     scale: str | None, dt: str | None, out: Path | None, quiet: bool, as_json: bool,

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
-from calibration.commands.options import figures_option
+from calibration.commands.options import answers_options, figures_option
 from calibration.result import finish
-from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import quiet_option
 from granulab.contact.files.units import to_si
 
 
@@ -29,7 +29,7 @@ from granulab.contact.files.units import to_si
 @click.option("--rate", type=float, metavar="40000", help="Samples/s of tables without times.")
 @figures_option("Folder for the diagnostic figure (PNG).")
 @quiet_option
-@json_option
+@answers_options
 def command(
     file: Path, empty: tuple[Path, ...], frequency: tuple[float, ...], particle_mass: str | None,
     harmonics: int, columns: tuple[str, ...], rate: float | None, out: Path | None, quiet: bool,

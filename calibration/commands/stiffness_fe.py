@@ -5,9 +5,9 @@ from typing import Any
 
 import click
 
-from calibration.commands.options import figures_option, into_options
+from calibration.commands.options import answers_options, figures_option, into_options
 from calibration.result import Into, finish
-from granulab.campaign.cli.commandline import json_option, quiet_option
+from granulab.campaign.cli.commandline import quiet_option
 
 
 @click.command("stiffness-fe", short_help="kt/kn of two blocks by finite elements")
@@ -71,7 +71,7 @@ from granulab.campaign.cli.commandline import json_option, quiet_option
 @figures_option("Folder for the diagnostic figure (PNG).")
 @into_options("kt")
 @quiet_option
-@json_option
+@answers_options
 def command(
     out: Path | None,
     into: Into | None,

@@ -1,4 +1,4 @@
-"""Tables as people and other tools write them: CSV in any of its dialects, numbers and text.
+"""Tables as people and other tools write them: CSV in any of its dialects, or a spreadsheet.
 
 Separator comma, semicolon, tab or spaces; decimal point or decimal comma; a head of names, with
 or without units ("load [N]", "load (N)", load_N, or a line of units below), or none; quotes, blank
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from calibration.files import dialect
 from calibration.files.layout import layout
+from calibration.files.sheets import best_sheet, is_spreadsheet
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
 
@@ -128,9 +129,14 @@ def _is_unit(text: str, unit: str) -> bool:
     return bool(text)
 
 
-def rows_of(path: Path) -> list[dialect.Row]:
-    """The lines of a table in any dialect, cut into fields; InputError for what is no text."""
-    return dialect.rows(_text(path), str(path))
+def rows_of(path: Path) -> tuple[list[dialect.Row], tuple[str, ...]]:
+    """The lines of a table in any dialect or of a spreadsheet, cut into fields, and remarks.
+
+    InputError for what is neither text nor a spreadsheet.
+    """
+    if is_spreadsheet(path):
+        return best_sheet(path)
+    return dialect.rows(_text(path), str(path)), ()
 
 
 def read_table(path: str | Path) -> Table:
@@ -139,7 +145,8 @@ def read_table(path: str | Path) -> Table:
     Raises InputError, one line with file, line and value, for what is no table with numbers.
     """
     path = Path(path)
-    found = layout(rows_of(path), str(path))
+    rows, remarks = rows_of(path)
+    found = layout(rows, str(path))
     width = len(found.names)
     for line, fields in found.rows:
         if len(fields) != width:
@@ -153,7 +160,7 @@ def read_table(path: str | Path) -> Table:
     lines = tuple(line for line, _ in found.rows)
     if not columns:
         raise InputError(f"{path}: no column of numbers{_slip(texts, lines)}")
-    return Table(path, columns, found.units, texts, lines, found.remarks)
+    return Table(path, columns, found.units, texts, lines, (*remarks, *found.remarks))
 
 
 def _slip(texts: Mapping[str, tuple[str, ...]], lines: tuple[int, ...]) -> str:

@@ -51,7 +51,8 @@ def read_tracks(path: str | Path, units: Mapping[str, str] | None = None) -> lis
     Raises InputError, one line with file, line and what would do, for what holds no track.
     """
     path = Path(path)
-    lines, remarks = _until_words(path, rows_of(path))
+    rows, of_sheets = rows_of(path)
+    lines, remarks = _until_words(path, rows)
     found = layout(lines, str(path))
     numbers = [[_number(path, line, f) for f in fields] for line, fields in found.rows]
     columns = _with_units(path, _columns(path, found, numbers), units or {})
@@ -60,7 +61,7 @@ def read_tracks(path: str | Path, units: Mapping[str, str] | None = None) -> lis
     else:
         wide = np.array([_padded(row, len(columns)) for row in numbers])
         tracks, more = _from_columns(path, columns, wide)
-    remarks += [*found.remarks, *more]
+    remarks = [*of_sheets, *remarks, *found.remarks, *more]
     return [replace(track, remarks=track.remarks + tuple(remarks)) for track in tracks]
 
 

@@ -1,0 +1,230 @@
+"""Restitution from the heights of a drop or a swing before and after (paper sec. 3.3).
+
+Particle on wall, dropped from rest at H0 and rising to H1: e = sqrt(H1/H0) (eq. 3.5). Two equal
+blocks on strings, one released at H0, which rise to H1 (that one) and H2: e = (sqrt(H2) - sqrt(H1))
+/ sqrt(H0) (eq. 3.6). Air is left out of both: it makes a fall of 1 m of a ping-pong ball slower by
+some per cent, of a wooden block by less than one in a thousand.
+
+A table has a row a trial; or a column a drop height, whose line of heights begins with H0; or means
+and standard deviations, as the paper's Tables 2 and 3 print them.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from calibration.bench.measure import Quantity, measure
+from calibration.bench.sections import Columns, Input, Request, Section, need, rows
+from calibration.files.dialect import Row, is_missing, name_and_unit, number
+from calibration.files.tables import read_table, rows_of
+from calibration.statistics.uncertainty import Estimate, pooled_summaries
+from granulab.contact.files.units import to_si
+from granulab.errors import InputError
+
+INPUTS = (
+    Input("h0", "m", "height of release, H0", (
+        "drop height", "drop height H0", "release height", "height of release", "fall height",
+        "initial height", "height", "H_0", "Fallhöhe", "Ausgangshöhe",
+    )),
+    Input("h1", "m", "height of the rebound, H1; of a pendulum, of the block that was released", (
+        "rebound height", "rebound height H1", "bounce height", "rebound", "final height", "H_1",
+        "Rückprallhöhe", "Sprunghöhe",
+    )),
+    Input("h2", "m", "of a pendulum, of the other block, H2", ("H_2",)),
+    Input("mean", "1", "or the mean of the restitution at H0,", ("mean restitution", "Mittelwert")),
+    Input("sd", "1", "its standard deviation, in per cent that of the mean,", (
+        "standard deviation", "std", "Standardabweichung",
+    )),
+    Input("trials", "1", "and the number of trials", ("n", "number of trials", "drops", "Anzahl")),
+)  # fmt: skip
+_CHOICES = (("h0", "h1", "h2"), ("h0", "h1"), ("h0", "mean", "sd", "trials"))
+_PER_CENT = ("%", "percent", "per cent")
+_MEAN, _SD = re.compile(r"\bmean\b", re.IGNORECASE), re.compile(r"\bs\.?d\.?\b", re.IGNORECASE)
+_OF_OTHERS = re.compile(r"\b(average|overall|all|total)\b", re.IGNORECASE)
+_NAMES = re.compile(r"H_?0|drop height.*|release height.*|Fallhöhe.*", re.IGNORECASE)
+
+
+def restitution(files: Sequence[str | Path], what: Request) -> list[Quantity]:
+    """The restitution, pooled by drop height (and group), each height once where they differ."""
+    sections, remarks = _sections(files, what)
+    kinds = {need(section, _CHOICES, INPUTS) for section in sections}
+    if len(kinds) > 1:
+        raise InputError("rows of a drop, of a pendulum or of means together; measure them apart")
+    (kind,) = kinds
+    by_height = [_by_height(section) for section in sections]
+    if kind < 2:
+        said = "particles on a wall, e = sqrt(H1/H0)" if kind else (
+            "a pendulum of two like blocks, e = (sqrt(H2) - sqrt(H1))/sqrt(H0)"
+        )  # fmt: skip
+        found = measure(
+            by_height, _of_heights, what, key="restitution", name="restitution",
+            remarks=[said, *remarks],
+        )  # fmt: skip
+    else:
+        found = _of_means(by_height, remarks)
+    return [replace(found, details=_details(found, by_height))]
+
+
+def _by_height(section: Section) -> Section:
+    """A trial in the group of its drop height, and of its own group where it has one."""
+    height = f"{1e3 * float(section.columns['h0'][0]):.4g} mm"
+    own = "" if section.group == "all" else f"{section.group}, "
+    return section._replace(group=f"{own}{height}")
+
+
+def _sections(files: Sequence[str | Path], what: Request) -> tuple[list[Section], list[str]]:
+    """A section for each row, or for each cell where the drop heights stand in a line."""
+    sections: list[Section] = []
+    remarks: list[str] = []
+    plain = []
+    for file in files:
+        lines, said = rows_of(Path(file))
+        if (first := _line_of_heights(lines)) is None:
+            plain.append(file)
+            continue
+        remarks += said
+        several = f" of {Path(file).name}" if len(files) > 1 else ""
+        cells = _cells(lines[first:], what, str(file))
+        sections += [one._replace(name=f"{one.name}{several}") for one in cells]
+    for file in plain:
+        more, said_of_rows = _rows(file, what)
+        several = f" of {Path(file).name}" if len(files) > 1 else ""
+        sections += [one._replace(name=f"{one.name}{several}") for one in more]
+        remarks += said_of_rows
+    if not sections:
+        raise InputError(f"{', '.join(map(str, files))}: no height of a rebound below those of H0")
+    return sections, remarks
+
+
+def _rows(file: str | Path, what: Request) -> tuple[list[Section], list[str]]:
+    """A section for each row, of the particle that its column names unless a group is given."""
+    table = read_table(file).renamed(what.columns)
+    if what.group is None and table.has("particle"):
+        what = replace(what, group="particle")
+    found, remarks = rows([file], INPUTS, what)
+    head = next((name for name in table.texts if name.lower().startswith("sd")), "")
+    unit = table.units.get(head, "")
+    if unit.lower() in _PER_CENT or head.lower().endswith(_PER_CENT):
+        # A unit, or a name such as sd_percent, has made a part of it already.
+        part = 1.0 if unit or head.lower().endswith("_percent") else 0.01
+        found = [_with_sd_of(one, part) for one in found]
+    return found, remarks
+
+
+def _with_sd_of(section: Section, part: float) -> Section:
+    """A trial whose standard deviation was one of its mean, in parts of it."""
+    known = section.columns
+    sd = part * known["sd"] * known["mean"]
+    return section._replace(columns=known | {"sd": sd})
+
+
+def _line_of_heights(lines: Sequence[Row]) -> int | None:
+    """Where a line begins with H0 and goes on with numbers; None where none does."""
+    for k, (_, fields) in enumerate(lines):
+        name = name_and_unit(fields[0])[0] if fields else ""
+        held = [field for field in fields[1:] if not is_missing(field)]
+        if _NAMES.fullmatch(name) and held and all(number(field) is not None for field in held):
+            return k
+    return None
+
+
+def _cells(lines: Sequence[Row], what: Request, where: str) -> Iterator[Section]:
+    """Trials below a line of drop heights, or means with the standard deviations below them."""
+    name, unit = name_and_unit(lines[0][1][0])
+    if not unit:
+        raise InputError(f"{where}: line {lines[0][0]}: {name} has no unit; write '{name} [mm]'")
+    heights = [number(field) for field in lines[0][1]]
+    group, means = "", dict[int, float]()
+    for line, fields in lines[1:]:
+        label = fields[0]
+        if _OF_OTHERS.search(label):
+            group, means = "", {}
+            continue
+        cells = {
+            k: value * to_si(f"1 {unit}", "m", where)
+            for k, field in enumerate(fields)
+            if 0 < k < len(heights) and heights[k] is not None
+            and (value := number(field)) is not None and not math.isnan(value)
+        }  # fmt: skip
+        scale = to_si(f"1 {unit}", "m", where)
+        if _MEAN.search(label):
+            group = _MEAN.sub("", label).strip(" :") or "all"
+            means = {k: value / scale for k, value in cells.items()}
+            continue
+        for k, value in cells.items():
+            height = heights[k]
+            assert height is not None
+            known = {"h0": height * scale}
+            if _SD.search(label):
+                if k not in means:
+                    continue  # of an average, which is made of the others
+                sd = value / scale
+                known |= {"mean": means[k], "sd": sd * (means[k] / 100 if "%" in label else 1.0)}
+                own = group
+            else:
+                known["h1"] = value
+                own = label if label and number(label) is None else "all"
+            known |= what.constants
+            columns = {key: np.array([one]) for key, one in known.items()}
+            yield Section(own, f"line {line}", columns)
+
+
+def _of_heights(columns: Columns) -> Estimate:
+    h0, h1 = float(columns["h0"][0]), float(columns["h1"][0])
+    heights = {"H0": h0, "H1": h1}
+    if "h2" in columns:
+        heights["H2"] = float(columns["h2"][0])
+    for name, height in heights.items():
+        if not (height > 0 or (name == "H1" and "H2" in heights and height == 0)):
+            raise InputError(f"{name} = {1e3 * height:g} mm: heights are above 0")
+        if height > h0:
+            raise InputError(
+                f"{name} = {1e3 * height:g} mm is above H0 = {1e3 * h0:g} mm: are the columns "
+                "swapped, or is a unit wrong? name them by --column 'h0=HEAD [UNIT]'"
+            )
+    if "H2" not in heights:
+        return Estimate(math.sqrt(h1 / h0), None, 1)
+    if heights["H2"] < h1:
+        raise InputError(
+            f"H2 = {1e3 * heights['H2']:g} mm is below H1 = {1e3 * h1:g} mm: the block that was "
+            "hit rises higher; swap the columns"
+        )
+    return Estimate((math.sqrt(heights["H2"]) - math.sqrt(h1)) / math.sqrt(h0), None, 1)
+
+
+def _of_means(sections: Sequence[Section], remarks: Sequence[str]) -> Quantity:
+    """Means pooled as if their trials were known: the analysis of variance needs no more."""
+    groups: dict[str, Estimate] = {}
+    for section in sections:
+        known = {name: float(values[0]) for name, values in section.columns.items()}
+        where, mean, n = section.name, known["mean"], known["trials"]
+        sd = known["sd"]
+        if not 0 < mean <= 1:
+            raise InputError(f"{where}: mean = {mean:g}: a restitution is above 0 and at most 1")
+        if not (sd >= 0 and n >= 1 and n.is_integer()):
+            raise InputError(f"{where}: sd = {sd:g} of {n:g} trials: no standard deviation")
+        if section.group in groups:
+            raise InputError(f"{where}: {section.group} stands twice; name the --group")
+        groups[section.group] = Estimate(mean, None, int(n), sd if n > 1 else None)
+    said = [f"{len(groups)} means of {sum(one.trials for one in groups.values())} trials", *remarks]
+    trials = tuple((s.name, s.group, groups[s.group]) for s in sections)
+    whole = pooled_summaries(groups)
+    return Quantity("restitution", "restitution", "1", "1", whole, trials, remarks=tuple(said))
+
+
+def _details(found: Quantity, sections: Sequence[Section]) -> dict[str, object]:
+    """Keys of the JSON besides those of every method of the bench."""
+    heights = {section.group: float(section.columns["h0"][0]) for section in sections}
+    whole = found.to_dict()[found.key] | {"constant_within_noise": found.pooled.alike}
+    return {
+        found.key: whole,
+        "per_height": [
+            {"height_m": heights[name], "group": name, "value": one.value, "sigma": one.sigma,
+             "n": one.trials, "scatter": one.scatter}
+            for name, one in found.pooled.groups.items()
+        ],
+    }  # fmt: skip
