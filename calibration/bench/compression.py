@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.bench.cycles import Cycle, unloading_stiffness
-from calibration.bench.measure import Quantity, measure
+from calibration.bench.cycles import Cycle, oriented, unloading_stiffness
+from calibration.bench.measure import Curve, Quantity, measure
 from calibration.bench.sections import Columns, Input, Request, Section, curves, need
 from calibration.statistics.uncertainty import Estimate, of_trials
 from granulab.contact.files.units import located
@@ -76,6 +76,27 @@ class _Records:
         found = [one.stiffness for one in self.cycles(columns)]
         return found[0] if len(found) == 1 else of_trials([one.value for one in found])
 
+    def drawn(self, section: Section) -> Curve:
+        """A record with compression positive, and the points of each unloading that were fitted."""
+        x, y = oriented(section.columns[self.x], section.columns[self.y])
+        x_scale, y_scale, _ = self._axes
+        fits = tuple(
+            (x_scale * one.fitted[0], y_scale * one.fitted[1])
+            for one in self.cycles(section.columns)
+        )
+        return Curve(section.name, x_scale * x, y_scale * y, fits)
+
+    @property
+    def axes(self) -> tuple[str, str]:
+        """Names of the axes of what is drawn."""
+        return self._axes[2]
+
+    @property
+    def _axes(self) -> tuple[float, float, tuple[str, str]]:
+        if self.y == "load":
+            return 1e3, 1.0, ("displacement [mm]", "load [N]")
+        return 1.0, 1e-6, ("strain [-]", "stress [MPa]")
+
     def modulus(self, columns: Columns) -> Estimate:
         """E = k L/A, or the slope of stress against strain itself."""
         if self.y == "stress":
@@ -129,7 +150,11 @@ def stiffness(
         if _all_have(sections, _CONTACT):
             found.append(_contact_stiffness(sections, what, records.modulus))
     details = _per_cycle(sections, records.cycles, "n" if records.y == "load" else "pa")
-    return [replace(found[0], remarks=tuple(remarks), details=details), *found[1:]]
+    first = replace(
+        found[0], remarks=tuple(remarks), details=details, axes=records.axes,
+        curves=tuple(records.drawn(section) for section in sections),
+    )  # fmt: skip
+    return [first, *found[1:]]
 
 
 def _contact_stiffness(

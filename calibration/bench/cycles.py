@@ -22,6 +22,7 @@ class Cycle:
     stiffness: Estimate  # [N/m]
     bend: float | None
     points: int
+    fitted: tuple[NDArray[np.float64], NDArray[np.float64]]  # displacement [m], load [N]
 
 
 def oriented(
@@ -78,7 +79,7 @@ def unloading_stiffness(
         branch = slice(first, last + 1)
         x, force = _in_range(displacement[branch], load[branch], upper, lower)
         peak = float(load[first]), float(displacement[first])
-        found.append(Cycle(*peak, line(x, force), _bend(x, force), len(x)))
+        found.append(Cycle(*peak, line(x, force), _bend(x, force), len(x), (x, force)))
     if not found:
         raise InputError(
             f"no unloading: the load never falls by {least:.0%} of its range; see --least-cycle"

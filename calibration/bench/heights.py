@@ -26,21 +26,13 @@ from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 
 INPUTS = (
-    Input("h0", "m", "height of release, H0", (
-        "drop height", "drop height H0", "release height", "height of release", "fall height",
-        "initial height", "height", "H_0", "Fallhöhe", "Ausgangshöhe",
-    )),
-    Input("h1", "m", "height of the rebound, H1; of a pendulum, of the block that was released", (
-        "rebound height", "rebound height H1", "bounce height", "rebound", "final height", "H_1",
-        "Rückprallhöhe", "Sprunghöhe",
-    )),
-    Input("h2", "m", "of a pendulum, of the other block, H2", ("H_2",)),
-    Input("mean", "1", "or the mean of the restitution at H0,", ("mean restitution", "Mittelwert")),
-    Input("sd", "1", "its standard deviation, in per cent that of the mean,", (
-        "standard deviation", "std", "Standardabweichung",
-    )),
-    Input("trials", "1", "and the number of trials", ("n", "number of trials", "drops", "Anzahl")),
-)  # fmt: skip
+    Input("h0", "m", "height of release, H0"),
+    Input("h1", "m", "height of the rebound, H1; of a pendulum, of the block that was released"),
+    Input("h2", "m", "of a pendulum, of the other block, H2"),
+    Input("mean", "1", "or the mean of the restitution at H0,"),
+    Input("sd", "1", "its standard deviation, in per cent that of the mean,"),
+    Input("trials", "1", "and the number of trials"),
+)
 _CHOICES = (("h0", "h1", "h2"), ("h0", "h1"), ("h0", "mean", "sd", "trials"))
 _PER_CENT = ("%", "percent", "per cent")
 _MEAN, _SD = re.compile(r"\bmean\b", re.IGNORECASE), re.compile(r"\bs\.?d\.?\b", re.IGNORECASE)

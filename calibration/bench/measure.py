@@ -3,9 +3,10 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calibration.bench.sections import Columns, Request, Section
 from calibration.result import Parameter
@@ -14,12 +15,28 @@ from calibration.statistics.uncertainty import Estimate, Pooled, pooled
 from granulab.contact.files.units import located, to_si
 from granulab.errors import InputError
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 Evaluate = Callable[[Columns], Estimate]
 
 _COARSE = (
     "the trials do not differ: their readings are too coarse for a sigma; give the resolution as "
     "--instrument"
 )
+
+
+class Curve(NamedTuple):
+    """What was recorded in one trial, and what was fitted to it.
+
+    x, y     (n,) each, as the axes of the quantity say
+    fits     (x, y) of each line or curve that was fitted
+    """
+
+    name: str
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    fits: tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -42,6 +59,8 @@ class Quantity:
     shared: dict[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     details: dict[str, Any] = field(default_factory=dict)  # more of the method's own, for JSON
+    curves: tuple[Curve, ...] = ()  # for the figure, with the names of
+    axes: tuple[str, str] = ("", "")  # its axes
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of docs/calibration-bench.md."""
@@ -158,12 +177,16 @@ class Measurement:
         """Every quantity: by trial, by group, together, and whether the groups are alike."""
         if self.brief:
             return "\n".join(
-                f"{_title(one)}: {value(one.pooled.all, _scale(one))}" for one in self.quantities
+                f"{title_of(one)}: {value(one.pooled.all, scale_of(one))}"
+                for one in self.quantities
             )
         return "\n\n".join("\n".join(_lines(one)) for one in self.quantities)
 
-    def figure(self) -> None:
-        """None: the trials stand in the table that was read."""
+    def figure(self) -> "Figure":
+        """Trials of each quantity by group with what they give, and the curves they come from."""
+        from calibration.bench.figure import draw
+
+        return draw(self.quantities, self.method)
 
     def parameters(self) -> dict[str, Parameter]:
         """Values that a parameter file can take."""
@@ -176,18 +199,19 @@ class Measurement:
         }
 
 
-def _title(result: Quantity) -> str:
+def title_of(result: Quantity) -> str:
+    """Name of a quantity with its unit."""
     return result.name if result.unit == "1" else f"{result.name} [{result.unit}]"
 
 
-def _scale(result: Quantity) -> float:
+def scale_of(result: Quantity) -> float:
     """SI units in one of the units that are shown."""
     return 1.0 if result.unit == "1" else to_si(f"1 {result.unit}", result.si, result.name)
 
 
 def _lines(result: Quantity) -> list[str]:
-    scale = _scale(result)
-    lines = [_title(result)]
+    scale = scale_of(result)
+    lines = [title_of(result)]
     shown = result.trials[:_MOST_TRIALS] if len(result.trials) > 1 else ()
     several = len(result.pooled.groups) > 1
     names = [f"{group}, {name}" if several else name for name, group, _ in shown]

@@ -7,13 +7,14 @@ they are. sigma of one path is that of its five equal lengths (ISO 4288).
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.bench.measure import Quantity, measure
+from calibration.bench.measure import Curve, Quantity, measure
 from calibration.bench.sections import Columns, Input, Request, Section, curves, need
 from calibration.statistics.uncertainty import Estimate, of_trials
 from granulab.errors import InputError
@@ -35,17 +36,21 @@ def mean_roughness(
     remarks.append(f"form taken off: {form}")
     remarks += filter(None, map(_gap, sections))
 
-    def evaluate(columns: Columns) -> Estimate:
+    def above_form(columns: Columns) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         order = np.argsort(columns["x"], kind="stable")
         x, z = columns["x"][order], columns["z"][order]
-        return of_profile(x, without_form(x, z, form))
+        return x, without_form(x, z, form)
 
-    return [
-        measure(
-            sections, evaluate, what,
-            key="ra_m", name="mean roughness Ra", si="m", unit="um", remarks=remarks,
-        )
-    ]  # fmt: skip
+    def evaluate(columns: Columns) -> Estimate:
+        return of_profile(*above_form(columns))
+
+    found = measure(
+        sections, evaluate, what,
+        key="ra_m", name="mean roughness Ra", si="m", unit="um", remarks=remarks,
+    )  # fmt: skip
+    paths = [(section.name, *above_form(section.columns)) for section in sections]
+    drawn = tuple(Curve(name, 1e3 * x, 1e6 * z) for name, x, z in paths)
+    return [replace(found, curves=drawn, axes=("along the path [mm]", f"above the {form} [um]"))]
 
 
 def _gap(section: Section) -> str | None:

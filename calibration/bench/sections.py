@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from calibration.files.tables import Table, read_table
 from calibration.statistics.quantity import measured_quantity
+from granulab.contact.files.datafile import data_root, read_toml
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
 
@@ -20,15 +22,11 @@ _GROUPS = ("group", "pairing")  # columns that distinguish groups unless another
 
 
 class Input(NamedTuple):
-    """A column that a method reads, or a constant in its place.
-
-    heads: what laboratories and their machines also call it, compared without case and signs.
-    """
+    """A column that a method reads, or a constant in its place."""
 
     name: str
     unit: str  # SI
     meaning: str
-    heads: tuple[str, ...] = ()
 
 
 class Section(NamedTuple):
@@ -174,6 +172,8 @@ def _tables(
                 columns[one.name] = np.full(n, what.constants[one.name])
             elif (head := _head_of(one, table)) is not None:
                 columns[one.name] = table.column(head, one.unit)
+                if head != one.name:
+                    remarks.append(f"{path}: {one.name} is read from {head!r}")
         if columns.keys() <= what.constants.keys():
             raise InputError(
                 f"{path}: none of the columns {', '.join(one.name for one in inputs)}; it has "
@@ -196,8 +196,14 @@ def _head_of(one: Input, table: Table) -> str | None:
     """The head under which an input stands in a table; None where it does not."""
     if table.has(one.name, one.unit):
         return one.name
-    usual = {_plain(head) for head in (one.name, *one.heads)}
+    usual = {_plain(head) for head in (one.name, *_usual_heads().get(one.name, []))}
     return next((head for head in table.texts if _plain(head) in usual), None)
+
+
+@cache
+def _usual_heads() -> dict[str, list[str]]:
+    """Other heads of the inputs, by their names: data/heads.toml."""
+    return read_toml(data_root() / "heads.toml", "heads", 1)["heads"]
 
 
 def _plain(head: str) -> str:

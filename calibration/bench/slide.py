@@ -11,12 +11,13 @@ with theta also gives the friction while sliding, tan(theta) - gamma_t v0/(g cos
 
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.bench.measure import Quantity, measure
+from calibration.bench.measure import Curve, Quantity, measure
 from calibration.bench.sections import Columns, Input, Request, Section, curves, need, rows
 from calibration.statistics.uncertainty import Estimate
 from granulab.contact.files.units import located
@@ -94,12 +95,22 @@ def damping(
             key="terminal_velocity_m_s", name="terminal velocity v0", si="m/s", unit="m/s",
         ),
     ]  # fmt: skip
+    drawn = tuple(_drawn(section, by_curve.fitted(section.columns)[0]) for section in sections)
+    results[0] = replace(results[0], curves=drawn, axes=("time [s]", "velocity [m/s]"))
     if all("incline" in section.columns for section in sections):
         friction = by_curve.friction
         results.append(
             measure(sections, friction, what, key="friction_sliding", name="friction, sliding")
         )
     return results
+
+
+def _drawn(section: Section, p: NDArray[np.float64]) -> Curve:
+    """A curve of velocities, and eq. 3.11b, or what solves 3.11a, through it."""
+    time, velocity = (section.columns[name] for name in _CURVE)
+    at = np.linspace(0.0, float(time.max()), 200)
+    model = _from_rest if len(p) == 2 else _from_any
+    return Curve(section.name, time, velocity, ((at, model(at, *p)),))
 
 
 def _downhill(section: Section) -> Section:

@@ -4,16 +4,20 @@ damping converts a restitution into damping, published calculates the sources' m
 """
 
 import importlib
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import click
 
-from calibration.commands.options import answers_options, into_options
+from calibration.commands.options import answers_options, figures_option, into_options
 from calibration.result import Into, finish
 from granulab.campaign.cli.commandline import quiet_option
+from granulab.errors import InputError
+
+_PAIR = re.compile(r"[^\W\d]\w*-[^\W\d]\w*")  # two materials, as a parameter file names a pair
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
@@ -175,6 +179,7 @@ _INPUT_OPTIONS = (
         help='Column that distinguishes pairings [default: "group" or "pairing", if there is one].',
     ),
     click.option("--only", metavar="GROUP", help="Evaluate this group and no other."),
+    figures_option("Folder for the diagnostic figure (PNG)."),
     quiet_option,
     answers_options,
 )  # fmt: skip
@@ -205,7 +210,8 @@ def _command(name: str, method: Method) -> click.Command:
     def run(
         files: tuple[str, ...], columns: tuple[str, ...], constants: tuple[str, ...],
         instruments: tuple[str, ...], readings: tuple[str, ...], group: str | None,
-        only: str | None, quiet: bool, as_json: bool, into: Into | None = None, **own: Any,
+        only: str | None, out: Path | None, quiet: bool, as_json: bool, into: Into | None = None,
+        **own: Any,
     ) -> None:  # fmt: skip
         from calibration.bench.measure import Measurement
         from calibration.bench.sections import request_of
@@ -214,7 +220,13 @@ def _command(name: str, method: Method) -> click.Command:
         what = request_of(module.INPUTS, columns, constants, instruments, readings, group, only)
         found = getattr(module, method.function)(files, what, **own)
         result = Measurement(tuple(found), name, method.writes, not files, quiet)
-        finish(result, as_json=as_json, figure_key=None, into=into, measured=files)
+        if into is not None:
+            _refuse_several_pairs(into, found[0].pooled.groups)
+        stem = Path(files[0]).stem if files else "constants"
+        finish(
+            result, as_json=as_json, quiet=quiet, out=out, name=f"{name}-{stem}", into=into,
+            measured=files,
+        )  # fmt: skip
 
     command: Callable[..., Any] = run
     for option in reversed(method.options):
@@ -225,6 +237,16 @@ def _command(name: str, method: Method) -> click.Command:
         command = option(command)
     argument = click.argument("files", nargs=-1, required=method.files, metavar="FILE...")
     return click.command(name, cls=_Columns, help=method.help)(argument(command))
+
+
+def _refuse_several_pairs(into: Into, groups: Iterable[str]) -> None:
+    """InputError where the mean over pairs of materials would be written into one of them."""
+    pairs = [group for group in groups if _PAIR.fullmatch(group)]
+    if into.pair is not None and len(pairs) > 1:
+        raise InputError(
+            f"--into {into.path}: the trials are of {' and '.join(pairs)}; say which of them goes "
+            f"into {into.pair}: --only {pairs[0]}"
+        )
 
 
 @click.command(short_help="The damping gamma_n of a restitution")

@@ -5,6 +5,7 @@ import tomllib
 import pytest
 from bench_calls import write
 from calibrating import calibrate
+from refusals import assert_refused
 
 from granulab.contact.files.datafile import data_root
 
@@ -63,3 +64,13 @@ def test_what_was_not_measured_is_not_written(tmp_path):
         assert line in result.err
         assert result.err.count("\n") == 1
     assert not file.exists()
+
+
+def test_a_mean_over_pairs_is_not_written_into_one_of_them(tmp_path):
+    """Wood on wood and wood on steel have no friction in common; --only says which is meant."""
+    table, into = tmp_path / "t.csv", tmp_path / "m.toml"
+    table.write_text("angle [deg],pairing\n20,wood-wood\n21,wood-wood\n12,wood-steel\n")
+    where = ["--into", into, "--pair", "wood-wood"]
+    assert_refused(calibrate("incline", table, *where), "wood-wood and wood-steel", "--only")
+    assert not into.exists()
+    assert calibrate("incline", table, *where, "--only", "wood-wood").code == 0
