@@ -95,15 +95,20 @@ class Into:
         click.echo(report_of(written), err=True)
         return written
 
-    def put_all(self, found: Mapping[str, Parameter], files: Sequence[str | Path]) -> None:
+    def put_all(
+        self, found: Mapping[str, Parameter], files: Sequence[str | Path]
+    ) -> "list[Written]":
         """Write those of `keys` that the named pair or material has; InputError where one lacks."""
+        written = []
         for key in filter(self.takes, self.keys):
             if key not in found:
                 raise InputError(
                     f"--into {self.path}: no {key}: its columns or constants are missing"
                 )
             one = found[key]
-            self.put(key, one.estimate, method=one.method, files=files, source=one.source)
+            put = self.put(key, one.estimate, method=one.method, files=files, source=one.source)
+            written.append(put)
+        return written
 
     def takes(self, key: str) -> bool:
         """True if the pair, or the material, that has this property was named."""
@@ -166,7 +171,8 @@ def finish(
     if into is not None:
         if not isinstance(result, Parameters):
             raise InputError(f"--into {into.path}: this result has no value for it")
-        into.put_all(result.parameters(), measured)
+        found = result.parameters()
+        _keep_records(result, answers, into.put_all(found, measured), found, measured)
     paths: dict[str, Path | Sequence[Path] | None] = dict(files or {})
     said = [*answers.get("warnings", []), *warnings]
     if figure_key is not None and figure_key not in paths:
@@ -188,6 +194,20 @@ def finish(
             label = _LABELS.get(key, key.removesuffix("s").replace("_", " "))
             for path in [one] if isinstance(one, Path) else one or []:
                 click.echo(f"{label}: {path}", err=True)
+
+
+def _keep_records(
+    result: Result, answers: Mapping[str, Any], written: "Sequence[Written]",
+    found: Mapping[str, Parameter], measured: Sequence[str | Path],
+) -> None:  # fmt: skip
+    """Keep how each value came into its file next to it, for `calibrate report`."""
+    from calibration.files.record import keep
+    from granulab.campaign.output.figure import as_png
+
+    picture = as_png(result.figure)
+    for one in written:
+        value = found[one.key].estimate.value
+        keep(one.path, one.section, one.key, value, answers, measured, picture)
 
 
 def checked(answers: Mapping[str, Any], measured: Sequence[str | Path] = ()) -> list[str]:

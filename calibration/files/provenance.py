@@ -1,8 +1,10 @@
 """Origin of each number of a parameter file."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from calibration.files.record import Record
 from calibration.statistics.quantity import plus_minus
 from granulab.contact.files.datafile import data_file, read_toml
 from granulab.contact.files.needs import lacking, lacking_words
@@ -17,6 +19,8 @@ from granulab.contact.files.schema import (
 from granulab.contact.files.table import measured
 from granulab.contact.files.units import from_si, located
 from granulab.contact.material import PROPERTIES, Measured, check_range
+
+Records = Mapping[tuple[str, str], Record]
 
 
 def read_values(
@@ -52,13 +56,14 @@ def _entries(
 
 
 def as_json(
-    path: Path, values: dict[tuple[str, str], Measured], needs: list[str]
+    path: Path, values: dict[tuple[str, str], Measured], needs: list[str], records: Records
 ) -> dict[str, Any]:
     """Numbers in the SI unit that stands with them."""
     rows = [
-        {"section": where, "key": key, "unit": PROPERTIES[key].unit, **_fields(value)}
+        {"section": where, "key": key, "unit": PROPERTIES[key].unit, **_fields(value),
+         "command": _command(records.get((where, key)))}
         for (where, key), value in values.items()
-    ]
+    ]  # fmt: skip
     return {"path": str(path), "values": rows, "lacking": needs}
 
 
@@ -76,18 +81,27 @@ def _fields(value: Measured) -> dict[str, Any]:
     }
 
 
-def as_text(path: Path, values: dict[tuple[str, str], Measured], needs: list[str]) -> str:
-    """The same for a person: a line for each value, what it replaced below it."""
+def as_text(
+    path: Path, values: dict[tuple[str, str], Measured], needs: list[str], records: Records
+) -> str:
+    """The same for a person: a line for each value, its command and what it replaced below it."""
     lines, last = [str(path)], ""
     for (where, key), value in values.items():
         if where != last:
             lines += ["", f"[{where}]"]
             last = where
         lines.append(f"  {key:16}{_line(key, value)}")
+        if command := _command(records.get((where, key))):
+            lines.append(f"    {'command':14}{command}")
         lines += [f"    {'before':14}{_line(key, old)}" for old in reversed(value.history)]
     if needs:
         lines += ["", f"a simulator still needs {lacking_words(needs)}"]
     return "\n".join(lines)
+
+
+def _command(record: Record | None) -> str | None:
+    """The command line that measured a value, where it is on record."""
+    return None if record is None else " ".join(record.provenance.get("command", []))
 
 
 def _line(key: str, value: Measured) -> str:

@@ -42,15 +42,25 @@ def headline(figure: "Figure", words: str) -> None:
 
 def write_figure(path: Path, draw: "Callable[[], Figure]") -> Path:
     """Write what `draw` makes as a PNG; its path. FolderError where it cannot be written."""
+    image = as_png(draw)
+    assert image is not None
+    with writing(path.parent):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomic(path, image)
+    return path
+
+
+def as_png(draw: "Callable[[], Figure | None]") -> bytes | None:
+    """The PNG of what `draw` makes, in the style of all figures; None where it makes nothing."""
     from matplotlib import rc_context
 
     image = io.BytesIO()
     with rc_context(_STYLE):
-        draw().savefig(image, format="png", dpi=_DPI)
-    with writing(path.parent):
-        path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomic(path, image.getvalue())
-    return path
+        drawn = draw()
+        if drawn is None:
+            return None
+        drawn.savefig(image, format="png", dpi=_DPI)
+    return image.getvalue()
 
 
 def round_length(length: float) -> float:
