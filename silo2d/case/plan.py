@@ -13,9 +13,9 @@ _SECONDS_PER_PARTICLE_IMPULSES = 6e-7, 4e-8  # of pymunk: a step, and an iterati
 # over that of one in a bed at rest.
 FALLING, FLOWING = 0.4, 0.75
 _USUAL_FRACTION = 0.88  # packing fraction
-# Simulated times, in root(level/g): from when the rain is down until it lies still, without friction
-# and with it (means of 36 strangers' silos, which scatter by a third; published ones need less), and
-# then under its own law.
+# Simulated times, in root(level/g): from when the rain is down until it lies still, without
+# friction and with it (means of 36 strangers' silos, which scatter by a third; published ones need
+# less), and then under its own law.
 _COLLAPSE, _WITH_FRICTION, _SETTLING = 4.2, 1.2, 0.6
 _OF_A_LAYER = 0.65  # of this, where it lies still by layers
 _WRITING = 0.5  # [s]
