@@ -17,7 +17,7 @@ from granulab.errors import SimulationError
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.filling import PITCH, Layer, layers_of, rows_of_rain, stiffened
 from silo2d.case.outline import Outline
-from silo2d.case.plan import COLLAPSE, FALLING, WITH_FRICTION
+from silo2d.case.plan import FALLING, collapse
 from silo2d.case.shape import ShapeSet
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.state import INV_MASS
@@ -190,8 +190,8 @@ def part_done(case: SiloCase, time: float, soonest: float, settled: float) -> fl
 
     soonest: when [s] all can be down; settled: part of the way to rest, see part_settled.
     """
-    down, collapse = min(time, soonest), WITH_FRICTION if case.settings.fill.friction else COLLAPSE
-    left = FALLING * (soonest - down) + collapse * min(_SLOWED * (1.0 - settled), 1.0)
+    down = min(time, soonest)
+    left = FALLING * (soonest - down) + collapse(case) * min(_SLOWED * (1.0 - settled), 1.0)
     done = FALLING * down + (time - down)
     return done / (done + left)
 

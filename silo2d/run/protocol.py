@@ -15,7 +15,7 @@ from granulab.errors import SimulationError, Stopped
 from silo2d.baseline.discharge import Baseline, discharge_by_impulses
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.disorder import with_friction
-from silo2d.case.plan import SETTLING, compiling, expected_stages, hedge
+from silo2d.case.plan import compiling, expected_stages, hedge, settling
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.world import build_world
@@ -221,7 +221,7 @@ def settle_under_own_law(
         quiet_looks = quiet_looks + 1 if moving < case.settings.fill.settled else 0
         if quiet_looks == _QUIET_LOOKS:
             return
-        left = max(SETTLING - sim.time, _QUIET_LOOKS * _SETTLE_FRAME)
+        left = max(settling(case) - sim.time, _QUIET_LOOKS * _SETTLE_FRAME)
         stages.report("settling", sim.time, left, f"t = {sim.time:.3f} s")
         if stop():
             raise Stopped("the same command goes on from the packing")

@@ -53,11 +53,9 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         *_door(case),
         *_engine(case),
         f"  ends        empty; or at rest: normalised kinetic energy below {run.at_rest:g} and "
-        f"none out for {run.rest_time:g} s; or after {run.max_time:g} s",
-        "              (kinetic energy over what lifts each particle by its size); at rest, "
-        "clogged if an",
-        "              outline crosses the outlet's centre line (at the opening: fewer than "
-        f"{run.opening_count} out), else dead zones",
+        f"none out for {run.rest_time:g} s; or after {run.max_time:g} s (kinetic energy over what "
+        "lifts each particle by its size); at rest, clogged if an outline crosses the outlet's "
+        f"centre line (at the opening: fewer than {run.opening_count} out), else dead zones",
     ]
     if dry_run:
         filling, discharge = expected_cpu_s(case)
@@ -86,9 +84,8 @@ def _engine(case: SiloCase) -> list[str]:
         return [f"  time step   {case.time_step:g} s: {case.time_step_reason}"]
     return [
         f"  engine      pymunk: {impulses.iterations} iterations in steps of "
-        f"{impulses.time_step:g} s; overlaps of {impulses.slop:g} m are left alone;",
-        "              of the law it takes the friction alone, and the restitution instead of kn, "
-        "kt, gamma",
+        f"{impulses.time_step:g} s; overlaps of {impulses.slop:g} m are left alone; of the law it "
+        "takes the friction alone, and the restitution instead of kn, kt, gamma",
     ]
 
 

@@ -16,6 +16,7 @@ _UNIT = re.compile(
     r"(?<=[a-z_=]) (?=[\d.+-]+)|(?<=\d) (?=(?:[kmuMG]?(?:m|s|g|N|J|W|B|Pa|Hz)\b|min\b|1/s|%))"
 )
 _GAP = re.compile(r"\S {2,}\S")  # between two cells of a table
+_VERDICTS = ("PASS", "FAIL", "----")  # that begin the lines of claims, which have no head
 _TIED = "\0"  # in place of the space between a name, a number and its unit
 
 
@@ -92,21 +93,25 @@ def on_screen(text: str, width: int | None = None) -> str:
         if max(map(len, lines)) <= width:
             blocks += lines
         elif in_table and len(lines) > 1:
-            header, *rows = _cells(lines)
-            blocks.append(_narrow(fitted(header, rows, _labels(rows), width), width))
+            starts, (header, *rows) = _cells(lines)
+            if len(header) < 3 or header[0] in _VERDICTS:  # words, and what is said of them
+                blocks += [wrapped(line, starts[-1], width) for line in lines]
+            else:
+                blocks.append(_narrow(fitted(header, rows, _labels(rows), width), width))
         else:
             blocks += [wrapped(line, _indented(line) + 2, width) for line in _sentences(lines)]
     return "\n".join(blocks)
 
 
-def _cells(lines: Sequence[str]) -> list[list[str]]:
-    """The cells of the lines of a table: two spaces in all lines are between two columns."""
+def _cells(lines: Sequence[str]) -> tuple[list[int], list[list[str]]]:
+    """Starts of the columns of a table, each behind two spaces in all lines, and its cells."""
     longest = max(map(len, lines))
     padded = [line.ljust(longest) for line in lines]
     gap = [all(line[k] == " " for line in padded) for k in range(longest)]
     starts = [k for k in range(longest) if not gap[k] and all(gap[max(k - 2, 0) : k])]
     ends = [*starts[1:], longest]
-    return [[line[a:b].strip() for a, b in zip(starts, ends, strict=True)] for line in padded]
+    cells = [[line[a:b].strip() for a, b in zip(starts, ends, strict=True)] for line in padded]
+    return starts, cells
 
 
 def _sentences(lines: Sequence[str]) -> list[str]:
@@ -125,7 +130,7 @@ def _indented(line: str) -> int:
 
 
 def _labels(rows: Sequence[Sequence[str]]) -> int:
-    """How many of the first columns tell the rows apart; one where none do."""
+    """Number of the first columns that distinguish the rows; one where none do."""
     numbers = range(1, len(rows[0]) if rows else 1)
     return next((k for k in numbers if len({tuple(row[:k]) for row in rows}) == len(rows)), 1)
 
