@@ -304,7 +304,7 @@ def published(tables: tuple[str, ...], as_json: bool) -> None:
     where none is named. Only means are printed but for the interface's markers: single trials,
     curves and profiles cannot be evaluated again.
     """
-    from calibration.bench.published import published as calculated
+    from calibration.published import published as calculated
 
     finish(calculated(tables), as_json=as_json, figure_key=None)
 

@@ -108,7 +108,8 @@ def outliers(trials: Sequence[tuple[str, float]]) -> list[tuple[str, float]]:
         return []
     away = np.abs(x - np.median(x))
     width = _MAD * float(np.median(away))
-    return [trials[k] for k in np.flatnonzero(away > _APART * width)] if width else []
+    far = away > _APART * width
+    return [one for one, apart in zip(trials, far, strict=True) if apart] if width else []
 
 
 def _one_number(record: Record) -> bool | None:

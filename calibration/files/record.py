@@ -51,7 +51,7 @@ def keep(
     """Write the record of a value of a parameter file; the file. FolderError where it cannot be."""
     folder = folder_of(path)
     target = folder / f"{section}.{key}.json"
-    history = []
+    history: list[Any] = []
     if (old := _read(target)) is not None:
         before = old.pop("history", [])
         history = [*before, old] if old.get("value") != value else before
