@@ -33,7 +33,7 @@ def draw(quantities: Sequence[Quantity], method: str) -> "Figure":
 
 
 def _curves(axes: "Axes", one: Quantity) -> None:
-    """What was recorded, and over it what was fitted."""
+    """Draw what was recorded, and over it what was fitted."""
     for k, curve in enumerate(one.curves[:_MOST_CURVES]):
         axes.plot(curve.x, curve.y, ".-", color=BLUE, alpha=0.6, linewidth=0.6, markersize=2)
         for x, y in curve.fits:

@@ -115,7 +115,7 @@ def _with_sd_of(section: Section, part: float) -> Section:
 
 
 def _line_of_heights(lines: Sequence[Row]) -> int | None:
-    """Where a line begins with H0 and goes on with numbers; None where none does."""
+    """Number of the line that begins with H0 and goes on with numbers; None without one."""
     for k, (_, fields) in enumerate(lines):
         name = name_and_unit(fields[0])[0] if fields else ""
         held = [field for field in fields[1:] if not is_missing(field)]

@@ -27,7 +27,7 @@ _COARSE = (
 
 
 class Curve(NamedTuple):
-    """What was recorded in one trial, and what was fitted to it.
+    """Record of one trial, and what was fitted to it.
 
     x, y     (n,) each, as the axes of the quantity say
     fits     (x, y) of each line or curve that was fitted

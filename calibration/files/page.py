@@ -56,7 +56,7 @@ def page(
 
 
 def questions(value: Measured, record: Record | None) -> list[tuple[str, str]]:
-    """What a reviewer would ask of a value, each with its answer."""
+    """Questions that a reviewer would ask of a value, each with its answer."""
     trials = [] if record is None else trials_of(record)
     asked = [("how many trials", str(value.trials or len(trials) or "not said"))]
     relative = "" if value.sigma is None or not value.value else (

@@ -109,7 +109,7 @@ class Stopwatch:
 
     @property
     def found(self) -> Pooled:
-        """What the drag term decides for."""
+        """Pooled restitution that the drag term decides for."""
         if self.with_drag is not None and self.drag is not None and self.drag.seen:
             return self.with_drag
         return self.plain
