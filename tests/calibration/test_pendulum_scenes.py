@@ -86,14 +86,14 @@ def test_several_releases_in_a_film_are_measured_together(tmp_path):
 
 
 def test_a_camera_that_sways_is_taken_off(tmp_path):
-    """By 3 px with a period of 2.6 s; the wall's texture shows it, to a part of it: sigma may hold
-    all of it, 3 px of an amplitude of 50 px.
+    """By 3 px with a period of 2.6 s; the wall's texture shows it, to a part of it. What is left is
+    less than all of it: of an amplitude of 50 px, and at 50 px pi/33 a frame 0.6 of a frame.
     """
     path, contacts = film(tmp_path, BALL, shift=lambda k: (3 * math.sin(k / 25), math.cos(k / 31)))
     found = measure_pendulum(path)
     assert any("the camera moves by up to" in line for line in found.warnings)
     assert agrees(found, BALL, most=0.06)
-    assert found.times[:, 0] == pytest.approx(contacts, abs=0.2)
+    assert found.times[:, 0] == pytest.approx(contacts, abs=0.6)
 
 
 def test_one_block_that_moves_and_strings_that_are_not_seen(tmp_path, monkeypatch):

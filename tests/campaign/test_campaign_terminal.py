@@ -1,5 +1,6 @@
 """Progress on stderr and stopping a run in good order."""
 
+import ctypes
 import os
 import pty
 import re
@@ -87,6 +88,23 @@ def test_first_signal_is_a_request(number):
         signal.raise_signal(number)
         assert stop.requested
     assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before
+
+
+def test_an_interrupt_within_a_compilers_callback_comes_again(monkeypatch, capfd):
+    """ctypes swallows it and prints a traceback; after it the program would go on."""
+    monkeypatch.setattr(sys, "unraisablehook", terminal.pass_on_interrupt)
+    calls = []
+
+    @ctypes.CFUNCTYPE(None)
+    def callback():
+        calls.append(1)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):  # noqa: PT012  the second line is where it comes
+        callback()
+        time.sleep(5.0)
+    assert calls == [1]
+    assert capfd.readouterr().err == ""
 
 
 def test_second_interrupt_stops_at_once_and_second_term_waits():

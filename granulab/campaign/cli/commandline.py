@@ -84,7 +84,7 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
     that nobody foresaw (also a numerical library's) ends with the code 3, and its traceback is
     kept in a file.
     """
-    from granulab.campaign.output.terminal import StopRequest
+    from granulab.campaign.output.terminal import StopRequest, pass_on_interrupt
     from granulab.campaign.sweeps.study import StudyError
     from granulab.campaign.sweeps.task import EngineError
     from granulab.contact.files.datafile import refuse_pipe
@@ -96,6 +96,7 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
         sys.exit(code)
 
     StopRequest.interrupted = False
+    before, sys.unraisablehook = sys.unraisablehook, pass_on_interrupt
     if isinstance(sys.stdout, io.TextIOWrapper):  # letters that its alphabet lacks: as \u0416
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
@@ -129,6 +130,8 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
         if StopRequest.interrupted:  # numba makes another error of it while it compiles
             fail(_INTERRUPTED, 130)
         fail(_unforeseen(app, name, error), 3)
+    finally:
+        sys.unraisablehook = before
 
 
 def _unforeseen(app: click.Group, name: str, error: Exception) -> str:

@@ -13,6 +13,7 @@ from typing import Any, Self
 _LINE_INTERVAL = 10.0  # s between lines where stderr is a file or a pipe
 _UNNOTICED = 2.0  # [s] that nobody minds to wait without a word
 _GRACE = 0.5  # [s] for a run to notice that it is to end
+_AGAIN = 0.05  # [s] after which a Ctrl-C that was lost comes again
 _TELLING = 0.01  # part done from which on its speed says something; before, it is start-up
 
 
@@ -156,3 +157,16 @@ class StopRequest:
         if self._last_resort is not None:
             self._last_resort.cancel()
             self._last_resort = None
+
+
+def pass_on_interrupt(unraisable: Any) -> None:
+    """Let a Ctrl-C that came within a compiler's callback, where none can end it, come again.
+
+    A sys.unraisablehook: what else is raised there is reported as usual.
+    """
+    if not issubclass(unraisable.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(unraisable)
+        return
+    again = threading.Timer(_AGAIN, _thread.interrupt_main)
+    again.daemon = True
+    again.start()
