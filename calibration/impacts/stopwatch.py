@@ -239,7 +239,9 @@ def _columns_of(path: Path) -> Iterator[tuple[str, str, NDArray[np.float64]]]:
             for name, times in _throws_of(lines, str(path)):
                 yield f"{sheet.strip()}{name}", sheet.strip(), times
     elif _names_events(path):
-        for name, times in _throws_of(lines_of(path.read_text("utf-8-sig"), str(path)), str(path)):
+        for name, times in _throws_of(
+            lines_of(path.read_text(encoding="utf-8-sig"), str(path)), str(path)
+        ):
             yield f"{path.stem}{name}", path.stem, times
 
 
