@@ -11,11 +11,11 @@ from granulab.errors import InputError
 
 # name: module of calibration.commands, imported when it or its help is called
 _COMMANDS: dict[str, str] = {
-    "drop": "drop",
-    "pendulum": "pendulum",
+    "drop": "films.drop",
+    "pendulum": "films.pendulum",
     "impacts": "impacts",
     "shaker": "shaker",
-    "piv": "piv",
+    "piv": "films.piv",
     "heights": "bench",
     "incline": "bench",
     "slide": "bench",
@@ -25,8 +25,8 @@ _COMMANDS: dict[str, str] = {
     "density": "bench",
     "published": "bench",
     "damping": "bench",
-    "flow": "flow",
-    "compare": "flow",
+    "flow": "films.flow",
+    "compare": "films.flow",
     "inverse": "inverse",
     "stiffness-fe": "stiffness_fe",
     "report": "report",
