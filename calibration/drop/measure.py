@@ -88,7 +88,7 @@ def _tracks(
     from calibration.tracking.follow import follow
 
     film = open_film(source)
-    return follow(film, roi=roi, hint=hint, progress=progress), film.rate
+    return follow(film, roi=roi, hint=hint, progress=progress, overlapping=True), film.rate
 
 
 def with_pictures(

@@ -21,13 +21,17 @@ Outline = NDArray[np.int32]  # (n, 1, 2) x, y of pixels
 _LOW, _HIGH = 0.25, 0.75  # share of an object from and to which a pixel counts in part
 _NEW = 1.13  # mean difference of two normal deviates, in their sigma
 _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
+_AROUND = (7, 7)  # px that show an object's colour next to a pixel: the rim and three within
+_WHOLLY = 8  # power of the share: a pixel of half the object counts 1 in 256
 _SHADED = 0.6  # share to which shade may bring the inside of an object: shadows have less
-_CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
-_LARGEST = 0.2  # share of the picture: an object and the position it left are half of _CUT
+CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
+LARGEST = 0.2  # share of the picture: an object and the position it left are half of CUT
 _FEWEST = 3  # pixels of the difference that make an object
 _MOST = 6  # objects in one picture: the strongest
 _ACROSS = 80  # px of an object's window; larger ones are reduced, their position is no less known
 _THIN = 0.5  # of the half thickness of an object: what is thinner hangs on it (strings, fingers)
+_LONG = 1.1  # widths of its base that a corner of an object may be long
+_NEXT = 1.5  # px to the next pixel, straight on or across
 Channels = NDArray[np.float32]
 _SUM: Channels = np.ones((1, 3), np.float32)
 
@@ -122,7 +126,7 @@ def candidates(difference: Picture, limit: Picture, reduce: int) -> list[Candida
             for one in (difference, limit)
         )
     mask: Mask = np.asarray(cv2.compare(difference, limit, cv2.CMP_GT), dtype=np.uint8)
-    if cv2.countNonZero(mask) > _CUT * mask.size:
+    if cv2.countNonZero(mask) > CUT * mask.size:
         return None
     closed = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
     mask = np.asarray(closed, dtype=np.uint8)
@@ -155,13 +159,18 @@ def _enlarged(one: Candidate, factor: int) -> Candidate:
     return Candidate((x, y, w, h), one.strength, np.asarray(mask, dtype=np.uint8))
 
 
-def measure(picture: Picture, background: Picture, noise: float, one: Candidate) -> Blob | None:
-    """A candidate's position; None where it has no core, or is too large to be one object."""
+def measure(
+    picture: Picture, background: Picture, noise: float, one: Candidate, largest: float = LARGEST
+) -> Blob | None:
+    """A candidate's position; None where it has no core, or is too large to be one object.
+
+    largest   share of the picture that one object may have
+    """
     import cv2
 
     height, width = picture.shape[:2]
     x, y, w, h = one.box
-    if cv2.countNonZero(one.mask) > _LARGEST * width * height:
+    if cv2.countNonZero(one.mask) > largest * width * height:
         return None
     margin = 3 + max(w, h) // 8
     left, top = max(x - margin, 0), max(y - margin, 0)
@@ -184,7 +193,8 @@ def measure(picture: Picture, background: Picture, noise: float, one: Candidate)
     box = _box(body, left, top, reduce)
     if reduce > 1 and 2 * max(box[2:]) < max(w, h):  # what hung on it made the window large
         part = _part(one, box)
-        return None if part is None else measure(picture, background, noise, part)
+        return None if part is None else measure(picture, background, noise, part, largest)
+    share = _of_local_colour(seen, behind, share, body, noise / reduce)
     kernel = np.ones((3, 3), np.uint8)
     weight = np.clip((share - _LOW) / (_HIGH - _LOW), 0, 1)
     weight[cv2.dilate(body, kernel, iterations=2) == 0] = 0.0
@@ -281,8 +291,30 @@ def _of_what_is_near(share: Channels) -> Channels:
     import cv2
 
     smooth = cv2.blur(np.clip(share, 0, 1), (3, 3))
-    most = cv2.dilate(smooth, np.ones((7, 7), np.uint8))
+    most = cv2.dilate(smooth, np.ones(_AROUND, np.uint8))
     return np.asarray(share / np.maximum(most, np.float32(_SHADED)), dtype=np.float32)
+
+
+def _of_local_colour(
+    seen: Picture, behind: Picture, share: Channels, body: Mask, noise: float
+) -> Channels:
+    """Shares of the colour that the object has next to a pixel: grain ends at its rim as it may.
+
+    That is the mean over the pixels around, each as it is wholly of the object. Where there are
+    none, or they have the background's colour, shares stay as they were.
+    """
+    import cv2
+
+    whole = np.clip(share, 0, 1) ** _WHOLLY * (body > 0)
+    near = cv2.blur(whole, _AROUND)
+    light = seen.astype(np.float32)
+    own = cv2.blur(light * whole[:, :, None], _AROUND) / np.maximum(near, 1e-6)[:, :, None]
+    behind_it = behind.astype(np.float32)
+    towards = own - behind_it
+    square = _dot(towards, towards)
+    known = (near > 1 / (_AROUND[0] * _AROUND[1])) & (square > (4 * noise) ** 2)
+    found = _dot(light - behind_it, towards) / np.maximum(square, 1)
+    return np.asarray(np.where(known, found, share), dtype=np.float32)
 
 
 def _median(values: NDArray[Any]) -> NDArray[Any]:
@@ -318,7 +350,26 @@ def _body(share: Channels, mask: Mask) -> Mask | None:
     if radius < 1:
         return half
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
-    return largest(np.asarray(cv2.morphologyEx(half, cv2.MORPH_OPEN, kernel), dtype=np.uint8))
+    thick = largest(np.asarray(cv2.morphologyEx(half, cv2.MORPH_OPEN, kernel), dtype=np.uint8))
+    return None if thick is None else _with_corners(half, thick)
+
+
+def _with_corners(half: Mask, thick: Mask) -> Mask:
+    """The thick part of an object and its corners, but for what hangs on it.
+
+    A string is far longer than wide where it begins. A corner of 30 degrees that an arc of radius r
+    has cut off is r (1/sin 15 - 1) long, and the arc 5 pi/6 r: its length 1.1 times that.
+    """
+    import cv2
+
+    away = cv2.distanceTransform(cv2.bitwise_not(thick), cv2.DIST_L2, 3)
+    count, labels = cv2.connectedComponents(cv2.subtract(half, thick))
+    found = thick.copy()
+    for k in range(1, count):
+        far = away[labels == k]
+        if float(far.max()) <= _LONG * np.count_nonzero(far < _NEXT):
+            found[labels == k] = 255
+    return found
 
 
 def _box(body: Mask, left: int, top: int, reduce: int) -> tuple[int, int, int, int]:

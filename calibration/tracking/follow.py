@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from calibration.tracking.camera_motion import lasting_motion, offsets, scaled
+from calibration.tracking.clean import clean_background
 from calibration.tracking.film.reader import Film, Progress, Region, inside
 from calibration.tracking.film.stamps import clean_stamps
 from calibration.tracking.linking import Path
@@ -38,12 +39,14 @@ def follow(
     roi: Region | tuple[int, int, int, int] | None = None,
     hint: Hint | tuple[float, float, float] | None = None,
     progress: Progress | None = None,
+    overlapping: bool = False,
 ) -> list[Track]:
     """Tracks of all objects that move as wholes, that which went farthest first.
 
     roi       x, y, width, height of the part of the picture to look at [px]
     hint      frame, x, y of the object wanted: its track alone
     progress  receives the share done and a few words
+    overlapping   objects may move by less than their size: the film is read twice
 
     x, y are in pixels of the film, y downwards, the centre of the first pixel is 0, 0; where the
     camera moves they are positions in its first frame. Raises InputError where nothing moves.
@@ -52,7 +55,8 @@ def follow(
     if hint is not None:
         _refuse_beyond(film, Hint(*hint))
     notes = Notes()
-    search = Search(region.width, region.height)
+    clean = clean_background(film, region) if overlapping else None
+    search = Search(region.width, region.height, clean)
     for frame in film.frames():
         picture = frame.picture[
             region.y : region.y + region.height, region.x : region.x + region.width

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from calibration.tracking.background import Background, Mask, is_ghost
-from calibration.tracking.blobs import Blob, Candidate, candidates, changed, measure
+from calibration.tracking.blobs import CUT, LARGEST, Blob, Candidate, candidates, changed, measure
 from calibration.tracking.camera_motion import CameraMotion, largest_shift
 from calibration.tracking.film.reader import Picture
 from calibration.tracking.linking import Linker
@@ -68,9 +68,12 @@ class Notes:
 
 
 class Search:
-    """Looks at one picture after the other."""
+    """Looks at one picture after the other.
 
-    def __init__(self, width: int, height: int) -> None:
+    clean   (height, width, 3) the background without objects, where it is known beforehand
+    """
+
+    def __init__(self, width: int, height: int, clean: Picture | None = None) -> None:
         self._reduce = -(-max(width, height) // _LONGEST)
         self._size = (width // self._reduce, height // self._reduce)
         self.scale = width / self._size[0], height / self._size[1]
@@ -78,7 +81,8 @@ class Search:
         self._camera = CameraMotion()
         self._moved = np.eye(3)
         self._stood = self._frames = 0
-        self._background: Background | None = None
+        self._background = None if clean is None else Background(self._reduced(clean))
+        self._largest = LARGEST if clean is None else CUT
         self._before: Picture | None = None
         self._still: dict[tuple[int, int, int, int], int] = {}
         self._odd = 0
@@ -86,10 +90,7 @@ class Search:
 
     def look(self, number: int, picture: Picture, notes: Notes) -> None:
         """Find what is in it, and learn the background."""
-        import cv2
-
-        if self._reduce > 1:
-            picture = np.asarray(cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA))
+        picture = self._reduced(picture)
         if self._background is not None:
             picture = self._background.lit_alike(picture)
         motion = self._motion(picture)
@@ -114,6 +115,14 @@ class Search:
             self._background.learn(picture, difference, objects)
             if number % _CORNERS_FOR == 0:
                 self._camera.look_at(self._small(self._background.picture), self._small(objects))
+
+    def _reduced(self, picture: Picture) -> Picture:
+        """The picture that objects are measured in."""
+        import cv2
+
+        if self._reduce == 1:
+            return picture
+        return np.asarray(cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA))
 
     def _motion(self, picture: Picture) -> Array:
         """The camera's, in the picture measured in; looked for now and then while it stands."""
@@ -188,7 +197,8 @@ class Search:
             looked = lasted >= _GHOST and (lasted - _GHOST) % _GHOST_AGAIN == 0
             if looked and self._left_behind(picture, one):
                 continue
-            blob = measure(picture, self._background.picture, self._background.noise, one)
+            blob = measure(picture, self._background.picture, self._background.noise, one,
+                           self._largest)  # fmt: skip
             if blob is None:
                 continue
             new = self._before is None or changed(

@@ -10,12 +10,14 @@ velocity reverses from along it to against it.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calibration.statistics.robust import MEDIAN_TO_SIGMA
 from calibration.tracking.track import Array, Rows
 
 _FEWEST = 4  # points of a stretch: one more than a parabola needs
 _LONGEST = 600  # points that one stretch may have before stretches are joined again
+_STILL = 0.1  # share of its farthest way in as many frames by which an object at rest moves less
 _ALIKE = 0.3  # share by which drag and perspective may change the acceleration of one flight
 _CURVED = 5  # sigma by which a stretch must be curved to be in flight
 
@@ -42,7 +44,9 @@ def noise(t: Array, y: Array) -> float:
     """Standard deviation of y about any smooth path, from third divided differences (robust).
 
     These vanish for a parabola, so contacts and bad points alone stand out, and the median of the
-    absolute values does not see them. Not below a millionth of the range: numbers are rounded.
+    absolute values does not see them. An object that lies still is seen with the same error again
+    and again: only positions where it moves show the noise. Not below a millionth of the range:
+    numbers are rounded.
     """
     floor = 1e-6 * float(np.ptp(y))
     if len(t) < 8:
@@ -53,8 +57,15 @@ def noise(t: Array, y: Array) -> float:
     # By a power of two first, which rounds nothing: times that nearly coincide have large weights.
     weights = np.ldexp(weights, -np.frexp(weights)[1].max(axis=1, keepdims=True))
     weights /= np.linalg.norm(weights, axis=1)[:, None]
-    differences = np.sum(weights * np.lib.stride_tricks.sliding_window_view(y, 4), axis=1)
+    moved = np.lib.stride_tricks.sliding_window_view(y, 4)
+    differences = np.sum(weights * moved, axis=1)[_moves(moved)]
     return max(floor, MEDIAN_TO_SIGMA * float(np.median(np.abs(differences))))
+
+
+def _moves(windows: Array) -> NDArray[np.bool_]:
+    """(n,) whether it moves within each window by a tenth of the farthest that it does in one."""
+    reach = np.ptp(windows, axis=1)
+    return np.asarray(reach >= _STILL * reach.max())
 
 
 def stretches(t: Array, y: Array) -> list[Stretch]:
