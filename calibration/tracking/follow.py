@@ -152,7 +152,10 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     colour = np.array([one.colour for one in blobs]).reshape(-1, 3)
     behind = np.array([one.behind for one in blobs]).reshape(-1, 3)
     look = Look(*(np.median(one, axis=0) for one in (colour, behind))) if blobs else None
-    return Track(frame, x, y, None, covariance, radius=radius, look=look, repeated=repeated)
+    profile = np.array([one.profile for one in blobs], dtype=float) * np.sqrt(fx * fy)
+    return Track(
+        frame, x, y, None, covariance, radius=radius, profile=profile, look=look, repeated=repeated
+    )
 
 
 def _usual(area: Array) -> np.ndarray:

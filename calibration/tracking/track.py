@@ -30,6 +30,7 @@ class Track:
     scale        metres per unit of x, y; None where it is not known
     name         which of several tracks of a file
     radius       (n,) of a circle of the object's area [px]; None where only positions are known
+    profile      (n, k) radius of its silhouette in k directions from x to y [px]; None as radius
     look         its colour and that of its background; None where only positions are known
     camera       (n, 2) what the camera's motion added to x, y in the picture, and was taken off
     repeated     frame numbers whose picture of the object is that of the frame before
@@ -44,6 +45,7 @@ class Track:
     scale: float | None = None
     name: str = ""
     radius: Array | None = None
+    profile: Array | None = None
     look: Look | None = None
     camera: Array | None = None
     repeated: tuple[float, ...] = ()
@@ -87,7 +89,8 @@ class Track:
 
         return replace(
             self, frame=self.frame[rows], x=self.x[rows], y=self.y[rows], time=of(self.time),
-            covariance=of(self.covariance), radius=of(self.radius), camera=of(self.camera),
+            covariance=of(self.covariance), radius=of(self.radius),
+            profile=of(self.profile), camera=of(self.camera),
         )  # fmt: skip
 
 

@@ -1,0 +1,1 @@
+"""Rebound of an irregular particle, with its rotation: restitution at the point of contact."""
