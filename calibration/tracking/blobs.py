@@ -83,6 +83,7 @@ class Blob(NamedTuple):
     whole      False where it touches the edge of the picture
     box        x, y, width, height
     changed    whether the picture there is another than that of the frame before
+    grain      standard deviation of the share within it: shade, stripes, marks
     profile    (_DIRECTIONS,) radius of the silhouette about the centroid, from x towards y [px]
     """
 
@@ -98,6 +99,7 @@ class Blob(NamedTuple):
     whole: bool
     box: tuple[int, int, int, int]
     changed: bool = True
+    grain: float = 0.0
     profile: Channels | None = None
 
 
@@ -197,8 +199,10 @@ def measure(
     if reduce > 1 and 2 * max(box[2:]) < max(w, h):  # what hung on it made the window large
         part = _part(one, box)
         return None if part is None else measure(picture, background, noise, part, largest)
-    share = _of_local_colour(seen, behind, share, body, noise / reduce)
     kernel = np.ones((3, 3), np.uint8)
+    within = share[cv2.erode(body, kernel, iterations=2) > 0]
+    grain = float(within.std()) if len(within) else _UNEVEN
+    share = _of_local_colour(seen, behind, share, body, noise / reduce)
     weight = np.clip((share - _LOW) / (_HIGH - _LOW), 0, 1)
     weight[cv2.dilate(body, kernel, iterations=2) == 0] = 0.0
     weight[cv2.erode(body, kernel, iterations=2) > 0] = 1.0  # marks and highlights
@@ -218,7 +222,7 @@ def measure(
     return Blob(
         left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
         area * reduce**2, colour, beneath, contrast, inside, box,
-        profile=_profile(weight, cx, cy) * np.float32(reduce),
+        grain=grain, profile=_profile(weight, cx, cy) * np.float32(reduce),
     )  # fmt: skip
 
 

@@ -151,7 +151,8 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     repeated = tuple(float(path.frames[k]) for k in kept if not path.blobs[k].changed)
     colour = np.array([one.colour for one in blobs]).reshape(-1, 3)
     behind = np.array([one.behind for one in blobs]).reshape(-1, 3)
-    look = Look(*(np.median(one, axis=0) for one in (colour, behind))) if blobs else None
+    grain = float(np.median([one.grain for one in blobs])) if blobs else 0.0
+    look = Look(*(np.median(one, axis=0) for one in (colour, behind)), grain) if blobs else None
     profile = np.array([one.profile for one in blobs], dtype=float) * np.sqrt(fx * fy)
     return Track(
         frame, x, y, None, covariance, radius=radius, profile=profile, look=look, repeated=repeated

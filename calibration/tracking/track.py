@@ -13,10 +13,14 @@ Rows = NDArray[np.intp]
 
 
 class Look(NamedTuple):
-    """Colour of an object, and of what is behind it: blue, green, red, (3,) each [grey levels]."""
+    """Colour of an object, and of what is behind it: blue, green, red, (3,) each [grey levels].
+
+    grain   standard deviation of its own colour, of the difference of the two [share]
+    """
 
     colour: Array
     behind: Array
+    grain: float = 0.0
 
 
 @dataclass(frozen=True)

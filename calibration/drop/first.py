@@ -1,0 +1,250 @@
+"""The first contact of a drop from rest: H0, H1 and sqrt(H1/H0) (paper, eq. 3.5).
+
+One bounce is enough. The fall and the rebound are two parabolas of one acceleration that meet in
+the contact; an object that was held lay at the apex of its fall. H0 and H1 are the ways of the
+centroid, so that it may rotate: the next contact of a block meets another corner at another height,
+and is another experiment.
+
+Positions have three errors. Noise of their own, and noise that is alike where the object hardly
+moves (what lies behind its rim, coding): about half each, the latter over some pixels. And grain
+moves the centroid alike in all pictures, in a direction that rotates with the object. How large
+they are the picture says beforehand (blobs.py); with that as so many positions' worth of knowledge,
+the residuals of a dozen positions say it better (a scaled inverse chi-square prior; Gelman et al.
+2013, Bayesian data analysis, sec. 2.6).
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from calibration.drop.bounce import Bounces
+from calibration.statistics.uncertainty import Estimate, student
+from calibration.tracking.orientation import orientation
+from calibration.tracking.track import Array, Rows, Track
+from granulab.errors import InputError
+
+# Of 40 rendered drops (calibration.rendered.low_drop): half of the variance is alike at positions
+# next to one another, and no longer so at some pixels' distance; and what the picture says of it
+# scatters from clip to clip as an estimate of so many degrees of freedom does.
+_ALIKE, _LENGTH = 0.5, 6.0  # share; px
+_WORTH = 3
+_RIM = 1.4  # px by which grain of contrast 1 moves a centroid: the rim is 2 px deep on each side
+_OUTLIER = 4.0  # sigma
+_HELD = 3  # positions at rest that show where the object was held
+_STILL = 4.0  # sigma within which they lie
+_REFUTED = 4.0  # sigma by which a fall did not begin at rest
+
+
+class Rotation(NamedTuple):
+    """Angle that an object rotates through in one frame, before and after the contact [rad]."""
+
+    before: Estimate
+    after: Estimate
+
+
+@dataclass(frozen=True)
+class FirstBounce:
+    """A drop and its first rebound.
+
+    fall, rise    H0 and H1 of the centroid [y]
+    restitution   sqrt(H1/H0)
+    held          True if it was seen at rest before, and fell from there
+    positions     of the rebound that were used
+    rotation      None where the silhouette is round, or only positions are known
+    """
+
+    fall: Estimate
+    rise: Estimate
+    restitution: Estimate
+    held: bool
+    positions: int
+    rotation: Rotation | None
+
+
+class _Seen(NamedTuple):
+    """Positions of both flights, and of the object at rest where it was held."""
+
+    time: Array  # (n,) [frames]
+    y: Array
+    after: Array  # (n,) 1 after the contact, else 0
+    angle: Array | None  # (n,) [rad]
+    sigma: float | None  # of a position, as the picture says
+    grain: float  # contrast of the object's grain
+    rest: tuple[float, float] | None  # position and angle at rest
+
+
+def first_bounce(found: Bounces) -> FirstBounce:
+    """H0, H1 and restitution of the first contact that was found, the fall before it from rest."""
+    seen, angles = _seen(found)
+    start = _start(found, seen)
+    fit, held = _fitted(seen, start), seen.rest is not None
+    if held and _thrown(seen, start):
+        fit, held = _fitted(seen._replace(rest=None), start), False
+    heights = [_estimate(fit, _heights, k) for k in (0, 1)]
+    e = _estimate(fit, lambda p: np.array([np.sqrt(max(_heights(p)[1] / _heights(p)[0], 0.0))]), 0)
+    rotation = None if angles is None else _rotation(found, angles)
+    return FirstBounce(*heights, e, held, int(seen.after.sum()), rotation)
+
+
+def _seen(found: Bounces) -> tuple[_Seen, Array | None]:
+    """The positions of the fall and of the rebound; the angle at every position of the clock."""
+    flights, base = found.flights, found.base
+    track = found.track.chosen(base.rows)
+    rows = [one[flights.weights[one] > 0] for one in flights.rows[:2]]
+    rows = [one if len(one) >= 3 else whole for one, whole in zip(rows, flights.rows[:2], strict=True)]
+    every = np.concatenate(rows)
+    angles = _angles(track)
+    sigma = None
+    if track.covariance is not None:
+        sigma = float(np.sqrt(np.median(track.covariance[every, 1, 1])))
+    rest = _rest(track, base.clock, rows[0], angles)
+    after = np.repeat([0.0, 1.0], [len(one) for one in rows])
+    return _Seen(
+        base.clock[every], track.y[every], after, None if angles is None else angles[every],
+        sigma, 0.0 if track.look is None else track.look.grain, rest,
+    ), angles  # fmt: skip
+
+
+def _angles(track: Track) -> Array | None:
+    """(n,) angle at each position [rad]; None where it is not seen."""
+    try:
+        found = orientation(track)
+    except InputError:
+        return None
+    known = np.isfinite(found.angle)
+    return np.interp(track.frame, track.frame[known], found.angle[known])
+
+
+def _rest(
+    track: Track, clock: Array, fall: Rows, angles: Array | None
+) -> tuple[float, float] | None:
+    """Position and angle of an object that lies still until it falls; None where it does not.
+
+    It moves by a sigma within a frame or two of its release, and not before.
+    """
+    y = track.y[: fall[0]]
+    if track.covariance is None or len(y) < _HELD:
+        return None
+    sigma = float(np.sqrt(np.median(track.covariance[: fall[0], 1, 1])))
+    level = float(np.median(y))
+    still = np.abs(y - level) < _STILL * sigma
+    if still.sum() < max(_HELD, len(y) / 2):
+        return None
+    at = 0.0 if angles is None else float(np.median(angles[: fall[0]][still]))
+    return float(np.mean(y[still])), at
+
+
+def _start(found: Bounces, seen: _Seen) -> Array:
+    """(5,) time and position of the fall's apex, acceleration, time and speed at the contact."""
+    flights = found.flights
+    (c0, c1, c2), (_, d1, d2) = flights.coefficients[:2]
+    release = flights.centre[0] - c1 / c2
+    contact = found.contacts[0, 0]
+    after = d1 + d2 * (contact - flights.centre[1])
+    return np.array([release, c0 - c1**2 / (2 * c2), c2, contact, after])
+
+
+def _path(p: Array, time: Array, after: Array) -> Array:
+    """(n,) position: y0 + a (t - t0)^2/2 until the contact at tc, from there with speed v."""
+    t0, y0, a, tc, v = p[:5]
+    fall = y0 + a * (time - t0) ** 2 / 2
+    s = time - tc
+    rebound = y0 + a * (tc - t0) ** 2 / 2 + v * s + a * s**2 / 2
+    return np.where(after > 0, rebound, fall)
+
+
+def _heights(p: Array) -> Array:
+    """(2,) H0 and H1."""
+    t0, _, a, tc, v = p[:5]
+    return np.array([abs(a) * (tc - t0) ** 2 / 2, v**2 / (2 * abs(a))])
+
+
+class _Fit(NamedTuple):
+    parameters: Array
+    covariance: Array
+    freedom: float
+    outliers: int
+
+
+def _fitted(seen: _Seen, start: Array) -> _Fit:
+    """Least squares with correlated noise; bad positions are left out once."""
+    kept = np.ones(len(seen.time), dtype=bool)
+    fit = _least_squares(seen, start, kept)
+    off = np.abs(fit[1]) > _OUTLIER
+    if off.any() and (~off & (seen.after > 0)).sum() >= 3 and (~off & (seen.after < 1)).sum() >= 3:
+        kept = ~off
+        fit = _least_squares(seen, start, kept)
+    parameters, _, covariance, freedom = fit
+    return _Fit(parameters, covariance, freedom, int((~kept).sum()))
+
+
+def _least_squares(
+    seen: _Seen, start: Array, kept: np.ndarray
+) -> tuple[Array, Array, Array, float]:
+    """Parameters, residuals in sigma, covariance, degrees of freedom."""
+    from scipy.linalg import cholesky, solve_triangular
+    from scipy.optimize import least_squares
+
+    time, y, after = seen.time[kept], seen.y[kept], seen.after[kept]
+    rotates = seen.angle is not None
+    angle = np.zeros(len(y)) if seen.angle is None else seen.angle[kept]
+    if seen.rest is not None:
+        y, angle = np.append(y, seen.rest[0]), np.append(angle, seen.rest[1])
+    apart = np.abs(y[:, None] - y[None])
+    noise = (1 - _ALIKE) * np.eye(len(y)) + _ALIKE * np.exp(-apart / _LENGTH)
+    if seen.rest is not None:
+        noise[-1, -1] = _ALIKE + 1e-3  # many pictures of one place: what is alike in all is left
+    root = cholesky(noise, lower=True)
+    bias = _RIM * seen.grain if rotates else 0.0
+    scale = seen.sigma or float(np.std(y)) * 1e-3
+
+    def residual(p: Array) -> Array:
+        at = _path(p, time, after)
+        if seen.rest is not None:
+            at = np.append(at, p[1])
+        if bias:
+            at = at + bias * (p[5] * np.sin(angle) + p[6] * np.cos(angle))
+        white = solve_triangular(root, y - at, lower=True) / scale
+        return np.append(white, p[5:])
+
+    first = np.append(start, np.zeros(2)) if bias else start
+    steps = np.maximum(np.abs(first), 1e-3)
+    found = least_squares(residual, first, x_scale=steps, method="lm")
+    square = float(np.sum(found.fun[: len(y)] ** 2))
+    freedom = len(y) - 5 + (_WORTH if seen.sigma else 0)
+    factor = (square + (_WORTH if seen.sigma else 0)) / freedom
+    covariance = np.linalg.pinv(found.jac.T @ found.jac) * factor * student(freedom) ** 2
+    left = (root @ found.fun[: len(y)])[: int(kept.sum())] / np.sqrt(factor)
+    every = np.zeros(len(kept))
+    every[kept] = left
+    return found.x, every, covariance, freedom
+
+
+def _thrown(seen: _Seen, start: Array) -> bool:
+    """True if the fall's apex lies elsewhere than the object did, by more than noise."""
+    assert seen.rest is not None
+    alone = _fitted(seen._replace(rest=None), start)
+    off = seen.rest[0] - alone.parameters[1]
+    sigma = np.hypot(np.sqrt(alone.covariance[1, 1]), seen.sigma or 0.0)
+    return bool(abs(off) > _REFUTED * sigma)
+
+
+def _estimate(fit: _Fit, quantity, k: int) -> Estimate:
+    """A quantity of the parameters with its sigma to first order."""
+    from calibration.statistics.correlated import propagated
+
+    value, covariance = propagated(fit.parameters, fit.covariance, quantity)
+    return Estimate(float(value[k]), float(np.sqrt(covariance[k, k])), 1)
+
+
+def _rotation(found: Bounces, angles: Array) -> Rotation:
+    """Mean rates over the fall and over the rebound."""
+    rates = []
+    for rows in found.flights.rows[:2]:
+        t, angle = found.base.clock[rows], angles[rows]
+        slope, covariance = np.polyfit(t - t.mean(), angle, 1, cov="unscaled")
+        left = angle - np.polyval(slope, t - t.mean())
+        spread = np.sqrt(float(left @ left) / max(len(t) - 2, 1) * covariance[0, 0])
+        rates.append(Estimate(float(slope[0]), float(spread), len(rows)))
+    return Rotation(*rates)
