@@ -11,7 +11,7 @@ and standard deviations, as the paper's Tables 2 and 3 print them.
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from calibration.bench.measure import Quantity, measure
 from calibration.bench.sections import Columns, Input, Request, Section, need, rows
 from calibration.files.dialect import Row, is_missing, name_and_unit, number
 from calibration.files.tables import read_table, rows_of
+from calibration.statistics.mixed import mixed
 from calibration.statistics.uncertainty import Estimate, pooled_summaries
 from granulab.contact.files.units import to_si
 from granulab.errors import InputError
@@ -47,7 +48,7 @@ def restitution(files: Sequence[str | Path], what: Request) -> list[Quantity]:
     if len(kinds) > 1:
         raise InputError("rows of a drop, of a pendulum or of means together; measure them apart")
     (kind,) = kinds
-    by_height = [_by_height(section) for section in sections]
+    by_height = [by_label(section, _height(section)) for section in sections]
     if kind < 2:
         said = "particles on a wall, e = sqrt(H1/H0)" if kind else (
             "a pendulum of two like blocks, e = (sqrt(H2) - sqrt(H1))/sqrt(H0)"
@@ -58,14 +59,61 @@ def restitution(files: Sequence[str | Path], what: Request) -> list[Quantity]:
         )  # fmt: skip
     else:
         found = _of_means(by_height, remarks)
-    return [replace(found, details=_details(found, by_height))]
+    particles = {
+        one.group: section.group for one, section in zip(by_height, sections, strict=True)
+    }
+    found = nested(found, particles)
+    return [replace(found, details=found.details | _details(found, by_height))]
 
 
-def _by_height(section: Section) -> Section:
+def by_label(section: Section, height: str) -> Section:
     """A trial in the group of its drop height, and of its own group where it has one."""
-    height = f"{1e3 * float(section.columns['h0'][0]):.4g} mm"
     own = "" if section.group == "all" else f"{section.group}, "
     return section._replace(group=f"{own}{height}")
+
+
+def _height(section: Section) -> str:
+    return f"{1e3 * float(section.columns['h0'][0]):.4g} mm"
+
+
+def nested(found: Quantity, particle_of: Mapping[str, str]) -> Quantity:
+    """Restitution over particles of several heights each, with the scatter of each level.
+
+    particle_of   the particle of each group of the trials
+
+    Unchanged where there are fewer than two particles, or no particle has two heights.
+    """
+    groups = found.pooled.groups
+    particles = list(dict.fromkeys(particle_of.values()))
+    if len(particles) < 2 or len(groups) == len(particles):
+        return found
+    levels = mixed(groups, particle_of)
+    names = {"trial": levels.trial, "height": levels.height, "particle": levels.particle}
+    shown = ", ".join(f"{name} {one:.2g}" for name, one in names.items() if one is not None)
+    said = [
+        *_grid(groups, particle_of, particles),
+        f"scatter by origin (mixed model): {shown}; sigma of the mean with {levels.freedom:.1f} "
+        "degrees of freedom",
+    ]
+    details = {"levels": names | {"degrees_of_freedom": levels.freedom}}
+    return replace(
+        found, pooled=replace(found.pooled, all=levels.mean), details=details,
+        remarks=(*found.remarks, *said),
+    )  # fmt: skip
+
+
+def _grid(
+    groups: Mapping[str, Estimate], particle_of: Mapping[str, str], particles: Sequence[str]
+) -> Iterator[str]:
+    """Lines of a table as the paper's Table 2: a line a particle, mean and scatter by height."""
+    for particle in particles:
+        cells = [
+            f"{name.removeprefix(f'{particle}, ')}: {one.value:.2f}"
+            + ("" if one.scatter is None else f", SD {100 * one.scatter / one.value:.0f} %")
+            for name, one in groups.items()
+            if particle_of[name] == particle
+        ]
+        yield f"{particle}  " + "   ".join(cells)
 
 
 def _sections(files: Sequence[str | Path], what: Request) -> tuple[list[Section], list[str]]:

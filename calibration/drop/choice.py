@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from calibration.drop.bounce import Bounces, find_bounces
+from calibration.drop.first import first_bounce
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.track import Look, Track
 from granulab.errors import InputError
@@ -76,7 +77,10 @@ def the_one_that_bounces(
     found, failures = [], []
     for track in tracks:
         try:
-            found.append(find_bounces(track, one_is_enough=one_bounce))
+            one = find_bounces(track, one_is_enough=True)
+            if len(one.contacts) < 2 and not (one_bounce or first_bounce(one).held):
+                find_bounces(track)  # says what one bounce lacks
+            found.append(one)
         except InputError as error:
             failures.append((_range(track), error))
     if not found:

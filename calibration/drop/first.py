@@ -13,12 +13,13 @@ the residuals of a dozen positions say it better (a scaled inverse chi-square pr
 2013, Bayesian data analysis, sec. 2.6).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from calibration.drop.bounce import Bounces
+from calibration.statistics.correlated import propagated
 from calibration.statistics.uncertainty import Estimate, student
 from calibration.tracking.orientation import orientation
 from calibration.tracking.track import Array, Rows, Track
@@ -31,6 +32,8 @@ _ALIKE, _LENGTH = 0.5, 6.0  # share; px
 _WORTH = 3
 _RIM = 1.4  # px by which grain of contrast 1 moves a centroid: the rim is 2 px deep on each side
 _OUTLIER = 4.0  # sigma
+_FEWEST = 3  # positions of a flight
+_SIZES = 4.0  # diameters
 _HELD = 3  # positions at rest that show where the object was held
 _STILL = 4.0  # sigma within which they lie
 _REFUTED = 4.0  # sigma by which a fall did not begin at rest
@@ -48,6 +51,8 @@ class FirstBounce:
     """A drop and its first rebound.
 
     fall, rise    H0 and H1 of the centroid [y]
+    fall_time, rise_time   of these [frames]
+    acceleration  of both flights [y/frame^2]
     restitution   sqrt(H1/H0)
     held          True if it was seen at rest before, and fell from there
     positions     of the rebound that were used
@@ -56,10 +61,47 @@ class FirstBounce:
 
     fall: Estimate
     rise: Estimate
+    fall_time: Estimate
+    rise_time: Estimate
+    acceleration: Estimate
     restitution: Estimate
     held: bool
     positions: int
     rotation: Rotation | None
+
+
+def may_overlap(found: Bounces) -> bool:
+    """True if an object in a film falls by less than four diameters, and is not seen at rest.
+
+    It leaves its own picture behind then, in which it is not seen, for half of its fall.
+    """
+    radius = found.track.radius
+    if radius is None:
+        return False
+    first = first_bounce(found)
+    return not first.held and first.fall.value < _SIZES * 2 * float(np.median(radius))
+
+
+def with_first(found: Bounces) -> tuple[Bounces, FirstBounce]:
+    """The first contact; and the bounces with it as their result where the object is not round.
+
+    A block meets the plate with another corner each time: its bounces are no repeats of one
+    another, and only the first follows a fall from rest (eq. 3.5).
+    """
+    first = first_bounce(found)
+    if first.rotation is None:
+        return found, first
+    value, sigma = first.acceleration.value, first.acceleration.sigma or 0.0
+    said = list(found.track.remarks)
+    if len(found.contacts) > 1:
+        said.append(
+            "the object is not round: each contact is another corner's; the first alone counts"
+        )
+    return replace(
+        found, flights=replace(found.flights, acceleration=(value, sigma)), method="first contact",
+        best=np.array([first.restitution.value]), sigma=np.array([first.restitution.sigma or 0.0]),
+        disagreement=np.zeros(1), pooled=first.restitution, p=None, exponent=None, warnings=said,
+    ), first  # fmt: skip
 
 
 class _Seen(NamedTuple):
@@ -81,10 +123,11 @@ def first_bounce(found: Bounces) -> FirstBounce:
     fit, held = _fitted(seen, start), seen.rest is not None
     if held and _thrown(seen, start):
         fit, held = _fitted(seen._replace(rest=None), start), False
-    heights = [_estimate(fit, _heights, k) for k in (0, 1)]
-    e = _estimate(fit, lambda p: np.array([np.sqrt(max(_heights(p)[1] / _heights(p)[0], 0.0))]), 0)
+    value, covariance = propagated(fit.parameters, fit.covariance, _quantities)
+    sigma = np.sqrt(np.diag(covariance))
+    known = [Estimate(float(v), float(s), 1) for v, s in zip(value, sigma, strict=True)]
     rotation = None if angles is None else _rotation(found, angles)
-    return FirstBounce(*heights, e, held, int(seen.after.sum()), rotation)
+    return FirstBounce(*known, held, int(seen.after.sum()), rotation)
 
 
 def _seen(found: Bounces) -> tuple[_Seen, Array | None]:
@@ -92,7 +135,8 @@ def _seen(found: Bounces) -> tuple[_Seen, Array | None]:
     flights, base = found.flights, found.base
     track = found.track.chosen(base.rows)
     rows = [one[flights.weights[one] > 0] for one in flights.rows[:2]]
-    rows = [one if len(one) >= 3 else whole for one, whole in zip(rows, flights.rows[:2], strict=True)]
+    if min(map(len, rows)) < _FEWEST:
+        rows = flights.rows[:2]
     every = np.concatenate(rows)
     angles = _angles(track)
     sigma = None
@@ -154,10 +198,11 @@ def _path(p: Array, time: Array, after: Array) -> Array:
     return np.where(after > 0, rebound, fall)
 
 
-def _heights(p: Array) -> Array:
-    """(2,) H0 and H1."""
+def _quantities(p: Array) -> Array:
+    """H0 and H1, their times, acceleration, sqrt(H1/H0): as in FirstBounce."""
     t0, _, a, tc, v = p[:5]
-    return np.array([abs(a) * (tc - t0) ** 2 / 2, v**2 / (2 * abs(a))])
+    fall, rise = tc - t0, abs(v / a)
+    return np.array([abs(a) * fall**2 / 2, abs(a) * rise**2 / 2, fall, rise, a, rise / fall])
 
 
 class _Fit(NamedTuple):
@@ -172,7 +217,8 @@ def _fitted(seen: _Seen, start: Array) -> _Fit:
     kept = np.ones(len(seen.time), dtype=bool)
     fit = _least_squares(seen, start, kept)
     off = np.abs(fit[1]) > _OUTLIER
-    if off.any() and (~off & (seen.after > 0)).sum() >= 3 and (~off & (seen.after < 1)).sum() >= 3:
+    left = np.bincount(seen.after[~off].astype(int), minlength=2)
+    if off.any() and left.min() >= _FEWEST:
         kept = ~off
         fit = _least_squares(seen, start, kept)
     parameters, _, covariance, freedom = fit
@@ -228,14 +274,6 @@ def _thrown(seen: _Seen, start: Array) -> bool:
     off = seen.rest[0] - alone.parameters[1]
     sigma = np.hypot(np.sqrt(alone.covariance[1, 1]), seen.sigma or 0.0)
     return bool(abs(off) > _REFUTED * sigma)
-
-
-def _estimate(fit: _Fit, quantity, k: int) -> Estimate:
-    """A quantity of the parameters with its sigma to first order."""
-    from calibration.statistics.correlated import propagated
-
-    value, covariance = propagated(fit.parameters, fit.covariance, quantity)
-    return Estimate(float(value[k]), float(np.sqrt(covariance[k, k])), 1)
 
 
 def _rotation(found: Bounces, angles: Array) -> Rotation:

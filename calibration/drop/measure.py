@@ -1,13 +1,16 @@
 """measure_drop: a film or a track of a bouncing object to restitution, speeds, scale and rate."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
+from calibration.drop.bounce import Bounces
 from calibration.drop.choice import the_one_that_bounces
 from calibration.drop.drag import with_drag
 from calibration.drop.fall import with_free_fall
+from calibration.drop.first import may_overlap, with_first
 from calibration.drop.result import Drop
 from calibration.files.track_table import read_tracks, refuse_units
 from calibration.result import checked, draw
@@ -49,10 +52,15 @@ def measure_drop(
     length = _metres(scale)
     fps = said_rate(fps)
     tracks, header = _tracks(source, roi, hint, progress, units)
-    found = with_drag(the_one_that_bounces(tracks, track, one_bounce, where))
+    look_again = None
+    if isinstance(source, str | Path) and is_film(source):
+        look_again = partial(_overlapping, source, roi, hint, progress)
+    found = with_drag(_chosen(tracks, look_again, track, one_bounce, where))
     if length is not None and found.track.scale is not None:
         raise InputError(f"{where}--scale: the unit of y stands in the table's head already")
+    found, first = with_first(found)
     drop = with_free_fall(found, fps, found.track.scale if length is None else length, header)
+    drop = replace(drop, first=first)
     checked(drop.to_dict(), [source] if isinstance(source, str | Path) else ())
     if out is None:
         return drop
@@ -88,7 +96,47 @@ def _tracks(
     from calibration.tracking.follow import follow
 
     film = open_film(source)
-    return follow(film, roi=roi, hint=hint, progress=progress, overlapping=True), film.rate
+    return follow(film, roi=roi, hint=hint, progress=progress), film.rate
+
+
+def _chosen(
+    tracks: list[Track], look_again: Callable[[], list[Track]] | None, name: str | None,
+    one_bounce: bool, where: str,
+) -> Bounces:  # fmt: skip
+    """The bounces that the test is about; looked for again where the object may overlap itself.
+
+    An object that falls by a few of its own diameters covers the place that it is let go from for
+    much of its fall, and is followed from the middle of it on alone.
+    """
+    refusal = None
+    try:
+        found = the_one_that_bounces(tracks, name, one_bounce, where)
+        if look_again is None or not may_overlap(found):
+            return found
+    except InputError as error:
+        if look_again is None:
+            raise
+        refusal = error
+    try:
+        return the_one_that_bounces(look_again(), name, one_bounce, where)
+    except InputError:
+        if refusal is not None:
+            raise refusal from None
+        return found
+
+
+def _overlapping(
+    source: str | Path, roi: tuple[int, int, int, int] | None,
+    hint: tuple[float, float, float] | None, progress: Progress | None,
+) -> list[Track]:  # fmt: skip
+    """Tracks of objects that move by less than their own size, the film read once more."""
+    from calibration.tracking.follow import follow
+
+    def whole(_share: float, words: str) -> None:
+        if progress is not None:
+            progress(1.0, f"once more, {words}")
+
+    return follow(open_film(source), roi=roi, hint=hint, progress=whole, overlapping=True)
 
 
 def with_pictures(

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from calibration.drop.bounce import Bounces
+from calibration.drop.bounce import STANDARD_GRAVITY, Bounces
+from calibration.drop.first import FirstBounce
 from calibration.result import Parameter
 from calibration.statistics.uncertainty import Estimate, as_pair, through
 
@@ -26,6 +27,7 @@ class Drop:
     gravity       from free fall, where scale and rate are both known [m/s2]
     remarks       on the time base
     name          of the film or table, for the diagnostic figure
+    first         H0, H1 and eq. 3.5 of the first contact
     pictures      of the film, with what was measured drawn in; see calibration.drop.annotate
     sheet, film   the diagnostic figure and the annotated film, where they were requested
     """
@@ -38,6 +40,7 @@ class Drop:
     remarks: tuple[str, ...]
     warnings: tuple[str, ...]
     name: str = ""
+    first: FirstBounce | None = None
     pictures: tuple["Still", ...] = ()
     sheet: Path | None = None
     film: Path | None = None
@@ -77,6 +80,7 @@ class Drop:
                 "method": found.method,
                 "speed_exponent": as_pair(found.exponent),
             },
+            "first_contact": None if self.first is None else self._first(self.first),
             "bounces": [self._bounce(k) for k in range(len(found.contacts))],
             "contact_times_s": self._contact_times(),
             "contact_frames": [self.frame(t) for t in found.contacts[:, 0]],
@@ -100,6 +104,45 @@ class Drop:
             "track": found.track.name,
             "warnings": list(self.warnings),
         }
+
+    def _first(self, first: FirstBounce) -> dict[str, Any]:
+        """Keys of the first contact; lengths in px, or the track's unit, and in m with a scale."""
+        found: dict[str, Any] = {
+            "restitution": as_pair(first.restitution),
+            "from_rest": first.held,
+            "rebound_positions": first.positions,
+        }
+        seen = (first.fall, first.rise)
+        for name, way, height in zip(("h0", "h1"), seen, self.heights(), strict=True):
+            found |= {f"{name}_px": as_pair(way), f"{name}_m": as_pair(height)}
+        turns = first.rotation or (None, None)
+        for name, one in zip(("before", "after"), turns, strict=True):
+            found[f"rotation_{name}_rad_per_s"] = as_pair(self._per_second(one))
+        return found
+
+    def _height(self, way: Estimate, time: Estimate) -> Estimate | None:
+        """A height of the first contact [m]: by the scale, or of free fall in that time."""
+        if self.rate is not None and self.gravity is None:
+            return through(
+                lambda g, frames, rate: g * (frames / rate) ** 2 / 2,
+                STANDARD_GRAVITY, time, self.rate,
+            )  # fmt: skip
+        if self.scale is None:
+            return None
+        return through(lambda length, scale: length * scale, way, self.scale)
+
+    def heights(self) -> tuple[Estimate | None, Estimate | None]:
+        """H0 and H1 of the first contact [m]; None where neither rate nor scale is known."""
+        one = self.first
+        if one is None:
+            return None, None
+        return self._height(one.fall, one.fall_time), self._height(one.rise, one.rise_time)
+
+    def _per_second(self, seen: Estimate | None) -> Estimate | None:
+        """A change per frame in one per second, where there is a rate."""
+        if seen is None or self.rate is None:
+            return None
+        return through(lambda change, rate: change * rate, seen, self.rate)
 
     def _contact_times(self) -> list[float] | None:
         times = [self.seconds(t) for t in self.bounces.contacts[:, 0]]
@@ -147,6 +190,7 @@ class Drop:
         lines = [
             f"restitution {_with(self.restitution, '')} from {found.method}; {one}",
             *_bounces(self),
+            *([] if self.first is None else _first_contact(self)),
         ]
         if found.exponent is not None:
             lines.append(f"restitution ~ speed^n, n = {_with(found.exponent, '')}")
@@ -195,6 +239,30 @@ def _bounces(drop: "Drop") -> list[str]:
             + f" {cells[3]:>12}"
         )
     return lines
+
+
+def _first_contact(drop: "Drop") -> list[str]:
+    """H0, H1 and rotation of the first contact."""
+    first, shown = drop.first, []
+    assert first is not None
+    seen = (first.fall, first.rise)
+    for name, way, height in zip(("H0", "H1"), seen, drop.heights(), strict=True):
+        shown.append(f"{name} {_with(way, 'px') if height is None else _in_mm(height)}")
+    began = "from rest" if first.held else "as if from rest"
+    lines = [f"first contact: {began}, {', '.join(shown)}, sqrt(H1/H0) = "
+             f"{_with(first.restitution, '')}"]  # fmt: skip
+    if first.rotation is not None:
+        turns = [drop._per_second(one) for one in first.rotation]
+        unit = "rad/frame" if turns[0] is None else "rad/s"
+        before, after = (
+            _with(turn or one, unit) for turn, one in zip(turns, first.rotation, strict=True)
+        )
+        lines.append(f"rotation: {before} before, {after} after it")
+    return lines
+
+
+def _in_mm(length: Estimate) -> str:
+    return _with(Estimate(1e3 * length.value, 1e3 * (length.sigma or 0.0), 1), "mm")
 
 
 def _with(known: "Estimate | None", unit: str) -> str:

@@ -125,7 +125,8 @@ def _uncovered(part: _Two, beside: Colours) -> Colours:
     """
     swapped = part.two & (_off(part.seldom, beside) < _off(part.often, beside))
     for _ in range(2):
-        object_ = np.median(np.where(swapped[:, :, None], part.often, part.seldom)[part.two], axis=0)
+        other = np.where(swapped[:, :, None], part.often, part.seldom)
+        object_ = np.median(other[part.two], axis=0)
         as_they_are = _off(part.often, beside) + _off(part.seldom, object_)
         swapped = part.two & (_off(part.seldom, beside) + _off(part.often, object_) < as_they_are)
     hidden = ~part.two & (_off(part.often, object_) < _off(part.often, beside))
