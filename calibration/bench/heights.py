@@ -59,9 +59,7 @@ def restitution(files: Sequence[str | Path], what: Request) -> list[Quantity]:
         )  # fmt: skip
     else:
         found = _of_means(by_height, remarks)
-    particles = {
-        one.group: section.group for one, section in zip(by_height, sections, strict=True)
-    }
+    particles = {one.group: section.group for one, section in zip(by_height, sections, strict=True)}
     found = nested(found, particles)
     return [replace(found, details=found.details | _details(found, by_height))]
 

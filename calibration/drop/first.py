@@ -6,11 +6,13 @@ centroid, so that it may rotate: the next contact of a block meets another corne
 and is another experiment.
 
 Positions have three errors. Noise of their own, and noise that is alike where the object hardly
-moves (what lies behind its rim, coding): about half each, the latter over some pixels. And grain
-moves the centroid alike in all pictures, in a direction that rotates with the object. How large
-they are the picture says beforehand (blobs.py); with that as so many positions' worth of knowledge,
-the residuals of a dozen positions say it better (a scaled inverse chi-square prior; Gelman et al.
-2013, Bayesian data analysis, sec. 2.6).
+moves (what lies behind its rim, coding): about half each, the latter over some pixels. How large
+these are the picture says beforehand (blobs.py); with that as so many positions' worth of
+knowledge, the residuals of a dozen positions say it better (a scaled inverse chi-square prior;
+Gelman et al. 2013, Bayesian data analysis, sec. 2.6). And grain moves the centroid alike in all pictures, in a
+direction that rotates with the object: a share u of contrast moves an edge by 4 u px where weights
+rise twice as fast as shares (blobs.py) over a rim of 2 px, and two opposite edges, of which each
+moves the centroid by half of that, by 2.8 u.
 """
 
 from dataclasses import dataclass, replace
@@ -28,9 +30,9 @@ from granulab.errors import InputError
 # Of 40 rendered drops (calibration.rendered.low_drop): half of the variance is alike at positions
 # next to one another, and no longer so at some pixels' distance; and what the picture says of it
 # scatters from clip to clip as an estimate of so many degrees of freedom does.
-_ALIKE, _LENGTH = 0.5, 6.0  # share; px
-_WORTH = 3
-_RIM = 1.4  # px by which grain of contrast 1 moves a centroid: the rim is 2 px deep on each side
+_ALIKE, _LENGTH = 0.5, 12.0  # share; px
+_WORTH = 3  # positions
+_RIM = 2.8  # px by which grain of contrast 1 moves a centroid, see the text
 _OUTLIER = 4.0  # sigma
 _FEWEST = 3  # positions of a flight
 _SIZES = 4.0  # diameters

@@ -95,13 +95,14 @@ def _likeliest(y: Array, covariance: Covariance) -> Array:
     starts = [(a, b) for a in (0.1, 0.5, 1.0) for b in (0.0, 0.5, 1.0)]
     start = min(starts, key=lambda one: criterion(np.array(one)))
     best = minimize(criterion, start, method="Nelder-Mead", options={"maxfev": 400})
-    return unit * np.square(np.asarray(best.x, dtype=float))
+    found = unit * np.square(np.asarray(best.x, dtype=float))
+    return np.where(found > _NOTHING * found.sum(), found, 0.0)
 
 
 def _freedom(y: Array, found: Array, covariance: Covariance) -> float:
     """Satterthwaite's degrees of freedom: 2 variance^2 over the variance of the mean's variance."""
     most = float(len(y) - 1)
-    free = np.flatnonzero(found > _NOTHING * found.sum())
+    free = np.flatnonzero(found)
     steps = [np.where(np.arange(2) == k, _STEP * found, 0.0) for k in free]
     if not steps:
         return most

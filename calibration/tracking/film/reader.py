@@ -19,7 +19,7 @@ Picture = NDArray[np.uint8]
 Progress = Callable[[float, str], None]  # share of a film that is read, and a few words
 
 _PICTURES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
-_FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm", ".wmv")
+FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm", ".wmv")
 
 # What is wrong with a file is reported in our own lines; FFmpeg reads this when it is first used.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
@@ -123,7 +123,7 @@ def is_film(path: str | Path) -> bool:
     path = Path(path)
     if path.is_dir() or is_pattern(path):
         return True
-    if path.suffix.lower() in _PICTURES + _FILMS:
+    if path.suffix.lower() in _PICTURES + FILMS:
         return True
     if not path.is_file():
         return False
