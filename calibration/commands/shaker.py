@@ -21,6 +21,10 @@ from granulab.contact.files.units import to_si
     help="That the shaker was given, in Hz; once for each tone [default: the strongest].",
 )  # fmt: skip
 @click.option("--particle-mass", metavar='"27.9 g"', help="For the efficiency.")
+@click.option(
+    "--phase-error", default="1 deg", metavar='"1 deg"', show_default=True,
+    help="Largest that there may be at frequencies without an --empty record.",
+)  # fmt: skip
 @click.option("--harmonics", type=click.IntRange(1, 50), default=5, help="Counted [default: 5].")
 @click.option(
     "--column", "columns", multiple=True, metavar="NAME=HEAD",
@@ -32,8 +36,8 @@ from granulab.contact.files.units import to_si
 @answers_options
 def command(
     file: Path, empty: tuple[Path, ...], frequency: tuple[float, ...], particle_mass: str | None,
-    harmonics: int, columns: tuple[str, ...], rate: float | None, out: Path | None, quiet: bool,
-    as_json: bool,
+    phase_error: str, harmonics: int, columns: tuple[str, ...], rate: float | None,
+    out: Path | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Dissipated power and efficiency from force and acceleration (thesis, eqs 7.6 to 7.12).
 
@@ -49,5 +53,5 @@ def command(
         read_record(path, rate=rate, frequencies=frequency, harmonics=harmonics, columns=called)
         for path in (file, *empty)
     )
-    found = dissipation(loaded, others, mass)
+    found = dissipation(loaded, others, mass, to_si(phase_error, "rad", "--phase-error"))
     finish(found, as_json=as_json, quiet=quiet, out=out, name=f"{file.stem}-shaker")
