@@ -19,11 +19,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.shaker.phases import GRAVITY, bed_phase
 from calibration.shaker.record import Record, of_mean
 from calibration.shaker.result import Dissipation, PhaseError, Power, Tone
 from granulab.errors import InputError
 
-GRAVITY = 9.81  # [m/s2]
 _SAME = 0.01  # of a frequency: how far that of the empty enclosure may be from it
 _COUNTS = 1e-3  # of the power: a tone that could carry more is missed
 _KNOWN_PHASE = 0.1  # [rad] sigma above which the empty enclosure's tone is lost in noise
@@ -36,14 +36,15 @@ _WIDE = 2.0  # sigmas of an interval that holds 95 %
 
 def dissipation(
     loaded: Record, empty: Sequence[Record] = (), particle_mass: float | None = None,
-    phase_error: float = PHASE_ERROR,
+    phase_error: float = PHASE_ERROR, gravity: float = GRAVITY,
 ) -> Dissipation:  # fmt: skip
-    """Power, energy per cycle and efficiency of a bed, from records with and without it.
+    """Power, energy per cycle, efficiency and phase of a bed, from records with and without it.
 
     empty: of the enclosure without particles at the same frequencies, at one amplitude or several
     (the phase error is interpolated). particle_mass [kg]. phase_error [rad] is the largest there
     may be at the first tone where no empty record has it; at others it grows as a delay's does.
-    Raises InputError for a mass that is not above 0 and a phase error that is not from 0 to 1.
+    gravity [m/s2] along the motion, 0 across it. Raises InputError for a mass that is not above 0
+    and a phase error that is not from 0 to 1.
     """
     if particle_mass is not None and not 0.0 < particle_mass < np.inf:
         raise InputError(f"--particle-mass = {particle_mass:g} kg: expected more than 0")
@@ -63,7 +64,7 @@ def dissipation(
                                       particle_mass if loaded.shaken[k] else None))  # fmt: skip
     power = _total(totals, tones)
     warnings += _warnings(loaded, tones, power)
-    return _with_cycle(loaded, tones, power, empty, particle_mass, warnings)
+    return _with_cycle(loaded, tones, power, empty, particle_mass, gravity, warnings)
 
 
 def _unknown(tones: Sequence[Tone], frequency: float, most: float) -> PhaseError:
@@ -148,9 +149,10 @@ def _with_cycle(
     power: Power,
     empty: Sequence[Record],
     particle_mass: float | None,
+    gravity: float,
     warnings: Sequence[str],
 ) -> Dissipation:
-    """Energy per cycle and efficiency from the power: eqs 7.7, 7.8, 6.10."""
+    """Energy per cycle and efficiency from the power: eqs 7.7, 7.8, 6.10; the motional phase."""
     first = tones[0]
     speed = first.acceleration_m_s2 / (2.0 * np.pi * first.frequency_hz)
 
@@ -158,14 +160,19 @@ def _with_cycle(
     orders = loaded.frequencies / first.frequency_hz
     alone = np.allclose(orders, np.round(orders), rtol=1e-6)
     most = 4.0 * speed**2 * particle_mass if particle_mass is not None and alone else None
-    own = [abs(record.mass[:, 0].mean()) for record in empty]
+    own = [float(abs(record.mass[:, 0].mean())) for record in empty]
+    enclosure = float(np.mean(own)) if own else None
+    phase = None
+    if enclosure is not None and particle_mass is not None and alone:
+        phase = bed_phase(loaded, enclosure, particle_mass, first.phase_error_rad, gravity)
     return Dissipation(
         first.frequency_hz,
         first.acceleration_m_s2 / GRAVITY,
         power,
         power.times(per_cycle),
         None if most is None else power.times(per_cycle / most),
-        float(np.mean(own)) if own else None,
+        enclosure,
+        phase,
         tuple(tones),
         tuple(warnings),
         loaded,

@@ -116,8 +116,8 @@ def block_length(n: int, rate: float, tones: Sequence[float]) -> int:
 
 
 def whole_cycles(n: int, rate: float, frequency: float) -> int:
-    """Whole cycles of a tone [Hz] in n samples, of which the last may lack a hundredth."""
-    return int(n * frequency / rate + 0.01)
+    """Whole cycles of a tone [Hz] in n samples, of which the last may lack half a hundredth."""
+    return int(n * frequency / rate + 0.005)
 
 
 def of_mean(blocks: NDArray[np.generic]) -> float:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from calibration.shaker.phases import BedPhase
 from calibration.shaker.record import Record
 from calibration.statistics.uncertainty import Estimate, as_pair
 from granulab.campaign.output.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
@@ -74,6 +75,7 @@ class Dissipation:
 
     gamma        A_1/g
     efficiency   None without a particle mass, or for several tones that are no harmonics
+    phase        of the bed's motion; None likewise, and without a record of the empty enclosure
     record       of the enclosure with particles
     """
 
@@ -83,6 +85,7 @@ class Dissipation:
     energy_per_cycle: Power  # [J]
     efficiency: Power | None
     enclosure_mass_kg: float | None
+    phase: BedPhase | None
     tones: tuple[Tone, ...]
     warnings: tuple[str, ...]
     record: Record
@@ -102,6 +105,7 @@ class Dissipation:
             "efficiency": pair(self.efficiency),
             "efficiency_interval": self.efficiency and list(self.efficiency.interval),
             "enclosure_mass_kg": self.enclosure_mass_kg,
+            "phase": self.phase and self.phase._asdict(),
             "tones": [asdict(tone) for tone in self.tones],
             "warnings": list(self.warnings),
         }
@@ -125,6 +129,8 @@ class Dissipation:
                 rows.append((name, f"{value}{unit} ({low:.5g} to {high:.5g})"))
         if self.enclosure_mass_kg is not None:
             rows.append(("empty enclosure", f"{self.enclosure_mass_kg:.4g} kg"))
+        if self.phase is not None:
+            rows.append(("motional phase", self.phase.in_words()))
         lines += [f"{name:20} {value}" for name, value in rows]
         return "\n".join([*lines, *(f"warning: {words}" for words in self.warnings)])
 

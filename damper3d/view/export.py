@@ -47,7 +47,7 @@ def export(
     run_folder: str | Path, to: str, path: str | Path | None = None,
     enclosure_mass: float | None = None,
 ) -> list[Path]:  # fmt: skip
-    """Write a run, finished or not, as "vtkhdf", "csv" or a "shaker" record; the paths of the files.
+    """Write a run, finished or not, as "vtkhdf", "csv" or a "shaker" record; paths of the files.
 
     `path` is the file of the particles (vtkhdf; the others go into its folder, with -enclosure and
     -spheres in their names), the folder for the tables (csv) or the record (shaker; that of the

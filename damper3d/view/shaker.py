@@ -37,7 +37,7 @@ def record_csv(cycles: Cycles, enclosure_mass: float, *, empty: bool = False) ->
 
 
 def signals(cycles: Cycles) -> tuple[NDArray[np.float64], ...]:
-    """Time [s], acceleration [m/s2] and force of the bed on the enclosure [N], along the motion (n,).
+    """Time [s], acceleration [m/s2], force of the bed on the enclosure [N], along the motion (n,).
 
     Of the counted cycles; times are the middles of the mean forces.
     """
