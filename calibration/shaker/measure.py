@@ -22,6 +22,8 @@ from numpy.typing import NDArray
 from calibration.shaker.phases import GRAVITY, bed_phase
 from calibration.shaker.record import Record, of_mean
 from calibration.shaker.result import Dissipation, PhaseError, Power, Tone
+from calibration.statistics.uncertainty import student
+from granulab.campaign.output.statistics import quantile
 from granulab.errors import InputError
 
 _SAME = 0.01  # of a frequency: how far that of the empty enclosure may be from it
@@ -31,7 +33,6 @@ _KNOWN_PHASE = 0.1  # [rad] sigma above which the empty enclosure's tone is lost
 # the thesis calls its own, which Fig. 7.9 draws, "very small".
 PHASE_ERROR = math.radians(1.0)
 _OF_LIMIT = 0.6827  # of an even distribution's half width: holds 68.27 % of it
-_WIDE = 2.0  # sigmas of an interval that holds 95 %
 
 
 def dissipation(
@@ -91,7 +92,9 @@ def _total(totals: NDArray[np.float64], tones: Sequence[Tone]) -> Power:
     ]
     off = sum(abs(tone.reactive_power_w) * (tone.phase_error_limit or 0.0) for tone in tones)
     scatter = math.hypot(of_mean(totals), *measured)
-    value, half = float(totals.mean()), float(off + _WIDE * scatter)
+    freedom = len(totals) - 1
+    wide = quantile(freedom) / student(freedom)  # of a 95 % interval over one of 68.3 %
+    value, half = float(totals.mean()), float(off + wide * scatter)
     sigma = math.hypot(scatter, _OF_LIMIT * off)
     return Power(value, sigma, len(totals), interval=(value - half, value + half))
 

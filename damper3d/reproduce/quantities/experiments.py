@@ -185,6 +185,7 @@ def of_simulations(_found: "DataFrame") -> list[Row]:
 def roughness(_found: "DataFrame", over: float = 1e-6) -> list[Row]:
     """Mean roughness of each surface over a length [m], from Table 7.1."""
     path = data_file("published", "surface_roughness")
+    assert path is not None  # shipped
     with path.open(encoding="utf-8", newline="") as file:
         table = list(csv.DictReader(line for line in file if not line.startswith("#")))
     return [
