@@ -172,6 +172,8 @@ def read_record(
     moved = _finite(path, "acceleration", table.column("acceleration", "m/s2"))
     if not np.ptp(moved) > 0:
         raise InputError(f"{path}: the acceleration does not change: nothing is shaken")
+    if not np.ptp(force) > 0:
+        raise InputError(f"{path}: the force does not change: no transducer is connected")
     given = list(frequencies) or [strongest(moved, clock.rate)]
     for frequency in given:
         _check(path, frequency, clock.rate, len(moved))
@@ -180,6 +182,11 @@ def read_record(
     first = [tuned(samples[1], clock.rate, frequency, length) for frequency in given]
     length = block_length(len(moved), clock.rate, first)
     tones = _with_harmonics(path, first, harmonics, clock.rate, length)
+    if length < 2 * len(tones) + 2:
+        raise InputError(
+            f"{path}: a block of {length} samples is too short for the tones counted ({len(tones)}); "
+            f"fewer --harmonics, or more than {BLOCKS} times as many cycles, would do"
+        )
     forces, moves = (amplitudes(x, clock.rate, tones, length) for x in samples)
     for frequency in first:
         _check_tone(path, frequency, moves[:, int(np.argmin(np.abs(tones - frequency)))])

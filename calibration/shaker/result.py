@@ -93,17 +93,17 @@ class Dissipation:
     def to_dict(self) -> dict[str, Any]:
         """The object that --json prints."""
 
-        def pair(one: Power | None) -> dict[str, float | None]:
-            return as_pair(one) or {"value": None, "sigma": None}
+        def known(one: Power | None) -> dict[str, float | None]:
+            low, high = one.interval if one else (None, None)
+            pair = as_pair(one) or {"value": None, "sigma": None}
+            return {**pair, "low": low, "high": high}
 
         return {
             "frequency_hz": self.frequency_hz,
             "gamma": self.gamma,
-            "dissipated_power_w": pair(self.power),
-            "dissipated_power_interval_w": list(self.power.interval),
-            "energy_per_cycle_j": pair(self.energy_per_cycle),
-            "efficiency": pair(self.efficiency),
-            "efficiency_interval": self.efficiency and list(self.efficiency.interval),
+            "dissipated_power_w": known(self.power),
+            "energy_per_cycle_j": known(self.energy_per_cycle),
+            "efficiency": known(self.efficiency),
             "enclosure_mass_kg": self.enclosure_mass_kg,
             "phase": self.phase and self.phase._asdict(),
             "tones": [asdict(tone) for tone in self.tones],

@@ -313,6 +313,8 @@ def test_command_prints_the_keys(tmp_path):
     result = json.loads(run.stdout)
     assert {"dissipated_power_w", "efficiency", "tones", "warnings"} <= set(result)
     assert result["sheet"] is None
+    share = result["efficiency"]
+    assert share["low"] < share["value"] - share["sigma"] < share["value"] < share["high"]
     drawn = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "sheets")])
     assert drawn.exit_code == 0, drawn.output
     assert "efficiency" in drawn.output
@@ -339,13 +341,22 @@ def test_bad_input_is_one_line(tmp_path, head, options, match):
         read_record(path, **options)
 
 
-def test_an_enclosure_at_rest_is_refused(tmp_path):
-    path = tmp_path / "still.csv"
-    path.write_text(
-        "time [s],force [N],acceleration [m/s2]\n" + "".join(f"{k},0,0\n" for k in range(99))
-    )
-    with pytest.raises(InputError, match="nothing is shaken"):
-        read_record(path)
+@pytest.mark.parametrize(
+    ("rate", "cycles", "force", "moved", "match"),
+    [
+        (400.0, 20, 1.0, 0.0, "nothing is shaken"),
+        (400.0, 20, 0.0, 1.0, "no transducer is connected"),
+        (400.0, 3, 1.0, 1.0, "hold 3 cycles of 40 Hz; at least 4"),
+        (100.0, 8, 1.0, 1.0, "a block of 2 samples is too short for the tones counted"),
+    ],
+)
+def test_a_record_that_holds_nothing_is_refused(tmp_path, rate, cycles, force, moved, match):
+    path, t = tmp_path / "still.csv", np.arange(cycles * rate / 40.0) / rate
+    wave = np.sin(2 * np.pi * 40.0 * t + 0.3)
+    np.savetxt(path, np.column_stack([t, force * wave, moved * wave]), delimiter=",", comments="",
+               header="time [s],force [N],acceleration [m/s2]")  # fmt: skip
+    with pytest.raises(InputError, match=match):
+        read_record(path, frequencies=(40.0,))
 
 
 @pytest.mark.parametrize(
