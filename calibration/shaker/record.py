@@ -184,8 +184,8 @@ def read_record(
     tones = _with_harmonics(path, first, harmonics, clock.rate, length)
     if length < 2 * len(tones) + 2:
         raise InputError(
-            f"{path}: a block of {length} samples is too short for the tones counted ({len(tones)}); "
-            f"fewer --harmonics, or more than {BLOCKS} times as many cycles, would do"
+            f"{path}: a block of {length} samples is too short for the tones counted "
+            f"({len(tones)}); fewer --harmonics, or a longer record, would do"
         )
     forces, moves = (amplitudes(x, clock.rate, tones, length) for x in samples)
     for frequency in first:
