@@ -1,10 +1,11 @@
 """The result of a shaken record: tones, power, efficiency, and the diagnostic figure."""
 
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from calibration.shaker.phases import BedPhase
 from calibration.shaker.record import Record
 from calibration.statistics.uncertainty import Estimate, as_pair
 from granulab.campaign.output.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
@@ -16,11 +17,41 @@ if TYPE_CHECKING:
 _DECADES = 8  # that a spectrum shows
 
 
+class PhaseError(NamedTuple):
+    """Phase of force before acceleration [rad] of an empty enclosure, and its sigma.
+
+    limit    the largest that there may be, where it was assumed; None where it was measured
+    """
+
+    value: float
+    sigma: float
+    limit: float | None = None
+
+
+@dataclass(frozen=True)
+class Power(Estimate):
+    """A power, or what is proportional to it.
+
+    interval    holds 95 %, whatever the phase error up to the limit that was assumed
+    """
+
+    interval: tuple[float, float] = (-np.inf, np.inf)
+
+    def times(self, factor: float) -> "Power":
+        """The same times a factor above 0."""
+        sigma = None if self.sigma is None else factor * self.sigma
+        low, high = self.interval
+        return Power(
+            factor * self.value, sigma, self.trials, interval=(factor * low, factor * high)
+        )
+
+
 @dataclass(frozen=True)
 class Tone:
     """One line of the sum: amplitudes, the phase error taken off, its power.
 
-    phase_error_sigma and sigma_w are None where no record of the empty enclosure gives the error.
+    phase_error_limit is the largest phase error that was assumed; None where the empty enclosure
+    gave it, or the first tone's delay did.
     efficiency of a tone that is shaken: P_k/f_k over 4 V_k^2 M (eqs 7.8, 6.10); None for harmonics,
     whose motion is an accident, and without a particle mass.
     """
@@ -29,10 +60,11 @@ class Tone:
     force_n: float
     acceleration_m_s2: float
     phase_error_rad: float
-    phase_error_sigma: float | None
+    phase_error_sigma: float
+    phase_error_limit: float | None
     power_w: float
     reactive_power_w: float
-    sigma_w: float | None
+    sigma_w: float
     efficiency: float | None = None
     efficiency_sigma: float | None = None
 
@@ -43,15 +75,17 @@ class Dissipation:
 
     gamma        A_1/g
     efficiency   None without a particle mass, or for several tones that are no harmonics
+    phase        of the bed's motion; None likewise, and without a record of the empty enclosure
     record       of the enclosure with particles
     """
 
     frequency_hz: float
     gamma: float
-    power: Estimate  # [W]
-    energy_per_cycle: Estimate  # [J]
-    efficiency: Estimate | None
+    power: Power  # [W]
+    energy_per_cycle: Power  # [J]
+    efficiency: Power | None
     enclosure_mass_kg: float | None
+    phase: BedPhase | None
     tones: tuple[Tone, ...]
     warnings: tuple[str, ...]
     record: Record
@@ -59,16 +93,19 @@ class Dissipation:
     def to_dict(self) -> dict[str, Any]:
         """The object that --json prints."""
 
-        def pair(one: "Estimate | None") -> dict[str, float | None]:
-            return as_pair(one) or {"value": None, "sigma": None}
+        def known(one: Power | None) -> dict[str, float | None]:
+            low, high = one.interval if one else (None, None)
+            pair = as_pair(one) or {"value": None, "sigma": None}
+            return {**pair, "low": low, "high": high}
 
         return {
             "frequency_hz": self.frequency_hz,
             "gamma": self.gamma,
-            "dissipated_power_w": pair(self.power),
-            "energy_per_cycle_j": pair(self.energy_per_cycle),
-            "efficiency": pair(self.efficiency),
+            "dissipated_power_w": known(self.power),
+            "energy_per_cycle_j": known(self.energy_per_cycle),
+            "efficiency": known(self.efficiency),
             "enclosure_mass_kg": self.enclosure_mass_kg,
+            "phase": self.phase and self.phase._asdict(),
             "tones": [asdict(tone) for tone in self.tones],
             "warnings": list(self.warnings),
         }
@@ -87,9 +124,13 @@ class Dissipation:
             ("efficiency", self.efficiency, ""),
         ):
             if one is not None:
-                rows.append((name, f"{_shown(one.value, one.sigma, '.5g')}{unit}"))
+                value = _shown(one.value, one.sigma, ".5g")
+                low, high = one.interval
+                rows.append((name, f"{value}{unit} ({low:.5g} to {high:.5g})"))
         if self.enclosure_mass_kg is not None:
             rows.append(("empty enclosure", f"{self.enclosure_mass_kg:.4g} kg"))
+        if self.phase is not None:
+            rows.append(("motional phase", self.phase.in_words()))
         lines += [f"{name:20} {value}" for name, value in rows]
         return "\n".join([*lines, *(f"warning: {words}" for words in self.warnings)])
 
@@ -116,10 +157,11 @@ class Dissipation:
 
 
 def _line(tone: "Tone") -> str:
-    sigma = tone.phase_error_sigma
+    sigma, limit = tone.phase_error_sigma, tone.phase_error_limit
     phase = (
-        "not known" if sigma is None else f"{1e3 * tone.phase_error_rad:8.3f} ± {1e3 * sigma:.3f}"
-    )
+        f"{1e3 * tone.phase_error_rad:8.3f} ± {1e3 * sigma:.3f}" if limit is None
+        else f"at most {1e3 * limit:.1f}"
+    )  # fmt: skip
     line = (
         f"{tone.frequency_hz:9.3f}    {tone.force_n:9.4g}    {tone.acceleration_m_s2:13.4g}    "
         f"{phase:18}    {_shown(tone.power_w, tone.sigma_w, '.4g'):<23}"
@@ -161,14 +203,14 @@ def _spectrum(axes: "Axes", record: Record, row: int, label: str, heights: list[
 
 def _phases(axes: "Axes", found: Dissipation) -> None:
     errors = [1e3 * tone.phase_error_rad for tone in found.tones]
-    _marks(axes, found.tones, errors, [1e3 * (t.phase_error_sigma or 0.0) for t in found.tones])
+    _marks(axes, found.tones, errors, [1e3 * t.phase_error_sigma for t in found.tones])
     axes.set_ylabel("phase taken off [mrad]")
-    if found.tones[0].phase_error_sigma is None:
-        axes.text(0.5, 0.6, "not known: no empty record", transform=axes.transAxes, ha="center")
+    if found.tones[0].phase_error_limit is not None:
+        axes.text(0.5, 0.6, "assumed: no empty record", transform=axes.transAxes, ha="center")
 
 
 def _powers(axes: "Axes", found: Dissipation) -> None:
-    powers, sigmas = [t.power_w for t in found.tones], [t.sigma_w or 0.0 for t in found.tones]
+    powers, sigmas = [t.power_w for t in found.tones], [t.sigma_w for t in found.tones]
     _marks(axes, found.tones, powers, sigmas)
     axes.set_ylabel("power [W]")
 

@@ -77,11 +77,23 @@ def compare(first: str, second: str, no_figures: bool, as_json: bool) -> None:
 
 @click.command()
 @click.argument("folder", metavar="RUN")
-@click.option("--to", required=True, metavar="vtkhdf|csv", help="The format.")
-@click.option("-o", "--output", metavar="PATH", help="File (vtkhdf) or folder for tables (csv).")
-def export(folder: str, to: str, output: str | None) -> None:
-    """Write a run for other programs: ParaView (vtkhdf) or tables (csv)."""
-    from damper3d.view.export import export as write
+@click.option("--to", required=True, metavar="vtkhdf|csv|shaker", help="The format.")
+@click.option(
+    "-o", "--output", metavar="PATH", help="File (vtkhdf, shaker) or folder for tables (csv)."
+)
+@click.option(
+    "--enclosure-mass", metavar='"200 g"',
+    help="Of a shaker's record, without particles [default: 200 g].",
+)  # fmt: skip
+def export(folder: str, to: str, output: str | None, enclosure_mass: str | None) -> None:
+    """Write a run for other programs: ParaView (vtkhdf), tables (csv), or as a shaker's record.
 
-    for path in write(folder, to, output):
+    The record (shaker) is what a force transducer and an accelerometer would have measured, with
+    particles and, next to it, without: `calibrate shaker` reads both.
+    """
+    from damper3d.view.export import export as write
+    from granulab.contact.files.units import to_si
+
+    mass = None if enclosure_mass is None else to_si(enclosure_mass, "kg", "--enclosure-mass")
+    for path in write(folder, to, output, mass):
         click.echo(path)

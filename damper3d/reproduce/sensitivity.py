@@ -9,8 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from damper3d.reproduce.completeness import completeness
 from damper3d.reproduce.panels import point_cases, run_of_cases
-from damper3d.reproduce.properties import FREQUENCY, STANDARD, VALUES, change, in_words, points
 from damper3d.reproduce.quantities.curves import curve
+from damper3d.reproduce.quantities.properties import (
+    FREQUENCY,
+    STANDARD,
+    VALUES,
+    change,
+    in_words,
+    points,
+)
 from damper3d.reproduce.quantities.sensitivity import SENSITIVITY, Peaks, peaks_of
 from damper3d.view.charts import ruled
 from granulab.campaign.claims.claim import claims_of

@@ -1,4 +1,4 @@
-"""A run for other programs: VTKHDF files for ParaView, or CSV tables.
+"""A run for other programs: VTKHDF files for ParaView, CSV tables, or a shaker's record.
 
 VTKHDF: two or three files (PolyData with time steps), of which each stored frame is a step.
 
@@ -20,8 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from damper3d.engine.records import UNITS
+from damper3d.measures.counted import read_cycles
 from damper3d.view.colouring import power
 from damper3d.view.scene import Scene, read_scene
+from damper3d.view.shaker import ENCLOSURE_MASS, record_csv
 from granulab.campaign.cli.library import write_output
 from granulab.campaign.output.table import numbers_as_csv
 from granulab.contact.files.units import nearest
@@ -41,19 +43,27 @@ _MOVING = {  # columns of particles.csv and what is kept of each
 _ORIENTATION = {f"turn_{c}": f"turn_{c}" for c in "wxyz"}  # of several spheres: a unit quaternion
 
 
-def export(run_folder: str | Path, to: str, path: str | Path | None = None) -> list[Path]:
-    """Write a run, finished or not, in a format ("vtkhdf" or "csv"); the paths of the files.
+def export(
+    run_folder: str | Path, to: str, path: str | Path | None = None,
+    enclosure_mass: float | None = None,
+) -> list[Path]:  # fmt: skip
+    """Write a run, finished or not, as "vtkhdf", "csv" or a "shaker" record; paths of the files.
 
     `path` is the file of the particles (vtkhdf; the others go into its folder, with -enclosure and
-    -spheres in their names) or the folder for the tables (csv); export/ in the run folder where
-    it is not given. What stands there is replaced, each file at once. Raises InputError for another
-    format or suffix, FolderError where the run has no frames, cannot be read or cannot be written.
+    -spheres in their names), the folder for the tables (csv) or the record (shaker; that of the
+    empty enclosure next to it, with -empty in its name); export/ in the run folder where it is not
+    given. What stands there is replaced, each file at once. enclosure_mass [kg] of a shaker's
+    record; None: shaker.ENCLOSURE_MASS. Raises InputError for another format or suffix and for a
+    mass that is none, FolderError where the run has no frames, cannot be read or cannot be written.
     """
     if to not in FORMATS:
         raise InputError(f"--to {to!r}: {nearest(to, list(FORMATS))}")
+    if enclosure_mass is not None and to != "shaker":
+        raise InputError(f"--enclosure-mass: of --to shaker, not of {to}; leave it out")
     scene = read_scene(run_folder)
     folder = Path(run_folder) / "export"
-    return FORMATS[to](scene, folder, None if path is None else Path(path))
+    options = {} if enclosure_mass is None else {"mass": enclosure_mass}
+    return FORMATS[to](scene, folder, None if path is None else Path(path), **options)
 
 
 def _to_vtkhdf(scene: Scene, folder: Path, path: Path | None) -> list[Path]:
@@ -85,9 +95,23 @@ def _to_csv(scene: Scene, usual: Path, path: Path | None) -> list[Path]:
     return [write_output(folder / f"{name}.csv", table(scene)) for name, table in tables.items()]
 
 
-FORMATS: dict[str, Callable[[Scene, Path, Path | None], list[Path]]] = {
+def _to_shaker(
+    _scene: Scene, folder: Path, path: Path | None, mass: float = ENCLOSURE_MASS
+) -> list[Path]:
+    if not 0.0 < mass < np.inf:
+        raise InputError(f"--enclosure-mass = {mass:g} kg: expected more than 0")
+    path = path or folder / "shaker.csv"
+    other, cycles = path.with_stem(f"{path.stem}-empty"), read_cycles(folder.parent)
+    return [
+        write_output(path, record_csv(cycles, mass)),
+        write_output(other, record_csv(cycles, mass, empty=True)),
+    ]
+
+
+FORMATS: dict[str, Callable[..., list[Path]]] = {
     "vtkhdf": _to_vtkhdf,
     "csv": _to_csv,
+    "shaker": _to_shaker,
 }
 
 

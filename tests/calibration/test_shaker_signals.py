@@ -141,6 +141,20 @@ def test_a_drift_does_no_work(tmp_path):
     assert rig.measure(tmp_path, 0.001).power.value == pytest.approx(rig.power(0.001), rel=1e-6)
 
 
+def test_a_few_cycles_do(tmp_path):
+    """Each is a block then; impacts' harmonics beyond those in the sum stay out of whole cycles."""
+    rig = Rig(length=5 / 40.0, delay=0.0, stiffening=0.0, noise=0.0)
+    path = rig.record(tmp_path / "full.csv", BED, 0.01)
+    t, force, moved = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
+    clock = 2 * np.pi * 40.0 * t
+    force += sum(np.cos(k * (clock - 1.0)) for k in range(2, 40))  # of an impact in each cycle
+    np.savetxt(path, np.column_stack([t, force, moved]), delimiter=",", comments="",
+               header="time [s],force [N],acceleration [m/s2]")  # fmt: skip
+    found = dissipation(read_record(path))
+    assert len(read_record(path).force) == 5
+    assert found.power.value == pytest.approx(rig.power(0.01), rel=1e-5)  # nine printed digits
+
+
 def test_harmonics_count(tmp_path):
     """A shaker that is no pure sine: all tones do work (eq. 7.9)."""
     rig = Rig(tones=((40.0, 100.0), (80.0, 30.0), (120.0, 20.0)))
@@ -227,16 +241,44 @@ def test_sigma_is_the_error(tmp_path):
     assert 0.60 <= np.mean(inside) <= 0.76
 
 
-def test_without_the_empty_enclosure_nobody_knows_how_well_the_power_is_known(tmp_path):
-    """The phase error (5 + 10 mrad) is most of what a small loss shows; eq. 7.12 cannot be used."""
-    rig = Rig()
-    alone = dissipation(read_record(rig.record(tmp_path / "full.csv", BED, 0.001)), [], BED)
-    assert alone.power.sigma is None
-    assert alone.efficiency.sigma is None
-    assert any("each mrad is" in words for words in alone.warnings)
-    other = Rig(tones=((50.0, 100.0),)).record(tmp_path / "empty.csv")
-    wrong = dissipation(read_record(tmp_path / "full.csv"), [read_record(other)])
-    assert wrong.power.sigma is None
+@pytest.mark.parametrize("error", np.radians([-1.0, -0.4, 0.0, 0.4, 1.0]))
+def test_without_the_empty_enclosure_the_interval_holds_the_truth(tmp_path, error):
+    """Any phase error up to the limit of 1 deg, for a bed that takes less than it makes up.
+
+    All 5 at 95 % each; the seed is fixed. With the record the same error is gone.
+    """
+    rig = Rig(delay=error / (2 * np.pi * 40.0), stiffening=0.0)
+    full = read_record(rig.record(tmp_path / "full.csv", BED, 0.001))
+    alone = dissipation(full, (), BED)
+    for found, truth in (
+        (alone.power, rig.power(0.001)), (alone.efficiency, np.pi * 0.001 / (4 * BED)),
+    ):  # fmt: skip
+        assert found.interval[0] < truth < found.interval[1]
+        width = found.interval[1] - found.interval[0]
+        assert width < 2.2 * (found.sigma / 0.6827)  # the limit's, and a tenth for the noise
+    assert any("1 deg at most; each mrad is" in words for words in alone.warnings)
+    empty = read_record(rig.record(tmp_path / "empty.csv", seed=5))
+    right = dissipation(full, [empty], BED).power
+    assert abs(right.value - rig.power(0.001)) < 4 * right.sigma < 0.3 * rig.power(0.001)
+
+
+def test_an_empty_record_at_another_frequency_is_none(tmp_path):
+    full = read_record(Rig().record(tmp_path / "full.csv", BED, 0.001))
+    other = read_record(Rig(tones=((50.0, 100.0),)).record(tmp_path / "empty.csv"))
+    assert dissipation(full, [other]).power == dissipation(full).power
+
+
+@pytest.mark.validation
+def test_sigma_holds_an_unknown_phase_error_in_two_thirds(tmp_path):
+    """Errors even over +-1 deg: 60 to 76 % of 120 trials (standard deviation 4 %)."""
+    rng, inside = np.random.default_rng(11), []
+    for seed in range(120):
+        delay = np.radians(rng.uniform(-1.0, 1.0)) / (2 * np.pi * 40.0)
+        rig = Rig(length=1.0, rate=2000.0, delay=delay, stiffening=0.0)
+        full = rig.record(tmp_path / "full.csv", BED, 0.001, seed=seed)
+        found = dissipation(read_record(full, harmonics=2)).power
+        inside.append(abs(found.value - rig.power(0.001)) < found.sigma)
+    assert 0.60 <= np.mean(inside) <= 0.76
 
 
 def test_a_shaken_tone_that_is_not_in_the_sum_is_reported(tmp_path):
@@ -271,6 +313,8 @@ def test_command_prints_the_keys(tmp_path):
     result = json.loads(run.stdout)
     assert {"dissipated_power_w", "efficiency", "tones", "warnings"} <= set(result)
     assert result["sheet"] is None
+    share = result["efficiency"]
+    assert share["low"] < share["value"] - share["sigma"] < share["value"] < share["high"]
     drawn = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "sheets")])
     assert drawn.exit_code == 0, drawn.output
     assert "efficiency" in drawn.output
@@ -297,16 +341,33 @@ def test_bad_input_is_one_line(tmp_path, head, options, match):
         read_record(path, **options)
 
 
-def test_an_enclosure_at_rest_is_refused(tmp_path):
-    path = tmp_path / "still.csv"
-    path.write_text(
-        "time [s],force [N],acceleration [m/s2]\n" + "".join(f"{k},0,0\n" for k in range(99))
-    )
-    with pytest.raises(InputError, match="nothing is shaken"):
-        read_record(path)
+@pytest.mark.parametrize(
+    ("rate", "cycles", "force", "moved", "match"),
+    [
+        (400.0, 20, 1.0, 0.0, "nothing is shaken"),
+        (400.0, 20, 0.0, 1.0, "no transducer is connected"),
+        (400.0, 3, 1.0, 1.0, "hold 3 cycles of 40 Hz; at least 4"),
+        (100.0, 8, 1.0, 1.0, "a block of 2 samples is too short for the tones counted"),
+    ],
+)
+def test_a_record_that_holds_nothing_is_refused(tmp_path, rate, cycles, force, moved, match):
+    path, t = tmp_path / "still.csv", np.arange(cycles * rate / 40.0) / rate
+    wave = np.sin(2 * np.pi * 40.0 * t + 0.3)
+    np.savetxt(path, np.column_stack([t, force * wave, moved * wave]), delimiter=",", comments="",
+               header="time [s],force [N],acceleration [m/s2]")  # fmt: skip
+    with pytest.raises(InputError, match=match):
+        read_record(path, frequencies=(40.0,))
 
 
-def test_a_mass_below_zero_is_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        ({"particle_mass": -1.0}, "--particle-mass = -1 kg"),
+        ({"phase_error": -0.1}, "--phase-error = -0.1 rad"),
+        ({"phase_error": np.nan}, "--phase-error = nan rad"),
+    ],
+)
+def test_a_mass_or_a_phase_error_that_is_none_is_refused(tmp_path, options, match):
     record = read_record(Rig().record(tmp_path / "a.csv"))
-    with pytest.raises(InputError, match="--particle-mass"):
-        dissipation(record, (), -1.0)
+    with pytest.raises(InputError, match=match):
+        dissipation(record, (), **options)

@@ -7,7 +7,7 @@ from made_damper_rows import done
 from small_damper import CASE
 
 from damper3d.case.case import DamperCase
-from damper3d.reproduce.properties import STANDARD, VALUES, points, span
+from damper3d.reproduce.quantities.properties import STANDARD, VALUES, points, span
 from damper3d.reproduce.quantities.sensitivity import SENSITIVITY, peaks_of
 from damper3d.reproduce.sensitivity import cases, draw, report
 from damper3d.run.protocol import run

@@ -1,4 +1,4 @@
-"""The tables of shares, sensitivity and cycles from the command line, with runs of few spheres."""
+"""Tables from the command line, runs of few spheres: shares, sensitivity, cycles, experiments."""
 
 from functools import partial
 from typing import Any
@@ -7,7 +7,8 @@ import pytest
 from small_damper import CASE, damper3d
 
 from damper3d.commands.main import app
-from damper3d.reproduce import TABLES, cycles, find, properties, sensitivity, shares
+from damper3d.reproduce import TABLES, cycles, experiments, find, sensitivity, shares
+from damper3d.reproduce.quantities import properties
 from granulab.campaign.cli.reproduce import PublishedTable
 from granulab.campaign.output.layout import on_screen
 from granulab.campaign.output.results import read_results
@@ -28,14 +29,20 @@ def _few_points(monkeypatch: pytest.MonkeyPatch) -> None:
         one = (0.3,) if name == "friction" else ()
         monkeypatch.setitem(properties.VALUES, name, one)
     motion: dict[str, Any] = {"motion.frequency": 80.0}
-    for table, changes in ((shares, {}), (sensitivity, motion), (cycles, motion)):
+    for table, changes in (
+        (shares, {}), (sensitivity, motion), (cycles, motion), (experiments, motion),
+    ):  # fmt: skip
         monkeypatch.setattr(table, "cases", partial(table.cases, changes=_SMALL | changes))
     some = [{"orientation": o, "gamma": 20.0} for o in ("vertical", "horizontal")]
     monkeypatch.setattr(cycles, "points", lambda: some)
+    both = [{"surface": s, "frequency_hz": 80.0, "gamma": 20.0} for s in ("smooth", "printed")]
+    monkeypatch.setattr(experiments, "points", lambda: both)
 
 
 @pytest.mark.usefixtures("in_this_process")
-@pytest.mark.parametrize(("name", "runs"), [("shares", 2), ("sensitivity", 2), ("cycles", 2)])
+@pytest.mark.parametrize(
+    ("name", "runs"), [("shares", 2), ("sensitivity", 2), ("cycles", 2), ("experiments", 2)]
+)
 def test_a_table_runs_once_and_its_rows_are_reported_again(tmp_path, monkeypatch, name, runs):
     """What is committed is enough for the text: the same from the CSV as from the runs."""
     _few_points(monkeypatch)
@@ -53,7 +60,7 @@ def test_a_table_runs_once_and_its_rows_are_reported_again(tmp_path, monkeypatch
     assert (tmp_path / f"reproduce-{name}.png").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("name", ["shares", "sensitivity", "cycles"])
+@pytest.mark.parametrize("name", ["shares", "sensitivity", "cycles", "experiments"])
 def test_the_tables_are_in_the_registry(name):
     table: PublishedTable = find(name)
     assert table.SEEDS == 3

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.reproduce.panels import ORIENTATIONS, Row
-from damper3d.reproduce.properties import VALUES, in_words
 from damper3d.reproduce.quantities.optima import Optimum
+from damper3d.reproduce.quantities.properties import VALUES, in_words
 from damper3d.reproduce.quantities.shapes import (
     BOUNCING,
     Found,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from damper3d.reproduce.properties import STANDARD, VALUES, span
+from damper3d.reproduce.quantities.properties import STANDARD, VALUES, span
 from damper3d.studies.map.grid import MapResult
 from damper3d.studies.map.peaks import Peak
 from granulab.campaign.claims.judge import Quantities

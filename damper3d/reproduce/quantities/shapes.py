@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 from damper3d.case.random_packing import CLOSE_PACKING, close_packing
 from damper3d.reproduce.panels import ORIENTATIONS, Row
-from damper3d.reproduce.properties import STANDARD, VALUES, in_words
 from damper3d.reproduce.quantities.curves import curve
 from damper3d.reproduce.quantities.optima import Optimum, located
+from damper3d.reproduce.quantities.properties import STANDARD, VALUES, in_words
 from damper3d.studies.map.grid import MapResult
 from damper3d.studies.map.peaks import Peak
 from damper3d.studies.predict.prediction import Clearance, Prediction
