@@ -21,7 +21,7 @@ FINE = 4  # rows and columns that a pixel is drawn in
 
 
 class Motion(NamedTuple):
-    """State of a stone every STEP: x, height of the centroid [m], angle [rad], whether it touches."""
+    """State of a stone every STEP: x, height [m], angle [rad], whether it touches."""
 
     x: np.ndarray
     height: np.ndarray
@@ -216,7 +216,10 @@ def _seen(one: Stone, wall: np.ndarray, time: float, reach: float) -> np.ndarray
     y = height - 14 - one.motion.height[k] / one.scale
     c, s = math.cos(angle), math.sin(angle)
     points = one.outline @ np.array([[c, s], [-s, c]]) / one.scale * [1, -1] + [x, y]
-    low, high = np.floor(points.min(axis=0)).astype(int) - 4, np.ceil(points.max(axis=0)).astype(int) + 5
+    low, high = (
+        np.floor(points.min(axis=0)).astype(int) - 4,
+        np.ceil(points.max(axis=0)).astype(int) + 5,
+    )
     box = tuple(int(v) for v in high - low)
     cover = Image.new("L", (box[0] * FINE, box[1] * FINE))
     drawn = (points - low + 0.5) * FINE - 0.5

@@ -10,10 +10,9 @@ moves (what lies behind its rim, coding): about half each, the latter over some 
 these are the picture says beforehand (blobs.py); with that as so many positions' worth of
 knowledge, the residuals of a dozen positions say it better (a scaled inverse chi-square prior;
 Gelman et al. 2013, Bayesian data analysis, sec. 2.6).
-Grain moves the centroid alike in all pictures, in a
-direction that rotates with the object: a share u of contrast moves an edge by 4 u px where weights
-rise twice as fast as shares (blobs.py) over a rim of 2 px, and two opposite edges, of which each
-moves the centroid by half of that, by 2.8 u.
+Grain moves the centroid alike in all pictures, in a direction that rotates with the object: a share
+u of contrast moves an edge by 4 u px where weights rise twice as fast as shares (blobs.py) over a
+rim of 2 px, and two opposite edges, of which each moves the centroid by half of that, by 2.8 u.
 """
 
 from dataclasses import dataclass, replace

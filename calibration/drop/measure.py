@@ -15,7 +15,14 @@ from calibration.drop.result import Drop
 from calibration.files.track_table import read_tracks, refuse_units
 from calibration.result import checked, draw
 from calibration.statistics.quantity import metres_per_pixel
-from calibration.tracking.film.reader import Progress, is_film, is_pattern, open_film, said_rate
+from calibration.tracking.film.reader import (
+    Film,
+    Progress,
+    is_film,
+    is_pattern,
+    open_film,
+    said_rate,
+)
 from calibration.tracking.track import Track
 from granulab.errors import InputError
 
@@ -51,15 +58,20 @@ def measure_drop(
     where = f"{source}: " if isinstance(source, str | Path) else ""
     length = _metres(scale)
     fps = said_rate(fps)
-    tracks, header = _tracks(source, roi, hint, progress, units)
-    look_again = None
-    if isinstance(source, str | Path) and is_film(source):
-        look_again = partial(_overlapping, source, roi, hint, progress)
-    found = with_drag(_chosen(tracks, look_again, track, one_bounce, where))
+    film = open_film(source) if isinstance(source, str | Path) and is_film(source) else None
+    if film is None:
+        found = the_one_that_bounces(_tracks(source, units), track, one_bounce, where)
+    else:
+        refuse_units(film.path, units)
+        read = partial(_followed, film, roi, hint, progress)
+        found = _of_film(lambda overlapping: the_one_that_bounces(
+            read(overlapping), track, one_bounce, where))  # fmt: skip
+    found = with_drag(found)
     if length is not None and found.track.scale is not None:
         raise InputError(f"{where}--scale: the unit of y stands in the table's head already")
     found, first = with_first(found)
-    drop = with_free_fall(found, fps, found.track.scale if length is None else length, header)
+    length = found.track.scale if length is None else length
+    drop = with_free_fall(found, fps, length, None if film is None else film.rate)
     drop = replace(drop, first=first)
     checked(drop.to_dict(), [source] if isinstance(source, str | Path) else ())
     if out is None:
@@ -79,64 +91,48 @@ def _metres(scale: str | float | None) -> float | None:
 
 
 def _tracks(
-    source: str | Path | Track | Sequence[Track],
-    roi: tuple[int, int, int, int] | None,
-    hint: tuple[float, float, float] | None,
-    progress: Progress | None,
-    units: Mapping[str, str] | None,
-) -> tuple[list[Track], float | None]:
-    """All tracks of a source, and the frames/s that the header of a film says."""
+    source: str | Path | Track | Sequence[Track], units: Mapping[str, str] | None
+) -> list[Track]:
+    """All tracks of a table, or as they are."""
     if isinstance(source, Track):
-        return [source], source.rate
-    if not isinstance(source, str | Path):
-        return list(source), None
-    if not is_film(source):
-        return read_tracks(source, units), None
-    refuse_units(source, units)
-    from calibration.tracking.follow import follow
-
-    film = open_film(source)
-    return follow(film, roi=roi, hint=hint, progress=progress), film.rate
+        return [source]
+    return read_tracks(source, units) if isinstance(source, str | Path) else list(source)
 
 
-def _chosen(
-    tracks: list[Track], look_again: Callable[[], list[Track]] | None, name: str | None,
-    one_bounce: bool, where: str,
-) -> Bounces:  # fmt: skip
-    """The bounces that the test is about; looked for again where the object may overlap itself.
-
-    An object that falls by a few of its own diameters covers the place that it is let go from for
-    much of its fall, and is followed from the middle of it on alone.
-    """
-    refusal = None
-    try:
-        found = the_one_that_bounces(tracks, name, one_bounce, where)
-        if look_again is None or not may_overlap(found):
-            return found
-    except InputError as error:
-        if look_again is None:
-            raise
-        refusal = error
-    try:
-        return the_one_that_bounces(look_again(), name, one_bounce, where)
-    except InputError:
-        if refusal is not None:
-            raise refusal from None
-        return found
-
-
-def _overlapping(
-    source: str | Path, roi: tuple[int, int, int, int] | None,
-    hint: tuple[float, float, float] | None, progress: Progress | None,
+def _followed(
+    film: Film, roi: tuple[int, int, int, int] | None, hint: tuple[float, float, float] | None,
+    progress: Progress | None, overlapping: bool,
 ) -> list[Track]:  # fmt: skip
-    """Tracks of objects that move by less than their own size, the film read once more."""
+    """All tracks of a film; progress goes on from its end where it is read once more."""
     from calibration.tracking.follow import follow
 
-    def whole(_share: float, words: str) -> None:
+    def once_more(_share: float, words: str) -> None:
         if progress is not None:
             progress(1.0, f"once more, {words}")
 
-    return follow(open_film(source), roi=roi, hint=hint, progress=whole, overlapping=True)
+    shown = once_more if overlapping else progress
+    return follow(film, roi=roi, hint=hint, progress=shown, overlapping=overlapping)
+
+
+def _of_film(choose: Callable[[bool], Bounces]) -> Bounces:
+    """The bounces that the test is about; looked for again where the object may overlap itself.
+
+    An object that falls by a few of its own diameters covers the place that it is let go from for
+    much of its fall, and is followed from the middle of it on alone, or not at all.
+    """
+    try:
+        found = choose(False)
+    except InputError as refusal:
+        try:
+            return choose(True)
+        except InputError:
+            raise refusal from None
+    if not may_overlap(found):
+        return found
+    try:
+        return choose(True)
+    except InputError:
+        return found
 
 
 def with_pictures(

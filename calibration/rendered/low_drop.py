@@ -94,6 +94,11 @@ class Block:
         return [*found, Flight(time, centre, still, angle, 0.0, 0.0)]
 
     @property
+    def size(self) -> float:
+        """Root of the area of its section [m]."""
+        return math.sqrt(_moments(self.outline)[0])
+
+    @property
     def rebound(self) -> float:
         """Restitution of the centroid at the first contact, sqrt(H1/H0) (eq. 3.5)."""
         return float(self.flights[2].velocity[1] / math.sqrt(2 * _G * self.fall))

@@ -87,7 +87,7 @@ def _likeliest(y: Array, covariance: Covariance) -> Array:
     """(2,) variances of heights and particles, of which none is negative."""
     from scipy.optimize import minimize
 
-    unit = float(np.var(y)) or 1.0
+    unit = float(np.var(y) + np.mean(np.diag(covariance(np.zeros(2)))))
 
     def criterion(roots: Array) -> float:
         return _misfit(y, covariance(unit * np.square(roots)))
@@ -96,7 +96,7 @@ def _likeliest(y: Array, covariance: Covariance) -> Array:
     start = min(starts, key=lambda one: criterion(np.array(one)))
     best = minimize(criterion, start, method="Nelder-Mead", options={"maxfev": 400})
     found = unit * np.square(np.asarray(best.x, dtype=float))
-    return np.where(found > _NOTHING * found.sum(), found, 0.0)
+    return np.where(found > _NOTHING * unit, found, 0.0)
 
 
 def _freedom(y: Array, found: Array, covariance: Covariance) -> float:

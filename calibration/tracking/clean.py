@@ -69,8 +69,9 @@ def _two_colours(pictures: NDArray[np.uint8]) -> _Two:
     middle = often.astype(np.int16)
     off = np.stack([np.abs(one - middle).max(axis=2).astype(np.uint8) for one in pictures])
     noise = float(np.median(off)) / _MEDIAN_OF_LARGEST
-    other = off > max(_APART * noise, _CODED)
-    two = np.asarray(other.sum(axis=0) >= _FEWEST)
+    farthest = np.partition(off, -_FEWEST, axis=0)[-_FEWEST]
+    two = np.asarray(farthest > max(_APART * noise, _CODED))
+    other = off > farthest / 2  # bright pixels have more noise, which is no colour of its own
     seldom = often.copy()
     shown = pictures[:, two].astype(np.float32)  # (k, pixels, 3)
     shown[~other[:, two]] = np.nan
@@ -129,8 +130,8 @@ def _uncovered(part: _Two, beside: Colours) -> Colours:
         object_ = np.median(other[part.two], axis=0)
         as_they_are = _off(part.often, beside) + _off(part.seldom, object_)
         swapped = part.two & (_off(part.seldom, beside) + _off(part.often, object_) < as_they_are)
-    hidden = ~part.two & (_off(part.often, object_) < _off(part.often, beside))
     background = np.where(swapped[:, :, None], part.seldom, part.often)
+    hidden = _off(background, object_) < _off(background, beside)
     return np.asarray(np.where(hidden[:, :, None], beside, background), dtype=np.float32)
 
 
