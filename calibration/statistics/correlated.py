@@ -8,7 +8,7 @@ from calibration.drop.parabolas import scatter_beyond_noise
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.track import Array
 
-CHANCE = 0.05  # p below which one number does not describe the values
+CHANCE = 0.01  # p below which one number does not describe the values
 
 
 def propagated(
@@ -32,26 +32,36 @@ def with_sigma(value: Array, covariance: Array) -> Array:
 
 
 def pool(values: Array, covariance: Array) -> tuple[Estimate, float | None]:
-    """The weighted mean of correlated values; p of the chi-square test that they are one.
+    """The mean of correlated values, each weighted by its own sigma; p of the test that they are one.
 
-    Where they are not one, their scatter beyond noise counts with every value: the mean is then
+    Best weights follow the correlations, and go beyond the values where these are strong: then sigma
+    is as good as they are known, which few positions do not say. Those by each value's own sigma
+    need none, and the mean's sigma takes them from the whole covariance.
+
+    Where values are not one, their scatter beyond noise counts with every value: the mean is then
     that of such values, and its sigma how well these few give it. p is None for one value.
     """
     from scipy.stats import chi2
 
-    mean, variance, square = _weighted_mean(values, covariance)
+    mean, variance = _mean(values, covariance)
     if len(values) == 1:
         return Estimate(mean, float(np.sqrt(variance)), 1), None
-    p = float(chi2.sf(square, len(values) - 1))
+    p = float(chi2.sf(_chi_square(values, covariance), len(values) - 1))
     if p < CHANCE:
         extra = scatter_beyond_noise(with_sigma(values, covariance)) ** 2
-        mean, variance, _ = _weighted_mean(values, covariance + extra * np.eye(len(values)))
+        mean, variance = _mean(values, covariance + extra * np.eye(len(values)))
     return Estimate(mean, float(np.sqrt(variance)), len(values)), p
 
 
-def _weighted_mean(values: Array, covariance: Array) -> tuple[float, float, float]:
-    """Mean, its variance, and chi-square about it."""
+def _mean(values: Array, covariance: Array) -> tuple[float, float]:
+    """Mean by the values' own variances, and its variance."""
+    weight = 1 / np.diag(covariance)
+    weight = weight / weight.sum()
+    return float(weight @ values), float(weight @ covariance @ weight)
+
+
+def _chi_square(values: Array, covariance: Array) -> float:
+    """Of the values about the mean that makes it least."""
     inverse = np.linalg.pinv(covariance, hermitian=True)
-    variance = 1 / inverse.sum()
-    mean = float(variance * inverse.sum(axis=0) @ values)
-    return mean, float(variance), float((values - mean) @ inverse @ (values - mean))
+    off = values - inverse.sum(axis=0) @ values / inverse.sum()
+    return float(off @ inverse @ off)
