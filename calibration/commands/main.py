@@ -13,6 +13,7 @@ from granulab.errors import InputError
 _COMMANDS: dict[str, str] = {
     "drop": "films.drop",
     "pendulum": "films.pendulum",
+    "rebound": "films.rebound",
     "impacts": "impacts",
     "shaker": "shaker",
     "piv": "films.piv",
