@@ -14,6 +14,7 @@ _COMMANDS: dict[str, str] = {
     "drop": "films.drop",
     "pendulum": "films.pendulum",
     "rebound": "films.rebound",
+    "triaxial": "films.triaxial",
     "impacts": "impacts",
     "shaker": "shaker",
     "piv": "films.piv",
