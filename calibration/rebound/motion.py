@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calibration.statistics import shared_noise
 from calibration.tracking.segments import noise
@@ -19,7 +20,8 @@ _FEWEST = 4  # positions of a flight: the film then shows more than the fit take
 _OUTLIER = 4.0  # sigma, which one normal deviate of 16 000 exceeds
 _SMOOTH = 0.07  # px: error of a centroid that changes as the particle moves by its radius. Light,
 # shade and what is behind a rim shift an edge by 0.2 px (blobs), alike over a part of the outline.
-_PASSES = 4  # of fit and noise in turn
+_PASSES = 5  # of fit and noise in turn
+_EXACT = 1e-3  # of the noise before: positions without any
 _LEVEL = 1e-4  # rad: what an angle in a picture cannot be known better than
 _CHANNELS = 3  # x, y, angle
 
@@ -90,6 +92,38 @@ class Layout:
         return float(speeds[j] + bend * gap), float(speeds[j + 1])
 
 
+@dataclass(frozen=True)
+class _Problem:
+    """Points that are fitted: those of each flight (rows), where good (3, n), in sigma (3,)."""
+
+    layout: Layout
+    t: Array
+    seen: Array
+    rows: list[Rows]
+    good: NDArray[np.bool_]
+    sigma: Array
+    level: float
+
+    def residuals(self, p: Array) -> Array:
+        """(3, n) of all points of the flights; NaN elsewhere."""
+        left = np.full(self.seen.shape, np.nan)
+        for c in range(_CHANNELS):
+            for k, one in enumerate(self.rows):
+                left[c, one] = self.seen[c, one] - self.layout.at(p, c, k, self.t[one])
+        return left
+
+    def kept(self, c: int) -> list[Rows]:
+        """Points of each flight that count in channel c."""
+        return [one[self.good[c, one]] for one in self.rows]
+
+    def off(self, p: Array) -> Array:
+        """Residuals in their sigma, channel by channel, flight by flight; last the level's."""
+        left = self.residuals(p) / self.sigma[:, None]
+        parts = [left[c, one] for c in range(_CHANNELS) for one in self.kept(c)]
+        roll = self.layout.channel(p, 0)[1] / self.layout.channel(p, 1)[1]
+        return np.concatenate([*parts, [roll / max(self.level, _LEVEL)]])
+
+
 def fit(
     t: Array, seen: Array, ranges: Sequence[tuple[int, int]], level: float, radius: float
 ) -> Fitted:
@@ -108,82 +142,58 @@ def fit(
     layout = Layout(len(ranges))
     p = _start(layout, t, seen, ranges)
     flights = [np.arange(i, j) for i, j in ranges]
-    sigma = np.array([noise(t[np.isfinite(one)], one[np.isfinite(one)]) for one in seen])
     good = np.isfinite(seen)
+    sigma = np.array([noise(t[known], one[known]) for one, known in zip(seen, good, strict=True)])
     for _ in range(_PASSES):
         rows = _clear(t, flights, layout.times(p))
         _refuse_few(rows, seen[2])
-
-        def off(
-            q: Array, rows: list[Rows] = rows, good: Array = good, sigma: Array = sigma
-        ) -> Array:
-            parts = [
-                ((seen[c, one] - layout.at(q, c, k, t[one])) / sigma[c])[good[c, one]]
-                for c in range(_CHANNELS)
-                for k, one in enumerate(rows)
-            ]
-            roll = layout.channel(q, 0)[1] / layout.channel(q, 1)[1] / max(level, _LEVEL)
-            return np.concatenate([*parts, [roll]])
-
-        found = least_squares(off, p, x_scale="jac")
-        p = np.asarray(found.x)
-        residuals = np.full(seen.shape, np.nan)
-        for c in range(_CHANNELS):
-            for k, one in enumerate(rows):
-                residuals[c, one] = seen[c, one] - layout.at(p, c, k, t[one])
-        sigma = _noise(residuals, good, layout, sigma)
-        good = np.isfinite(seen) & ~(np.abs(residuals) > _OUTLIER * sigma[:, None])
-    residuals = np.where(good, residuals, np.nan)
-    jacobian = np.asarray(least_squares(off, p, x_scale="jac", max_nfev=1).jac)
-    smooth = _SMOOTH / sigma / np.array([1.0, 1.0, radius])
-    covariance = _covariance(
-        jacobian, residuals / sigma[:, None], smooth, seen[1] / radius, t, rows
-    )
-    jumps = _jumps(jacobian, off(p), residuals, rows, sigma)
-    return Fitted(p, covariance, layout, residuals, sigma, rows, *jumps)
+        problem = _Problem(layout, t, seen, rows, good, sigma, level)
+        found = least_squares(problem.off, p, x_scale="jac")
+        p, fitted = np.asarray(found.x), problem
+        sigma = _noise(problem, p)
+        left = problem.residuals(p)
+        good = np.isfinite(seen) & ~(np.abs(left) > _OUTLIER * sigma[:, None])
+    covariance = _covariance(fitted, p, np.asarray(found.jac), radius)
+    residuals = np.where(fitted.good, fitted.residuals(p), np.nan)
+    jumps = _jumps(fitted, p, np.asarray(found.jac))
+    return Fitted(p, covariance, layout, residuals, fitted.sigma, fitted.rows, *jumps)
 
 
-def _covariance(
-    jacobian: Array, off: Array, smooth: Array, height: Array, t: Array, rows: list[Rows]
-) -> Array:
-    """Of the parameters, with noise that neighbouring positions share (shared_noise).
-
-    jacobian   of the residuals in their sigma, channel by channel and flight by flight; last that
-               of the picture's level
-    off        (3, n) these residuals; NaN where not in the fit
-    smooth     (3,) error that is alike over the particle's radius, in the same sigma
-    height     (n,) in radii
-    """
+def _covariance(problem: _Problem, p: Array, jacobian: Array, radius: float) -> Array:
+    """Of the parameters, with noise that neighbouring positions share (shared_noise)."""
+    off = problem.residuals(p) / problem.sigma[:, None]
+    height = problem.seen[1] / radius
+    smooth = _SMOOTH / problem.sigma / np.array([1.0, 1.0, radius])
     blocks = []
-    for one, error in zip(off, smooth, strict=True):
-        kept = [row[np.isfinite(one[row])] for row in rows]
-        for row, block in zip(kept, shared_noise.covariances(one, height, t, kept), strict=True):
-            apart = np.abs(height[row][:, None] - height[row][None])
-            blocks.append(block + error**2 * np.exp(-apart))
+    for c in range(_CHANNELS):
+        kept = problem.kept(c)
+        for one, block in zip(
+            kept, shared_noise.covariances(off[c], height, problem.t, kept), strict=True
+        ):
+            apart = np.abs(height[one][:, None] - height[one][None])
+            blocks.append(block + smooth[c] ** 2 * np.exp(-apart))
     return shared_noise.of_parameters(jacobian[:-1], blocks, jacobian[-1:])
 
 
-def _jumps(
-    jacobian: Array, off: Array, residuals: Array, rows: list[Rows], sigma: Array
-) -> tuple[Array, Array]:
+def _jumps(problem: _Problem, p: Array, jacobian: Array) -> tuple[Array, Array]:
     """Jumps of x and angle at each contact, to first order, and their sigma from white noise."""
-    flight, channel = (
+    channel, flight = (
         np.concatenate([
-            np.full(int(np.isfinite(residuals[c, one]).sum()), (k, c)[which])
+            np.full(len(one), (c, k)[which])
             for c in range(_CHANNELS)
-            for k, one in enumerate(rows)
+            for k, one in enumerate(problem.kept(c))
         ])
         for which in (0, 1)
     )  # fmt: skip
     later = [
-        np.append(np.where((channel == c) & (flight > j), -1 / sigma[c], 0.0), 0.0)
-        for j in range(len(rows) - 1)
+        np.append(np.where((channel == c) & (flight > j), -1 / problem.sigma[c], 0.0), 0.0)
+        for j in range(problem.layout.m - 1)
         for c in (0, 2)
     ]
     whole = np.column_stack([jacobian, *later])
     inverse = np.linalg.pinv(whole.T @ whole, hermitian=True)
     count = len(later)
-    found = -(inverse @ whole.T @ off)[-count:]
+    found = -(inverse @ whole.T @ problem.off(p))[-count:]
     spread = np.sqrt(np.clip(np.diag(inverse)[-count:], 0, None))
     return found.reshape(-1, 2), spread.reshape(-1, 2)
 
@@ -243,12 +253,13 @@ def _clear(t: Array, flights: list[Rows], times: Array) -> list[Rows]:
     ]
 
 
-def _noise(residuals: Array, good: Array, layout: Layout, before: Array) -> Array:
+def _noise(problem: _Problem, p: Array) -> Array:
     """(3,) standard deviation of each channel from its residuals, less what the fit took up."""
-    found = before.copy()
+    found = problem.sigma.copy()
+    residuals = problem.residuals(p)
     for c in range(_CHANNELS):
-        left = residuals[c][good[c] & np.isfinite(residuals[c])]
-        freedom = len(left) - (layout.m + 1 + (c != 2))
+        left = residuals[c, np.concatenate(problem.kept(c))]
+        freedom = len(left) - (problem.layout.m + 1 + (c != 2))
         if freedom > 0:
-            found[c] = max(float(np.sqrt(np.sum(left**2) / freedom)), 1e-3 * before[c])
+            found[c] = max(float(np.sqrt(np.sum(left**2) / freedom)), _EXACT * found[c])
     return found
