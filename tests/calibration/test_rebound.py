@@ -117,6 +117,13 @@ def test_command_reports_draws_and_writes_restitution_at_the_point(filmed, tmp_p
     assert f"{answers['restitution']['value']:.3f}" in wood.read_text(encoding="utf-8")
 
 
+def square() -> PrismScene:
+    """A square that lands on a side, 6 degrees off: its other corner follows in half a frame."""
+    side = 10e-3
+    prism = Prism(((0, 0), (side, 0), (side, side), (0, side)))
+    return replace(SCENE, prism=prism, angle=0.1, omega=0.0, velocity=(0.0, -0.3), restitution=0.8)
+
+
 def ball() -> PrismScene:
     angle = 2 * np.pi * np.arange(40) / 40
     prism = Prism(tuple((6e-3 * np.cos(a), 6e-3 * np.sin(a)) for a in angle.tolist()))
@@ -125,6 +132,7 @@ def ball() -> PrismScene:
 
 REFUSED = {
     "round": (ball(), DURATION, (), "silhouette is round"),
+    "on a side": (square(), DURATION, (), "lands on a side"),
     "no contact": (SCENE, 0.08, (), "no contact is seen"),
     "steep plate": (None, 0.0, ("--plane", "80 deg"), "--plane"),
     "gyration": (None, 0.0, ("--gyration", "-1 mm"), "must be positive"),
