@@ -39,7 +39,8 @@ NAMES = (
 class Contact(NamedTuple):
     """One contact.
 
-    frame     when, on the clock of the track, and sigma
+    frame     when, on the clock of the track; sigma
+    angle     of the particle then, counter-clockwise [rad]
     doubt     why it is no contact of one point; "" for one that is
     balance   point of contact by the impulse's moment less that by the outline, in sigma
     values    by NAMES; lengths in px, times in frames, energies in shares of that before

@@ -56,7 +56,7 @@ def _of_flights(found: Rebound, c: int) -> list[tuple[np.ndarray, np.ndarray]]:
     """Times and fitted values of channel c on each flight, from contact to contact."""
     fitted = found.known.fitted
     times = fitted.layout.times(fitted.parameters)
-    ends = [found.track.clock[fitted.rows[0][0]], *times, found.track.clock[fitted.rows[-1][-1]]]
+    ends = [found.clock[fitted.rows[0][0]], *times, found.clock[fitted.rows[-1][-1]]]
     lines = []
     for k in range(fitted.layout.m):
         t = np.linspace(ends[k], ends[k + 1], 60)
@@ -65,7 +65,7 @@ def _of_flights(found: Rebound, c: int) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def _positions(axes: "Axes", found: Rebound) -> None:
-    t = found.track.clock
+    t = found.clock
     for values, colour, c in ((found.track.x, BLUE, 0), (-found.track.y, GREEN, 1)):
         axes.plot(t, values, ".", color=colour, ms=3, label=("x", "y, upwards")[c])
         for line in _of_flights(found, c):
@@ -77,7 +77,7 @@ def _positions(axes: "Axes", found: Rebound) -> None:
 
 
 def _angles(axes: "Axes", found: Rebound) -> None:
-    t, angle = found.track.clock, np.degrees(-found.seen.angle)
+    t, angle = found.clock, np.degrees(-found.seen.angle)
     axes.errorbar(t, angle, np.degrees(found.seen.sigma), fmt=".", color=VERMILION, ms=3, lw=0.6)
     for line in _of_flights(found, 2):
         axes.plot(line[0], np.degrees(line[1]), color=INK, lw=0.8)
@@ -100,7 +100,7 @@ def _residuals(axes: "Axes", found: Rebound, c: int) -> None:
     if c == 2:
         values, unit = np.degrees(values), "degrees"
     axes.axhline(0, color=GREY, lw=0.6)
-    axes.plot(found.track.clock, values, ".", color=colour, ms=3)
+    axes.plot(found.clock, values, ".", color=colour, ms=3)
     _marks(axes, found)
     axes.set_ylabel(f"residual of {name} [{unit}]")
     axes.set_xlabel("time [frames]")
@@ -109,10 +109,7 @@ def _residuals(axes: "Axes", found: Rebound, c: int) -> None:
 def _pictures(found: Rebound, shown: list[Contact]) -> dict[int, Picture]:
     """Frame of the film nearest to each contact."""
     film = open_film(found.path)
-    number = {
-        int(np.rint(np.interp(one.frame, found.track.clock, found.track.frame))): k
-        for k, one in enumerate(shown)
-    }
+    number = {round(found.frame(one)): k for k, one in enumerate(shown)}
     return {number[one.number]: one.picture for one in film.some(number)}
 
 
@@ -144,7 +141,9 @@ def _contact(axes: "Axes", found: Rebound, one: Contact, picture: Picture | None
     axes.set_ylim(-y + reach, -y - reach)
     axes.set_aspect("equal")
     e = one.values["restitution"]
-    axes.set_title(f"contact at frame {one.frame:.1f}: {plus_minus(e.value, e.sigma)}", fontsize=9)
+    axes.set_title(
+        f"contact at frame {found.frame(one):.1f}: {plus_minus(e.value, e.sigma)}", fontsize=9
+    )
     axes.set_xlabel("x [px]")
     axes.set_ylabel("y [px]")
 
@@ -165,7 +164,7 @@ def _energies(axes: "Axes", found: Rebound) -> None:
                 label = name if k == i == 0 else None
                 axes.bar(2 * k + i, share, 0.7, bottom=low, color=colour, label=label)
                 low += share
-            labels.append(f"{when}\n{one.frame:.0f}")
+            labels.append(f"{when}\n{found.frame(one):.0f}")
     axes.set_xticks(range(len(labels)), labels)
     axes.set_ylabel("share of the kinetic energy before")
     axes.legend(loc="upper right")

@@ -7,7 +7,7 @@ import numpy as np
 
 from calibration.drop.bounce import STANDARD_GRAVITY
 from calibration.drop.choice import is_shadow
-from calibration.drop.timebase import check
+from calibration.drop.timebase import TimeBase, check
 from calibration.rebound.contact import Contact, Known, of_contacts
 from calibration.rebound.motion import Fitted, fit
 from calibration.rebound.result import Rebound
@@ -58,9 +58,9 @@ def measure_rebound(
         raise InputError(f"{film}: a rotation is seen in a film; see calibrate drop for tables")
     opened = open_film(film)
     tracks = follow(opened, roi=roi, hint=hint, progress=progress)
-    chosen, ranges = _the_one(tracks, track, str(film))
+    chosen, base, ranges = _the_one(tracks, track, str(film))
     try:
-        found = _measured(chosen, ranges, fps, scale, plane, gyration_radius)
+        found = _measured(chosen, base, ranges, fps, scale, plane, gyration_radius)
     except InputError as error:
         raise InputError(f"{film}: {error}") from error
     found = replace(found, path=Path(film))
@@ -70,8 +70,8 @@ def measure_rebound(
 
 def _the_one(
     tracks: list[Track], name: str | None, where: str
-) -> tuple[Track, list[tuple[int, int]]]:
-    """The track that falls and rebounds, on the clock that free fall shows, and its flights."""
+) -> tuple[Track, TimeBase, list[tuple[int, int]]]:
+    """The track that falls and rebounds, the clock that free fall shows, and its flights."""
     known = [one.name for one in tracks]
     if name is not None and name not in known:
         raise InputError(f"{where}: no track {name!r}; there are {', '.join(map(repr, known))}")
@@ -81,17 +81,16 @@ def _the_one(
             continue
         base = check(one.seen(), one.seen().clock)
         kept = one.seen().chosen(base.rows)
-        kept = replace(kept, frame=base.clock, time=None) if one.time is None else kept
         ranges, acceleration = flights(base.clock, kept.y)
         if len(ranges) > 1 and acceleration is not None and acceleration > 0:
-            found.append((kept, ranges))
+            found.append((kept, base, ranges))
     if not found:
         raise InputError(
             f"{where}: no contact is seen: nothing falls and goes up again from a plate below it"
         )
     lit = [one for one in found if one[0].look is None or not is_shadow(one[0].look)] or found
     if len(lit) > 1:
-        names = ", ".join(f"{one.name!r} from {one.x[0]:.0f},{one.y[0]:.0f} px" for one, _ in lit)
+        names = ", ".join(f"{one.name!r} from {one.x[0]:.0f},{one.y[0]:.0f} px" for one, *_ in lit)
         raise InputError(
             f"{where}: {len(lit)} objects rebound: choose one with --track, --at or --roi ({names})"
         )
@@ -99,14 +98,13 @@ def _the_one(
 
 
 def _measured(
-    track: Track, ranges: list[tuple[int, int]], fps: float | None, scale: float | None,
-    plane: Measured, gyration_radius: Measured | None,
+    track: Track, base: TimeBase, ranges: list[tuple[int, int]], fps: float | None,
+    scale: float | None, plane: Measured, gyration_radius: Measured | None,
 ) -> Rebound:  # fmt: skip
     seen = orientation(track)
-    t = track.clock
     positions = np.stack([track.x, -track.y, -seen.angle])
     radius = float(np.sqrt(np.mean(seen.outline**2)))
-    fitted = fit(t, positions, ranges, plane.sigma or 0.0, radius)
+    fitted = fit(base.clock, positions, ranges, plane.sigma or 0.0, radius)
     rate = fps or track.rate
     length = _length(fitted, rate, scale)
     k = _gyration(seen, gyration_radius, length)
@@ -118,10 +116,16 @@ def _measured(
         raise InputError(f"contact at frame {one.frame:.1f}: {one.doubt}; drop it again")
     pooled, p = pool(e[good], covariance[np.ix_(good, good)])
     _refuse_unknown(pooled)
-    warnings = [*track.remarks, *seen.remarks(track.frame), *_warnings(contacts, seen)]
+    warnings = [
+        *track.remarks,
+        *base.remarks,
+        *seen.remarks(track.frame),
+        *_warnings(contacts, seen),
+    ]
     return Rebound(
-        track, seen, known, contacts, pooled, p, rate, length, tuple(dict.fromkeys(warnings))
-    )
+        track, base.clock, seen, known, contacts, pooled, p, rate, length,
+        tuple(dict.fromkeys(warnings)),
+    )  # fmt: skip
 
 
 def _length(fitted: Fitted, rate: float | None, scale: float | None) -> Estimate | None:

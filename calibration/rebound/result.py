@@ -11,7 +11,7 @@ from calibration.result import Parameter
 from calibration.statistics.quantity import plus_minus
 from calibration.statistics.uncertainty import Estimate, as_pair, through
 from calibration.tracking.orientation import Orientation
-from calibration.tracking.track import Track
+from calibration.tracking.track import Array, Track
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,6 +25,7 @@ class Rebound:
     """Result of a rebound.
 
     track, seen   the particle's positions and orientations
+    clock         (n,) time of each position [frames]: without frames that are shown twice
     known         its motion and shape; see calibration.rebound.contact
     contacts      in order of time
     pooled, p     restitution at the point of contact of all contacts; chance that they are one
@@ -33,6 +34,7 @@ class Rebound:
     """
 
     track: Track
+    clock: Array
     seen: Orientation
     known: Known
     contacts: list[Contact]
@@ -70,7 +72,7 @@ class Rebound:
     def _contact(self, one: Contact) -> dict[str, Any]:
         known = one.values
         return {
-            "frame": one.frame,
+            "frame": self.frame(one),
             "frame_sigma": one.sigma,
             "angle_deg": float(np.degrees(one.angle)),
             "restitution": as_pair(known["restitution"]),
@@ -87,6 +89,10 @@ class Rebound:
             "angular_velocity_before_rad_s": as_pair(self.rotation(known["omega_before"])),
             "angular_velocity_after_rad_s": as_pair(self.rotation(known["omega_after"])),
         }
+
+    def frame(self, one: Contact) -> float:
+        """Number in the film of the frame, and part of one, at which a contact is."""
+        return float(np.interp(one.frame, self.clock, self.track.frame))
 
     def length(self, known: Estimate) -> Estimate | None:
         """A length in px in m."""
@@ -131,7 +137,7 @@ class Rebound:
         )
         tangential = definite(known["tangential_restitution"])
         lines = [
-            f"contact at frame {one.frame:.2f} +- {one.sigma:.1g}, rotated by "
+            f"contact at frame {self.frame(one):.2f} +- {one.sigma:.1g}, rotated by "
             f"{np.degrees(one.angle):.1f} degrees",
             f"  restitution at the point {_said(known['restitution'])}; ratio of the centroid's "
             f"velocities {_said(known['restitution_centroid'])}",
