@@ -109,8 +109,8 @@ def _refuse_round(shape: Complex, noise: Array) -> None:
     strong = float(np.sqrt(np.sum(np.abs(shape / noise) ** 2)))
     if size < _UNEVEN or strong < _SIGMAS:
         raise InputError(
-            f"its silhouette is round: the radius varies by {size:.2g} px about its mean, and its "
-            "orientation cannot be seen; film it nearer, or paint and track a mark"
+            f"its silhouette is round within noise: the radius varies by {size:.2g} px about its "
+            "mean, and no orientation is seen; film it nearer, or see calibrate drop for balls"
         )
 
 

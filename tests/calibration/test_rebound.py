@@ -131,7 +131,7 @@ def ball() -> PrismScene:
 
 
 REFUSED = {
-    "round": (ball(), DURATION, (), "silhouette is round"),
+    "round": (ball(), DURATION, (), "round within noise"),
     "on a side": (square(), DURATION, (), "lands on a side"),
     "no contact": (SCENE, 0.08, (), "no contact is seen"),
     "steep plate": (None, 0.0, ("--plane", "80 deg"), "--plane"),
