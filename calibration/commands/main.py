@@ -13,6 +13,8 @@ from granulab.errors import InputError
 _COMMANDS: dict[str, str] = {
     "drop": "films.drop",
     "pendulum": "films.pendulum",
+    "rebound": "films.rebound",
+    "triaxial": "films.triaxial",
     "impacts": "impacts",
     "shaker": "shaker",
     "piv": "films.piv",

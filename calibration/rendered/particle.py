@@ -253,13 +253,16 @@ class Truth:
 
 def film_prism(
     scene: PrismScene, camera: Camera, path: Path, *, duration: float = 0.25, seed: int = 1,
-    codec: str = "mp4v",
+    codec: str = "mp4v", header: float | None = None,
 ) -> Truth:  # fmt: skip
-    """Write the film of a scene, and what it shows."""
+    """Write the film of a scene, and what it shows.
+
+    header   frames/s that the file says, where not the camera's
+    """
     flights, contacts = scene.flights(duration)
     times = [k / camera.rate for k in range(int(duration * camera.rate))]
     pictures = camera.film(lambda time: scene.paint(flights, time), times, seed)
-    write_film(pictures, path, camera.rate, codec)
+    write_film(pictures, path, header or camera.rate, codec)
     placed = [scene.placed(flights, time) for time in times]
     return Truth(
         tuple(contacts), np.array([one[0] for one in placed]), np.array([one[1] for one in placed]),

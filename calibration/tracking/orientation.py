@@ -76,8 +76,11 @@ def orientation(track: Track) -> Orientation:
     least = _UNEVEN / np.sqrt(4 * np.pi * float(np.median(profile)))
     angle = _followed(seen, harmonics, track.frame)
     noise: Array = np.full(len(harmonics), least)
+    raw, still = seen, np.zeros(len(harmonics), dtype=complex)
     for _ in range(_PASSES):
         shape = _shape(seen, harmonics, angle)
+        still = _still(raw, shape, harmonics, angle, noise / least)
+        seen = raw - still
         angle = _refined(seen, shape / noise**2, harmonics, angle)
         left = seen * np.exp(1j * harmonics * angle[:, None]) - shape
         parts = np.concatenate([left.real, left.imag])
@@ -106,8 +109,8 @@ def _refuse_round(shape: Complex, noise: Array) -> None:
     strong = float(np.sqrt(np.sum(np.abs(shape / noise) ** 2)))
     if size < _UNEVEN or strong < _SIGMAS:
         raise InputError(
-            f"its silhouette is round: the radius varies by {size:.2g} px about its mean, and its "
-            "orientation cannot be seen; film it nearer, or paint and track a mark"
+            f"its silhouette is round within noise: the radius varies by {size:.2g} px about its "
+            "mean, and no orientation is seen; film it nearer, or see calibrate drop for balls"
         )
 
 
@@ -134,6 +137,23 @@ def _shape(seen: Complex, harmonics: Array, angle: Array) -> Complex:
     """(m,) coefficients at angle zero: the middle of all silhouettes, rotated back."""
     back = seen * np.exp(1j * harmonics * angle[:, None])
     return np.asarray(np.median(back.real, axis=0) + 1j * np.median(back.imag, axis=0))
+
+
+def _still(seen: Complex, shape: Complex, harmonics: Array, angle: Array, noise: Array) -> Complex:
+    """(m,) part of the coefficients that does not rotate: of light, lens and pixels.
+
+    noise   (m,) sigma of one silhouette's in that which such a part has: where it cannot be told
+            from the shape it is taken as small
+    """
+    wave = np.exp(-1j * harmonics * angle[:, None])
+    left = seen - shape * wave
+    usual = np.abs(left) <= _SIGMAS * np.median(np.abs(left), axis=0)
+    wave, left, n = wave * usual, left * usual, usual.sum(axis=0)
+    # least squares of left = d wave + s, d a correction of the shape, s with a prior of its own
+    one = wave.sum(axis=0)
+    own = n + noise**2 - np.abs(one) ** 2 / np.maximum(n, 1)
+    with_shape = one * (wave.conj() * left).sum(axis=0) / np.maximum(n, 1)
+    return np.asarray((left.sum(axis=0) - with_shape) / own)
 
 
 def _refined(seen: Complex, weighted: Complex, harmonics: Array, angle: Array) -> Array:

@@ -51,7 +51,7 @@ def test_a_ball_has_no_orientation(tmp_path):
     film = tmp_path / "film.avi"
     scene = DropScene((Ball(fall=0.1),), width=120, height=220)
     film_drop(scene, Camera(rate=100), film, duration=0.4, codec="FFV1")
-    with pytest.raises(InputError, match="silhouette is round"):
+    with pytest.raises(InputError, match="round within noise"):
         orientation(follow(open_film(film))[0])
 
 
