@@ -1,16 +1,15 @@
 """Films of a block on a plate: the inclination at first slip, and the way of a block that slides.
 
-The plate's inclination is that of its upper (or lower) edge in the mean of all pictures, turned
-back to the first, and how far the plate has rotated since. The edge alone would do on a plain
-plate, the texture alone knows no horizontal; together no error of a single picture counts. All
-inclinations count from the rows of the picture: a camera that is rolled adds its roll.
+The plate's inclination is that of its upper edge in the mean of some pictures, turned back to the
+first, and how far the plate has rotated since. Texture alone knows no horizontal, and the edge in a
+single picture has its noise; together no error of one picture counts. All inclinations count from
+the rows of the picture: a camera that is rolled adds its roll.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calibration.block.align import block_shifts, mean_picture
 from calibration.block.body import FEWEST, Body, agreed, follow_body
@@ -30,7 +29,7 @@ _LAST = 12  # frames before the slip whose mean shows the plate and the block at
 _ALIGNED = 30.0  # px of the way that are measured on the block's whole picture
 _FRAMES = 200  # that are, at most
 _LEFT = 3.0  # px that a corner of the block has left the plate by, twice what one at rest does
-_ASTRAY = 0.1  # of its frames in which a corner is mistaken for another
+_STAYS = 1.0  # px that one of the plate is off by, as RANSAC has it
 _WITH = 2.0  # px by which a corner may be off the block's way
 _TOPPLED = np.radians(6.0)  # of the block against the plate: it slides no more on its face
 _BEND = 0.02  # of the way: how far a slide may leave its straight line
@@ -53,16 +52,18 @@ class Options:
 
 def measure_tilt(path: str | Path, options: Options, progress: Progress | None = None) -> Tilted:
     """The inclination at which a block first slips; InputError, one line, where it does not."""
-    film = open_film(path)
+    film, fps = open_film(path), said_rate(options.fps)
     seen = survey(film)
-    body = follow_body(film, seen, inside(film, options.roi), rotates=True, fps=options.fps,
+    body = follow_body(film, seen, inside(film, options.roi), rotates=True, fps=fps,
                        progress=progress)  # fmt: skip
     plate, block = _parted(film, body)
     number, corners = body.scene.number, block.scene.corners
     left = block.seen_from(plate)
     way = _together(left)
     _refuse_toppling(film, _rotations(corners, left)[~(np.hypot(*way.T) > _ALIGNED)])
-    rest = np.flatnonzero(~(np.hypot(*way.T) > _RESTS))
+    rest = np.flatnonzero(np.hypot(*way.T) < _RESTS)
+    if not len(rest):
+        raise InputError(f"{film.path}: the block is not seen at rest on the plate before it slips")
     end = way[int(np.nanargmax(np.hypot(*way.T)))]
     # The rotation at the slip, whatever it is off by since the first frame, is in these, too.
     last = rest[-_LAST:]
@@ -76,15 +77,14 @@ def measure_tilt(path: str | Path, options: Options, progress: Progress | None =
     slip = first_slip(number[known], slipped[known])
     if slip is None:
         raise InputError(f"{film.path}: the block never slips down the plate: tilt it further")
-    angle, sigma = np.abs(angle), edge.sigma
-    if options.start_angle is not None:
-        angle = angle - angle[0] + options.start_angle.value
-        sigma = options.start_angle.sigma or 0.0
-    found = _inclination(number, angle, slip, sigma)
-    return Tilted(
-        film.path, number, said_rate(options.fps) or film.rate, angle, slipped, slip, found, edge,
-        corners, tuple(body.scene.remarks),
-    )  # fmt: skip
+    angle, start = np.abs(angle), options.start_angle
+    if start is not None:
+        angle = angle - angle[0] + start.value
+    found, noise = _inclination(number, angle, slip)
+    by = edge.sigma if start is None else float(np.hypot(start.sigma or 0.0, noise))
+    found = replace(found, sigma=float(np.hypot(found.sigma or 0.0, by)))
+    return Tilted(film.path, number, fps or film.rate, angle, slipped, slip, found, edge, corners,
+                  tuple(body.scene.remarks))  # fmt: skip
 
 
 def measure_slide(
@@ -139,28 +139,16 @@ def _parted(film: Film, body: Body) -> tuple[Body, Body]:
             leaves = np.zeros(far.shape[1], bool)
             leaves[gone[held]] = True
             way = body.motion[k, :2, :2] @ np.median(left[k, leaves], axis=0)
-            stays = _stay(far[k:])
-            if stays.sum() < FEWEST:
-                raise InputError(
-                    f"{film.path}: the plate is lost from sight at frame {k}: give its side marks "
-                    "to follow, more light, or more of the picture"
-                )
-            plate, block = (stays, leaves) if way[1] > 0 else (leaves, stays)
-            return body.part(plate), body.part(block)
+            # Corners that are not seen now are of neither: those of the block would drag the plate.
+            stays = far[k] < _STAYS
+            if stays.sum() >= FEWEST:
+                plate, block = (stays, leaves) if way[1] > 0 else (leaves, stays)
+                return body.part(plate), body.part(block)
     raise InputError(
         f"{film.path}: the block never slips: nothing leaves the plate that tilts by "
         f"{np.degrees(np.ptp(body.rotation)):.0f} deg; film until it slides away, or say where "
         "plate and block are: --roi x,y,w,h"
     )
-
-
-def _stay(far: Array) -> NDArray[np.bool_]:
-    """Corners (c,) that are seen and hardly ever leave, by (n, c) px, from when others do.
-
-    A corner of the block that is not seen when the block leaves would drag the plate along.
-    """
-    away, seen = (far > _LEFT).sum(axis=0), np.isfinite(far).sum(axis=0)
-    return np.asarray((seen >= _SEEN) & (away <= _ASTRAY * seen))
 
 
 def _together(left: Array) -> Array:
@@ -263,10 +251,10 @@ def _downhill(angle: float) -> float:
     return 1.0 if np.sin(angle) >= 0 else -1.0
 
 
-def _inclination(number: Array, angle: Array, slip: Slip, sigma: float) -> Estimate:
-    """The inclination at the first slip, straight through the frames about it."""
+def _inclination(number: Array, angle: Array, slip: Slip) -> tuple[Estimate, float]:
+    """Inclination at the first slip, straight through the frames about it, and noise of a frame."""
     near = (number > slip.time - _LAST) & (number < slip.time + _AROUND)
     t = number[near] - slip.time
-    beta, covariance, _, _ = robust_fit(np.column_stack([np.ones_like(t), t]), angle[near])
-    variance = sigma**2 + covariance[0, 0] + (beta[1] * slip.sigma) ** 2
-    return Estimate(float(beta[0]), float(np.sqrt(variance)), 1)
+    beta, covariance, _, noise = robust_fit(np.column_stack([np.ones_like(t), t]), angle[near])
+    variance = covariance[0, 0] + (beta[1] * slip.sigma) ** 2
+    return Estimate(float(beta[0]), float(np.sqrt(variance)), 1), noise

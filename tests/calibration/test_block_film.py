@@ -10,6 +10,7 @@ from bench_calls import write
 from calibrating import calibrate
 from refusals import assert_refused
 
+from calibration.bench.sections import Request, filmed
 from calibration.bench.slide import GRAVITY
 from calibration.block.slip import first_slip
 from calibration.block.way import fit_way, from_any, from_rest
@@ -22,6 +23,7 @@ from calibration.rendered.block import (
     tilt_by_chance,
 )
 from calibration.rendered.camera import Camera
+from granulab.errors import InputError
 
 SMALL = (300, 220)
 SCENE = BlockScene(
@@ -116,6 +118,19 @@ def test_films_are_pooled_written_and_drawn(tilted, tmp_path):
     for path in files:
         assert (tmp_path / f"incline-{path.stem}-film.png").stat().st_size > 20_000
     assert (tmp_path / f"incline-{files[0].stem}.png").exists()
+
+
+def test_films_in_several_folders_are_groups_by_their_names(tmp_path):
+    """And a constant stands in place of what a film gives."""
+    files = [tmp_path / pairing / f"{k}.mp4" for pairing in ("oak", "steel") for k in range(2)]
+    seen = {"angle": 0.3, "incline": 0.5}
+    sections = filmed(files, lambda path: seen, Request(constants={"incline": 0.4}))
+    assert [one.group for one in sections] == ["oak", "oak", "steel", "steel"]
+    assert all(one.columns["incline"] == [0.4] for one in sections)
+    only = filmed(files, lambda path: seen, Request(only="steel"))
+    assert [one.name for one in only] == ["0.mp4", "1.mp4"]
+    with pytest.raises(InputError, match="given twice"):
+        filmed([files[0], files[0]], lambda path: seen, Request())
 
 
 def test_a_rolled_camera_is_taken_off_by_the_angle_in_the_first_frame(tmp_path):
