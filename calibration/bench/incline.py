@@ -3,18 +3,26 @@
 Paper sec. 3.1: with N = m g cos(alpha), F = m g sin(alpha) and F = mu N, mu = tan(alpha). The angle
 is read, or follows from the heights H1 and H2 of two points of the plane and the length L between
 them: measured along the slope, sin(alpha) = |H1 - H2|/L; along the base, tan(alpha) = |H1 - H2|/L.
-The paper does not say which L it has.
+The paper does not say which L it has. A film of the test gives the angle itself
+(calibration.block).
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Columns, Input, Request, Section, need, rows
+from calibration.bench.sections import Columns, Input, Request, Section, filmed, need, rows
+from calibration.statistics.quantity import measured_quantity
 from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.film.reader import Progress, Region, is_film
 from granulab.errors import InputError
+
+if TYPE_CHECKING:
+    from calibration.block.result import Tilted
 
 INPUTS = (
     Input("angle", "rad", "inclination at first slip"),
@@ -24,9 +32,34 @@ INPUTS = (
 )
 
 
-def friction(files: Sequence[str | Path], what: Request, *, along: str = "slope") -> list[Quantity]:
-    """The coefficient of friction, one row a trial; `along`: "slope" or "base", what L is."""
-    sections, remarks = rows(files, INPUTS, what)
+_SIGMA = "sigma of the angle"  # rad, of a film
+
+
+def friction(
+    files: Sequence[str | Path], what: Request, *, along: str = "slope", fps: float | None = None,
+    roi: Region | None = None, start_angle: str | None = None, progress: Progress | None = None,
+) -> list[Quantity]:  # fmt: skip
+    """The coefficient of friction, one row or one film a trial; of films also the angle.
+
+    along                "slope" or "base", what L is
+    fps, roi             of films; start_angle: their plate's inclination in the first frame
+    """
+    films: list[Tilted] = []
+    start = None if start_angle is None else measured_quantity(start_angle, "rad", "--start-angle")
+
+    def seen(path: Path) -> dict[str, float]:
+        from calibration.block.measure import Options, measure_tilt
+
+        known = None if start is None else Estimate(start.value, start.sigma or 0.0, 1)
+        films.append(measure_tilt(path, Options(fps, roi, known), progress))
+        found = films[-1].found
+        return {"angle": found.value, _SIGMA: found.sigma or 0.0}
+
+    tables = [path for path in files if not is_film(path)]
+    sections, remarks = rows(tables, INPUTS, what) if tables else ([], [])
+    by_film = filmed([path for path in files if is_film(path)], seen, what)
+    remarks += [f"{one.path.name}: {remark}" for one in films for remark in one.remarks]
+    sections += by_film
     by_heights = any(_by_heights(section) for section in sections)
     if by_heights:
         formula = {"slope": "sin(alpha)", "base": "tan(alpha)"}[along]
@@ -35,10 +68,21 @@ def friction(files: Sequence[str | Path], what: Request, *, along: str = "slope"
     remarks += _in_degrees_by_mistake(sections)
 
     def evaluate(columns: Columns) -> Estimate:
-        return Estimate(_friction(columns, along), None, 1)
+        mu = _friction(columns, along)
+        sigma = (1 + mu**2) * float(columns[_SIGMA][0]) if _SIGMA in columns else None
+        return Estimate(mu, sigma, 1)
 
     found = measure(sections, evaluate, what, key="friction", name="friction", remarks=remarks)
-    return [found]
+    if not films:
+        return [found]
+
+    def repose(columns: Columns) -> Estimate:
+        sigma = float(columns[_SIGMA][0]) if _SIGMA in columns else None
+        return Estimate(float(np.arctan(_friction(columns, along))), sigma, 1)
+
+    angle = measure(sections, repose, what, key="angle_of_repose_rad", name="angle of repose",
+                    si="rad", unit="deg")  # fmt: skip
+    return [replace(found, films=tuple(films)), angle]
 
 
 def _in_degrees_by_mistake(sections: Sequence[Section]) -> list[str]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,20 @@ _COARSE = (
     "the trials do not differ: their readings are too coarse for a sigma; give the resolution as "
     "--instrument"
 )
+
+
+class Filmed(Protocol):
+    """A trial measured from a film."""
+
+    @property
+    def name(self) -> str:
+        """Name of the film in file names."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Series of the film, for JSON."""
+
+    def figure(self) -> "Figure":
+        """The diagnostic figure of the film."""
 
 
 class Curve(NamedTuple):
@@ -61,6 +75,7 @@ class Quantity:
     details: dict[str, Any] = field(default_factory=dict)  # more of the method's own, for JSON
     curves: tuple[Curve, ...] = ()  # for the figure, with the names of
     axes: tuple[str, str] = ("", "")  # its axes
+    films: tuple["Filmed", ...] = ()  # with a figure of their own
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of docs/calibration-bench.md."""
@@ -75,7 +90,8 @@ class Quantity:
             ],
             "remarks": list(self.remarks),
         }
-        return {self.key: whole} | self.details
+        films = {"films": [one.to_dict() for one in self.films]} if self.films else {}
+        return {self.key: whole} | films | self.details
 
 
 def measure(

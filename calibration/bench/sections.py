@@ -1,6 +1,6 @@
 """Tables cut into trials: the inputs of each, in SI, its group, and where it was written."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -15,7 +15,8 @@ from granulab.contact.files.datafile import data_root, read_toml
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
 
-Columns = Mapping[str, NDArray[np.float64]]
+Series = NDArray[np.float64]
+Columns = Mapping[str, Series]
 
 _EXTREME = 1e60  # SI
 _GROUPS = ("group", "pairing")  # columns that distinguish groups unless another is given
@@ -140,6 +141,26 @@ def curves(
                 one = {key: values[chosen] for key, values in columns.items()}
                 sections.append(Section(*label, one))
     return _chosen(sections, what.only), remarks
+
+
+def filmed(
+    files: Sequence[str | Path], measured: Callable[[Path], Mapping[str, float | Series]],
+    what: Request,
+) -> list[Section]:  # fmt: skip
+    """Each film a trial; films in several folders are groups by the names of these.
+
+    measured    of a film, its inputs in SI; constants stand in their place
+    """
+    _refuse_twice(files)
+    folders = {Path(path).resolve().parent for path in files}
+    sections = []
+    for path in map(Path, files):
+        group = path.resolve().parent.name if len(folders) > 1 else "all"
+        if what.only in (None, group):
+            columns = {key: np.atleast_1d(value) for key, value in measured(path).items()}
+            constants = {key: np.array([value]) for key, value in what.constants.items()}
+            sections.append(Section(group, path.name, columns | constants))
+    return _chosen(sections, what.only) if files else []
 
 
 def _chosen(sections: list[Section], only: str | None) -> list[Section]:

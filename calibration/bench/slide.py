@@ -5,7 +5,8 @@ v = v0 (1 - exp(-gamma_t t)), from rest                 (3.11b)
 v0 = g (sin(theta) - mu cos(theta))/gamma_t             (3.11c)
 
 From curves of v(t): least squares of 3.11b, or of v0 + (v_s - v0) exp(-gamma_t t), which solves
-3.11a for any velocity v_s at t = 0. From terminal velocities: 3.11c solved for gamma_t. A curve
+3.11a for any velocity v_s at t = 0. From positions, of a film or a table: least squares of their
+integrals (calibration.block.way). From terminal velocities: 3.11c solved for gamma_t. A curve
 with theta also gives the friction while sliding, tan(theta) - gamma_t v0/(g cos(theta)).
 """
 
@@ -13,19 +14,26 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibration.bench.measure import Curve, Quantity, measure
-from calibration.bench.sections import Columns, Input, Request, Section, curves, need, rows
+from calibration.bench.sections import Columns, Input, Request, Section, curves, filmed, need, rows
+from calibration.block.way import fit_way, from_any, from_rest
 from calibration.statistics.uncertainty import Estimate
+from calibration.tracking.film.reader import Progress, Region, is_film
 from granulab.contact.files.units import located
 from granulab.errors import InputError
+
+if TYPE_CHECKING:
+    from calibration.block.result import Slid
 
 INPUTS = (
     Input("time", "s", "of a sliding block, and"),
     Input("velocity", "m/s", "its velocity,"),
+    Input("position", "m", "or its position along the slope,"),
     Input("terminal_velocity", "m/s", "or its terminal velocity, with"),
     Input("incline", "rad", "the inclination of the slope and"),
     Input("friction", "1", "the coefficient of friction"),
@@ -37,7 +45,9 @@ _RESTS = 1e-3  # of v0: a velocity that moves gamma_t by as little, whatever its
 
 Fit = tuple[NDArray[np.float64], NDArray[np.float64]]  # parameters, their covariance
 
-_CURVE, _TERMINAL = ["time", "velocity"], ["terminal_velocity", "incline", "friction"]
+_CURVE, _WAY = ["time", "velocity"], ["time", "position"]
+_TERMINAL = ["terminal_velocity", "incline", "friction"]
+_SIGMA = "sigma of the incline"  # rad, of a film
 
 
 class _Curves:
@@ -48,11 +58,12 @@ class _Curves:
         self._known: dict[tuple[bytes, bytes], Fit] = {}
 
     def fitted(self, columns: Columns) -> Fit:
-        """(v0, gamma_t[, v_s]) and their covariance."""
-        time, velocity = (columns[name] for name in _CURVE)
-        key = time.tobytes(), velocity.tobytes()
+        """(v0, gamma_t, ...) and their covariance, of velocities or of positions."""
+        fits, names = (fit, _CURVE) if "velocity" in columns else (fit_way, _WAY)
+        time, values = (columns[name] for name in names)
+        key = time.tobytes(), values.tobytes()
         if key not in self._known:
-            self._known[key] = fit(time, velocity, self.start)
+            self._known[key] = fits(time, values, self.start)
         return self._known[key]
 
     def terminal(self, columns: Columns) -> Estimate:
@@ -67,24 +78,44 @@ class _Curves:
 
     def friction(self, columns: Columns) -> Estimate:
         """While sliding."""
-        return sliding_friction(*self.fitted(columns), float(columns["incline"][0]))
+        sigma = float(columns[_SIGMA][0]) if _SIGMA in columns else 0.0
+        return sliding_friction(*self.fitted(columns), float(columns["incline"][0]), sigma)
 
 
 def damping(
-    files: Sequence[str | Path], what: Request, *, trial: str | None = None, start: str = "rest"
-) -> list[Quantity]:
-    """gamma_t of curves, with terminal velocity and friction; or of terminal velocities.
+    files: Sequence[str | Path], what: Request, *, trial: str | None = None, start: str = "rest",
+    fps: float | None = None, roi: Region | None = None, scale: str | None = None,
+    progress: Progress | None = None,
+) -> list[Quantity]:  # fmt: skip
+    """gamma_t of curves or films, with terminal velocity and friction; or of terminal velocities.
 
-    `start`: "rest" for eq. 3.11b with t = 0 at the release, "any" for an unknown velocity there.
+    start              "rest" for eq. 3.11b, of velocities with t = 0 at the release; "any" for an
+                       unknown velocity there
+    fps, roi, scale    of films
     """
-    sections, remarks = curves(files, INPUTS, what, trial)
-    if any(need(section, [_CURVE, _TERMINAL], INPUTS) == 1 for section in sections):
+    films: list[Slid] = []
+
+    def seen(path: Path) -> dict[str, float | NDArray[np.float64]]:
+        from calibration.block.measure import Options, measure_slide
+
+        films.append(measure_slide(path, Options(fps, roi), scale, progress))
+        one = films[-1]
+        incline = {"incline": one.incline.value, _SIGMA: one.incline.sigma or 0.0}
+        return {"time": one.time, "position": one.way} | incline
+
+    tables = [path for path in files if not is_film(path)]
+    sections, remarks = curves(tables, INPUTS, what, trial) if tables else ([], [])
+    if any(need(section, [_CURVE, _WAY, _TERMINAL], INPUTS) == 2 for section in sections):
         return [_from_terminal(files, what)]
+    sections += filmed([path for path in files if is_film(path)], seen, what)
+    remarks += [f"{one.path.name}: {remark}" for one in films for remark in one.remarks]
     sections = [_downhill(section) for section in sections]
     by_curve = _Curves(start)
     for section in sections:
         with located(f"{section.name}:"):
             p, _ = by_curve.fitted(section.columns)
+            if "velocity" not in section.columns:
+                continue
             if start == "rest":
                 _refuse_moving(section)
             remarks += _not_random(section, p)
@@ -95,8 +126,11 @@ def damping(
             key="terminal_velocity_m_s", name="terminal velocity v0", si="m/s", unit="m/s",
         ),
     ]  # fmt: skip
-    drawn = tuple(_drawn(section, by_curve.fitted(section.columns)[0]) for section in sections)
-    results[0] = replace(results[0], curves=drawn, axes=("time [s]", "velocity [m/s]"))
+    drawn = tuple(
+        _drawn(section, by_curve.fitted(section.columns)[0], start) for section in sections
+    )
+    axes = "time [s]", "velocity [m/s]" if "velocity" in sections[0].columns else "position [m]"
+    results[0] = replace(results[0], curves=drawn, axes=axes, films=tuple(films))
     if all("incline" in section.columns for section in sections):
         friction = by_curve.friction
         results.append(
@@ -105,19 +139,28 @@ def damping(
     return results
 
 
-def _drawn(section: Section, p: NDArray[np.float64]) -> Curve:
-    """A curve of velocities, and eq. 3.11b, or what solves 3.11a, through it."""
-    time, velocity = (section.columns[name] for name in _CURVE)
-    at = np.linspace(0.0, float(time.max()), 200)
-    model = _from_rest if len(p) == 2 else _from_any
-    return Curve(section.name, time, velocity, ((at, model(at, *p)),))
+def _drawn(section: Section, p: NDArray[np.float64], start: str) -> Curve:
+    """A curve of velocities or positions, and eq. 3.11b, or what solves 3.11a, through it."""
+    by_velocity = "velocity" in section.columns
+    time, values = (section.columns[name] for name in (_CURVE if by_velocity else _WAY))
+    at = np.linspace(min(0.0, float(time.min())), float(time.max()), 200)
+    if by_velocity:
+        model: Callable[..., NDArray[np.float64]] = _from_rest if len(p) == 2 else _from_any
+    else:
+        model = from_rest if start == "rest" else from_any
+    return Curve(section.name, time, values, ((at, model(at, *p)),))
 
 
 def _downhill(section: Section) -> Section:
-    """The velocities of a curve counted in the direction in which the block slides."""
-    velocity = section.columns["velocity"]
+    """A curve counted in the direction in which the block slides."""
+    columns = section.columns
+    if "velocity" in columns:
+        down, name = columns["velocity"].sum(), "velocity"
+    else:
+        order = np.argsort(columns["time"])
+        down, name = np.diff(columns["position"][order]).sum(), "position"
     return section._replace(
-        columns=section.columns | {"velocity": velocity if velocity.sum() >= 0 else -velocity}
+        columns=columns | {name: columns[name] if down >= 0 else -columns[name]}
     )
 
 
@@ -171,12 +214,15 @@ def _from_any(t: NDArray[np.float64], v0: float, gamma: float, v_s: float) -> ND
 
 
 def sliding_friction(
-    p: NDArray[np.float64], covariance: NDArray[np.float64], incline: float
-) -> Estimate:
+    p: NDArray[np.float64], covariance: NDArray[np.float64], incline: float,
+    incline_sigma: float = 0.0,
+) -> Estimate:  # fmt: skip
     """mu = tan(theta) - gamma_t v0/(g cos(theta)), from eq. 3.11c, with the fit's covariance."""
     v0, gamma = p[:2]
     slope = np.array([gamma, v0]) / (GRAVITY * np.cos(incline))
-    sigma = float(np.sqrt(slope @ covariance[:2, :2] @ slope))
+    by_incline = 1 / np.cos(incline) ** 2 - v0 * slope[0] * np.tan(incline)
+    variance = slope @ covariance[:2, :2] @ slope + (by_incline * incline_sigma) ** 2
+    sigma = float(np.sqrt(variance))
     return Estimate(float(np.tan(incline) - v0 * slope[0]), sigma, 1)
 
 

@@ -12,8 +12,14 @@ from typing import Any
 
 import click
 
-from calibration.commands.options import answers_options, figures_option, into_options
-from calibration.result import Into, finish
+from calibration.commands.options import (
+    answers_options,
+    figures_option,
+    fps_option,
+    into_options,
+    roi_option,
+)
+from calibration.result import Into, draw, finish
 from granulab.campaign.cli.commandline import quiet_option
 from granulab.errors import InputError
 
@@ -31,6 +37,7 @@ class Method:
     writes     {property of a parameter file: key of its quantity}
     options    of its own
     files      at least one is needed
+    films      films are read, too
     """
 
     function: str
@@ -38,12 +45,15 @@ class Method:
     writes: Mapping[str, str] = field(default_factory=dict)
     options: tuple[Decorator, ...] = ()
     files: bool = True
+    films: bool = False
 
 
 _TRIAL = click.option(
     "--trial", metavar="HEAD",
     help='Column that distinguishes curves in one file [default: "trial", if there is one].',
 )  # fmt: skip
+
+_FILM = (fps_option, roi_option("Part of a film's picture to look at, in pixels."))
 
 METHODS = {
     "heights": Method(
@@ -59,11 +69,13 @@ METHODS = {
     ),
     "incline": Method(
         "friction",
-        """Friction from the angle of first slip, mu = tan(alpha).
+        """Friction from the angle of first slip, mu = tan(alpha), from tables or films.
 
-        A row a trial.
+        A row a trial, or a film of a plate that is tilted until a block on it slips.
 
         For example: calibrate incline tilt.csv --group pairing --instrument "angle=0.2 deg"
+
+        calibrate incline tilt1.mp4 tilt2.mp4 --start-angle "0 deg"
         """,
         {"friction": "friction"},
         (
@@ -71,15 +83,24 @@ METHODS = {
                 "--length-along", "along", type=click.Choice(["slope", "base"]), default="slope",
                 help="Where L was measured [default: slope, sin(alpha) = |H1 - H2|/L].",
             ),
+            *_FILM,
+            click.option(
+                "--start-angle", metavar='"0 deg"',
+                help="Inclination of a film's plate in its first frame, by a level "
+                "[default: from the picture's rows].",
+            ),
         ),
+        films=True,
     ),
     "slide": Method(
         "damping",
-        """Tangential damping gamma_t of a sliding block (eqs 3.11a-c).
+        """Tangential damping gamma_t of a sliding block (eqs 3.11a-c), from tables or films.
 
-        A curve v(t), or a row a trial.
+        A curve v(t) or x(t), a row a trial, or a film of a block that slides down a plate.
 
         For example: calibrate slide run1.csv run2.csv --constant "incline=30 deg +- 0.5 deg"
+
+        calibrate slide slide.mp4 --scale "0.5 mm/px" --fps 100
         """,
         {"gamma_t": "gamma_t_per_s"},
         (
@@ -88,7 +109,10 @@ METHODS = {
                 "--start", type=click.Choice(["rest", "any"]), default="rest",
                 help="From rest at t = 0, eq. 3.11b, or at any velocity there [default: rest].",
             ),
+            *_FILM,
+            click.option("--scale", metavar='"0.5 mm/px"', help="Length of a pixel of a film."),
         ),
+        films=True,
     ),
     "compression": Method(
         "stiffness",
@@ -218,14 +242,17 @@ def _command(name: str, method: Method) -> click.Command:
 
         module = _module(name)
         what = request_of(module.INPUTS, columns, constants, instruments, readings, group, only)
-        found = getattr(module, method.function)(files, what, **own)
+        found = _measured(name, method, files, what, quiet, own)
         result = Measurement(tuple(found), name, method.writes, not files, quiet)
         if into is not None:
             _refuse_several_pairs(into, found[0].pooled.groups)
         stem = Path(files[0]).stem if files else "constants"
+        sheets = [] if out is None else [
+            draw(one, out / f"{name}-{one.name}-film.png") for one in found[0].films
+        ]  # fmt: skip
         finish(
             result, as_json=as_json, quiet=quiet, out=out, name=f"{name}-{stem}", into=into,
-            measured=files,
+            measured=files, files={"films": sheets} if sheets else None,
         )  # fmt: skip
 
     command: Callable[..., Any] = run
@@ -237,6 +264,19 @@ def _command(name: str, method: Method) -> click.Command:
         command = option(command)
     argument = click.argument("files", nargs=-1, required=method.files, metavar="FILE...")
     return click.command(name, cls=_Columns, help=method.help)(argument(command))
+
+
+def _measured(
+    name: str, method: Method, files: tuple[str, ...], what: Any, quiet: bool, own: dict[str, Any]
+) -> Any:
+    """Quantities of a method; its progress is shown where it reads films."""
+    function = getattr(_module(name), method.function)
+    if not method.films:
+        return function(files, what, **own)
+    from granulab.campaign.output.terminal import Progress
+
+    with Progress(name, quiet) as progress:
+        return function(files, what, progress=progress.update, **own)
 
 
 def _refuse_several_pairs(into: Into, groups: Iterable[str]) -> None:

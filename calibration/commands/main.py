@@ -28,6 +28,7 @@ _COMMANDS: dict[str, str] = {
     "published": "bench",
     "damping": "bench",
     "flow": "films.flow",
+    "packing": "films.packing",
     "compare": "films.flow",
     "inverse": "inverse",
     "stiffness-fe": "stiffness_fe",

@@ -81,7 +81,7 @@ def check_options(film: Film, roi: Roi, scale: str | None, width: str | None) ->
     """Raise InputError, before the film is read, for what find_silo would refuse after it."""
     if scale is not None and width is not None:
         raise InputError("--scale and --width: give one; each gives the scale by itself")
-    _scale(scale, width, 1.0, 0.0)
+    scale_of(scale, width, 1.0, 0.0)
     inside(film, roi, SMALLEST)
 
 
@@ -94,13 +94,17 @@ def find_silo(film: Film, seen: Survey, roi: Roi, scale: str | None, width: str 
     said = None if roi is None else inside(film, roi, SMALLEST)
     x, y, w, h = said or _changed_box(seen)
     edge = _EDGE if said is None else 0.5  # px: whoever wrote whole pixels
-    known, unit = _scale(scale, width, w, edge)
+    known, unit = scale_of(scale, width, w, edge)
     return Silo(x, y, w, h, edge, known, unit)
 
 
-def _scale(
+def scale_of(
     scale: str | None, width: str | None, pixels: float, edge: float
 ) -> tuple[Estimate, str]:
+    """Metres a pixel, given or by the silo's width, whose sides are known to `edge` px; and unit.
+
+    1 px without either.
+    """
     if scale is not None:
         return Estimate(metres_per_pixel(scale), 0.0, 1), "m"
     if width is not None:

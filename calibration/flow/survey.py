@@ -38,7 +38,7 @@ class Survey:
 
 
 def survey(film: Film, report: Callable[[float], None] = lambda part: None) -> Survey:
-    """Read a film once; InputError where it has too few frames for a flow."""
+    """Read a film once; InputError where it has too few frames."""
     first = last = None
     deviations, stamps, repeated = [], [], 0
     for frame in film.frames():
@@ -55,7 +55,7 @@ def survey(film: Film, report: Callable[[float], None] = lambda part: None) -> S
         report(frame.number / film.count if film.count else 0.0)
     if first is None or last is None or len(deviations) + 1 < _FEWEST:
         count = len(deviations) + (last is not None)
-        raise InputError(f"{film.path}: {count} frames; a flow takes {_FEWEST} at least")
+        raise InputError(f"{film.path}: {count} frames; this takes {_FEWEST} at least")
     # Codecs leave pixels alone where nothing moves; a grey level is what they round to.
     noise = max(float(np.median(deviations)), 1.0)
     return Survey(len(deviations) + 1, first, last[0], noise, repeated, _uneven(stamps))

@@ -248,3 +248,27 @@ def truth(
 def _mass_in_silo(scene: Scene, times: Floats) -> list[float]:
     out, mass = scene.trajectory["out_time"][-1], scene.trajectory.static["mass"]
     return [float(mass[~(out <= time)].sum()) for time in times]
+
+
+def packing_truth(stage: Stage) -> dict[str, Any]:
+    """Truth of a picture before the opening, in SI, heights over the floor.
+
+    silo_px    x, y, width, height of the silo's inside, floor to rim
+    height     mean over the silo's width of the highest point of any particle there
+    layers     mean height of the particles' centroids, by their mass
+    """
+    scene, look = stage.scene, stage.look
+    left, right, _, _ = scene.window
+    (x0, y0), (x1, y1) = stage.pixels(np.array([[left, scene.walls[..., 1].max()], [right, 0.0]]))
+    filled = stage.index(poses_at(scene, 0.0)) >= 0
+    columns = filled[:, round(x0 * _FINER) : round(x1 * _FINER)]
+    highest = y1 - columns.argmax(axis=0) / _FINER
+    static, y = scene.trajectory.static, scene.trajectory["y"][0]
+    layer, mass = static["layer"], static["mass"]
+    return {
+        "silo_px": [float(x0), float(y0), float(x1 - x0), float(y1 - y0)],
+        "height_m": float(highest.mean() * look.scale),
+        "layers_m": [
+            float(np.average(y[layer == k], weights=mass[layer == k])) for k in np.unique(layer)
+        ],
+    }

@@ -118,6 +118,18 @@ def open_film(path: str | Path) -> Film:
     return _open_video(path)
 
 
+def open_picture(path: str | Path) -> Film | None:
+    """One picture as a film of one frame; None for what is none. InputError if it is unreadable."""
+    path = Path(path)
+    if path.suffix.lower() not in _PICTURES or not path.is_file() or is_pattern(path):
+        return None
+    picture = _picture(path)
+    if picture is None:
+        raise InputError(f"{path}: this picture cannot be read")
+    height, width = picture.shape[:2]
+    return Film(path, width, height, None, 1, (path,))
+
+
 def is_film(path: str | Path) -> bool:
     """True if a file is to be read as a film: a folder, a pattern, a film's ending, no text."""
     path = Path(path)
