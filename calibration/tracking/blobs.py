@@ -313,14 +313,17 @@ def _out_of_shadow(
     a is what I shows across B, over what F does. It replaces a larger share where that is known
     beyond noise and tints, and where no third colour is in the pixel.
     """
+    between = np.count_nonzero((share > _DARK / 2) & (share < _HIGH))  # a shadow's are there
+    if between <= _DARK * np.count_nonzero(share < _LOW):
+        return None
     here, behind, colour = (one.astype(np.float32) for one in (seen, behind_it, its))
-    own, both, lit = float(colour @ colour), behind @ colour, _dot(behind, behind)
+    own, both, lit = float(colour @ colour), _times(behind, colour), _dot(behind, behind)
     determinant = own * lit - both * both
     least = max(_HUE**2, (noise / _UNEVEN) ** 2 / max(float(lit.mean()), 1.0))
     hue = determinant > least * lit * lit
     if not hue.any():
         return None
-    by_colour, by_behind = here @ colour, _dot(here, behind)
+    by_colour, by_behind = _times(here, colour), _dot(here, behind)
     np.maximum(determinant, 1, out=determinant)
     a = (by_colour * lit - by_behind * both) / determinant
     c = (by_behind * own - by_colour * both) / determinant
@@ -362,6 +365,13 @@ def _dot(a: Channels, b: Channels) -> Channels:
     import cv2
 
     return np.asarray(cv2.transform(cv2.multiply(a, b), _SUM), dtype=np.float32)
+
+
+def _times(a: Channels, colour: NDArray[np.float32]) -> Channels:
+    """(h, w) product of the colours of pixels with one colour."""
+    import cv2
+
+    return np.asarray(cv2.transform(a, colour[None]), dtype=np.float32)
 
 
 def _body(share: Channels, mask: Mask) -> Mask | None:

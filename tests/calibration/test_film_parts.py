@@ -1,4 +1,4 @@
-"""Parts of films: masks by outlines, positions before shadows, frames decoded ahead of their use."""
+"""Parts of films: masks by outlines, positions before shadows, frames decoded ahead of use."""
 
 import threading
 from contextlib import closing
@@ -97,10 +97,15 @@ def test_frames_decoded_ahead_are_those_decoded_one_by_one(film):
 
 def test_no_thread_is_left_where_a_film_is_not_read_to_its_end(film):
     """After an error of who uses the frames, Ctrl-C among them, as after an early end."""
-    with pytest.raises(KeyboardInterrupt), closing(film.frames()) as frames:
-        next(frames)
-        assert len(decoding()) == 1
-        raise KeyboardInterrupt
+
+    def interrupted():
+        with closing(film.frames()) as frames:
+            next(frames)
+            assert len(decoding()) == 1
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
     assert not decoding()
     assert [frame.number for frame in film.some([2, 5])] == [2, 5]
     assert not decoding()
