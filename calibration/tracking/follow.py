@@ -145,7 +145,8 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     x = np.array([region.x + (one.x + 0.5) * fx - 0.5 for one in blobs])
     y = np.array([region.y + (one.y + 0.5) * fy - 0.5 for one in blobs])
     shadow = np.array([one.shadow for one in blobs]).reshape(-1, 2) * (fx, fy)
-    if _flies_out_of(shadow, np.array(path.frames, dtype=float)[kept], y):
+    new = np.array([one.changed for one in blobs], dtype=bool)  # copies are on no parabola
+    if _flies_out_of(shadow[new], np.array(path.frames, dtype=float)[kept][new], y[new]):
         x, y = x + shadow[:, 0], y + shadow[:, 1]
         remarks = ("the object's own shadow lies behind its blurred edge: taken off",)
     covariance = np.array(
