@@ -152,7 +152,7 @@ def _measured(track: Track, base: TimeBase, fitted: Flights) -> Bounces:
     e, covariance = known(lambda c: best(centre, c))
     off = with_sigma(*known(lambda c: other(centre, c) - best(centre, c)))
     off = np.where(np.abs(off[:, 0]) > 3 * off[:, 1], off[:, 0], 0.0)  # also where it is NaN
-    covariance = covariance + np.diag(off**2 + _EXACT**2)
+    covariance = covariance + np.diag(off**2 + _EXACT**2 + e**2 * _hidden(fitted, base, before, e))
     pooled, p = pool(e, covariance)
     found = Bounces(
         track, base, fitted, contacts, with_sigma(plate, plate_covariance),
@@ -163,6 +163,17 @@ def _measured(track: Track, base: TimeBase, fitted: Flights) -> Bounces:
         _exponent(fitted, best, np.diag(covariance), off) if len(e) > 1 else None,
     )  # fmt: skip
     return replace(found, warnings=_warnings(found))
+
+
+def _hidden(fitted: Flights, base: TimeBase, before: Array, e: Array) -> Array:
+    """(b,) relative variance of restitution from frames lost within contacts, as in flights.
+
+    A frame there moves an end of a flight T = 2 v/a by up to itself.
+    """
+    first = (len(before) - len(e)) // 2
+    speed = before[first : first + len(e), 0]
+    flight = 2 * np.stack([speed, speed * e]) / abs(fitted.acceleration[0])
+    return np.asarray(base.lost * np.sum(1 / flight**2, axis=0))
 
 
 def _known(fitted: Flights, quantity: Callable[[Array], Array]) -> tuple[Array, Array]:

@@ -17,6 +17,9 @@ from calibration.statistics.uncertainty import Estimate, through
 _SIGMAS = 4.0  # by which a tilt must be known to be said
 _LEAST = 1.0  # degrees: what a tripod's level shows
 _CEILING = 3.0  # m: laboratories drop objects within a storey
+_ROUNDED = 0.01  # share by which a rate may be rounded: 29.97 to 30 is a thousandth
+_POSITIONS = 4  # of a flight, for a parabola and one more: less is hardly found
+_SEEN = 5  # noises of a position: what is higher is seen to bounce
 _FAR = 0.05  # share by which g may miss before scale or rate is doubted
 
 
@@ -69,13 +72,21 @@ def with_free_fall(
     """
     value, sigma = found.flights.acceleration
     fall = Estimate(abs(value), sigma, len(found.flights.rows))
-    used = fps or found.track.rate
+    stamped = found.track.rate
+    used = fps or (stamped and stamped * found.base.share)
     rate = Estimate(used, 0.0, 1) if used else None
     length = Estimate(scale, 0.0, 1) if scale else None
     gravity, remarks, warnings = None, list(found.base.remarks), list(found.warnings)
     if rate and length:
         gravity = through(lambda a, f, s: a * s * f**2, fall, rate, length)
-        warnings += _warnings(gravity, rate, length)
+        off = _warnings(gravity, rate, length)
+        if off and not fps:
+            true = through(lambda g, a, s: math.sqrt(g / (a * s)), STANDARD_GRAVITY, fall, length)
+            remarks.append(
+                f"the file says {rate.value:.4g} frames/s, free fall over this scale "
+                f"{true.value:.4g} +- {true.sigma:.2g}"
+            )
+        warnings += off
     elif rate:
         length = through(lambda g, a, f: g / (a * f**2), STANDARD_GRAVITY, fall, rate)
         remarks.append("no scale: free fall gives it")
@@ -85,7 +96,16 @@ def with_free_fall(
         remarks.append("no rate: free fall gives it")
     else:
         remarks.append("neither rate nor scale: times in frames, no speeds")
-    warnings += nearer(found) + not_upright(found)
+    warnings += nearer(found) + not_upright(found) + too_short(found)
+    if found.base.lost:
+        warnings.append(
+            f"frames are lost or put in here and there ({found.base.lost:.2g} of a frame's time "
+            "per frame): as many as hide within contacts are in the sigma"
+        )
+    if fps and stamped and found.base.share != 1 and abs(fps / stamped - 1) < _ROUNDED:
+        warnings.append(
+            f"--fps {fps:g} is what the file says, not what the camera took: see the time base"
+        )
     header = found.track.rate if header is None else header
     return Drop(found, header, rate, length, gravity, tuple(remarks), tuple(warnings))
 
@@ -112,6 +132,23 @@ def _too_high(found: Bounces, rate: Estimate, scale: Estimate) -> list[str]:
     return [
         f"at {rate.value:.4g} frames/s the fall would be {height:.3g} m high: if that is slow "
         "motion, give the camera's rate with --fps; restitution does not need it"
+    ]
+
+
+def too_short(found: Bounces) -> list[str]:
+    """A warning where the object is seen to bounce on in flights of too few positions."""
+    base, (acceleration, _) = found.base, found.flights.acceleration
+    last = found.flights.rows[-1][-1]
+    ends = last + 1 >= len(base.rows)
+    e = float(found.velocities[-1, 0])
+    flight = 2 * e**2 * found.speeds[-1, 0] / abs(acceleration)  # after that last measured
+    height = abs(acceleration) * flight**2 / 8
+    if flight > _POSITIONS + 1 or height < _SEEN * found.flights.sigma or ends:
+        return []
+    number = found.track.frame[base.rows[last]]
+    return [
+        f"it bounces on after frame {number:g}, in flights of {flight:.1f} frames and less: too "
+        f"few positions for a parabola, so these contacts are not measured; a faster camera would"
     ]
 
 

@@ -65,7 +65,7 @@ class Drop:
         stamps, stamped = self.bounces.track.time, self.bounces.track.rate
         start = 0.0
         if stamps is not None and stamped:
-            start = float(stamps[0]) * stamped / self.rate.value
+            start = float(stamps[0]) * stamped * self.bounces.base.share / self.rate.value
         return start + (clock - self.bounces.track.clock[0]) / self.rate.value
 
     def to_dict(self) -> dict[str, Any]:

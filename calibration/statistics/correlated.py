@@ -32,9 +32,9 @@ def with_sigma(value: Array, covariance: Array) -> Array:
 
 
 def pool(values: Array, covariance: Array) -> tuple[Estimate, float | None]:
-    """The mean of correlated values, each weighted by its own sigma; p of the test that they are one.
+    """The mean of correlated values, each weighted by its own sigma; p of them being one.
 
-    Best weights follow the correlations, and go beyond the values where these are strong: then sigma
+    Best weights follow correlations, and go beyond the values where these are strong: then sigma
     is as good as they are known, which few positions do not say. Those by each value's own sigma
     need none, and the mean's sigma takes them from the whole covariance.
 

@@ -6,6 +6,44 @@ from numpy.typing import NDArray
 from calibration.tracking.track import Array, Rows
 
 _NEAR = 4  # steps on either side that say how fast the object goes
+_STILL = 0.2  # of the larger steps around: less is a copy, an apex, or a contact
+_FAST = 0.1  # of the fastest steps, from which on a step says whether its picture is a copy
+_LONGEST = 6  # frames of a regular pattern: 25 made to 30 frames/s repeats every sixth
+_SURE, _ELSEWHERE = 0.9, 0.2  # share of steps that are still at the copies' place, at others
+_FEWEST = 5  # copies in fast motion that show a pattern: chance gives 0.2^5
+
+
+def still(step: Array) -> NDArray[np.bool_]:
+    """(n - 1,) marks of the steps far smaller than the larger ones around; step (n - 1,) >= 0."""
+    return step < _STILL * _larger(step)
+
+
+def _larger(step: Array) -> Array:
+    """Upper quartile of the steps around: fast ones, where every second is a copy, too."""
+    from numpy.lib.stride_tricks import sliding_window_view
+
+    padded = np.pad(step, _NEAR, constant_values=np.nan)
+    return np.asarray(np.nanquantile(sliding_window_view(padded, 2 * _NEAR + 1), 0.75, axis=1))
+
+
+def pattern(frame: Array, step: Array) -> tuple[int, int] | None:
+    """Period and place of copies that stand at every so many frames, as converters put them.
+
+    frame  (n,) whole numbers;  step (n - 1,) from each position to the next [px], >= 0
+    """
+    if len(step) < 2 * _FEWEST or np.any(frame != np.round(frame)):
+        return None
+    larger = _larger(step)
+    judged = (np.diff(frame) == 1) & (larger > _FAST * np.quantile(larger, 0.95))
+    place, same = frame[1:][judged], still(step)[judged]
+    for period in range(2, _LONGEST + 1):
+        for at in range(period):
+            here = place % period == at
+            if np.sum(same & here) < _FEWEST or same[here].mean() < _SURE:
+                continue
+            if same[~here].mean() < _ELSEWHERE:
+                return period, at
+    return None
 
 
 def repeated(step: Array, same: NDArray[np.bool_], sigma: float) -> tuple[Rows, NDArray[np.bool_]]:

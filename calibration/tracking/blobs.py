@@ -4,8 +4,10 @@ A pixel that shows a share a of an object and 1 - a of the background has the co
 a F + (1 - a) B. a = (I - B).(F - B)/|F - B|^2 (Smith and Blinn 1996, doi 10.1145/237170.237263), F
 the object's own colour, is 1 inside, falls to 0 over the edge, or over the blur of motion, alike on
 either side: its centroid is the position of the object at the middle of the exposure. Shadows and
-reflections have small a and are cut off below a quarter. Shade on the object itself makes a less,
-too, but not at its rim alone: a counts against the most that is seen within a few pixels.
+reflections have small a and are cut off below a quarter. Where the object's own shadow lies behind
+its rim, a pixel shows a F + c B, c less than 1 - a: solved for both where F is no darker B, or a
+rim blurred by motion counts for more on the side of the shadow. Shade on the object itself makes a
+less, too, but not at its rim alone: a counts against the most that is seen within a few pixels.
 Connected parts are found by their outlines, which cost far less than a label for each pixel.
 """
 
@@ -23,6 +25,11 @@ _NEW = 1.13  # mean difference of two normal deviates, in their sigma
 _UNEVEN = 0.1  # sigma of an edge pixel's share from shading and what lies behind the edge
 _AROUND = (7, 7)  # px that show an object's colour next to a pixel: the rim and three within
 _WHOLLY = 8  # power of the share: a pixel of half the object counts 1 in 256
+# Of |B|, from which F differs in hue from B: a shadow that leaves half of the light, tinted by a
+# twentieth, then shows as no more than 0.025/0.1 = _LOW of an object.
+_HUE = 0.1
+_DARK = 0.1  # of the light, that a shadow takes at least; of what is around, that it covers
+_OTHER = 0.2  # of the contrast, by which a mixture of two colours may miss a pixel's
 _SHADED = 0.6  # share to which shade may bring the inside of an object: shadows have less
 CUT = 0.4  # share of a picture that differs: another view, or a frame that is no picture
 LARGEST = 0.2  # share of the picture: an object and the position it left are half of CUT
@@ -85,6 +92,7 @@ class Blob(NamedTuple):
     changed    whether the picture there is another than that of the frame before
     grain      standard deviation of the share within it: shade, stripes, marks
     profile    (_DIRECTIONS,) radius of the silhouette about the centroid, from x towards y [px]
+    shadow     what is added to x, y where a shadow of the object lies behind its rim
     """
 
     x: float
@@ -101,6 +109,7 @@ class Blob(NamedTuple):
     changed: bool = True
     grain: float = 0.0
     profile: Channels | None = None
+    shadow: tuple[float, float] = (0.0, 0.0)
 
 
 class Candidate(NamedTuple):
@@ -191,6 +200,7 @@ def measure(
     share, (colour, beneath), contrast, square = _shares(seen, behind, mask, noise / reduce)
     if share is None:
         return None
+    lit = _out_of_shadow(share, seen, behind, colour, noise / reduce, contrast)
     share = _of_what_is_near(share)
     body = _body(share, mask)
     if body is None:
@@ -202,15 +212,17 @@ def measure(
     kernel = np.ones((3, 3), np.uint8)
     within = share[cv2.erode(body, kernel, iterations=2) > 0]
     grain = float(within.std()) if len(within) else _UNEVEN
-    share = _of_local_colour(seen, behind, share, body, noise / reduce)
-    weight = np.clip((share - _LOW) / (_HIGH - _LOW), 0, 1)
-    weight[cv2.dilate(body, kernel, iterations=2) == 0] = 0.0
-    weight[cv2.erode(body, kernel, iterations=2) > 0] = 1.0  # marks and highlights
-    sums = cv2.moments(weight)
-    area = sums["m00"]
+    _, *seen_at = _centroid(_weight(share, body))
+    weight = _weight(_of_local_colour(seen, behind, share, body, noise / reduce), body)
+    area, cx, cy = _centroid(weight)
     if area < 1:
         return None
-    cx, cy = sums["m10"] / area, sums["m01"] / area
+    shadow = 0.0, 0.0
+    own = None if lit is None else _body(lit := _of_what_is_near(lit), mask)
+    if lit is not None and own is not None:
+        without, *there = _centroid(_weight(lit, own))
+        if without > area / 2:
+            shadow = reduce * (there[0] - seen_at[0]), reduce * (there[1] - seen_at[1])
     ys, xs = np.nonzero((weight > 0) & (weight < 1))
     edge = np.hypot(noise / reduce / np.sqrt(square[ys, xs]), _UNEVEN) / (_HIGH - _LOW)
     lever = np.stack([xs - cx, ys - cy]) * edge / area
@@ -221,8 +233,8 @@ def measure(
     inside = box[0] > 0 and box[1] > 0 and box[0] + box[2] < width and box[1] + box[3] < height
     return Blob(
         left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
-        area * reduce**2, colour, beneath, contrast, inside, box,
-        grain=grain, profile=_profile(weight, cx, cy) * np.float32(reduce),
+        area * reduce**2, colour, beneath, contrast, inside, box, shadow=shadow, grain=grain,
+        profile=_profile(weight, cx, cy) * np.float32(reduce),
     )  # fmt: skip
 
 
@@ -242,6 +254,26 @@ def _profile(weight: Channels, x: float, y: float) -> Channels:
     step = reach / samples
     radii = np.arange(samples, dtype=np.float32) * np.float32(step)
     return np.asarray(np.sqrt(2 * step * (rays @ radii)), dtype=np.float32)
+
+
+def _weight(share: Channels, body: Mask) -> Channels:
+    """Of each pixel in the position: from 0 outside an object to 1 within."""
+    import cv2
+
+    kernel = np.ones((3, 3), np.uint8)
+    weight = np.clip((share - _LOW) / (_HIGH - _LOW), 0, 1)
+    weight[cv2.dilate(body, kernel, iterations=2) == 0] = 0.0
+    weight[cv2.erode(body, kernel, iterations=2) > 0] = 1.0  # marks and highlights
+    return weight
+
+
+def _centroid(weight: Channels) -> tuple[float, float, float]:
+    """Sum of the weights, and x, y of their centroid."""
+    import cv2
+
+    sums = cv2.moments(weight)
+    area = max(sums["m00"], 1e-9)
+    return sums["m00"], sums["m10"] / area, sums["m01"] / area
 
 
 def changed(picture: Picture, before: Picture, noise: float, blob: Blob) -> bool:
@@ -309,6 +341,38 @@ def _shares(
     return share, (colour, beneath), contrast, square
 
 
+def _out_of_shadow(
+    share: Channels, seen: Picture, behind_it: Picture, its: NDArray[np.float64], noise: float,
+    contrast: float,
+) -> Channels | None:  # fmt: skip
+    """Shares where a shadow lies around the object: I = a F + c B solved for a and c; else None.
+
+    a is what I shows across B, over what F does. It replaces a larger share where that is known
+    beyond noise and tints, and where no third colour is in the pixel.
+    """
+    between = np.count_nonzero((share > _DARK / 2) & (share < _HIGH))  # a shadow's are there
+    if between <= _DARK * np.count_nonzero(share < _LOW):
+        return None
+    here, behind, colour = (one.astype(np.float32) for one in (seen, behind_it, its))
+    own, both, lit = float(colour @ colour), _times(behind, colour), _dot(behind, behind)
+    determinant = own * lit - both * both
+    least = max(_HUE**2, (noise / _UNEVEN) ** 2 / max(float(lit.mean()), 1.0))
+    hue = determinant > least * lit * lit
+    if not hue.any():
+        return None
+    by_colour, by_behind = _times(here, colour), _dot(here, behind)
+    np.maximum(determinant, 1, out=determinant)
+    a = (by_colour * lit - by_behind * both) / determinant
+    c = (by_behind * own - by_colour * both) / determinant
+    missed = _dot(here, here) - a * by_colour - c * by_behind
+    mixed = hue & (missed < (_OTHER * contrast) ** 2)
+    beside = mixed & (a < _LOW)
+    dark = beside & (c < 1 - max(_DARK, 3 * noise / max(float(lit.mean()), 1.0) ** 0.5))
+    if np.count_nonzero(dark) <= _DARK * np.count_nonzero(beside):
+        return None
+    return np.asarray(np.where(mixed, np.minimum(share, a), share), dtype=np.float32)
+
+
 def _of_what_is_near(share: Channels) -> Channels:
     """Shares of the most that a pixel shows within three: shade ends inside an object, not its rim.
 
@@ -360,6 +424,13 @@ def _dot(a: Channels, b: Channels) -> Channels:
     import cv2
 
     return np.asarray(cv2.transform(cv2.multiply(a, b), _SUM), dtype=np.float32)
+
+
+def _times(a: Channels, colour: NDArray[np.float32]) -> Channels:
+    """(h, w) product of the colours of pixels with one colour."""
+    import cv2
+
+    return np.asarray(cv2.transform(a, colour[None]), dtype=np.float32)
 
 
 def _body(share: Channels, mask: Mask) -> Mask | None:

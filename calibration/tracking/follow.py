@@ -6,6 +6,7 @@ pixels of the film: the camera's own motion is taken off (camera_motion.py), tim
 that can be believed (stamps.py).
 """
 
+from contextlib import closing
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -17,12 +18,14 @@ from calibration.tracking.film.reader import Film, Progress, Region, inside
 from calibration.tracking.film.stamps import clean_stamps
 from calibration.tracking.linking import Path
 from calibration.tracking.search import Notes, Search
+from calibration.tracking.segments import misfit, noise
 from calibration.tracking.track import Array, Look, Track
 from granulab.errors import InputError
 
 _POINTED = 3  # own radii by which a hint may miss an object
 _MOVES = 1.0  # px of the picture measured in, from which the camera's motion is taken off
 _FEWEST = 8  # positions of a track
+_LIKELIER = 2 * np.log(20)  # of misfit: one in twenty by chance
 
 
 class Hint(NamedTuple):
@@ -57,15 +60,16 @@ def follow(
     notes = Notes()
     clean = clean_background(film, region) if overlapping else None
     search = Search(region.width, region.height, clean)
-    for frame in film.frames():
-        picture = frame.picture[
-            region.y : region.y + region.height, region.x : region.x + region.width
-        ]
-        search.look(frame.number, picture, notes)
-        notes.numbers.append(frame.number)
-        notes.stamps.append(frame.stamp)
-        if progress is not None and film.count:
-            progress(frame.number / film.count, f"frame {frame.number} of {film.count}")
+    with closing(film.frames()) as frames:
+        for frame in frames:
+            picture = frame.picture[
+                region.y : region.y + region.height, region.x : region.x + region.width
+            ]
+            search.look(frame.number, picture, notes)
+            notes.numbers.append(frame.number)
+            notes.stamps.append(frame.stamp)
+            if progress is not None and film.count:
+                progress(frame.number / film.count, f"frame {frame.number} of {film.count}")
     tracks = tracks_of(film, search, notes, region)
     if not tracks and len(notes.junk) + len(notes.views) > len(notes.numbers) / 4:
         raise InputError(
@@ -131,7 +135,7 @@ def tracks_of(film: Film, search: Search, notes: Notes, region: Region) -> list[
             track = replace(track, x=x, y=y, camera=offset)
         when = None if time is None else time[at]
         name = str(len(tracks) + 1)
-        tracks.append(replace(track, time=when, name=name, remarks=tuple(remarks)))
+        tracks.append(replace(track, time=when, name=name, remarks=(*remarks, *track.remarks)))
     return tracks
 
 
@@ -141,8 +145,14 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     kept = np.flatnonzero(_usual(area) & [one.whole for one in path.blobs])
     blobs = [path.blobs[k] for k in kept]
     fx, fy = scale
+    remarks: tuple[str, ...] = ()
     x = np.array([region.x + (one.x + 0.5) * fx - 0.5 for one in blobs])
     y = np.array([region.y + (one.y + 0.5) * fy - 0.5 for one in blobs])
+    shadow = np.array([one.shadow for one in blobs]).reshape(-1, 2) * (fx, fy)
+    new = np.array([one.changed for one in blobs], dtype=bool)  # copies are on no parabola
+    if _flies_out_of(shadow[new], np.array(path.frames, dtype=float)[kept][new], y[new]):
+        x, y = x + shadow[:, 0], y + shadow[:, 1]
+        remarks = ("the object's own shadow lies behind its blurred edge: taken off",)
     covariance = np.array(
         [[[one.xx * fx**2, one.xy * fx * fy], [one.xy * fx * fy, one.yy * fy**2]] for one in blobs]
     ).reshape(-1, 2, 2)
@@ -155,8 +165,26 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     look = Look(*(np.median(one, axis=0) for one in (colour, behind)), grain) if blobs else None
     profile = np.array([one.profile for one in blobs], dtype=float) * np.sqrt(fx * fy)
     return Track(
-        frame, x, y, None, covariance, radius=radius, profile=profile, look=look, repeated=repeated
+        frame,
+        x,
+        y,
+        None,
+        covariance,
+        radius=radius,
+        profile=profile,
+        look=look,
+        repeated=repeated,
+        remarks=remarks,
     )
+
+
+def _flies_out_of(shadow: Array, frame: Array, y: Array) -> bool:
+    """True if the path is made of parabolas the likelier without what a shadow adds to it."""
+    if len(y) < _FEWEST or not shadow[:, 1].any():
+        return False
+    sigma = min(noise(frame, one) for one in (y, y + shadow[:, 1]))
+    as_seen, without = (misfit(frame, one, sigma) for one in (y, y + shadow[:, 1]))
+    return without < as_seen - _LIKELIER
 
 
 def _usual(area: Array) -> np.ndarray:

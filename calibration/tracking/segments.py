@@ -51,15 +51,19 @@ def noise(t: Array, y: Array) -> float:
     floor = 1e-6 * float(np.ptp(y))
     if len(t) < 8:
         return floor
+    moves = _moves(np.lib.stride_tricks.sliding_window_view(y, 4))
+    return max(floor, MEDIAN_TO_SIGMA * float(np.median(third_differences(t, y)[moves])))
+
+
+def third_differences(t: Array, y: Array) -> Array:
+    """(n - 3,) sizes of the third divided differences, scaled to the noise of one y."""
     window = np.lib.stride_tricks.sliding_window_view(t, 4)
     apart = window[:, :, None] - window[:, None, :] + np.eye(4)
     weights = 1 / np.prod(apart, axis=2)
     # By a power of two first, which rounds nothing: times that nearly coincide have large weights.
     weights = np.ldexp(weights, -np.frexp(weights)[1].max(axis=1, keepdims=True))
     weights /= np.linalg.norm(weights, axis=1)[:, None]
-    moved = np.lib.stride_tricks.sliding_window_view(y, 4)
-    differences = np.sum(weights * moved, axis=1)[_moves(moved)]
-    return max(floor, MEDIAN_TO_SIGMA * float(np.median(np.abs(differences))))
+    return np.abs(np.sum(weights * np.lib.stride_tricks.sliding_window_view(y, 4), axis=1))
 
 
 def _moves(windows: Array) -> NDArray[np.bool_]:
@@ -74,7 +78,31 @@ def stretches(t: Array, y: Array) -> list[Stretch]:
     A stretch costs twice what the Bayesian information criterion requires for its three
     coefficients and its end; a point left out costs what a normal deviate exceeds once in n points.
     """
-    n, sigma = len(t), noise(t, y)
+    sigma = noise(t, y)
+    _, came_from = _cheapest(t, y, sigma)
+    found = []
+    j = len(t)
+    while j > 0:
+        i = came_from[j]
+        if i >= 0:
+            found.append(_fitted(t, y, i, j, sigma))
+            j = i
+        else:
+            j -= 1
+    return found[::-1]
+
+
+def misfit(t: Array, y: Array, sigma: float) -> float:
+    """Cost of the best cut of a track into parabolas, in sigma^2: twice minus its log likelihood.
+
+    Two clocks for the same positions, whose noise is sigma, compare by it.
+    """
+    return float(_cheapest(t, y, sigma)[0]) / max(sigma**2, float(np.finfo(float).tiny))
+
+
+def _cheapest(t: Array, y: Array, sigma: float) -> tuple[float, Rows]:
+    """Cost of the best cut; (n + 1,) where the stretch that ends there began, -1 for none."""
+    n = len(t)
     per_stretch, per_point = 8 * np.log(n) * sigma**2, 2 * np.log(n) * sigma**2
     cost = np.full(n + 1, np.inf)
     came_from = np.zeros(n + 1, dtype=int)
@@ -86,16 +114,7 @@ def stretches(t: Array, y: Array) -> list[Stretch]:
         total = cost[i] + per_stretch + squares
         better = total < cost[ends]
         cost[ends[better]], came_from[ends[better]] = total[better], i
-    found = []
-    j = n
-    while j > 0:
-        i = came_from[j]
-        if i >= 0:
-            found.append(_fitted(t, y, i, j, sigma))
-            j = i
-        else:
-            j -= 1
-    return found[::-1]
+    return float(cost[n]), came_from
 
 
 def _squares_from(t: Array, y: Array, i: int) -> tuple[Rows, Array]:
