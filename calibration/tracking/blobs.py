@@ -448,14 +448,15 @@ def _body(share: Channels, mask: Mask) -> Mask | None:
         return half
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
     thick = largest(np.asarray(cv2.morphologyEx(half, cv2.MORPH_OPEN, kernel), dtype=np.uint8))
-    return None if thick is None else _with_corners(half, thick)
+    return None if thick is None else _with_corners(half, thick, share)
 
 
-def _with_corners(half: Mask, thick: Mask) -> Mask:
+def _with_corners(half: Mask, thick: Mask, share: Channels) -> Mask:
     """The thick part of an object and its corners, but for what hangs on it.
 
     A string is far longer than wide where it begins. A corner of 30 degrees that an arc of radius r
-    has cut off is r (1/sin 15 - 1) long, and the arc 5 pi/6 r: its length 1.1 times that.
+    has cut off is r (1/sin 15 - 1) long, and the arc 5 pi/6 r: its length 1.1 times that. Shadows
+    and blurred rims are only in part as the object is.
     """
     import cv2
 
@@ -464,7 +465,8 @@ def _with_corners(half: Mask, thick: Mask) -> Mask:
     found = thick.copy()
     for k in range(1, count):
         far = away[labels == k]
-        if float(far.max()) <= _LONG * np.count_nonzero(far < _NEXT):
+        broad = float(far.max()) <= _LONG * np.count_nonzero(far < _NEXT)
+        if broad and np.median(share[labels == k]) > _HIGH:
             found[labels == k] = 255
     return found
 
