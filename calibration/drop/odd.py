@@ -77,7 +77,7 @@ def seen_instead(tracks: Sequence[Track], why: str) -> str:
 
 
 def _words(track: Track, piece: Stretch) -> str:
-    """How a track moves in its longest stretch, and what comes after."""
+    """Words on how a track moves in its longest stretch, and what comes after."""
     rows = np.arange(piece.i, piece.j)
     t = track.clock[rows] - track.clock[rows].mean()
     (x, y), sigma = (

@@ -97,7 +97,7 @@ class Flow:
 
     @property
     def first_fall(self) -> float | None:
-        """Acceleration of the first fall above the outlet at this rate [m/s2]; None without scale."""
+        """Acceleration of the first fall above the outlet [m/s2]; None without a scale."""
         if self.pull is None or self.silo.unit != "m":
             return None
         return self.pull * self.silo.scale.value * self.rate**2

@@ -131,10 +131,11 @@ def _in_a_row(picture: Picture, body: _Seen) -> int:
 
 def _peaks(match: NDArray[np.float32], half: int) -> NDArray[np.intp]:
     """(n, 2) rows and columns of the matches, the best first."""
-    left, found, reach = match.copy(), [], round(_APART * half)
+    found: list[tuple[int, int]] = []
+    left, reach = match.copy(), round(_APART * half)
     while True:
         row, column = np.unravel_index(int(left.argmax()), left.shape)
         if left[row, column] < _ALIKE:
             return np.array(found, dtype=np.intp).reshape(-1, 2)
-        found.append((row, column))
+        found.append((int(row), int(column)))
         left[max(row - reach, 0) : row + reach + 1, max(column - reach, 0) : column + reach + 1] = 0
