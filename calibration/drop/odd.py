@@ -123,7 +123,7 @@ def _share(track: Track) -> float:
 
 
 def _straight(track: Track, speed: float, most: float) -> str:
-    """What moves without an acceleration of more than `most` [px/frame2], and what that says."""
+    """Words on motion without an acceleration of more than `most` [px/frame2], and its rate."""
     words = f"it moves by {speed:.3g} px a frame, and no acceleration of gravity is seen in that"
     rate = track.rate
     if rate is None:
@@ -150,7 +150,7 @@ def _between(one: Array, other: Array) -> float:
 
 
 def _reversals(x: Array) -> int:
-    """Times at which a path turns back by a quarter of its range."""
+    """Number of times that a path turns back by a quarter of its range."""
     turns, far, side = 0, float(x[0]), 0
     for value in x:
         if side * (value - far) >= 0 and side:

@@ -29,7 +29,7 @@ _TWO = 2  # bodies that the laws of this test are about
 
 
 class _Seen(NamedTuple):
-    """Where a body of radius r [px] moves least: frame, x, y."""
+    """Frame, x, y and radius [px] of a body where it moves least."""
 
     frame: int
     x: float
