@@ -12,6 +12,11 @@ import numpy as np
 
 from calibration.drop.bounce import Bounces, find_bounces
 from calibration.drop.first import first_bounce
+from calibration.drop.odd import (
+    refuse_what_does_not_fall,
+    refuse_what_falls_sideways,
+    seen_instead,
+)
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.track import Look, Track
 from granulab.errors import InputError
@@ -84,12 +89,14 @@ def the_one_that_bounces(
         except InputError as error:
             failures.append((_range(track), error))
     if not found:
-        _refuse_what_falls_sideways(tracks, where)
-        raise InputError(f"{where}{max(failures, key=lambda failure: failure[0])[1]}")
+        refuse_what_falls_sideways(tracks, where)
+        why = str(max(failures, key=lambda failure: failure[0])[1])
+        raise InputError(f"{where}{why}{seen_instead(tracks, why)}")
     found = _without_companions(found)
     if len(found) > 1:
         raise InputError(f"{where}{_several(found)}")
     _refuse_what_is_no_restitution(found[0].pooled, where)
+    refuse_what_does_not_fall(found[0], where)
     return replace(found[0], warnings=[*found[0].warnings, *_other_drops(found[0])])
 
 
@@ -115,22 +122,6 @@ def _other_drops(found: Bounces) -> list[str]:
             f"{e.value:.4f} +- {e.sigma or 0.0:.1g}: not used; cut the recording to measure it"
         )
     return said
-
-
-def _refuse_what_falls_sideways(tracks: list[Track], where: str) -> None:
-    """InputError where an object bounces along x."""
-    for track in tracks:
-        if np.ptp(track.y) > np.ptp(track.x):
-            continue
-        try:
-            found = find_bounces(replace(track, x=track.y, y=track.x, covariance=None))
-        except InputError:
-            continue
-        side = "right" if found.flights.acceleration[0] > 0 else "left"
-        raise InputError(
-            f"{where}it falls to the {side}, along x, with a restitution of "
-            f"{found.pooled.value:.3f}: the recording is rotated by 90 degrees; rotate it upright"
-        )
 
 
 def _refuse_what_is_no_restitution(pooled: Estimate, where: str) -> None:

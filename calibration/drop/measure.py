@@ -150,7 +150,7 @@ def with_pictures(
     else:
         drop = replace(drop, name=_name(Path(source)))
     if isinstance(source, str | Path) and is_film(source):
-        from calibration.drop.annotate import annotate
+        from calibration.drop.view.annotate import annotate
 
         film, pictures = annotate(
             drop, open_film(source), folder / f"drop-{drop.name}.mp4", progress

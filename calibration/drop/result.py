@@ -14,7 +14,7 @@ from calibration.statistics.uncertainty import Estimate, as_pair, through
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from calibration.drop.annotate import Still
+    from calibration.drop.view.annotate import Still
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Drop:
     remarks       on the time base
     name          of the film or table, for the diagnostic figure
     first         H0, H1 and eq. 3.5 of the first contact
-    pictures      of the film, with what was measured drawn in; see calibration.drop.annotate
+    pictures      of the film, with what was measured drawn in; see calibration.drop.view.annotate
     sheet, film   the diagnostic figure and the annotated film, where they were requested
     """
 
@@ -213,7 +213,7 @@ class Drop:
 
     def figure(self) -> "Figure":
         """Track, parabolas, residuals, restitution against speed, pictures of the film."""
-        from calibration.drop.figure import draw_figure
+        from calibration.drop.view.figure import draw_figure
 
         return draw_figure(self)
 

@@ -34,6 +34,7 @@ _TAIL = re.compile(r"(?P<name>.*?)(?:_(?P<tail>px|mm|cm|m|s|ms))?")
 _PIXELS = ("px", "pixel", "pixels", "-")
 _IN_PIXELS = "x and y without a unit of length: read as pixels"
 _LARGEST = 1e12  # of a frame number, a time stamp or a position, whatever its unit
+_SHORTEST = 1e-9  # frames or s from line to line: the fastest cameras take 1e-7 s
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,17 @@ def _number(path: Path, line: int, field: str) -> float:
     if abs(value) > _LARGEST:
         raise InputError(f"{path}: line {line}: {field!r}: no frame, time or position is as large")
     return value
+
+
+def _apart(path: Path, clock: Array, kind: str) -> Array:
+    """The clock; InputError where its usual step is no camera's: frames count, to a part of one."""
+    steps = np.diff(np.unique(clock[np.isfinite(clock)]))
+    if len(steps) and np.median(steps) < _SHORTEST:
+        raise InputError(
+            f"{path}: column {kind!r} goes on by {np.median(steps):.3g} a line: no camera's frames "
+            "or s; check its unit"
+        )
+    return clock
 
 
 def _column(head: str, unit: str) -> _Column:
@@ -223,13 +235,14 @@ def _clock(
     times = [k for k, c in enumerate(columns) if c.kind == "time"]
     if not times:
         if frames:
-            return wide[:, frames[0]], None, []
+            return _apart(path, wide[:, frames[0]], "frame"), None, []
         return np.arange(float(len(wide))), None, ["no column of frames: one frame a line assumed"]
     unit = columns[times[0]].unit
     time = wide[:, times[0]] * (to_si(f"1 {unit}", "s", f"{path}: column 'time'") if unit else 1)
     steps = np.diff(np.unique(time[np.isfinite(time)]))
     if not len(steps):
         raise InputError(f"{path}: the column of times does not go on")
+    _apart(path, time, "time")
     if not unit and np.all(steps == np.round(steps)):
         return time, None, ["times are whole numbers without a unit: read as frame numbers"]
     remarks = [] if unit else ["times without a unit: read as seconds"]

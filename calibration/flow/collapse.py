@@ -33,6 +33,11 @@ Mask = NDArray[np.bool_]
 
 _RAGGED = 0.02  # of the patch's rows, at its outermost, over which the front's position is averaged
 _SMALLEST = 25  # px of a patch that counts
+_JUMP = 5.0  # usual steps from frame to frame: a front that moves farther is something else's edge
+_SPREAD = 0.8  # of the final half width: later jumps are no release
+_AT_REST = 0.98  # of the final half width, from which on the front is taken to rest
+# An edge is counted in whole pixels: a rectangular distribution of 1 px for each end (GUM 4.3.7).
+_COUNTED = 1 / np.sqrt(12) / np.sqrt(2)  # px of half the difference of two
 
 
 @dataclass(frozen=True)
@@ -44,7 +49,9 @@ class Collapse:
 
     left, right    ends of the material
     surface        its highest point
-    sigma          standard deviation of the half width from frame to frame
+    sigma          standard deviation of the half width, of whole pixels and from frame to frame
+    begins         number of rows from the first frame on that were left out: before the release
+    rests_on       where the rate comes from
     """
 
     path: Path
@@ -57,6 +64,8 @@ class Collapse:
     right: Floats
     surface: Floats
     sigma: float
+    begins: int
+    rests_on: str
     warnings: list[str]
 
     @property
@@ -69,6 +78,8 @@ class Collapse:
         return {
             "fps_header": self.header,
             "fps_used": self.rate,
+            "time_base": {"rests_on": self.rests_on, "checked": False},
+            "rows_left_out": self.begins,
             "length_unit": self.unit,
             "scale_m_per_px": self.scale.value if self.unit == "m" else None,
             "time_s": numbers(self.time),
@@ -138,15 +149,23 @@ def measure_collapse(
     time, left, right, top = np.array(rows).T
     k = known.value
     warnings = clock_warnings(film, seen)
+    begins = _release((right - left) / 2, left, right)
+    left[:begins] = right[:begins] = top[:begins] = np.nan
+    if begins:
+        warnings.append(
+            f"the first {begins} frames are left out: until {time[begins]:.4g} s an edge jumps by "
+            f"more than {_JUMP:g} usual steps, as that of a gate, a tube or a hand does"
+        )
     if film.rate is not None and fps is None:
         warnings.append(
-            f"the rate is that of the file's head, {film.rate:g} frames/s; a film that is shown "
-            "slowly was taken at another: --fps"
+            f"the rate is that of the file's head, {film.rate:g} frames/s, and nothing in a "
+            "collapse can check it: grains that lean on each other fall slower than free ones, by "
+            "an unknown share; a film that is shown slowly was taken at another: --fps"
         )
     return Collapse(
         Path(path), film.rate, rate, known, "px" if scale is None else "m", time,
         k * (left + x), k * (right + x), k * (top + y),
-        k * _noise(left, right), warnings,
+        k * _noise(left, right), begins, "the file's head" if fps is None else "--fps", warnings,
     )  # fmt: skip
 
 
@@ -178,16 +197,38 @@ def _ends(apart: Grey, limit: float) -> tuple[float, float, float]:
     last = w - patch[filled][:, ::-1].argmax(axis=1)
     count = max(round(_RAGGED * filled.sum()), 1)
     left, right = np.sort(first)[:count].mean(), np.sort(last)[-count:].mean()
-    return float(x + left), float(x + right), float(y)
+    top = float(y) if y > 0 else np.nan  # it goes on beyond the picture
+    return float(x + left), float(x + right), top
+
+
+def _release(half: Floats, left: Floats, right: Floats) -> int:
+    """The first row from which on the ends of the patch move as a front does: in no jumps.
+
+    half   half of the width [px], as `left` and `right` by row; NaN where nothing is seen
+    """
+    final = np.nanmedian(half[-max(len(half) // 10, 1) :]) if np.isfinite(half[-1]) else np.nan
+    early = np.flatnonzero(half < _SPREAD * final)
+    if not len(early):
+        return 0
+    steps = np.abs(np.diff([left, right], axis=1)).max(axis=0)
+    moving = steps[steps > 0]  # an edge at rest stays in its pixel
+    jumps = np.flatnonzero(~(steps[: early[-1]] <= _JUMP * np.median(moving)))  # also to NaN
+    return int(jumps[-1]) + 1 if len(jumps) else 0
 
 
 def _noise(left: Floats, right: Floats) -> float:
-    """Standard deviation of the half width from frame to frame [px], by third differences."""
-    third = np.diff((right - left) / 2, n=3)
+    """Standard deviation of the half width [px]: of whole pixels, and by third differences.
+
+    Of the rows in which the front moves: an edge at rest stays in its pixel, and shows no noise.
+    """
+    half = (right - left) / 2
+    moves = half < _AT_REST * np.nanmax(half, initial=0.0)
+    third = np.diff(np.where(moves, half, np.nan), n=3)
     known = np.abs(third[np.isfinite(third)])
     # Third differences of independent values have 20 times their variance; frames in which the
     # front is hidden are few, and left to the median.
-    return float(MEDIAN_TO_SIGMA * np.median(known) / np.sqrt(20)) if len(known) else np.nan
+    scatter = MEDIAN_TO_SIGMA * np.median(known) / np.sqrt(20) if len(known) else 0.0
+    return float(np.hypot(scatter, _COUNTED))
 
 
 def write_table(seen: Collapse, folder: Path) -> Path:

@@ -61,6 +61,14 @@ class Opening:
         """True once a fall has been seen."""
         return bool(self._falls)
 
+    @property
+    def pull(self) -> float | None:
+        """Mean acceleration of the first fall [px/frame2]; None where it is seen in too few."""
+        if self.clock is None or len(self._falls) < _FEWEST:
+            return None
+        frame, fall = self._falls[-1]
+        return 2 * fall / (frame - self.clock.value) ** 2
+
     def see(self, frame: float, fall: float) -> None:
         """The mean fall of the lowest tracers [px] in a frame."""
         if self.clock is not None:

@@ -57,6 +57,8 @@ class Flow:
     opening      frame of the film, with a part of one
     outcome      empty, dead_zones, clogged, unfinished or nothing_flows
     discharge    from the opening to the last particle [s]; None if clogged or unfinished
+    rests_on     where the rate comes from
+    pull         mean acceleration of the first fall above the outlet [px/frame2]; None if unknown
     """
 
     film: Film
@@ -74,6 +76,8 @@ class Flow:
     velocities: list[VelocityField]
     seen: Survey
     warnings: list[str] = field(default_factory=list)
+    rests_on: str = "the file's head"
+    pull: float | None = None
 
     def depths(self) -> tuple[Floats, Floats]:
         """Depth of each layer's V, and its sigma, (times, layers); NaN for none.
@@ -92,6 +96,13 @@ class Flow:
         return out[0], out[1]
 
     @property
+    def first_fall(self) -> float | None:
+        """Acceleration of the first fall above the outlet [m/s2]; None without a scale."""
+        if self.pull is None or self.silo.unit != "m":
+            return None
+        return self.pull * self.silo.scale.value * self.rate**2
+
+    @property
     def name(self) -> str:
         """Name of the film in file names."""
         return self.film.path.stem.strip("*?[]") or "pictures"
@@ -107,7 +118,7 @@ class Flow:
 
     def to_dict(self) -> dict[str, Any]:
         """Lengths in `length_unit`, times in s from the opening."""
-        silo, curve = self.silo, self.curve
+        silo, curve, fall = self.silo, self.curve, self.first_fall
         return {
             "fps_header": self.film.rate,
             "fps_used": self.rate,
@@ -115,6 +126,8 @@ class Flow:
                 "duplicated_frames": self.seen.repeated,
                 "corrupt_frames": len(self.film.corrupt),
                 "uneven_stamps": self.seen.uneven,
+                "rests_on": self.rests_on,
+                "first_fall_m_per_s2": six_digits(np.nan if fall is None else fall),
             },
             "length_unit": silo.unit,
             "scale_m_per_px": as_pair(silo.scale) if silo.unit == "m" else None,

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.drop.bounce import STANDARD_GRAVITY
 from calibration.flow.discharge import Crossing, Opening, Plausible
 from calibration.flow.layers import Band, Lines, Profile, drawn_bands, of_bands, painted_bands
 from calibration.flow.result import Curve, Flow
@@ -23,7 +24,23 @@ from granulab.errors import InputError
 Floats = NDArray[np.float64]
 
 _STILL = 0.1  # of a particle's pixels that must change for anything to have moved
+# Material above an outlet that opens falls freely but for what arches hold back: at most with g,
+# and with half the rate (a quarter of the acceleration) at less than a quarter of it.
+_FASTEST, _SLOWEST = 1.3, 0.25  # of g; a tracer's 0.1 px and the opening's sigma are 10 to 20 %
 _REST = 0.1  # s without motion at the end of the film, for what is left to be at rest
+
+
+def _time_base(found: Flow) -> list[str]:
+    """A line where the first fall is none that gravity draws, at this rate and scale."""
+    fall, g = found.first_fall, STANDARD_GRAVITY.value
+    if fall is None or _SLOWEST <= fall / g <= _FASTEST:
+        return []
+    free = found.rate * float(np.sqrt(g / fall))
+    return [
+        f"the material above the outlet begins to fall with {fall:.2g} m/s2 at {found.rate:g} "
+        f"frames/s ({found.rests_on}): free fall, which arches and a slow door make less of, would "
+        f"be {free:.3g} frames/s; check the camera's rate (--fps) and the scale"
+    ]
 
 
 class _Moment(NamedTuple):
@@ -239,11 +256,13 @@ class Watch:
         if last is not None and outcome in ("empty", "dead_zones"):
             sigma = np.hypot((last.sigma or 0.0) / self.rate, late)
             discharge = Estimate((last.value - opening.value) / self.rate, float(sigma), 1)
-        return Flow(
+        found = Flow(
             self.film, self.rate, self.silo, self._outlet_ends(), opening, outcome, discharge,
             curve, self.bands, self.lines.edges, self.interval, self._with_shared(opening),
             self.velocities.fields(self.interval, late), self.seen, self._warnings(curve),
+            "the file's head" if self.settings.fps is None else "--fps", self.opening.pull,
         )  # fmt: skip
+        return replace(found, warnings=[*found.warnings, *_time_base(found)])
 
     def _outlet_ends(self) -> tuple[float, float]:
         scale = self.silo.scale.value

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from calibration.pendulum.arc import Arc, arc_through, planar
+from calibration.pendulum.chain import refuse_chain
 from calibration.pendulum.collisions import collide
 from calibration.pendulum.contacts import Swings, found_swings
 from calibration.pendulum.fit import Seen, fit
@@ -15,7 +16,7 @@ from calibration.pendulum.result import Pendulum
 from calibration.pendulum.warnings import warnings_of
 from calibration.result import checked, draw
 from calibration.statistics.correlated import pool
-from calibration.tracking.film.reader import Progress
+from calibration.tracking.film.reader import Film, Progress, is_film, open_film
 from calibration.tracking.segments import noise
 from calibration.tracking.track import Array, Track
 from granulab.errors import InputError
@@ -44,7 +45,36 @@ def measure_pendulum(
 
     Raises InputError, one line, for what cannot be measured.
     """
-    objects = objects_in(source, fps=fps, names=tracks, roi=roi, progress=progress, units=units)
+    film = open_film(source) if isinstance(source, str | Path) and is_film(source) else None
+    try:
+        objects = objects_in(source, fps=fps, names=tracks, roi=roi, progress=progress, units=units)
+        if film is not None:
+            refuse_chain(film, objects.tracks)
+        pendulum = _pendulum_of(objects, masses)
+    except InputError:
+        if film is not None:
+            _refuse_chain_of_all(film, roi, progress)
+        raise
+    if out is None:
+        return pendulum
+    return replace(pendulum, sheet=draw(pendulum, Path(out) / f"pendulum-{objects.name}.png"))
+
+
+def _refuse_chain_of_all(
+    film: Film, roi: tuple[int, int, int, int] | None, progress: Progress | None
+) -> None:
+    """InputError where a film that gave no answer shows a chain, by everything that moves in it."""
+    from calibration.tracking.follow import follow
+
+    try:
+        tracks = follow(film, roi=roi, progress=progress)
+    except InputError:  # nothing moves, or the film cannot be read: the caller's error says it
+        return
+    refuse_chain(film, tracks)
+
+
+def _pendulum_of(objects: Objects, masses: tuple[float, float] | None) -> Pendulum:
+    """The result; InputError where there is none."""
     if masses is not None and len(objects.x) == 1:
         raise InputError("--masses: of two blocks; this is one object against a wall")
     rough, found = found_swings(objects.t, objects.gap)
@@ -54,10 +84,7 @@ def measure_pendulum(
     )
     pendulum = _measured(objects, arcs, found, rough, masses)
     checked(pendulum.to_dict(), [objects.name])
-    pendulum = replace(pendulum, warnings=tuple(warnings_of(pendulum)))
-    if out is None:
-        return pendulum
-    return replace(pendulum, sheet=draw(pendulum, Path(out) / f"pendulum-{objects.name}.png"))
+    return replace(pendulum, warnings=tuple(warnings_of(pendulum)))
 
 
 def _measured(

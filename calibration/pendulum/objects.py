@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.files.track_table import read_tracks, refuse_units
+from calibration.pendulum.chain import refuse_more_than_two
 from calibration.pendulum.colours import by_colour
 from calibration.pendulum.contacts import FEWEST, found_swings
 from calibration.statistics.repeated import repeated
@@ -98,6 +99,8 @@ def objects_in(
     if names:
         tracks = _named(tracks, names, where)
     try:
+        if path is None or not is_film(path):
+            refuse_more_than_two(tracks)
         found = _chosen(tracks)
     except InputError as error:
         raise InputError(f"{where}{error}") from None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from calibration import measure_drop
-from calibration.drop.annotate import Marks, annotate, scale_bar, with_sigma
+from calibration.drop.view.annotate import Marks, annotate, scale_bar, with_sigma
 from calibration.tracking.film.reader import Frame, open_film
 from granulab.campaign.output.figure import ORANGE, VERMILION
 from granulab.campaign.output.film import rgb
@@ -33,7 +33,7 @@ def sheets(tmp_path_factory):
         stills.extend(found)
         return film, found
 
-    with mock.patch("calibration.drop.annotate.annotate", noted):
+    with mock.patch("calibration.drop.view.annotate.annotate", noted):
         done = calibrating.calibrate("drop", CLIP, "--json", "--quiet", "-o", folder)
     assert (done.code, done.err) == (0, "")
     return json.loads(done.out), folder, stills

@@ -2,6 +2,8 @@
 
 import json
 import os
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ from calibration.flow.measure import measure_flow
 from calibration.flow.silo import Settings
 from calibration.flow.survey import Tones
 from calibration.flow.velocity import VelocityField
+from calibration.flow.watch import _time_base
 from calibration.rendered.camera import Camera, write_film
 from calibration.rendered.flow import Look, Stage, film_of_run, truth
 from calibration.rendered.flow_velocity import true_field
@@ -61,6 +64,18 @@ def test_opening_and_last_particle_are_found(measured, filmed):
     assert abs(opening.value - known["opening_frame"]) < max(3 * opening.sigma, 1)
     assert measured.outcome == known["outcome"] == "empty"
     assert abs(end.value - known["discharge_time_s"]) < max(3 * end.sigma, 1 / rate)
+
+
+@pytest.mark.parametrize(("fps", "said"), [(120, False), (30, True), (480, True)])
+def test_a_rate_at_which_nothing_falls_so_is_said(measured, fps, said):
+    """A quarter of the rate makes a sixteenth of the fall, which is g less what arches hold: the
+    rate of free fall lies above the true one, 120 frames/s, by less than two."""
+    found = replace(measured, rate=float(fps), warnings=[])
+    assert 0.25 < measured.first_fall / 9.81 < 1.3
+    warned = _time_base(found)
+    assert bool(warned) is said
+    if said:
+        assert 120 <= float(re.search(r"be (\S+) frames/s", warned[0])[1]) < 240
 
 
 def test_profiles_come_back_within_their_uncertainty(measured, filmed):

@@ -239,6 +239,7 @@ def main() -> None:
         campaign(plan, args.seed, args.jobs, ledger, root, begun + 60 * args.minutes)
     minutes = (time.monotonic() - begun) / 60
     command = f"python tests/fuzz/campaign.py --times {args.times:g} --seed {args.seed}"
+    command += "".join(f' --only "{kind}"' for kind in args.only or [])
     text = f"{command}\n{minutes:.0f} min, {args.jobs} at a time\n\n{ledger.table()}\n"
     print(text)
     if args.write:

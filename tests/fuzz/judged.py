@@ -21,6 +21,7 @@ from granulab.errors import InputError
 
 LIMIT = 60.0  # [s] that no command here may take, on a machine that does other things too
 UNFORESEEN = "nobody foresaw"
+FROM_A_LIBRARY = "its numbers cannot be evaluated"  # a numerical library's exception, in a line
 # Ranges of the plan that --dry-run prints, by key: between 0 and these.
 PLAN = {"time_step_s": 1.0, "n_particles": 1e8, "steps_at_most": 1e13, "steps": 1e13}
 # Not after "; ": a source of a value, which may be any text.
@@ -103,6 +104,8 @@ def judge(
     """
     if UNFORESEEN in result.err or "Traceback" in result.out + result.err:
         return "bad", f"traceback: {result.err[-600:]}"
+    if FROM_A_LIBRARY in result.err:
+        return "bad", f"a library's exception: {result.err[:400]}"
     if ".py:" in result.err:
         return "bad", f"a warning of Python: {result.err[:300]}"
     if result.code == 0:

@@ -24,6 +24,7 @@ from mutations import (
     toml,
     value,
 )
+from odd import odd_film, odd_table
 from resealed import resealed
 from stock import SHAPES, TABLES, runs_of
 
@@ -364,12 +365,57 @@ def sound(chance: Random, stock: Path) -> Call:
     return Call("calibrate", ("impacts", "sound.wav", "--quiet", *_as_json(chance)))
 
 
+OF_FILMS = [
+    ("drop",), ("drop", "--one-bounce"), ("pendulum",), ("flow", "--no-velocity"),
+    ("flow", "--collapse"), ("flow", "--collapse", "--scale", "1 mm/px"),
+]  # fmt: skip
+
+
+def odd_films(chance: Random, _stock: Path) -> Call:
+    """A film that can be read and shows no experiment, read as any."""
+    command, name = chance.choice(OF_FILMS), odd_film(chance)
+    more = ("--fps", "100") if chance.random() < 0.4 else ()
+    if Path(name).is_dir() and chance.random() < 0.3:
+        return Call("calibrate", ("piv", f"{name}/im0.png", f"{name}/im1.png", "--quiet"))
+    return Call("calibrate", (*command, name, *more, "--quiet", *_as_json(chance)))
+
+
+def odd_tracks(chance: Random, _stock: Path) -> Call:
+    """A track of numbers that nothing falls or swings by."""
+    heads = [chance.choice(["time [s]", "frame", "time [ms]"]), "x", "y"]
+    name = odd_table(heads, chance, [1, 2, 3, 7, 8, 9, 12, 30, 100, 300])
+    asked = chance.choice([("drop",), ("drop", "--one-bounce"), ("pendulum",)])
+    more = chance.choice([(), ("--fps", "240"), ("--scale", "1 mm/px")[: 2 * (asked[0] == "drop")]])
+    return Call("calibrate", (*asked, name, *more, "--quiet", *_as_json(chance)))
+
+
+SIGNALS = {
+    "impacts": ["time [s]", "force [N]"],
+    "shaker": ["time [s]", "force [N]", "acceleration [m/s2]"],
+    "slide": ["time [s]", "velocity [m/s]"],
+    "compression": ["displacement [mm]", "load [N]"],
+    "roughness": ["x [mm]", "z [um]"],
+    "heights": ["drop [cm]", "rebound [cm]"],
+    "density": ["mass [g]", "volume [mm3]"],
+    "incline": ["angle_deg"],
+    "interface": ["dx_t [mm]", "dx_n [mm]", "sigma_t [MPa]", "sigma_n [MPa]"],
+}
+
+
+def odd_signals(chance: Random, _stock: Path) -> Call:
+    """A signal, or a table of a bench test, of numbers that no instrument gives."""
+    command = chance.choice(["impacts", "shaker", *SIGNALS])
+    name = odd_table(SIGNALS[command], chance, [1, 2, 3, 5, 10, 40, 400, 3000])
+    needed = TABLES[command][1] if command in TABLES else []
+    return Call("calibrate", (command, name, *needed, "--quiet", *_as_json(chance)))
+
+
 def film(chance: Random, stock: Path) -> Call:
     """A film damaged as bytes, read as any experiment."""
     file = Path(chance.choice(["film.avi", "film.mp4"]))
     shutil.copy(stock / file, file)
     damage_bytes(file, chance)
-    command = chance.choice([("drop",), ("drop",), ("pendulum",), ("flow", "--no-velocity")])
+    command = chance.choice(OF_FILMS)
     return Call("calibrate", (*command, str(file), "--quiet", *_as_json(chance)))
 
 
@@ -467,6 +513,9 @@ KINDS = {
     "sound": Kind(500, sound),
     "film": Kind(300, film),
     "picture": Kind(200, picture),
+    "odd film": Kind(500, odd_films),
+    "odd track": Kind(500, odd_tracks),
+    "odd signal": Kind(500, odd_signals),
     "silo folder": Kind(500, _of(folder, "silo2d", False), of_runs=True),
     "silo unfinished": Kind(300, _of(folder, "silo2d", True), of_runs=True),
     "damper folder": Kind(500, _of(folder, "damper3d", False), of_runs=True),

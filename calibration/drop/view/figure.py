@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.drop.annotate import Still, scale_bar, with_sigma
+from calibration.drop.view.annotate import Still, scale_bar, with_sigma
 from calibration.drop.result import Drop
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline
 

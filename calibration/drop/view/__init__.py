@@ -1,0 +1,1 @@
+"""Pictures of a drop test: the diagnostic figure, the annotated film."""
