@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibration.drop.view.annotate import Still, scale_bar, with_sigma
 from calibration.drop.result import Drop
+from calibration.drop.view.annotate import Still, scale_bar, with_sigma
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, PAPER, VERMILION, headline
 
 if TYPE_CHECKING:
