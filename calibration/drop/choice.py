@@ -139,12 +139,19 @@ def _refuse_what_is_no_restitution(pooled: Estimate, where: str) -> None:
 
 def _without_companions(found: list[Bounces]) -> list[Bounces]:
     """Those that are no shadow, reflection or part of one that was seen in more positions."""
-    in_order = sorted(found, key=lambda one: -sum(map(len, one.flights.rows)))
+    in_order = sorted(
+        found,
+        key=lambda one: (-sum(map(len, one.flights.rows)), _looks_as_a_shadow(one)),
+    )
     kept: list[Bounces] = []
     for one in in_order:
         if not any(_together(one, other) and is_shown_twice(one, other) for other in kept):
             kept.append(one)
     return [one for one in found if any(one is other for other in kept)]
+
+
+def _looks_as_a_shadow(one: Bounces) -> bool:
+    return one.track.look is not None and is_shadow(one.track.look)
 
 
 def _together(one: Bounces, other: Bounces) -> bool:

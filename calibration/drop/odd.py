@@ -35,7 +35,7 @@ def refuse_what_falls_sideways(tracks: Sequence[Track], where: str) -> None:
             found = find_bounces(replace(track, x=track.y, y=track.x, covariance=None))
         except InputError:
             continue
-        if not 0 <= found.pooled.value <= 1 or abs(tilt(found).value) > _TILTED:
+        if not 0 <= found.pooled.value <= 1 or _off_vertical(tilt(found).value) > _TILTED:
             continue  # swings against something, or on a plane: seen_instead has the words
         side = "right" if found.flights.acceleration[0] > 0 else "left"
         raise InputError(
@@ -45,11 +45,16 @@ def refuse_what_falls_sideways(tracks: Sequence[Track], where: str) -> None:
         )
 
 
+def _off_vertical(angle: float) -> float:
+    """Degrees off up or down: upside down is said as a warning."""
+    return min(abs(angle), 180 - abs(angle))
+
+
 def refuse_what_does_not_fall(found: Bounces, where: str) -> None:
     """InputError where the acceleration of the flights is no gravity that a level camera shows."""
     lies = tilt(found)
     assert lies.sigma is not None
-    off = min(abs(lies.value), 180 - abs(lies.value))  # upside down is said as a warning
+    off = _off_vertical(lies.value)
     if off - _SURE * lies.sigma > _TILTED:
         raise InputError(
             f"{where}its acceleration lies {off:.0f} degrees off the picture's vertical: it rolls "

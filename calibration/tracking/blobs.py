@@ -38,6 +38,7 @@ _MOST = 6  # objects in one picture: the strongest
 _ACROSS = 80  # px of an object's window; larger ones are reduced, their position is no less known
 _THIN = 0.5  # of the half thickness of an object: what is thinner hangs on it (strings, fingers)
 _LONG = 1.1  # widths of its base that a corner of an object may be long
+_NEXT_TO: Mask = np.ones((3, 3), np.uint8)  # a pixel and those around it
 _NEXT = 1.5  # px to the next pixel, straight on or across
 _DIRECTIONS = 96  # in which a silhouette's radius is measured: every 2.6 px of the largest window
 Channels = NDArray[np.float32]
@@ -174,18 +175,66 @@ def _enlarged(one: Candidate, factor: int) -> Candidate:
 
 
 def measure(
-    picture: Picture, background: Picture, noise: float, one: Candidate, largest: float = LARGEST
+    picture: Picture, background: Picture, noise: float, one: Candidate, overlapping: bool = False
 ) -> Blob | None:
     """A candidate's position; None where it has no core, or is too large to be one object.
 
-    largest   share of the picture that one object may have
+    overlapping   the background is known behind all of it: it may be as large as what differs, and
+                  its grain, next to nothing else that could be taken for it, is no shadow
     """
     import cv2
 
     height, width = picture.shape[:2]
-    x, y, w, h = one.box
-    if cv2.countNonZero(one.mask) > largest * width * height:
+    largest_share = CUT if overlapping else LARGEST
+    if cv2.countNonZero(one.mask) > largest_share * width * height:
         return None
+    (left, top), reduce, seen, behind, mask = _window(picture, background, one)
+    noise = noise / reduce
+    share, (colour, beneath), contrast, square = _shares(seen, behind, mask, noise)
+    if share is None:
+        return None
+    lit = _out_of_shadow(share, seen, behind, colour, noise, contrast)
+    share = _of_what_is_near(share)
+    body = _body(share, mask)
+    if body is None:
+        return None
+    box = _box(body, left, top, reduce)
+    if reduce > 1 and 2 * max(box[2:]) < max(one.box[2:]):  # what hung on it made the window large
+        part = _part(one, box)
+        return None if part is None else measure(picture, background, noise, part, overlapping)
+    within = share[cv2.erode(body, _NEXT_TO, iterations=2) > 0]
+    grain = float(within.std()) if len(within) else _UNEVEN
+    if overlapping:
+        share = _of_local_colour(seen, behind, share, body, noise)
+    weight = _weight(share, body)
+    area, cx, cy = _centroid(weight)
+    if area < 1:
+        return None
+    shadow = _shadow(lit, mask, (area, cx, cy))
+    ys, xs = np.nonzero((weight > 0) & (weight < 1))
+    edge = np.hypot(noise / np.sqrt(square[ys, xs]), _UNEVEN) / (_HIGH - _LOW)
+    lever = np.stack([xs - cx, ys - cy]) * edge / area
+    (xx, xy), (_, yy) = (lever @ lever.T * reduce**2).tolist()
+    # Edges that show no pixel in between (drawn pictures) leave a position that is rounded to whole
+    # pixels: evenly likely within one.
+    xx, yy = (value or reduce**2 / 12 for value in (xx, yy))
+    inside = box[0] > 0 and box[1] > 0 and box[0] + box[2] < width and box[1] + box[3] < height
+    return Blob(
+        left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
+        area * reduce**2, colour, beneath, contrast, inside, box, grain=grain,
+        shadow=(reduce * shadow[0], reduce * shadow[1]),
+        profile=_profile(weight, cx, cy) * np.float32(reduce),
+    )  # fmt: skip
+
+
+def _window(
+    picture: Picture, background: Picture, one: Candidate
+) -> tuple[tuple[int, int], int, Picture, Picture, Mask]:
+    """First column and row about a candidate, its reduction; picture, background, mask there."""
+    import cv2
+
+    height, width = picture.shape[:2]
+    x, y, w, h = one.box
     margin = 3 + max(w, h) // 8
     left, top = max(x - margin, 0), max(y - margin, 0)
     right, bottom = min(x + w + margin, width), min(y + h + margin, height)
@@ -196,46 +245,21 @@ def measure(
     seen, behind = (
         _reduced(part, reduce, cv2.INTER_AREA) for part in (picture[cut], background[cut])
     )
-    mask = _reduced(mask, reduce, cv2.INTER_NEAREST)
-    share, (colour, beneath), contrast, square = _shares(seen, behind, mask, noise / reduce)
-    if share is None:
-        return None
-    lit = _out_of_shadow(share, seen, behind, colour, noise / reduce, contrast)
-    share = _of_what_is_near(share)
-    body = _body(share, mask)
-    if body is None:
-        return None
-    box = _box(body, left, top, reduce)
-    if reduce > 1 and 2 * max(box[2:]) < max(w, h):  # what hung on it made the window large
-        part = _part(one, box)
-        return None if part is None else measure(picture, background, noise, part, largest)
-    kernel = np.ones((3, 3), np.uint8)
-    within = share[cv2.erode(body, kernel, iterations=2) > 0]
-    grain = float(within.std()) if len(within) else _UNEVEN
-    _, *seen_at = _centroid(_weight(share, body))
-    weight = _weight(_of_local_colour(seen, behind, share, body, noise / reduce), body)
-    area, cx, cy = _centroid(weight)
-    if area < 1:
-        return None
-    shadow = 0.0, 0.0
-    own = None if lit is None else _body(lit := _of_what_is_near(lit), mask)
-    if lit is not None and own is not None:
-        without, *there = _centroid(_weight(lit, own))
-        if without > area / 2:
-            shadow = reduce * (there[0] - seen_at[0]), reduce * (there[1] - seen_at[1])
-    ys, xs = np.nonzero((weight > 0) & (weight < 1))
-    edge = np.hypot(noise / reduce / np.sqrt(square[ys, xs]), _UNEVEN) / (_HIGH - _LOW)
-    lever = np.stack([xs - cx, ys - cy]) * edge / area
-    (xx, xy), (_, yy) = (lever @ lever.T * reduce**2).tolist()
-    # Edges that show no pixel in between (drawn pictures) leave a position that is rounded to whole
-    # pixels: evenly likely within one.
-    xx, yy = (value or reduce**2 / 12 for value in (xx, yy))
-    inside = box[0] > 0 and box[1] > 0 and box[0] + box[2] < width and box[1] + box[3] < height
-    return Blob(
-        left + (cx + 0.5) * reduce - 0.5, top + (cy + 0.5) * reduce - 0.5, xx, xy, yy,
-        area * reduce**2, colour, beneath, contrast, inside, box, shadow=shadow, grain=grain,
-        profile=_profile(weight, cx, cy) * np.float32(reduce),
-    )  # fmt: skip
+    return (left, top), reduce, seen, behind, _reduced(mask, reduce, cv2.INTER_NEAREST)
+
+
+def _shadow(
+    lit: Channels | None, mask: Mask, as_seen: tuple[float, float, float]
+) -> tuple[float, float]:
+    """Way of the centroid where a shadow behind the rim is taken off; none where there is none."""
+    if lit is None:
+        return 0.0, 0.0
+    lit = _of_what_is_near(lit)
+    own = _body(lit, mask)
+    if own is None:
+        return 0.0, 0.0
+    area, x, y = _centroid(_weight(lit, own))
+    return (x - as_seen[1], y - as_seen[2]) if area > as_seen[0] / 2 else (0.0, 0.0)
 
 
 def _profile(weight: Channels, x: float, y: float) -> Channels:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from calibration.tracking.background import Background, Mask, is_ghost
-from calibration.tracking.blobs import CUT, LARGEST, Blob, Candidate, candidates, changed, measure
+from calibration.tracking.blobs import Blob, Candidate, candidates, changed, measure
 from calibration.tracking.camera_motion import CameraMotion, largest_shift
 from calibration.tracking.film.reader import Picture
 from calibration.tracking.linking import Linker
@@ -82,7 +82,7 @@ class Search:
         self._moved = np.eye(3)
         self._stood = self._frames = 0
         self._background = None if clean is None else Background(self._reduced(clean))
-        self._largest = LARGEST if clean is None else CUT
+        self._overlapping = clean is not None
         self._before: Picture | None = None
         self._still: dict[tuple[int, int, int, int], int] = {}
         self._odd = 0
@@ -198,7 +198,7 @@ class Search:
             if looked and self._left_behind(picture, one):
                 continue
             blob = measure(picture, self._background.picture, self._background.noise, one,
-                           self._largest)  # fmt: skip
+                           self._overlapping)  # fmt: skip
             if blob is None:
                 continue
             new = self._before is None or changed(

@@ -63,7 +63,7 @@ def test_a_square_that_falls_on_a_corner_rebounds_as_a_point_does():
 
 @pytest.mark.parametrize("name", FALLS)
 def test_one_bounce_from_rest_gives_both_heights_and_restitution(tmp_path, name):
-    """Within four sigma; sigma to a hundredth of e and of H0, as a pixel's tenth of them gives."""
+    """Within four sigma, which is a tenth of a pixel: of the least rise, 7 px, 3 % with what bends."""
     block, camera = FALLS[name]
     shown = scene(block)
     drop = measure_drop(filmed(tmp_path / "drop.mp4", block, camera))
@@ -75,7 +75,7 @@ def test_one_bounce_from_rest_gives_both_heights_and_restitution(tmp_path, name)
         (first.rise, block.fall * block.rebound**2 / shown.scale),
     ):
         assert abs(one.value - truth) < 4 * one.sigma
-        assert one.sigma < 0.02 * truth
+        assert one.sigma < 0.03 * truth
     assert drop.restitution == first.restitution  # a block's other bounces are other experiments
     spin = -block.flights[2].spin  # angles count clockwise in a picture
     assert first.rotation.after.value * camera.rate == pytest.approx(spin, rel=0.1, abs=0.5)

@@ -28,6 +28,7 @@ FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm
 # What is wrong with a file is reported in our own lines; FFmpeg reads this when it is first used.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
+_BOOKS = (b"PK", b"\xd0\xcf\x11\xe0")  # with which spreadsheets begin
 _AHEAD = 4  # frames decoded before their use: 25 MB of 1920 x 1080 px
 _BAD_IN_A_ROW = 1000  # frames that may be missing before a film is taken to end
 # A second is what falls, swings and discharges last: it takes frames. Cameras reach a million.
@@ -191,7 +192,8 @@ def is_film(path: str | Path) -> bool:
     if not path.is_file():
         return False
     with path.open("rb") as file:
-        return b"\0" in file.read(4096)
+        start = file.read(4096)
+    return b"\0" in start and not start.startswith(_BOOKS)
 
 
 def is_pattern(path: Path) -> bool:
