@@ -151,7 +151,8 @@ def _measured(track: Track, base: TimeBase, fitted: Flights) -> Bounces:
         times[1:-1] = with_sigma(*known(lambda c: best(centre, c)))
     e, covariance = known(lambda c: best(centre, c))
     off = with_sigma(*known(lambda c: other(centre, c) - best(centre, c)))
-    off = np.where(np.abs(off[:, 0]) > 3 * off[:, 1], off[:, 0], 0.0)  # also where it is NaN
+    far = np.abs(off[:, 0]) > np.maximum(3 * off[:, 1], _EXACT)
+    off = np.where(far, off[:, 0], 0.0)  # also where it is NaN
     covariance = covariance + np.diag(off**2 + _EXACT**2 + e**2 * _hidden(fitted, base, before, e))
     pooled, p = pool(e, covariance)
     found = Bounces(

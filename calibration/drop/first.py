@@ -33,6 +33,7 @@ from granulab.errors import InputError
 _ALIKE, _LENGTH = 0.5, 12.0  # share; px
 _WORTH = 3  # positions
 _RIM = 2.8  # px by which grain of contrast 1 moves a centroid, see the text
+_STRAYS = 0.2  # rad: a silhouette that strays so far from an even rotation is no rigid outline
 _OUTLIER = 4.0  # sigma
 _FEWEST = 3  # positions of a flight
 _SIZES = 4.0  # diameters
@@ -120,7 +121,9 @@ class _Seen(NamedTuple):
 
 def first_bounce(found: Bounces) -> FirstBounce:
     """H0, H1 and restitution of the first contact that was found, the fall before it from rest."""
-    seen, angles = _seen(found)
+    angles = _angles(found.track.chosen(found.base.rows))
+    rotation = None if angles is None else _rotation(found, angles)
+    seen = _seen(found, None if rotation is None else angles)
     start = _start(found, seen)
     fit, held = _fitted(seen, start), seen.rest is not None
     if held and _thrown(seen, start):
@@ -128,19 +131,17 @@ def first_bounce(found: Bounces) -> FirstBounce:
     value, covariance = propagated(fit.parameters, fit.covariance, _quantities)
     sigma = np.sqrt(np.diag(covariance))
     known = [Estimate(float(v), float(s), 1) for v, s in zip(value, sigma, strict=True)]
-    rotation = None if angles is None else _rotation(found, angles)
     return FirstBounce(*known, held, int(seen.after.sum()), rotation)
 
 
-def _seen(found: Bounces) -> tuple[_Seen, Array | None]:
-    """The positions of the fall and of the rebound; the angle at every position of the clock."""
+def _seen(found: Bounces, angles: Array | None) -> _Seen:
+    """The positions of the fall and of the rebound; angles (n,) are those of the clock."""
     flights, base = found.flights, found.base
     track = found.track.chosen(base.rows)
     rows = [one[flights.weights[one] > 0] for one in flights.rows[:2]]
     if min(map(len, rows)) < _FEWEST:
         rows = flights.rows[:2]
     every = np.concatenate(rows)
-    angles = _angles(track)
     sigma = None
     if track.covariance is not None:
         sigma = float(np.sqrt(np.median(track.covariance[every, 1, 1])))
@@ -149,7 +150,7 @@ def _seen(found: Bounces) -> tuple[_Seen, Array | None]:
     return _Seen(
         base.clock[every], track.y[every], after, None if angles is None else angles[every],
         sigma, 0.0 if track.look is None else track.look.grain, rest,
-    ), angles  # fmt: skip
+    )  # fmt: skip
 
 
 def _angles(track: Track) -> Array | None:
@@ -278,13 +279,15 @@ def _thrown(seen: _Seen, start: Array) -> bool:
     return bool(abs(off) > _REFUTED * sigma)
 
 
-def _rotation(found: Bounces, angles: Array) -> Rotation:
-    """Mean rates over the fall and over the rebound."""
+def _rotation(found: Bounces, angles: Array) -> Rotation | None:
+    """Mean rates over the fall and over the rebound; None where the angle is no free rotation's."""
     rates = []
     for rows in found.flights.rows[:2]:
         t, angle = found.base.clock[rows], angles[rows]
         slope, covariance = np.polyfit(t - t.mean(), angle, 1, cov="unscaled")
         left = angle - np.polyval(slope, t - t.mean())
+        if np.std(left) > _STRAYS:
+            return None
         spread = np.sqrt(float(left @ left) / max(len(t) - 2, 1) * covariance[0, 0])
         rates.append(Estimate(float(slope[0]), float(spread), len(rows)))
     return Rotation(*rates)

@@ -75,7 +75,6 @@ def test_a_film_cut_off_after_its_first_contact_has_one_bounce(tmp_path, good):
         (replace(SCENE, balls=(replace(BALL, release=9.0),)), 0.2, "nothing"),  # held
         (replace(SCENE, balls=()), 0.2, "nothing moves"),
         (replace(SCENE, plate=1.6), 0.2, "bounce"),  # it leaves the picture
-        (replace(SCENE, balls=(replace(BALL, release=-0.05),)), 0.15, "--one-bounce"),  # in flight
         (
             replace(SCENE, balls=(BALL, replace(BALL, position=0.8, release=0.06))),
             0.36,

@@ -142,8 +142,7 @@ CASES = {
     "ball of 4 px": Case(with_ball(diameter=0.004)),
     "ball of 300 px": Case(LARGE, replace(CAMERA, rate=60), 1.8),
     "ball of a quarter of the picture": Case(
-        with_ball(diameter=0.13, fall=0.1), replace(CAMERA, rate=120), 0.9, truth=None,
-        said="nothing"),
+        with_ball(diameter=0.13, fall=0.1), replace(CAMERA, rate=120), 0.9),
     "slowly sideways": Case(with_ball(aside=0.1, position=0.12)),
     "half black, half white, rotating": Case(with_ball(texture=0.9, rotation=9.0)),
     "block that tumbles": Case(**cube(paint=block)),
@@ -175,7 +174,7 @@ CASES = {
         two(restitution=0.7), options={"hint": (5, 48, 37)}, truth=0.8),
     "leaves at the top and comes back": Case(
         replace(SCENE, balls=(replace(BALL, fall=0.4),)), duration=1.5),
-    "leaves at the side": Case(with_ball(aside=0.25, position=0.3), truth=None, said="one bounce"),
+    "leaves at the side, after one bounce from rest": Case(with_ball(aside=0.25, position=0.3)),
     "comes nearer by a fifth": Case(replace(SCENE, approach=0.15), said="nearer"),
     "--at beyond the end": Case(options={"hint": (5000, 72, 100)}, truth=None, said="0 to 109"),
     "air drag of a ping-pong ball": Case(replace(SCENE, balls=(Flown(**FALLEN),)),
