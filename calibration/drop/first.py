@@ -130,8 +130,13 @@ def first_bounce(found: Bounces) -> FirstBounce:
         fit, held = _fitted(seen._replace(rest=None), start), False
     value, covariance = propagated(fit.parameters, fit.covariance, _quantities)
     sigma = np.sqrt(np.diag(covariance))
-    known = [Estimate(float(v), float(s), 1) for v, s in zip(value, sigma, strict=True)]
-    return FirstBounce(*known, held, int(seen.after.sum()), rotation)
+    fall, rise, fall_time, rise_time, acceleration, restitution = (
+        Estimate(float(v), float(s), 1) for v, s in zip(value, sigma, strict=True)
+    )
+    return FirstBounce(
+        fall, rise, fall_time, rise_time, acceleration, restitution, held,
+        int(seen.after.sum()), rotation,
+    )  # fmt: skip
 
 
 def _seen(found: Bounces, angles: Array | None) -> _Seen:

@@ -113,11 +113,14 @@ def _freedom(y: Array, found: Array, covariance: Covariance) -> float:
     def misfit(at: Array) -> float:
         return _misfit(y, covariance(at))
 
-    gradient = np.array([slope(lambda at: _mean(y, covariance(at))[1], one) for one in steps])
-    bend = np.array([
-        [slope(lambda at, a=a: (misfit(at + a) - misfit(at - a)) / (2 * a.sum()), b) for b in steps]
-        for a in steps
-    ])  # fmt: skip
+    def variance(at: Array) -> float:
+        return _mean(y, covariance(at))[1]
+
+    gradient = np.array([slope(variance, one) for one in steps])
+
+    def bent(a: Array, b: Array) -> float:
+        return slope(lambda at: (misfit(at + a) - misfit(at - a)) / (2 * a.sum()), b)
+
+    bend = np.array([[bent(a, b) for b in steps] for a in steps])
     scatter = float(gradient @ np.linalg.pinv(bend, hermitian=True) @ gradient)
-    variance = _mean(y, covariance(found))[1]
-    return float(np.clip(2 * variance**2 / scatter, 1.0, most)) if scatter > 0 else most
+    return float(np.clip(2 * variance(found) ** 2 / scatter, 1.0, most)) if scatter > 0 else most

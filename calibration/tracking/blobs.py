@@ -421,10 +421,10 @@ def _of_local_colour(
 
     whole = np.clip(share, 0, 1) ** _WHOLLY * (body > 0)
     near = cv2.blur(whole, _AROUND)
-    light = seen.astype(np.float32)
+    light: Channels = seen.astype(np.float32)
     own = cv2.blur(light * whole[:, :, None], _AROUND) / np.maximum(near, 1e-6)[:, :, None]
     behind_it = behind.astype(np.float32)
-    towards = own - behind_it
+    towards = np.asarray(own - behind_it, dtype=np.float32)
     square = _dot(towards, towards)
     known = (near > 1 / (_AROUND[0] * _AROUND[1])) & (square > (4 * noise) ** 2)
     found = _dot(light - behind_it, towards) / np.maximum(square, 1)

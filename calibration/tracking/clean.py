@@ -43,7 +43,7 @@ def clean_background(film: Film, region: Region) -> Picture | None:
     seen = _two_colours(pictures)
     found = seen.often.copy()
     for box in _boxes(seen.two):
-        part = _Two(*(one[box] for one in seen))
+        part = _Two(seen.often[box], seen.seldom[box], seen.two[box])
         beside = _beside(seen, box)
         if beside is not None:
             found[box] = _uncovered(part, beside)

@@ -162,7 +162,7 @@ def _track(path: Path, scale: tuple[float, float], region: Region) -> Track:
     colour = np.array([one.colour for one in blobs]).reshape(-1, 3)
     behind = np.array([one.behind for one in blobs]).reshape(-1, 3)
     grain = float(np.median([one.grain for one in blobs])) if blobs else 0.0
-    look = Look(*(np.median(one, axis=0) for one in (colour, behind)), grain) if blobs else None
+    look = Look(np.median(colour, axis=0), np.median(behind, axis=0), grain) if blobs else None
     profile = np.array([one.profile for one in blobs], dtype=float) * np.sqrt(fx * fy)
     return Track(
         frame,
