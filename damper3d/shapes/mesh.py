@@ -32,12 +32,12 @@ def read_mesh(path: Path) -> tuple[Solid, float]:
     ), radius
 
 
-def unit_of(text: str) -> float:
+def unit_of(text: str, key: str = "mesh_unit") -> float:
     """The length [m] that one stands for in a file, from "mm" or "25.4 mm"; InputError else."""
-    length = to_si(text if text[:1].isdigit() else f"1 {text}", "m", "mesh_unit")
+    length = to_si(text if text[:1].isdigit() else f"1 {text}", "m", key)
     if length <= 0.0:
-        raise InputError(f"mesh_unit = {text!r}: must be above 0, such as 'mm'")
+        raise InputError(f"{key} = {text!r}: must be above 0, such as 'mm'")
     try:
-        return of_a_size(length, "mesh_unit")
+        return of_a_size(length, key)
     except ValueError as error:
         raise InputError(str(error)) from None

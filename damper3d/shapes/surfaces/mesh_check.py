@@ -48,6 +48,27 @@ def sound(corners: np.ndarray, name: str) -> Surface:
     return surface
 
 
+def outward(corners: np.ndarray, name: str) -> Surface:
+    """The closed surface of triangles (m, 3, 3) that face outwards already; name: of the file.
+
+    Raises InputError, one line, where they do not, or as `sound` does.
+    """
+    surface = sound(corners, name)
+    volumes = [float(np.linalg.det(c - surface.vertices.mean(axis=0)).sum())
+               for c in (corners, surface.corners)]  # fmt: skip
+    if abs(volumes[0] + volumes[1]) <= _SHARED * volumes[1]:
+        raise InputError(
+            f"mesh {name!r}: is inside out, its triangles face inwards; turn them round first "
+            "(MeshLab: Invert Faces Orientation)"
+        )
+    if abs(volumes[0] - volumes[1]) > _SHARED * volumes[1]:
+        raise InputError(
+            f"mesh {name!r}: some of its triangles face inwards; turn them round first (MeshLab: "
+            "Re-Orient all faces coherently)"
+        )
+    return surface
+
+
 def _welded(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Vertices once each, in the order in which they come, and triangles of three different."""
     from scipy.spatial import cKDTree
@@ -84,7 +105,7 @@ def _check_edges(mesh: "trimesh.Trimesh", name: str) -> None:
     if first < n:
         raise InputError(
             f"mesh {name!r}: more than one piece, of {first} triangles and others; a particle "
-            "is one closed surface without inner voids"
+            "or a cavity is one closed surface without inner voids"
         )
 
 

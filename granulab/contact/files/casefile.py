@@ -277,6 +277,8 @@ def toml_value(value: Any, unit: str = "1") -> str:
         return "true" if value else "false"
     if isinstance(value, float) and unit != "1":
         return f'"{value!r} {unit}"'
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{toml_value(k)} = {toml_value(v)}' for k, v in value.items())} }}"
     if isinstance(value, str):
         # JSON's escapes are TOML's, except that TOML wants DEL escaped too.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

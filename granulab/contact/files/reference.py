@@ -80,6 +80,8 @@ def _takes(kind: dict[str, Any]) -> str:
         return f"list of {count}{'numbers' if kind['items']['type'] == 'number' else 'points'}"
     if kind["type"] == "string":
         return "text"
+    if kind["type"] == "object":
+        return "table of texts"
     return "whole number" if kind["type"] == "integer" else "number"
 
 
