@@ -11,6 +11,8 @@ import numpy as np
 from damper3d.case.parameters import (
     Steps,
     contact_laws,
+    laws_by_wall,
+    lowest_yield,
     materials_of,
     restitutions,
     table_of,
@@ -18,7 +20,10 @@ from damper3d.case.parameters import (
     yield_velocities,
 )
 from damper3d.case.parts import (
+    CAVITY_FILE,
     GRAVITY,
+    cavity_copy,
+    check_enclosure,
     check_protocol,
     count_of,
     enclosure_of,
@@ -33,6 +38,7 @@ from damper3d.case.parts import (
 from damper3d.case.settings import Enclosure as EnclosureKeys
 from damper3d.case.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.engine.enclosures import Enclosure
+from damper3d.engine.state import LawOfEach, law_of_each
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import particle_of
 from granulab.contact.files.casefile import changed
@@ -63,6 +69,8 @@ class DamperCase:
     settling_gravity: np.ndarray  # (3,) [m/s2] while the particles settle
     direction: np.ndarray  # (3,) of the motion, of length one
     files: dict[str, str]  # name in the run folder -> text, of materials and mesh
+    laws_of_walls: dict[str, HertzLaw]  # of walls of their own material, by name
+    restitution_of_walls: dict[str, float]  # of these, as given [-]
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "DamperCase":
@@ -169,15 +177,26 @@ class DamperCase:
         """Names of the walls in the order of their numbers."""
         return self.enclosure.wall_names
 
+    @property
+    def law_of_walls(self) -> HertzLaw | LawOfEach:
+        """The law of all walls, or those of each where they are not of one material."""
+        if not self.laws_of_walls:
+            return self.wall_law
+        return law_of_each(
+            [self.laws_of_walls.get(name, self.wall_law) for name in self.wall_names]
+        )
+
     def to_toml(self) -> str:
         """The case as a file for the run folder, which has copies of the files it names."""
         settings = self.settings
         particles: dict[str, Any] = {"materials": "materials.toml", "count": self.count}
         for copy in self.files:
-            if copy.endswith(".obj"):
+            if copy.endswith(".obj") and copy != CAVITY_FILE:
                 particles["shape"] = f"mesh:{copy}"
-        own = {key: getattr(self.enclosure, key) for key in self.enclosure.units()}
+        own = self.enclosure.keys
         enclosure = {key: size for key, size in own.items() if key in EnclosureKeys.model_fields}
+        if "height" not in own:
+            enclosure["height"] = None
         return to_toml(
             settings.model_copy(
                 update={
@@ -210,12 +229,14 @@ class DamperCase:
         enclosure, particle, law = self.enclosure, self.particle, self.settings.law
         # Two spheres have one contact.
         model = {} if particle.is_sphere else {"contact_treatment": law.contact_treatment}
+        walls = {name: list(own) for name, own in self.laws_of_walls.items()}
         return {
             "enclosure": enclosure.identity,
             "particle": [particle.offsets, particle.radii, particle.volume, particle.inertia],
             "count": self.count,
             "density": self.density,
             "laws": [list(self.pair_law), list(self.wall_law)],
+            **({"walls": walls} if walls else {}),
             "wall_curvature": law.wall_curvature,
             **model,
             "settling_gravity": self.settling_gravity,
@@ -232,12 +253,17 @@ def _resolved(
     with located(f"{where}: [particles]"):
         wanted = particle_wanted(settings.particles, folder)
         particle = particle_of(wanted)
-    enclosure = enclosure_of(settings, where)
-    count = count_of(enclosure, particle, settings.particles.count, where)
+    enclosure = enclosure_of(settings, where, folder)
+    check_enclosure(enclosure, particle, settings, where)
+    count = count_of(enclosure, particle, settings.particles, where)
     materials = materials_of(table, settings)
     laws = contact_laws(table, materials, settings)
-    yields = yield_velocities(materials, particle)
-    tangential = max(law.tangential for law in laws)
+    walls = laws_by_wall(table, settings)
+    yields = lowest_yield(
+        [yield_velocities((materials[0], m), particle)
+         for m in (materials[1], *(own for _, _, own in walls.values()))]
+    )  # fmt: skip
+    tangential = max(law.tangential for law in (*laws, *(law for law, _, _ in walls.values())))
     gravity, settling = gravity_of(settings.motion, where)
     direction = settings.motion.direction or [0.0, 0.0, 1.0]
     return cls(
@@ -245,7 +271,10 @@ def _resolved(
         restitutions(table, settings), yields,
         time_steps(particle, materials[0], tangential, settings, where), gravity, settling,
         unit_vector(direction, f"{where}: [motion] direction"),
-        {"materials.toml": file.read_text(encoding="utf-8"), **mesh_copy(wanted)},
+        {"materials.toml": file.read_text(encoding="utf-8"), **mesh_copy(wanted),
+         **cavity_copy(enclosure)},
+        {name: law for name, (law, _, _) in walls.items()},
+        {name: restitution for name, (_, restitution, _) in walls.items()},
     )  # fmt: skip
 
 
@@ -254,8 +283,9 @@ def _check_stiff(case: DamperCase, where: str) -> None:
 
     Hertz: m g = K d^(3/2), with K as in an impact (damper3d.case.plan).
     """
-    radius, law = case.particle.smallest_radius, case.wall_law
-    sunk = (case.particle_mass * GRAVITY / (law.hertz * math.sqrt(radius))) ** (2 / 3)
+    radius = case.particle.smallest_radius
+    softest = min(law.hertz for law in (case.wall_law, *case.laws_of_walls.values()))
+    sunk = (case.particle_mass * GRAVITY / (softest * math.sqrt(radius))) ** (2 / 3)
     if sunk > 0.5 * radius:  # which ends a run
         raise InputError(
             f"{where}: youngs_modulus is too low: by its own weight a particle would sink into a "
@@ -266,10 +296,11 @@ def _check_stiff(case: DamperCase, where: str) -> None:
 def _calculable(case: DamperCase) -> bool:
     """True where squares, cubes and ratios of all numbers are floats too."""
     yields = [v for v in case.yield_velocity.values() if v is not None]
-    laws = [x for law in (case.pair_law, case.wall_law) for x in (law.hertz, law.tangential)]
+    all_laws = [case.pair_law, case.wall_law, *case.laws_of_walls.values()]
+    laws = [x for law in all_laws for x in (law.hertz, law.tangential)]
     inertia = case.density * float(case.particle.inertia.min())
     motion = [case.amplitude, case.peak_speed, case.steps.limit, case.time_step]
     sizes = [case.enclosure.volume, case.mass, case.density, inertia]
-    friction = max(case.pair_law.mu, case.wall_law.mu)
+    friction = max(law.mu for law in all_laws)
     ordinary = all(1e-60 < x < 1e60 for x in [*yields, *laws, *motion, *sizes])
     return ordinary and friction < 1e60 and case.settings.motion.ramp * case.period < 1e60

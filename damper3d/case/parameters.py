@@ -44,6 +44,8 @@ def materials_of(table: ContactTable, settings: Settings) -> tuple[Material, Mat
 
 def table_of(file: str | Path, settings: Settings) -> ContactTable:
     """See table_with: a table with all that the case needs and does not give itself, in [law]."""
+    for material in dict.fromkeys((settings.enclosure.walls or {}).values()):
+        table_of(file, of_one_wall(settings, material))
     law = settings.law
     given = {key for key in _LAW_STANDS_IN if getattr(law, key) is not None}
     at_wall = {f"{key}_wall" for key in given} | {
@@ -57,6 +59,25 @@ def table_of(file: str | Path, settings: Settings) -> ContactTable:
         if key not in given and not (where == of_wall and f"{key}_wall" in at_wall)
     ]
     return table_with(file, needed, _cure)
+
+
+def of_one_wall(settings: Settings, material: str) -> Settings:
+    """The settings of a case all of whose walls are of one material."""
+    enclosure = settings.enclosure.model_copy(update={"material": material, "walls": None})
+    return settings.model_copy(update={"enclosure": enclosure})
+
+
+def laws_by_wall(
+    table: ContactTable, settings: Settings
+) -> dict[str, tuple[HertzLaw, float, Material]]:
+    """Law, restitution [-] and material of the walls that have their own, by the wall's name."""
+    found = {}
+    for name, material in (settings.enclosure.walls or {}).items():
+        own = of_one_wall(settings, material)
+        materials = materials_of(table, own)
+        law = contact_laws(table, materials, own)[1]
+        found[name] = law, restitutions(table, own)[CLASSES[1]], materials[1]
+    return found
 
 
 _LAW_STANDS_IN = ("friction", "restitution", "youngs_modulus")  # for what a file does not have
@@ -150,6 +171,15 @@ def yield_velocities(
             found[name] = None
             continue
         found[name] = yield_velocity(materials[0], other, radius=share * radius, mass=share * mass)
+    return found
+
+
+def lowest_yield(walls: list[dict[str, float | None]]) -> dict[str, float | None]:
+    """The lowest of yield velocities against several walls [m/s]; None where none is known."""
+    found: dict[str, float | None] = {}
+    for name in CLASSES:
+        known = [own for wall in walls if (own := wall[name]) is not None]
+        found[name] = min(known) if known else None
     return found
 
 

@@ -7,15 +7,19 @@ from typing import Any
 
 import numpy as np
 
+from damper3d.case.oscillation import DEEPEST
 from damper3d.case.random_packing import close_packing
 from damper3d.case.settings import MOST_PARTICLES, Motion, Particles, Settings
-from damper3d.engine.enclosures import ENCLOSURES, Enclosure, cylinder
+from damper3d.case.settings import Enclosure as EnclosureKeys
+from damper3d.engine.enclosures import ENCLOSURES, Cavity, Cells, Enclosure, Polyhedron, cylinder
 from damper3d.engine.motions import MOTIONS
+from damper3d.shapes.mesh import unit_of
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import Particle, usual
+from damper3d.shapes.surfaces.mesh_check import outward
 from damper3d.shapes.surfaces.mesh_data import as_obj, read_triangles
 from granulab.contact.files.datafile import is_file
-from granulab.contact.files.units import located, to_si
+from granulab.contact.files.units import located, nearest, to_si
 from granulab.errors import InputError
 
 GRAVITY = 9.81  # [m/s2]
@@ -25,12 +29,17 @@ USUAL_FILL_RATIO = 7 / 15
 SHAPED_CYCLES = 18  # of which 3 are left out: chapter 8 of the thesis, of all its particles
 
 
-def enclosure_of(settings: Settings, where: str) -> Enclosure:
-    """Return the enclosure; InputError where its sizes are not those of its shape."""
+def enclosure_of(settings: Settings, where: str, folder: Path) -> Enclosure:
+    """Return the enclosure; InputError where its sizes are not those of its shape.
+
+    folder: where the file of a cavity is looked for first.
+    """
     given = settings.enclosure
     chosen = ENCLOSURES[given.shape]
-    sizes = {**given.model_dump(exclude={"shape", "material"}, exclude_none=True)}
+    sizes = {**given.model_dump(exclude=_OF_ALL, exclude_none=True)}
     own = chosen.units()
+    if "height" not in own and "height" not in given.model_fields_set:
+        del sizes["height"]
     for name, other in ENCLOSURES.items():
         strange = [key for key in other.units() if key not in own]
         if any(key in sizes for key in strange):
@@ -39,7 +48,107 @@ def enclosure_of(settings: Settings, where: str) -> Enclosure:
                 f"{where}: [enclosure] {goes} with shape = {name!r}; a {given.shape} has "
                 f"{', '.join(own)}"
             )
-    return made(chosen, {key: sizes[key] for key in own if key in sizes}, own, where)
+    if chosen is Cavity:
+        return cavity_of(sizes, where, folder)
+    own_sizes = {key: sizes[key] for key in own if key in sizes}
+    if chosen is Polyhedron:
+        own_sizes = rows_in_si(sizes, where)
+    return with_cells(made(chosen, own_sizes, own, where), given, where)
+
+
+_OF_ALL = {"shape", "material", "walls", "cells", "cell_wall"}  # keys of no shape of its own
+
+
+def rows_in_si(sizes: dict[str, Any], where: str) -> dict[str, tuple[tuple[float, ...], ...]]:
+    """Corners and faces of a polyhedron in metres; InputError where they are not such."""
+    found, factor = {}, length_of(sizes, where) if "unit" in sizes else None
+    for key, length, example in (("vertices", 3, [0, 0, 40]), ("faces", 4, [0, 0, 1, 40])):
+        if key not in sizes:
+            continue
+        if factor is None:
+            raise InputError(f"{where}: [enclosure] unit is missing; give that of {key}, as 'mm'")
+        for k, row in enumerate(sizes[key], 1):
+            if len(row) != length:
+                raise InputError(
+                    f"{where}: [enclosure] {key}: number {k} has {len(row)} numbers; write "
+                    f"{length}, such as {example}"
+                )
+        scale = np.array([factor] * 3 if length == 3 else [1.0, 1.0, 1.0, factor])
+        found[key] = tuple(tuple((scale * row).tolist()) for row in sizes[key])
+    return found
+
+
+def length_of(sizes: dict[str, Any], where: str) -> float:
+    """The length [m] that one stands for in lists and files of an enclosure; InputError else."""
+    if "unit" not in sizes:
+        raise InputError(f"{where}: [enclosure] unit is missing; give that of the file, as 'mm'")
+    with located(f"{where}: [enclosure]"):
+        return unit_of(sizes["unit"], "unit")
+
+
+def cavity_of(sizes: dict[str, Any], where: str, folder: Path) -> Cavity:
+    """A cavity from its file; InputError where its triangles do not close, or face inwards."""
+    if "file" not in sizes:
+        raise InputError(
+            f"{where}: [enclosure] file is missing; give that of the cavity's triangles"
+        )
+    factor, path = length_of(sizes, where), folder / sizes["file"]
+    with located(f"{where}: [enclosure]"):
+        surface = outward(read_triangles(path if is_file(path) else Path(sizes["file"])), str(path))
+    return Cavity(sizes["file"], sizes["unit"], factor * surface.vertices, surface.triangles)
+
+
+def with_cells(enclosure: Enclosure, given: EnclosureKeys, where: str) -> Enclosure:
+    """The enclosure, or as many of it as cells asks for; InputError where it cannot be a cell."""
+    if given.cells is None and given.cell_wall is None:
+        return enclosure
+    if enclosure.shape not in ("cylinder", "box"):
+        raise InputError(
+            f"{where}: [enclosure] cells and cell_wall go with shape = 'cylinder' or 'box', not "
+            f"with {enclosure.shape!r}"
+        )
+    for key in ("cells", "cell_wall"):
+        if getattr(given, key) is None:
+            raise InputError(f"{where}: [enclosure] {key} is missing; cells need both, as [2, 2] "
+                             "and '1 mm'")  # fmt: skip
+    assert given.cells is not None
+    assert given.cell_wall is not None
+    n_x, n_y = given.cells
+    return Cells(enclosure, n_x, n_y, given.cell_wall)
+
+
+def check_enclosure(
+    enclosure: Enclosure, particle: MultiSphere, settings: Settings, where: str
+) -> None:
+    """Raise InputError where walls, cells or a cavity do not go with the rest of the case."""
+    for name in settings.enclosure.walls or {}:
+        if name not in enclosure.wall_names:
+            raise InputError(
+                f"{where}: [enclosure.walls] {name!r}: {nearest(name, enclosure.wall_names)}"
+            )
+    law = settings.law
+    if isinstance(enclosure, Cavity) and not particle.is_sphere and law.contact_treatment != "sum":
+        raise InputError(
+            f"{where}: [law] contact_treatment = {law.contact_treatment!r} takes all contacts of a "
+            "particle with one wall together, and a cavity is one wall all round; give 'sum'"
+        )
+    # Spheres on both sides of a wall may each overlap with it by DEEPEST of their radius.
+    thinnest = 2.0 * DEEPEST * particle.smallest_radius
+    if isinstance(enclosure, Cells) and enclosure.thickness < thinnest:
+        raise InputError(
+            f"{where}: [enclosure] cell_wall = {1e3 * enclosure.thickness:g} mm: spheres of two "
+            f"cells could touch through it; give at least {1e3 * thinnest:.3g} mm"
+        )
+
+
+CAVITY_FILE = "enclosure-cavity.obj"  # in a run folder
+
+
+def cavity_copy(enclosure: Enclosure) -> dict[str, str]:
+    """The triangles of a cavity as a file for the run folder, in metres; of others none."""
+    if not isinstance(enclosure, Cavity):
+        return {}
+    return {CAVITY_FILE: as_obj(enclosure.points[enclosure.triangles])}
 
 
 def made(
@@ -73,29 +182,39 @@ def motion_of(motion: Motion, where: str) -> Any:
         raise InputError(f"{where}: [motion] kind = {motion.kind!r}: {error}") from None
 
 
-def count_of(enclosure: Enclosure, particle: MultiSphere, given: int | None, where: str) -> int:
-    """The number of particles; InputError where they cannot be inside."""
+def count_of(enclosure: Enclosure, particle: MultiSphere, particles: Particles, where: str) -> int:
+    """The number of particles, by count or fill ratio; InputError where they cannot be inside."""
+    given, ratio = particles.count, particles.fill_ratio
     size = 2.0 * particle.bounding_radius
     if enclosure.narrowest < size:
         unit = ", or the unit of the mesh (mesh_unit)" if particle.kind == "mesh" else ""
         raise InputError(
-            f"{where}: [enclosure] {1e3 * enclosure.narrowest:g} mm at the narrowest: smaller than "
-            f"a particle, {1e3 * size:g} mm; give a larger enclosure or smaller particles{unit}"
+            f"{where}: [enclosure] {1e3 * enclosure.narrowest:.6g} mm at the narrowest, "
+            f"{enclosure.narrowest_place}: smaller than a particle, {1e3 * size:g} mm; give a "
+            f"larger enclosure or smaller particles{unit}"
         )
     capacity = enclosure.volume / particle.volume
-    count = max(round(_usual_fill_ratio(particle.kind) * capacity), 1) if given is None else given
+    wanted = _usual_fill_ratio(particle.kind) if ratio is None else ratio
+    count = max(round(wanted * capacity), 1)
+    if given is not None and ratio is not None and given != count:
+        raise InputError(
+            f"{where}: [particles] count = {given} and fill_ratio = {ratio:g}: the ratio makes "
+            f"{count}; leave one of them out"
+        )
+    count = count if given is None else given
     close = close_packing(particle.name)
     most = close.value if close else 1.0  # of a shape that is not known, the filling says
     fit = max(math.floor(most * capacity), 1)
     if count > fit:
         above = f"random close packing, {most:.3g}" if close else "1"
-        raise InputError(
-            f"{where}: [particles] count = {count}: fill ratio {count / capacity:.3f}, above "
-            f"{above}; at most {fit} fit"
-        )
+        said = f"count = {count}: fill ratio {count / capacity:.3f}"
+        if given is None and ratio is not None:
+            said = f"fill_ratio = {ratio:g}: {count} particles"
+        raise InputError(f"{where}: [particles] {said}, above {above}; at most {fit} fit")
     if count > MOST_PARTICLES:
+        source = "the usual fill ratio" if ratio is None else f"fill_ratio = {ratio:g}"
         raise InputError(
-            f"{where}: [particles] count = {count}, from the usual fill ratio: must be at most "
+            f"{where}: [particles] count = {count}, from {source}: must be at most "
             f"{MOST_PARTICLES}; check the units of sizes, or give a count"
         )
     return count

@@ -81,7 +81,12 @@ class Extensible(Section):
 
 
 Vector = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+Rows = Annotated[list[list[FiniteFloat]], Field(min_length=4)]
+Cell = Annotated[int, Field(ge=1, le=1000, strict=True)]
 Restitution = Annotated[Positive, Field(le=1)]
+
+
+_SHAPES = ["cylinder", "box", "frustum", "sphere", "hexagonal_prism", "polyhedron", "cavity"]
 
 
 class Enclosure(Extensible):
@@ -92,19 +97,49 @@ class Enclosure(Extensible):
     shape: Annotated[
         str,
         _one_of("shape", "cylinder"),
-        WithJsonSchema({"enum": ["cylinder", "box"], "type": "string"}),
+        WithJsonSchema({"enum": _SHAPES, "type": "string"}),
     ] = key("cylinder", "shape: a cylinder with a diameter, or a box with width and depth")
     diameter: Size | None = key(
-        None, "diameter of a cylinder", example="40 mm", left_out="40 mm", spelled_out=True,
-        option="--diameter",
+        None, "diameter of a cylinder or a sphere, or of the bottom of a frustum", example="40 mm",
+        left_out="40 mm of a cylinder", spelled_out=True, option="--diameter",
     )  # fmt: skip
+    top_diameter: Size | None = key(None, "diameter of a frustum at the top", example="30 mm")
+    across_flats: Size | None = key(
+        None, "distance of opposite sides of a hexagonal prism", example="40 mm"
+    )
     width: Size | None = key(None, "width of a box, along x", example="40 mm")
     depth: Size | None = key(None, "depth of a box, along y", example="40 mm", left_out="its width")
     height: Size = key(
         0.04, "height along the axis; the thesis has 40, 45, 50 and 55 mm", example="40 mm",
         option="--height",
     )  # fmt: skip
+    vertices: Rows | None = key(
+        None, "corners of a convex polyhedron",
+        example=[[0, 0, 0], [40, 0, 0], [0, 40, 0], [0, 0, 40]],
+    )  # fmt: skip
+    faces: Rows | None = key(
+        None, "faces of a convex polyhedron in place of its corners: a direction that leads "
+        "outwards, and the distance from the origin along it",
+        example=[[1, 0, 0, 20], [-1, 0, 0, 20], [0, 1, 0, 20], [0, -1, 0, 20], [0, 0, 1, 40],
+                 [0, 0, -1, 0]],
+    )  # fmt: skip
+    file: str | None = key(
+        None, "STL or OBJ file of a cavity, whose triangles face outwards, next to this one",
+        example="cavity.stl",
+    )  # fmt: skip
+    unit: str | None = key(None, "unit of vertices, faces or the file", example="mm")
+    cells: Annotated[list[Cell], Field(min_length=2, max_length=2)] | None = key(
+        None, "number along x and y of equal cylinders or boxes in one carrier", example=[2, 2],
+        left_out="one",
+    )  # fmt: skip
+    cell_wall: Size | None = key(
+        None, "thickness of the walls between cells, where they are thinnest", example="1 mm"
+    )
     material: str = key("acrylic", "material of the walls, in the materials table")
+    walls: dict[str, str] | None = key(
+        None, "walls that are of another material, by their names", example={"bottom": "steel"},
+        left_out="all walls are of that material",
+    )  # fmt: skip
 
 
 class Particles(Section):
@@ -138,6 +173,10 @@ class Particles(Section):
         None, "number of particles", example=358,
         left_out="by a fill ratio of 7/15, as of 358 of 5 mm in 40 x 40 mm; of toroids that of 110 "
         "of 3.5 mm, of other shapes that of 90 of 3.8 mm", option="--count", metavar="N",
+    )  # fmt: skip
+    fill_ratio: Annotated[Positive, Field(le=1)] | None = key(
+        None, "volume of the particles over that of the enclosure (eq. 6.1), in place of count",
+        example=0.41, option="--fill-ratio", metavar="0.41",
     )  # fmt: skip
     material: str = key("acrylic", "material of the particles, in the materials table")
     materials: str = key(

@@ -35,7 +35,7 @@ from damper3d.engine.state import (
     TANGENTIAL_DAMPING,
     WALL_WORK,
 )
-from damper3d.engine.walls import place_wall, with_wall
+from damper3d.engine.walls import law_of_wall, place_wall, with_wall
 from granulab.contact.hertz import (
     damping_of_impact,
     hertz_force,
@@ -69,7 +69,8 @@ def apply_forces(world, shift, speed):
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
-            sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
+            law = law_of_wall(world.wall_law, w)
+            sums = push_and_count(world, law, world.wall, begin, n, 1, sums)
         balance[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w])
     add_to_balance(balance, N_MECHANISMS, sums, world.time_step)
 
@@ -78,7 +79,7 @@ def apply_forces(world, shift, speed):
 def meet_wall(spheres, walls, contacts, w, begin, n_contacts, block):
     """Geometry of contacts with wall w."""
     gather(spheres, contacts, begin, n_contacts, block)
-    with_wall(walls, w, whole(n_contacts), block)
+    with_wall(walls, contacts, w, begin, n_contacts, block)
 
 
 @inlined_inner

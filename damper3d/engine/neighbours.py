@@ -14,6 +14,7 @@ a list was made: what does not touch is not asked.
 
 import numpy as np
 
+from damper3d.engine.enclosures.places import keep_places, list_places
 from damper3d.engine.geometry import copy_rows, gap_of
 from damper3d.engine.kinds import (
     key_of,
@@ -56,8 +57,14 @@ from damper3d.engine.state import (
     WALL_SEARCHES,
     WALL_SKIN,
 )
-from damper3d.engine.walls import gap_to_wall, note_listed, radius_at_wall
-from granulab.contact.jit import inner, uncounted
+from damper3d.engine.walls import (
+    gap_to_wall,
+    is_triangulated,
+    law_of_wall,
+    note_listed,
+    radius_at_wall,
+)
+from granulab.contact.jit import inner, specialised, uncounted
 
 # How many steps a list should last, and by how much its skin changes where it does not. Short
 # lists are quick to pass through, long ones to make; the cost is flat about these.
@@ -275,9 +282,31 @@ def search_walls(world, shift):
     return DONE
 
 
-@inner
 def store_wall_history(wall, walls, counts):
     """Put the histories of the wall contacts back into the walls' own table."""
+
+
+def contacts_of_sphere(world, w, i, b, shift, n):
+    """Append the contacts of sphere i of particle b with wall w; the new length, or -1 or -2."""
+
+
+@specialised(store_wall_history)
+def _store_wall_history(wall, walls, counts):
+    if is_triangulated(walls):
+        return lambda wall, walls, counts: _store_places(wall, walls, counts)
+    return lambda wall, walls, counts: _store_by_wall(wall, walls, counts)
+
+
+@inner
+def _store_places(wall, walls, counts):
+    if counts[WALL] > 0:
+        keep_places(wall, walls, counts[WALL])
+    counts[WALL] = 0
+    walls.first[:] = 0
+
+
+@inner
+def _store_by_wall(wall, walls, counts):
     if counts[WALL] > 0:
         for w in range(len(walls.force)):
             for n in range(walls.first[w], walls.first[w + 1]):
@@ -293,22 +322,50 @@ def contacts_of_wall(world, w, b, shift, n):
 
     -1 if there is no room, -2 if a sphere is half outside.
     """
-    wall, walls, spheres, x = world.wall, world.walls, world.spheres, world.spheres.position
-    m, skin = len(spheres.inverse_mass), world.lengths[WALL_SKIN]
-    size = m // len(world.outer.made_at)
+    size = len(world.spheres.inverse_mass) // len(world.outer.made_at)
     for i in range(b * size, (b + 1) * size):
-        gap = gap_to_wall(walls, x, w, i, shift)
-        if gap < skin or walls.history[w, i, DAMPING] >= 0.0:
-            if not gap >= -2.0 * DEEPEST * x[i, 3]:
-                return -2
-            if n + LANES >= len(wall.i):
-                return -1
-            wall.i[n], wall.j[n], wall.group[n] = i, m, b  # row m is the enclosure
-            wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
-            hertz = world.wall_law.hertz * np.sqrt(radius_at_wall(walls, x, w, i, shift))
-            wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
-            wall.constants[n, MASS] = wall.whole[n, 1] = 1.0 / spheres.inverse_mass[i]
-            for h in range(N_HISTORY):
-                wall.history[n, h] = walls.history[w, i, h]
-            n += 1
+        n = contacts_of_sphere(world, w, i, b, shift, n)
+        if n < 0:
+            return n
+    return n
+
+
+@specialised(contacts_of_sphere)
+def _contacts_of_sphere(world, w, i, b, shift, n):
+    if is_triangulated(world[world.fields.index("walls")]):
+        return lambda world, w, i, b, shift, n: _contacts_with_places(world, w, i, b, shift, n)
+    return lambda world, w, i, b, shift, n: _contact_with_wall(world, w, i, b, shift, n)
+
+
+@inner
+def _contacts_with_places(world, w, i, b, shift, n):
+    x = world.spheres.position
+    gap = gap_to_wall(world.walls, x, w, i, shift)
+    if gap >= world.lengths[WALL_SKIN]:
+        return n
+    if not gap >= -2.0 * DEEPEST * x[i, 3]:
+        return np.int64(-2)
+    return list_places(world, law_of_wall(world.wall_law, w), i, b, shift, n)
+
+
+@inner
+def _contact_with_wall(world, w, i, b, shift, n):
+    wall, walls, spheres, x = world.wall, world.walls, world.spheres, world.spheres.position
+    gap = gap_to_wall(walls, x, w, i, shift)
+    if gap < world.lengths[WALL_SKIN] or walls.history[w, i, DAMPING] >= 0.0:
+        if not gap >= -2.0 * DEEPEST * x[i, 3]:
+            return np.int64(-2)
+        if n + LANES >= len(wall.i):
+            return np.int64(-1)
+        # row m is the enclosure
+        wall.i[n], wall.j[n], wall.group[n] = i, len(spheres.inverse_mass), b
+        wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
+        hertz = law_of_wall(world.wall_law, w).hertz * np.sqrt(
+            radius_at_wall(walls, x, w, i, shift)
+        )
+        wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
+        wall.constants[n, MASS] = wall.whole[n, 1] = 1.0 / spheres.inverse_mass[i]
+        for h in range(N_HISTORY):
+            wall.history[n, h] = walls.history[w, i, h]
+        n += 1
     return n

@@ -26,7 +26,7 @@ from damper3d.engine.state import (
     TIME,
     VELOCITY,
 )
-from damper3d.engine.walls import place_wall
+from damper3d.engine.walls import law_of_wall, place_wall
 from granulab.contact.hertz import hertz_force, mindlin_force, spring_energy
 from granulab.contact.jit import inner, uncounted
 from granulab.contact.vectors import scale
@@ -91,7 +91,8 @@ def elastic_energies(world, shift, speed, row):
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
-            add_elastic(world.wall_law, n, block, dt, row, CONTACTS_PW)
+            law = law_of_wall(world.wall_law, w)
+            add_elastic(law, n, block, dt, row, CONTACTS_PW)
 
 
 @inner
@@ -140,7 +141,7 @@ def list_contacts(world, particles, numbers):
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
-            contact_law(world.wall_law, n, block, dt)
+            contact_law(law_of_wall(world.wall_law, w), n, block, dt)
             found = copy_contacts(
                 spheres, block, world.wall, begin, n, w, particles, numbers, found
             )

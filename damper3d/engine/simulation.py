@@ -17,6 +17,7 @@ from damper3d.engine.state import (
     WALL_FULL,
     World,
 )
+from damper3d.engine.walls import put_back
 from damper3d.engine.world import kind_of, lengthened
 from granulab.errors import SimulationError
 
@@ -244,6 +245,7 @@ class Simulation:
         pairs = _touching(world.inner, int(world.counts[state.INNER]))
         at_walls = _touching(world.wall, int(world.counts[state.WALL]))
         of_wall = np.searchsorted(world.walls.first, at_walls, "right") - 1
+        of_wall = of_wall + world.wall.feature[at_walls]  # of triangles, which are one wall
         return {
             **self._save_particles(),
             "heat": world.particles.dissipated.copy(),
@@ -271,7 +273,7 @@ class Simulation:
         world.walls.history[:] = 0.0
         world.walls.history[..., state.DAMPING] = state.NO_CONTACT
         touching, of_wall = saved["wall_pairs"].T
-        world.walls.history[of_wall, touching] = saved["wall_springs"].T
+        put_back(world.walls, touching, of_wall, saved["wall_springs"].T)
         world.walls.force[:] = saved["wall_force"]
         world.counts[state.STEP] = saved["step"][0]
         world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1

@@ -112,6 +112,7 @@ class Contacts(NamedTuple):
     whole: np.ndarray  # (capacity, 2) Hertz constant and mass of a contact that shares with others
     history: np.ndarray  # (capacity, N_HISTORY)
     touching: np.ndarray  # (capacity,) uint32, those of them that touch or did a step ago
+    feature: np.ndarray  # (capacity,) uint32, feature of a triangulated wall, see enclosures.cavity
 
 
 class Seen(NamedTuple):
@@ -131,6 +132,17 @@ class Kept(NamedTuple):
     history: np.ndarray  # (capacity, N_HISTORY)
 
 
+class LawOfEach(NamedTuple):
+    """Contact laws of walls that are not all of one material."""
+
+    rows: np.ndarray  # (n_walls, 8) the numbers of each wall's HertzLaw; truth values as 1 and 0
+
+
+def law_of_each(laws: list[Any]) -> LawOfEach:
+    """Contact laws of walls, one HertzLaw for each."""
+    return LawOfEach(np.array([[float(number) for number in law] for law in laws]))
+
+
 class Walls(NamedTuple):
     """Flat walls, and then curved ones."""
 
@@ -140,7 +152,8 @@ class Walls(NamedTuple):
     curved: bool  # whether the curvature of walls enters the Hertz law
     first: np.ndarray  # (n_walls + 1,) where the contacts of each wall begin
     force: np.ndarray  # (n_walls, 3) by the particles, summed over the steps since asked [N]
-    history: np.ndarray  # (n_walls, m, N_HISTORY), up to date while there is no wall list
+    # (n_walls, m, N_HISTORY), up to date while there is no wall list; of triangles (PLACES, ...)
+    history: np.ndarray
 
 
 class Block(NamedTuple):
@@ -204,7 +217,7 @@ class World(NamedTuple):
     fastest: np.ndarray  # (2,) largest impact speed of each class since last asked [m/s]
     lengths: np.ndarray  # (N_LENGTHS,) [m]
     pair_law: Any  # HertzLaw
-    wall_law: Any
+    wall_law: Any  # likewise, or LawOfEach
     shaker: Any  # numbers of the motion, of a type that engine.motions knows
     direction: np.ndarray  # (4,) unit vector of the enclosure's motion
     gravity: np.ndarray  # (4,) [m/s2]

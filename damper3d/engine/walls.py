@@ -1,8 +1,9 @@
 """Walls: flat ones, then curved ones; they move as one enclosure, or each by itself.
 
 What differs is chosen by type, when a kernel is compiled: the geometry of curved walls by the type
-of `walls.surface`, which damper3d.engine.enclosures registers; whether walls are driven each by
-itself by that of `walls.drive`.
+of `walls.surface`, which damper3d.engine.enclosures registers, where that of triangles has contacts
+of its own way (enclosures/places.py); whether walls are driven each by itself by that of
+`walls.drive`; whether each has its own contact law by that of the law.
 """
 
 from typing import NamedTuple
@@ -11,9 +12,12 @@ import numpy as np
 from numba import types
 
 from damper3d.engine.enclosures import nearest_of
+from damper3d.engine.enclosures.cavity import Triangles
+from damper3d.engine.enclosures.places import to_feature, touching_places
 from damper3d.engine.geometry import note_touching, to_plane, vector, wall_contact
 from damper3d.engine.simd import separate, whole
-from damper3d.engine.state import BLOCK, STALE_WALL, WALL_SKIN
+from damper3d.engine.state import BLOCK, STALE_WALL, WALL_SKIN, LawOfEach
+from granulab.contact.hertz import HertzLaw
 from granulab.contact.jit import inlined, inlined_inner, specialised, uncounted
 
 # The servo of one wall: which, whether it is on; its target [N], viscosity [N s/m], speed limit.
@@ -31,6 +35,26 @@ class Drive(NamedTuple):
     before: np.ndarray  # (n,) the vertical entry of the walls' force when a step began [N]
 
 
+def put_back(walls, sphere: np.ndarray, wall: np.ndarray, histories: np.ndarray) -> None:
+    """Give walls without a list the histories (n, N_HISTORY) of contacts with spheres (n,).
+
+    wall (n,): the number of each wall, or of the feature where they are triangles.
+    """
+    if isinstance(walls.surface, Triangles):
+        held = walls.surface.held
+        held[:] = -1
+        at = np.zeros(len(held), np.int64)
+        for i, feature, history in zip(sphere, wall, histories, strict=True):
+            held[i, at[i]], walls.history[at[i], i] = feature, history
+            at[i] += 1
+    else:
+        walls.history[wall, sphere] = histories
+
+
+def law_of_wall(law, w):
+    """Contact law of wall w."""
+
+
 def nearest(surface, wall, x, y, z):
     """Distance, direction and curvature of a curved wall; see enclosures.register_surface."""
 
@@ -41,6 +65,14 @@ def wall_shift(walls, w, shift):
 
 def place_wall(spheres, walls, w, shift, speed):
     """Let the last row of the spheres be at wall w; shift and speed: the enclosure's."""
+
+
+def with_wall(walls, contacts, w, begin, n_contacts, block):
+    """Geometry of contacts of spheres with wall w in the first lanes of a block."""
+
+
+def touching_wall(spheres, walls, contacts, w, block):
+    """Let `touching` name the listed contacts with wall w that touch it; how many there are."""
 
 
 def drive_walls(world):
@@ -61,6 +93,23 @@ def _nearest(surface, wall, x, y, z):
         _COMPILED[kind] = inlined(nearest_of(kind))
     chosen = _COMPILED[kind]
     return lambda surface, wall, x, y, z: chosen(surface, wall, x, y, z)
+
+
+def is_triangulated(walls):
+    """Return whether walls of a type, as numba has it, are triangles."""
+    return walls[walls.fields.index("surface")].instance_class is Triangles
+
+
+@specialised(law_of_wall)
+def _law_of_wall(law, w):
+    if law.instance_class is LawOfEach:
+        return lambda law, w: _row_of_law(law.rows[w])
+    return lambda law, w: law
+
+
+@inlined_inner
+def _row_of_law(row):
+    return HertzLaw(row[0], row[1], row[2], row[3], row[4], row[5], row[6] > 0.0, row[7] > 0.0)
 
 
 def is_driven(walls):
@@ -132,9 +181,28 @@ def radius_at_wall(walls, x, w, i, shift):
     return radius if mean == np.inf else mean * radius / (mean - radius)
 
 
+@specialised(with_wall)
+def _with_wall(walls, contacts, w, begin, n_contacts, block):
+    if is_triangulated(walls):
+        return lambda walls, contacts, w, begin, n_contacts, block: _with_places(
+            walls.surface, contacts, begin, n_contacts, block
+        )
+    return lambda walls, contacts, w, begin, n_contacts, block: _with_one_wall(
+        walls, w, whole(n_contacts), block
+    )
+
+
 @inlined_inner
-def with_wall(walls, w, n_contacts, block):
-    """Geometry of contacts of spheres with wall w in the first lanes of a block."""
+def _with_places(surface, contacts, begin, n_contacts, block):
+    for k in range(np.uintp(n_contacts)):
+        feature = contacts.feature[contacts.touching[np.uintp(begin) + k]]
+        x, y, z = vector(block.separation, k)
+        distance, normal = to_feature(surface, feature, -x, -y, -z)
+        wall_contact(normal, distance, block, k)
+
+
+@inlined_inner
+def _with_one_wall(walls, w, n_contacts, block):
     if w < len(walls.planes):
         plane = walls.planes[w]
         for k in range(np.uintp(n_contacts)):
@@ -161,9 +229,19 @@ def clear_of_wall(walls, w, contacts, begin, n_contacts, block):
             block.clearance[k] = distance - contacts.cutoff[np.uintp(begin) + k]
 
 
+@specialised(touching_wall)
+def _touching_wall(spheres, walls, contacts, w, block):
+    if is_triangulated(walls):
+        return lambda spheres, walls, contacts, w, block: touching_places(
+            spheres, walls, contacts, w
+        )
+    return lambda spheres, walls, contacts, w, block: _touching_one_wall(
+        spheres, walls, contacts, w, block
+    )
+
+
 @inlined
-def touching_wall(spheres, walls, contacts, w, block):
-    """Let `touching` name the listed contacts with wall w that touch it; how many there are."""
+def _touching_one_wall(spheres, walls, contacts, w, block):
     found = np.int64(0)
     for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
         n = min(walls.first[w + 1] - begin, BLOCK)

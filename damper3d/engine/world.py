@@ -7,6 +7,7 @@ import numpy as np
 
 from damper3d.engine import state
 from damper3d.engine.enclosures import Enclosure
+from damper3d.engine.enclosures.cavity import PLACES, Triangles
 from damper3d.engine.multisphere import particles as many_spheres
 from damper3d.engine.multisphere.particles import ManySpheres, Particle
 from damper3d.engine.spheres import particles as one_sphere
@@ -15,6 +16,7 @@ from damper3d.engine.state import (
     Cells,
     Contacts,
     Kept,
+    LawOfEach,
     OuterList,
     Seen,
     Spheres,
@@ -37,7 +39,7 @@ def build_world(
     density: float,
     enclosure: Enclosure,
     pair_law: HertzLaw,
-    wall_law: HertzLaw,
+    wall_law: HertzLaw | LawOfEach,
     shaker: Any,
     direction: np.ndarray,
     gravity: np.ndarray,
@@ -70,7 +72,7 @@ def build_world(
         spheres=spheres,
         cells=_cells_over(enclosure, n, bounding, largest),
         **_empty_lists(n, shape),
-        walls=walls_of(enclosure, m, curved_wall),
+        walls=walls_of(enclosure, m, curved_wall, bounding),
         block=block(),
         counts=_first_counts(),
         balance=np.zeros(state.N_BALANCE),
@@ -161,17 +163,22 @@ def _spheres(radii: np.ndarray, inverse_mass: np.ndarray) -> Spheres:
     return spheres
 
 
-def walls_of(enclosure: Enclosure, m: int, curved: bool) -> Walls:
-    """The walls of an enclosure that m spheres may touch and none does yet."""
-    n_walls = len(enclosure.wall_names)
+def walls_of(enclosure: Enclosure, m: int, curved: bool, bounding: float) -> Walls:
+    """The walls of an enclosure that m spheres may touch and none does yet.
+
+    bounding: radius of the largest particle [m].
+    """
+    n_walls, surface = len(enclosure.wall_names), enclosure.surface_for(bounding)
+    if isinstance(surface, Triangles):
+        surface = surface._replace(held=np.full((m, PLACES), -1, np.int32))
     return Walls(
         planes=enclosure.planes,
-        surface=enclosure.surface,
+        surface=surface,
         drive=None,
         curved=curved,
         first=np.zeros(n_walls + 1, np.int64),
         force=np.zeros((n_walls, 3)),
-        history=no_history(n_walls, m),
+        history=no_history(PLACES if isinstance(surface, Triangles) else n_walls, m),
     )
 
 
@@ -259,4 +266,5 @@ def empty_contacts(capacity: int) -> Contacts:
         whole=zeros(capacity, 2),
         history=no_history(capacity),
         touching=np.zeros(capacity, np.uint32),
+        feature=np.zeros(capacity, np.uint32),
     )

@@ -104,7 +104,7 @@ def world_of(
         density=case.density,
         enclosure=case.enclosure,
         pair_law=case.pair_law,
-        wall_law=case.wall_law,
+        wall_law=case.law_of_walls,
         shaker=at_rest(),
         direction=case.direction,
         gravity=case.settling_gravity,

@@ -16,7 +16,6 @@ from granulab.campaign.runs.protocol import loaded
 
 REFILLED = "the enclosure is filled again"  # where a packing is deleted
 _INNER = 0.8  # part of the particles, from below, that the packing fraction is taken over
-_GRID = 64  # points each way by which a volume is counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,21 +53,8 @@ def lowest(enclosure: Enclosure, up: np.ndarray) -> float:
 
 
 def volume_below(enclosure: Enclosure, up: np.ndarray, level: float) -> float:
-    """Volume of the enclosure where up . x < level [m3], summed over 64 cells a side.
-
-    Of cells that the level or the round wall cuts, a part counts: exact for the axes of a box.
-    """
-    middles = (np.arange(_GRID) + 0.5) / _GRID
-    sizes = np.array([enclosure.width, enclosure.depth, enclosure.height])
-    x = (middles - 0.5)[:, None, None] * sizes[0]
-    y = (middles - 0.5)[None, :, None] * sizes[1]
-    z = middles[None, None, :] * sizes[2]
-    extent = float(np.abs(up) @ sizes) / _GRID
-    below = np.clip((level - (up[0] * x + up[1] * y + up[2] * z)) / extent + 0.5, 0.0, 1.0)
-    points = np.stack(np.broadcast_arrays(x, y, z), axis=-1).reshape(-1, 3)
-    away = enclosure.clearance(points).reshape(below.shape)
-    below = below * np.clip(away / (enclosure.width / _GRID) + 0.5, 0.0, 1.0)
-    return float(below.mean() * sizes.prod())
+    """Volume of the enclosure where up . x < level [m3]."""
+    return enclosure.volume_below(up, level)
 
 
 def packing_fraction(

@@ -206,9 +206,7 @@ def _forces(axes: "Axes", scene: Scene) -> None:
 def _height(scene: Scene) -> Array:
     """Height of the bed's mass in the enclosure (S,) [m], along gravity or, without, along z."""
     up = scene.view.up
-    lowest = np.minimum(up * scene.size / 2, -up * scene.size / 2)
-    lowest[2] = min(0.0, up[2] * scene.size[2])
-    return scene.trajectory["mean_position"] @ up - lowest.sum()
+    return scene.trajectory["mean_position"] @ up - scene.enclosure.lowest(up)
 
 
 def _height_words(scene: Scene) -> str:

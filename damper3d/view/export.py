@@ -30,7 +30,6 @@ from granulab.contact.files.units import nearest
 from granulab.errors import FolderError, InputError
 
 _SUFFIX = ".vtkhdf"  # by which ParaView and vtkHDFReader know the format
-_SIDES = 48  # of the polygon that stands for a circle
 
 Points = NDArray[np.float64]
 _ENDS = {"1": "", "s": "s", "m": "m", "m/s": "m_per_s", "J": "j", "N": "n"}  # by the unit
@@ -172,7 +171,7 @@ def enclosure_file(scene: Scene) -> bytes:
     """The walls as polygons where they stand, a step for each frame."""
     from granulab.campaign.output.vtkhdf import PolyDataFile
 
-    file, polygons = PolyDataFile(), walls(scene)
+    file, polygons = PolyDataFile(), scene.enclosure.polygons
     sizes = {"Polygons": [len(points) for _, points in polygons]}
     rows = np.array([scene.wall_names.index(name) for name, _ in polygons], dtype=np.int32)
     points = np.concatenate([points for _, points in polygons])
@@ -180,29 +179,6 @@ def enclosure_file(scene: Scene) -> bytes:
         placed = (points + scene.shift(frame)).astype(np.float32)
         file.append(float(scene.time[sample]), placed, sizes, {"wall": rows})
     return file.content()
-
-
-def walls(scene: Scene) -> list[tuple[str, Points]]:
-    """Wall and corners (p, 3) [m] of each polygon of the enclosure, in its own frame.
-
-    A cylinder is a prism whose edges lie on it.
-    """
-    width, depth, height = scene.size
-    up = np.array([0.0, 0.0, height])
-    if scene.enclosure.radius is None:
-        x, y = width / 2, depth / 2
-        base = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
-        names = ["front", "right", "back", "left"]
-    else:
-        angle = 2 * np.pi * np.arange(_SIDES) / _SIDES
-        base = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * width / 2
-        names = ["side"] * _SIDES
-    after = np.roll(base, -1, axis=0)
-    around = [
-        (name, np.stack([a, b, b + up, a + up]))
-        for name, a, b in zip(names, base, after, strict=True)
-    ]
-    return [("bottom", base), ("top", base + up), *around]
 
 
 def samples_csv(scene: Scene) -> bytes:

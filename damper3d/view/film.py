@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from damper3d.view.colouring import colouring
 from damper3d.view.scene import Scene
-from damper3d.view.spheres import corners, draw_spheres, spheres_drawn, window
+from damper3d.view.spheres import draw_spheres, outline, spheres_drawn, window
 from granulab.campaign.output.figure import GREY, INK, PAPER, VERMILION, WALL
 from granulab.campaign.output.film import Image, counted, font, pace, rgb, write_film, write_words
 
@@ -55,7 +55,7 @@ class _Canvas:
         self.scene, shown = scene, window(scene, 1.0)
         wide, high = shown.right - shown.left, shown.top - shown.bottom
         scale = min(_LONGEST / max(wide, high), np.sqrt(_PIXELS / (wide * high)))
-        self.window = window(scene, scale)
+        self.window, self.outline = window(scene, scale), outline(scene)
         rows, columns = self.window.shape
         width = max(columns + 2 * _MARGIN, _NARROWEST) + _SCALE
         height = _HEADING + rows + _MARGIN + _STRIP + _MARGIN
@@ -115,11 +115,10 @@ class _Canvas:
     def _draw_enclosure(self, image: Image, moved: NDArray[np.float64]) -> None:
         import cv2
 
-        (left, bottom), (right, top) = corners(self.scene) + moved
-        around = np.array([[left, bottom], [right, bottom], [right, top], [left, top]])
         corner = np.array([self.left, self.top])
-        points = self._fine(self.window.pixels(around) + corner)
-        cv2.polylines(image, [points], True, rgb(WALL), 2, cv2.LINE_AA, _SHIFT)
+        for line in self.outline:
+            points = self._fine(self.window.pixels(line + moved) + corner)
+            cv2.polylines(image, [points], False, rgb(WALL), 2, cv2.LINE_AA, _SHIFT)
 
     @staticmethod
     def _fine(points: NDArray[np.float64]) -> NDArray[np.int32]:

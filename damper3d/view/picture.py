@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from damper3d.view.charts import energy_chart, motion_chart, ruled
 from damper3d.view.colouring import Colouring, colouring
-from damper3d.view.export import walls
 from damper3d.view.film import make_film
 from damper3d.view.scene import Scene, read_scene
-from damper3d.view.spheres import corners, draw_spheres, spheres_drawn, window
+from damper3d.view.spheres import draw_spheres, outline, spheres_drawn, window
 from granulab.campaign.output.figure import GREY, INK, VERMILION, WALL, headline
 from granulab.campaign.output.film import write_all
 from granulab.campaign.runs.folder import RunFolder
@@ -136,8 +135,8 @@ def draw_enclosure(
     panel: "Axes", scene: Scene, frame: int, colours: Colouring, pixels: float
 ) -> None:
     """Particles and enclosure in a frame, to scale, `pixels` wide."""
+    from matplotlib.collections import LineCollection
     from matplotlib.colors import to_rgb
-    from matplotlib.patches import Rectangle
 
     shown = window(scene, 1.0)
     shown = window(scene, pixels / (shown.right - shown.left))
@@ -148,11 +147,11 @@ def draw_enclosure(
         extent=(shown.left, shown.right, shown.bottom, shown.top),
         interpolation="antialiased",
     )
-    low, moved = corners(scene)[0], scene.view.project(scene.shift(frame))[:2]
-    wide, high = corners(scene)[1] - low
-    rest: dict[str, Any] = {"ec": GREY, "lw": 0.6, "ls": (0, (3, 3))}
-    panel.add_patch(Rectangle(low, wide, high, fill=False, clip_on=False, **rest))
-    panel.add_patch(Rectangle(low + moved, wide, high, fill=False, clip_on=False, ec=WALL, lw=1.8))
+    lines, moved = outline(scene), scene.view.project(scene.shift(frame))[:2]
+    rest: dict[str, Any] = {"colors": GREY, "lw": 0.6, "ls": (0, (3, 3))}
+    panel.add_collection(LineCollection(lines, clip_on=False, **rest))
+    there = [line + moved for line in lines]
+    panel.add_collection(LineCollection(there, clip_on=False, colors=WALL, lw=1.8))
     panel.set(xlim=(shown.left, shown.right), ylim=(shown.bottom, shown.top))
 
 
@@ -213,7 +212,7 @@ def _pyvista() -> Any:
 
 def _mesh(pyvista: Any, scene: Scene, frame: int) -> Any:
     """The walls where they stand."""
-    polygons = [points for _, points in walls(scene)]
+    polygons = [points for _, points in scene.enclosure.polygons]
     starts = np.cumsum([0, *map(len, polygons)])
     faces = [
         [len(points), *range(start, start + len(points))]

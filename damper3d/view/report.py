@@ -27,13 +27,20 @@ def echo(case: DamperCase, dry_run: bool) -> str:
     settings, particle, steps = case.settings, case.particle, case.steps
     lines = [
         f"{case.name}, seed {settings.run.seed}",
-        f"  enclosure   {_enclosure(case)}",
+        f"  enclosure   {case.enclosure.words}",
         f"  particles   {case.count} of {particle.name}: radius {particle.equal_volume_radius:g} "
         f"m, {case.particle_mass:.4g} kg each, {case.mass:.4g} kg together, fill ratio "
         f"{case.fill_ratio:.3f}",
         *_motion(case),
         _law("particles", case.pair_law, case.restitution[CLASSES[0]]),
         _law("walls", case.wall_law, case.restitution[CLASSES[1]]),
+        *(
+            _law(
+                f"{name} of {settings.enclosure.walls[name]}", law, case.restitution_of_walls[name]
+            )
+            for name, law in case.laws_of_walls.items()
+            if settings.enclosure.walls
+        ),
         f"  contact     {_contact(case)}",
         f"  yield       {_yield(case)}",
         f"  filling     settled for {settings.fill.settle_time:g} s under gravity "
@@ -50,13 +57,6 @@ def echo(case: DamperCase, dry_run: bool) -> str:
         )
     lines += room.lines(disk_at_most(case), memory_at_most(case))
     return "\n".join([*lines, *(f"  warning     {line}" for line in warnings(case))])
-
-
-def _enclosure(case: DamperCase) -> str:
-    own = case.enclosure
-    if own.radius is not None:
-        return f"cylinder, {own.width:g} m in diameter, {own.height:g} m high"
-    return f"box, {own.width:g} m (x) by {own.depth:g} m (y), {own.height:g} m high"
 
 
 def _motion(case: DamperCase) -> list[str]:

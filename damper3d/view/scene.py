@@ -68,12 +68,14 @@ class Scene:
     and those are called frames here.
 
     summary         as in summary.json; empty while the run goes on
+    folder          of the run
     """
 
     trajectory: Trajectory
     tables: Tables
     settings: Settings
     summary: dict[str, Any]
+    folder: Path = Path()
 
     @property
     def time(self) -> Array:
@@ -128,7 +130,7 @@ class Scene:
     @cached_property
     def enclosure(self) -> Enclosure:
         """As it stands in the case of the run folder, where no size is left out."""
-        return enclosure_of(self.settings, "case.toml")
+        return enclosure_of(self.settings, "case.toml", self.folder)
 
     @property
     def size(self) -> Array:
@@ -290,7 +292,8 @@ def read_scene(run_folder: str | Path) -> Scene:
         wrong = f"particles without {', '.join(missing)}"
         raise FolderError(f"{run.path}: its trajectory is damaged ({wrong}); {_ANEW}")
     # A run that goes on may have flushed more frames between the two readings.
-    scene = Scene(trajectory, tables.of_frames(0, len(trajectory["time"])), settings, summary)
+    tables = tables.of_frames(0, len(trajectory["time"]))
+    scene = Scene(trajectory, tables, settings, summary, path.parent)
     if not scene.n_cycles:
         raise FolderError(f"{run.path}: no whole cycle yet; wait until one is computed")
     return scene

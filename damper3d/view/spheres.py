@@ -12,6 +12,7 @@ from damper3d.view.scene import Scene
 Array = NDArray[np.float64]
 
 _AROUND = 0.04  # of the enclosure's size, left free around it
+_STEP, _HAIR = 0.02, 1e-6  # of the enclosure's depth
 _SMOOTH = 2  # a pixel is the mean of so many squared
 _AMBIENT, _GLOSS = 0.42, 0.28
 _DIMMED = 0.45  # of the light, at what is farthest; a haze would change the colours' meaning
@@ -113,6 +114,38 @@ def corners(scene: Scene) -> Array:
     ends = np.array([[-width / 2, -depth / 2, 0.0], [width / 2, depth / 2, height]])
     across = scene.view.project(ends)[:, :2]
     return np.stack([across.min(axis=0), across.max(axis=0)])
+
+
+def outline(scene: Scene) -> list[Array]:
+    """Lines (k, 2) [m] in which the plane of the cut, see cut_open, meets the walls.
+
+    Right and up, in the enclosure's own frame; closed ones end where they begin. Where the plane
+    meets no void, as between two cells, it is moved away from the eye until it does.
+    """
+    from shapely import MultiLineString, line_merge, node
+
+    polygons = [scene.view.project(points) for _, points in scene.enclosure.polygons]
+    depths = np.concatenate(polygons)[:, 2]
+    level, step = scene.view.project(np.array([0.0, 0.0, scene.enclosure.height / 2]))[2], 0.0
+    pieces: list[Array] = []
+    while not pieces and level - step >= depths.min():
+        # Off the corners by a hair, where a line would be met twice or not at all.
+        pieces = [
+            piece for corners in polygons
+            if len(piece := _cut(corners, level - step - _HAIR * np.ptp(depths))) == 2
+        ]  # fmt: skip
+        step += _STEP * np.ptp(depths)
+    merged = line_merge(node(MultiLineString([np.round(piece, 9) for piece in pieces])))
+    return [np.array(line.coords) for line in getattr(merged, "geoms", [merged])]
+
+
+def _cut(points: Array, level: float) -> Array:
+    """Right and up of the two points (2, 2) at which a polygon passes a level, or (0, 2)."""
+    over = points[:, 2] - level
+    after, following = np.roll(over, -1), np.roll(points, -1, axis=0)
+    passes = (over < 0.0) != (after < 0.0)
+    part = (over[passes] / (over[passes] - after[passes]))[:, None]
+    return (points[passes] + part * (following[passes] - points[passes]))[:, :2]
 
 
 def window(scene: Scene, scale: float) -> Window:

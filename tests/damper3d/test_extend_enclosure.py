@@ -27,7 +27,7 @@ class Cone(Enclosure):
 
     shape = "cone"
     diameter: float  # of the bottom
-    top_diameter: float
+    lid_diameter: float
     height: float = 0.04
 
     @property
@@ -38,7 +38,7 @@ class Cone(Enclosure):
 
     @property
     def volume(self):
-        a, b = 0.5 * self.diameter, 0.5 * self.top_diameter
+        a, b = 0.5 * self.diameter, 0.5 * self.lid_diameter
         return math.pi / 3.0 * self.height * (a * a + a * b + b * b)
 
     @property
@@ -47,7 +47,7 @@ class Cone(Enclosure):
 
     @property
     def surface(self):
-        fall = 0.5 * (self.diameter - self.top_diameter) / self.height  # of the radius with height
+        fall = 0.5 * (self.diameter - self.lid_diameter) / self.height  # of the radius with height
         return Mantle(0.5 * self.diameter, fall)
 
 
@@ -75,7 +75,7 @@ def register():
 CASE = {
     "enclosure.shape": "cone",
     "enclosure.diameter": "30 mm",
-    "enclosure.top_diameter": "16 mm",
+    "enclosure.lid_diameter": "16 mm",
     "enclosure.height": "25 mm",
     "particles.count": 24,
     "fill.settle_time": "20 ms",
@@ -89,7 +89,7 @@ CASE = {
 def clear(case, x):
     """Least distance (n,) [m] of points from any wall, by another formula than the engine's."""
     cone = case.enclosure
-    corners = np.array([[cone.diameter / 2, 0.0], [cone.top_diameter / 2, cone.height]])
+    corners = np.array([[cone.diameter / 2, 0.0], [cone.lid_diameter / 2, cone.height]])
     along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
     from_corner = np.stack([np.hypot(x[:, 0], x[:, 1]), x[:, 2]], axis=1) - corners[0]
     side = along[0] * from_corner[:, 1] - along[1] * from_corner[:, 0]
@@ -97,10 +97,10 @@ def clear(case, x):
 
 
 WRONG = {
-    "top_diameter is missing": {"enclosure.top_diameter": None},
-    "unit is wrong": {"enclosure.top_diameter": "16 s"},
+    "lid_diameter is missing": {"enclosure.lid_diameter": None},
+    "unit is wrong": {"enclosure.lid_diameter": "16 s"},
     "width and depth go with shape = 'box'": {"enclosure.width": "3 cm"},
-    "unknown key 'top_diameter'": {"enclosure.shape": "cylinder"},
+    "unknown key 'lid_diameter'": {"enclosure.shape": "cylinder"},
     "unknown key 'top'; known: ": {"enclosure.top": "3 cm"},
 }
 
@@ -145,7 +145,7 @@ def test_a_case_runs_in_it(extended_damper):
 def test_the_case_is_kept_with_its_own_keys(extended_damper):
     found = extended_damper["enclosure"]
     assert found["again"]
-    assert found["written"]["top_diameter"] == "16 mm"
+    assert found["written"]["lid_diameter"] == "16 mm"
 
 
 def test_its_file_counts_as_a_source(extended_damper):

@@ -12,11 +12,17 @@ from typing import Any
 
 from damper3d.engine import ENGINE
 from damper3d.engine.enclosures.box import Box, box
+from damper3d.engine.enclosures.cavity import Cavity, Triangles, nearest_triangle
+from damper3d.engine.enclosures.cells import Cells, Sides, nearest_side
 from damper3d.engine.enclosures.cylinder import Cylinder, cylinder, nearest_round
 from damper3d.engine.enclosures.enclosure import Enclosure, Round
+from damper3d.engine.enclosures.frustum import Frustum, Mantle, nearest_on_mantle
 from damper3d.engine.enclosures.lines import Lines, nearest_line
+from damper3d.engine.enclosures.polyhedron import HexagonalPrism, Polyhedron
+from damper3d.engine.enclosures.sphere import Ball, Sphere, nearest_in_ball
 
-__all__ = ["ENCLOSURES", "Box", "Cylinder", "Enclosure", "Round", "box", "cylinder", "nearest_of",
+__all__ = ["ENCLOSURES", "Box", "Cavity", "Cells", "Cylinder", "Enclosure", "Frustum",
+           "HexagonalPrism", "Polyhedron", "Round", "Sphere", "box", "cylinder", "nearest_of",
            "register", "register_surface"]  # fmt: skip
 
 ENCLOSURES: dict[str, type[Enclosure]] = {}  # by the shape that a case names
@@ -75,4 +81,10 @@ def _extend_by(module: str, sources: list[Any]) -> None:
 
 register(Cylinder, Round, nearest_round)
 register(Box)
+register(Frustum, Mantle, nearest_on_mantle)
+register(Sphere, Ball, nearest_in_ball)
+register(HexagonalPrism)
+register(Polyhedron)
+register(Cavity, Triangles, nearest_triangle)
+register_surface(Sides, nearest_side)  # of cells, an array of boxes or cylinders
 register_surface(Lines, nearest_line)

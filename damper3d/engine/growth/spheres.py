@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from damper3d.engine.enclosures import Enclosure, Round
+from damper3d.engine.enclosures.cavity import Triangles
+from damper3d.engine.enclosures.places import push_from_places
 from damper3d.engine.growth.relaxation import (
     AT_REST,
     MARGIN,
@@ -58,11 +60,12 @@ def grow(
     first = first_size(count * volume / enclosure.volume, _START)
     centres = _anywhere(enclosure, count, first * radius, rng)
     velocity, force = np.zeros_like(centres), np.zeros_like(centres)
+    surface = enclosure.surface_for(radius)
     n_curved = len(enclosure.wall_names) - len(enclosure.planes)
 
     def comes_to_rest(size: float) -> bool:
         larger = size * radius * (1.0 + MARGIN)
-        balls = Balls(centres.copy(), larger, enclosure.planes, enclosure.surface, n_curved)
+        balls = Balls(centres.copy(), larger, enclosure.planes, surface, n_curved)
         outcome, _, _ = relax(balls, velocity, force, TOLERANCE * radius, PATIENCE, 0.0)
         if outcome == AT_REST:
             centres[:] = balls.centres
@@ -75,7 +78,19 @@ def grow(
 def _anywhere(
     enclosure: Enclosure, count: int, radius: float, rng: np.random.Generator
 ) -> np.ndarray:
-    """Random points (count, 3), evenly spread over where a ball of a radius fits."""
+    """Random points (count, 3), evenly spread over where a ball of a radius fits.
+
+    Cells get as many each, the first ones one more where they cannot.
+    """
+    cells = enclosure.cells
+    if len(cells) > 1:
+        share = [len(part) for part in np.array_split(np.arange(count), len(cells))]
+        return np.concatenate(
+            [
+                _anywhere(enclosure.cell, n, radius, rng) + np.array([*centre, 0.0])
+                for n, centre in zip(share, cells, strict=True)
+            ]
+        )
     low = np.array([-0.5 * enclosure.width, -0.5 * enclosure.depth, 0.0]) + radius
     high = np.array([0.5 * enclosure.width, 0.5 * enclosure.depth, enclosure.height]) - radius
     found = np.zeros((0, 3))
@@ -178,6 +193,10 @@ def _push_curved(surface, wall, centres, radius, n, force):
     if surface.instance_class is Round:
         return lambda surface, wall, centres, radius, n, force: _push_round(
             surface.radius, centres, radius, n, force
+        )
+    if surface.instance_class is Triangles:
+        return lambda surface, wall, centres, radius, n, force: push_from_places(
+            surface, centres, radius, n, force
         )
     return lambda surface, wall, centres, radius, n, force: _push_nearest(
         surface, wall, centres, radius, n, force

@@ -182,15 +182,8 @@ def _axes(direction: np.ndarray) -> np.ndarray:
 
 def _ends(case: "DamperCase", axes: np.ndarray) -> tuple[float, float]:
     """z of the lower end and the length from there to the upper one, through the middle."""
-    planes, middle = case.enclosure.planes, np.array([0.0, 0.0, 0.5 * case.enclosure.height])
-    along = planes[:, :3] @ axes[2]
-    distance = (planes[:, 3] - planes[:, :3] @ middle) / np.where(along == 0.0, np.nan, along)
-    if case.enclosure.cylinder_radius:
-        across = np.hypot(axes[2, 0], axes[2, 1])
-        side = case.enclosure.cylinder_radius / across if across > 0.0 else np.inf
-        distance = np.append(distance, [side, -side])
-    up, down = np.nanmin(distance[distance > 0.0]), np.nanmax(distance[distance < 0.0])
-    return float(middle @ axes[2] + down), float(up - down)
+    down, up = case.enclosure.through(axes[2])
+    return float(case.enclosure.middle @ axes[2] + down), up - down
 
 
 def _pushes(wall_force: np.ndarray, case: "DamperCase", axes: np.ndarray) -> np.ndarray:
