@@ -203,14 +203,12 @@ def _millimetres(length: float | None) -> str:
 
 
 def _between_walls(case: DamperCase) -> float:
-    """Distance [m] of the walls that the motion meets head on."""
-    enclosure = case.enclosure
-    sizes = [None, None, enclosure.height]
-    if enclosure.shape == "box":
-        sizes = [enclosure.width, enclosure.depth, enclosure.height]
-    for size, component in zip(sizes, case.direction, strict=True):
-        if size is not None and abs(abs(component) - 1) < _ALONG:
-            return size
+    """Distance [m] of the two parallel walls that the motion meets head on."""
+    planes = case.enclosure.planes
+    along = planes[:, :3] @ case.direction
+    first, last = (planes[np.abs(along - sign) < _ALONG] for sign in (1.0, -1.0))
+    if len(first) and len(last):
+        return -float(first[0, 3] + last[0, 3])
     raise InputError(
         f"motion.direction = {[round(float(c), 4) for c in case.direction]}: predictions are for "
         "motion between two parallel walls; give [0, 0, 1], or one along a side of a box"
