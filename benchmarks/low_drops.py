@@ -3,7 +3,8 @@
     python benchmarks/low_drops.py docs/results/calibration [--films 900] [--jobs 2]
 
 Blocks and stones of 15 to 60 px fall by 19 to 45 mm and rotate as they bounce, at 100 to 240
-frames/s; restitution sqrt(H1/H0) from 0.3 to 0.9. Even films are of calibration.rendered.low_drop,
+frames/s; restitution sqrt(H1/H0) of the first contact
+from 0.3 to 0.9, as `first_contact` gives it. Even films are of calibration.rendered.low_drop,
 odd ones of other_drops.py, which shares nothing with it. Writes low-drops.csv, a row a film, and
 low-drops.txt. Films that are in the csv already are not made again.
 """
@@ -108,7 +109,7 @@ def measured(film: int) -> Row:
         truth, frames = write(random, rate, size, BINS[film // 2 % 3], path)
         known = film, "first" if first else "second", rate, size, frames, truth
         try:
-            found = measure_drop(path).restitution
+            found = measure_drop(path).first.restitution
         except InputError as error:
             return Row(*known, str(error).replace(str(path), "film"), 0.0)
     return Row(*known, found.value, found.sigma or 0.0)
