@@ -3,10 +3,10 @@
     python benchmarks/low_drops.py docs/results/calibration [--films 900] [--jobs 2]
 
 Blocks and stones of 15 to 60 px fall by 19 to 45 mm and rotate as they bounce, at 100 to 240
-frames/s; restitution sqrt(H1/H0) of the first contact
-from 0.3 to 0.9, as `first_contact` gives it. Even films are of calibration.rendered.low_drop,
-odd ones of other_drops.py, which shares nothing with it. Writes low-drops.csv, a row a film, and
-low-drops.txt. Films that are in the csv already are not made again.
+frames/s; restitution sqrt(H1/H0) of the first contact from 0.3 to 0.9, as `first_contact` has it.
+Even films are of calibration.rendered.low_drop, odd ones of other_drops.py, which shares nothing
+with it. Writes low-drops.csv, a row a film, and low-drops.txt. Films that are in the csv already
+are not made again.
 """
 
 import argparse
