@@ -125,8 +125,7 @@ def table(rows: list[Row]) -> Iterator[str]:
         ("renderer", lambda row: row.renderer),
         ("restitution", lambda row: next(
             f"{a:g} to {b:g}" for a, b in BINS if row.truth <= b)),
-        ("frames/s", lambda row: "100 and 120" if row.rate < 150 else (
-            "150" if row.rate < 200 else "200 and 240")),
+        ("frames/s", lambda row: "100 and 120" if row.rate < 150 else "150 to 240"),
         ("size", lambda row: "15 to 30 px" if row.size < 30 else (
             "30 to 45 px" if row.size < 45 else "45 to 60 px")),
     )  # fmt: skip

@@ -42,6 +42,7 @@ _SIZES = 4.0  # diameters
 _HELD = 3  # positions at rest that show where the object was held
 _STILL = 4.0  # sigma within which they lie
 _MISSED = 2  # positions that a contact alone does not spoil
+_NO_NOISE = 10.0  # sigma, of a position as the picture says
 _REFUTED = 4.0  # sigma by which a fall did not begin at rest
 
 
@@ -118,10 +119,12 @@ def _refuse_hidden_contact(found: Bounces) -> None:
     They are off by more than the way that gravity adds in a frame, which light and grain do not do.
     """
     rows, base, flights = found.flights.rows[1][:_MISSED], found.base, found.flights
-    off = (flights.weights[rows] == 0) & (
-        np.abs(flights.residuals[rows]) > abs(flights.acceleration[0])
-    )
-    if off.all():
+    off = np.abs(flights.residuals[rows])
+    bad = flights.weights[rows] == 0
+    if found.track.covariance is not None:
+        noise = np.sqrt(found.track.covariance[base.rows[rows], 1, 1])
+        bad |= off > _NO_NOISE * noise
+    if np.all(bad & (off > abs(flights.acceleration[0]))):
         frame = found.track.frame[base.rows[rows[0]]]
         raise InputError(
             f"the positions from frame {frame:.0f} on, just after the first contact, are on no "
@@ -310,7 +313,7 @@ def _least_squares(
     first = np.append(start, np.zeros(4)) if bias else start
     steps = np.maximum(np.abs(first), 1e-3)
     found = least_squares(residual, first, x_scale=steps, method="lm")
-    square = float(np.sum(found.fun[: len(y)] ** 2))
+    square = float(np.sum(found.fun**2))  # amplitudes that are known beforehand are data too
     freedom = len(y) - 5 + (_WORTH if seen.sigma else 0)
     factor = (square + (_WORTH if seen.sigma else 0)) / freedom
     covariance = np.linalg.pinv(found.jac.T @ found.jac) * factor * student(freedom) ** 2
