@@ -56,7 +56,7 @@ from damper3d.engine.state import (
     WALL_SEARCHES,
     WALL_SKIN,
 )
-from damper3d.engine.walls import gap_to_wall, note_listed, radius_at_wall
+from damper3d.engine.walls import gap_to_wall, mobility, note_listed, radius_at_wall
 from granulab.contact.jit import inner, uncounted
 
 # How many steps a list should last, and by how much its skin changes where it does not. Short
@@ -307,7 +307,8 @@ def contacts_of_wall(world, w, b, shift, n):
             wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
             hertz = world.wall_law.hertz * np.sqrt(radius_at_wall(walls, x, w, i, shift))
             wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
-            wall.constants[n, MASS] = wall.whole[n, 1] = 1.0 / spheres.inverse_mass[i]
+            mass = 1.0 / (spheres.inverse_mass[i] + mobility(world))
+            wall.constants[n, MASS] = wall.whole[n, 1] = mass
             for h in range(N_HISTORY):
                 wall.history[n, h] = walls.history[w, i, h]
             n += 1

@@ -6,6 +6,15 @@ from damper3d.engine.forces import contact_law, meet_wall, surface_motion, witho
 from damper3d.engine.geometry import between_spheres, entry
 from damper3d.engine.integrate import advance, enclosure_at
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
+from damper3d.engine.motions.host import (
+    HOST_DAMPING,
+    HOST_ENERGY,
+    HOST_WORK,
+    N_HOST_COLUMNS,
+    OWN_DAMPING,
+    WORK,
+    energy,
+)
 from damper3d.engine.simd import gather
 from damper3d.engine.state import (
     BLOCK,
@@ -26,9 +35,9 @@ from damper3d.engine.state import (
     TIME,
     VELOCITY,
 )
-from damper3d.engine.walls import place_wall
+from damper3d.engine.walls import place_wall, rides
 from granulab.contact.hertz import hertz_force, mindlin_force, spring_energy
-from granulab.contact.jit import inner, uncounted
+from granulab.contact.jit import inner, specialised, uncounted
 from granulab.contact.vectors import scale
 
 # Columns of a row of list_contacts.
@@ -71,6 +80,26 @@ def sample(world, steps, row):
         for c in range(3):
             row[N_COLUMNS + N_BALANCE + 3 * w + c] = force[w, c] / steps
             force[w, c] = 0.0
+    sample_host(world, now, row)
+
+
+def sample_host(world, now, row):
+    """Write the energy and the books of the enclosure's host to the last columns of a row."""
+
+
+@specialised(sample_host)
+def _sample_host(world, now, row):
+    if rides(world):
+        return lambda world, now, row: _host_columns(world.shaker, now, row)
+    return lambda world, now, row: None
+
+
+@inner
+def _host_columns(host, now, row):
+    first = len(row) - N_HOST_COLUMNS
+    row[first + HOST_ENERGY] = energy(host, now)
+    row[first + HOST_WORK] = host.books[WORK]
+    row[first + HOST_DAMPING] = host.books[OWN_DAMPING]
 
 
 @inner

@@ -2,7 +2,7 @@
 
 What differs is chosen by type, when a kernel is compiled: the geometry of curved walls by the type
 of `walls.surface`, which damper3d.engine.enclosures registers; whether walls are driven each by
-itself by that of `walls.drive`.
+itself by that of `walls.drive`; whether they ride on a host by that of `shaker`.
 """
 
 from typing import NamedTuple
@@ -12,6 +12,7 @@ from numba import types
 
 from damper3d.engine.enclosures import nearest_of
 from damper3d.engine.geometry import note_touching, to_plane, vector, wall_contact
+from damper3d.engine.motions.host import Host
 from damper3d.engine.simd import separate, whole
 from damper3d.engine.state import BLOCK, STALE_WALL, WALL_SKIN
 from granulab.contact.jit import inlined, inlined_inner, specialised, uncounted
@@ -51,6 +52,10 @@ def note_listed(world, margin):
     """Take half of the wall skin off the margins (n,), for walls that move each by itself."""
 
 
+def mobility(world):
+    """Return the inverse of the mass that stands behind the walls [1/kg]: none if it is driven."""
+
+
 _COMPILED = {}  # geometry of curved walls, by the type of their numbers
 
 
@@ -61,6 +66,12 @@ def _nearest(surface, wall, x, y, z):
         _COMPILED[kind] = inlined(nearest_of(kind))
     chosen = _COMPILED[kind]
     return lambda surface, wall, x, y, z: chosen(surface, wall, x, y, z)
+
+
+def rides(world):
+    """Return whether the enclosure of a type of world, as numba has it, rides on a host."""
+    shaker = world[world.fields.index("shaker")]
+    return getattr(shaker, "instance_class", None) is Host
 
 
 def is_driven(walls):
@@ -75,6 +86,21 @@ def _wall_shift(walls, w, shift):
             walls.drive.place[w, 0], walls.drive.place[w, 1], walls.drive.place[w, 2]
         )  # fmt: skip
     return lambda walls, w, shift: shift
+
+
+@specialised(mobility)
+def _mobility(world):
+    if rides(world):
+        return lambda world: _of_modes(world.shaker.shape)
+    return lambda world: 0.0
+
+
+@inlined_inner
+def _of_modes(shape):
+    total = 0.0
+    for r in range(len(shape)):
+        total += shape[r] * shape[r]
+    return total
 
 
 @specialised(place_wall)
