@@ -87,7 +87,12 @@ def _bounds(field: Any) -> list[str]:
     """The range of a number, such as ["above 0", "at most 1"]."""
     found = {}
     for mark in marks_of(field):
-        for bound, words in (("gt", "above"), ("ge", "at least"), ("le", "at most")):
+        for bound, words in (
+            ("gt", "above"),
+            ("ge", "at least"),
+            ("lt", "below"),
+            ("le", "at most"),
+        ):
             if getattr(mark, bound, None) is not None:
                 found[words] = f"{words} {getattr(mark, bound):,}"
     if "above" in found:
