@@ -102,7 +102,7 @@ def host_of(modes: Modes, drive: Drive, time_step: float, weight: float) -> Host
         turn = -cmath.phase(bare_amplitude(modes, drive))  # of e^(i omega t), sines taken
         forced = drive.force * modes.force_shape + drive.base * drive.omega**2 * modes.participation
         q = modes.receptance(drive.omega, forced) * cmath.exp(1j * turn)
-        alone = tuple(_sine(abs(one), drive.omega, cmath.phase(one)) for one in q.tolist())
+        alone = _ringing(np.abs(q), np.full(n, drive.omega), np.angle(q), np.zeros(n))
         force, base = (
             Sines(np.array([size]), np.array([drive.omega]), np.array([turn]), 0.0)
             for size in (drive.force, drive.base)
@@ -119,22 +119,22 @@ def host_of(modes: Modes, drive: Drive, time_step: float, weight: float) -> Host
     )  # fmt: skip
 
 
-def _sine(amplitude: float, omega: float, phase: float, rate: float = 0.0) -> Ringing:
-    return Ringing(*(np.array([x]) for x in (amplitude, rate, omega, phase)))
+def _ringing(
+    amplitude: np.ndarray, omega: np.ndarray, phase: np.ndarray, rate: np.ndarray
+) -> Ringing:
+    """A sine for each mode, from its numbers (r,)."""
+    return Ringing(amplitude[:, None], rate[:, None], omega[:, None], phase[:, None])
 
 
-def _released(modes: Modes, drive: Drive) -> tuple[Ringing, ...]:
+def _released(modes: Modes, drive: Drive) -> Ringing:
     """Free decay of each mode, from a static pull and a blow at the damper."""
     pull = modes.shape / modes.omega**2
     place = drive.start_displacement * pull / (modes.shape @ pull)
     rate = drive.start_velocity * modes.shape / (modes.shape @ modes.shape)
-    found = []
-    for q, v, w, zeta in zip(place, rate, modes.omega, modes.damping_ratio, strict=True):
-        decay, ringing = zeta * w, w * math.sqrt(1 - zeta**2)
-        across = (v + decay * q) / ringing
-        size, phase = math.hypot(q, across), math.atan2(q, across)
-        found.append(_sine(size, float(ringing), phase, float(decay)))
-    return tuple(found)
+    decay = modes.damping_ratio * modes.omega
+    own = modes.omega * np.sqrt(1.0 - modes.damping_ratio**2)
+    across = (rate + decay * place) / own
+    return _ringing(np.hypot(place, across), own, np.arctan2(place, across), decay)
 
 
 def given(keys: HostKeys) -> bool:
@@ -267,7 +267,7 @@ def _check_modes(path: Path, values: dict[str, np.ndarray]) -> None:
 
 
 def base_of(keys: HostKeys) -> float | None:
-    """The amplitude of the base's motion, as a length [m] or acceleration [m/s2]; None or 0: none."""
+    """The amplitude of the base as a length [m] or acceleration [m/s2]; None: it does not move."""
     return keys.base_displacement or keys.base_acceleration
 
 

@@ -137,7 +137,7 @@ def chart(cycles: Cycles, axes: Any) -> None:
     axes.plot(time, 1e3 * bare(cycles, time), color=GREY, lw=0.6, label="bare")
     axes.plot(time, 1e3 * samples["displacement"], color=BLUE, lw=0.8, label="with the damper")
     axes.set_ylabel("displacement [mm]")
-    axes.legend(loc="upper right")
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
 
 
 def _sizes(cycles: Cycles, axes: Any) -> None:
@@ -157,7 +157,7 @@ def _sizes(cycles: Cycles, axes: Any) -> None:
         axes.axhline(1e3 * case.amplitude, color=GREY, label="bare")
         axes.axvspan(end[cycles.first] - case.period, end[-1], color=BLUE, alpha=0.08)
         axes.set(ylabel="first harmonic of a cycle [mm]", ylim=(0, None))
-    axes.legend(loc="upper right")
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
 
 
 def in_words(found: dict[str, Any]) -> str:

@@ -2,12 +2,12 @@
 
     M x'' + c x' + k x = F sin(omega t + phase),    impact: (v_ball - v_box)' = -e (v_ball - v_box)
 
-Two symmetric impacts a cycle have a steady state in closed form (Masri and Caughey 1966, J. Appl.
-Mech. 33, 586): every half cycle all signs change, and with them the state.
+Two symmetric impacts a cycle have a steady state: half a cycle later all signs have changed (Masri
+and Caughey 1966, J. Appl. Mech. 33, 586).
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,8 +22,8 @@ class ImpactDamper:
     ball: float  # mass
     gap: float  # that the ball has between the walls
     restitution: float
-    force: float = 0.0
-    omega: float = 1.0
+    force: float
+    omega: float
     phase: float = 0.0
 
     def bare(self) -> complex:
@@ -48,57 +48,70 @@ class ImpactDamper:
         left = self._free(t - t0, x - own0.imag, v - (1j * self.omega * own0).imag)
         return left[0] + own.imag, left[1] + (1j * self.omega * own).imag
 
-    def run(self, end: float, start: tuple[float, float], looks: float) -> np.ndarray:
-        """Place of the box at looks (n, 2): t and x; the ball begins at rest in the middle.
+    def after_impact(self, v: float, u: float) -> tuple[float, float]:
+        """Velocities of box and ball after an impact at v and u."""
+        total, apart = self.mass + self.ball, -self.restitution * (u - v)
+        mean = (self.mass * v + self.ball * u) / total
+        return mean - self.ball / total * apart, mean + self.mass / total * apart
 
-        start: place and velocity of the box; looks [s] is also the step in which impacts are
-        looked for, which is to be short against the time between two.
+    def run(self, end: float, start: tuple[float, float], step: float) -> np.ndarray:
+        """Time, place of the box and number of impacts so far, each step (n, 3).
+
+        start: place and velocity of the box; the ball begins at rest in the middle. The step is to
+        be short against the time between impacts, which are looked for at its end.
         """
-        t0, (x0, v0), y0, u0 = 0.0, start, 0.0, 0.0
-        rows = [(0.0, x0)]
+        t0, (x0, v0), y0, u0, hits = 0.0, start, 0.0, 0.0, 0
+        rows = [(0.0, x0, 0)]
 
         def off(t: float) -> float:
             """Way that the ball is beyond a wall."""
             return abs(y0 + u0 * (t - t0) - self.box(t0, x0, v0, t)[0]) - 0.5 * self.gap
 
-        for k in range(1, round(end / looks) + 1):
-            last, now = (k - 1) * looks, k * looks
+        for k in range(1, round(end / step) + 1):
+            last, now = (k - 1) * step, k * step
             while off(now) > 0:
                 low, high = max(last, t0), now
                 for _ in range(60):
                     middle = 0.5 * (low + high)
                     low, high = (low, middle) if off(middle) > 0 else (middle, high)
-                x, v = self.box(t0, x0, v0, high)
-                y, total = y0 + u0 * (high - t0), self.mass + self.ball
-                mean = (self.mass * v + self.ball * u0) / total
-                apart = -self.restitution * (u0 - v)
-                side = math.copysign(0.5 * self.gap, y - x)
-                v0, u0 = mean - self.ball / total * apart, mean + self.mass / total * apart
-                t0, x0, y0 = high, x, x + side * (1 - 1e-12)
-                last = high
-            rows.append((now, self.box(t0, x0, v0, now)[0]))
+                (x, v), y = self.box(t0, x0, v0, high), y0 + u0 * (high - t0)
+                v0, u0 = self.after_impact(v, u0)
+                # A hair within the wall, so that the next search begins there.
+                t0, x0, y0 = high, x, x + math.copysign(0.5 * self.gap, y - x) * (1 - 1e-12)
+                last, hits = high, hits + 1
+            rows.append((now, self.box(t0, x0, v0, now)[0], hits))
         return np.array(rows)
 
-    def two_impacts(self) -> float:
-        """Amplitude of the first harmonic of x in the steady state of two impacts a cycle.
+    def two_impacts(self, amplitude: float) -> float:
+        """Amplitude of x in the steady state of two symmetric impacts a cycle; begins near one.
 
-        Unknown are the place a of the box at an impact, its velocity v after it, and the phase of
-        the force: after half a cycle T/2 the box is at -a with the velocity -v before the jump
-        that follows. The ball goes from wall to wall, 2 a + gap, in that time.
+        Just after an impact at the wall above the box is at a with the velocity v, the force at its
+        phase. Half a cycle later it is at -a, meets the ball, and has -v then.
         """
-        from scipy.optimize import fsolve
+        from scipy.optimize import least_squares
 
         half = math.pi / self.omega
 
         def left(p: np.ndarray) -> list[float]:
-            a, v, phase = p
-            one = ImpactDamper(**{**vars(self), "phase": phase})
-            x1, v1 = one.box(0.0, a, v, half)  # just before the impact on the other side
-            u = -(2 * a + self.gap) / half  # the ball hits the wall at +gap/2 at t = 0, flies back
-            mean = (self.mass * v1 + self.ball * u) / (self.mass + self.ball)
-            apart = -self.restitution * (u - v1)
-            after = mean - self.ball / (self.mass + self.ball) * apart
-            flown = mean + self.mass / (self.mass + self.ball) * apart
-            return [x1 + a, after + v, flown + u]
+            one = replace(self, phase=p[2])
+            x, before = one.box(0.0, p[0], p[1] * self.omega, half)
+            ball = -(2 * p[0] + self.gap) / half
+            box, flown = one.after_impact(before, ball)
+            return [x + p[0], box / self.omega + p[1], (flown + ball) / self.omega]
 
-        raise NotImplementedError
+        best = min(
+            (least_squares(left, [a, v, phase], x_scale=[amplitude, amplitude, 1.0], xtol=1e-15,
+                           ftol=1e-15, gtol=1e-15)
+             for phase in np.linspace(0, 2 * np.pi, 8, endpoint=False)
+             for a, v in ((amplitude, 0.0), (0.0, amplitude), (0.0, -amplitude))),
+            key=lambda found: (found.cost > 1e-20, abs(found.x[0] - amplitude)),
+        )  # fmt: skip
+        a, v, phase = best.x
+        one, times = replace(self, phase=phase), np.linspace(0, half, 2001)[:-1]
+        x = np.array([one.box(0.0, a, v * self.omega, t)[0] for t in times])
+        return float(abs(2 * np.mean(x * np.exp(-1j * self.omega * times))))
+
+
+def first_harmonic(time: np.ndarray, x: np.ndarray, omega: float) -> float:
+    """Amplitude of a column at omega over whole cycles, its row before them left out."""
+    return float(abs(2 * np.mean(x[1:] * np.exp(-1j * omega * time[1:]))))

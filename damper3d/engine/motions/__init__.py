@@ -18,5 +18,4 @@ from damper3d.engine.motions.sines import Sines, at_rest, sine
 __all__ = ["MOTIONS", "Motion", "Sines", "at_rest", "displacement", "register", "sine", "velocity"]
 
 register("sines", Sines, sines.displacement, sines.velocity, sine)
-compile_for(host.Ringing, host.ringing_displacement, host.ringing_velocity)
 compile_for(host.Host, host.displacement, host.velocity)

@@ -34,7 +34,7 @@ N_HOST_COLUMNS = 3
 class Host(NamedTuple):
     """Modes of a structure, the state of each, and what excites them; r modes."""
 
-    alone: Any  # motions, one a mode: its modal coordinate under force and base, without the bed
+    alone: Any  # Ringing: the modal coordinates under force and base, without the bed
     force: Any  # motion whose displacement is the force [N]
     base: Any  # motion of the base [m]
     shape: np.ndarray  # (r,) phi, at the damper [kg^-0.5]
@@ -54,30 +54,32 @@ CHANGING = ("answer", "pushed", "books")  # arrays that the steps change: what a
 
 
 class Ringing(NamedTuple):
-    """A sum of sines that may die away: sum_k A_k exp(-s_k t) sin(w_k t + p_k)."""
+    """Sums of sines that may die away, one a mode: sum_k A_k exp(-s_k t) sin(w_k t + p_k)."""
 
-    amplitude: np.ndarray  # (n,) A
-    rate: np.ndarray  # (n,) s [1/s]
-    omega: np.ndarray  # (n,) w [rad/s]
-    phase: np.ndarray  # (n,) p [rad]
+    amplitude: np.ndarray  # (r, n) A
+    rate: np.ndarray  # (r, n) s [1/s]
+    omega: np.ndarray  # (r, n) w [rad/s]
+    phase: np.ndarray  # (r, n) p [rad]
 
 
-def ringing_displacement(motion, t):
-    """Return the sum at the time t [s]."""
+@uncounted
+def ringing(motion, r, t):
+    """Return the sum of mode r at the time t [s]."""
     total = 0.0
-    for k in range(len(motion.amplitude)):
-        grown = motion.amplitude[k] * np.exp(-motion.rate[k] * t)
-        total += grown * np.sin(motion.omega[k] * t + motion.phase[k])
+    for k in range(motion.amplitude.shape[1]):
+        grown = motion.amplitude[r, k] * np.exp(-motion.rate[r, k] * t)
+        total += grown * np.sin(motion.omega[r, k] * t + motion.phase[r, k])
     return total
 
 
-def ringing_velocity(motion, t):
+@uncounted
+def ringing_rate(motion, r, t):
     """Return its derivative in time."""
     total = 0.0
-    for k in range(len(motion.amplitude)):
-        angle = motion.omega[k] * t + motion.phase[k]
-        grown = motion.amplitude[k] * np.exp(-motion.rate[k] * t)
-        total += grown * (motion.omega[k] * np.cos(angle) - motion.rate[k] * np.sin(angle))
+    for k in range(motion.amplitude.shape[1]):
+        angle = motion.omega[r, k] * t + motion.phase[r, k]
+        grown = motion.amplitude[r, k] * np.exp(-motion.rate[r, k] * t)
+        total += grown * (motion.omega[r, k] * np.cos(angle) - motion.rate[r, k] * np.sin(angle))
     return total
 
 
@@ -100,7 +102,7 @@ def displacement(host, t):
     """Return the displacement of the enclosure now [m]; t [s] is the time of this step."""
     total = registry.displacement(host.base, t)
     for r in range(len(host.shape)):
-        own = registry.displacement(host.alone[r], t) + host.answer[r, 0]
+        own = ringing(host.alone, r, t) + host.answer[r, 0]
         total += host.shape[r] * own
     return total
 
@@ -117,7 +119,7 @@ def velocity(host, t):
 def mode_rate(host, r, t, pushed):
     """Return q' of mode r in the middle of a kick by the force pushed [N]."""
     half = 0.5 * host.time_step * host.shape[r] * pushed
-    return registry.velocity(host.alone[r], t) + host.answer[r, 1] + half
+    return ringing_rate(host.alone, r, t) + host.answer[r, 1] + half
 
 
 @uncounted
@@ -132,7 +134,7 @@ def kick(host, t, force):
     power, own, direct = 0.0, 0.0, 1.0
     drive = registry.displacement(host.force, t)
     for r in range(len(host.shape)):
-        q = registry.displacement(host.alone[r], t) + host.answer[r, 0]
+        q = ringing(host.alone, r, t) + host.answer[r, 0]
         rate = mode_rate(host, r, t, pushed)
         own += host.damping[r] * rate * rate
         held = host.damping[r] * rate + host.omega[r] ** 2 * q
@@ -152,7 +154,7 @@ def energy(host, t):
     """Return the energy of the modes [J]: from static equilibrium, in the laboratory's frame."""
     total, rate_of_base = 0.0, registry.velocity(host.base, t)
     for r in range(len(host.shape)):
-        q = registry.displacement(host.alone[r], t) + host.answer[r, 0]
+        q = ringing(host.alone, r, t) + host.answer[r, 0]
         rate = mode_rate(host, r, t, host.pushed[0]) + host.participation[r] * rate_of_base
         total += 0.5 * (rate * rate + (host.omega[r] * q) ** 2)
     return total
