@@ -348,10 +348,13 @@ class Settings(Section):
     output: Output = Output()
 
 
-# A case that `init --host` writes: the thesis's bed on a structure of 20 times its mass.
+# A case that `init --host` writes: the thesis's bed on a structure of 20 times its mass. What
+# follows from the host is left out: amplitude, and the length of a run until it is steady.
 HOST_EXAMPLE: dict[str, Any] = {
-    "motion.frequency": 20.0, "host.mass": "0.56 kg", "host.frequency": 20.0,
-    "host.damping_ratio": 0.01, "host.force": "0.5 N",
+    "host.mass": "0.56 kg", "host.frequency": 20.0, "host.damping_ratio": 0.01,
+    "host.force": "0.5 N",
+    **dict.fromkeys(("motion.frequency", "motion.gamma", "motion.ramp")),
+    **dict.fromkeys(("run.cycles", "run.discard", "run.steady", "run.max_cycles")),
 }  # fmt: skip
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from damper3d.engine.forces import contact_law, meet_wall, surface_motion, without_slip
 from damper3d.engine.geometry import between_spheres, entry
-from damper3d.engine.integrate import advance, enclosure_at
+from damper3d.engine.integrate import advance, enclosure_at, search
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
 from damper3d.engine.motions.host import (
     HOST_DAMPING,
@@ -49,10 +49,15 @@ N_CONTACT_COLUMNS = 10
 def advance_sampling(world, steps_per_sample, rows):
     """Fill rows, each after steps_per_sample steps; how many were filled, steps over, outcome.
 
-    rows (n, N_COLUMNS + N_BALANCE + 3 n_walls). A step that cannot be taken ends it.
+    rows (n, N_COLUMNS + N_BALANCE + 3 n_walls). A step that cannot be taken ends it. Lists that
+    are stale by then are made again, as they would be in the next step: a sample that counts the
+    contacts of an old list depends on when it was made.
     """
     for k in range(len(rows)):
         taken, outcome = advance(world, steps_per_sample)
+        if outcome == DONE:
+            now = world.counts[STEP] * world.time_step
+            outcome = search(world, enclosure_at(world.shaker, world.direction, now)[0])
         if outcome != DONE:
             return k, taken, outcome
         sample(world, steps_per_sample, rows[k])

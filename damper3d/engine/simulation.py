@@ -109,6 +109,7 @@ class Simulation:
             if outcome != DONE:  # in the middle of a sample: make room, and go on to its end
                 self._answer(outcome)
                 self.step(self.steps_per_sample - over)
+                self.refresh()
                 sampling.sample(self.world, self.steps_per_sample, rows[done])
                 done += 1
         if not np.isfinite(rows).all():
@@ -145,6 +146,7 @@ class Simulation:
 
     def _sample_by_parts(self, row: np.ndarray) -> None:
         self.step(self.steps_per_sample)
+        self.refresh()
         sampling.sample(self.world, self.steps_per_sample, row)
 
     def step(self, n_steps: int) -> None:
