@@ -2,12 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from damper3d.case.host import MODES, Drive, Modes, host_of, modes_copy, with_host
 from damper3d.case.parameters import (
     Steps,
     contact_laws,
@@ -68,9 +68,11 @@ class DamperCase:
     gravity: np.ndarray  # (3,) [m/s2]
     settling_gravity: np.ndarray  # (3,) [m/s2] while the particles settle
     direction: np.ndarray  # (3,) of the motion, of length one
-    files: dict[str, str]  # name in the run folder -> text, of materials and mesh
+    files: dict[str, str]  # name in the run folder -> text, of materials, mesh and modes
     laws_of_walls: dict[str, HertzLaw]  # of walls of their own material, by name
     restitution_of_walls: dict[str, float]  # of these, as given [-]
+    modes: Modes | None = None  # of the host that the enclosure rides on; None: it is driven
+    drive: Drive | None = None  # what moves that host
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "DamperCase":
@@ -98,11 +100,12 @@ class DamperCase:
     def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "DamperCase":
         """A case from the tables of a case file; files it names are looked for in `folder`."""
         settings = with_usual_cycles(check_settings(document, where), document)
+        settings, modes, drive = with_host(settings, folder, where)
         check_protocol(settings, where)
         file = find(settings.particles.materials, "materials", folder)
         table = table_of(file, settings)
         try:
-            case = _resolved(cls, settings, table, where, Path(file), folder)
+            case = _resolved(cls, settings, table, where, Path(file), folder, modes, drive)
             motion_of(settings.motion, where)  # refuses what its kind cannot be
             calculable = _calculable(case)
         except (OverflowError, ZeroDivisionError):
@@ -167,10 +170,18 @@ class DamperCase:
         motion = self.settings.motion
         return motion.gamma * GRAVITY / (2.0 * math.pi * motion.frequency)
 
-    @cached_property
+    @property
     def shaker(self) -> Any:
-        """The motion of the enclosure along its direction, as numbers of its kind."""
-        return motion_of(self.settings.motion, self.name)
+        """The motion of the enclosure along its direction, as numbers of its kind; a new host."""
+        if self.modes is None or self.drive is None:
+            return motion_of(self.settings.motion, self.name)
+        weight = self.mass * float(self.gravity @ self.direction)
+        return host_of(self.modes, self.drive, self.time_step, weight)
+
+    @property
+    def is_decay(self) -> bool:
+        """True where a host is let go, and nothing moves it from then on."""
+        return self.drive is not None and self.drive.is_release
 
     @property
     def wall_names(self) -> list[str]:
@@ -193,6 +204,7 @@ class DamperCase:
         for copy in self.files:
             if copy.endswith(".obj") and copy != CAVITY_FILE:
                 particles["shape"] = f"mesh:{copy}"
+        modes = {"modes": MODES} if MODES in self.files else {}
         own = self.enclosure.keys
         enclosure = {key: size for key, size in own.items() if key in EnclosureKeys.model_fields}
         if "height" not in own:
@@ -202,6 +214,7 @@ class DamperCase:
                 update={
                     "particles": settings.particles.model_copy(update=particles),
                     "enclosure": settings.enclosure.model_copy(update=enclosure),
+                    "host": settings.host.model_copy(update=modes),
                 }
             )
         )
@@ -219,10 +232,17 @@ class DamperCase:
             "gravity": self.gravity,
             "cycles": [run.cycles, run.discard],
             **length,
+            **self._host_identity(),
             "time_step": self.time_step,
             "yield_velocity": self.yield_velocity,
             "output": self.settings.output.model_dump(),
         }
+
+    def _host_identity(self) -> dict[str, Any]:
+        """Modes and excitation of a host; nothing without one."""
+        if self.modes is None or self.drive is None:
+            return {}
+        return {"host": [*vars(self.modes).values(), *vars(self.drive).values()]}
 
     def packing_identity(self) -> dict[str, Any]:
         """All that a settled packing depends on: not what acts only once the enclosure moves."""
@@ -248,7 +268,7 @@ class DamperCase:
 
 def _resolved(
     cls: type[DamperCase], settings: Settings, table: ContactTable, where: str, file: Path,
-    folder: Path,
+    folder: Path, modes: Modes | None, drive: Drive | None,
 ) -> DamperCase:  # fmt: skip
     with located(f"{where}: [particles]"):
         wanted = particle_wanted(settings.particles, folder)
@@ -264,17 +284,22 @@ def _resolved(
          for m in (materials[1], *(own for _, _, own in walls.values()))]
     )  # fmt: skip
     tangential = max(law.tangential for law in (*laws, *(law for law, _, _ in walls.values())))
+    bed = count * materials[0].density.value * particle.volume
+    load = 0.0 if modes is None else bed * float(modes.shape @ modes.shape)
     gravity, settling = gravity_of(settings.motion, where)
     direction = settings.motion.direction or [0.0, 0.0, 1.0]
     return cls(
         settings, enclosure, particle, count, materials[0].density.value, *laws,
         restitutions(table, settings), yields,
-        time_steps(particle, materials[0], tangential, settings, where), gravity, settling,
+        time_steps(particle, materials[0], tangential, settings, where, load), gravity, settling,
         unit_vector(direction, f"{where}: [motion] direction"),
-        {"materials.toml": file.read_text(encoding="utf-8"), **mesh_copy(wanted),
-         **cavity_copy(enclosure)},
+        {
+            "materials.toml": file.read_text(encoding="utf-8"), **mesh_copy(wanted),
+            **cavity_copy(enclosure), **modes_copy(settings.host, folder),
+        },
         {name: law for name, (law, _, _) in walls.items()},
         {name: restitution for name, (_, restitution, _) in walls.items()},
+        modes, drive,
     )  # fmt: skip
 
 

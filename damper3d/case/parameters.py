@@ -26,6 +26,8 @@ _USUAL_SHARE = 0.2  # of the Rayleigh step, by two digits, where the usual step 
 _MULTI_SPHERE_SHARE = 0.3
 SAFE_SHARE = 0.4  # of the Rayleigh step; the thesis takes 0.1 to 0.4 of it (eq. 3.32)
 MOST_STEPS = 10**12  # a year of one core, and more
+_LIGHT = 0.1  # of the host, that a bed weighs whose share in the step's limit is named
+_LIGHTEST = 100.0  # likewise, above which the step would be ten times shorter for the host alone
 
 
 def materials_of(table: ContactTable, settings: Settings) -> tuple[Material, Material]:
@@ -196,16 +198,27 @@ class Steps:
 
 
 def time_steps(
-    particle: MultiSphere, material: Material, tangential: float, settings: Settings, where: str
-) -> Steps:
+    particle: MultiSphere, material: Material, tangential: float, settings: Settings, where: str,
+    load: float = 0.0,
+) -> Steps:  # fmt: skip
     """The time step of a case and why; InputError where there is none.
 
     A cycle has a whole number of samples and a sample a whole number of steps, so the step that
-    is given, or the usual one, is shortened to fit. tangential is kt/kn of the contacts [-].
+    is given, or the usual one, is shortened to fit. tangential is kt/kn of the contacts [-], load
+    the mass of the bed over that of the host: walls that give way make contacts swifter. One
+    particle of mass m on a host M swings by sqrt(1 + m/M) faster, and all together, each on a
+    contact of its own, by sqrt(1 + load).
     """
     rayleigh = _rayleigh(particle.smallest_radius, material)
     limit = _rayleigh(equivalent_sphere_radius(particle, tangential), material)
-    wanted, reason = _wanted_step(settings.run.time_step, limit, particle.is_sphere, where)
+    if load > _LIGHTEST:
+        raise InputError(
+            f"{where}: [host] the bed has {load:.3g} times the host's mass: the walls' stiffness "
+            f"over so light a host takes steps of {limit / math.sqrt(1.0 + load):.2g} s at most; "
+            f"give a host of at least 1/{_LIGHTEST:g} of the bed, or fewer particles"
+        )
+    limit /= math.sqrt(1.0 + load)
+    wanted, reason = _wanted_step(settings.run.time_step, limit, particle.is_sphere, load, where)
     samples, frequency = settings.output.samples, settings.motion.frequency
     sample = 1.0 / (frequency * samples)
     ratio = sample / wanted
@@ -241,18 +254,20 @@ def _rayleigh(radius: float, material: Material) -> float:
 
 
 def _wanted_step(
-    given: float | None, limit: float, is_sphere: bool, where: str
+    given: float | None, limit: float, is_sphere: bool, load: float, where: str
 ) -> tuple[float, str]:
     """The step [s] before it is fitted to the samples, and why."""
     whose = "" if is_sphere else " of the sphere that oscillates as fast"
+    if load > _LIGHT:
+        whose += f" before a host of {1 / load:.3g} of the bed's mass"
     bound = f"Rayleigh step {limit:.3g} s{whose} (thesis, eq. 3.31)"
     usual = _USUAL_SHARE if is_sphere else _MULTI_SPHERE_SHARE
     if given is not None:
         if given > limit:
             raise InputError(
                 f"{where}: [run] time_step = {given:.6g} s: above the Rayleigh limit of "
-                f"{limit:.3g} s; give at most {SAFE_SHARE * limit:.2g} s, {SAFE_SHARE:g} of it, "
-                "or leave it out and one is chosen"
+                f"{limit:.3g} s{whose}; give at most {SAFE_SHARE * limit:.2g} s, "
+                f"{SAFE_SHARE:g} of it, or leave it out and one is chosen"
             )
         return given, f"as given, {given / limit:.2f} of the {bound}"
     if round(USUAL_TIME_STEP / limit, 2) <= usual:

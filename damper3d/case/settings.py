@@ -1,6 +1,8 @@
 """The schema of a damper's case file: sections, keys, units, ranges, defaults, meanings."""
 
-from typing import Annotated, ClassVar, Literal
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     AfterValidator,
@@ -14,15 +16,20 @@ from pydantic import (
 
 from granulab.contact.files import casefile, reference
 from granulab.contact.files.casefile import (
+    Acceleration,
     Density,
+    Force,
     Frequency,
     Friction,
+    Length,
+    Mass,
     Number,
     Positive,
     Pressure,
     Section,
     Size,
     Time,
+    Velocity,
     folder_name,
     key,
 )
@@ -216,6 +223,56 @@ class Motion(Extensible):
     )  # fmt: skip
 
 
+_NO_HOST = "no host: the motion is prescribed"
+
+
+class Host(Section):
+    """A structure that the enclosure rides on, in place of a prescribed motion.
+
+    [motion] then says direction, gravity and the frequency of what moves it, by itself that of the
+    bare structure; displacements count from static equilibrium.
+    """
+
+    mass: Mass | None = key(
+        None, "structure with the empty enclosure; of a mode, its modal mass at the damper",
+        example="1 kg", left_out=_NO_HOST, option="--host-mass", metavar='"1 kg"',
+    )  # fmt: skip
+    frequency: Frequency | None = key(
+        None, "natural frequency of the bare structure", example="10 Hz", left_out=_NO_HOST,
+        option="--host-frequency", metavar="10",
+    )  # fmt: skip
+    damping_ratio: Annotated[Number, Field(lt=1)] | None = key(
+        None, "damping ratio of the bare structure", example=0.01, left_out=_NO_HOST,
+        option="--host-damping", metavar="0.01",
+    )  # fmt: skip
+    modes: str | None = key(
+        None, "several modes, in place of mass, frequency and damping ratio: a CSV table next to "
+        "this file with columns frequency [Hz], damping_ratio, shape [kg^-0.5] at the damper; "
+        "force_shape [kg^-0.5] where the force acts, if not there; participation [kg^0.5] for "
+        "base motion", example="modes.csv", left_out="one mode",
+    )  # fmt: skip
+    force: Force | None = key(
+        None, "amplitude of a harmonic force on it", example="0.79 N", left_out="none",
+        option="--force", metavar='"0.79 N"',
+    )  # fmt: skip
+    base_displacement: Size | None = key(
+        None, "amplitude of a harmonic motion of its base", example="0.2 mm", left_out="none",
+        option="--base-displacement", metavar='"0.2 mm"',
+    )  # fmt: skip
+    base_acceleration: Acceleration | None = key(
+        None, "the same as an acceleration", example="0.1 g", left_out="none",
+        option="--base-acceleration", metavar='"0.1 g"',
+    )  # fmt: skip
+    start_displacement: Length | None = key(
+        None, "where a free decay starts", example="10 mm", left_out="0",
+        option="--start-displacement", metavar='"10 mm"',
+    )  # fmt: skip
+    start_velocity: Velocity | None = key(
+        None, "velocity with which a free decay starts", example="0.5 m/s", left_out="0",
+        option="--start-velocity", metavar='"0.5 m/s"',
+    )  # fmt: skip
+
+
 _TABLE = "materials table"
 
 
@@ -323,14 +380,28 @@ class Settings(Section):
     enclosure: Enclosure = Enclosure()
     particles: Particles = Particles()
     motion: Motion = Motion()
+    host: Host = Host()
     law: Law = Law()
     fill: Fill = Fill()
     run: Run = Run()
     output: Output = Output()
 
 
-def commented_case() -> str:
-    """A case file with a comment on every key; as it stands it is the preset `thesis`."""
+# A case that `init --host` writes: the thesis's bed on a structure of 20 times its mass. What
+# follows from the host is left out: amplitude, and the length of a run until it is steady.
+HOST_EXAMPLE: dict[str, Any] = {
+    "host.mass": "0.56 kg", "host.frequency": 20.0, "host.damping_ratio": 0.01,
+    "host.force": "0.5 N",
+    **dict.fromkeys(("motion.frequency", "motion.gamma", "motion.ramp")),
+    **dict.fromkeys(("run.cycles", "run.discard", "run.steady", "run.max_cycles")),
+}  # fmt: skip
+
+
+def commented_case(values: Mapping[str, Any] = MappingProxyType({})) -> str:
+    """A case file with a comment on every key; as it stands it is the preset `thesis`.
+
+    values: by "section.key", what is written instead.
+    """
     return reference.commented_case(
         Settings,
         "A granular damper. Every key but schema may be left out; what stands here are the "
@@ -339,6 +410,7 @@ def commented_case() -> str:
         "enclosure, and its origin the centre of the bottom.",
         "damper",
         SCHEMA,
+        values,
     )
 
 

@@ -1,5 +1,6 @@
 """Listing of presets, shipped files, packings and runs, in words for a person."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +26,15 @@ def new_files() -> dict[str, NewFile]:
 
         return commented_case()
 
+    def host() -> str:
+        from damper3d.case.settings import HOST_EXAMPLE, commented_case
+
+        return commented_case(HOST_EXAMPLE)
+
+    use, cases = "damper3d run {file}", partial(case_names, "enclosure")
     return {
-        "case": NewFile(
-            case, "damper3d run {file}", "cases", lambda: case_names("enclosure"), "enclosure"
-        ),
+        "case": NewFile(case, use, "cases", cases, "enclosure"),
+        "host": NewFile(host, use, "cases", cases, "host"),
         "materials": NewFile(
             materials,
             "damper3d run --material {file} --dry-run",

@@ -50,7 +50,7 @@ app = command_group(
         results.observe,
         results.compare,
         results.export,
-        *file_commands("damper3d", "damper", "case file, materials file"),
+        *file_commands("damper3d", "damper", "case file, materials file", ("materials", "host")),
     ],
     """Granular dampers: the energy that shaken particles dissipate.
 

@@ -4,16 +4,18 @@
     u(n+1)   = v(n+1/2) + a(n) dt/2
 
 Dashpots that take the velocity half a step back make the energy balance first order in dt; the
-extrapolated u makes them second order. The enclosure's motion is known at all times.
+extrapolated u makes them second order. The enclosure's motion is known at all times, or it rides on
+a host (motions/host.py), which takes the forces of a step as the particles do.
 """
 
 from damper3d.engine.forces import apply_forces
 from damper3d.engine.kinds import move
 from damper3d.engine.motions import displacement, velocity
+from damper3d.engine.motions.host import kick, rides
 from damper3d.engine.neighbours import search_pairs, search_walls
 from damper3d.engine.state import DONE, STALE_INNER, STALE_WALL, STEP
 from damper3d.engine.walls import drive_walls
-from granulab.contact.jit import uncounted
+from granulab.contact.jit import inlined_inner, specialised, uncounted
 
 
 @uncounted
@@ -26,7 +28,9 @@ def advance(world, n_steps):
             outcome = search(world, shift)
             if outcome != DONE:
                 return taken, outcome
+        before = force_so_far(world)
         apply_forces(world, shift, speed)
+        ride(world, before)
         world.counts[STEP] += 1
         shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
         drive_walls(world)
@@ -54,3 +58,38 @@ def enclosure_at(shaker, d, time):
     """Displacement [m] and velocity [m/s] of the enclosure along the direction d, at a time."""
     along, rate = displacement(shaker, time), velocity(shaker, time)
     return (along * d[0], along * d[1], along * d[2]), (rate * d[0], rate * d[1], rate * d[2])
+
+
+def force_so_far(world):
+    """Return the force on the enclosure along its motion, summed over the steps since asked [N]."""
+
+
+def ride(world, before):
+    """Let the enclosure's host take the force of this step; before: what force_so_far gave."""
+
+
+@specialised(force_so_far)
+def _force_so_far(world):
+    if rides(world):
+        return lambda world: _summed(world)
+    return lambda world: 0.0
+
+
+@specialised(ride)
+def _ride(world, before):
+    if rides(world):
+        return lambda world, before: _kick(world, before)
+    return lambda world, before: None
+
+
+@inlined_inner
+def _summed(world):
+    total, force, d = 0.0, world.walls.force, world.direction
+    for w in range(len(force)):
+        total += force[w, 0] * d[0] + force[w, 1] * d[1] + force[w, 2] * d[2]
+    return total
+
+
+@inlined_inner
+def _kick(world, before):
+    kick(world.shaker, world.counts[STEP] * world.time_step, _summed(world) - before)

@@ -27,6 +27,7 @@ from damper3d.engine.kinds import (
     place_near_walls,
     remember_pairs,
 )
+from damper3d.engine.motions.host import mobility
 from damper3d.engine.state import (
     DAMPING,
     DEEPEST,
@@ -364,7 +365,8 @@ def _contact_with_wall(world, w, i, b, shift, n):
             radius_at_wall(walls, x, w, i, shift)
         )
         wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
-        wall.constants[n, MASS] = wall.whole[n, 1] = 1.0 / spheres.inverse_mass[i]
+        mass = 1.0 / (spheres.inverse_mass[i] + mobility(world))
+        wall.constants[n, MASS] = wall.whole[n, 1] = mass
         for h in range(N_HISTORY):
             wall.history[n, h] = walls.history[w, i, h]
         n += 1

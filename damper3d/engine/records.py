@@ -32,6 +32,9 @@ UNITS = {
     "mean_position": "m",  # (3,) of the bed's mass, relative to the enclosure
     "mean_velocity": "m/s",  # (3,) likewise, in the laboratory
 }
+# Columns of an enclosure on a host: its energy from static equilibrium; the work of force and base
+# on it, and what its own dampers took.
+HOST_UNITS = dict.fromkeys(("host_energy", "host_work", "host_damping"), "J")
 
 
 def cut(samples: Samples, per_cycle: int, first: int, last: int | None = None) -> Samples:

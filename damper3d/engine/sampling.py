@@ -4,8 +4,18 @@ import numpy as np
 
 from damper3d.engine.forces import contact_law, meet_wall, surface_motion, without_slip
 from damper3d.engine.geometry import between_spheres, entry
-from damper3d.engine.integrate import advance, enclosure_at
+from damper3d.engine.integrate import advance, enclosure_at, search
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
+from damper3d.engine.motions.host import (
+    HOST_DAMPING,
+    HOST_ENERGY,
+    HOST_WORK,
+    N_HOST_COLUMNS,
+    OWN_DAMPING,
+    WORK,
+    energy,
+    rides,
+)
 from damper3d.engine.simd import gather
 from damper3d.engine.state import (
     BLOCK,
@@ -28,7 +38,7 @@ from damper3d.engine.state import (
 )
 from damper3d.engine.walls import law_of_wall, place_wall
 from granulab.contact.hertz import hertz_force, mindlin_force, spring_energy
-from granulab.contact.jit import inner, uncounted
+from granulab.contact.jit import inner, specialised, uncounted
 from granulab.contact.vectors import scale
 
 # Columns of a row of list_contacts.
@@ -40,10 +50,15 @@ N_CONTACT_COLUMNS = 10
 def advance_sampling(world, steps_per_sample, rows):
     """Fill rows, each after steps_per_sample steps; how many were filled, steps over, outcome.
 
-    rows (n, N_COLUMNS + N_BALANCE + 3 n_walls). A step that cannot be taken ends it.
+    rows (n, N_COLUMNS + N_BALANCE + 3 n_walls). A step that cannot be taken ends it. Lists that
+    are stale by then are made again, as they would be in the next step: a sample that counts the
+    contacts of an old list depends on when it was made.
     """
     for k in range(len(rows)):
         taken, outcome = advance(world, steps_per_sample)
+        if outcome == DONE:
+            now = world.counts[STEP] * world.time_step
+            outcome = search(world, enclosure_at(world.shaker, world.direction, now)[0])
         if outcome != DONE:
             return k, taken, outcome
         sample(world, steps_per_sample, rows[k])
@@ -71,6 +86,26 @@ def sample(world, steps, row):
         for c in range(3):
             row[N_COLUMNS + N_BALANCE + 3 * w + c] = force[w, c] / steps
             force[w, c] = 0.0
+    sample_host(world, now, row)
+
+
+def sample_host(world, now, row):
+    """Write the energy and the books of the enclosure's host to the last columns of a row."""
+
+
+@specialised(sample_host)
+def _sample_host(world, now, row):
+    if rides(world):
+        return lambda world, now, row: _host_columns(world.shaker, now, row)
+    return lambda world, now, row: None
+
+
+@inner
+def _host_columns(host, now, row):
+    first = len(row) - N_HOST_COLUMNS
+    row[first + HOST_ENERGY] = energy(host, now)
+    row[first + HOST_WORK] = host.books[WORK]
+    row[first + HOST_DAMPING] = host.books[OWN_DAMPING]
 
 
 @inner

@@ -6,6 +6,7 @@ import numpy as np
 
 from damper3d.engine import sampling, state
 from damper3d.engine.integrate import advance, enclosure_at, search
+from damper3d.engine.motions import host
 from damper3d.engine.multisphere.pairs import key_of
 from damper3d.engine.records import CLASSES, MECHANISMS
 from damper3d.engine.state import (
@@ -42,6 +43,11 @@ _COLUMNS = {
     f"{mechanism}_{name}": state.N_COLUMNS + c * state.N_MECHANISMS + m
     for c, name in enumerate(CLASSES)
     for m, mechanism in enumerate(_BOOKS)
+}
+_OF_HOST = {
+    "host_energy": host.HOST_ENERGY,
+    "host_work": host.HOST_WORK,
+    "host_damping": host.HOST_DAMPING,
 }
 
 
@@ -90,8 +96,7 @@ class Simulation:
         wall_work, are since the phase began. Raises SimulationError where the state is no longer
         finite or an overlap is beyond belief.
         """
-        n_walls = len(self.world.walls.force)
-        rows = np.zeros((n_samples, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls))
+        rows = self._rows(n_samples)
         done, at_a_time = 0, self._steps_at_a_time() // self.steps_per_sample
         while done < n_samples:
             if not at_a_time:  # a sample takes long
@@ -105,11 +110,36 @@ class Simulation:
             if outcome != DONE:  # in the middle of a sample: make room, and go on to its end
                 self._answer(outcome)
                 self.step(self.steps_per_sample - over)
+                self.refresh()
                 sampling.sample(self.world, self.steps_per_sample, rows[done])
                 done += 1
         if not np.isfinite(rows).all():
             raise self.failure("the state is no longer finite")
-        return _named(rows, n_walls)
+        return self._named(rows)
+
+    def _rows(self, n_samples: int) -> np.ndarray:
+        """Room for samples."""
+        own = host.N_HOST_COLUMNS if self._host else 0
+        n_walls = len(self.world.walls.force)
+        return np.zeros((n_samples, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls + own))
+
+    @property
+    def _host(self) -> host.Host | None:
+        """What the enclosure rides on, if it does."""
+        shaker = self.world.shaker
+        return shaker if isinstance(shaker, host.Host) else None
+
+    def _named(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        """The columns of samples by name."""
+        named = {name: rows[:, column].copy() for name, column in _COLUMNS.items()}
+        named["mean_position"] = rows[:, state.POSITION_X : state.VELOCITY_X].copy()
+        named["mean_velocity"] = rows[:, state.VELOCITY_X : state.N_COLUMNS].copy()
+        n_walls, forces = len(self.world.walls.force), state.N_COLUMNS + state.N_BALANCE
+        own = forces + 3 * n_walls
+        named["wall_force"] = rows[:, forces:own].copy().reshape(len(rows), n_walls, 3)
+        if self._host:
+            named |= {name: rows[:, own + k].copy() for name, k in _OF_HOST.items()}
+        return named
 
     def _steps_at_a_time(self) -> int:
         """Steps of a call of the kernels, which hear no Ctrl-C."""
@@ -117,6 +147,7 @@ class Simulation:
 
     def _sample_by_parts(self, row: np.ndarray) -> None:
         self.step(self.steps_per_sample)
+        self.refresh()
         sampling.sample(self.world, self.steps_per_sample, row)
 
     def step(self, n_steps: int) -> None:
@@ -131,16 +162,13 @@ class Simulation:
     def sample(self) -> dict[str, np.ndarray]:
         """One row of samples for the state as it is; forces on the walls are not known."""
         self.refresh()
-        n_walls = len(self.world.walls.force)
-        rows = np.zeros((1, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls))
+        rows = self._rows(1)
         sampling.sample(self.world, 1, rows[0])
-        return _named(rows, n_walls)
+        return self._named(rows)
 
     def compile(self) -> None:
         """Compile or load the kernels now, so that their time is not taken for a step's."""
-        n_walls = len(self.world.walls.force)
-        rows = np.zeros((0, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls))
-        sampling.advance_sampling(self.world, self.steps_per_sample, rows)
+        sampling.advance_sampling(self.world, self.steps_per_sample, self._rows(0))
 
     def refresh(self) -> None:
         """Make stale lists again now."""
@@ -257,7 +285,12 @@ class Simulation:
             "step": world.counts[[state.STEP]],
             "books": world.balance.copy(),
             "fastest": world.fastest.copy(),
+            **{f"host_{name}": array.copy() for name, array in self._of_host().items()},
         }
+
+    def _of_host(self) -> dict[str, np.ndarray]:
+        """The arrays of the enclosure's host that steps change."""
+        return {name: getattr(self._host, name) for name in host.CHANGING} if self._host else {}
 
     def _save_particles(self) -> dict[str, np.ndarray]:
         return {name: array.copy() for name, array in self._kind.moving(self.world).items()}
@@ -279,6 +312,8 @@ class Simulation:
         world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
         world.balance[:] = saved["books"]
         world.fastest[:] = saved["fastest"]
+        for name, array in self._of_host().items():
+            array[:] = saved[f"host_{name}"]
 
     def _restore_particles(self, saved: dict[str, np.ndarray]) -> None:
         for name, array in self._kind.moving(self.world).items():
@@ -297,10 +332,12 @@ class Simulation:
     def begin_phase(self, **changes) -> None:
         """Change fields of the world (shaker, gravity, time_step, laws); clock and balance start.
 
-        Positions stay where they are in the enclosure, which is where it was: at zero.
+        Positions stay where they are in the enclosure, which was at zero.
         """
         self.refresh()
         self.world = self.world._replace(**changes)
+        if any(shift := enclosure_at(self.world.shaker, self.world.direction, 0.0)[0]):
+            self._kind.moving(self.world)["position"][:, :3] += shift
         self.world.counts[[state.STEP, state.INNER_MADE, state.WALL_MADE]] = 0
         self.world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
         self.world.balance[:] = 0.0
@@ -312,23 +349,15 @@ class Simulation:
         """Hash of positions, velocities and the histories of the contacts."""
         saved = self.save()
         text = hashlib.sha256()
-        for name in (*self._moved(), "pairs", "springs", "wall_pairs", "wall_springs"):
+        of_host = [f"host_{name}" for name in self._of_host()]
+        contacts = ("pairs", "springs", "wall_pairs", "wall_springs")
+        for name in (*self._moved(), *contacts, *of_host):
             text.update(np.ascontiguousarray(saved[name]).tobytes())
         return text.hexdigest()[:16]
 
     def _moved(self) -> list[str]:
         """The saved arrays that say how the particles move; the others follow from them."""
         return [name for name in self._kind.moving(self.world) if not name.endswith("_now")]
-
-
-def _named(rows: np.ndarray, n_walls: int) -> dict[str, np.ndarray]:
-    """The columns of samples by name."""
-    named = {name: rows[:, column].copy() for name, column in _COLUMNS.items()}
-    named["mean_position"] = rows[:, state.POSITION_X : state.VELOCITY_X].copy()
-    named["mean_velocity"] = rows[:, state.VELOCITY_X : state.N_COLUMNS].copy()
-    forces = rows[:, state.N_COLUMNS + state.N_BALANCE :]
-    named["wall_force"] = forces.reshape(len(rows), n_walls, 3).copy()
-    return named
 
 
 def _touching(contacts: state.Contacts, n: int) -> np.ndarray:

@@ -14,6 +14,11 @@ MEASURES = Measures(
             "1",
             "damper3d.measures.efficiency",
         ),
+        "host": Shipped(
+            "response of the host that the enclosure rides on, with the damper and bare",
+            "m",
+            "damper3d.measures.host",
+        ),
         "phases": Shipped(
             "motional phase, and the measures of the motion that it is named from",
             "1",

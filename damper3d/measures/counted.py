@@ -1,8 +1,11 @@
 """The samples of a run folder, and which of its cycles count."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from damper3d.engine.records import Samples, cut
 from granulab.campaign.runs.folder import RunFolder
@@ -30,6 +33,36 @@ class Cycles:
     def counted(self) -> Samples:
         """The samples of the cycles that count."""
         return cut(self.samples, self.per_cycle, self.first)
+
+    @property
+    def amplitude(self) -> float:
+        """Amplitude of the enclosure [m]: as prescribed, or the first harmonic on a host."""
+        if self.case.modes is None:
+            return self.case.amplitude
+        return float(abs(harmonics(self.counted["displacement"], self.per_cycle).mean()))
+
+    @property
+    def peak_speed(self) -> float:
+        """Its largest velocity [m/s], of the first harmonic on a host."""
+        if self.case.modes is None:
+            return self.case.peak_speed
+        return 2.0 * math.pi / self.case.period * self.amplitude
+
+    @property
+    def references(self) -> np.ndarray:
+        """4 V^2 M of each cycle [J] (eq. 6.10); of a free decay with each cycle's own V."""
+        n_cycles = (len(self.samples["time"]) - 1) // self.per_cycle
+        speeds = np.full(n_cycles, self.peak_speed)
+        if self.case.is_decay:
+            sizes = np.abs(harmonics(self.samples["displacement"], self.per_cycle))
+            speeds = 2.0 * math.pi / self.case.period * sizes
+        return np.asarray(4.0 * speeds**2 * self.case.mass)
+
+
+def harmonics(column: np.ndarray, per_cycle: int) -> np.ndarray:
+    """First harmonic X of each cycle (n_cycles,), x = Re(X e^(i omega t)); a column as cut."""
+    turned = np.exp(-2j * np.pi * np.arange(1, per_cycle + 1) / per_cycle)
+    return np.asarray(2.0 / per_cycle * (column[1:].reshape(-1, per_cycle) @ turned))
 
 
 def discarded(run: RunFolder) -> int | None:

@@ -24,6 +24,7 @@ from granulab.campaign.output.figure import BLUE, GREY, headline
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_OF_A_DECAY = "a free decay has no one amplitude: efficiency_per_cycle goes by each cycle's own"
 OWN = 0.1  # of what is lost, that may be the bed's own energy in an efficiency
 
 
@@ -77,8 +78,12 @@ def summed(samples: Samples, names: tuple[str, ...]) -> np.ndarray:
     return np.sum([samples[f"{name}_{pair}"] for pair in CLASSES for name in names], axis=0)
 
 
-def efficiencies(samples: Samples, per_cycle: int, reference: float) -> dict[str, np.ndarray]:
+def efficiencies(
+    samples: Samples, per_cycle: int, reference: float | np.ndarray
+) -> dict[str, np.ndarray]:
     """The damping efficiency of each cycle (n_cycles,) [-], eq. 6.8; reference from eq. 6.10 [J].
+
+    reference    of all cycles, or of each (n_cycles,)
 
     efficiency       from the budget
     contact_count    as the thesis counts
@@ -190,13 +195,12 @@ def impact_ratios(
 
 def numbers(cycles: Cycles) -> dict[str, Any]:
     """Efficiencies, shares and energy balance, by the names of a run's Result."""
-    case, counted = cycles.case, cycles.counted
-    reference = reference_energy(case.peak_speed, case.mass)
-    eta = efficiencies(counted, cycles.per_cycle, reference)
-    whole = efficiencies(cycles.samples, cycles.per_cycle, reference)["efficiency"]
+    counted, references = cycles.counted, cycles.references
+    eta = efficiencies(counted, cycles.per_cycle, references[cycles.first :])
+    whole = efficiencies(cycles.samples, cycles.per_cycle, references)["efficiency"]
     unaccounted, law_term = closure(counted)
     whole_mean, wall_mean = (float(eta[name].mean()) for name in ("efficiency", "wall_work"))
-    note = settling(whole_mean, wall_mean)
+    note = _OF_A_DECAY if cycles.case.is_decay else settling(whole_mean, wall_mean)
     return {
         "efficiency": None if note else whole_mean,
         "efficiency_note": note,

@@ -91,12 +91,13 @@ def bed_height(samples: Samples, up: np.ndarray, lowest: float) -> float:
 def numbers(cycles: Cycles) -> dict[str, Any]:
     """Design numbers of the counted cycles, by the names of a run's Result."""
     case, counted = cycles.case, cycles.counted
-    omega, speed = 2.0 * math.pi / case.period, case.peak_speed
+    omega, speed = 2.0 * math.pi / case.period, cycles.peak_speed
     reference = reference_energy(speed, case.mass)
     eta = efficiencies(counted, cycles.per_cycle, reference)
     energy = float(eta["efficiency"].mean()) * reference  # that a cycle dissipates [J]
     mass = effective_mass(counted, case.direction, omega)
-    settles = settling(float(eta["efficiency"].mean()), float(eta["wall_work"].mean()))
+    note = settling(float(eta["efficiency"].mean()), float(eta["wall_work"].mean()))
+    settles = note is not None or case.is_decay
     return {
         "dissipated_power_w": dissipated_power(energy, case.period),
         "loss_factor": None if settles else loss_factor(energy, speed, case.mass),
@@ -132,8 +133,8 @@ def draw(folder: Path) -> "Figure":
     middle = 0.5 * (counted["displacement"][1:] + counted["displacement"][:-1])
     axes.plot(1e3 * middle, along(counted, case.direction)[1:], color=GREY, lw=0.6, label="bed")
     phase = np.linspace(0.0, 2.0 * math.pi, 200)
-    fundamental = mass * omega**2 * case.amplitude * np.exp(1j * phase)
-    axes.plot(1e3 * case.amplitude * np.cos(phase), fundamental.real, color=BLUE,
+    fundamental = mass * omega**2 * cycles.amplitude * np.exp(1j * phase)
+    axes.plot(1e3 * cycles.amplitude * np.cos(phase), fundamental.real, color=BLUE,
               label="effective mass")  # fmt: skip
     axes.set(xlabel="displacement of the enclosure [mm]", ylabel="force of the bed on it [N]")
     axes.legend()

@@ -6,10 +6,18 @@ from typing import Any
 import numpy as np
 
 from damper3d.case.case import DamperCase
-from damper3d.measures import efficiency, response
-from damper3d.measures.counted import Cycles
+from damper3d.case.host import COUNTED
+from damper3d.measures import efficiency, host, response
+from damper3d.measures.counted import Cycles, harmonics
 from damper3d.run.packing import lowest
-from damper3d.run.steady import BLOCK, block_interval, interval, is_steady, judged
+from damper3d.run.steady import (
+    BLOCK,
+    block_interval,
+    interval,
+    is_steady,
+    judged,
+    keeps_amplitude,
+)
 from granulab.campaign.runs.result import Results
 from granulab.campaign.runs.trajectory import Trajectory
 
@@ -56,6 +64,8 @@ class Result(Results):
     # strongest over a particle's weight; None in runs of earlier versions.
     pulling: dict[str, float] | None = field(default=None, kw_only=True)
     max_impact_over_yield_velocity: dict[str, float | None]
+    # Response of the host that the enclosure rides on (measures/host.py); None without one.
+    host: dict[str, Any] | None = field(default=None, kw_only=True)
     phase: str | None  # of the particles' motion; None where too few frames were kept
     phase_next: (
         list[dict[str, str | float | None]] | None
@@ -79,8 +89,8 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
     cycles = Cycles(case, samples, first)
     measured, counted = efficiency.numbers(cycles), cycles.counted
     whole = np.array(measured["efficiency_per_cycle"])
-    reference = efficiency.reference_energy(case.peak_speed, case.mass)
-    eta = efficiency.efficiencies(counted, per_cycle, reference)["efficiency"]
+    references = cycles.references[first:]
+    eta = efficiency.efficiencies(counted, per_cycle, references)["efficiency"]
     strength = float(np.linalg.norm(case.gravity))
     up = -case.gravity / strength if strength else case.direction
     return {
@@ -100,7 +110,8 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
         **response.numbers(cycles),
         "bed_height_m": response.bed_height(counted, up, lowest(case.enclosure, up)),
         "max_impact_over_yield_velocity": efficiency.impact_ratios(counted, case.yield_velocity),
-        "steady": is_steady(whole[run.discard :]) if run.steady else None,
+        "host": host.numbers(cycles) if case.modes is not None else None,
+        "steady": _steady(cycles, whole) if run.steady else None,
         "time_step_s": case.time_step,
     }
 
@@ -110,7 +121,16 @@ def first_counted(case: DamperCase, n_cycles: int) -> int:
     run = case.settings.run
     if not run.steady:
         return run.discard
+    if case.modes is not None:
+        return max(n_cycles - COUNTED, run.discard)
     return n_cycles - min(judged(n_cycles - run.discard), n_cycles - run.discard)
+
+
+def _steady(cycles: Cycles, eta: np.ndarray) -> bool:
+    """True where what is judged of a steady run has become steady: efficiency, or amplitude."""
+    if cycles.case.modes is None:
+        return is_steady(eta[cycles.case.settings.run.discard :])
+    return keeps_amplitude(np.abs(harmonics(cycles.samples["displacement"], cycles.per_cycle)))
 
 
 def _interval(eta: np.ndarray, steady: bool) -> tuple[float, float] | None:

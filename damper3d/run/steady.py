@@ -1,5 +1,7 @@
 """Steadiness of the cycles, and confidence intervals of their mean.
 
+A forced host is steady where the amplitude of its first harmonic is.
+
 Near the transition cycles alternate (period two), so nothing here compares one cycle with the
 next: an interval takes the alternation out, and blocks hold an even number of cycles.
 """
@@ -11,6 +13,8 @@ from numpy.typing import ArrayLike
 
 BLOCK = 4  # cycles: even, so that a block holds whole alternations, of period four too
 LEAST_BLOCKS = 4  # that are judged; three degrees of freedom
+TEN = 10  # cycles over which a host's amplitude is compared: the host remembers some
+UNCHANGED = 0.005  # of an amplitude, over them
 CONFIDENCE = 0.95
 RELATIVE = 0.05  # of the mean that the half width of its interval may be
 ABSOLUTE = 0.005  # or this: efficiencies go from 0 to 1
@@ -54,6 +58,15 @@ def block_interval(
 def judged(n_cycles: int, *, block: int = BLOCK, least_blocks: int = LEAST_BLOCKS) -> int:
     """Number of the last cycles that are judged: half of them in whole blocks, or least_blocks."""
     return block * max(least_blocks, n_cycles // block // 2)
+
+
+def keeps_amplitude(amplitudes: ArrayLike) -> bool:
+    """True where the mean amplitude of the last ten cycles is that of the ten before, to 0.5 %."""
+    x = np.asarray(amplitudes, float)
+    if len(x) < 2 * TEN:
+        return False
+    before, last = x[-2 * TEN : -TEN].mean(), x[-TEN:].mean()
+    return bool(abs(last - before) < UNCHANGED * max(last, before))
 
 
 def is_steady(

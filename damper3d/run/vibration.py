@@ -1,5 +1,6 @@
 """From the first moment of the motion to the last cycle: samples, frames, checkpoints, the end."""
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict, astuple, dataclass, field
@@ -7,11 +8,12 @@ from dataclasses import asdict, astuple, dataclass, field
 import numpy as np
 
 from damper3d.case.case import DamperCase
+from damper3d.case.host import COUNTED, REACHED
 from damper3d.case.plan import CHECKPOINT_WORK, checkpoint_interval, expected_cpu_of_step
 from damper3d.engine.records import MECHANISMS
 from damper3d.engine.simulation import Simulation
 from damper3d.measures.efficiency import held, reference_energy, summed
-from damper3d.run.steady import BLOCK, is_steady
+from damper3d.run.steady import BLOCK, is_steady, keeps_amplitude
 from granulab.campaign.runs.checkpoint import keep_checkpoint
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.stages import Stages
@@ -35,6 +37,10 @@ class Clock:
     filling_cpu_s: float = 0.0  # CPU time of filling and settling
     lost: list[float] = field(default_factory=list)  # energy lost by the end of each cycle [J]
     attraction: list[float] = field(default_factory=list)  # of the contacts at the ends of cycles
+    amplitudes: list[float] = field(default_factory=list)  # of a host in each cycle [m]
+    tops: list[float] = field(default_factory=list)  # largest energy of a host in each cycle [J]
+    # First harmonic of the host [m] and its largest energy [J] in the cycle that is going on.
+    cycle: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
 
 
 def vibrate(
@@ -93,12 +99,36 @@ def efficiencies_so_far(case: DamperCase, clock: Clock) -> np.ndarray:
 def _ended(case: DamperCase, clock: Clock) -> bool:
     """True where the last cycle is over: so many, or in a steady run as soon as they are steady."""
     run, n_cycles = case.settings.run, len(clock.lost) - 1
+    if case.is_decay:
+        return n_cycles >= run.cycles or _has_decayed(clock)
     if not run.steady:
         return n_cycles >= run.cycles
+    if case.modes is not None:
+        ready = n_cycles >= max(run.cycles, run.discard + COUNTED)
+        return n_cycles >= run.max_cycles or (ready and keeps_amplitude(clock.amplitudes))
     counted = n_cycles - run.discard
     if n_cycles < run.cycles or counted % BLOCK:
         return n_cycles >= run.max_cycles
     return n_cycles >= run.max_cycles or is_steady(efficiencies_so_far(case, clock))
+
+
+def _has_decayed(clock: Clock) -> bool:
+    """True where the host's energy stayed so low for a cycle that its decay is over."""
+    return len(clock.tops) > 1 and clock.tops[-1] < REACHED**2 * clock.tops[0]
+
+
+def _note_host(case: DamperCase, clock: Clock, rows: dict[str, np.ndarray], now: int) -> None:
+    """Add samples, of which the last is number `now`, to what is known of the host's cycle."""
+    per_cycle = case.settings.output.samples
+    number = now - len(rows["time"]) + 1 + np.arange(len(rows["time"]))
+    turned = np.exp(-2j * np.pi * (number % per_cycle) / per_cycle)
+    first = 2.0 / per_cycle * complex((rows["displacement"] * turned)[number > 0].sum())
+    re, im, top = clock.cycle
+    clock.cycle = [re + first.real, im + first.imag, max(top, float(rows["host_energy"].max()))]
+    if now and now % per_cycle == 0:
+        clock.amplitudes.append(math.hypot(*clock.cycle[:2]))
+        clock.tops.append(clock.cycle[2])
+        clock.cycle = [0.0, 0.0, 0.0]
 
 
 def _take(
@@ -110,6 +140,8 @@ def _take(
     now: int,
 ) -> None:
     """Keep samples, of which the last is number `now`; frames and cycles end with one."""
+    if case.modes is not None:
+        _note_host(case, clock, rows, now)
     framed = case.settings.output.frames and now % frame_interval(case) == 0
     last = len(rows["time"]) - 1
     for k in range(last + 1):

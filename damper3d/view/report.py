@@ -1,8 +1,11 @@
 """Reports for a person before and after a run."""
 
+from typing import Any
+
 import numpy as np
 
 from damper3d.case.case import DamperCase
+from damper3d.case.host import COUNTED, REACHED, Drive, Modes
 from damper3d.case.plan import (
     disk_at_most,
     expected_cpu_s,
@@ -11,6 +14,7 @@ from damper3d.case.plan import (
     warnings,
 )
 from damper3d.engine.records import CLASSES
+from damper3d.measures import host
 from damper3d.measures.efficiency import in_words
 from damper3d.run.result import Result
 from granulab.campaign.output import room
@@ -61,11 +65,38 @@ def echo(case: DamperCase, dry_run: bool) -> str:
 
 def _motion(case: DamperCase) -> list[str]:
     motion = case.settings.motion
+    if case.modes is not None and case.drive is not None:
+        return [*_host_lines(case, case.modes, case.drive), _along(case)]
     ramp = f", growing over {motion.ramp:g} cycles" if motion.ramp else ""
     return [
         f"  motion      {case.orientation}, {motion.frequency:g} Hz, gamma {motion.gamma:g}: "
         f"amplitude {case.amplitude:.4g} m, peak speed {case.peak_speed:.4g} m/s{ramp};",
-        f"              along {_vector(case.direction)}, gravity {_vector(case.gravity)} m/s2",
+        _along(case),
+    ]
+
+
+def _along(case: DamperCase) -> str:
+    return f"              along {_vector(case.direction)}, gravity {_vector(case.gravity)} m/s2"
+
+
+def _host_lines(case: DamperCase, modes: Modes, drive: Drive) -> list[str]:
+    """The modes of a host, what moves it, and what it does without the damper."""
+    lines = [
+        f"mass {shape**-2.0:.4g} kg at the damper, {omega / (2.0 * np.pi):.4g} Hz, damping ratio "
+        f"{ratio:g}"
+        for shape, omega, ratio in zip(modes.shape, modes.omega, modes.damping_ratio, strict=True)
+    ]
+    what = (
+        f"a force of {drive.force:.4g} N" if drive.force
+        else f"its base by {drive.base:.4g} m" if drive.base
+        else f"let go from {drive.start_displacement:.4g} m at {drive.start_velocity:.4g} m/s"
+    )  # fmt: skip
+    return [
+        f"  host        {'; '.join(lines)}; the bed has "
+        f"{case.mass * float(modes.shape @ modes.shape):.3g} of its mass",
+        f"  motion      {case.orientation}, {case.settings.motion.frequency:g} Hz, {what}; without "
+        f"the damper: amplitude {case.amplitude:.4g} m, gamma {case.settings.motion.gamma:.4g}, "
+        f"peak speed {case.peak_speed:.4g} m/s;",
     ]
 
 
@@ -100,6 +131,16 @@ def _yield(case: DamperCase) -> str:
 
 def _end(case: DamperCase) -> str:
     run = case.settings.run
+    if case.is_decay:
+        return (
+            f"when the root of the host's energy is below {REACHED:g} of its first for a cycle of "
+            f"{case.period:.4g} s, or after {run.cycles} cycles"
+        )
+    if run.steady and case.modes is not None:
+        return (
+            f"when the host's amplitude is steady, {max(run.cycles, run.discard + COUNTED)} cycles "
+            f"at least and {run.max_cycles} at most; the last {COUNTED} count"
+        )
     if run.steady:
         return (
             f"when steady, {min(run.cycles, run.max_cycles)} cycles at least, the first "
@@ -126,6 +167,7 @@ def report(result: Result) -> str:
         f"{_number(result.loss_factor)}, like a damper of "
         f"{_number(result.equivalent_damping_n_s_per_m)} N s/m;",
         f"                   effective mass {_effective_mass(result)}, of {result.mass_kg:.4g} kg",
+        *([] if result.host is None else [f"  host             {_host(result.host)}"]),
         f"  motion           {result.phase or 'no phase named'}; bed's centre of mass "
         f"{_number(result.bed_height_m)} m up; largest force on the enclosure "
         f"{result.peak_wall_force_n:.4g} N",
@@ -137,6 +179,12 @@ def report(result: Result) -> str:
         f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
     ]
     return "\n".join(lines)
+
+
+def _host(found: dict[str, Any]) -> str:
+    closure = found["energy_closure"]
+    closed = "" if closure is None else f"; energy closed to {abs(closure):.2g} of what moved it"
+    return f"{host.in_words(found)}{closed}"
 
 
 def _efficiency(result: Result) -> str:

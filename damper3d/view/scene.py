@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from damper3d.case.host import COUNTED, base_of
 from damper3d.case.parts import enclosure_of, orientation_of
 from damper3d.case.settings import Settings, check_settings, read_settings
 from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.records import UNITS
+from damper3d.measures.counted import harmonics
 from damper3d.measures.efficiency import in_words, reference_energy
 from damper3d.run.folders import shaken
 from granulab.campaign.runs.folder import RunFolder
@@ -88,9 +90,26 @@ class Scene:
         return 1 / self.settings.motion.frequency
 
     @property
+    def on_host(self) -> bool:
+        """True where the enclosure rides on a host."""
+        return "host_energy" in self.trajectory
+
+    @property
     def peak_speed(self) -> float:
-        """Gamma g / omega [m/s], the largest velocity of the enclosure (eq. 6.2)."""
-        return self.settings.motion.gamma * _G * self.period / (2 * np.pi)
+        """Gamma g / omega [m/s], the largest velocity of the enclosure (eq. 6.2).
+
+        On a host it is that of the first harmonic, over the last cycles or, of one that was let go,
+        in the first.
+        """
+        prescribed = self.settings.motion.gamma * _G * self.period / (2 * np.pi)
+        per = self.samples_per_cycle
+        n_cycles = (len(self.time) - 1) // per
+        if not self.on_host or not n_cycles:
+            return prescribed
+        sizes = np.abs(harmonics(self.trajectory["displacement"][: n_cycles * per + 1], per))
+        driven = self.settings.host.force or base_of(self.settings.host)
+        size = sizes[-COUNTED:].mean() if driven else sizes[0]
+        return float(2 * np.pi / self.period * size)
 
     @property
     def masses(self) -> Array:

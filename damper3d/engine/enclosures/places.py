@@ -12,6 +12,7 @@ with it: one that begins takes over from one that ends within that angle.
 import numpy as np
 
 from damper3d.engine.enclosures.cavity import PLACES
+from damper3d.engine.motions.host import mobility
 from damper3d.engine.state import (
     DAMPING,
     HERTZ,
@@ -112,7 +113,8 @@ def list_places(world, law, i, b, shift, n):
             wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
             hertz = law.hertz * np.sqrt(x[i, 3])
             wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
-            wall.constants[n, MASS] = wall.whole[n, 1] = 1.0 / spheres.inverse_mass[i]
+            mass = 1.0 / (spheres.inverse_mass[i] + mobility(world))
+            wall.constants[n, MASS] = wall.whole[n, 1] = mass
             recall(surface.held, walls.history, i, f, wall.history, n)
             n += 1
     return n

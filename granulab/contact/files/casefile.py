@@ -78,6 +78,10 @@ Friction = Annotated[float, _read("1"), Unit("1"), Field(ge=0, le=1000)]
 Positive = Annotated[float, _read("1"), Unit("1"), Field(gt=0)]
 Frequency = Annotated[float, BeforeValidator(_read_frequency), Unit("1"), Field(gt=0)]
 Speed = Annotated[float, _read("m/s"), Unit("m/s"), Field(gt=0)]
+Velocity = Annotated[float, _read("m/s"), Unit("m/s")]
+Acceleration = Annotated[float, _read("m/s2"), Unit("m/s2"), Field(gt=0)]
+Mass = Annotated[float, _read("kg"), Unit("kg"), Field(gt=0)]
+Force = Annotated[float, _read("N"), Unit("N"), Field(gt=0)]
 Density = Annotated[float, _read("kg/m3"), Unit("kg/m3"), Field(gt=0)]
 Pressure = Annotated[float, _read("Pa"), Unit("Pa"), Field(gt=0)]
 
@@ -219,13 +223,14 @@ class CaseFile(Generic[Model]):
         for section in type(settings).model_fields:
             table = getattr(settings, section)
             if isinstance(table, Section):
-                lines += ["", f"[{section}]"]
+                written = []
                 for key, field in type(table).model_fields.items():
                     value = getattr(table, key)
                     if value is not None:
-                        lines.append(f"{key} = {toml_value(value, unit_of(field))}")
+                        written.append(f"{key} = {toml_value(value, unit_of(field))}")
                 own = table.model_extra or {}  # keys of what is registered from outside, as written
-                lines += [f"{key} = {toml_value(value)}" for key, value in own.items()]
+                written += [f"{key} = {toml_value(value)}" for key, value in own.items()]
+                lines += ["", f"[{section}]", *written] if written else []
         return "\n".join(lines) + "\n"
 
 

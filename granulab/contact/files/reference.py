@@ -89,7 +89,12 @@ def _bounds(field: Any) -> list[str]:
     """The range of a number, such as ["above 0", "at most 1"]."""
     found = {}
     for mark in marks_of(field):
-        for bound, words in (("gt", "above"), ("ge", "at least"), ("le", "at most")):
+        for bound, words in (
+            ("gt", "above"),
+            ("ge", "at least"),
+            ("lt", "below"),
+            ("le", "at most"),
+        ):
             if getattr(mark, bound, None) is not None:
                 found[words] = f"{words} {getattr(mark, bound):,}"
     if "above" in found:
@@ -106,8 +111,8 @@ def commented_case(
 ) -> str:
     """A case file with a comment on every key; what stands in it are the defaults.
 
-    head: of the file; values: by "section.key", what is written instead. Keys without a default
-    are comments themselves, with an example.
+    head: of the file; values: by "section.key", what is written instead; None: a comment. Keys
+    without a default are comments themselves, with an example.
     """
     lines = [*_comment(head), f"schema = {schema}"]
     lines += _commented(f"name = {toml_value(name)}", "the run folder is called after it")
@@ -115,9 +120,7 @@ def commented_case(
         lines += ["", f"[{section}]", *_comment(_text(model))]
         for key in keys_of(settings):
             if key.section == section:
-                own = values.get(f"{section}.{key.name}")
-                entry = _entry(key) if own is None else f"{key.name} = {toml_value(own)}"
-                lines += _commented(entry, _remark(key))
+                lines += _commented(_entry(key, values), _remark(key))
     return "\n".join(lines) + "\n"
 
 
@@ -167,8 +170,13 @@ def plain_keys(settings: type[Section]) -> Iterator[Key]:
         yield _key("", name, field, schema[name])
 
 
-def _entry(key: Key) -> str:
-    return f"{'' if key.spelled_out else '# '}{key.name} = {key.written}"
+def _entry(key: Key, values: Mapping[str, Any]) -> str:
+    """A key as a line of a case file, a comment where it is left out."""
+    own = f"{key.section}.{key.name}"
+    if values.get(own) is not None:
+        return f"{key.name} = {toml_value(values[own])}"
+    left_out = own in values or not key.spelled_out
+    return f"{'# ' * left_out}{key.name} = {key.written}"
 
 
 def _remark(key: Key) -> str:

@@ -1,0 +1,177 @@
+"""Response of a host: its motion with the damper beside the bare one, decay, energy of both.
+
+Displacements count from static equilibrium with the bed's weight. The damping that the bed adds is
+that of the viscous damper between the structure and the ground that takes as much from the same
+motion, over twice the mass and angular frequency of the mode that is nearest to the excitation:
+
+    zeta_added = W/(2 m w integral x'^2 dt),    W the enclosure's work on the bed
+"""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from damper3d.engine.records import Samples
+from damper3d.measures.counted import Cycles, harmonics, read_cycles
+from damper3d.measures.efficiency import dissipated, held, stiffness_work
+from granulab.campaign.output.figure import BLUE, GREY, headline
+from granulab.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DECAYS = ("0.5", "0.3", "0.2", "0.1")  # of the first root of the host's energy
+
+
+def added_damping_ratio(samples: Samples, mode_mass: float, omega: float) -> float:
+    """Damping ratio that the bed adds to a mode of this mass [kg] and frequency [rad/s]."""
+    work = float(samples["wall_work"][-1] - samples["wall_work"][0])
+    speed = samples["velocity"]
+    time = np.diff(samples["time"])
+    square = float((0.5 * (speed[1:] ** 2 + speed[:-1] ** 2) * time).sum())
+    return work / (2.0 * mode_mass * omega * square)
+
+
+def decay_times(time: np.ndarray, energy: np.ndarray) -> dict[str, float | None]:
+    """Last time [s] that the root of the energy over its first value passes each of DECAYS.
+
+    None where it is not reached.
+    """
+    root = np.sqrt(energy / energy[0])
+    found: dict[str, float | None] = {}
+    for key in DECAYS:
+        level = float(key)
+        above = np.flatnonzero(root >= level)
+        last = int(above[-1])
+        if last == len(root) - 1:
+            found[key] = None
+            continue
+        part = (root[last] - level) / (root[last] - root[last + 1])
+        found[key] = float(time[last] + part * (time[last + 1] - time[last]))
+    return found
+
+
+def closure(samples: Samples, weight: float) -> float | None:
+    """Energy of host and bed that is unaccounted for, over what moved them [-].
+
+    weight: of the bed at rest, along the motion [N], whose work on the host displacements from
+    equilibrium leave out. Work of force and base = change of the host's energy + its own damping +
+    what the bed dissipates + change of the bed's energy; what moved them is that work, or the
+    energy of a host that was let go.
+    """
+
+    def change(name: str) -> float:
+        return float(samples[name][-1] - samples[name][0])
+
+    sunk = weight * change("displacement")
+    bed = float(held(samples)[-1] - held(samples)[0])
+    lost = float(dissipated(samples)[-1] - stiffness_work(samples)[-1])
+    left = change("host_work") - change("host_damping") - change("host_energy") - sunk - bed - lost
+    moved = max(abs(change("host_work")), float(samples["host_energy"][0]))
+    return left / moved if moved else None
+
+
+def numbers(cycles: Cycles) -> dict[str, Any]:
+    """Response of the host in the counted cycles, as a run's Result has it under `host`."""
+    case, samples, counted = cycles.case, cycles.samples, cycles.counted
+    assert case.modes is not None
+    assert case.drive is not None
+    mode = case.modes.nearest(2.0 * math.pi / case.period)
+    mass, omega = float(case.modes.shape[mode] ** -2.0), float(case.modes.omega[mode])
+    amplitude = None if case.is_decay else cycles.amplitude
+    return {
+        "amplitude_m": amplitude,
+        "rms_m": float(np.sqrt(np.mean(counted["displacement"][1:] ** 2))),
+        "bare_amplitude_m": case.amplitude,
+        "reduction": None if amplitude is None else amplitude / case.amplitude,
+        "added_damping_ratio": added_damping_ratio(counted, mass, omega),
+        "decay_times_s": (
+            decay_times(samples["time"], samples["host_energy"]) if case.is_decay else None
+        ),
+        "energy_closure": closure(samples, case.mass * float(case.gravity @ case.direction)),
+    }
+
+
+def measure(folder: Path) -> dict[str, Any]:
+    """Response of the host of a run; FolderError as read_cycles, InputError without a host."""
+    return numbers(_on_host(folder))
+
+
+def _on_host(folder: Path) -> Cycles:
+    cycles = read_cycles(folder)
+    if cycles.case.modes is None:
+        raise InputError(
+            f"{folder}: its enclosure has a prescribed motion; a [host] in the case has a response"
+        )
+    return cycles
+
+
+def draw(folder: Path) -> "Figure":
+    """Motion of the host with the damper and bare; envelope or amplitude of each cycle."""
+    from matplotlib.figure import Figure
+
+    cycles = _on_host(folder)
+    figure = Figure(figsize=(9.6, 6.4), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    chart(cycles, above)
+    _sizes(cycles, below)
+    below.set_xlabel("time [s]")
+    headline(figure, f"{cycles.case.name}: {in_words(numbers(cycles))}")
+    return figure
+
+
+def bare(cycles: Cycles, time: np.ndarray) -> np.ndarray:
+    """Displacement of the host without the damper at these times [m]."""
+    from damper3d.engine.motions import displacement
+
+    alone = cycles.case.shaker  # a new one, on which no bed has pushed
+    return np.array([displacement(alone, t) for t in time.tolist()])
+
+
+def chart(cycles: Cycles, axes: Any) -> None:
+    """Displacement against time, with and without the damper."""
+    samples = cycles.samples
+    time = samples["time"]
+    axes.plot(time, 1e3 * bare(cycles, time), color=GREY, lw=0.6, label="bare")
+    axes.plot(time, 1e3 * samples["displacement"], color=BLUE, lw=0.8, label="with the damper")
+    axes.set_ylabel("displacement [mm]")
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
+
+
+def _sizes(cycles: Cycles, axes: Any) -> None:
+    """First harmonic of each cycle; of a decay the root of the host's energy, and its envelope."""
+    samples, case = cycles.samples, cycles.case
+    if case.is_decay:
+        root = np.sqrt(samples["host_energy"] / samples["host_energy"][0])
+        axes.semilogy(samples["time"], root, color=BLUE, label="with the damper")
+        assert case.modes is not None
+        slowest = float((case.modes.damping_ratio * case.modes.omega).min())
+        axes.semilogy(samples["time"], np.exp(-slowest * samples["time"]), color=GREY, label="bare")
+        axes.set(ylabel="root of the energy over its first [-]", ylim=(0.03, 1.3))
+    else:
+        each = np.abs(harmonics(samples["displacement"], cycles.per_cycle))
+        end = samples["time"][cycles.per_cycle :: cycles.per_cycle]
+        axes.plot(end, 1e3 * each, "o-", color=BLUE, ms=3, lw=0.8, label="with the damper")
+        axes.axhline(1e3 * case.amplitude, color=GREY, label="bare")
+        axes.axvspan(end[cycles.first] - case.period, end[-1], color=BLUE, alpha=0.08)
+        axes.set(ylabel="first harmonic of a cycle [mm]", ylim=(0, None))
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
+
+
+def in_words(found: dict[str, Any]) -> str:
+    """The response of a host in a line; found: its numbers."""
+    if found["decay_times_s"] is None:
+        return (
+            f"amplitude {1e3 * found['amplitude_m']:.4g} mm, {found['reduction']:.3g} of the bare "
+            f"{1e3 * found['bare_amplitude_m']:.4g} mm; damping ratio "
+            f"{found['added_damping_ratio']:.3g} added"
+        )
+    times = [
+        f"{key} after {time:.4g} s" for key, time in found["decay_times_s"].items()
+        if time is not None
+    ]  # fmt: skip
+    start, reached = 1e3 * found["bare_amplitude_m"], ", ".join(times) or "nothing yet"
+    added = found["added_damping_ratio"]
+    return f"decay from {start:.4g} mm to {reached}; damping ratio {added:.3g} added"

@@ -1,0 +1,184 @@
+"""Cases with a host: what follows from it, what is refused, and runs that go on with their bits."""
+
+import json
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+from refusals import assert_refused, assert_refuses, refusal
+from same_run import assert_same_run
+from small_damper import damper3d, write_damper
+from small_silo import the_run
+
+from damper3d.case.case import DamperCase
+from damper3d.case.host import read_modes
+from damper3d.run import protocol, vibration
+from damper3d.run.steady import keeps_amplitude
+from granulab.errors import Stopped
+
+HOST = {"host.mass": "0.1 kg", "host.frequency": 80.0, "host.damping_ratio": 0.02}
+FORCED = {**HOST, "host.force": "2 N", "motion.gamma": None, "motion.frequency": None}
+LET_GO = {**FORCED, "host.force": None, "host.start_displacement": "1 mm"}
+HEAD = "frequency [Hz],damping_ratio,shape [kg^-0.5]\n"
+
+
+def load(folder: Path, changes) -> DamperCase:
+    return DamperCase.load(write_damper(folder, changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"host.mass": "0.1 kg"}, ["[host]", "frequency is missing"]),
+        ({**HOST}, ["[host]", "nothing moves it", "start_displacement"]),
+        (
+            {**FORCED, "host.base_displacement": "1 mm"},
+            ["force and base_displacement", "leave one"],
+        ),
+        ({**FORCED, "host.start_velocity": "1 m/s"}, ["force and start_velocity"]),
+        ({**FORCED, "host.modes": "modes.csv"}, ["mass is given", "modes.csv"]),
+        ({**FORCED, "motion.gamma": 3.0}, ["gamma = 3", "leave it out"]),
+        ({**FORCED, "motion.ramp": 2}, ["ramp = 2", "leave one of them out"]),
+        ({**FORCED, "host.damping_ratio": 0}, ["damping_ratio = 0", "no steady response"]),
+        ({**FORCED, "host.damping_ratio": 1.0}, ["damping_ratio = 1.0", "less than 1"]),
+        ({**FORCED, "host.damping_ratio": -0.1}, ["damping_ratio = -0.1"]),
+        ({**FORCED, "host.frequency": "-2 Hz"}, ["frequency = '-2 Hz'", "greater than 0"]),
+        ({**FORCED, "host.mass": "3"}, ["mass = '3'", "unit is missing", "kg"]),
+        ({**FORCED, "host.mass": "1 mg"}, ["times the host's mass", "at least 1/100"]),
+        (
+            {
+                **FORCED,
+                "host.force": None,
+                "host.start_velocity": "1 m/s",
+                "motion.frequency": 40.0,
+            },
+            ["frequency = 40 Hz", "the host's own, 80 Hz"],
+        ),
+        (
+            {**FORCED, "host.force": None, "host.start_velocity": "1 m/s", "run.steady": True},
+            ["steady = true", "never steady"],
+        ),
+    ],
+    ids=lambda given: given[0] if isinstance(given, list) else "",
+)
+def test_a_host_that_cannot_be_is_refused(changes, words, tmp_path):
+    assert_refuses(words, load, tmp_path, changes)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ["no modes", "shape [kg^-0.5]"]),
+        ("frequency [Hz],damping_ratio,shape\n20,0.1,1\n", ["'shape'", "unit is missing"]),
+        ("frequency [Hz],damping_ratio,shape [kg]\n20,0.1,1\n", ["'shape [kg]'", "'kg'"]),
+        ("frequency [Hz],damping,shape [kg^-0.5]\n20,0.1,1\n", ["'damping'", "damping_ratio"]),
+        ("frequency [Hz],damping_ratio\n20,0.1\n", ["column 'shape' is missing"]),
+        (HEAD + "20,0.01,1\n20,0.02,2\n", ["frequency = 20 Hz stands twice"]),
+        (HEAD + "-20,0.01,1\n", ["line 2", "frequency = -20 Hz"]),
+        (HEAD + "20,1.2,1\n", ["line 2", "damping_ratio = 1.2"]),
+        (HEAD + "20,0.01,much\n", ["line 2", "shape = 'much'"]),
+        (HEAD + "20,0.01\n", ["line 2 has 2 values"]),
+        (HEAD + "20,0.01,0\n", ["every shape is 0"]),
+    ],
+    ids=lambda given: given[0] if isinstance(given, list) else "",
+)
+def test_a_table_of_modes_that_cannot_be_is_refused(text, words, tmp_path):
+    path = tmp_path / "modes.csv"
+    path.write_text(text, encoding="utf-8")
+    assert_refuses(words, read_modes, path)
+
+
+def test_base_motion_of_modes_needs_their_participation(tmp_path):
+    path = tmp_path / "modes.csv"
+    path.write_text(HEAD + "20,0.01,1\n", encoding="utf-8")
+    assert "'participation' is missing, which base motion needs" in refusal(read_modes, path, True)
+
+
+def test_the_bare_response_of_a_mode_is_that_of_an_oscillator(tmp_path):
+    """At resonance F/(2 zeta k); the motion's frequency is by itself the host's own."""
+    case = load(tmp_path, FORCED)
+    omega = 2 * np.pi * 80.0
+    assert case.settings.motion.frequency == 80.0
+    assert case.amplitude == pytest.approx(2.0 / (2 * 0.02 * 0.1 * omega**2))
+    assert case.settings.run.steady is False  # the small damper gives its cycles
+    other = load(tmp_path, {**FORCED, "run.cycles": None, "run.discard": None})
+    assert other.settings.run.steady is True
+    again = DamperCase.load(write_toml(tmp_path, case))
+    assert protocol.run_digest(again) == protocol.run_digest(case)
+
+
+def write_toml(folder: Path, case: DamperCase) -> Path:
+    """The case as a run folder holds it, with the files that it names."""
+    for name, text in case.files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    path = folder / "case.toml"
+    path.write_text(case.to_toml(), encoding="utf-8")
+    return path
+
+
+def test_a_table_of_modes_goes_into_the_run_folder(tmp_path):
+    """Copied with the case; a mode of the table is one of mass, frequency and damping ratio."""
+    (tmp_path / "two.csv").write_text(HEAD + "80,0.02,3.1622776601683795\n300,0.01,0.5\n",
+                                      encoding="utf-8")  # fmt: skip
+    modes = dict.fromkeys(HOST) | {"host.modes": "two.csv"}
+    case = load(tmp_path, {**FORCED, **modes})
+    folder = tmp_path / "copy"
+    folder.mkdir()
+    again = DamperCase.load(write_toml(folder, case))
+    assert protocol.run_digest(again) == protocol.run_digest(case)
+    assert case.amplitude == pytest.approx(load(tmp_path, FORCED).amplitude, rel=0.05)
+
+
+def test_an_amplitude_is_steady_where_ten_cycles_change_it_by_less_than_half_a_percent():
+    cycles = np.arange(60.0)
+    assert not keeps_amplitude(np.ones(19))
+    assert keeps_amplitude(np.ones(20))
+    assert not keeps_amplitude(1 + 0.1 * np.exp(-cycles[:30] / 30))
+    assert keeps_amplitude(1 + 0.01 * np.exp(-cycles / 30))
+
+
+def test_a_run_on_a_host_stopped_many_times_ends_with_the_same_bits(tmp_path, monkeypatch):
+    """Checkpoints hold the modes' state; the amplitudes so far decide when it is steady."""
+    monkeypatch.setattr(vibration, "CHECKPOINT_WORK", 10 * 20 * 50 + 1)  # every ten samples
+    length = {"run.cycles": None, "run.discard": None, "run.max_cycles": 30}
+    case = load(tmp_path, {**FORCED, **length})
+    protocol.run(case, out=tmp_path / "whole")
+    chance, stops, result = random.Random(5), 0, None
+    while result is None:
+        try:
+            result = protocol.run(case, out=tmp_path / "parts", stop=lambda: chance.random() < 0.03)
+        except Stopped:
+            stops += 1
+    assert stops > 3
+    assert_same_run(the_run(tmp_path / "parts"), the_run(tmp_path / "whole"))
+    assert result.host["reduction"] < 1
+    assert abs(result.host["energy_closure"]) < 2e-2  # steps of 5 us on soft spheres
+
+
+def test_a_free_decay_ends_when_it_is_over_and_is_drawn(tmp_path):
+    """From the command: JSON of the host, its picture, columns in the tables."""
+    path = write_damper(tmp_path, {**LET_GO, "run.cycles": None, "run.discard": None})
+    done = damper3d("run", path, "--out", tmp_path / "runs", "--json", "--quiet", "--no-figures")
+    assert done.code == 0, done.err
+    host = json.loads(done.out)["host"]
+    assert host["amplitude_m"] is None
+    assert 0 < host["decay_times_s"]["0.5"] < host["decay_times_s"]["0.2"]
+    assert host["added_damping_ratio"] > 0
+    folder = the_run(tmp_path / "runs").path
+    assert damper3d("observe", folder, "host").code == 0
+    assert damper3d("render", folder, "--no-film").code == 0
+    assert (folder / "figures" / "host.png").stat().st_size > 10_000
+    assert damper3d("export", folder, "--to", "csv", "-o", tmp_path / "csv").code == 0
+    assert "host_energy" in (tmp_path / "csv" / "samples.csv").read_text(encoding="utf-8")
+
+
+def test_a_run_without_a_host_has_no_response(damper_reference, tmp_path):
+    assert_refused(damper3d("observe", damper_reference.path, "host"), "prescribed", "[host]")
+
+
+def test_init_writes_a_host_that_runs(tmp_path):
+    path = tmp_path / "mine.toml"
+    assert damper3d("init", path, "--host").code == 0
+    shown = damper3d("run", path, "--dry-run", "--json")
+    assert json.loads(shown.out)["frequency_hz"] == 20.0
