@@ -219,7 +219,8 @@ def in_words(found: Mapping[str, Any]) -> str:
     """The efficiency of a run, or that it has none; `found`: its results, by their names."""
     if found["efficiency"] is not None:
         return f"efficiency {found['efficiency']:.3f}"
-    return f"no efficiency, the bed settles (wall work {found['efficiency_wall_work']:.3f})"
+    why = "a free decay" if found["efficiency_note"] == _OF_A_DECAY else "the bed settles"
+    return f"no efficiency, {why} (wall work {found['efficiency_wall_work']:.3f})"
 
 
 def measure(folder: Path) -> dict[str, Any]:
