@@ -272,7 +272,7 @@ def base_of(keys: HostKeys) -> float | None:
 
 
 def drive_of(keys: HostKeys, omega: float, where: str) -> Drive:
-    """What moves the host at omega [rad/s]; InputError where nothing, or two things, do."""
+    """Drive of the host at omega [rad/s]; InputError where nothing, or two things, move it."""
     names = ("force", "base_displacement", "base_acceleration")
     driven = [name for name in names if getattr(keys, name) is not None]
     released = [name for name in ("start_displacement", "start_velocity") if getattr(keys, name)]

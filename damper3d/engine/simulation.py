@@ -125,7 +125,7 @@ class Simulation:
 
     @property
     def _host(self) -> host.Host | None:
-        """What the enclosure rides on, if it does."""
+        """Return the host that the enclosure rides on, if it does."""
         shaker = self.world.shaker
         return shaker if isinstance(shaker, host.Host) else None
 

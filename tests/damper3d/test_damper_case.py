@@ -344,6 +344,10 @@ def test_what_acts_while_settling_makes_another_packing(key):
 
 
 TOROIDS = {"particles.shape": "toroid:0.2"}
+HOST = {"mass": "1 kg", "frequency": 20.0, "damping_ratio": 0.01}
+CHANGED = {"mass": "2 kg", "frequency": 21.0, "damping_ratio": 0.02, "force": "2 N"}
+MOVED = {"force": "1 N", "base_displacement": "1 mm", "base_acceleration": "1 g",
+         "start_displacement": "1 mm", "start_velocity": "1 m/s"}  # fmt: skip
 
 
 def test_all_keys_that_act_are_in_the_digests():
@@ -360,6 +364,8 @@ def test_all_keys_that_act_are_in_the_digests():
         "motion.gravity", "motion.kind",  # another kind: test_extend_motion.py
         "law.friction_wall", "law.restitution", "law.contact_treatment",
         "run.max_cycles", "output.frames",
+        "host.modes",  # by its modes: test_host_cases.py
+        *(f"host.{key}" for key in (*HOST, *MOVED)),
     }  # fmt: skip
     known = {f"{table}.{key}" for table, keys in known_keys(Settings).items() for key in keys}
     assert known == named | other | OF_THE_MOTION.keys() | OF_THE_PACKING.keys()
@@ -374,6 +380,11 @@ def test_all_keys_that_act_are_in_the_digests():
         ({"run.steady": True}, {"run.steady": True, "run.max_cycles": 61}),
         ({}, {"output.frames": 10}),
     ]
+    ridden = {f"host.{key}": value for key, value in HOST.items()} | {"host.force": "1 N"}
+    twins += [(ridden, {**ridden, f"host.{key}": value}) for key, value in CHANGED.items()]
+    still = {key: value for key, value in ridden.items() if key != "host.force"}
+    moved = [{**still, f"host.{key}": value} for key, value in MOVED.items()]
+    twins += list(itertools.combinations(moved, 2))
     for first, second in twins:
         a, b = DamperCase.load("thesis", first), DamperCase.load("thesis", second)
         assert run_digest(a) != run_digest(b), second

@@ -31,7 +31,8 @@ OPTIONS = {
     damper: "diameter height particles equal-volume-radius sub-spheres tolerance mesh-unit count "
     "orientation frequency gamma ramp friction friction-wall restitution restitution-wall "
     "contact-treatment tangential contact-end wall-curvature yielding youngs-modulus density seed "
-    "cycles discard steady max-cycles time-step samples frames keep",
+    "cycles discard steady max-cycles time-step samples frames keep fill-ratio host-mass "
+    "host-frequency host-damping force base-displacement base-acceleration start-displacement start-velocity",
 }
 
 

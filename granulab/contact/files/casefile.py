@@ -243,8 +243,11 @@ def changed(
         section, dot, key = path.partition(".")
         if not dot:
             known = [f"{s}.{k}" for s, keys in known_keys(model).items() for k in keys]
-            close = [name for name in known if name.endswith(f".{path}")] or known
-            raise InputError(f"change {path!r}: write section.key; {nearest(path, close)}")
+            close = [name for name in known if name.endswith(f".{path}")]
+            tables = f"known sections: {', '.join(known_keys(model))}"
+            raise InputError(
+                f"change {path!r}: write section.key; {nearest(path, close) if close else tables}"
+            )
         table = document.setdefault(section, {})
         if isinstance(table, dict):
             table[key] = value
