@@ -95,18 +95,7 @@ def host_of(modes: Modes, drive: Drive, time_step: float, weight: float) -> Host
     X sin(omega t). A release lets go of what a force at the damper pulled off its place, and of
     what a blow there set in motion.
     """
-    n = len(modes.omega)
-    if drive.is_release:
-        alone, force, base = _released(modes, drive), at_rest(), at_rest()
-    else:
-        turn = -cmath.phase(bare_amplitude(modes, drive))  # of e^(i omega t), sines taken
-        forced = drive.force * modes.force_shape + drive.base * drive.omega**2 * modes.participation
-        q = modes.receptance(drive.omega, forced) * cmath.exp(1j * turn)
-        alone = _ringing(np.abs(q), np.full(n, drive.omega), np.angle(q), np.zeros(n))
-        force, base = (
-            Sines(np.array([size]), np.array([drive.omega]), np.array([turn]), 0.0)
-            for size in (drive.force, drive.base)
-        )
+    n, (alone, force, base) = len(modes.omega), _alone(modes, drive)
     damping = 2 * modes.damping_ratio * modes.omega
     pairs = zip(modes.omega.tolist(), damping.tolist(), strict=True)
     return Host(
@@ -117,6 +106,30 @@ def host_of(modes: Modes, drive: Drive, time_step: float, weight: float) -> Host
         time_step=time_step, weight=weight,
         answer=np.zeros((n, 2)), pushed=np.zeros(1), books=np.zeros(2),
     )  # fmt: skip
+
+
+def _alone(modes: Modes, drive: Drive) -> tuple[Ringing, Sines, Sines]:
+    """The modes without the bed, the force [N] and the motion of the base [m]."""
+    if drive.is_release:
+        return _released(modes, drive), at_rest(), at_rest()
+    turn = -cmath.phase(bare_amplitude(modes, drive))  # of e^(i omega t), sines taken
+    forced = drive.force * modes.force_shape + drive.base * drive.omega**2 * modes.participation
+    q = modes.receptance(drive.omega, forced) * cmath.exp(1j * turn)
+    omega = np.full(len(q), drive.omega)
+    force, base = (
+        Sines(np.array([size]), np.array([drive.omega]), np.array([turn]), 0.0)
+        for size in (drive.force, drive.base)
+    )
+    return _ringing(np.abs(q), omega, np.angle(q), np.zeros(len(q))), force, base
+
+
+def bare_displacement(modes: Modes, drive: Drive, time: np.ndarray) -> np.ndarray:
+    """Displacement [m] of the damper's place without the bed at these times (n,) [s]."""
+    alone, _, base = _alone(modes, drive)
+    angle = alone.omega * time + alone.phase  # (r, n)
+    own = alone.amplitude * np.exp(-alone.rate * time) * np.sin(angle)
+    carried = base.amplitude[0] * np.sin(base.omega[0] * time + base.phase[0])
+    return np.asarray(carried + modes.shape @ own)
 
 
 def _ringing(

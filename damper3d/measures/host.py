@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from damper3d.case.host import bare_displacement
 from damper3d.engine.records import Samples
 from damper3d.measures.counted import Cycles, harmonics, read_cycles
 from damper3d.measures.efficiency import dissipated, held, stiffness_work
@@ -122,19 +123,14 @@ def draw(folder: Path) -> "Figure":
     return figure
 
 
-def bare(cycles: Cycles, time: np.ndarray) -> np.ndarray:
-    """Displacement of the host without the damper at these times [m]."""
-    from damper3d.engine.motions import displacement
-
-    alone = cycles.case.shaker  # a new one, on which no bed has pushed
-    return np.array([displacement(alone, t) for t in time.tolist()])
-
-
 def chart(cycles: Cycles, axes: Any) -> None:
     """Displacement against time, with and without the damper."""
     samples = cycles.samples
     time = samples["time"]
-    axes.plot(time, 1e3 * bare(cycles, time), color=GREY, lw=0.6, label="bare")
+    assert cycles.case.modes is not None
+    assert cycles.case.drive is not None
+    bare = bare_displacement(cycles.case.modes, cycles.case.drive, time)
+    axes.plot(time, 1e3 * bare, color=GREY, lw=0.6, label="bare")
     axes.plot(time, 1e3 * samples["displacement"], color=BLUE, lw=0.8, label="with the damper")
     axes.set_ylabel("displacement [mm]")
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)

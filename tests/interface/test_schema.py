@@ -32,7 +32,8 @@ OPTIONS = {
     "orientation frequency gamma ramp friction friction-wall restitution restitution-wall "
     "contact-treatment tangential contact-end wall-curvature yielding youngs-modulus density seed "
     "cycles discard steady max-cycles time-step samples frames keep fill-ratio host-mass "
-    "host-frequency host-damping force base-displacement base-acceleration start-displacement start-velocity",
+    "host-frequency host-damping force base-displacement base-acceleration start-displacement "
+    "start-velocity",
 }
 
 
