@@ -26,6 +26,8 @@ from damper3d.engine.kinds import (
     place_near_walls,
     remember_pairs,
 )
+from damper3d.engine.laws.rolling import copy_rolled, wipe_rolled
+from damper3d.engine.laws.table import halo, hertz_of
 from damper3d.engine.state import (
     DAMPING,
     DEEPEST,
@@ -214,6 +216,7 @@ def keep_histories(world):
             )
             for h in range(N_HISTORY):
                 kept.history[n, h] = contacts.history[m, h]
+            copy_rolled(kept.rolling, n, contacts.rolling, m)
             n += 1
     kept.number[0] = n
     counts[INNER] = 0
@@ -228,6 +231,7 @@ def inherit_histories(world, n_pairs):
         for h in range(N_HISTORY):
             contacts.history[n, h] = 0.0
         contacts.history[n, DAMPING] = NO_CONTACT
+    wipe_rolled(contacts.rolling, n_pairs)
     for n in range(n_pairs):
         if old == kept.number[0]:
             break
@@ -237,6 +241,7 @@ def inherit_histories(world, n_pairs):
         if old < kept.number[0] and kept.key[old] == key:
             for h in range(N_HISTORY):
                 contacts.history[n, h] = kept.history[old, h]
+            copy_rolled(contacts.rolling, n, kept.rolling, old)
     kept.number[0] = 0
 
 
@@ -283,6 +288,7 @@ def store_wall_history(wall, walls, counts):
             for n in range(walls.first[w], walls.first[w + 1]):
                 for h in range(N_HISTORY):
                     walls.history[w, wall.i[n], h] = wall.history[n, h]
+                copy_rolled(walls.rolling, w * walls.history.shape[1] + wall.i[n], wall.rolling, n)
     counts[WALL] = 0
     walls.first[:] = 0
 
@@ -305,10 +311,12 @@ def contacts_of_wall(world, w, b, shift, n):
                 return -1
             wall.i[n], wall.j[n], wall.group[n] = i, m, b  # row m is the enclosure
             wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
-            hertz = world.wall_law.hertz * np.sqrt(radius_at_wall(walls, x, w, i, shift))
+            own_radius = radius_at_wall(walls, x, w, i, shift) - halo(world.wall_law)
+            hertz = hertz_of(world.wall_law, i, m) * np.sqrt(own_radius)
             wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
             wall.constants[n, MASS] = wall.whole[n, 1] = 1.0 / spheres.inverse_mass[i]
             for h in range(N_HISTORY):
                 wall.history[n, h] = walls.history[w, i, h]
+            copy_rolled(wall.rolling, n, walls.rolling, w * m + i)
             n += 1
     return n

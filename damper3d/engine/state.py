@@ -40,6 +40,7 @@ N_CONSTANTS = 4
 SPRING_X, SPRING_Y, SPRING_Z, MOVED_X, MOVED_Y, MOVED_Z, STIFFNESS, DAMPING = range(8)
 N_HISTORY = 8
 NO_CONTACT = -1.0
+N_ROLLING = 6  # likewise of rolling: displacement of its spring, half of that of the last step [m]
 
 # How a search ends.
 DONE, OUTER_FULL, INNER_FULL, WALL_FULL, NOT_FINITE, TOO_DEEP = range(6)
@@ -111,6 +112,7 @@ class Contacts(NamedTuple):
     constants: np.ndarray  # (capacity, N_CONSTANTS)
     whole: np.ndarray  # (capacity, 2) Hertz constant and mass of a contact that shares with others
     history: np.ndarray  # (capacity, N_HISTORY)
+    rolling: Any  # (capacity, N_ROLLING), or None where nothing resists rolling
     touching: np.ndarray  # (capacity,) uint32, those of them that touch or did a step ago
 
 
@@ -129,6 +131,7 @@ class Kept(NamedTuple):
     number: np.ndarray  # (1,) how many
     key: np.ndarray  # (capacity,) see neighbours.keep_histories; ascending
     history: np.ndarray  # (capacity, N_HISTORY)
+    rolling: Any  # (capacity, N_ROLLING) or None
 
 
 class Walls(NamedTuple):
@@ -141,6 +144,7 @@ class Walls(NamedTuple):
     first: np.ndarray  # (n_walls + 1,) where the contacts of each wall begin
     force: np.ndarray  # (n_walls, 3) by the particles, summed over the steps since asked [N]
     history: np.ndarray  # (n_walls, m, N_HISTORY), up to date while there is no wall list
+    rolling: Any  # (n_walls m, N_ROLLING) likewise, or None
 
 
 class Block(NamedTuple):

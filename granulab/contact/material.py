@@ -5,7 +5,7 @@ import datetime
 import math
 import re
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from granulab.errors import InputError
 
@@ -142,6 +142,7 @@ class Pair:
     friction: Measured  # Coulomb coefficient [-]
     restitution: Measured | None = None  # leaving over arriving normal speed [-]
     linear: LinearParameters | None = None
+    restitution_model: Literal["constant"] | None = None  # at all speeds; None: see damper3d.case
 
     def __post_init__(self) -> None:
         _check_ranges(self)
