@@ -130,7 +130,8 @@ def mesh_copy(wanted: Particle) -> dict[str, str]:
 def with_usual_cycles(settings: Settings, document: dict[str, Any]) -> Settings:
     """The settings with the thesis's number of cycles for the shape, where the case gives none."""
     shape = settings.particles.shape.partition(":")[0].strip()
-    if shape == "sphere" or "cycles" in document.get("run", {}):
+    spheres = shape == "sphere" or settings.particles.kind is not None
+    if spheres or "cycles" in document.get("run", {}):
         return settings
     run = settings.run.model_copy(update={"cycles": SHAPED_CYCLES})
     return settings.model_copy(update={"run": run})

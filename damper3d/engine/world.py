@@ -57,15 +57,14 @@ def build_world(
     """
     n = len(positions)
     if isinstance(particle, np.ndarray):
-        shape, particles, spheres = _one_sphere_each(positions, particle, density)
-        spheres.position[:n, 3] += getattr(pair_law, "halo", 0.0)
+        halo = getattr(pair_law, "halo", 0.0)
+        shape, particles, spheres = _one_sphere_each(positions, particle, density, halo)
         bounding = float(spheres.position[:, 3].max())
         room = {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
     else:
-        assert isinstance(density, float)
         k, bounding = len(particle.radii), particle.bounding_radius
-        shape = many_spheres.shape_of(particle, density, n, treatment)
-        particles = many_spheres.at_rest(positions, orientations, particle, density)
+        shape = many_spheres.shape_of(particle, float(density), n, treatment)
+        particles = many_spheres.at_rest(positions, orientations, particle, float(density))
         spheres = _spheres(np.tile(particle.radii, n), np.repeat(particles.inverse_mass, k))
         room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * k + 64)
     largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
@@ -94,10 +93,10 @@ def build_world(
 
 
 def _one_sphere_each(
-    positions: np.ndarray, radii: np.ndarray, density: float | np.ndarray
+    positions: np.ndarray, radii: np.ndarray, density: float | np.ndarray, halo: float
 ) -> tuple[Any, Any, Spheres]:
     particles = one_sphere.at_rest(radii, density)
-    spheres = _spheres(radii, particles.inverse_mass)
+    spheres = _spheres(radii + halo, particles.inverse_mass)
     spheres.position[: len(radii), :3] = positions
     return one_sphere.known_pairs(0), particles, spheres
 

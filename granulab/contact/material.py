@@ -38,6 +38,13 @@ PROPERTIES = {
         *_POSITIVE,
         "yield strength, for the speed at which spheres yield; may be left out",
     ),
+    "loss_factor": Property(
+        "1",
+        "1",
+        "above 0 and below 2",
+        lambda value: 0 < value < 2,
+        "loss factor of a viscoelastic material, which gives the restitution of a pair without one",
+    ),
     "friction": Property("1", "1", *_NOT_NEGATIVE, "Coulomb coefficient"),
     "restitution": Property(
         "1",
@@ -96,6 +103,7 @@ class Material:
     youngs_modulus: Measured | None = None  # [Pa]
     poisson: Measured | None = None  # [-]
     yield_strength: Measured | None = None  # [Pa]
+    loss_factor: Measured | None = None  # of a viscoelastic one [-]
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"\w+", self.name, re.ASCII):

@@ -58,6 +58,7 @@ class MaterialTable(Table):
     youngs_modulus: Entry | None = None
     poisson: Entry | None = None
     yield_strength: Entry | None = None
+    loss_factor: Entry | None = None
 
 
 class LinearTable(Table):
