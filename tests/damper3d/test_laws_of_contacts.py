@@ -133,7 +133,7 @@ def test_rolling_resistance_is_lammps_s(cohesion):
 
     The limit is mu times what limits friction: F, or |F + 2 F_p| of a cohesive contact.
     """
-    gap, spin, radius = -2e-6, np.array([30.0, 200.0, -100.0]), LARGEST / 2
+    gap, spin, radius = -2e-6, (30.0, 200.0, -100.0), LARGEST / 2
     k, c, mu = ROLLING
     normal = as_lammps(cohesion) if cohesion else as_lammps("hertz/material").replace(
         f" {SURFACE}", "")  # fmt: skip
