@@ -9,7 +9,7 @@ from damper3d.case.oscillation import equivalent_sphere_radius
 from damper3d.case.settings import Settings
 from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.files.datafile import data_file, read_toml
-from granulab.contact.files.needs import DAMPER, Keys, keys_needed, table_with
+from granulab.contact.files.needs import DAMPER, Keys, follows_from_loss, keys_needed, table_with
 from granulab.contact.files.schema import SCHEMA
 from granulab.contact.files.table import ContactTable, namesake
 from granulab.contact.material import Material, Measured
@@ -63,27 +63,15 @@ def table_of(file: str | Path, settings: Settings) -> ContactTable:
         for first, second in itertools.combinations(names, 2)
         for key in DAMPER.pair
     }
-    lossy = _lossy(Path(file))
+    tables = read_toml(Path(file), "materials", SCHEMA)
     needed = [
         (where, key)
         for where, key in wanted
         if key not in given
         and not (where in of_walls and f"{key}_wall" in at_wall)
-        and not (key == "restitution" and _of(where) <= lossy)
+        and not follows_from_loss(tables, where, key)
     ]
     return table_with(file, needed, _cure)
-
-
-def _lossy(file: Path) -> set[str]:
-    """The materials of a table that have a loss factor, from which a restitution follows."""
-    materials = read_toml(file, "materials", SCHEMA).get("material", {})
-    tables = materials.items() if isinstance(materials, dict) else ()
-    return {name for name, table in tables if isinstance(table, dict) and "loss_factor" in table}
-
-
-def _of(where: str) -> set[str]:
-    """The two materials of a section "pair.NAME-NAME"."""
-    return set(where.partition(".")[2].split("-"))
 
 
 _LAW_STANDS_IN = ("friction", "restitution", "youngs_modulus")  # for what a file does not have
