@@ -27,6 +27,7 @@ from granulab.errors import InputError
 RATES = (25.0, 120.0, 500.0)  # frames/s
 NOISE = (1.0, 4.0, 10.0)  # grey levels
 BLUR = {"little": (0.6, 0.05), "some": (1.2, 0.5), "much": (2.5, 0.9)}  # lens [px], exposure
+ONE_NUMBER = "p of one number"  # restitution is the same at every bounce: small p are false alarms
 CODECS = ("FFV1", "MJPG", "mp4v")
 FALL = 45  # frames at most: fast cameras film small falls
 G = 9.80665  # m/s2
@@ -80,6 +81,8 @@ def measured(case: tuple[float, float, str, int]) -> list[Row]:
     e = drop.restitution
     rows = [Row(*case, "restitution (pooled)", e.value, e.sigma or 0.0, ball.restitution)]
     found = drop.bounces
+    if found.p is not None:
+        rows.append(Row(*case, ONE_NUMBER, found.p, 0.0, 1.0))
     for (time, sigma), velocities, times in zip(
         found.contacts, found.velocities, found.times, strict=True
     ):
@@ -103,7 +106,13 @@ def table(rows: list[Row]) -> Iterator[str]:
         ("noise", lambda row: row.noise),
         ("blur", lambda row: row.blur),
     )
-    for what in dict.fromkeys(row.what for row in rows if row.what):
+    p = np.array([row.value for row in rows if row.what == ONE_NUMBER], dtype=float)
+    yield (
+        "  "
+        + ", ".join(f"p below {a:g} in {np.mean(p < a):.1%}" for a in (0.05, 0.01))
+        + (f" of {len(p)} clips of several bounces, whose restitution is one number")
+    )
+    for what in dict.fromkeys(row.what for row in rows if row.sigma):
         chosen = [row for row in rows if row.what == what]
         yield f"\n{what:34} {'n':>5} {'bias':>9} {'rms':>10} {'bias/sigma':>11} {'covered':>8}"
         yield line("all", chosen)

@@ -17,6 +17,7 @@ import numpy as np
 
 from calibration.drop.parabolas import (
     Flights,
+    ShortFlightError,
     contact_times,
     fit,
     from_heights,
@@ -127,12 +128,33 @@ def _on_clock(track: Track, clock: Array) -> Bounces | None:
     spread = None
     if track.covariance is not None:
         spread = np.sqrt(track.covariance[base.rows, 1, 1])
-    fitted = fit(t, y, ranges, spread)
-    parabolas = fitted.centre, fitted.coefficients
-    in_order = np.all(np.diff(contact_times(*parabolas)) > 0)
-    if not (in_order and np.all(from_velocities(*parabolas) > 0)):  # or one is NaN
-        return None
-    return _measured(track, base, fitted)
+    fitted = _bouncing(t, y, ranges, spread)
+    return None if fitted is None else _measured(track, base, fitted)
+
+
+def _bouncing(
+    t: Array, y: Array, ranges: list[tuple[int, int]], spread: Array | None
+) -> Flights | None:
+    """Parabolas of most of the flights that follow one another through contacts; None for one.
+
+    Contacts come in order, and reverse the velocity. A block that comes to rest rattles, and its
+    last stretches are no flights.
+    """
+    while len(ranges) > 1:
+        try:
+            found = fit(t, y, ranges, spread)
+        except ShortFlightError as error:
+            ranges = max(ranges[: error.flight], ranges[error.flight + 1 :], key=len)
+            continue
+        parabolas = found.centre, found.coefficients
+        reverses = from_velocities(*parabolas) > 0  # not where it is NaN
+        follows = np.diff(contact_times(*parabolas), prepend=-np.inf) > 0
+        wrong = np.flatnonzero(~(reverses & follows))
+        if not len(wrong):
+            return found
+        flight = int(wrong[0]) + 1
+        ranges = max(ranges[:flight], ranges[flight:], key=len)
+    return None
 
 
 def _measured(track: Track, base: TimeBase, fitted: Flights) -> Bounces:

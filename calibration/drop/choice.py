@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from calibration.drop.bounce import Bounces, find_bounces
-from calibration.drop.first import first_bounce
+from calibration.drop.first import first_bounce, with_first
 from calibration.drop.odd import (
     refuse_what_does_not_fall,
     refuse_what_falls_sideways,
@@ -95,7 +95,7 @@ def the_one_that_bounces(
     found = _without_companions(found)
     if len(found) > 1:
         raise InputError(f"{where}{_several(found)}")
-    _refuse_what_is_no_restitution(found[0].pooled, where)
+    _refuse_what_is_no_restitution(with_first(found[0])[0].pooled, where)
     refuse_what_does_not_fall(found[0], where)
     return replace(found[0], warnings=[*found[0].warnings, *_other_drops(found[0])])
 

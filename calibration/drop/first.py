@@ -12,7 +12,9 @@ knowledge, the residuals of a dozen positions say it better (a scaled inverse ch
 Gelman et al. 2013, Bayesian data analysis, sec. 2.6).
 Grain moves the centroid alike in all pictures, in a direction that rotates with the object: a share
 u of contrast moves an edge by 4 u px where weights rise twice as fast as shares (blobs.py) over a
-rim of 2 px, and two opposite edges, of which each moves the centroid by half of that, by 2.8 u.
+rim of 2 px, and two opposite edges, of which each moves the centroid by half of that, by 2.8 u. In
+the picture that turns with the angle once, or twice where an outline has two ends: four amplitudes,
+sine and cosine of both, which share the variance.
 """
 
 from dataclasses import dataclass, replace
@@ -32,13 +34,15 @@ from granulab.errors import InputError
 # scatters from clip to clip as an estimate of so many degrees of freedom does.
 _ALIKE, _LENGTH = 0.5, 12.0  # share; px
 _WORTH = 3  # positions
-_RIM = 2.8  # px by which grain of contrast 1 moves a centroid, see the text
+_RIM = 2.8 / 2  # px: each amplitude of what grain of contrast 1 moves a centroid by, see the text
 _STRAYS = 0.2  # rad: a silhouette that strays so far from an even rotation is no rigid outline
 _OUTLIER = 4.0  # sigma
 _FEWEST = 3  # positions of a flight
 _SIZES = 4.0  # diameters
 _HELD = 3  # positions at rest that show where the object was held
 _STILL = 4.0  # sigma within which they lie
+_MISSED = 2  # positions that a contact alone does not spoil
+_NO_NOISE = 10.0  # sigma, of a position as the picture says
 _REFUTED = 4.0  # sigma by which a fall did not begin at rest
 
 
@@ -92,8 +96,10 @@ def with_first(found: Bounces) -> tuple[Bounces, FirstBounce]:
     another, and only the first follows a fall from rest (eq. 3.5).
     """
     first = first_bounce(found)
+    if first.rotation is not None or len(found.contacts) == 1:
+        _refuse_hidden_contact(found)
     if first.rotation is None:
-        return found, first
+        return _with_disagreement(found, first), first
     value, sigma = first.acceleration.value, first.acceleration.sigma or 0.0
     said = list(found.track.remarks)
     if len(found.contacts) > 1:
@@ -105,6 +111,47 @@ def with_first(found: Bounces) -> tuple[Bounces, FirstBounce]:
         best=np.array([first.restitution.value]), sigma=np.array([first.restitution.sigma or 0.0]),
         disagreement=np.zeros(1), pooled=first.restitution, p=None, exponent=None, warnings=said,
     ), first  # fmt: skip
+
+
+def _refuse_hidden_contact(found: Bounces) -> None:
+    """InputError where the positions next to the first contact are of neither flight.
+
+    They are off by more than the way that gravity adds in a frame, which light and grain do not do.
+    """
+    rows, base, flights = found.flights.rows[1][:_MISSED], found.base, found.flights
+    off = np.abs(flights.residuals[rows])
+    bad = flights.weights[rows] == 0
+    if found.track.covariance is not None:
+        noise = np.sqrt(found.track.covariance[base.rows[rows], 1, 1])
+        bad |= off > _NO_NOISE * noise
+    if np.all(bad & (off > abs(flights.acceleration[0]))):
+        frame = found.track.frame[base.rows[rows[0]]]
+        raise InputError(
+            f"the positions from frame {frame:.0f} on, just after the first contact, are on no "
+            "parabola with those that follow: it touches the plate again before a flight is seen; "
+            "film at a higher rate, or drop from higher"
+        )
+
+
+def _with_disagreement(found: Bounces, first: FirstBounce) -> Bounces:
+    """The bounces; what the first contact after a fall from rest gives less them is in their sigma.
+
+    Only beyond four sigma, as where two ways of measuring a bounce disagree: an object that is
+    nearly round, and is not seen to rotate, still has another restitution at each contact.
+    """
+    pooled = found.pooled
+    off = first.restitution.value - pooled.value
+    sigma = np.hypot(first.restitution.sigma or 0.0, pooled.sigma or 0.0)
+    if not first.held or not abs(off) > _REFUTED * sigma:
+        return found
+    said = (
+        f"the first contact has {first.restitution.value:.4f}, all of them {pooled.value:.4f}: the "
+        "difference is in the sigma"
+    )
+    return replace(
+        found, pooled=replace(pooled, sigma=float(np.hypot(pooled.sigma or 0.0, off))),
+        warnings=[*found.warnings, said],
+    )  # fmt: skip
 
 
 class _Seen(NamedTuple):
@@ -258,14 +305,15 @@ def _least_squares(
         if seen.rest is not None:
             at = np.append(at, p[1])
         if bias:
-            at = at + bias * (p[5] * np.sin(angle) + p[6] * np.cos(angle))
+            turns = np.outer([1, 2], angle)  # an outline of two ends looks alike twice a turn
+            at = at + bias * np.concatenate([np.sin(turns), np.cos(turns)]).T @ p[5:]
         white = solve_triangular(root, y - at, lower=True) / scale
         return np.append(white, p[5:])
 
-    first = np.append(start, np.zeros(2)) if bias else start
+    first = np.append(start, np.zeros(4)) if bias else start
     steps = np.maximum(np.abs(first), 1e-3)
     found = least_squares(residual, first, x_scale=steps, method="lm")
-    square = float(np.sum(found.fun[: len(y)] ** 2))
+    square = float(np.sum(found.fun**2))  # amplitudes that are known beforehand are data too
     freedom = len(y) - 5 + (_WORTH if seen.sigma else 0)
     factor = (square + (_WORTH if seen.sigma else 0)) / freedom
     covariance = np.linalg.pinv(found.jac.T @ found.jac) * factor * student(freedom) ** 2

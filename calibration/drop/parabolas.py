@@ -95,6 +95,15 @@ def from_heights(centre: Array, c: Array) -> Array:
     return np.sqrt(np.where(ratio > 0, ratio, np.nan))
 
 
+class ShortFlightError(InputError):
+    """Refusal of a flight, numbered from 0, that has too few positions for a parabola."""
+
+    def __init__(self, flight: int, positions: int) -> None:
+        """Say it of flight number flight + 1."""
+        super().__init__(f"flight {flight + 1} has {positions} positions; {_FEWEST} are needed")
+        self.flight = flight
+
+
 @dataclass(frozen=True)
 class Flights:
     """Parabolas of m flights that follow one another.
@@ -133,7 +142,7 @@ def fit(t: Array, y: Array, ranges: list[tuple[int, int]], spread: Array | None 
 
     Points nearer to a contact than half a frame are left out: an exposure may see both flights.
     A last flight that has too few points then is left out with its contact.
-    Raises InputError where another flight has too few points.
+    Raises ShortFlightError where another flight has too few points.
     """
     rows = [np.arange(i, j) for i, j in ranges]
     found = _fit(t, y, rows, spread)
@@ -150,7 +159,7 @@ def fit(t: Array, y: Array, ranges: list[tuple[int, int]], spread: Array | None 
 def _fit(t: Array, y: Array, rows: list[Rows], spread: Array | None) -> Flights:
     few = next((k for k, one in enumerate(rows) if len(one) < _FEWEST), None)
     if few is not None:
-        raise InputError(f"flight {few + 1} has {len(rows[few])} positions; {_FEWEST} are needed")
+        raise ShortFlightError(few, len(rows[few]))
     spread = np.ones(len(y)) if spread is None else spread
     centre = np.array([t[one[[0, -1]]].mean() for one in rows])
     own, p = _own(t, y, rows, centre, spread)

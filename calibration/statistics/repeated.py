@@ -19,11 +19,18 @@ def still(step: Array) -> NDArray[np.bool_]:
 
 
 def _larger(step: Array) -> Array:
-    """Upper quartile of the steps around: fast ones, where every second is a copy, too."""
+    """Upper quartile of the steps around: fast ones, where every second is a copy, too.
+
+    Positions may be missing (NaN); where no step around is known it is 0, as of an object at rest.
+    """
     from numpy.lib.stride_tricks import sliding_window_view
 
     padded = np.pad(step, _NEAR, constant_values=np.nan)
-    return np.asarray(np.nanquantile(sliding_window_view(padded, 2 * _NEAR + 1), 0.75, axis=1))
+    around = sliding_window_view(padded, 2 * _NEAR + 1)
+    larger = np.zeros(len(step))
+    known = np.isfinite(around).any(axis=1)
+    larger[known] = np.nanquantile(around[known], 0.75, axis=1)
+    return larger
 
 
 def pattern(frame: Array, step: Array) -> tuple[int, int] | None:
