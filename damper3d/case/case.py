@@ -2,22 +2,28 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from damper3d.case.bed import Bed, bed_of, is_mixed, pairs_of, table_of_laws
+from damper3d.case.contacts import (
+    COHESIONS,
+    Ball,
+    Pairing,
+    check_law,
+    check_rolling_step,
+    pairing_of,
+)
 from damper3d.case.host import MODES, Drive, Modes, host_of, modes_copy, with_host
 from damper3d.case.parameters import (
     Steps,
-    contact_laws,
-    laws_by_wall,
-    lowest_yield,
+    kinds_of_walls,
     materials_of,
-    restitutions,
     table_of,
     time_steps,
-    yield_velocities,
 )
 from damper3d.case.parts import (
     CAVITY_FILE,
@@ -38,14 +44,16 @@ from damper3d.case.parts import (
 from damper3d.case.settings import Enclosure as EnclosureKeys
 from damper3d.case.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.engine.enclosures import Enclosure
-from damper3d.engine.state import LawOfEach, law_of_each
-from damper3d.shapes.multisphere import MultiSphere
+from damper3d.engine.laws.table import LawTable
+from damper3d.engine.records import CLASSES
+from damper3d.shapes.multisphere import MultiSphere, sphere
 from damper3d.shapes.particle import particle_of
 from granulab.contact.files.casefile import changed
 from granulab.contact.files.datafile import case_names, data_file, find, is_file
 from granulab.contact.files.table import ContactTable
 from granulab.contact.files.units import located, nearest
 from granulab.contact.hertz import HertzLaw
+from granulab.contact.material import Material
 from granulab.errors import InputError
 
 PRESETS: dict[str, dict[str, Any]] = {"thesis": {}}  # every default is the thesis's
@@ -59,18 +67,14 @@ class DamperCase:
     enclosure: Enclosure
     particle: MultiSphere
     count: int
-    density: float  # of the particles [kg/m3]
-    pair_law: HertzLaw
-    wall_law: HertzLaw
-    restitution: dict[str, float]  # of particle_particle and particle_wall, as given [-]
-    yield_velocity: dict[str, float | None]  # likewise, eq. 5.26 [m/s]; None: not known
+    density: float  # of the particles [kg/m3]; of several kinds their mean
+    pairings: tuple[Pairing, ...]  # contacts of each two kinds, then of each with the enclosure
     steps: Steps
     gravity: np.ndarray  # (3,) [m/s2]
     settling_gravity: np.ndarray  # (3,) [m/s2] while the particles settle
     direction: np.ndarray  # (3,) of the motion, of length one
     files: dict[str, str]  # name in the run folder -> text, of materials, mesh and modes
-    laws_of_walls: dict[str, HertzLaw]  # of walls of their own material, by name
-    restitution_of_walls: dict[str, float]  # of these, as given [-]
+    bed: Bed | None = None  # spheres that are not all alike; then `particle` is their mean
     modes: Modes | None = None  # of the host that the enclosure rides on; None: it is driven
     drive: Drive | None = None  # what moves that host
 
@@ -124,8 +128,80 @@ class DamperCase:
         return self.settings.name
 
     @property
+    def pair_law(self) -> HertzLaw:
+        """The plain law of particles with particles, of several kinds the first's."""
+        return self.pairings[0].law
+
+    @property
+    def wall_law(self) -> HertzLaw:
+        """The plain law of particles with walls, likewise."""
+        return self._first_at_wall.law
+
+    @property
+    def _first_at_wall(self) -> Pairing:
+        return next(pairing for pairing in self.pairings if pairing.of_wall)
+
+    @cached_property
+    def restitution(self) -> dict[str, float]:
+        """Restitution of particle_particle and particle_wall, as given [-], of the first kind."""
+        both = self.pairings[0], self._first_at_wall
+        return {name: one.restitution for name, one in zip(CLASSES, both, strict=True)}
+
+    @cached_property
+    def yield_velocity(self) -> dict[str, float | None]:
+        """Yield velocity of each class (eq. 5.26) [m/s]; None: not known, or of several kinds.
+
+        Against walls of several materials it is the lowest.
+        """
+        found: dict[str, float | None] = {}
+        for name, of_wall in zip(CLASSES, (False, True), strict=True):
+            own = [one.yield_velocity for one in self.pairings if one.of_wall == of_wall]
+            known = [limit for limit in own if limit is not None]
+            found[name] = min(known) if known and self.sorts == 1 else None
+        return found
+
+    @property
+    def sorts(self) -> int:
+        """Kinds of spheres."""
+        return 1 if self.bed is None else len(self.bed.sorts)
+
+    @property
+    def is_plain(self) -> bool:
+        """True where one law holds for all pairs, without rolling resistance or cohesion."""
+        law = self.settings.law
+        alike = self.sorts == 1 and not self.wall_kinds.any()
+        return alike and law.cohesion is None and law.rolling_friction is None
+
+    def laws(self, count: int) -> tuple[HertzLaw, HertzLaw] | tuple[LawTable, LawTable]:
+        """Laws of the first spheres among themselves and with walls, as the engine takes them."""
+        if self.is_plain:
+            return self.pair_law, self.wall_law
+        law = self.settings.law
+        rolling = law.rolling_stiffness or 0.0, law.rolling_damping or 0.0, law.rolling_friction
+        more = law.surface_energy or 0.0, (*rolling[:2], rolling[2] or 0.0)
+        kind = np.zeros(count, np.int64) if self.bed is None else self.bed.kind[:count]
+        cohesion, walls = COHESIONS[law.cohesion], self.sorts + self.wall_kinds
+        table = table_of_laws(walls, kind, self.radii[:count], self.pairings, more, cohesion)
+        return table, table
+
+    @property
+    def radii(self) -> np.ndarray:
+        """Radius of each particle, or of the sphere of its volume (count,) [m]."""
+        if self.bed is not None:
+            return self.bed.radius
+        own = self.particle.radii[0] if self.particle.is_sphere else None
+        return np.full(self.count, self.particle.equal_volume_radius if own is None else own)
+
+    @property
+    def masses(self) -> np.ndarray:
+        """Mass of each particle (count,) [kg]."""
+        if self.bed is not None:
+            return self.bed.density * self.bed.volume
+        return np.full(self.count, self.particle_mass)
+
+    @property
     def particle_mass(self) -> float:
-        """Mass of one particle [kg]."""
+        """Mass of one particle [kg], of unlike ones their mean."""
         return self.density * self.particle.volume
 
     @property
@@ -189,18 +265,17 @@ class DamperCase:
         return self.enclosure.wall_names
 
     @property
-    def law_of_walls(self) -> HertzLaw | LawOfEach:
-        """The law of all walls, or those of each where they are not of one material."""
-        if not self.laws_of_walls:
-            return self.wall_law
-        return law_of_each(
-            [self.laws_of_walls.get(name, self.wall_law) for name in self.wall_names]
-        )
+    def wall_kinds(self) -> np.ndarray:
+        """Number of the material of each wall (n_walls,): that of the enclosure is 0."""
+        return kinds_of_walls(self.settings, self.wall_names)
 
     def to_toml(self) -> str:
         """The case as a file for the run folder, which has copies of the files it names."""
         settings = self.settings
-        particles: dict[str, Any] = {"materials": "materials.toml", "count": self.count}
+        particles: dict[str, Any] = {"materials": "materials.toml"}
+        kinds = settings.particles.kind or []
+        if not any(kind.count for kind in kinds):
+            particles["count"] = self.count
         for copy in self.files:
             if copy.endswith(".obj") and copy != CAVITY_FILE:
                 particles["shape"] = f"mesh:{copy}"
@@ -249,14 +324,13 @@ class DamperCase:
         enclosure, particle, law = self.enclosure, self.particle, self.settings.law
         # Two spheres have one contact.
         model = {} if particle.is_sphere else {"contact_treatment": law.contact_treatment}
-        walls = {name: list(own) for name, own in self.laws_of_walls.items()}
         return {
             "enclosure": enclosure.identity,
             "particle": [particle.offsets, particle.radii, particle.volume, particle.inertia],
             "count": self.count,
             "density": self.density,
-            "laws": [list(self.pair_law), list(self.wall_law)],
-            **({"walls": walls} if walls else {}),
+            "laws": [list(pairing.law) for pairing in self.pairings],
+            **self._more_identity(),
             "wall_curvature": law.wall_curvature,
             **model,
             "settling_gravity": self.settling_gravity,
@@ -265,41 +339,64 @@ class DamperCase:
             "seed": self.settings.run.seed,
         }
 
+    def _more_identity(self) -> dict[str, Any]:
+        """Likewise, of unlike spheres and of what a law has besides Hertz, Mindlin and Tsuji."""
+        law = self.settings.law
+        more: dict[str, Any] = {}
+        if self.wall_kinds.any():
+            more["walls"] = self.wall_kinds
+        if self.bed is not None:
+            more["bed"] = [self.bed.radius, self.bed.kind, self.bed.density]
+        if law.cohesion is not None:
+            more["cohesion"] = [law.cohesion, law.surface_energy]
+        if law.rolling_friction is not None:
+            more["rolling"] = [law.rolling_friction, law.rolling_stiffness, law.rolling_damping]
+        return more
+
 
 def _resolved(
     cls: type[DamperCase], settings: Settings, table: ContactTable, where: str, file: Path,
     folder: Path, modes: Modes | None, drive: Drive | None,
 ) -> DamperCase:  # fmt: skip
-    with located(f"{where}: [particles]"):
-        wanted = particle_wanted(settings.particles, folder)
-        particle = particle_of(wanted)
     enclosure = enclosure_of(settings, where, folder)
-    check_enclosure(enclosure, particle, settings, where)
-    count = count_of(enclosure, particle, settings.particles, where)
-    materials = materials_of(table, settings)
-    laws = contact_laws(table, materials, settings)
-    walls = laws_by_wall(table, settings)
-    yields = lowest_yield(
-        [yield_velocities((materials[0], m), particle)
-         for m in (materials[1], *(own for _, _, own in walls.values()))]
-    )  # fmt: skip
-    tangential = max(law.tangential for law in (*laws, *(law for law, _, _ in walls.values())))
-    bed = count * materials[0].density.value * particle.volume
-    load = 0.0 if modes is None else bed * float(modes.shape @ modes.shape)
+    materials, walls = materials_of(table, settings)
+    files = {"materials.toml": file.read_text(encoding="utf-8")}
+    files |= cavity_copy(enclosure) | modes_copy(settings.host, folder)
+    bed = None
+    if is_mixed(settings.particles):
+        bed = bed_of(settings.particles, materials, enclosure, settings.run.seed, where)
+        particle, count, density = bed.mean_sphere, len(bed.radius), bed.mean_density
+        balls = [sort.ball for sort in bed.sorts]
+        smallest = [(sphere(float(sort.radius.min())), sort.material) for sort in bed.sorts]
+        check_enclosure(enclosure, sphere(float(bed.radius.max())), settings, where)
+    else:
+        with located(f"{where}: [particles]"):
+            wanted = particle_wanted(settings.particles, folder)
+            particle = particle_of(wanted)
+        check_enclosure(enclosure, particle, settings, where)
+        count = count_of(enclosure, particle, settings.particles, where)
+        density = materials[0].density.value
+        balls = [Ball(materials[0], particle.smallest_radius, density * particle.volume)]
+        smallest = [(particle, materials[0])]
+        files |= mesh_copy(wanted)
+    check_law(settings.law, particle.is_sphere, where)
+    fastest = 2.0 * settings.motion.gamma * GRAVITY / (2.0 * math.pi * settings.motion.frequency)
+    others: list[Ball | Material] = [*balls, *walls]
+    pairings = tuple(
+        pairing_of(table, settings.law, balls[a], others[b], fastest)
+        for a, b in pairs_of(len(balls), len(walls))
+    )
+    tangential = max(pairing.law.tangential for pairing in pairings)
+    mobility = 0.0 if modes is None else float(modes.shape @ modes.shape)
+    load = count * density * particle.volume * mobility
+    steps = [time_steps(one, own, tangential, settings, where, load) for one, own in smallest]
+    shortest = min(steps, key=lambda one: one.limit)
+    check_rolling_step(settings.law, pairings, shortest.free, where)
     gravity, settling = gravity_of(settings.motion, where)
     direction = settings.motion.direction or [0.0, 0.0, 1.0]
     return cls(
-        settings, enclosure, particle, count, materials[0].density.value, *laws,
-        restitutions(table, settings), yields,
-        time_steps(particle, materials[0], tangential, settings, where, load), gravity, settling,
-        unit_vector(direction, f"{where}: [motion] direction"),
-        {
-            "materials.toml": file.read_text(encoding="utf-8"), **mesh_copy(wanted),
-            **cavity_copy(enclosure), **modes_copy(settings.host, folder),
-        },
-        {name: law for name, (law, _, _) in walls.items()},
-        {name: restitution for name, (_, restitution, _) in walls.items()},
-        modes, drive,
+        settings, enclosure, particle, count, density, pairings, shortest, gravity, settling,
+        unit_vector(direction, f"{where}: [motion] direction"), files, bed, modes, drive,
     )  # fmt: skip
 
 
@@ -308,24 +405,23 @@ def _check_stiff(case: DamperCase, where: str) -> None:
 
     Hertz: m g = K d^(3/2), with K as in an impact (damper3d.case.plan).
     """
-    radius = case.particle.smallest_radius
-    softest = min(law.hertz for law in (case.wall_law, *case.laws_of_walls.values()))
-    sunk = (case.particle_mass * GRAVITY / (softest * math.sqrt(radius))) ** (2 / 3)
-    if sunk > 0.5 * radius:  # which ends a run
-        raise InputError(
-            f"{where}: youngs_modulus is too low: by its own weight a particle would sink into a "
-            f"wall by {sunk / radius:.2g} radii; give a higher one"
-        )
+    for pairing in case.pairings:
+        radius, mass, law = pairing.radius, pairing.mass, pairing.law
+        sunk = (mass * GRAVITY / (law.hertz * math.sqrt(radius))) ** (2 / 3)
+        if pairing.of_wall and sunk > 0.5 * radius:  # which ends a run
+            raise InputError(
+                f"{where}: youngs_modulus is too low: by its own weight a particle would sink into "
+                f"a wall by {sunk / radius:.2g} radii; give a higher one"
+            )
 
 
 def _calculable(case: DamperCase) -> bool:
     """True where squares, cubes and ratios of all numbers are floats too."""
     yields = [v for v in case.yield_velocity.values() if v is not None]
-    all_laws = [case.pair_law, case.wall_law, *case.laws_of_walls.values()]
-    laws = [x for law in all_laws for x in (law.hertz, law.tangential)]
+    laws = [x for one in case.pairings for x in (one.law.hertz, one.law.tangential)]
     inertia = case.density * float(case.particle.inertia.min())
     motion = [case.amplitude, case.peak_speed, case.steps.limit, case.time_step]
     sizes = [case.enclosure.volume, case.mass, case.density, inertia]
-    friction = max(law.mu for law in all_laws)
+    friction = max(pairing.law.mu for pairing in case.pairings)
     ordinary = all(1e-60 < x < 1e60 for x in [*yields, *laws, *motion, *sizes])
     return ordinary and friction < 1e60 and case.settings.motion.ramp * case.period < 1e60

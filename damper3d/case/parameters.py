@@ -1,21 +1,20 @@
-"""Contact laws, yield velocities and time step of a case: the materials file, then the changes."""
+"""Materials and time step of a case: the materials file, then the changes."""
 
 import dataclasses
+import itertools
 import math
 from pathlib import Path
 
+import numpy as np
+
 from damper3d.case.oscillation import equivalent_sphere_radius
-from damper3d.case.settings import Law, Settings
-from damper3d.engine.records import CLASSES
+from damper3d.case.settings import Settings
 from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.files.datafile import data_file, read_toml
-from granulab.contact.files.needs import DAMPER, Keys, keys_needed, table_with
+from granulab.contact.files.needs import DAMPER, Keys, follows_from_loss, keys_needed, table_with
 from granulab.contact.files.schema import SCHEMA
 from granulab.contact.files.table import ContactTable, namesake
-from granulab.contact.files.units import located
-from granulab.contact.hertz import HertzLaw
 from granulab.contact.material import Material, Measured
-from granulab.contact.sphere_law import sphere_law, yield_velocity
 from granulab.contact.timestep import rayleigh_time_step
 from granulab.errors import InputError
 
@@ -30,18 +29,27 @@ _LIGHT = 0.1  # of the host, that a bed weighs whose share in the step's limit i
 _LIGHTEST = 100.0  # likewise, above which the step would be ten times shorter for the host alone
 
 
-def materials_of(table: ContactTable, settings: Settings) -> tuple[Material, Material]:
-    """Materials of particles and enclosure, with the case's own modulus and density."""
-    particle = table.material(settings.particles.material)
-    wall = table.material(settings.enclosure.material)
+def materials_of(table: ContactTable, settings: Settings) -> tuple[list[Material], list[Material]]:
+    """Materials of each kind of particle and of the walls, with the case's own constants."""
+    particles = [table.material(name) for name in _names(settings)]
+    walls = [table.material(name) for name in _of_walls(settings)]
     law = settings.law
     if law.density is not None:
-        particle = dataclasses.replace(particle, density=Measured(law.density))
+        density = Measured(law.density)
+        particles = [dataclasses.replace(one, density=density) for one in particles]
     if law.youngs_modulus is not None:
         modulus = Measured(law.youngs_modulus)
-        particle = dataclasses.replace(particle, youngs_modulus=modulus)
-        wall = dataclasses.replace(wall, youngs_modulus=modulus)
-    return particle, wall
+        particles = [dataclasses.replace(one, youngs_modulus=modulus) for one in particles]
+        walls = [dataclasses.replace(one, youngs_modulus=modulus) for one in walls]
+    return particles, walls
+
+
+def _names(settings: Settings) -> list[str]:
+    """The material of each kind of particle."""
+    particles = settings.particles
+    if not particles.kind:
+        return [particles.material]
+    return [kind.material or particles.material for kind in particles.kind]
 
 
 def table_of(file: str | Path, settings: Settings) -> ContactTable:
@@ -53,12 +61,21 @@ def table_of(file: str | Path, settings: Settings) -> ContactTable:
     at_wall = {f"{key}_wall" for key in given} | {
         key for key in ("friction_wall", "restitution_wall") if getattr(law, key) is not None
     }
-    particle, wall = settings.particles.material, settings.enclosure.material
-    of_wall = f"pair.{particle}-{wall}" if particle != wall else ""
+    wall, names = settings.enclosure.material, list(dict.fromkeys(_names(settings)))
+    of_walls = {f"pair.{name}-{wall}" for name in names} if wall not in names else set()
+    wanted = {one: None for name in names for one in keys_needed(DAMPER, name, wall)}
+    wanted |= {
+        (f"pair.{first}-{second}", key): None
+        for first, second in itertools.combinations(names, 2)
+        for key in DAMPER.pair
+    }
+    tables = read_toml(Path(file), "materials", SCHEMA)
     needed = [
         (where, key)
-        for where, key in keys_needed(DAMPER, particle, wall)
-        if key not in given and not (where == of_wall and f"{key}_wall" in at_wall)
+        for where, key in wanted
+        if key not in given
+        and not (where in of_walls and f"{key}_wall" in at_wall)
+        and not follows_from_loss(tables, where, key)
     ]
     return table_with(file, needed, _cure)
 
@@ -69,17 +86,16 @@ def of_one_wall(settings: Settings, material: str) -> Settings:
     return settings.model_copy(update={"enclosure": enclosure})
 
 
-def laws_by_wall(
-    table: ContactTable, settings: Settings
-) -> dict[str, tuple[HertzLaw, float, Material]]:
-    """Law, restitution [-] and material of the walls that have their own, by the wall's name."""
-    found = {}
-    for name, material in (settings.enclosure.walls or {}).items():
-        own = of_one_wall(settings, material)
-        materials = materials_of(table, own)
-        law = contact_laws(table, materials, own)[1]
-        found[name] = law, restitutions(table, own)[CLASSES[1]], materials[1]
-    return found
+def kinds_of_walls(settings: Settings, names: list[str]) -> np.ndarray:
+    """Number of the material of each wall (n_walls,), in the order of `materials_of`."""
+    known, own = _of_walls(settings), settings.enclosure.walls or {}
+    return np.array([known.index(own.get(name, known[0])) for name in names])
+
+
+def _of_walls(settings: Settings) -> list[str]:
+    """The materials of the walls, that of the enclosure first."""
+    enclosure = settings.enclosure
+    return list(dict.fromkeys([enclosure.material, *(enclosure.walls or {}).values()]))
 
 
 _LAW_STANDS_IN = ("friction", "restitution", "youngs_modulus")  # for what a file does not have
@@ -92,97 +108,6 @@ def _cure(absent: Keys) -> str:
     options = ", ".join(f"--{key.replace('_', '-')}" for key in keys)
     instead = f"or give [law] {', '.join(keys)} ({options}); " if keys else ""
     return f"{instead}damper3d init --materials FILE writes a file with all"
-
-
-def restitutions(table: ContactTable, settings: Settings) -> dict[str, float]:
-    """Restitution of each kind of contact [-]: the case's, else the file's."""
-    law = settings.law
-    given = law.restitution, _first(law.restitution_wall, law.restitution)
-    found = {}
-    for name, names, own in zip(CLASSES, _pairs(settings), given, strict=True):
-        if own is None:
-            known = table.pair(*names).restitution
-            assert known is not None  # table_of has refused that
-            own = known.value
-        found[name] = own
-    return found
-
-
-def frictions(table: ContactTable, settings: Settings) -> dict[str, float]:
-    """Friction of each kind of contact [-], as the restitution."""
-    law = settings.law
-    given = law.friction, _first(law.friction_wall, law.friction)
-    return {
-        name: table.pair(*names).friction.value if own is None else own
-        for name, names, own in zip(CLASSES, _pairs(settings), given, strict=True)
-    }
-
-
-def _pairs(settings: Settings) -> tuple[tuple[str, str], tuple[str, str]]:
-    """The materials of particle-particle and particle-wall contacts."""
-    particle, wall = settings.particles.material, settings.enclosure.material
-    return (particle, particle), (particle, wall)
-
-
-def _first(*values: float | None) -> float | None:
-    return next((value for value in values if value is not None), None)
-
-
-def contact_laws(
-    table: ContactTable, materials: tuple[Material, Material], settings: Settings
-) -> tuple[HertzLaw, HertzLaw]:
-    """Particle-particle and particle-wall laws (thesis, eqs 5.5-5.16, 5.32, 5.33)."""
-    particle, wall = materials
-    friction, restitution = frictions(table, settings), restitutions(table, settings)
-    laws = [
-        _law(particle, other, friction[name], restitution[name], settings.law, table.path)
-        for name, other in zip(CLASSES, (particle, wall), strict=True)
-    ]
-    return laws[0], laws[1]
-
-
-def _law(
-    first: Material, second: Material, friction: float, restitution: float, law: Law,
-    file: Path | None,
-) -> HertzLaw:  # fmt: skip
-    with located(f"{file}:"):
-        return sphere_law(
-            first,
-            second,
-            friction=friction,
-            restitution=restitution,
-            end=law.contact_end,
-            tangential=law.tangential,
-            yielding=law.yielding,
-        )
-
-
-def yield_velocities(
-    materials: tuple[Material, Material], particle: MultiSphere
-) -> dict[str, float | None]:
-    """Eq. 5.26 for each kind of contact [m/s], between spheres of the particle's own radius.
-
-    Each has its own reduced radius and mass; the wall is flat and does not move. None where no
-    yield strength is known.
-    """
-    radius, density = particle.smallest_radius, materials[0].density.value
-    mass = density * particle.volume
-    found: dict[str, float | None] = {}
-    for name, other, share in zip(CLASSES, materials, (0.5, 1.0), strict=True):
-        if materials[0].yield_strength is None and other.yield_strength is None:
-            found[name] = None
-            continue
-        found[name] = yield_velocity(materials[0], other, radius=share * radius, mass=share * mass)
-    return found
-
-
-def lowest_yield(walls: list[dict[str, float | None]]) -> dict[str, float | None]:
-    """The lowest of yield velocities against several walls [m/s]; None where none is known."""
-    found: dict[str, float | None] = {}
-    for name in CLASSES:
-        known = [own for wall in walls if (own := wall[name]) is not None]
-        found[name] = min(known) if known else None
-    return found
 
 
 @dataclasses.dataclass(frozen=True)

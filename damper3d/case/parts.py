@@ -132,6 +132,12 @@ def check_enclosure(
             f"{where}: [law] contact_treatment = {law.contact_treatment!r} takes all contacts of a "
             "particle with one wall together, and a cavity is one wall all round; give 'sum'"
         )
+    if isinstance(enclosure, Cavity) and (law.rolling_friction or law.cohesion):
+        key = "rolling_friction" if law.rolling_friction else "cohesion"
+        raise InputError(
+            f"{where}: [law] {key}: not in a cavity of triangles, over whose seams its state is "
+            "not handed on; leave it out, or give another shape"
+        )
     # Spheres on both sides of a wall may each overlap with it by DEEPEST of their radius.
     thinnest = 2.0 * DEEPEST * particle.smallest_radius
     if isinstance(enclosure, Cells) and enclosure.thickness < thinnest:
@@ -249,7 +255,8 @@ def mesh_copy(wanted: Particle) -> dict[str, str]:
 def with_usual_cycles(settings: Settings, document: dict[str, Any]) -> Settings:
     """The settings with the thesis's number of cycles for the shape, where the case gives none."""
     shape = settings.particles.shape.partition(":")[0].strip()
-    if shape == "sphere" or "cycles" in document.get("run", {}):
+    spheres = shape == "sphere" or settings.particles.kind is not None
+    if spheres or "cycles" in document.get("run", {}):
         return settings
     run = settings.run.model_copy(update={"cycles": SHAPED_CYCLES})
     return settings.model_copy(update={"run": run})

@@ -5,6 +5,7 @@ from typing import Any
 
 from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.case.closed_forms import fluidisation_threshold
+from damper3d.case.contacts import Pairing
 from damper3d.case.oscillation import DEEPEST
 from damper3d.case.parameters import SAFE_SHARE
 from damper3d.engine.records import CLASSES
@@ -171,13 +172,16 @@ def _still_bed_warning(case: DamperCase) -> list[str]:
 
 def _impact_warnings(case: DamperCase, pair: str) -> list[str]:
     """Warnings where impacts at the enclosure's peak speed are beyond the law."""
-    lines, name, limit = [], pair.replace("_", "-"), case.yield_velocity[pair]
+    lines, name = [], pair.replace("_", "-")
+    own = [one for one in case.pairings if one.of_wall == (pair == CLASSES[1])]
+    constant = [one.yield_velocity for one in own if not one.falls]
+    limit = min((limit for limit in constant if limit is not None), default=None)
     if limit is not None and case.peak_speed > _FAST * limit:
         lines.append(
             f"peak speed {case.peak_speed:.3g} m/s: {case.peak_speed / limit:.1f} times the yield "
             f"velocity of {name}; the restitution would be lower there"
         )
-    depth = _hertz_overlap(case, pair) / case.particle.smallest_radius
+    depth = max(_hertz_overlap(one, case.peak_speed) for one in own)
     if depth > DEEPEST:
         lines.append(
             f"{name} impacts at the peak speed overlap by {depth:.2g} radii; the law holds for "
@@ -186,14 +190,29 @@ def _impact_warnings(case: DamperCase, pair: str) -> list[str]:
     return lines
 
 
-def _hertz_overlap(case: DamperCase, pair: str) -> float:
-    """Largest overlap [m] of an elastic impact at the enclosure's peak speed.
+def _hertz_overlap(pairing: Pairing, speed: float) -> float:
+    """Largest overlap of an elastic impact, over the radius of the sphere [-].
 
-    (5 m v^2/(4 K))^(2/5) with K = law.hertz sqrt(R) and the reduced mass and radius.
+    (5 m v^2/(4 K))^(2/5) with K = law.hertz sqrt(R) and the reduced mass and radius; that of two
+    spheres is half of theirs where they are alike, and the smaller one's at least.
     """
-    share, law = (0.5, case.pair_law) if pair == CLASSES[0] else (1.0, case.wall_law)
-    stiffness = law.hertz * math.sqrt(share * case.particle.smallest_radius)
-    return (1.25 * share * case.particle_mass * case.peak_speed**2 / stiffness) ** 0.4
+    stiffness = pairing.law.hertz * math.sqrt(pairing.radius)
+    overlap = (1.25 * pairing.mass * speed**2 / stiffness) ** 0.4
+    return overlap / (pairing.radius if pairing.of_wall else 2.0 * pairing.radius)
+
+
+def _described(pairing: Pairing) -> dict[str, Any]:
+    """Contacts of two materials for --dry-run."""
+    return {
+        "materials": list(pairing.materials),
+        "of_wall": pairing.of_wall,
+        "friction": pairing.law.mu,
+        "restitution": pairing.restitution,
+        "restitution_from": pairing.origin,
+        "yield_velocity_m_s": pairing.yield_velocity,
+        "restitution_falls": pairing.falls,
+        "restitution_rule": pairing.reason,
+    }
 
 
 def plan(case: DamperCase) -> dict[str, Any]:
@@ -218,6 +237,8 @@ def plan(case: DamperCase) -> dict[str, Any]:
         "rayleigh_step_s": case.steps.rayleigh,
         "step_limit_s": case.steps.limit,
         "restitution": case.restitution,
+        "pairs": [_described(pairing) for pairing in case.pairings],
+        "kinds": None if case.bed is None else case.bed.described(),
         "yield_velocity_m_s": case.yield_velocity,
         "steps": steps_at_most(case),
         "expected_min": sum(expected_cpu_s(case)) / 60,

@@ -29,9 +29,11 @@ from granulab.contact.files.casefile import (
     Section,
     Size,
     Time,
+    Unit,
     Velocity,
     folder_name,
     key,
+    read,
 )
 from granulab.contact.files.units import nearest
 
@@ -149,6 +151,22 @@ class Enclosure(Extensible):
     )  # fmt: skip
 
 
+Distribution = Literal["normal", "lognormal", "sieve"]
+Sieve = list[Annotated[list[Any], Field(min_length=2, max_length=2)]]
+
+
+class Kind(Section):
+    """A kind of spheres of a mixture, [[particles.kind]]."""
+
+    shape: str
+    material: str | None = None  # that of [particles] where it is left out
+    count: Annotated[int, Field(ge=1, le=MOST_PARTICLES, strict=True)] | None = None
+    mass_fraction: Annotated[Positive, Field(le=1)] | None = None
+    size_distribution: Distribution | None = None
+    size_deviation: Size | None = None
+    sieve: Sieve | None = None
+
+
 class Particles(Section):
     """The particles, and their material."""
 
@@ -184,6 +202,25 @@ class Particles(Section):
     fill_ratio: Annotated[Positive, Field(le=1)] | None = key(
         None, "volume of the particles over that of the enclosure (eq. 6.1), in place of count",
         example=0.41, option="--fill-ratio", metavar="0.41",
+    )  # fmt: skip
+    size_distribution: Distribution | None = key(
+        None, "distribution of the diameters of spheres, by number, about that of the shape; "
+        "sieve: by a table; see docs/damper-beds.md", example="normal", left_out="all are alike",
+    )  # fmt: skip
+    size_deviation: Size | None = key(
+        None, "standard deviation of the diameters, of a normal or lognormal distribution",
+        example="0.2 mm",
+    )  # fmt: skip
+    sieve: Sieve | None = key(
+        None, "sieves, and the share of the mass that passes each, from 0 to 1",
+        example=[["2 mm", 0.0], ["3 mm", 0.4], ["4 mm", 1.0]],
+    )  # fmt: skip
+    kind: list[Kind] | None = key(
+        None, "kinds of spheres of a mixture, each with shape, material, and count or "
+        "mass_fraction; also written as [[particles.kind]] tables; see docs/damper-beds.md",
+        example=[{"shape": "sphere:5mm", "mass_fraction": 0.7},
+                 {"shape": "sphere:3mm", "mass_fraction": 0.3}],
+        left_out="one, of the shape above",
     )  # fmt: skip
     material: str = key("acrylic", "material of the particles, in the materials table")
     materials: str = key(
@@ -310,8 +347,27 @@ class Law(Section):
         False, "the contact law knows that the side of a cylinder is round; flat in the "
         "thesis", option="--wall-curvature",
     )  # fmt: skip
-    yielding: bool = key(
-        False, "restitution falls above the yield velocity (eq. 5.26)", option="--yielding"
+    yielding: bool | None = key(
+        None, "restitution falls above the yield velocity (eq. 5.26), or does not", example=True,
+        left_out="it falls for a pair whose yield velocity is below gamma g/omega, unless the "
+        "materials table says restitution_model = \"constant\"", option="--yielding",
+    )  # fmt: skip
+    rolling_friction: Friction | None = key(
+        None, "coefficient of rolling resistance: its largest torque over normal force and "
+        "reduced radius", example=0.1, left_out="nothing resists rolling",
+    )  # fmt: skip
+    rolling_stiffness: Annotated[float, read("N/m"), Unit("N/m"), Field(gt=0)] | None = key(
+        None, "stiffness of the spring that resists rolling", example="1e5 N/m"
+    )
+    rolling_damping: Annotated[float, read("N s/m"), Unit("N s/m"), Field(ge=0)] | None = key(
+        None, "dashpot beside it", example="0.05 N s/m", left_out="none"
+    )
+    cohesion: Literal["dmt", "jkr"] | None = key(
+        None, "cohesion of all contacts of spheres: of Derjaguin, Muller and Toporov, or of "
+        "Johnson, Kendall and Roberts", example="jkr", left_out="none",
+    )  # fmt: skip
+    surface_energy: Annotated[float, read("J/m2"), Unit("J/m2"), Field(gt=0)] | None = key(
+        None, "energy of each surface, half of the work of adhesion", example="0.05 J/m2"
     )
     youngs_modulus: Pressure | None = key(
         None, "Young's modulus of particles and walls", example="3.3 GPa", left_out=_TABLE,

@@ -17,7 +17,7 @@ from granulab.campaign.cli.observe import observe_command
 @click.option(
     "--by",
     default="velocity",
-    metavar="velocity|dissipation",
+    metavar="velocity|dissipation|kind",
     help="Quantity shown by the colours.",
 )
 @click.option(

@@ -13,6 +13,8 @@ import numpy as np
 
 from damper3d.engine.geometry import between_spheres, entry, put, vector
 from damper3d.engine.kinds import find_at_wall, find_pairs
+from damper3d.engine.laws.rolling import roll
+from damper3d.engine.laws.table import face_wall, halo, law_of, normal_force, note_laws, tear
 from damper3d.engine.simd import add_loads, gather, keep_history, whole
 from damper3d.engine.state import (
     BLOCK,
@@ -35,14 +37,8 @@ from damper3d.engine.state import (
     TANGENTIAL_DAMPING,
     WALL_WORK,
 )
-from damper3d.engine.walls import law_of_wall, place_wall, with_wall
-from granulab.contact.hertz import (
-    damping_of_impact,
-    hertz_force,
-    mindlin_force,
-    spring_work,
-    with_history,
-)
+from damper3d.engine.walls import place_wall, with_wall
+from granulab.contact.hertz import damping_of_impact, mindlin_force, spring_work, with_history
 from granulab.contact.jit import inlined_inner, inner
 from granulab.contact.vectors import add, cross, dot, scale
 
@@ -60,17 +56,19 @@ def apply_forces(world, shift, speed):
         n = min(n_touching - begin, BLOCK)
         gather(spheres, world.inner, begin, n, block)
         between_spheres(whole(n), block)
+        note_laws(world.pair_law, world.inner, begin, n, block, 2.0 * halo(world.pair_law))
         sums = push_and_count(world, world.pair_law, world.inner, begin, n, 0, sums)
     add_to_balance(balance, 0, sums, world.time_step)
     sums = 0.0, 0.0, 0.0, 0.0, 0.0
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
+        face_wall(world.wall_law, w)
         n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
-            law = law_of_wall(world.wall_law, w)
-            sums = push_and_count(world, law, world.wall, begin, n, 1, sums)
+            note_laws(world.wall_law, world.wall, begin, n, block, halo(world.wall_law))
+            sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
         balance[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w])
     add_to_balance(balance, N_MECHANISMS, sums, world.time_step)
 
@@ -102,7 +100,10 @@ def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
     begin_contacts(law, n_contacts, block, world.fastest, which)
     keep_history(contacts, begin, n_contacts, block)
     add_loads(world.spheres, contacts, begin, n_contacts, block)
-    return add_dissipated(world.particles.dissipated, contacts, begin, n_contacts, block, dt, sums)
+    heat = world.particles.dissipated
+    sums = add_dissipated(heat, contacts, begin, n_contacts, block, dt, sums)
+    sums = roll(law, world.spheres, contacts, begin, n_contacts, block, dt, heat, sums)
+    return tear(law, contacts, begin, n_contacts, dt, heat, sums)
 
 
 @inner
@@ -117,27 +118,30 @@ def surface_motion(block, k):
 def contact_law(law, n_contacts, block, dt):
     """Forces, histories and dissipation of a block whose geometry is known."""
     if law.stored_force:  # out of the loop, where both ways would be calculated
-        apply_law(with_history(law, True), n_contacts, block, dt)
+        apply_law(law, True, n_contacts, block, dt)
     else:
-        apply_law(with_history(law, False), n_contacts, block, dt)
+        apply_law(law, False, n_contacts, block, dt)
 
 
 @inlined_inner
-def apply_law(law, n_contacts, block, dt):
+def apply_law(laws, stored_force, n_contacts, block, dt):
     """See contact_law."""
     history, next_history = block.history, block.next_history
     for k in range(np.uintp(n_contacts)):
         overlap = block.overlap[k]
         touches = 1.0 if overlap > 0.0 else 0.0
+        law = with_history(law_of(laws, k), stored_force)
         normal, rate, slip_rate = surface_motion(block, k)
         known = history[entry(DAMPING, k)]
         damping = max(known, law.damping)
         hertz, mass = block.constants[entry(HERTZ, k)], block.constants[entry(MASS, k)]
-        stiffness, dashpot, f_n, inelastic = hertz_force(law, hertz, mass, damping, overlap, rate)
+        stiffness, dashpot, f_n, inelastic, load = normal_force(
+            laws, law, hertz, mass, damping, overlap, rate, k
+        )
         kt, kt_before = law.tangential * stiffness, history[entry(STIFFNESS, k)]
         moved = scale(0.5 * dt, slip_rate)
         held_before, trial = without_slip(law, history, k, normal, kt_before, kt, moved)
-        force, held, power, slides = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
+        force, held, power, slides = mindlin_force(law, stiffness, dashpot, load, trial, slip_rate)
         friction_work, stiffness_work = spring_work(law, kt_before, kt, held_before, trial, held)
 
         nothing = 0.0, 0.0, 0.0  # not a product with 0: that may be -0
@@ -187,8 +191,9 @@ def begin_contacts(law, n_contacts, block, fastest, which):
         speed = block.impact_speed[k]
         if speed > 0.0:
             fastest[which] = max(fastest[which], speed)
+            hertz, mass = block.constants[entry(HERTZ, k)], block.constants[entry(MASS, k)]
             block.next_history[entry(DAMPING, k)] = damping_of_impact(
-                law, block.constants[entry(HERTZ, k)], block.constants[entry(MASS, k)], speed
+                law_of(law, k), hertz, mass, speed
             )
 
 

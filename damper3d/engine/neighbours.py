@@ -27,6 +27,8 @@ from damper3d.engine.kinds import (
     place_near_walls,
     remember_pairs,
 )
+from damper3d.engine.laws.rolling import copy_rolled, wipe_rolled
+from damper3d.engine.laws.table import face_wall, halo, hertz_of
 from damper3d.engine.motions.host import mobility
 from damper3d.engine.state import (
     DAMPING,
@@ -61,7 +63,6 @@ from damper3d.engine.state import (
 from damper3d.engine.walls import (
     gap_to_wall,
     is_triangulated,
-    law_of_wall,
     note_listed,
     radius_at_wall,
 )
@@ -222,6 +223,7 @@ def keep_histories(world):
             )
             for h in range(N_HISTORY):
                 kept.history[n, h] = contacts.history[m, h]
+            copy_rolled(kept.rolling, n, contacts.rolling, m)
             n += 1
     kept.number[0] = n
     counts[INNER] = 0
@@ -236,6 +238,7 @@ def inherit_histories(world, n_pairs):
         for h in range(N_HISTORY):
             contacts.history[n, h] = 0.0
         contacts.history[n, DAMPING] = NO_CONTACT
+    wipe_rolled(contacts.rolling, n_pairs)
     for n in range(n_pairs):
         if old == kept.number[0]:
             break
@@ -245,6 +248,7 @@ def inherit_histories(world, n_pairs):
         if old < kept.number[0] and kept.key[old] == key:
             for h in range(N_HISTORY):
                 contacts.history[n, h] = kept.history[old, h]
+            copy_rolled(contacts.rolling, n, kept.rolling, old)
     kept.number[0] = 0
 
 
@@ -264,6 +268,7 @@ def search_walls(world, shift):
     margin[:] = np.inf
     n = np.int64(0)
     for w in range(len(walls.force)):
+        face_wall(world.wall_law, w)
         walls.first[w] = n
         for b in range(len(margin)):
             gap = gap_to_wall(walls, x, w, b, shift)
@@ -313,6 +318,7 @@ def _store_by_wall(wall, walls, counts):
             for n in range(walls.first[w], walls.first[w + 1]):
                 for h in range(N_HISTORY):
                     walls.history[w, wall.i[n], h] = wall.history[n, h]
+                copy_rolled(walls.rolling, w * walls.history.shape[1] + wall.i[n], wall.rolling, n)
     counts[WALL] = 0
     walls.first[:] = 0
 
@@ -346,7 +352,7 @@ def _contacts_with_places(world, w, i, b, shift, n):
         return n
     if not gap >= -2.0 * DEEPEST * x[i, 3]:
         return np.int64(-2)
-    return list_places(world, law_of_wall(world.wall_law, w), i, b, shift, n)
+    return list_places(world, i, b, shift, n)
 
 
 @inner
@@ -361,13 +367,13 @@ def _contact_with_wall(world, w, i, b, shift, n):
         # row m is the enclosure
         wall.i[n], wall.j[n], wall.group[n] = i, len(spheres.inverse_mass), b
         wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
-        hertz = law_of_wall(world.wall_law, w).hertz * np.sqrt(
-            radius_at_wall(walls, x, w, i, shift)
-        )
+        own_radius = radius_at_wall(walls, x, w, i, shift) - halo(world.wall_law)
+        hertz = hertz_of(world.wall_law, i, len(spheres.inverse_mass)) * np.sqrt(own_radius)
         wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
         mass = 1.0 / (spheres.inverse_mass[i] + mobility(world))
         wall.constants[n, MASS] = wall.whole[n, 1] = mass
         for h in range(N_HISTORY):
             wall.history[n, h] = walls.history[w, i, h]
+        copy_rolled(wall.rolling, n, walls.rolling, w * len(spheres.inverse_mass) + i)
         n += 1
     return n

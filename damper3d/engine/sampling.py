@@ -6,6 +6,15 @@ from damper3d.engine.forces import contact_law, meet_wall, surface_motion, witho
 from damper3d.engine.geometry import between_spheres, entry
 from damper3d.engine.integrate import advance, enclosure_at, search
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
+from damper3d.engine.laws.rolling import rolling_energy
+from damper3d.engine.laws.table import (
+    face_wall,
+    halo,
+    law_of,
+    normal_energy,
+    normal_force,
+    note_laws,
+)
 from damper3d.engine.motions.host import (
     HOST_DAMPING,
     HOST_ENERGY,
@@ -36,8 +45,8 @@ from damper3d.engine.state import (
     TIME,
     VELOCITY,
 )
-from damper3d.engine.walls import law_of_wall, place_wall
-from granulab.contact.hertz import hertz_force, mindlin_force, spring_energy
+from damper3d.engine.walls import place_wall
+from granulab.contact.hertz import mindlin_force, spring_energy
 from granulab.contact.jit import inner, specialised, uncounted
 from granulab.contact.vectors import scale
 
@@ -111,7 +120,7 @@ def _host_columns(host, now, row):
 @inner
 def elastic_energies(world, shift, speed, row):
     """Return what the springs of all contacts hold, and how many contacts there are."""
-    spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
+    spheres, block, walls = world.spheres, world.block, world.walls
     row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
     row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0
     n_touching = find_pairs(world)
@@ -119,36 +128,45 @@ def elastic_energies(world, shift, speed, row):
         n = min(n_touching - begin, BLOCK)
         gather(spheres, world.inner, begin, n, block)
         between_spheres(n, block)
-        add_elastic(world.pair_law, n, block, dt, row, CONTACTS_PP)
+        note_laws(world.pair_law, world.inner, begin, n, block, 2.0 * halo(world.pair_law))
+        add_elastic(world, world.pair_law, world.inner, begin, n, row, CONTACTS_PP)
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
+        face_wall(world.wall_law, w)
         n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
-            law = law_of_wall(world.wall_law, w)
-            add_elastic(law, n, block, dt, row, CONTACTS_PW)
+            note_laws(world.wall_law, world.wall, begin, n, block, halo(world.wall_law))
+            add_elastic(world, world.wall_law, world.wall, begin, n, row, CONTACTS_PW)
 
 
 @inner
-def add_elastic(law, n_contacts, block, dt, row, count):
-    """Add the elastic energies of a block to a row: (2/5) K d^2.5 and that of the spring."""
+def add_elastic(world, laws, contacts, begin, n_contacts, row, count):
+    """Add the elastic energies of a block to a row: (2/5) K d^2.5 and those of the springs."""
+    block, dt = world.block, world.time_step
     history = block.history
     for k in range(np.uintp(n_contacts)):
         overlap = block.overlap[k]
         if overlap <= 0.0:
             continue
+        law = law_of(laws, k)
         normal, rate, slip_rate = surface_motion(block, k)
         damping = max(history[entry(DAMPING, k)], law.damping)
         hertz, mass = block.constants[entry(HERTZ, k)], block.constants[entry(MASS, k)]
-        stiffness, dashpot, f_n, _ = hertz_force(law, hertz, mass, damping, overlap, rate)
+        stiffness, dashpot, _, _, load = normal_force(
+            laws, law, hertz, mass, damping, overlap, rate, k
+        )
         trial = without_slip(
             law, history, k, normal, history[entry(STIFFNESS, k)], law.tangential * stiffness,
             scale(0.5 * dt, slip_rate),
         )[1]  # fmt: skip
-        held = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)[1]
-        row[ELASTIC_NORMAL] += 0.4 * stiffness * overlap * overlap
+        held = mindlin_force(law, stiffness, dashpot, load, trial, slip_rate)[1]
+        row[ELASTIC_NORMAL] += normal_energy(laws, law, stiffness, overlap, k)
         row[ELASTIC_TANGENTIAL] += spring_energy(law, stiffness, held)
+        row[ELASTIC_TANGENTIAL] += rolling_energy(
+            laws, world.spheres, contacts, begin, k, block, dt
+        )
         row[count] += 1.0
 
 
@@ -168,23 +186,32 @@ def list_contacts(world, particles, numbers):
         n = min(n_touching - begin, BLOCK)
         gather(spheres, world.inner, begin, n, block)
         between_spheres(n, block)
+        reach = 2.0 * halo(world.pair_law)
+        note_laws(world.pair_law, world.inner, begin, n, block, reach)
         contact_law(world.pair_law, n, block, dt)
-        found = copy_contacts(spheres, block, world.inner, begin, n, 0, particles, numbers, found)
+        found = copy_contacts(
+            spheres, block, world.inner, begin, n, 0, reach, particles, numbers, found
+        )
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
+        face_wall(world.wall_law, w)
         n_touching = find_at_wall(world, w)
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
-            contact_law(law_of_wall(world.wall_law, w), n, block, dt)
+            reach = halo(world.wall_law)
+            note_laws(world.wall_law, world.wall, begin, n, block, reach)
+            contact_law(world.wall_law, n, block, dt)
             found = copy_contacts(
-                spheres, block, world.wall, begin, n, w, particles, numbers, found
+                spheres, block, world.wall, begin, n, w, reach, particles, numbers, found
             )
     return found
 
 
 @inner
-def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, particles, numbers, found):
+def copy_contacts(
+    spheres, block, contacts, begin, n_contacts, wall, reach, particles, numbers, found
+):
     """Append the touching contacts of a block; how many there are then.
 
     The enclosure's row stands behind those of the spheres, so that adding a wall's number to it
@@ -200,6 +227,6 @@ def copy_contacts(spheres, block, contacts, begin, n_contacts, wall, particles, 
                 numbers[found, NORMAL + c] = block.normal[entry(c, k)]
                 point = spheres.position[i, c] + block.arm_i[k] * block.normal[entry(c, k)]
                 numbers[found, POINT + c] = point
-            numbers[found, OVERLAP] = block.overlap[k]
+            numbers[found, OVERLAP] = block.overlap[k] - reach
             found += 1
     return found

@@ -274,8 +274,13 @@ class Simulation:
         at_walls = _touching(world.wall, int(world.counts[state.WALL]))
         of_wall = np.searchsorted(world.walls.first, at_walls, "right") - 1
         of_wall = of_wall + world.wall.feature[at_walls]  # of triangles, which are one wall
+        rolled = {}
+        if world.walls.rolling is not None:
+            rolled = {"rolled": world.inner.rolling[pairs].T,
+                      "wall_rolled": world.wall.rolling[at_walls].T}  # fmt: skip
         return {
             **self._save_particles(),
+            **rolled,
             "heat": world.particles.dissipated.copy(),
             "pairs": np.stack([world.inner.i[pairs], world.inner.j[pairs]], axis=1),
             "springs": world.inner.history[pairs].T,
@@ -299,7 +304,7 @@ class Simulation:
         """Put back what `save` gave."""
         self._restore_particles(saved)
         self.world.counts[:] = 0
-        self._restore_pairs(saved["pairs"], saved["springs"].T)
+        self._restore_pairs(saved["pairs"], saved["springs"].T, saved.get("rolled"))
         world = self.world
         world.particles.dissipated[:] = saved["heat"]
         world.lengths[state.OUTER_SKIN] = -1.0  # its cutoff is used up: it is made again
@@ -307,6 +312,10 @@ class Simulation:
         world.walls.history[..., state.DAMPING] = state.NO_CONTACT
         touching, of_wall = saved["wall_pairs"].T
         put_back(world.walls, touching, of_wall, saved["wall_springs"].T)
+        if world.walls.rolling is not None:
+            world.walls.rolling[:] = 0.0
+            row = of_wall * world.walls.history.shape[1] + touching
+            world.walls.rolling[row] = saved["wall_rolled"].T
         world.walls.force[:] = saved["wall_force"]
         world.counts[state.STEP] = saved["step"][0]
         world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
@@ -320,13 +329,17 @@ class Simulation:
             array[:] = saved[name]
         self._kind.settle(self.world)
 
-    def _restore_pairs(self, pairs: np.ndarray, histories: np.ndarray) -> None:
+    def _restore_pairs(
+        self, pairs: np.ndarray, histories: np.ndarray, rolled: np.ndarray | None
+    ) -> None:
         """Give the next list the pairs in contact (n, 2) and their histories, by their keys."""
         while len(self.world.kept.key) < len(pairs):
             self.world = lengthened(self.world, "inner")
         kept, n = self.world.kept, len(pairs)
         kept.key[:n] = key_of.py_func(self.n_spheres, self.n_particles, *pairs.T)
         kept.history[:n] = histories
+        if rolled is not None:
+            kept.rolling[:n] = rolled.T
         kept.number[0] = n
 
     def begin_phase(self, **changes) -> None:
@@ -349,9 +362,9 @@ class Simulation:
         """Hash of positions, velocities and the histories of the contacts."""
         saved = self.save()
         text = hashlib.sha256()
-        of_host = [f"host_{name}" for name in self._of_host()]
-        contacts = ("pairs", "springs", "wall_pairs", "wall_springs")
-        for name in (*self._moved(), *contacts, *of_host):
+        contacts = ("pairs", "springs", "wall_pairs", "wall_springs", "rolled", "wall_rolled")
+        named = [name for name in contacts if name in saved]
+        for name in (*self._moved(), *named, *(f"host_{name}" for name in self._of_host())):
             text.update(np.ascontiguousarray(saved[name]).tobytes())
         return text.hexdigest()[:16]
 

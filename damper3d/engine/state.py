@@ -40,6 +40,7 @@ N_CONSTANTS = 4
 SPRING_X, SPRING_Y, SPRING_Z, MOVED_X, MOVED_Y, MOVED_Z, STIFFNESS, DAMPING = range(8)
 N_HISTORY = 8
 NO_CONTACT = -1.0
+N_ROLLING = 6  # likewise of rolling: displacement of its spring, half of that of the last step [m]
 
 # How a search ends.
 DONE, OUTER_FULL, INNER_FULL, WALL_FULL, NOT_FINITE, TOO_DEEP = range(6)
@@ -111,6 +112,7 @@ class Contacts(NamedTuple):
     constants: np.ndarray  # (capacity, N_CONSTANTS)
     whole: np.ndarray  # (capacity, 2) Hertz constant and mass of a contact that shares with others
     history: np.ndarray  # (capacity, N_HISTORY)
+    rolling: Any  # (capacity, N_ROLLING), or None where nothing resists rolling
     touching: np.ndarray  # (capacity,) uint32, those of them that touch or did a step ago
     feature: np.ndarray  # (capacity,) uint32, feature of a triangulated wall, see enclosures.cavity
 
@@ -130,17 +132,7 @@ class Kept(NamedTuple):
     number: np.ndarray  # (1,) how many
     key: np.ndarray  # (capacity,) see neighbours.keep_histories; ascending
     history: np.ndarray  # (capacity, N_HISTORY)
-
-
-class LawOfEach(NamedTuple):
-    """Contact laws of walls that are not all of one material."""
-
-    rows: np.ndarray  # (n_walls, 8) the numbers of each wall's HertzLaw; truth values as 1 and 0
-
-
-def law_of_each(laws: list[Any]) -> LawOfEach:
-    """Contact laws of walls, one HertzLaw for each."""
-    return LawOfEach(np.array([[float(number) for number in law] for law in laws]))
+    rolling: Any  # (capacity, N_ROLLING) or None
 
 
 class Walls(NamedTuple):
@@ -154,6 +146,7 @@ class Walls(NamedTuple):
     force: np.ndarray  # (n_walls, 3) by the particles, summed over the steps since asked [N]
     # (n_walls, m, N_HISTORY), up to date while there is no wall list; of triangles (PLACES, ...)
     history: np.ndarray
+    rolling: Any  # (n_walls m, N_ROLLING) likewise, or None
 
 
 class Block(NamedTuple):
@@ -217,7 +210,7 @@ class World(NamedTuple):
     fastest: np.ndarray  # (2,) largest impact speed of each class since last asked [m/s]
     lengths: np.ndarray  # (N_LENGTHS,) [m]
     pair_law: Any  # HertzLaw
-    wall_law: Any  # likewise, or LawOfEach
+    wall_law: Any  # likewise
     shaker: Any  # numbers of the motion, of a type that engine.motions knows
     direction: np.ndarray  # (4,) unit vector of the enclosure's motion
     gravity: np.ndarray  # (4,) [m/s2]

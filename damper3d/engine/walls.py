@@ -3,7 +3,7 @@
 What differs is chosen by type, when a kernel is compiled: the geometry of curved walls by the type
 of `walls.surface`, which damper3d.engine.enclosures registers, where that of triangles has contacts
 of its own way (enclosures/places.py); whether walls are driven each by itself by that of
-`walls.drive`; whether each has its own contact law by that of the law.
+`walls.drive`.
 """
 
 from typing import NamedTuple
@@ -16,8 +16,7 @@ from damper3d.engine.enclosures.cavity import Triangles
 from damper3d.engine.enclosures.places import to_feature, touching_places
 from damper3d.engine.geometry import note_touching, to_plane, vector, wall_contact
 from damper3d.engine.simd import separate, whole
-from damper3d.engine.state import BLOCK, STALE_WALL, WALL_SKIN, LawOfEach
-from granulab.contact.hertz import HertzLaw
+from damper3d.engine.state import BLOCK, STALE_WALL, WALL_SKIN
 from granulab.contact.jit import inlined, inlined_inner, specialised, uncounted
 
 # The servo of one wall: which, whether it is on; its target [N], viscosity [N s/m], speed limit.
@@ -49,10 +48,6 @@ def put_back(walls, sphere: np.ndarray, wall: np.ndarray, histories: np.ndarray)
             at[i] += 1
     else:
         walls.history[wall, sphere] = histories
-
-
-def law_of_wall(law, w):
-    """Contact law of wall w."""
 
 
 def nearest(surface, wall, x, y, z):
@@ -98,18 +93,6 @@ def _nearest(surface, wall, x, y, z):
 def is_triangulated(walls):
     """Return whether walls of a type, as numba has it, are triangles."""
     return walls[walls.fields.index("surface")].instance_class is Triangles
-
-
-@specialised(law_of_wall)
-def _law_of_wall(law, w):
-    if law.instance_class is LawOfEach:
-        return lambda law, w: _row_of_law(law.rows[w])
-    return lambda law, w: law
-
-
-@inlined_inner
-def _row_of_law(row):
-    return HertzLaw(row[0], row[1], row[2], row[3], row[4], row[5], row[6] > 0.0, row[7] > 0.0)
 
 
 def is_driven(walls):

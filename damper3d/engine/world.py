@@ -8,6 +8,7 @@ import numpy as np
 from damper3d.engine import state
 from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.enclosures.cavity import PLACES, Triangles
+from damper3d.engine.laws.table import LawTable, rolls
 from damper3d.engine.multisphere import particles as many_spheres
 from damper3d.engine.multisphere.particles import ManySpheres, Particle
 from damper3d.engine.spheres import particles as one_sphere
@@ -16,7 +17,6 @@ from damper3d.engine.state import (
     Cells,
     Contacts,
     Kept,
-    LawOfEach,
     OuterList,
     Seen,
     Spheres,
@@ -36,10 +36,10 @@ def build_world(
     particle: np.ndarray | Particle,
     orientations: np.ndarray | None = None,
     *,
-    density: float,
+    density: float | np.ndarray,
     enclosure: Enclosure,
-    pair_law: HertzLaw,
-    wall_law: HertzLaw | LawOfEach,
+    pair_law: HertzLaw | LawTable,
+    wall_law: HertzLaw | LawTable,
     shaker: Any,
     direction: np.ndarray,
     gravity: np.ndarray,
@@ -51,18 +51,21 @@ def build_world(
 
     positions (n, 3) in the enclosure's frame [m]; particle: radii (n,) of solid spheres [m], or a
     multi-sphere particle, as which all are; orientations (n, 4) of such, unit quaternions
-    (w, x, y, z), of no rotation if left out; density [kg/m3]; shaker: the numbers of a registered
+    (w, x, y, z), of no rotation if left out; density [kg/m3], of spheres also (n,); laws: a
+    HertzLaw each, or for spheres the same LawTable twice; shaker: the numbers of a registered
     motion, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s]; treatment of
     several contacts of two particles: one of multisphere.particles.TREATMENTS.
     """
     n = len(positions)
     if isinstance(particle, np.ndarray):
-        shape, particles, spheres = _one_sphere_each(positions, particle, density)
-        bounding, room = float(particle.max()), {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
+        halo = getattr(pair_law, "halo", 0.0)
+        shape, particles, spheres = _one_sphere_each(positions, particle, density, halo)
+        bounding = float(spheres.position[:, 3].max())
+        room = {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
     else:
         k, bounding = len(particle.radii), particle.bounding_radius
-        shape = many_spheres.shape_of(particle, density, n, treatment)
-        particles = many_spheres.at_rest(positions, orientations, particle, density)
+        shape = many_spheres.shape_of(particle, float(density), n, treatment)
+        particles = many_spheres.at_rest(positions, orientations, particle, float(density))
         spheres = _spheres(np.tile(particle.radii, n), np.repeat(particles.inverse_mass, k))
         room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * k + 64)
     largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
@@ -71,8 +74,8 @@ def build_world(
         particles=particles,
         spheres=spheres,
         cells=_cells_over(enclosure, n, bounding, largest),
-        **_empty_lists(n, shape),
-        walls=walls_of(enclosure, m, curved_wall, bounding),
+        **_empty_lists(n, shape, rolls(pair_law)),
+        walls=walls_of(enclosure, m, curved_wall, bounding, rolls(wall_law)),
         block=block(),
         counts=_first_counts(),
         balance=np.zeros(state.N_BALANCE),
@@ -91,23 +94,23 @@ def build_world(
 
 
 def _one_sphere_each(
-    positions: np.ndarray, radii: np.ndarray, density: float
+    positions: np.ndarray, radii: np.ndarray, density: float | np.ndarray, halo: float
 ) -> tuple[Any, Any, Spheres]:
     particles = one_sphere.at_rest(radii, density)
-    spheres = _spheres(radii, particles.inverse_mass)
+    spheres = _spheres(radii + halo, particles.inverse_mass)
     spheres.position[: len(radii), :3] = positions
     return one_sphere.known_pairs(0), particles, spheres
 
 
-def _empty_lists(n: int, shape: Any) -> dict[str, Any]:
+def _empty_lists(n: int, shape: Any, rolling: bool) -> dict[str, Any]:
     """The fields of a world that are lists of n particles, and what goes with them."""
     return {
         "outer": _outer(n, 0),
-        "inner": empty_contacts(0),
+        "inner": empty_contacts(0, rolling),
         "inner_seen": _seen(n, shape),
-        "wall": empty_contacts(0),
+        "wall": empty_contacts(0, rolling),
         "wall_seen": _seen(n, shape),
-        "kept": _kept(0),
+        "kept": _kept(0, rolling),
     }
 
 
@@ -122,7 +125,7 @@ def with_capacities(world: World, **capacities: int) -> World:
     What they hold is kept.
     """
     n = len(world.outer.made_at)
-    shape, made = world.shape, {}
+    shape, made, rolling = world.shape, {}, world.kept.rolling is not None
     for lists, capacity in capacities.items():
         if lists == "outer":
             made[lists] = _refilled(_outer(n, capacity), world.outer)
@@ -132,13 +135,13 @@ def with_capacities(world: World, **capacities: int) -> World:
             else:
                 shape = _refilled(known, shape)
         else:
-            made[lists] = _refilled(empty_contacts(capacity), getattr(world, lists))
+            made[lists] = _refilled(empty_contacts(capacity, rolling), getattr(world, lists))
     world = world._replace(**made)
     room = len(world.inner.i)
     if isinstance(shape, ManySpheres):
         depth = np.zeros(max(room, len(world.wall.i)))
         shape = shape._replace(scratch=shape.scratch._replace(depth=depth))
-    return world._replace(shape=shape, kept=_refilled(_kept(room), world.kept))
+    return world._replace(shape=shape, kept=_refilled(_kept(room, rolling), world.kept))
 
 
 def lengthened(world: World, lists: str) -> World:
@@ -149,6 +152,8 @@ def lengthened(world: World, lists: str) -> World:
 def _refilled(new: Any, old: Any) -> Any:
     """Arrays with what old ones hold, of another length, as far as there is room for it."""
     for other, array in zip(new, old, strict=True):
+        if other is None:
+            continue
         common = tuple(slice(0, min(a, b)) for a, b in zip(other.shape, array.shape, strict=True))
         other[common] = array[common]
     return new
@@ -163,7 +168,7 @@ def _spheres(radii: np.ndarray, inverse_mass: np.ndarray) -> Spheres:
     return spheres
 
 
-def walls_of(enclosure: Enclosure, m: int, curved: bool, bounding: float) -> Walls:
+def walls_of(enclosure: Enclosure, m: int, curved: bool, bounding: float, rolling: bool) -> Walls:
     """The walls of an enclosure that m spheres may touch and none does yet.
 
     bounding: radius of the largest particle [m].
@@ -179,6 +184,7 @@ def walls_of(enclosure: Enclosure, m: int, curved: bool, bounding: float) -> Wal
         first=np.zeros(n_walls + 1, np.int64),
         force=np.zeros((n_walls, 3)),
         history=no_history(PLACES if isinstance(surface, Triangles) else n_walls, m),
+        rolling=zeros(n_walls * m, state.N_ROLLING) if rolling else None,
     )
 
 
@@ -230,11 +236,12 @@ def _seen(n: int, shape: Any) -> Seen:
     )
 
 
-def _kept(capacity: int) -> Kept:
+def _kept(capacity: int, rolling: bool) -> Kept:
     return Kept(
         number=np.zeros(1, np.int64),
         key=np.zeros(capacity, np.int64),
         history=zeros(capacity, state.N_HISTORY),
+        rolling=zeros(capacity, state.N_ROLLING) if rolling else None,
     )
 
 
@@ -255,8 +262,8 @@ def block() -> Block:
     return Block(**{name: zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields})
 
 
-def empty_contacts(capacity: int) -> Contacts:
-    """An empty list of contacts."""
+def empty_contacts(capacity: int, rolling: bool = False) -> Contacts:
+    """An empty list of contacts; rolling: which resist it."""
     return Contacts(
         i=np.zeros(capacity, np.uint32),
         j=np.zeros(capacity, np.uint32),
@@ -265,6 +272,7 @@ def empty_contacts(capacity: int) -> Contacts:
         constants=zeros(capacity, state.N_CONSTANTS),
         whole=zeros(capacity, 2),
         history=no_history(capacity),
+        rolling=zeros(capacity, state.N_ROLLING) if rolling else None,
         touching=np.zeros(capacity, np.uint32),
         feature=np.zeros(capacity, np.uint32),
     )

@@ -65,7 +65,7 @@ def random_start(
     rng = np.random.default_rng(case.settings.run.seed)
     orientations = None
     if case.particle.is_sphere:
-        radius = case.particle.bounding_radius
+        radius = case.particle.bounding_radius if case.bed is None else case.radii[:count]
         centres, reached = grow(case.enclosure, count, radius, rng, grown)
     else:
         *places, first = random_places(case.enclosure, case.particle, count, rng)
@@ -97,14 +97,16 @@ def world_of(
     centres (count, 3) [m]; orientations (count, 4) of multi-sphere particles, of no rotation if
     left out; rotating: whether they have an orientation, which a sphere needs not.
     """
+    n = len(centres)
+    pair_law, wall_law = case.laws(n)
     return build_world(
         centres,
-        case.particle if rotating else np.full(len(centres), case.particle.radii[0]),
+        case.particle if rotating else case.radii[:n],
         orientations,
-        density=case.density,
+        density=case.density if case.bed is None else case.bed.density[:n],
         enclosure=case.enclosure,
-        pair_law=case.pair_law,
-        wall_law=case.law_of_walls,
+        pair_law=pair_law,
+        wall_law=wall_law,
         shaker=at_rest(),
         direction=case.direction,
         gravity=case.settling_gravity,
@@ -118,10 +120,11 @@ def packed(case: DamperCase, sim: Simulation, cpu_s: float) -> Packing:
     """The packing that a simulation has come to."""
     frame, touching = sim.frame(), np.unique(sim.contacts()["bodies"], axis=0)
     up = -case.settling_gravity / GRAVITY
+    volumes = case.particle.volume if case.bed is None else case.bed.volume
     ends = int(np.count_nonzero(touching < sim.n_particles))
     return Packing(
         state=sim.save(),
-        fraction=packing_fraction(frame["x"], case.particle.volume, case.enclosure, up),
+        fraction=packing_fraction(frame["x"], volumes, case.enclosure, up),
         height=sim.top(up) - lowest(case.enclosure, up),
         coordination=ends / sim.n_particles,
         rms_speed=float(np.sqrt((frame["v"] ** 2).sum(axis=1).mean())),

@@ -58,18 +58,19 @@ def volume_below(enclosure: Enclosure, up: np.ndarray, level: float) -> float:
 
 
 def packing_fraction(
-    centres: np.ndarray, particle_volume: float, enclosure: Enclosure, up: np.ndarray
+    centres: np.ndarray, volumes: float | np.ndarray, enclosure: Enclosure, up: np.ndarray
 ) -> float:
     """Volume of the particles over that of the space, up to where 80 % of the centres are [-].
 
-    centres (n, 3) [m]. The loose surface is left out. Of a particle that the level cuts the part
-    below it counts, as of a sphere of its volume: a few particles on a floor, which stand up out of
-    that space, do not fill more than it.
+    centres (n, 3) [m]; volumes of all, or of each (n,) [m3]. The loose surface is left out. Of a
+    particle that the level cuts the part below it counts, as of a sphere of its volume: a few
+    particles on a floor, which stand up out of that space, do not fill more than it.
     """
-    heights = np.sort(centres @ up)
+    order = np.argsort(centres @ up)
+    heights = (centres @ up)[order]
     count = max(round(_INNER * len(heights)), 1)
     level = float(heights[count - 1 : count + 1].mean())
-    radius = (0.75 * particle_volume / np.pi) ** (1 / 3)
+    radius = (0.75 * np.broadcast_to(volumes, len(order))[order] / np.pi) ** (1 / 3)
     deep = np.clip(level - heights + radius, 0.0, 2.0 * radius)  # of each sphere, below the level
     inside = float((np.pi * deep**2 * (radius - deep / 3.0)).sum())
     return inside / volume_below(enclosure, up, level)

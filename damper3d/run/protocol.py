@@ -112,10 +112,9 @@ def _start_or_resume(
 def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Constant arrays and attributes of a trajectory."""
     motion, output, particle = case.settings.motion, case.settings.output, case.particle
-    static = {
-        "radius": np.full(case.count, case.particle.equal_volume_radius),
-        "mass": np.full(case.count, case.particle_mass),
-    }
+    static = {"radius": case.radii, "mass": case.masses}
+    if case.bed is not None:
+        static["kind"] = case.bed.kind
     if not particle.is_sphere:  # about the centroid, in the axes that turn_... of the tables rotate
         static |= {"sphere_offset": particle.offsets, "sphere_radius": particle.radii}
     attributes = {

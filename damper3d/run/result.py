@@ -32,8 +32,10 @@ class Result(Results):
     particles: str
     n_particles: int
     fill_ratio: float
-    particle_mass_kg: float  # of one
+    particle_mass_kg: float  # of one, or the mean
     mass_kg: float  # of all
+    # of unlike spheres: particles, material, count, mass and diameters of each kind
+    kinds: list[dict[str, Any]] | None = field(default=None, kw_only=True)
     seed: int
     packing: dict[str, float]  # at rest: fraction, height_m, coordination, rms_speed_m_s
     cycles: int
@@ -102,6 +104,7 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
         "fill_ratio": case.fill_ratio,
         "particle_mass_kg": case.particle_mass,
         "mass_kg": case.mass,
+        "kinds": None if case.bed is None else case.bed.described(),
         "seed": run.seed,
         "cycles": n_cycles,
         "discarded": first,

@@ -1,4 +1,4 @@
-"""Colours of particles: by velocity along the motion, or by power dissipated."""
+"""Colours of particles: by velocity along the motion, by power dissipated, or by kind."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,13 +24,15 @@ class Colouring:
 
     scale       a matplotlib ScalarMappable, to draw the colour bar with
     label       of the scale, with its unit
-    name        "velocity" or "dissipation"
+    name        "velocity", "dissipation" or "kind"
+    ticks       of the colour bar; None: as matplotlib puts them
     """
 
     scene: Scene
     scale: "ScalarMappable"
     label: str
     name: str
+    ticks: list[int] | None = None
 
     def of(self, frame: int) -> Array:
         """Colours (n, 3), between 0 and 1, of the particles in a frame."""
@@ -51,7 +53,12 @@ def power(scene: Scene, frame: int) -> Array:
     return gained / (now - earlier)
 
 
-VALUES = {"velocity": velocity, "dissipation": power}
+def kind(scene: Scene, _frame: int) -> Array:
+    """Kinds of the particles (n,), counted from 1."""
+    return scene.kind + np.float64(1.0)
+
+
+VALUES = {"velocity": velocity, "dissipation": power, "kind": kind}
 
 
 def colouring(scene: Scene, by: str, frames: list[int]) -> Colouring:
@@ -60,11 +67,18 @@ def colouring(scene: Scene, by: str, frames: list[int]) -> Colouring:
     Velocities reach from minus to plus the 99th percentile of their size, at least to the
     largest velocity of the enclosure; powers over the three decades below their 99.9th.
     """
+    from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import LogNorm, Normalize
+    from matplotlib.colors import ListedColormap, LogNorm, Normalize
 
     if by not in VALUES:
         raise InputError(f"--by {by!r}: {nearest(by, VALUES)}")
+    if by == "kind":
+        known = colormaps["Set2"].colors  # type: ignore[attr-defined]  # of a listed map
+        chosen = ListedColormap([known[k % len(known)] for k in range(scene.kinds)])
+        norm = Normalize(0.5, scene.kinds + 0.5)  # a band for each number
+        ticks = list(range(1, scene.kinds + 1))
+        return Colouring(scene, ScalarMappable(norm, chosen), "kind", by, ticks)
     values = np.concatenate([VALUES[by](scene, frame) for frame in frames])
     if by == "velocity":
         limit = max(scene.peak_speed, float(np.percentile(np.abs(values), 99)))

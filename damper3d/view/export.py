@@ -4,8 +4,9 @@ VTKHDF: two or three files (PolyData with time steps), of which each stored fram
 
     particles    a point each, in the lab [m], with arrays radius [m], velocity (3) [m/s], spin (3),
                  its angular velocity [rad/s], heat [J]: energy dissipated at it so far, power [W]
-                 since the step before, id; of several spheres orientation (4), a unit quaternion
-                 (w, x, y, z), and radius that of the sphere of the same volume
+                 since the step before, id; of a mixture also kind, its number; of several spheres
+                 orientation (4), a unit quaternion (w, x, y, z), and radius that of the sphere of
+                 the same volume
     spheres      sub-spheres, where particles have several, likewise: radius [m], velocity (3)
                  [m/s] of the sphere's centre, power [W] of its particle, particle: its id
     enclosure    its walls as polygons where they stand, with array wall: row of wall_names
@@ -126,6 +127,8 @@ def particles_file(scene: Scene) -> bytes:
         }  # fmt: skip
         if scene.of_many_spheres:
             arrays["orientation"] = scene.orientation(frame)
+        if scene.kinds > 1:
+            arrays["kind"] = scene.kind
         return now.position, arrays
 
     return _points_file(scene, of)
@@ -236,8 +239,11 @@ def _rows(scene: Scene, frame: int, keys: list[str]) -> np.ndarray:
 
 def bodies_csv(scene: Scene) -> bytes:
     """Constants of each particle."""
-    rows = np.column_stack([np.arange(len(scene.radius)), scene.radius, scene.masses])
-    return numbers_as_csv(["id", "radius_m", "mass_kg"], ["%d", "%.9g", "%.9g"], [rows])
+    names, shape = ["id", "radius_m", "mass_kg"], ["%d", "%.9g", "%.9g"]
+    columns = [np.arange(len(scene.radius)), scene.radius, scene.masses]
+    if scene.kinds > 1:
+        names, shape, columns = [*names, "kind"], [*shape, "%d"], [*columns, scene.kind]
+    return numbers_as_csv(names, shape, [np.column_stack(columns)])
 
 
 def spheres_csv(scene: Scene) -> bytes:

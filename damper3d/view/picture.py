@@ -54,8 +54,8 @@ def make_figures(
 
     report: called with the pictures done and left, a chart counting as many of a film's.
 
-    `by` says what the particles' colours show: "velocity" or "dissipation". A run that kept no
-    frames (output.frames = 0) has neither cycle.png nor film. Raises FolderError when the folder
+    `by` says what the particles' colours show: "velocity", "dissipation" or "kind". A run that kept
+    no frames (output.frames = 0) has neither cycle.png nor film. Raises FolderError when the folder
     holds no cycle yet or cannot be read or written, InputError for another `by`.
     """
     if engine not in ENGINES:
@@ -114,7 +114,7 @@ def cycle_figure(scene: Scene, by: str = "velocity", engine: str = "matplotlib")
             draw_enclosure(panel, scene, frame, colours, _PIXELS * wide)
     bar = figure.add_axes(((width - _RIGHT + 0.15) / width, bottom / total, 0.1 / width,
                            min(high, 2.2) / total))  # fmt: skip
-    figure.colorbar(colours.scale, cax=bar).set_label(colours.label)
+    figure.colorbar(colours.scale, cax=bar, ticks=colours.ticks).set_label(colours.label)
     return figure
 
 

@@ -4,7 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from damper3d.case.bed import pairs_of
 from damper3d.case.case import DamperCase
+from damper3d.case.contacts import Pairing
 from damper3d.case.host import COUNTED, REACHED, Drive, Modes
 from damper3d.case.plan import (
     disk_at_most,
@@ -13,14 +15,12 @@ from damper3d.case.plan import (
     steps_at_most,
     warnings,
 )
-from damper3d.engine.records import CLASSES
 from damper3d.measures import host
 from damper3d.measures.efficiency import in_words
 from damper3d.run.result import Result
 from granulab.campaign.output import room
 from granulab.campaign.output.layout import pulls_in_words
 from granulab.campaign.sweeps.overview import in_minutes
-from granulab.contact.hertz import HertzLaw
 
 _COARSE = 0.005  # closed at 1 us, relative to what is dissipated
 _MOST_CYCLES = 12  # that are listed one by one
@@ -35,18 +35,12 @@ def echo(case: DamperCase, dry_run: bool) -> str:
         f"  particles   {case.count} of {particle.name}: radius {particle.equal_volume_radius:g} "
         f"m, {case.particle_mass:.4g} kg each, {case.mass:.4g} kg together, fill ratio "
         f"{case.fill_ratio:.3f}",
+        *_kinds(case),
         *_motion(case),
-        _law("particles", case.pair_law, case.restitution[CLASSES[0]]),
-        _law("walls", case.wall_law, case.restitution[CLASSES[1]]),
-        *(
-            _law(
-                f"{name} of {settings.enclosure.walls[name]}", law, case.restitution_of_walls[name]
-            )
-            for name, law in case.laws_of_walls.items()
-            if settings.enclosure.walls
-        ),
+        *_laws(case),
         f"  contact     {_contact(case)}",
-        f"  yield       {_yield(case)}",
+        *_more(case),
+        *_yield(case),
         f"  filling     settled for {settings.fill.settle_time:g} s under gravity "
         f"{_vector(case.settling_gravity)} m/s2, in steps of {steps.free:.4g} s",
         f"  time step   {case.time_step:.6g} s: {steps.reason};",
@@ -104,11 +98,56 @@ def _vector(vector: np.ndarray) -> str:
     return f"({', '.join(f'{x + 0.0:.4g}' for x in vector)})"
 
 
-def _law(name: str, law: HertzLaw, restitution: float) -> str:
+def _kinds(case: DamperCase) -> list[str]:
+    """Lines on each kind of unlike spheres."""
+    lines = []
+    for n, kind in enumerate([] if case.bed is None else case.bed.described()):
+        size = kind["diameter_m"]
+        lines.append(
+            f"    kind {n + 1}    {kind['count']} of {kind['particles']}, {kind['material']}: "
+            f"{kind['mass_kg']:.4g} kg, {100 * kind['mass_fraction']:.1f} % of the mass; diameter "
+            f"{size['mean']:.4g} m, sd {size['sd']:.3g}, {size['smallest']:.4g} to "
+            f"{size['largest']:.4g}"
+        )
+    return lines
+
+
+def _laws(case: DamperCase) -> list[str]:
+    return [_law(_whose(case, one), one) for one in case.pairings]
+
+
+def _whose(case: DamperCase, pairing: Pairing) -> str:
+    """Name of a pair of contacts: particles or walls, or both numbers of a mixture's kinds."""
+    if len(case.pairings) == 2:
+        return "walls" if pairing.of_wall else "particles"
+    walls = int(case.wall_kinds.max()) + 1
+    first, second = pairs_of(case.sorts, walls)[case.pairings.index(pairing)]
+    wall = f"wall of {pairing.materials[1]}" if walls > 1 else "wall"
+    return f"{first + 1}-{wall if pairing.of_wall else second + 1}"
+
+
+def _law(name: str, pairing: Pairing) -> str:
+    law, origin = pairing.law, pairing.origin
+    whence = f" from the {origin}" if origin.startswith("loss") else ""
     return (
         f"  law {name:9} 4/3 E {law.hertz:.4g} Pa, kt/kn {law.tangential:.4g}, mu {law.mu:g}, "
-        f"restitution {restitution:g}"
+        f"restitution {pairing.restitution:g}{whence}"
     )
+
+
+def _more(case: DamperCase) -> list[str]:
+    """Lines on rolling resistance and cohesion, where the law has them."""
+    law, lines = case.settings.law, []
+    if law.rolling_friction is not None:
+        lines.append(
+            f"  rolling     resistance {law.rolling_friction:g}, {law.rolling_stiffness:g} N/m, "
+            f"{law.rolling_damping or 0.0:g} N s/m"
+        )
+    if law.cohesion is not None:
+        lines.append(
+            f"  cohesion    {law.cohesion.upper()}, {law.surface_energy:g} J/m2 of each surface"
+        )
+    return lines
 
 
 def _contact(case: DamperCase) -> str:
@@ -120,13 +159,13 @@ def _contact(case: DamperCase) -> str:
     return f"{end}; the spring carries its {law.tangential}; {side}"
 
 
-def _yield(case: DamperCase) -> str:
-    parts = [
-        f"{pair.replace('_', '-')} " + ("not known" if v is None else f"{v:.3g} m/s")
-        for pair, v in case.yield_velocity.items()
-    ]
-    above = "falls above it" if case.settings.law.yielding else "does not depend on it"
-    return f"{', '.join(parts)} (thesis, eq. 5.26); restitution {above}"
+def _yield(case: DamperCase) -> list[str]:
+    """Yield velocity of each pair (eq. 5.26), and what its restitution does above it, and why."""
+    lines = []
+    for one in case.pairings:
+        limit = "not known" if one.yield_velocity is None else f"{one.yield_velocity:.3g} m/s"
+        lines.append(f"  yield       {_whose(case, one)} {limit}: restitution {one.reason}")
+    return lines
 
 
 def _end(case: DamperCase) -> str:

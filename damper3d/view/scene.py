@@ -127,6 +127,16 @@ class Scene:
         return self.trajectory.static["radius"]
 
     @property
+    def kind(self) -> NDArray[np.int64]:
+        """Number of the kind of each particle (n,); 0 where all are of one."""
+        return self.trajectory.static.get("kind", np.zeros(len(self.radius), np.int64))
+
+    @property
+    def kinds(self) -> int:
+        """Return how many kinds there are."""
+        return int(self.kind.max()) + 1
+
+    @property
     def full_energy(self) -> float:
         """4 (Gamma g/omega)^2 M [J], the most that a cycle can dissipate (eq. 6.10)."""
         return reference_energy(self.peak_speed, self.mass)
@@ -262,11 +272,13 @@ class Scene:
     def title(self) -> str:
         """Particles, enclosure and motion, in one line."""
         n, motion = len(self.radius), self.settings.motion
-        shape = self.settings.particles.shape
+        shape, kinds = self.settings.particles.shape, self.settings.particles.kind
         kind, _, size = shape.partition(":")
         what = f"{n} spheres of {re.sub('(?<=[0-9])(?=[a-z])', ' ', size)}"
         if kind != "sphere":
             what = f"{n} particles {shape.removesuffix('.obj')}"
+        if kinds:
+            what = f"{n} spheres of {len(kinds)} kinds"
         how = orientation_of(self.gravity, self.direction).replace("none", "no gravity")
         fill = self.trajectory.attributes["fill_ratio"]
         return (

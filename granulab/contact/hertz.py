@@ -36,7 +36,7 @@ class HertzLaw(NamedTuple):
     stored_force: bool  # True: the spring's force is carried on; False: its displacement
 
 
-_NORMAL = np.sqrt(5.0)  # of eq. 5.32
+NORMAL = np.sqrt(5.0)  # of eq. 5.32
 
 
 @njit
@@ -49,7 +49,7 @@ def hertz_force(law, hertz, mass, damping, overlap, overlap_rate):
     stiffness = hertz * np.sqrt(overlap)
     dashpot = damping * np.sqrt(stiffness * mass)
     elastic = stiffness * overlap
-    force = elastic + _NORMAL * dashpot * overlap_rate
+    force = elastic + NORMAL * dashpot * overlap_rate
     if not law.pulls:
         force = max(force, 0.0)
     return stiffness, dashpot, force, force - elastic

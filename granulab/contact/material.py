@@ -5,7 +5,7 @@ import datetime
 import math
 import re
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from granulab.errors import InputError
 
@@ -37,6 +37,13 @@ PROPERTIES = {
         "MPa",
         *_POSITIVE,
         "yield strength, for the speed at which spheres yield; may be left out",
+    ),
+    "loss_factor": Property(
+        "1",
+        "1",
+        "above 0 and below 2",
+        lambda value: 0 < value < 2,
+        "loss factor of a viscoelastic material, which gives the restitution of a pair without one",
     ),
     "friction": Property("1", "1", *_NOT_NEGATIVE, "Coulomb coefficient"),
     "restitution": Property(
@@ -96,6 +103,7 @@ class Material:
     youngs_modulus: Measured | None = None  # [Pa]
     poisson: Measured | None = None  # [-]
     yield_strength: Measured | None = None  # [Pa]
+    loss_factor: Measured | None = None  # of a viscoelastic one [-]
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"\w+", self.name, re.ASCII):
@@ -142,6 +150,7 @@ class Pair:
     friction: Measured  # Coulomb coefficient [-]
     restitution: Measured | None = None  # leaving over arriving normal speed [-]
     linear: LinearParameters | None = None
+    restitution_model: Literal["constant"] | None = None  # at all speeds; None: see damper3d.case
 
     def __post_init__(self) -> None:
         _check_ranges(self)

@@ -466,7 +466,7 @@ def test_a_number_that_is_not_finite_is_no_property(name, value):
 
     def build():
         of = quantities.__getitem__
-        Material("a", *map(of, list(PROPERTIES)[:5]))
+        Material("a", *map(of, list(PROPERTIES)[:6]))
         linear = LinearParameters(*map(of, ("kn", "kt", "gamma_n", "gamma_t")))
         Pair("a", "a", of("friction"), of("restitution"), linear)
 

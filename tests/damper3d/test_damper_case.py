@@ -321,6 +321,7 @@ OF_THE_PACKING: dict[str, Any] = {
     "law.contact_end": "force",
     "law.wall_curvature": True,
     "law.yielding": True,
+    "particles.kind": [{"shape": "sphere:5mm", "count": 300}, {"shape": "sphere:4mm", "count": 9}],
     "law.youngs_modulus": "3 GPa",
     "law.density": "1 g/cm3",
     "fill.settle_time": "0.1 s",
@@ -343,6 +344,13 @@ def test_what_acts_while_settling_makes_another_packing(key):
     assert run_digest(case) != run_digest(case_with())
 
 
+DISTRIBUTED = {"particles.size_distribution": "normal", "particles.size_deviation": "0.1 mm"}
+SIEVED = {
+    "particles.size_distribution": "sieve",
+    "particles.sieve": [["4 mm", 0.0], ["5 mm", 0.5], ["6 mm", 1.0]],
+}
+ROLLING = {"law.rolling_friction": 0.1, "law.rolling_stiffness": "1e5 N/m"}
+COHESIVE = {"law.cohesion": "dmt", "law.surface_energy": "0.05 J/m2"}
 TOROIDS = {"particles.shape": "toroid:0.2"}
 HOST = {"mass": "1 kg", "frequency": 20.0, "damping_ratio": 0.01}
 CHANGED = {"mass": "2 kg", "frequency": 21.0, "damping_ratio": 0.02, "force": "2 N"}
@@ -366,6 +374,7 @@ def test_all_keys_that_act_are_in_the_digests():
         "run.max_cycles", "output.frames",
         "host.modes",  # by its modes: test_host_cases.py
         *(f"host.{key}" for key in (*HOST, *MOVED)),
+        *DISTRIBUTED, *SIEVED, *ROLLING, "law.rolling_damping", *COHESIVE,
     }  # fmt: skip
     known = {f"{table}.{key}" for table, keys in known_keys(Settings).items() for key in keys}
     assert known == named | other | OF_THE_MOTION.keys() | OF_THE_PACKING.keys()
@@ -373,6 +382,17 @@ def test_all_keys_that_act_are_in_the_digests():
         ({}, {"enclosure.shape": "box", "enclosure.width": "40 mm", "particles.count": 358}),
         ({}, {"motion.gravity": [0, 1, 0]}),
         (TOROIDS, {**TOROIDS, "particles.sub_spheres": 49}),
+        ({}, DISTRIBUTED),
+        (DISTRIBUTED, {**DISTRIBUTED, "particles.size_deviation": "0.2 mm"}),
+        ({}, SIEVED),
+        (SIEVED, {**SIEVED, "particles.sieve": [["4 mm", 0.0], ["6 mm", 1.0]]}),
+        ({}, ROLLING),
+        (ROLLING, {**ROLLING, "law.rolling_friction": 0.2}),
+        (ROLLING, {**ROLLING, "law.rolling_stiffness": "2e5 N/m"}),
+        (ROLLING, {**ROLLING, "law.rolling_damping": "0.01 N s/m"}),
+        ({}, COHESIVE),
+        (COHESIVE, {**COHESIVE, "law.cohesion": "jkr"}),
+        (COHESIVE, {**COHESIVE, "law.surface_energy": "0.1 J/m2"}),
         (TOROIDS, {**TOROIDS, "law.contact_treatment": "deepest"}),
         (TOROIDS, {**TOROIDS, "particles.equal_volume_radius": "3.4 mm"}),
         ({"law.friction": 0.5}, {"law.friction": 0.5, "law.friction_wall": 0.4}),

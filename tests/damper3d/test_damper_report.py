@@ -72,8 +72,8 @@ def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
         "thesis, seed 1", "cylinder, 0.04 m in diameter, 0.04 m high", "358 of sphere:5mm",
         "fill ratio 0.466", "vertical, 40 Hz, gamma 10", "peak speed 0.3903 m/s", "mu 0.52",
         "1e-06 s: the usual one, 0.12 of the Rayleigh step 8.33e-06 s", "250 a sample",
-        "restitution 0.86", "particle-particle 3.5 m/s, particle-wall 7 m/s", "the last 5 count",
-        "200,000 steps", "min of CPU",
+        "restitution 0.86", "particles 3.5 m/s: restitution constant", "walls 7 m/s",
+        "the last 5 count", "200,000 steps", "min of CPU",
     ):  # fmt: skip
         assert words in " ".join(result.out.split())  # lines end where the terminal does
     assert "warning" not in result.out
@@ -118,7 +118,7 @@ def test_options_change_the_keys_they_name():
     shown = " ".join(result.out.split())  # lines end where the terminal does
     for flag, (_, echoed) in OPTIONS.items():
         assert echoed in shown, flag
-    assert "restitution falls above it" in shown
+    assert "restitution falls, as [law] yielding says" in shown
     assert "curvature counts" in shown
     steady = " ".join(damper3d("run", "--dry-run", "--steady", "--max-cycles", "40").out.split())
     assert "when steady, 8 cycles at least" in steady

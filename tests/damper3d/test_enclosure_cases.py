@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from made_cavities import box_of, cavity_of, prism_of, round_rim, write_stl
 from refusals import assert_refused
@@ -111,18 +112,17 @@ def test_cells_are_filled_alike():
 def test_walls_of_their_own_material_have_its_law(materials, tmp_path):
     usual, mixed = case(**_named(materials)), case(**_named(materials | STEEL))
     whole = case(**_named(materials | {"enclosure.material": "steel"}))
-    assert isinstance(usual.law_of_walls, HertzLaw)
+    assert isinstance(usual.laws(1)[1], HertzLaw)
     assert digest(usual.identity()) == digest(case().identity())
-    assert mixed.laws_of_walls == {"bottom": whole.wall_law, "side": whole.wall_law}
+    table = mixed.laws(1)[1]
     assert mixed.wall_law == usual.wall_law
-    rows = mixed.law_of_walls.rows
-    assert [tuple(row) for row in rows] == [
-        tuple(map(float, law)) for law in (whole.wall_law, usual.wall_law, whole.wall_law)
-    ]
+    rows = table.constants[table.number[0, table.walls]]
+    wanted = [one.wall_law[:6] for one in (whole, usual, whole)]
+    assert rows[:, :6] == pytest.approx(np.array(wanted, float), rel=0.0)
     digests = {digest(one.packing_identity()) for one in (usual, mixed, whole)}
     assert len(digests) == 3
     words = echo(mixed, dry_run=False)
-    assert "law bottom of steel" in words
+    assert "1-wall of steel" in words
     assert "mu 0.3, restitution 0.8" in words
     _comes_back(mixed, tmp_path)
 

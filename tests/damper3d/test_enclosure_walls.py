@@ -9,8 +9,8 @@ from damper_runs import CASE
 
 from damper3d import DamperCase, run
 from damper3d.engine.enclosures import Enclosure, Frustum
+from damper3d.engine.laws.table import Contact, law_table
 from damper3d.engine.simulation import Simulation
-from damper3d.engine.state import law_of_each
 from damper3d.engine.world import build_world
 
 FRUSTUM = Frustum(0.03, 0.016, 0.025)
@@ -19,10 +19,13 @@ BOTTOM, TOP, SIDE = acrylic(0.0, 0.9), acrylic(0.0, 0.5), acrylic(0.0, 1.0)
 
 def ball(room: Enclosure, place, velocity) -> Simulation:
     """One sphere of LARGEST without gravity; walls have the laws of BOTTOM, TOP and SIDE."""
+    each = [Contact(law) for law in (acrylic(), BOTTOM, TOP, SIDE)]
+    number = np.maximum.outer(np.arange(4), np.arange(4))
+    laws = law_table(each, number, np.zeros(1, int), np.array([LARGEST]), walls=np.array([1, 2, 3]))
     sim = Simulation(
         build_world(
             np.array([place]), np.array([LARGEST]), density=DENSITY, enclosure=room,
-            pair_law=acrylic(), wall_law=law_of_each([BOTTOM, TOP, SIDE]), shaker=STILL,
+            pair_law=laws, wall_law=laws, shaker=STILL,
             direction=np.array([0.0, 0.0, 1.0]), gravity=np.array(NOWHERE), time_step=1e-6,
         )
     )  # fmt: skip
@@ -58,7 +61,7 @@ def shape_case(shape: str, **sizes) -> DamperCase:
     """The small case of twenty spheres in another enclosure."""
     keys = {key: value for key, value in CASE.items() if not key.startswith("enclosure.")}
     own = {f"enclosure.{key}": value for key, value in sizes.items()}
-    return DamperCase.load("thesis", keys | {"enclosure.shape": shape, "run.cycles": 2} | own)
+    return DamperCase.load("thesis", keys | {"enclosure.shape": shape, "run.cycles": 5} | own)
 
 
 SHAPES = {

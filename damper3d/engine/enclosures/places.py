@@ -12,6 +12,7 @@ with it: one that begins takes over from one that ends within that angle.
 import numpy as np
 
 from damper3d.engine.enclosures.cavity import PLACES
+from damper3d.engine.laws.table import hertz_of
 from damper3d.engine.motions.host import mobility
 from damper3d.engine.state import (
     DAMPING,
@@ -94,7 +95,7 @@ def push_from_places(surface, centres, radius, n, force):
 
 
 @inner
-def list_places(world, law, i, b, shift, n):
+def list_places(world, i, b, shift, n):
     """Append the features that sphere i of particle b touches or nearly does; the new length.
 
     -1 if there is no room.
@@ -111,7 +112,7 @@ def list_places(world, law, i, b, shift, n):
             wall.i[n], wall.j[n], wall.group[n] = i, len(spheres.inverse_mass), b
             wall.feature[n] = f
             wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
-            hertz = law.hertz * np.sqrt(x[i, 3])
+            hertz = hertz_of(world.wall_law, i, len(spheres.inverse_mass)) * np.sqrt(x[i, 3])
             wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
             mass = 1.0 / (spheres.inverse_mass[i] + mobility(world))
             wall.constants[n, MASS] = wall.whole[n, 1] = mass

@@ -11,6 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import types
 
 from damper3d.engine.enclosures import Enclosure, Round
 from damper3d.engine.enclosures.cavity import Triangles
@@ -29,16 +30,16 @@ from damper3d.engine.growth.relaxation import (
     relax,
 )
 from damper3d.engine.walls import nearest
-from granulab.contact.jit import inlined_inner, njit, specialised, substituted
+from granulab.contact.jit import inlined_inner, inner, njit, specialised, substituted
 
 _START = 0.1  # fill ratio of the radii that the first stage begins with
 
 
 class Balls(NamedTuple):
-    """Equal spheres between walls."""
+    """Spheres between walls."""
 
     centres: np.ndarray  # (n, 3) [m]
-    radius: float  # [m]
+    radius: Any  # of all, or of each (n,) [m]
     planes: np.ndarray  # as in state.Walls
     surface: Any
     n_curved: int
@@ -47,26 +48,28 @@ class Balls(NamedTuple):
 def grow(
     enclosure: Enclosure,
     count: int,
-    radius: float,
+    radius: float | np.ndarray,
     rng: np.random.Generator,
     grown: Grown | None = None,
 ) -> tuple[np.ndarray, float]:
     """Centres (count, 3) [m] of spheres without overlap in an enclosure, and how far they grew.
 
-    The second is the part of the radius [m] that the spheres reached: 1, or less where they found
-    no place, and then the centres are those of the smaller ones.
+    radius: of all, or of each (count,) [m]. The second that is returned is the part of it that the
+    spheres reached: 1, or less where they found no place, and then the centres are those of the
+    smaller ones.
     """
-    volume = 4.0 / 3.0 * math.pi * radius**3
+    volume = float(4.0 / 3.0 * math.pi * np.mean(radius**3))
     first = first_size(count * volume / enclosure.volume, _START)
-    centres = _anywhere(enclosure, count, first * radius, rng)
+    centres = _anywhere(enclosure, count, first * float(np.max(radius)), rng)
+    allowed = TOLERANCE * float(np.min(radius))
     velocity, force = np.zeros_like(centres), np.zeros_like(centres)
-    surface = enclosure.surface_for(radius)
+    surface = enclosure.surface_for(float(np.max(radius)))
     n_curved = len(enclosure.wall_names) - len(enclosure.planes)
 
     def comes_to_rest(size: float) -> bool:
         larger = size * radius * (1.0 + MARGIN)
         balls = Balls(centres.copy(), larger, enclosure.planes, surface, n_curved)
-        outcome, _, _ = relax(balls, velocity, force, TOLERANCE * radius, PATIENCE, 0.0)
+        outcome, _, _ = relax(balls, velocity, force, allowed, PATIENCE, 0.0)
         if outcome == AT_REST:
             centres[:] = balls.centres
         return bool(outcome == AT_REST)
@@ -130,10 +133,40 @@ def displace_balls(centres, velocity, dt):
             centres[n, c] += dt * velocity[n, c]
 
 
+def largest_of(radius):
+    """The largest of the radii, or the one of all [m]."""
+
+
+def sum_of(radius, n, m):
+    """The sum of the radii of spheres n and m [m]."""
+
+
+@specialised(largest_of)
+def _largest_of(radius):
+    if isinstance(radius, types.Array):
+        return lambda radius: _maximum(radius)
+    return lambda radius: radius
+
+
+@inner
+def _maximum(radius):
+    largest = 0.0
+    for n in range(len(radius)):
+        largest = max(largest, radius[n])
+    return largest
+
+
+@specialised(sum_of)
+def _sum_of(radius, n, m):
+    if isinstance(radius, types.Array):
+        return lambda radius, n, m: radius[n] + radius[m]
+    return lambda radius, n, m: 2.0 * radius
+
+
 @njit
 def push_pairs(centres, radius, force):
     """Add the overlap of each pair to the force on both; the deepest overlap."""
-    size, shape, origin = cells_over(centres, 2.0 * radius)
+    size, shape, origin = cells_over(centres, 2.0 * largest_of(radius))
     start, inside = sort_into_cells(centres, size, shape, origin)
     deepest = 0.0
     for n in range(len(centres)):
@@ -150,9 +183,10 @@ def push_pairs(centres, radius, force):
                         continue
                     dx, dy, dz = centres[m, 0] - x, centres[m, 1] - y, centres[m, 2] - z
                     square = dx * dx + dy * dy + dz * dz
-                    if square < 4.0 * radius * radius and square > 0.0:
+                    reach = sum_of(radius, n, m)
+                    if square < reach * reach and square > 0.0:
                         distance = np.sqrt(square)
-                        overlap = 2.0 * radius - distance
+                        overlap = reach - distance
                         deepest = max(deepest, overlap)
                         push = overlap / distance
                         force[n, 0] -= push * dx
@@ -167,9 +201,10 @@ def push_pairs(centres, radius, force):
 @njit
 def push_walls(balls, force):
     """Add twice the overlap with each wall, which does not give way; the deepest overlap."""
-    centres, radius, planes = balls.centres, balls.radius, balls.planes
+    centres, planes = balls.centres, balls.planes
     deepest = 0.0
     for n in range(len(centres)):
+        radius = 0.5 * sum_of(balls.radius, n, n)
         x, y, z = centres[n]
         for w in range(len(planes)):
             nx, ny, nz, offset = planes[w]

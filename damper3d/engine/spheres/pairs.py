@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from damper3d.engine.laws.table import halo, hertz_of
 from damper3d.engine.state import (
     DEEPEST,
     HERTZ,
@@ -37,7 +38,8 @@ def know_pairs(world, n_pairs):
         i, j = outer.i[n], outer.j[n]
         first, second = spheres.position[i, 3], spheres.position[j, 3]
         pairs.cutoff[n] = first + second
-        pairs.hertz[n] = world.pair_law.hertz * np.sqrt(first * second / pairs.cutoff[n])
+        a, b = first - halo(world.pair_law), second - halo(world.pair_law)
+        pairs.hertz[n] = hertz_of(world.pair_law, i, j) * np.sqrt(a * b / (a + b))
         pairs.mass[n] = 1.0 / (spheres.inverse_mass[i] + spheres.inverse_mass[j])
 
 

@@ -32,8 +32,8 @@ def known_pairs(capacity: int) -> OneSphere:
     return OneSphere(*(zeros(capacity) for _ in OneSphere._fields))
 
 
-def at_rest(radii: np.ndarray, density: float) -> SphereMotion:
-    """Solid spheres at rest; radii (n,) [m], density [kg/m3]."""
+def at_rest(radii: np.ndarray, density: float | np.ndarray) -> SphereMotion:
+    """Solid spheres at rest; radii (n,) [m], density [kg/m3] of all, or of each."""
     n, mass = len(radii), density * 4.0 / 3.0 * math.pi * radii**3
     return SphereMotion(
         velocity=zeros(n, 4),
@@ -76,4 +76,5 @@ def set_angular_velocity(world: World, angular_velocity: np.ndarray) -> None:
 
 def extents(world: World, up: np.ndarray) -> Any:
     """Extent of each sphere from its centre along a unit vector (n,) [m]."""
-    return world.spheres.position[: len(world.outer.made_at), 3]
+    halo = getattr(world.pair_law, "halo", 0.0)
+    return world.spheres.position[: len(world.outer.made_at), 3] - halo

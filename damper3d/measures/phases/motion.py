@@ -155,8 +155,10 @@ def of_run(folder: str | Path, discard: int | None = None) -> Motion | None:
 def spheres_around(case: "DamperCase") -> dict[str, Any]:
     """Radius and mass of the case's particles, as `take` requires them."""
     return {
-        "radius": np.full(case.count, case.particle.bounding_radius),
-        "mass": np.full(case.count, case.particle_mass),
+        "radius": np.full(case.count, case.particle.bounding_radius)
+        if case.bed is None
+        else case.radii,
+        "mass": case.masses,
     }
 
 

@@ -74,6 +74,7 @@ def walls_of(lines: np.ndarray, n_spheres: int) -> state.Walls:
         first=np.zeros(n + 1, np.int64),
         force=np.zeros((n, 3)),
         history=state.no_history(n, n_spheres),
+        rolling=None,
     )
 
 

@@ -75,7 +75,9 @@ def _option(key: "Key", more: str) -> click.Option:
     names = [flag, f"{key.section}__{key.name}"]
     text = f"{key.meaning[0].upper()}{key.meaning[1:]}{more}."
     if key.kind == "boolean":
-        return click.Option(names, is_flag=True, help=text)
+        if not key.has_default:  # left out, it is neither
+            names[0] = f"{flag}/--no-{flag.removeprefix('--')}"
+        return click.Option(names, is_flag=True, default=None, help=text)
     kind = _WholeNumber() if key.kind == "integer" else click.STRING
     return click.Option(names, type=kind, metavar=_metavar(key), help=text)
 
@@ -102,8 +104,4 @@ class _WholeNumber(click.ParamType):
 
 def case_changes(options: dict[str, Any]) -> dict[str, Any]:
     """The keys of the case that options change, as they would stand in a file."""
-    return {
-        name.replace("__", "."): value
-        for name, value in options.items()
-        if value is not None and value is not False
-    }
+    return {name.replace("__", "."): value for name, value in options.items() if value is not None}

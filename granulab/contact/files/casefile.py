@@ -41,11 +41,13 @@ class Unit:
 SMALLEST, LARGEST = 1e-10, 1e7
 
 
-def _read(unit: str) -> BeforeValidator:
-    def read(value: object, info: ValidationInfo) -> float:
+def read(unit: str) -> BeforeValidator:
+    """Reader of a quantity in this SI unit, as a mark of a field."""
+
+    def to_number(value: object, info: ValidationInfo) -> float:
         return to_si(value, unit, info.field_name or "value")
 
-    return BeforeValidator(read)
+    return BeforeValidator(to_number)
 
 
 def _read_frequency(value: object, info: ValidationInfo) -> float:
@@ -67,23 +69,23 @@ def _sized(value: float, info: ValidationInfo) -> float:
     return of_a_size(value, info.field_name or "value")
 
 
-Length = Annotated[float, _read("m"), Unit("m"), AfterValidator(_sized)]
-Size = Annotated[float, _read("m"), Unit("m"), Field(gt=0), AfterValidator(_sized)]
-Time = Annotated[float, _read("s"), Unit("s"), Field(gt=0)]
-Angle = Annotated[float, _read("rad"), Unit("rad")]
-Stiffness = Annotated[float, _read("N/m"), Unit("N/m"), Field(gt=0)]
-Rate = Annotated[float, _read("1/s"), Unit("1/s"), Field(ge=0)]
-Number = Annotated[float, _read("1"), Unit("1"), Field(ge=0)]
-Friction = Annotated[float, _read("1"), Unit("1"), Field(ge=0, le=1000)]
-Positive = Annotated[float, _read("1"), Unit("1"), Field(gt=0)]
+Length = Annotated[float, read("m"), Unit("m"), AfterValidator(_sized)]
+Size = Annotated[float, read("m"), Unit("m"), Field(gt=0), AfterValidator(_sized)]
+Time = Annotated[float, read("s"), Unit("s"), Field(gt=0)]
+Angle = Annotated[float, read("rad"), Unit("rad")]
+Stiffness = Annotated[float, read("N/m"), Unit("N/m"), Field(gt=0)]
+Rate = Annotated[float, read("1/s"), Unit("1/s"), Field(ge=0)]
+Number = Annotated[float, read("1"), Unit("1"), Field(ge=0)]
+Friction = Annotated[float, read("1"), Unit("1"), Field(ge=0, le=1000)]
+Positive = Annotated[float, read("1"), Unit("1"), Field(gt=0)]
 Frequency = Annotated[float, BeforeValidator(_read_frequency), Unit("1"), Field(gt=0)]
-Speed = Annotated[float, _read("m/s"), Unit("m/s"), Field(gt=0)]
-Velocity = Annotated[float, _read("m/s"), Unit("m/s")]
-Acceleration = Annotated[float, _read("m/s2"), Unit("m/s2"), Field(gt=0)]
-Mass = Annotated[float, _read("kg"), Unit("kg"), Field(gt=0)]
-Force = Annotated[float, _read("N"), Unit("N"), Field(gt=0)]
-Density = Annotated[float, _read("kg/m3"), Unit("kg/m3"), Field(gt=0)]
-Pressure = Annotated[float, _read("Pa"), Unit("Pa"), Field(gt=0)]
+Speed = Annotated[float, read("m/s"), Unit("m/s"), Field(gt=0)]
+Velocity = Annotated[float, read("m/s"), Unit("m/s")]
+Acceleration = Annotated[float, read("m/s2"), Unit("m/s2"), Field(gt=0)]
+Mass = Annotated[float, read("kg"), Unit("kg"), Field(gt=0)]
+Force = Annotated[float, read("N"), Unit("N"), Field(gt=0)]
+Density = Annotated[float, read("kg/m3"), Unit("kg/m3"), Field(gt=0)]
+Pressure = Annotated[float, read("Pa"), Unit("Pa"), Field(gt=0)]
 
 
 class Section(Table):
@@ -290,4 +292,13 @@ def toml_value(value: Any, unit: str = "1") -> str:
     if isinstance(value, str):
         # JSON's escapes are TOML's, except that TOML wants DEL escaped too.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    return repr(value)  # numbers, and lists of numbers, are written as in Python
+    if isinstance(value, Section):
+        fields = type(value).model_fields.items()
+        pairs = [(key, getattr(value, key), unit_of(field)) for key, field in fields]
+        written = [f"{key} = {toml_value(one, u)}" for key, one, u in pairs if one is not None]
+        return f"{{ {', '.join(written)} }}"
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {toml_value(one)}' for key, one in value.items())} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml_value, value))}]"
+    return repr(value)  # a number is written as in Python

@@ -126,6 +126,7 @@ def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
         for one in (SILO, DAMPER)
     )
     silo = [(where, key) for where, key in silo if not _follows(tables, where, key)]
+    damper = [(where, key) for where, key in damper if not follows_from_loss(tables, where, key)]
     if not must and not (silo and damper):
         return []
     if _is_of_a_silo(tables):
@@ -196,6 +197,15 @@ def _follows(tables: dict[str, Any], where: str, key: str) -> bool:
     """True for a damping where the pair's restitution is known: [law] damping takes that."""
     restitution = "restitution" in _table(tables, where.removesuffix(".linear"))
     return key in ("gamma_n", "gamma_t") and restitution
+
+
+def follows_from_loss(tables: dict[str, Any], where: str, key: str) -> bool:
+    """True for the restitution of a pair whose materials both have a loss factor."""
+    kind, _, names = where.partition(".")
+    if (kind, key) != ("pair", "restitution") or not isinstance(_materials(tables), dict):
+        return False
+    found = [_materials(tables).get(name) for name in names.split("-")]
+    return all(isinstance(table, dict) and "loss_factor" in table for table in found)
 
 
 def _is_of_a_silo(tables: dict[str, Any]) -> bool:

@@ -77,7 +77,8 @@ def _takes(kind: dict[str, Any]) -> str:
         return "`true`, `false`"
     if kind["type"] == "array":
         count = f"{kind['minItems']} " if "minItems" in kind else ""
-        return f"list of {count}{'numbers' if kind['items']['type'] == 'number' else 'points'}"
+        inner = {"number": "numbers", "array": "points"}.get(kind["items"].get("type"), "tables")
+        return f"list of {count}{inner}"
     if kind["type"] == "string":
         return "text"
     if kind["type"] == "object":

@@ -3,7 +3,7 @@
 import datetime
 import reprlib
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
@@ -58,6 +58,7 @@ class MaterialTable(Table):
     youngs_modulus: Entry | None = None
     poisson: Entry | None = None
     yield_strength: Entry | None = None
+    loss_factor: Entry | None = None
 
 
 class LinearTable(Table):
@@ -74,6 +75,7 @@ class PairTable(Table):
 
     friction: Entry
     restitution: Entry | None = None
+    restitution_model: Literal["constant"] | None = None  # whatever the speed
     linear: LinearTable | None = None
 
 

@@ -121,7 +121,8 @@ def _pair(path: Path, names: str, written: PairTable) -> Pair:
         if not second or "-" in second:
             raise InputError("a pair is named by two materials and a hyphen, such as wood-steel")
         known = _quantities(written)
-        return Pair(first, second, known["friction"], known.get("restitution"), linear)
+        model = written.restitution_model
+        return Pair(first, second, known["friction"], known.get("restitution"), linear, model)
 
 
 def _quantities(table: Table) -> dict[str, Measured]:
@@ -182,11 +183,14 @@ def write_table(table: ContactTable, path: str | Path) -> None:
 
 
 def _toml_lines(record: Material | LinearParameters | Pair) -> list[str]:
-    return [
+    lines = [
         f"{field.name} = {toml_entry(field.name, getattr(record, field.name))}"
         for field in dataclasses.fields(record)
         if isinstance(getattr(record, field.name), Measured)
     ]
+    if isinstance(record, Pair) and record.restitution_model is not None:
+        lines.append(f"restitution_model = {_toml_text(record.restitution_model)}")
+    return lines
 
 
 def toml_entry(name: str, measured: Measured, unit: str | None = None) -> str:

@@ -1,0 +1,1 @@
+"""Contact laws of more than one kind of sphere, with rolling resistance and cohesion."""

@@ -1,0 +1,171 @@
+"""Rolling resistance: LAMMPS's `rolling sds`, a spring, a dashpot and a slider that resist rolling.
+
+With the reduced radius R, the angular velocities w of two spheres and the normal n from the first
+to the second, rolling is u = R (w_1 - w_2) x n and its displacement s the sum of u over time:
+
+    f = k s + c u,   |f| <= mu F_n
+
+with the torque -R n x f on the first sphere and its opposite on the second.
+F_n is what limits friction too. A sliding spring holds what the dashpot leaves of the limit, s =
+(f - c u)/k, as LAMMPS has it. It is model C of Ai et al., Powder Technol. 206 (2011) 269, who set
+k R^2 = 2.25 kn (mu R)^2; LAMMPS and GranuLab take k as a constant. A sphere rolls down a slope
+without end where its tangent is above mu.
+
+In the balance the dashpot is tangential damping, the slider friction, and the spring holds
+tangential elastic energy.
+"""
+
+import numpy as np
+from numba import types
+
+from damper3d.engine.geometry import entry, vector
+from damper3d.engine.laws.table import (
+    LOAD,
+    ROLLING_DAMPING,
+    ROLLING_FRICTION,
+    ROLLING_STIFFNESS,
+    SCALED_RADIUS,
+)
+from granulab.contact.jit import inlined, inner, specialised
+from granulab.contact.vectors import add, cross, dot, norm, scale
+
+
+def roll(law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums):
+    """Add the torques of a block that resist rolling; the sums with what they dissipate."""
+
+
+def rolling_energy(law, spheres, contacts, begin, k, block, dt):
+    """Energy that the spring of contact k of a block holds now [J]."""
+
+
+@inlined
+def roll_force(stiffness, damping, limit, trial, rate):
+    """Force f [N], displacement after slip s [m] and whether it slides, from s without slip."""
+    wanted = add(scale(stiffness, trial), scale(damping, rate))
+    size = norm(wanted)
+    if not size > limit:
+        return wanted, trial, 0.0
+    force = scale(limit / size, wanted)
+    held = scale(1.0 / stiffness, add(force, scale(-damping, rate)))
+    return force, held, 1.0
+
+
+@inlined
+def _rolled(law, spheres, contacts, begin, k, block, dt):
+    """Of contact k: force, s before, s without slip, s after, u, half a step's way, sliding."""
+    n = contacts.touching[np.uintp(begin) + k]
+    i, j, row, normal = contacts.i[n], contacts.j[n], contacts.rolling, vector(block.normal, k)
+    w, lanes = spheres.angular_velocity, law.lanes
+    relative = w[i, 0] - w[j, 0], w[i, 1] - w[j, 1], w[i, 2] - w[j, 2]
+    rate = scale(lanes[entry(SCALED_RADIUS, k)], cross(relative, normal))
+    before = _across((row[n, 0], row[n, 1], row[n, 2]), normal)
+    ahead = _across((row[n, 3], row[n, 4], row[n, 5]), normal)
+    moved = scale(0.5 * dt, rate)
+    trial = add(before, add(ahead, moved))
+    limit = lanes[entry(ROLLING_FRICTION, k)] * lanes[entry(LOAD, k)]
+    force, held, slides = roll_force(
+        lanes[entry(ROLLING_STIFFNESS, k)], lanes[entry(ROLLING_DAMPING, k)], limit, trial, rate
+    )
+    return force, before, trial, held, rate, moved, slides
+
+
+@inlined
+def _across(a, normal):
+    return add(a, scale(-dot(a, normal), normal))
+
+
+@specialised(roll)
+def _roll(law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums):
+    if nothing_rolls(contacts):
+        return lambda law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums: sums
+    return lambda law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums: (
+        _roll_block(law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums)
+    )
+
+
+def nothing_rolls(contacts):
+    """Return whether contacts of a type have no rolling resistance."""
+    return isinstance(contacts[contacts.fields.index("rolling")], types.NoneType)
+
+
+@inner
+def _roll_block(law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums):
+    normal_damping, tangential, friction_work, stiffness_work, slipped = sums
+    rows, torque, last = contacts.rolling, spheres.torque, len(spheres.inverse_mass)
+    for k in range(np.uintp(n_contacts)):
+        n = contacts.touching[np.uintp(begin) + k]
+        if not block.overlap[k] > 0.0:
+            for c in range(rows.shape[1]):
+                rows[n, c] = 0.0
+            continue
+        force, before, trial, held, rate, moved, slides = _rolled(
+            law, spheres, contacts, begin, k, block, dt
+        )
+        stiffness = law.lanes[entry(ROLLING_STIFFNESS, k)]
+        power = law.lanes[entry(ROLLING_DAMPING, k)] * dot(rate, rate)
+        slip = add(trial, scale(-1.0, held))
+        work = 0.5 * stiffness * dot(add(before, held), slip)
+        turn = scale(law.lanes[entry(SCALED_RADIUS, k)], cross(vector(block.normal, k), force))
+        i, j = contacts.i[n], contacts.j[n]
+        for c in range(3):
+            rows[n, c], rows[n, 3 + c] = held[c], moved[c]
+            torque[i, c] -= turn[c]
+            if j < last:  # the enclosure does not roll
+                torque[j, c] += turn[c]
+        lost = 0.5 * (power * dt + work)
+        dissipated[i] += lost
+        dissipated[j] += lost
+        tangential += power
+        friction_work += work
+        slipped += slides * dot(force, rate)
+    return normal_damping, tangential, friction_work, stiffness_work, slipped
+
+
+@specialised(rolling_energy)
+def _rolling_energy(law, spheres, contacts, begin, k, block, dt):
+    if nothing_rolls(contacts):
+        return lambda law, spheres, contacts, begin, k, block, dt: 0.0
+    return lambda law, spheres, contacts, begin, k, block, dt: _spring_energy(
+        law, spheres, contacts, begin, k, block, dt
+    )
+
+
+@inner
+def _spring_energy(law, spheres, contacts, begin, k, block, dt):
+    held = _rolled(law, spheres, contacts, begin, k, block, dt)[3]
+    return 0.5 * law.lanes[entry(ROLLING_STIFFNESS, k)] * dot(held, held)
+
+
+def copy_rolled(to, a, rows, b):
+    """Let row a of an array be row b of another; nothing where nothing rolls."""
+
+
+def wipe_rolled(rows, n):
+    """Let the first n rows be zero; nothing where nothing rolls."""
+
+
+@specialised(copy_rolled)
+def _copy_rolled(to, a, rows, b):
+    if isinstance(to, types.NoneType):
+        return lambda to, a, rows, b: None
+    return lambda to, a, rows, b: _copy_row(to, a, rows, b)
+
+
+@inner
+def _copy_row(to, a, rows, b):
+    for c in range(rows.shape[1]):
+        to[a, c] = rows[b, c]
+
+
+@specialised(wipe_rolled)
+def _wipe_rolled(rows, n):
+    if isinstance(rows, types.NoneType):
+        return lambda rows, n: None
+    return lambda rows, n: _wipe_rows(rows, n)
+
+
+@inner
+def _wipe_rows(rows, n):
+    for k in range(n):
+        for c in range(rows.shape[1]):
+            rows[k, c] = 0.0
