@@ -226,3 +226,50 @@ def test_decay_times_are_the_last_crossings():
 @pytest.fixture
 def runs(tmp_path):
     return tmp_path
+
+
+@pytest.mark.validation
+def test_a_host_that_is_let_go_loses_in_a_cycle_what_a_shaker_gives_at_that_amplitude(tmp_path):
+    """Heavy against the bed: the amplitude falls slowly, and each cycle is like prescribed motion.
+
+    A bed of twenty that is thrown at 80 Hz, on 300 times its mass, let go from Gamma 14 and driven
+    at 12, 9 and 6: work on the bed in the cycles within 15 % of each amplitude. Means over six
+    packings, their difference within three standard errors.
+    """
+    from damper3d.run import protocol
+
+    heavy = 300 * resolved().mass
+    omega, start = 2 * np.pi * 80.0, 14 * 9.81 / (2 * np.pi * 80.0) ** 2
+    host = {"mass": f"{heavy!r} kg", "frequency": 80.0, "damping_ratio": 0.002,
+            "start_displacement": f"{start!r} m"}  # fmt: skip
+    near: dict[int, list[float]] = {6: [], 9: [], 12: []}
+    driven: dict[int, list[float]] = {6: [], 9: [], 12: []}
+    for seed in range(1, 7):
+        run = {"seed": seed, "discard": 0, "cycles": 200}
+        freed = protocol.run(resolved(host=host, run=run), out=tmp_path)
+        work, size = works(freed, omega)
+        for gamma, found in near.items():
+            there = np.abs(size / (gamma * 9.81 / omega**2) - 1) < 0.15
+            found.append(float((work[there] / size[there] ** 2).mean()))
+            shaken = protocol.run(
+                resolved(motion={"frequency": 80.0, "gamma": float(gamma)},
+                         run={"seed": seed, "discard": 10, "cycles": 60}), out=tmp_path,
+            )  # fmt: skip
+            own, amplitude = works(shaken, omega)
+            driven[gamma].append(float((own / amplitude**2)[10:].mean()))
+    for gamma in near:
+        a, b = np.array(near[gamma]), np.array(driven[gamma])
+        error = math.sqrt((a.var(ddof=1) + b.var(ddof=1)) / len(a))
+        assert abs(a.mean() - b.mean()) < 3 * error, gamma
+        assert error < 0.1 * b.mean()
+
+
+def works(result, omega):
+    """Work on the bed in each cycle [J], and the enclosure's amplitude in it [m]."""
+    from granulab.campaign.runs.trajectory import read_trajectory
+
+    samples = read_trajectory(Path(result.run_folder))
+    work = np.diff(samples["wall_work"][::50])
+    turned = np.exp(-1j * omega * samples["time"][1:])
+    size = np.abs(2 * (samples["displacement"][1:] * turned).reshape(-1, 50).mean(axis=1))
+    return work, size
