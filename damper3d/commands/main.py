@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from damper3d.commands import contact, field, impact, map, pack, predict, results, run, shape, slow
+from damper3d.commands import contact, impact, map, pack, predict, results, run, shape, slow
 from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
@@ -40,8 +40,8 @@ app = command_group(
             _simulator,
         ),
         predict.predict,
-        field.field,
-        field.response,
+        map.field,
+        map.response,
         pack.pack,
         impact.impact,
         contact.contact,

@@ -1,6 +1,7 @@
 """Runs of unlike spheres: their bits, their books, what they keep."""
 
 import random
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,7 @@ def test_unlike_spheres_begin_without_overlap():
 
 
 def test_a_run_of_a_mixture_that_is_stopped_ends_with_the_same_bits(run_of_unlike, tmp_path):
+    shutil.copytree(run_of_unlike.parent / "packings", tmp_path / "packings")
     chance, stops, result = random.Random(3), 0, None
     while result is None:
         try:
