@@ -93,6 +93,8 @@ def test_the_power_of_a_falling_mass_is_found():
     found = power_of(gamma, 0.05 / (1 + gamma**2), 0.05)
     assert found.exponent == pytest.approx(-2.0, abs=0.15)
     assert power_of(gamma, np.full(12, 0.05), 0.05) is None
+    again = 0.05 * np.where(gamma < 10, gamma**-1.0, 0.5)  # it rides along once more
+    assert power_of(gamma, again, 0.05).exponent == pytest.approx(-1.0, abs=1e-9)
 
 
 def test_points_have_intervals_over_packings():

@@ -11,6 +11,8 @@ from granulab.campaign.output.figure import GREY, headline
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_NAMED = (0.1, 0.2, 0.5, 1, 2, 3, 5, 10, 20, 30, 50, 100)  # Gammas that an axis names
+
 
 def draw_field(points: Points, name: str, bed_mass: float) -> "Figure":
     """Effective mass over the bed's own against Gamma, a line for each frequency."""
@@ -34,6 +36,9 @@ def draw_field(points: Points, name: str, bed_mass: float) -> "Figure":
     for axes, what in ((left, "in phase: rides along"), (right, "out of phase: dissipates")):
         axes.axhline(0.0, color=GREY, lw=0.6)
         axes.set(xscale="log", xlabel="Gamma [-]", ylabel=f"{what} [-]")
+        named = [g for g in _NAMED if points.gamma.min() <= g <= points.gamma.max()]
+        axes.set_xticks(named, [f"{g:g}" for g in named])
+        axes.minorticks_off()
     left.axhline(1.0, color=GREY, lw=0.6, ls="--")
     figure.legend(*left.get_legend_handles_labels(), loc="outside right upper")
     return figure

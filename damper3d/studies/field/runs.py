@@ -137,8 +137,8 @@ class Power:
 def power_of(gamma: Floats, mass: Floats, bed_mass: float) -> Power | None:
     """Power with which m' falls with Gamma, where it has left the bed's mass; None: too few points.
 
-    Fitted between the first point below nine tenths of the bed's mass and the last above a
-    hundredth of it, before m' turns negative, by least squares of the logarithms.
+    Fitted from the first point below nine tenths of the bed's mass down to the least one, or to the
+    last above a hundredth of it, by least squares of the logarithms.
     """
     order = np.argsort(gamma)
     gamma, mass = gamma[order], mass[order]
@@ -146,7 +146,7 @@ def power_of(gamma: Floats, mass: Floats, bed_mass: float) -> Power | None:
     if not len(fallen):
         return None
     gone = np.flatnonzero(mass[fallen[0] :] < 0.01 * bed_mass)
-    end = fallen[0] + (gone[0] if len(gone) else len(mass) - fallen[0])
+    end = fallen[0] + (gone[0] if len(gone) else np.argmin(mass[fallen[0] :]) + 1)
     chosen = slice(fallen[0], end)
     x, y = np.log(gamma[chosen]), np.log(mass[chosen])
     if len(x) < 3:
