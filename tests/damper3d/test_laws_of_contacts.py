@@ -179,7 +179,7 @@ def rebound(cohesion: Dmt | Jkr, speed: float) -> Simulation:
     return sim
 
 
-@pytest.mark.parametrize("cohesion", [Dmt(), Jkr()])
+@pytest.mark.parametrize("cohesion", [pytest.param(Dmt(), marks=pytest.mark.validation), Jkr()])
 def test_an_elastic_impact_loses_what_its_neck_holds(cohesion):
     """DMT gives back what it takes; JKR loses U, of the neck at its end: v'^2 = v^2 - 4 U/m.
 
@@ -230,6 +230,7 @@ def rolling_ball(k: float, mu: float, spin: float, load: float = 1000.0) -> Simu
     return sim
 
 
+@pytest.mark.validation
 def test_a_spring_lets_a_ball_roll_back_and_forth():
     """w^2 = k R^2/I = 2.5 k/m on a smooth floor; the start is uncertain by half a step, 1.3e-3."""
     k, spin = 2e4, 1.0
@@ -242,6 +243,7 @@ def test_a_spring_lets_a_ball_roll_back_and_forth():
     assert turning == pytest.approx(spin * np.cos(w * t), abs=2e-3)
 
 
+@pytest.mark.validation
 def test_a_ball_that_rolls_on_loses_what_friction_of_rolling_takes():
     """Torque R mu F_n, F_n the load: the spin falls evenly, and the books say where it went."""
     mu, spin = 0.01, 400.0
@@ -255,13 +257,16 @@ def test_a_ball_that_rolls_on_loses_what_friction_of_rolling_takes():
     assert rows["friction_particle_wall"][-1] == pytest.approx(lost, rel=1e-3)
 
 
+# Each kind of law has kernels of its own, half a minute to compile: those whose forces are
+# compared with LAMMPS's above run as beds in make validate only.
+SLOW = pytest.mark.validation
 LAWS = {
     "dmt, rolling": (Contact(acrylic(), SURFACE, ROLLING), Dmt()),
     "jkr": (Contact(acrylic(), SURFACE), Jkr()),
 }
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", [pytest.param("dmt, rolling", marks=SLOW), "jkr"])
 def test_the_books_of_a_bed_close_with_every_option(law):
     """To half a per cent in steps of 1 us, and better in half of them."""
     contact, cohesion = LAWS[law]
@@ -317,7 +322,7 @@ def test_two_kinds_that_are_alike_are_one():
     assert plain.state_digest() == mixed.state_digest()
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", [pytest.param("dmt, rolling", marks=SLOW), "jkr"])
 def test_a_state_put_back_goes_on_with_the_same_bits(law):
     """Springs that resist rolling, and necks, are part of the state."""
     contact, cohesion = LAWS[law]
