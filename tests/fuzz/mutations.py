@@ -6,6 +6,7 @@
 import json
 import math
 import re
+import tomllib
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -62,13 +63,13 @@ def value(
     share = chance.random() * wild
     if share < 0.55 and written:
         try:
-            plain = json.loads(written)
+            plain = tomllib.loads(f"plain = {written}")["plain"]
         except ValueError:
             plain = written
         if isinstance(plain, str):
             return chance.choice(choices) if choices else respelled(plain, chance)
-        if isinstance(plain, list):
-            return _list(plain, chance)
+        if isinstance(plain, list | dict):
+            return _within(plain, chance)
         if isinstance(plain, int | float) and not isinstance(plain, bool):
             return type(plain)(plain * chance.choice([0, 0.5, 1, 2, 3])) if share < 0.4 else (
                 chance.choice(NUMBERS))  # fmt: skip
@@ -79,17 +80,19 @@ def value(
     return chance.choice(NAMES if share < 0.85 else WRONG)
 
 
-def _list(plain: list[Any], chance: Random) -> list[Any]:
-    """A list, of points too, with a number changed, or one more or fewer."""
+def _within(plain: Any, chance: Random) -> Any:
+    """A list or table, of others too, with one entry changed, or one more or fewer."""
+    if isinstance(plain, str):
+        return respelled(plain, chance)
+    if isinstance(plain, int | float):
+        return chance.choice([plain * 1.1, -plain, chance.choice(NUMBERS)])
     found = json.loads(json.dumps(plain))
+    names = list(found) if isinstance(found, dict) else range(len(found))
     if found and chance.random() < 0.3:
-        found.pop(chance.randrange(len(found)))
+        found.pop(chance.choice(names))
     elif found:
-        k = chance.randrange(len(found))
-        if isinstance(found[k], list):
-            found[k] = _list(found[k], chance)
-        else:
-            found[k] = chance.choice([found[k] * 1.1, -found[k], chance.choice(NUMBERS)])
+        k = chance.choice(names)
+        found[k] = _within(found[k], chance)
     return found
 
 
