@@ -49,17 +49,23 @@ def equivalent_damping(energy: float, peak_speed: float, omega: float) -> float:
     return energy * omega / (math.pi * peak_speed**2)
 
 
-def effective_mass(samples: Samples, direction: np.ndarray, omega: float) -> complex:
+def effective_mass(
+    samples: Samples, direction: np.ndarray, omega: float, time_step: float = 0.0
+) -> complex:
     """M_eff [kg] at omega [rad/s], F = -M_eff a, by Fourier projection over whole cycles.
 
-    direction (3,) is that of the motion. Forces are means over a sample, which takes sinc of half
-    the sample's angle off their fundamental; that is put back.
+    direction (3,) is that of the motion. A force is the mean of those at the beginnings of the n
+    time steps [s] of its sample: half a step before the sample's middle, and of a sine's amplitude
+    sin(n a)/(n sin a), a = omega time_step/2. Both are put back, exactly; without the first, a
+    rigid mass M would show the loss a M. time_step 0: means over all of the sample.
     """
     end = samples["time"][1:]
     step = end[-1] - end[-2]
-    middle = end - 0.5 * step
-    half_angle = 0.5 * omega * step
+    middle = end - 0.5 * (step + time_step)
+    half_angle, of_step = 0.5 * omega * step, 0.5 * omega * time_step
     smoothed = math.sin(half_angle) / half_angle
+    if of_step:
+        smoothed *= of_step / math.sin(of_step)
     force = _project(along(samples, direction)[1:], middle, omega) / smoothed
     acceleration = -(omega**2) * _project(samples["displacement"][1:], end, omega)
     return complex(-force / acceleration)
@@ -95,7 +101,7 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     reference = reference_energy(speed, case.mass)
     eta = efficiencies(counted, cycles.per_cycle, reference)
     energy = float(eta["efficiency"].mean()) * reference  # that a cycle dissipates [J]
-    mass = effective_mass(counted, case.direction, omega)
+    mass = effective_mass(counted, case.direction, omega, case.time_step)
     settles = settling(float(eta["efficiency"].mean()), float(eta["wall_work"].mean()))
     return {
         "dissipated_power_w": dissipated_power(energy, case.period),
@@ -123,7 +129,7 @@ def draw(folder: Path) -> "Figure":
     cycles = read_cycles(folder)
     case, counted = cycles.case, cycles.counted
     omega = 2.0 * math.pi / case.period
-    mass = effective_mass(counted, case.direction, omega)
+    mass = effective_mass(counted, case.direction, omega, case.time_step)
     figure = Figure(figsize=(6.4, 4.8), layout="constrained")
     headline(figure, f"{case.name}: effective mass {mass.real:.4g} kg in phase, "
              f"{-mass.imag:.4g} kg out of phase")  # fmt: skip

@@ -1,0 +1,175 @@
+"""Harmonic balance of a structure with a bed: every amplitude that a field allows.
+
+With the receptance H and the bare response X_b at the damper (structure.py), the bed's force
+omega^2 m(omega, A) X and A = |X|:
+
+    |A - H omega^2 m A| = |X_b|,   of one mode |k - w^2 (M + m) + i w c| A = |F0|
+
+A field's force m A is linear between its knots, so the left side is there |p + q A| with complex p
+and q: its square is a parabola that opens upwards. Between two knots there is one solution where
+the sides change their order, two where the right one is above the parabola's lowest point and
+below both its ends, and none else; so none is missed. The left side's value at a knot is one
+number for both neighbours.
+
+Where the left side rises with A, more excitation gives more response, and the solution is stable
+against slow changes of its amplitude; where it falls it is not, and between them are the turning
+points, from which the response jumps. Other losses of stability (of phase, of symmetry, to other
+frequencies) are not looked at. One damper on any number of modes.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from damper3d.case.parts import GRAVITY
+from damper3d.studies.field.structure import Structure
+from damper3d.studies.field.table import Field
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Responses:
+    """Amplitudes of a structure with a bed, at l levels and f frequencies.
+
+    Of the s solutions at a point the first, third, ... are stable, as the left side of the balance
+    begins at zero. Those beyond the field's greatest Gamma are not known.
+    """
+
+    levels: Floats  # (l,) [-]
+    frequency: Floats  # (f,) [Hz]
+    bare: Floats  # (l, f) without the bed [m]
+    amplitude: Floats  # (l, f, s) rising, NaN where there are fewer [m]
+    beyond: NDArray[np.bool_]  # (l, f) whether a solution lies above the field
+
+    @cached_property
+    def count(self) -> NDArray[np.int64]:
+        """Solutions within the field (l, f)."""
+        return np.isfinite(self.amplitude).sum(axis=2)
+
+    @property
+    def stable(self) -> Floats:
+        """The stable amplitudes (l, f, s) [m], NaN elsewhere."""
+        return np.where(np.arange(self.amplitude.shape[2]) % 2 == 0, self.amplitude, math.nan)
+
+    def largest(self, level: int) -> tuple[float, float] | None:
+        """Frequency [Hz] and amplitude [m] of the largest stable response; None where unknown."""
+        if self.beyond[level].any():
+            return None
+        each = np.nan_to_num(self.stable[level]).max(axis=1, initial=0.0)
+        at = int(np.argmax(each))
+        return float(self.frequency[at]), float(each[at])
+
+
+def respond(
+    structure: Structure, field: Field, frequency: ArrayLike, levels: ArrayLike = (1.0,)
+) -> Responses:
+    """All solutions at frequencies (f,) [Hz]; levels (l,): factors of what moves the structure.
+
+    Raises InputError for a frequency outside the field.
+    """
+    frequency, levels = np.asarray(frequency, float), np.asarray(levels, float)
+    gamma, force = field.knots(frequency)  # (f, k)
+    product, receptance, moved = structure.products(frequency)
+    omega2 = (2.0 * math.pi * frequency[:, None]) ** 2
+    length = GRAVITY / omega2  # amplitude of Gamma 1 (f, 1)
+    left = length * (product[:, None] * gamma - receptance[:, None] * omega2 * force)
+    squares = np.abs(left) ** 2
+    right = (levels[:, None] * np.abs(moved)) ** 2  # (l, f)
+    found = _roots(gamma * length, left, squares, right)
+    with np.errstate(divide="ignore"):
+        bare = np.abs(structure.bare(frequency)) * levels[:, None]
+    return Responses(levels, frequency, bare, found, squares[:, -1] < right)
+
+
+def _roots(at: Floats, left: Any, squares: Floats, right: Floats) -> Floats:
+    """Amplitudes (l, f, s) where the square of the left side is the right one's.
+
+    at (f, k): amplitudes of the knots; left (f, k), squares (f, k): the left side there;
+    right (l, f): the square of the right side.
+    """
+    width = np.diff(at)
+    slope = np.diff(left)  # over the part t of an interval, 0 to 1
+    a = np.abs(slope) ** 2
+    b = (np.conj(left[:, :-1]) * slope).real  # squares = |left|^2 + 2 b t + a t^2
+    above = squares[None] >= right[..., None]
+    crossed = above[..., 1:] != above[..., :-1]
+    dips = (b < 0) & (a + b > 0)  # the lowest point lies between the knots
+    lowest = np.where(dips, squares[:, :-1] - b**2 / np.where(a > 0, a, 1.0), np.inf)
+    twice = above[..., 1:] & above[..., :-1] & (lowest < right[..., None])
+    times = (crossed + 2 * twice).reshape(-1)
+    which = np.repeat(np.arange(times.size), times)
+    order = np.arange(len(which)) - np.repeat(np.cumsum(times) - times, times)
+    level, f, k = np.unravel_index(which, crossed.shape)
+    upper = np.where(twice[level, f, k], order == 1, above[level, f, k + 1])
+    t = _part(a[f, k], b[f, k], squares[f, k] - right[level, f], upper)
+    roots = at[f, k] + width[f, k] * np.clip(t, 0.0, 1.0)
+    cell = level * right.shape[1] + f
+    each = np.bincount(cell, minlength=right.size)
+    place = np.arange(len(cell)) - np.repeat(np.cumsum(each) - each, each)
+    found = np.full((right.size, max(int(each.max(initial=0)), 1)), math.nan)
+    found[cell, place] = roots
+    return found.reshape(*right.shape, -1)
+
+
+def _part(a: Floats, b: Floats, c: Floats, upper: NDArray[np.bool_]) -> Floats:
+    """Return the upper or lower root of a t^2 + 2 b t + c, a > 0, without loss of digits."""
+    root = np.sqrt(np.maximum(b * b - a * c, 0.0))
+    far = -(b + np.where(b >= 0, root, -root))  # of the larger size
+    is_far = upper == (b < 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.nan_to_num(np.where(is_far, far / a, c / far))
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A turning point that the response meets as the frequency goes up or down."""
+
+    direction: str  # "up" or "down": of the frequency
+    frequency: float  # [Hz], of the last point before it
+    before: float  # amplitude [m]
+    after: float  # [m]
+
+
+def swept(responses: Responses, level: int, down: bool = False) -> tuple[Floats, list[Jump]]:
+    """Stable amplitude (f,) as the frequency goes up, or down, and its jumps; (f,) by rising f.
+
+    From the smallest stable solution at the first frequency. A branch goes on in the stable
+    solution that is nearest in ln A, unless another branch is nearer to that one: then it has
+    ended, and the response jumps there. NaN where no solution lies within the field.
+    """
+    order = range(len(responses.frequency))[:: -1 if down else 1]
+    followed, jumps = np.full(len(order), math.nan), []
+    before: Floats = np.zeros(0)
+    for last, k in zip([None, *order], order, strict=False):
+        there = responses.stable[level, k]
+        there = there[there > 0]
+        here = math.nan if last is None else followed[last]
+        if not len(there):
+            before = there
+            continue
+        if math.isnan(here):
+            followed[k] = there[0]
+        else:
+            nearest = there[np.argmin(np.abs(np.log(there / here)))]
+            claimed = before[np.argmin(np.abs(np.log(before / nearest)))]
+            followed[k] = nearest
+            if claimed != here:
+                direction = "down" if down else "up"
+                jumps.append(Jump(direction, float(responses.frequency[last]), here, nearest))
+        before = there
+    return followed, jumps
+
+
+def spaced(structure: Structure, low: float, high: float) -> Floats:
+    """Frequencies [Hz] from low to high, ten in the half-power bandwidth of the sharpest mode."""
+    sharpest = float(structure.damping_ratio.min())
+    step = np.clip(0.2 * sharpest, _FINEST, _COARSEST)
+    return np.geomspace(low, high, max(2, math.ceil(math.log(high / low) / step) + 1))
+
+
+_FINEST, _COARSEST = 5e-4, 5e-3  # of ln f: at most 2800 in a factor of four, and smooth curves
