@@ -133,6 +133,25 @@ def test_a_mass_fixed_to_the_enclosure_is_its_own_effective_mass_without_loss():
     assert response.loss_factor(_energy(samples), PEAK_SPEED, MASS) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("steps", [1, 3, 40])
+@pytest.mark.parametrize("mass", [MASS, -0.3j, MASS - 0.2j])
+def test_forces_at_the_beginnings_of_steps_give_the_mass_exactly(steps, mass):
+    """A rigid mass, a dashpot and both, F at t - n dt ... t - dt as the engine sums it.
+
+    Without the half step a rigid mass would have the loss omega dt/2 of it.
+    """
+    samples = at_rest()
+    end = samples["time"][1:]
+    dt = (end[1] - end[0]) / steps
+    moments = end[:, None] - dt * np.arange(1, steps + 1)
+    riding = (mass * OMEGA**2 * AMPLITUDE * np.exp(1j * OMEGA * moments)).imag
+    samples["wall_force"][1:, 0] = riding.mean(axis=1)[:, None] * ALONG
+    found = response.effective_mass(samples, ALONG, OMEGA, dt)
+    assert found == pytest.approx(mass, abs=1e-12)  # rounding
+    off = response.effective_mass(samples, ALONG, OMEGA)
+    assert abs(off - mass) == pytest.approx(0.5 * OMEGA * dt * abs(mass), rel=0.01)
+
+
 def test_a_viscous_damper_and_a_mass_have_the_textbooks_loss_factor():
     """F = -M a - c v takes pi c omega X^2 a cycle and has the loss factor c/(M omega)."""
     samples, c = at_rest(), 1.7

@@ -160,16 +160,23 @@ def swept(responses: Responses, level: int, down: bool = False) -> tuple[Floats,
             followed[k] = nearest
             if claimed != here:
                 direction = "down" if down else "up"
-                jumps.append(Jump(direction, float(responses.frequency[last]), here, nearest))
+                at = float(responses.frequency[last])
+                jumps.append(Jump(direction, at, float(here), float(nearest)))
         before = there
     return followed, jumps
 
 
 def spaced(structure: Structure, low: float, high: float) -> Floats:
-    """Frequencies [Hz] from low to high, ten in the half-power bandwidth of the sharpest mode."""
+    """Frequencies [Hz] from low to high, where a peak is met to 0.2 %, and the modes' own.
+
+    Twenty lie in the half-power bandwidth 2 zeta of the sharpest mode: a peak is at most a fortieth
+    of it away, and 1/sqrt(1 + (1/20)^2) of it is met.
+    """
     sharpest = float(structure.damping_ratio.min())
-    step = np.clip(0.2 * sharpest, _FINEST, _COARSEST)
-    return np.geomspace(low, high, max(2, math.ceil(math.log(high / low) / step) + 1))
+    step = np.clip(0.1 * sharpest, _FINEST, _COARSEST)
+    even = np.geomspace(low, high, max(2, math.ceil(math.log(high / low) / step) + 1))
+    own = structure.omega / (2.0 * math.pi)
+    return np.union1d(even, own[(low < own) & (own < high)])
 
 
 _FINEST, _COARSEST = 5e-4, 5e-3  # of ln f: at most 2800 in a factor of four, and smooth curves

@@ -35,8 +35,9 @@ def falls(field: Field, gammas: tuple[float, float] | None = None) -> list[Fall]
     """Least-squares exponents of ln m'/M and ln m''/M against ln Gamma, at each frequency.
 
     gammas: the range to fit. Else m' is fitted from the first point below FALLEN of the bed's mass
-    to the last before it is no longer positive, and the loss factor from its largest value on,
-    likewise. A quantity with fewer than LEAST points there has none.
+    to the least one before it is no longer positive (a bed that meets the lid rises again), and
+    the loss factor from its largest value on, likewise. A quantity with fewer than LEAST points
+    there has none.
     """
     if gammas is not None and not 0 < gammas[0] < gammas[1] < math.inf:
         raise InputError(f"fit range {gammas[0]:g} to {gammas[1]:g}: give two rising Gammas")
@@ -64,11 +65,13 @@ def falls(field: Field, gammas: tuple[float, float] | None = None) -> list[Fall]
 
 
 def _falling(values: NDArray[np.float64], rides: bool) -> NDArray[np.bool_]:
-    """The points of the falling branch, up to the first that is not positive."""
+    """The points of the falling branch: to its least value before one that is not positive."""
     fallen = values < FALLEN if rides else np.arange(len(values)) >= np.argmax(values)
     first = int(np.argmax(fallen)) if fallen.any() else len(values)
     ended = np.flatnonzero(values[first:] <= 0)
     last = first + int(ended[0]) if ended.size else len(values)
+    if last > first:
+        last = first + int(np.argmin(values[first:last])) + 1
     at = np.arange(len(values))
     chosen: NDArray[np.bool_] = (first <= at) & (at < last)
     return chosen

@@ -24,7 +24,7 @@ IN_PHASE, OUT_OF_PHASE = "effective_mass.in_phase_kg", "effective_mass.out_of_ph
 
 @dataclass(frozen=True)
 class Refinement:
-    """Where a field is computed more closely.
+    """Points added to a field where it bends.
 
     most_runs    that may be added to those of the grid
     tolerance    part of the bed's mass by which a straight line may miss a point
@@ -83,15 +83,16 @@ def field_of_runs(
 
 def field_of(result: MapResult, head: tuple[str, ...] = ()) -> Field:
     """The field of a map's points that have a mass; a Field of no points where none has."""
-    if IN_PHASE not in result.columns:
+    if not result.packings.any():
         nothing = np.zeros(0)
         return Field(*[nothing] * 6, np.zeros(0, np.int64), math.nan, head)
     in_phase, out_of_phase = result.mean(IN_PHASE), result.mean(OUT_OF_PHASE)
     known = np.isfinite(in_phase)
+    (mass,) = set(result.mean("mass_kg")[known].tolist())  # one bed
     return Field(
         result.frequency[known], result.gamma[known], in_phase[known], out_of_phase[known],
         result.scatter(IN_PHASE)[known], result.scatter(OUT_OF_PHASE)[known],
-        result.packings[known], float(np.nanmean(result.mean("mass_kg"))), head,
+        result.packings[known], mass, head,
     )  # fmt: skip
 
 
@@ -131,7 +132,7 @@ def unlike(result: MapResult) -> float | None:
     m'' = E/(pi V^2), which knows no sampling: 4 M/pi times the efficiency by wall work. With 100
     samples a cycle the 99th and 101st harmonic of impacts look like the first. None: no run.
     """
-    if IN_PHASE not in result.columns:
+    if not result.packings.any():
         return None
     mass = result.mean("mass_kg")
     work = 4.0 / math.pi * result.mean("efficiency_wall_work")

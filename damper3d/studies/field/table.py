@@ -106,7 +106,7 @@ class Field:
         )  # fmt: skip
 
     def knots(self, frequency: ArrayLike) -> tuple[Floats, Complexes]:
-        """Where the force at each frequency (f,) [Hz] bends: Gammas (f, k), m Gamma (f, k) [kg].
+        """Knots of the force at each frequency (f,) [Hz]: Gammas (f, k) and m Gamma (f, k) [kg].
 
         From Gamma 0 up to the greatest of both neighbours; k is the same for all, the last one
         repeated. Raises InputError for a frequency outside the table.
