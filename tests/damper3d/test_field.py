@@ -199,8 +199,8 @@ def test_a_small_bed_becomes_a_field_and_a_response(tmp_path):
     """Three frequencies, three Gammas, a few spheres; then a host on it, with the same command."""
     changes = {
         "particles.count": 6, "fill.settle_time": "0.1 s", "law.restitution": 0.5,
-        "motion.frequency": None, "motion.gamma": None, "run.cycles": None, "run.discard": None, "output.frames": 0,
-        "run.time_step": "8 us", "law.youngs_modulus": "0.3 GPa",
+        "motion.frequency": None, "motion.gamma": None, "run.cycles": None, "run.discard": None,
+        "output.frames": 0, "run.time_step": "8 us", "law.youngs_modulus": "0.3 GPa",
     }  # fmt: skip
     case = write_damper(tmp_path, changes)
     grid = ["--frequencies", "60,80,110", "--gammas", "0.3,2,6", "--packings", 1, "--workers", 1]

@@ -54,15 +54,16 @@ def response(
     with writing(Path(out)):
         Path(out).mkdir(parents=True, exist_ok=True)
     write_responses(path, responses)
+    found = of_response(structure, field, responses)
     results = {
         "host": host,
         "field": table,
         "frequencies_hz": list(ends),
         "rides_at_least_gamma": field.rides_at_least,
-        "levels": of_response(structure, field, responses),
+        "levels": found,
         "table": str(path),
     }
-    words = f"{name} with the bed of {table}\n{in_words(results['levels'])}"
+    words = f"{name} with the bed of {table}\n{in_words(found)}"
     if not field.rides_at_least:
         words += (
             "\nbelow       the bed does not ride along at the field's least Gamma, and below it "

@@ -84,8 +84,7 @@ def field_of_runs(
 def field_of(result: MapResult, head: tuple[str, ...] = ()) -> Field:
     """The field of a map's points that have a mass; a Field of no points where none has."""
     if not result.packings.any():
-        nothing = np.zeros(0)
-        return Field(*[nothing] * 6, np.zeros(0, np.int64), math.nan, head)
+        return Field.of([], [], [], math.nan)
     in_phase, out_of_phase = result.mean(IN_PHASE), result.mean(OUT_OF_PHASE)
     known = np.isfinite(in_phase)
     (mass,) = set(result.mean("mass_kg")[known].tolist())  # one bed

@@ -47,15 +47,22 @@ class Structure:
     base_acceleration: float = 0.0  # [m/s2]
 
     @classmethod
-    def single(cls, mass: float, frequency: float, damping_ratio: float, **drive: float) -> Any:
+    def single(
+        cls, mass: float, frequency: float, damping_ratio: float, **drive: float
+    ) -> "Structure":
         """One mode of a mass [kg] and a frequency [Hz], moved by one of DRIVES."""
         shape = np.array([1.0 / math.sqrt(mass)])
-        return cls(np.array([2.0 * math.pi * frequency]), np.array([damping_ratio]), shape, shape,
-                   1.0 / shape, **drive)  # fmt: skip
+        omega, ratio = np.array([2.0 * math.pi * frequency]), np.array([damping_ratio])
+        return cls(omega, ratio, shape, shape, 1.0 / shape).driven(**drive)
 
-    def scaled(self, level: float) -> "Structure":
-        """The structure moved so many times as much."""
-        return replace(self, **{name: level * getattr(self, name) for name in DRIVES})
+    def driven(
+        self, force: float = 0.0, base_displacement: float = 0.0, base_acceleration: float = 0.0
+    ) -> "Structure":
+        """The structure moved by these amplitudes [N, m, m/s2]."""
+        return replace(
+            self, force=force, base_displacement=base_displacement,
+            base_acceleration=base_acceleration,
+        )  # fmt: skip
 
     def products(self, frequency: ArrayLike) -> tuple[Complexes, Complexes, Complexes]:
         """P, H P and X_b P at frequencies (f,) [Hz], each d_r divided by w^2."""
@@ -106,7 +113,8 @@ def read_structure(path: str | Path) -> Structure:
         if both:
             raise InputError(f"{path}: [host] {both[0]} is given, and modes has it for each mode; "
                              "leave one of them out")  # fmt: skip
-        return replace(read_modes(path.parent / str(host["modes"]), "force" not in drive), **drive)
+        modes = read_modes(path.parent / str(host["modes"]), "force" not in drive)
+        return modes.driven(**drive)
     values = {}
     for name, unit in _SINGLE.items():
         if name not in host:
@@ -115,8 +123,7 @@ def read_structure(path: str | Path) -> Structure:
         unit = "1" if name == "frequency" and is_plain_number(host[name]) else unit
         values[name] = to_si(host[name], unit, f"{path}: [host] {name}")
     _check_mode(f"{path}: [host]", values)
-    single: Structure = Structure.single(**values, **drive)
-    return single
+    return Structure.single(**values, **drive)
 
 
 def _drive(host: dict[str, Any], where: str) -> dict[str, float]:
