@@ -195,6 +195,21 @@ def test_field_refuses_bad_input_in_one_line(tmp_path, words, said):
     assert_refused(damper3d("field", *words, "--out", tmp_path, "--quiet"), said)
 
 
+@pytest.mark.parametrize("there", [0, 40])
+def test_an_interrupted_field_keeps_its_table_and_ends_with_code_130(monkeypatch, tmp_path, there):
+    def half(cases, **options):
+        rows = made_runs(cases, **options)
+        lost = [{**labels, "state": "interrupted", "reason": ""} for labels, _ in cases[there:]]
+        return rows[:there] + lost
+
+    monkeypatch.setattr(mapping, "run_cases", half)
+    options = ["--no-figures", "--quiet", "--more-runs", 30, "--out", tmp_path]
+    ended = damper3d("field", *options)
+    assert ended.code == 130
+    assert "the same command goes on" in ended.err
+    assert len(list((tmp_path / "fields").glob("*/field.csv"))) == (there > 0)
+
+
 def test_a_small_bed_becomes_a_field_and_a_response(tmp_path):
     """Three frequencies, three Gammas, a few spheres; then a host on it, with the same command."""
     changes = {
