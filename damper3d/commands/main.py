@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from damper3d.commands import contact, impact, map, pack, predict, results, run, shape, slow
+from damper3d.commands.structure import field, response
 from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
@@ -30,6 +31,8 @@ app = command_group(
         run.run,
         sweep_command("damper3d", _simulator, _study),
         map.map_,
+        field.field,
+        response.response,
         reproduce_command(
             """Compute one of the thesis's tables and compare it with the published numbers.
 
@@ -40,8 +43,6 @@ app = command_group(
             _simulator,
         ),
         predict.predict,
-        map.field,
-        map.response,
         pack.pack,
         impact.impact,
         contact.contact,

@@ -1,159 +1,242 @@
-"""The effective field: harmonic balance against closed forms, its table, and what is refused."""
+"""The effective field: table, interpolation, refinement, fitted powers; a small real one."""
 
 import json
 import math
 
 import numpy as np
 import pytest
+from made_field import BED, made_mass, made_runs
 from refusals import assert_refused, assert_refuses
 from small_damper import damper3d, write_damper
 
-from damper3d.case.host import Drive, Modes
-from damper3d.studies.field.balance import jumps, solve
-from damper3d.studies.field.runs import points_of, power_of
-from damper3d.studies.field.table import Field, read_field
+from damper3d.studies.field import runs as sampling
+from damper3d.studies.field.fall import falls
+from damper3d.studies.field.runs import Refinement, bends, field_of, field_of_runs, unlike
+from damper3d.studies.field.table import COLUMNS, Field, read_field
+from damper3d.studies.map import grid as mapping
+from damper3d.studies.map.grid import Grid, MapResult
 
-GAMMAS, FREQUENCIES = np.geomspace(0.1, 30.0, 18), np.array([15.0, 20.0, 25.0])
-HOST = Modes.single(1.0, 2 * np.pi * 20.0, 0.01)
-TWO = Modes(
-    2 * np.pi * np.array([20.0, 24.0]), np.array([0.01, 0.02]), np.array([1.0, 0.7]),
-    np.array([0.8, -0.5]), np.array([0.9, 0.3]),
-)  # fmt: skip
-SWEPT = 2 * np.pi * np.linspace(17.0, 24.0, 141)
+GAMMAS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+COARSE = Grid((20.0, 40.0), GAMMAS, packings=3)
 
 
-def field(mass) -> Field:
-    """A field whose mass is a function of frequency [Hz] and Gamma."""
-    f, g = (x.ravel() for x in np.meshgrid(FREQUENCIES, GAMMAS, indexing="ij"))
-    return Field(f, g, np.asarray(mass(f, g), complex) + 0 * f)
+@pytest.fixture
+def made(monkeypatch):
+    """Made runs in place of computed ones; the labels of each call."""
+    calls = []
+
+    def run_cases(cases, **options):
+        calls.append([labels for labels, _ in cases])
+        return made_runs(cases, **options)
+
+    monkeypatch.setattr(mapping, "run_cases", run_cases)
+    return calls
 
 
-@pytest.mark.parametrize("host", [HOST, TWO], ids=["one mode", "two modes"])
-@pytest.mark.parametrize("drive", [Drive(force=0.5), Drive(base=2e-4)], ids=["force", "base"])
-def test_a_mass_that_rides_along_shifts_the_modes(host, drive):
-    """Of one amplitude at every level: X = X0/(1 - w^2 R m), in closed form."""
-    found = solve(field(lambda f, g: 0.05), [host], [drive], SWEPT)
-    assert len(found.amplitude) == len(SWEPT)
-    assert found.stable.all()
-    for k, w in enumerate(SWEPT):
-        modal = 1 / (host.omega**2 - w**2 + 2j * host.damping_ratio * host.omega * w)
-        forced = drive.force * host.force_shape + drive.base * w**2 * host.participation
-        x0 = drive.base + host.shape @ (modal * forced)
-        x = x0 / (1 - w**2 * (host.shape**2 @ modal) * 0.05)
-        assert found.amplitude[k] == pytest.approx(abs(x), rel=1e-9)
-        assert found.phase[k] == pytest.approx(np.angle(x / x0), abs=1e-6)
+def made_field(tmp_path, refine=Refinement(), grid=COARSE):  # noqa: B008
+    return field_of_runs("thesis", {}, grid, refine, out=tmp_path)
 
 
-def test_a_dashpot_adds_its_damping():
-    """m'' = c/w: the peak of one mode is F/((c0 + c) w0) at its own frequency."""
-    c = 0.8
-    dashpot = field(lambda f, g: -1j * c / (2 * np.pi * f))
-    found = solve(dashpot, [HOST], [Drive(force=0.5)], np.array([2 * np.pi * 20.0]))
-    own = 2 * 0.01 * 2 * np.pi * 20.0
-    assert found.amplitude == pytest.approx(0.5 / ((own + c) * 2 * np.pi * 20.0), rel=1e-9)
+def furthest(field, frequency=20.0):
+    """Largest error of the interpolation between the points, over the bed's mass."""
+    (knots,), (force,) = field.knots(frequency)
+    gamma = np.geomspace(knots[1], knots[-1], 400)
+    truth = np.array([made_mass(frequency, g) for g in gamma])
+    return np.abs(np.interp(gamma, knots, force) / gamma - truth).max() / BED
 
 
-def falling(f, g):
-    """A mass that leaves its host as Gamma rises, and turns negative: m' = m (1 - ln Gamma)."""
-    return 0.08 * (1 - np.log(g)) - 2e-4j
+def test_runs_of_a_field_are_steady_with_whole_blocks_of_cycles(monkeypatch, tmp_path):
+    seen = []
+
+    def run_cases(cases, **options):
+        seen.extend(case for _, case in cases)
+        return made_runs(cases, **options)
+
+    monkeypatch.setattr(mapping, "run_cases", run_cases)
+    made_field(tmp_path)
+    assert all(case.settings.run.steady for case in seen)
+    assert len(seen) == 2 * len(GAMMAS) * 3
+    assert_refuses(
+        ["max_cycles = 18", "give 19 or more"], field_of_runs, "thesis",
+        {"run.max_cycles": 18}, COARSE, Refinement(), out=tmp_path,
+    )  # fmt: skip
 
 
-def test_all_solutions_are_found_and_the_middle_one_is_not_stable():
-    """Against signs of the balance on a fine grid of amplitudes; m' negative beyond Gamma e."""
-    bent = field(falling)
-    drives = [Drive(force=level) for level in (0.1, 0.3, 0.6, 1.0)]
-    light = Modes.single(1.0, 2 * np.pi * 20.0, 0.002)
-    found = solve(bent, [light] * 4, drives, SWEPT)
-    _, amplitude = bent.at(SWEPT)
-    several = 0
-    for r, drive in enumerate(drives):
-        for k, w in enumerate(SWEPT):
-            fine = np.geomspace(amplitude[k, 0], amplitude[k, -1], 20_001)
-            m = falling(w / (2 * np.pi), fine * w**2 / 9.81)
-            receptance = 1 / (light.omega[0] ** 2 - w**2 + 2j * 0.002 * light.omega[0] * w)
-            level = fine * abs(1 - w**2 * receptance * m) - abs(receptance * drive.force)
-            up = np.flatnonzero((level[:-1] <= 0) & (level[1:] > 0))
-            down = np.flatnonzero((level[:-1] > 0) & (level[1:] <= 0))
-            here = (found.response == r) & (found.frequency == k)
-            inside = here & (found.amplitude >= amplitude[k, 0])
-            stable = found.amplitude[inside & found.stable]
-            assert stable == pytest.approx(fine[up], rel=1e-3), (r, k)
-            assert found.amplitude[inside & ~found.stable] == pytest.approx(fine[down], rel=1e-3)
-            several += here.sum() > 1
-    assert several > 10
-    ups, downs = (jumps(found, len(SWEPT), 2, upwards=way) for way in (True, False))
-    assert ups
-    assert downs
-    assert ups != downs  # hysteresis
+def test_refinement_bounds_the_error_where_the_curve_bends_and_keeps_to_its_runs(made, tmp_path):
+    """The line between neighbours is tried at the point between; the error falls below it."""
+    coarse = field_of(made_field(tmp_path))
+    result = made_field(tmp_path, Refinement(1000))
+    fine = field_of(result)
+    assert bends(fine, 0.05) == []
+    assert furthest(coarse) > 0.1
+    assert furthest(fine) < 0.05
+    assert fine.gamma[1] > 0.7  # no closer where the bed rides along
+    bounded = made_field(tmp_path, Refinement(20))
+    assert len(COARSE.points) * 3 < len(bounded.rows) <= len(COARSE.points) * 3 + 20
+    assert unlike(result) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_the_power_of_a_falling_mass_is_found():
-    """m' = m/(1 + Gamma^2) falls as Gamma^-2 at last; fitted from 0.9 m to 0.01 m."""
-    gamma = np.geomspace(3.0, 30.0, 12)
-    found = power_of(gamma, 0.05 / (1 + gamma**2), 0.05)
-    assert found.exponent == pytest.approx(-2.0, abs=0.15)
-    assert power_of(gamma, np.full(12, 0.05), 0.05) is None
-    again = 0.05 * np.where(gamma < 10, gamma**-1.0, 0.5)  # it rides along once more
-    assert power_of(gamma, again, 0.05).exponent == pytest.approx(-1.0, abs=1e-9)
+def test_refinement_stops_at_the_noise_of_the_packings(monkeypatch, tmp_path):
+    """With three packings that scatter by a fifth of the mass, intervals cover the bends."""
+    monkeypatch.setattr(
+        mapping, "run_cases", lambda cases, **options: made_runs(cases, noise=0.2, **options)
+    )
+    noisy = made_field(tmp_path, Refinement(3000))
+    monkeypatch.setattr(mapping, "run_cases", made_runs)
+    assert len(noisy.gamma) < 2 * len(made_field(tmp_path, Refinement(3000)).gamma)
 
 
-def test_points_have_intervals_over_packings():
-    rows = [
-        {"state": "done", "frequency_hz": 20.0, "gamma": 2.0, "effective_mass.in_phase_kg": m,
-         "effective_mass.out_of_phase_kg": 0.01}
-        for m in (0.02, 0.03, 0.04)
-    ]  # fmt: skip
-    found = points_of(rows)
-    assert found.mass[0] == pytest.approx(0.03 - 0.01j)
-    assert found.half_width[0].real == pytest.approx(4.303 * 0.01 / math.sqrt(3), rel=1e-3)
-    assert found.half_width[0].imag == pytest.approx(0.0, abs=1e-15)
+def test_interpolation_is_exact_for_riding_beds_and_for_masses_that_fall_as_one_over_gamma():
+    field = Field.of([20.0] * 4, [1.0, 2.0, 8.0, 32.0], [0.03, 0.03, 0.0075, 0.001875], 0.03)
+    omega2 = (2 * math.pi * 20) ** 2
+    for gamma, mass in ((0.01, 0.03), (1.5, 0.03), (3.0, 0.02), (20.0, 0.003)):
+        assert field.at(20.0, gamma * 9.81 / omega2) == pytest.approx(mass, rel=1e-12)
 
 
-HEAD = "frequency_hz,gamma,m_in_phase_kg,m_out_of_phase_kg\n"
+def test_interpolation_passes_through_negative_masses_and_between_frequencies_in_ln_f():
+    field = Field.of([20.0, 20.0, 80.0, 80.0], [1.0, 10.0] * 2, [1, -1 - 1j, 3, 1 - 2j], 1.0)
+    omega2 = (2 * math.pi * 40) ** 2
+    assert field.at(40.0, 10.0 * 9.81 / omega2) == pytest.approx(0 - 1.5j)
+    assert field.at(20.0, 10.0 * 9.81 / (omega2 / 4)) == pytest.approx(-1 - 1j)
+
+
+def test_a_frequency_of_the_table_reaches_as_far_as_its_own_points():
+    field = Field.of([20.0, 20.0, 40.0, 40.0], [1.0, 20.0, 1.0, 5.0], [1.0] * 4, 1.0)
+    ends = [field.knots(f)[0][0, -1] for f in (20.0, 30.0, 40.0)]
+    assert ends == [20.0, 5.0, 5.0]
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    ("place", "words"),
     [
-        ("", ["holds no points"]),
-        ("frequency_hz,gamma\n20,1\n", ["'m_in_phase_kg' is missing"]),
-        (HEAD + "20,1,much,0\n", ["point 1", "m_in_phase_kg = 'much'"]),
-        (HEAD + "20,-1,0.1,0\n20,2,0.1,0\n", ["gamma = -1"]),
-        (HEAD + "20,1,0.1,0\n", ["two Gammas at least"]),
-        (HEAD + "20,1,0.1,0\n20,1,0.1,0\n", ["each frequency and Gamma once"]),
+        ((10.0, 1e-3), ["10 Hz", "20 to 40 Hz"]),
+        ((41.0, 1e-3), ["41 Hz"]),
+        ((40.0, 1.0), ["1000 mm", "above the field", "16"]),
     ],
-    ids=lambda given: given[0] if isinstance(given, list) else "",
 )
-def test_a_table_that_is_no_field_is_refused(text, words, tmp_path):
-    path = tmp_path / "table.csv"
-    path.write_text(text, encoding="utf-8")
+def test_nothing_is_said_outside_the_table(made, tmp_path, place, words):
+    assert_refuses(words, field_of(made_field(tmp_path)).at, *place)
+
+
+def test_table_is_read_back_to_the_last_bit_with_its_head(made, tmp_path):
+    field = field_of(made_field(tmp_path), ("a bed", "version"))
+    read = read_field(field.write(tmp_path / "field.csv"))
+    assert read.head == ("a bed", "version")
+    for name in ("frequency", "gamma", "in_phase", "out_of_phase", "in_phase_half_width", "seeds"):
+        assert np.array_equal(getattr(read, name), getattr(field, name), equal_nan=True)
+    assert read.bed_mass == field.bed_mass
+
+
+_LINE = "20,1,0.001,0.03,,0.0,,0.03,1"
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ([], ["no points"]),
+        ([",".join(COLUMNS)], ["no points"]),
+        (["frequency_hz,gamma", "20,1"], ["column 'amplitude_m' is missing"]),
+        ([",".join(COLUMNS), _LINE, _LINE], ["20 Hz, Gamma 1 stands twice"]),
+        ([",".join(COLUMNS), _LINE[:-2]], ["line 2 has 8 values, its head 9"]),
+        ([",".join(COLUMNS), _LINE.replace("20,", "x,", 1)], ["line 2: frequency_hz = 'x'"]),
+        ([",".join(COLUMNS), _LINE.replace("20,", "-2,", 1)], ["frequency_hz = -2: must be above"]),
+        ([",".join(COLUMNS), _LINE, "20,2,0.001,0.03,,0.0,,0.04,1"], ["fields of two beds"]),
+    ],
+)
+def test_tables_that_are_none_are_refused_in_one_line(tmp_path, lines, words):
+    path = tmp_path / "field.csv"
+    path.write_text("\n".join(lines), encoding="utf-8")
     assert_refuses(words, read_field, path)
 
 
-def test_a_field_is_measured_and_answers_for_a_host(tmp_path):
-    """Three Gammas of a small bed, then a response of a host at 80 Hz; and what is refused."""
-    small = {"run.cycles": 4, "run.max_cycles": 20, "motion.frequency": None, "motion.gamma": None}
-    path = write_damper(tmp_path, small)
-    out = ("--out", tmp_path / "runs")
-    done = damper3d("field", path, "--frequencies", "70,90", "--gammas", "2,5,12", "--packings", 2,
-                    *out, "--json", "--quiet")  # fmt: skip
-    assert done.code == 0, done.err
-    found = json.loads(done.out)
-    assert len(found["points"]) == 6
-    assert all(row["packings"] == 2 for row in found["points"])
-    assert all(row["m_out_of_phase_kg"] > 0 for row in found["points"])
-    assert (tmp_path / "runs" / "fields").rglob("field.png")
-    host = {"host.mass": "0.1 kg", "host.frequency": 80.0, "host.damping_ratio": 0.01,
-            "host.force": "1 N"}  # fmt: skip
-    case = write_damper(tmp_path, {**small, **host}, "hosted")
-    to = ("-o", tmp_path / "answer")
-    asked = ("--field", found["table"], "--span", "0.9,1.1", *to)
-    answer = damper3d("response", case, *asked, "--json")
-    assert answer.code == 0, answer.err
-    levels = json.loads(answer.out)["levels"]
-    assert [one["excitation"] for one in levels] == ["0.5 N", "1 N", "2 N"]
-    assert all(0 < one["reduction"] < 1 for one in levels)
-    assert (tmp_path / "answer" / "response.csv").read_text(encoding="utf-8").count("\n") > 600
-    wide = damper3d("response", case, "--field", found["table"], *to)
-    assert_refused(wide, "the field is known from 70 to 90 Hz")
-    assert_refused(damper3d("response", path, *asked), "[host]", "force, base_displacement")
+def test_fitted_powers_are_those_of_the_law_on_the_falling_branch():
+    """m' = M Gamma^-1.5 beyond the onset at 1, m'' = M/Gamma: exponents without scatter."""
+    gamma = np.geomspace(0.5, 16, 11)
+    mass = np.where(gamma <= 1, 1.0, gamma**-1.5) - 1j / np.maximum(gamma, 1)
+    found = {fall.quantity: fall for fall in falls(Field.of([40.0] * 11, gamma, mass, 1.0))}
+    assert found["in_phase"].exponent == pytest.approx(-1.5, abs=1e-9)
+    assert found["in_phase"].gammas[0] == pytest.approx(gamma[gamma > 1][0])
+    given = falls(Field.of([40.0] * 11, gamma, mass, 1.0), (1.5, 9.0))
+    assert [fall.exponent for fall in given] == pytest.approx([-1.5, -1.0], abs=1e-9)
+    assert given[0].half_width < 1e-6
+
+
+def test_a_power_ends_before_the_mass_turns_negative_and_few_points_have_none():
+    gamma = np.array([1.0, 2, 3, 4, 5, 6, 7])
+    mass = np.array([1.0, 0.8, 0.5, 0.3, 0.2, -0.1, -0.2])
+    (fall,) = falls(Field.of([40.0] * 7, gamma, mass, 1.0))
+    assert (fall.gammas, fall.points) == ((2.0, 5.0), 4)
+    assert falls(Field.of([40.0] * 4, gamma[:4], mass[:4], 1.0)) == []
+
+
+def test_a_point_without_runs_is_left_out(made, tmp_path):
+    rows = made_field(tmp_path).rows
+    lost = [{**row, "state": "failed"} if row["gamma"] == 2.0 else row for row in rows]
+    assert 2.0 not in field_of(MapResult.of(lost)).gamma
+    nothing = [{**row, "state": "interrupted"} for row in rows]
+    assert len(field_of(MapResult.of(nothing)).gamma) == 0
+    assert sampling.states(MapResult.of(nothing))["interrupted"] == len(rows)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--frequency", "40"], "give --frequencies"),
+        (["--gammas", "0"], "gammas: 0"),
+        (["--packings", "0"], "packings = 0"),
+        (["--more-runs", "-1"], "more runs = -1"),
+        (["--within", "0"], "within = 0"),
+        (["--fit", "3"], "two rising Gammas"),
+        (["--steady"], "always steady"),
+        (["--max-cycles", "10"], "max_cycles = 10"),
+    ],
+)
+def test_field_refuses_bad_input_in_one_line(tmp_path, words, said):
+    assert_refused(damper3d("field", *words, "--out", tmp_path, "--quiet"), said)
+
+
+@pytest.mark.parametrize("there", [0, 40])
+def test_an_interrupted_field_keeps_its_table_and_ends_with_code_130(monkeypatch, tmp_path, there):
+    def half(cases, **options):
+        rows = made_runs(cases, **options)
+        lost = [{**labels, "state": "interrupted", "reason": ""} for labels, _ in cases[there:]]
+        return rows[:there] + lost
+
+    monkeypatch.setattr(mapping, "run_cases", half)
+    options = ["--no-figures", "--quiet", "--more-runs", 30, "--out", tmp_path]
+    ended = damper3d("field", *options)
+    assert ended.code == 130
+    assert "the same command goes on" in ended.err
+    assert len(list((tmp_path / "fields").glob("*/field.csv"))) == (there > 0)
+
+
+def test_a_small_bed_becomes_a_field_and_a_response(tmp_path):
+    """Three frequencies, three Gammas, a few spheres; then a host on it, with the same command."""
+    changes = {
+        "particles.count": 6, "fill.settle_time": "0.1 s", "law.restitution": 0.5,
+        "motion.frequency": None, "motion.gamma": None, "run.cycles": None, "run.discard": None,
+        "output.frames": 0, "run.time_step": "8 us", "law.youngs_modulus": "0.3 GPa",
+    }  # fmt: skip
+    case = write_damper(tmp_path, changes)
+    grid = ["--frequencies", "60,80,110", "--gammas", "0.3,2,6", "--packings", 1, "--workers", 1]
+    made = damper3d("field", case, *grid, "--out", tmp_path, "--json", "--quiet")
+    found = json.loads(made.out)
+    assert (made.code, found["done"]) == (0, 9), made.err
+    riding = [row for row in found["points"] if row["gamma"] == 0.3]
+    for row in riding:
+        assert row["m_in_phase_kg"] == pytest.approx(found["bed_mass_kg"], rel=0.02)
+    assert all(row["m_out_of_phase_kg"] > 0 for row in found["points"] if row["gamma"] == 6)
+    assert found["unlike_wall_work"] < 0.1  # 50 samples a cycle of a few impacts
+    table = read_field(found["table"])
+    assert len(table.gamma) == 9
+    assert "6 particles" in table.head[0]
+    host = tmp_path / "host.toml"
+    host.write_text('[host]\nmass = "0.2 kg"\nfrequency = 80\ndamping_ratio = 0.01\n'
+                    'force = "0.01 N"\n', encoding="utf-8")  # fmt: skip
+    answer = damper3d("response", host, "--field", found["table"], "--out", tmp_path, "--json")
+    (level,) = json.loads(answer.out)["levels"]
+    bare = 0.01 / (2 * 0.01 * 0.2 * (2 * math.pi * 80) ** 2)
+    assert level["bare_peak_amplitude_m"] == pytest.approx(bare, rel=1e-3)
+    rides = 80 / math.sqrt(1 + found["bed_mass_kg"] / 0.2)
+    assert level["peak_frequency_hz"] == pytest.approx(rides, rel=5e-3)
+    assert (tmp_path / "response-host.png").exists()

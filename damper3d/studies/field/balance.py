@@ -1,160 +1,182 @@
-"""Response of a host with a bed by harmonic balance: all amplitudes at which forces balance.
+"""Harmonic balance of a structure with a bed: every amplitude that a field allows.
 
-At omega the bed pushes the enclosure with omega^2 m X, m = m'(omega, A) - i m''(omega, A) and
-A = |X|. With the receptance R of the host at the damper and the bare response X0,
+With the receptance H and the bare response X_b at the damper (structure.py), the bed's force
+omega^2 m(omega, A) X and A = |X|:
 
-    X (1 - omega^2 R m(A)) = X0,        so        A |1 - omega^2 R m(A)| = |X0|.
+    |A - H omega^2 m A| = |X_b|,   of one mode |k - w^2 (M + m) + i w c| A = |F0|
 
-For one mode that is (k - omega^2 (M + m') + i omega (c + omega m'')) X = F. The table is linear in
-ln A between its amplitudes: there m = m_0 + (m_1 - m_0) t with A = A_0 exp(L t), and the left side
-is A_0 exp(L t) sqrt(q(t)) with a quadratic q. It has its extremes where 2 L q + q' = 0, another
-quadratic: between them it is monotone, and each root is bracketed. None is missed.
+A field's force m A is linear between its knots, so the left side is there |p + q A| with complex p
+and q: its square is a parabola that opens upwards. Between two knots there is one solution where
+the sides change their order, two where the right one is above the parabola's lowest point and
+below both its ends, and none else; so none is missed. The left side's value at a knot is one
+number for both neighbours.
+
+Where the left side rises with A, more excitation gives more response, and the solution is stable
+against slow changes of its amplitude; where it falls it is not, and between them are the turning
+points, from which the response jumps. Other losses of stability (of phase, of symmetry, to other
+frequencies) are not looked at. One damper on any number of modes.
 """
 
-from typing import NamedTuple
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from damper3d.case.host import Drive, Modes
-from damper3d.studies.field.table import Field, Floats
+from damper3d.case.parts import GRAVITY
+from damper3d.studies.field.structure import Structure
+from damper3d.studies.field.table import Field
 
-_HALVINGS = 20  # of a bracket, and then Newton's steps: to the last digits
-_NEWTON = 4
-
-
-class Branch(NamedTuple):
-    """Solutions of responses, one a row; SI."""
-
-    response: np.ndarray  # (n,) number of the response
-    frequency: np.ndarray  # (n,) number of the frequency
-    amplitude: Floats  # (n,) A [m]
-    stable: np.ndarray  # (n,) whether the level grows with A: others are jumped over
-    phase: Floats  # (n,) of X against the bare response [rad]
+Floats = NDArray[np.float64]
 
 
-def solve(field: Field, modes: list[Modes], drives: list[Drive], omega: Floats) -> Branch:
-    """All solutions of responses, each a host and what moves it, at frequencies omega (f,) [rad/s].
+@dataclass(frozen=True, eq=False)
+class Responses:
+    """Amplitudes of a structure with a bed, at l levels and f frequencies.
 
-    Drives count by their force or base; their own frequency is not used. The bed is as at the
-    least amplitude of the table below it; solutions beyond the greatest are left out, as nothing is
-    known there.
+    Of the s solutions at a point the first, third, ... are stable, as the left side of the balance
+    begins at zero. Those beyond the field's greatest Gamma are not known.
     """
-    mass, amplitude = field.at(omega)  # (f, g) complex, (f, g)
-    hosts = [_host(host, drive, omega) for host, drive in zip(modes, drives, strict=True)]
-    factor, bare = (np.array(part) for part in zip(*hosts, strict=True))  # (r, f)
-    found = [_below(mass, amplitude, factor, bare), _between(mass, amplitude, factor, bare)]
-    rows = [np.concatenate(parts) for parts in zip(*found, strict=True)]
-    order = np.lexsort((rows[2], rows[1], rows[0]))
-    return Branch(*(row[order] for row in rows))
+
+    levels: Floats  # (l,) [-]
+    frequency: Floats  # (f,) [Hz]
+    bare: Floats  # (l, f) without the bed [m]
+    amplitude: Floats  # (l, f, s) rising, NaN where there are fewer [m]
+    beyond: NDArray[np.bool_]  # (l, f) whether a solution lies above the field
+
+    @cached_property
+    def count(self) -> NDArray[np.int64]:
+        """Solutions within the field (l, f)."""
+        return np.isfinite(self.amplitude).sum(axis=2)
+
+    @property
+    def stable(self) -> Floats:
+        """The stable amplitudes (l, f, s) [m], NaN elsewhere."""
+        return np.where(np.arange(self.amplitude.shape[2]) % 2 == 0, self.amplitude, math.nan)
+
+    def largest(self, level: int) -> tuple[float, float] | None:
+        """Frequency [Hz] and amplitude [m] of the largest stable response; None where unknown."""
+        if self.beyond[level].any():
+            return None
+        each = np.nan_to_num(self.stable[level]).max(axis=1, initial=0.0)
+        at = int(np.argmax(each))
+        return float(self.frequency[at]), float(each[at])
 
 
-def _host(modes: Modes, drive: Drive, omega: Floats) -> tuple[np.ndarray, np.ndarray]:
-    """omega^2 R and X0 [m] of a host at each omega (f,)."""
-    own, square = modes.omega[:, None], omega**2
-    modal = 1.0 / (own**2 - square + 2j * modes.damping_ratio[:, None] * own * omega)
-    forced = drive.force * modes.force_shape[:, None]
-    forced = forced + drive.base * square * modes.participation[:, None]
-    bare = drive.base + modes.shape @ (modal * forced)
-    return square * (modes.shape**2 @ modal), bare
+def respond(
+    structure: Structure, field: Field, frequency: ArrayLike, levels: ArrayLike = (1.0,)
+) -> Responses:
+    """All solutions at frequencies (f,) [Hz]; levels (l,): factors of what moves the structure.
 
-
-def _below(mass: np.ndarray, amplitude: Floats, factor: np.ndarray, bare: np.ndarray) -> Branch:
-    """Solutions below the least amplitude of the table: one at most."""
-    away = 1.0 - factor * mass[:, 0]
-    x = bare / away
-    response, frequency = np.nonzero(np.abs(x) < amplitude[:, 0])
-    size = np.abs(x)[response, frequency]
-    phase = -np.angle(away)[response, frequency]
-    return Branch(response, frequency, size, np.ones(len(size), bool), phase)
-
-
-def _between(mass: np.ndarray, amplitude: Floats, factor: np.ndarray, bare: np.ndarray) -> Branch:
-    """Solutions within the intervals of the table."""
-    c0 = 1.0 - factor[:, :, None] * mass[:, :-1]  # (r, f, g - 1)
-    c1 = -factor[:, :, None] * np.diff(mass, axis=1)
-    rise = np.log(amplitude[:, 1:] / amplitude[:, :-1])
-    q = np.abs(c0) ** 2, 2.0 * (c0 * c1.conj()).real, np.abs(c1) ** 2
-    level = np.log(np.abs(bare))[:, :, None] - np.log(amplitude[:, :-1])
-    edges = _pieces(q, rise)
-    heights = [_height(q, rise, t) - level for t in edges]
-    found = []
-    for low, high, at_low, at_high in zip(edges, edges[1:], heights, heights[1:], strict=False):
-        # The end of a piece belongs to the next, but for the last of all.
-        crosses = (high > low) & ((at_low <= 0) != (at_high <= 0))
-        r, f, g = np.nonzero(crosses)
-        if len(r):
-            here = [part[r, f, g] for part in q]
-            t = _root(here, rise[f, g], level[r, f, g], low[r, f, g], high[r, f, g])
-            away = c0[r, f, g] + c1[r, f, g] * t
-            size = amplitude[f, g] * np.exp(rise[f, g] * t)
-            stable = at_high[r, f, g] > at_low[r, f, g]
-            found.append(Branch(r, f, size, stable, -np.angle(away)))
-    if not found:
-        none = np.zeros(0, np.int64)
-        return Branch(none, none, np.zeros(0), np.zeros(0, bool), np.zeros(0))
-    return Branch(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
-
-
-def _height(q: tuple[Floats, ...], rise: Floats, t: Floats) -> Floats:
-    """Logarithm of the left side over A_0 at t."""
+    Raises InputError for a frequency outside the field.
+    """
+    frequency, levels = np.asarray(frequency, float), np.asarray(levels, float)
+    gamma, force = field.knots(frequency)  # (f, k)
+    product, receptance, moved = structure.products(frequency)
+    omega2 = (2.0 * math.pi * frequency[:, None]) ** 2
+    length = GRAVITY / omega2  # amplitude of Gamma 1 (f, 1)
+    left = length * (product[:, None] * gamma - receptance[:, None] * omega2 * force)
+    squares = np.abs(left) ** 2
+    right = (levels[:, None] * np.abs(moved)) ** 2  # (l, f)
+    found = _roots(gamma * length, left, squares, right)
     with np.errstate(divide="ignore"):
-        return np.asarray(rise * t + 0.5 * np.log(q[0] + t * (q[1] + t * q[2])))
+        bare = np.abs(structure.bare(frequency)) * levels[:, None]
+    return Responses(levels, frequency, bare, found, squares[:, -1] < right)
 
 
-def _pieces(q: tuple[Floats, ...], rise: Floats) -> list[Floats]:
-    """Ends of the monotone pieces of each interval, from 0 to 1."""
-    # 2 L q + q' = 0: a t^2 + b t + c
-    a, b, c = 2.0 * rise * q[2], 2.0 * (rise * q[1] + q[2]), 2.0 * rise * q[0] + q[1]
-    square = b**2 - 4.0 * a * c
-    root = np.sqrt(np.maximum(square, 0.0))
-    # The form without cancellation: b > 0 or not decides which root is which.
-    half = -0.5 * (b + np.where(b >= 0.0, root, -root))
+def _roots(at: Floats, left: Any, squares: Floats, right: Floats) -> Floats:
+    """Amplitudes (l, f, s) where the square of the left side is the right one's.
+
+    at (f, k): amplitudes of the knots; left (f, k), squares (f, k): the left side there;
+    right (l, f): the square of the right side.
+    """
+    width = np.diff(at)
+    slope = np.diff(left)  # over the part t of an interval, 0 to 1
+    a = np.abs(slope) ** 2
+    b = (np.conj(left[:, :-1]) * slope).real  # squares = |left|^2 + 2 b t + a t^2
+    above = squares[None] >= right[..., None]
+    crossed = above[..., 1:] != above[..., :-1]
+    dips = (b < 0) & (a + b > 0)  # the lowest point lies between the knots
+    lowest = np.where(dips, squares[:, :-1] - b**2 / np.where(a > 0, a, 1.0), np.inf)
+    twice = above[..., 1:] & above[..., :-1] & (lowest < right[..., None])
+    times = (crossed + 2 * twice).reshape(-1)
+    which = np.repeat(np.arange(times.size), times)
+    order = np.arange(len(which)) - np.repeat(np.cumsum(times) - times, times)
+    level, f, k = np.unravel_index(which, crossed.shape)
+    upper = np.where(twice[level, f, k], order == 1, above[level, f, k + 1])
+    t = _part(a[f, k], b[f, k], squares[f, k] - right[level, f], upper)
+    roots = at[f, k] + width[f, k] * np.clip(t, 0.0, 1.0)
+    cell = level * right.shape[1] + f
+    each = np.bincount(cell, minlength=right.size)
+    place = np.arange(len(cell)) - np.repeat(np.cumsum(each) - each, each)
+    found = np.full((right.size, max(int(each.max(initial=0)), 1)), math.nan)
+    found[cell, place] = roots
+    return found.reshape(*right.shape, -1)
+
+
+def _part(a: Floats, b: Floats, c: Floats, upper: NDArray[np.bool_]) -> Floats:
+    """Return the upper or lower root of a t^2 + 2 b t + c, a > 0, without loss of digits."""
+    root = np.sqrt(np.maximum(b * b - a * c, 0.0))
+    far = -(b + np.where(b >= 0, root, -root))  # of the larger size
+    is_far = upper == (b < 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ends = np.stack([half / a, c / half])
-    ends = np.where(np.isfinite(ends) & (square > 0.0), np.clip(ends, 0.0, 1.0), 0.0)
-    first, second = np.sort(ends, axis=0)
-    return [np.zeros_like(first), first, second, np.ones_like(first)]
+        return np.nan_to_num(np.where(is_far, far / a, c / far))
 
 
-def _root(q: list[Floats], rise: Floats, level: Floats, low: Floats, high: Floats) -> Floats:
-    """Root of the height between two ends at which it has opposite signs (n,)."""
-    own = tuple(q)
-    grows = _height(own, rise, high) > _height(own, rise, low)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        above = (_height(own, rise, middle) > level) == grows
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    t = 0.5 * (low + high)
-    for _ in range(_NEWTON):
-        square = own[0] + t * (own[1] + t * own[2])
-        slope = rise + 0.5 * (own[1] + 2.0 * t * own[2]) / square
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = (_height(own, rise, t) - level) / slope
-        better = t - np.where(np.isfinite(step), step, 0.0)
-        t = np.clip(better, low, high)
-    return t
+@dataclass(frozen=True)
+class Jump:
+    """A turning point that the response meets as the frequency goes up or down."""
+
+    direction: str  # "up" or "down": of the frequency
+    frequency: float  # [Hz], of the last point before it
+    before: float  # amplitude [m]
+    after: float  # [m]
 
 
-def jumps(branch: Branch, n_frequencies: int, response: int, *, upwards: bool) -> list[int]:
-    """Frequencies at which a slow sweep leaves a branch that ends: it jumps to another there."""
-    chosen = (branch.response == response) & branch.stable
-    order = range(n_frequencies) if upwards else range(n_frequencies - 1, -1, -1)
-    before: Floats | None = None
-    now, found = None, []
-    for k in order:
-        here = branch.amplitude[chosen & (branch.frequency == k)]
-        if not len(here):
-            before = now = None
+def swept(responses: Responses, level: int, down: bool = False) -> tuple[Floats, list[Jump]]:
+    """Stable amplitude (f,) as the frequency goes up, or down, and its jumps; (f,) by rising f.
+
+    From the smallest stable solution at the first frequency. A branch goes on in the stable
+    solution that is nearest in ln A, unless another branch is nearer to that one: then it has
+    ended, and the response jumps there. NaN where no solution lies within the field.
+    """
+    order = range(len(responses.frequency))[:: -1 if down else 1]
+    followed, jumps = np.full(len(order), math.nan), []
+    before: Floats = np.zeros(0)
+    for last, k in zip([None, *order], order, strict=False):
+        there = responses.stable[level, k]
+        there = there[there > 0]
+        here = math.nan if last is None else followed[last]
+        if not len(there):
+            before = there
             continue
-        if now is None or before is None:
-            now = float(here.min())
+        if math.isnan(here):
+            followed[k] = there[0]
         else:
-            nearest = float(here[np.argmin(np.abs(np.log(here / now)))])
-            # Where another branch is still there, the one that was followed has ended.
-            if len(here) < len(before) and np.argmin(np.abs(np.log(before / nearest))) != np.argmin(
-                np.abs(np.log(before / now))
-            ):
-                found.append(k)
-            now = nearest
-        before = here
-    return found
+            nearest = there[np.argmin(np.abs(np.log(there / here)))]
+            claimed = before[np.argmin(np.abs(np.log(before / nearest)))]
+            followed[k] = nearest
+            if claimed != here:
+                direction = "down" if down else "up"
+                at = float(responses.frequency[last])
+                jumps.append(Jump(direction, at, float(here), float(nearest)))
+        before = there
+    return followed, jumps
+
+
+def spaced(structure: Structure, low: float, high: float) -> Floats:
+    """Frequencies [Hz] from low to high, where a peak is met to 0.2 %, and the modes' own.
+
+    Twenty lie in the half-power bandwidth 2 zeta of the sharpest mode: a peak is at most a fortieth
+    of it away, and 1/sqrt(1 + (1/20)^2) of it is met.
+    """
+    sharpest = float(structure.damping_ratio.min())
+    step = np.clip(0.1 * sharpest, _FINEST, _COARSEST)
+    even = np.geomspace(low, high, max(2, math.ceil(math.log(high / low) / step) + 1))
+    own = structure.omega / (2.0 * math.pi)
+    return np.union1d(even, own[(low < own) & (own < high)])
+
+
+_FINEST, _COARSEST = 5e-4, 5e-3  # of ln f: at most 2800 in a factor of four, and smooth curves

@@ -1,73 +1,76 @@
-"""Pictures of a field, and of responses by it."""
+"""Pictures of a field and of the responses that follow from it."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper3d.studies.field.balance import Branch
-from damper3d.studies.field.runs import Points
-from granulab.campaign.output.figure import GREY, headline
+from damper3d.studies.field.balance import Responses
+from damper3d.studies.field.table import Field
+from granulab.campaign.output.figure import GREY, INK, headline
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_NAMED = (0.1, 0.2, 0.5, 1, 2, 3, 5, 10, 20, 30, 50, 100)  # Gammas that an axis names
+_ALONG = 200  # points of an interpolated curve
 
 
-def draw_field(points: Points, name: str, bed_mass: float) -> "Figure":
-    """Effective mass over the bed's own against Gamma, a line for each frequency."""
-    import matplotlib as mpl
+def draw_field(field: Field, name: str) -> "Figure":
+    """In-phase and out-of-phase mass over that of the bed, against Gamma, a curve a frequency."""
+    from matplotlib import colormaps
     from matplotlib.figure import Figure
+    from matplotlib.ticker import FuncFormatter
 
-    figure = Figure(figsize=(9.6, 4.4), layout="constrained")
-    headline(figure, f"{name}: effective mass over the bed's own, {bed_mass:.4g} kg")
-    left, right = figure.subplots(1, 2)
-    frequencies = np.unique(points.frequency)
-    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.9, len(frequencies)))
-    for frequency, colour in zip(frequencies.tolist(), colours, strict=True):
-        here = np.flatnonzero(points.frequency == frequency)
-        here = here[np.argsort(points.gamma[here])]
-        gamma, mass, half = (a[here] for a in (points.gamma, points.mass, points.half_width))
-        for axes, value, width in ((left, mass.real, half.real), (right, -mass.imag, half.imag)):
+    figure = Figure(figsize=(8.6, 6.2), layout="constrained")
+    headline(figure, f"{name}: effective mass over the bed's {1e3 * field.bed_mass:.4g} g")
+    above, below = figure.subplots(2, 1, sharex=True)
+    shades = colormaps["viridis"](np.linspace(0.05, 0.85, len(field.frequencies)))
+    for frequency, colour in zip(field.frequencies, shades, strict=True):
+        own = field.frequency == frequency
+        (knots,), (force,) = field.knots(frequency)
+        gamma = np.geomspace(knots[1], knots[-1], _ALONG) if knots[-1] > knots[1] else knots[1:]
+        mass = np.interp(gamma, knots, force) / gamma / field.bed_mass
+        for axes, line, points, widths in (
+            (above, mass.real, field.in_phase, field.in_phase_half_width),
+            (below, -mass.imag, field.out_of_phase, field.out_of_phase_half_width),
+        ):
+            axes.plot(gamma, line, color=colour, lw=1)
             axes.errorbar(
-                gamma, value / bed_mass, np.nan_to_num(width) / bed_mass, fmt="o-", ms=3, lw=0.8,
+                field.gamma[own], points[own] / field.bed_mass,
+                yerr=np.nan_to_num(widths[own]) / field.bed_mass, fmt="o", ms=3.5, capsize=2,
                 color=colour, label=f"{frequency:g} Hz",
             )  # fmt: skip
-    for axes, what in ((left, "in phase: rides along"), (right, "out of phase: dissipates")):
-        axes.axhline(0.0, color=GREY, lw=0.6)
-        axes.set(xscale="log", xlabel="Gamma [-]", ylabel=f"{what} [-]")
-        named = [g for g in _NAMED if points.gamma.min() <= g <= points.gamma.max()]
-        axes.set_xticks(named, [f"{g:g}" for g in named])
-        axes.minorticks_off()
-    left.axhline(1.0, color=GREY, lw=0.6, ls="--")
-    figure.legend(*left.get_legend_handles_labels(), loc="outside right upper")
+    for axes, label in ((above, "in phase m'/M [-]"), (below, "out of phase m''/M [-]")):
+        axes.axhline(0.0, color=GREY, lw=0.7)
+        axes.set(xscale="log", ylabel=label)
+    above.axhline(1.0, color=GREY, lw=0.7, ls=":")
+    below.set_xlabel("Γ [-]")
+    below.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    figure.legend(*above.get_legend_handles_labels(), loc="outside right upper")
     return figure
 
 
-def draw_response(
-    branch: Branch, frequency: np.ndarray, bare: np.ndarray, levels: list[str], name: str
-) -> "Figure":
-    """Amplitude against frequency at several levels, each over its excitation's static response.
+def draw_responses(responses: Responses, name: str) -> "Figure":
+    """Amplitude over the level against frequency: with the bed, a colour a level, and bare.
 
-    bare (levels, n): amplitudes without the damper [m]. Unstable solutions are dotted.
+    Over the level a linear structure has one curve, so that the bed's part shows. Unstable
+    branches are dashed.
     """
-    import matplotlib as mpl
+    from matplotlib import colormaps
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.6, 5.2), layout="constrained")
-    headline(figure, name)
-    axes: Any = figure.subplots()
-    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(levels)))
-    for k, (level, colour) in enumerate(zip(levels, colours, strict=True)):
-        axes.semilogy(frequency, 1e3 * bare[k], color=colour, lw=0.6, ls="--")
-        chosen = branch.response == k
-        for stable, marker, size in ((True, "o", 2.0), (False, "x", 3.0)):
-            of = chosen & (branch.stable == stable)
-            axes.semilogy(
-                frequency[branch.frequency[of]], 1e3 * branch.amplitude[of], marker, ms=size,
-                color=colour, label=level if stable else None,
+    headline(figure, f"{name}: response with the bed, over the level")
+    axes = figure.subplots()
+    bare = 1e3 * responses.bare[0] / responses.levels[0]
+    axes.plot(responses.frequency, bare, color=INK, lw=1, label="bare")
+    shades = colormaps["viridis"](np.linspace(0.05, 0.85, len(responses.levels)))
+    for k, (level, colour) in enumerate(zip(responses.levels, shades, strict=True)):
+        for rank, branch in enumerate(responses.amplitude[k].T):
+            axes.plot(
+                responses.frequency, 1e3 * branch / level, color=colour, lw=1.4,
+                ls="--" if rank % 2 else "-", label=f"level {level:g}" if rank == 0 else None,
             )  # fmt: skip
-    axes.set(xlabel="frequency [Hz]", ylabel="amplitude of the structure [mm]")
-    axes.plot([], [], color=GREY, lw=0.6, ls="--", label="without the damper")
-    figure.legend(loc="outside right upper", title="excitation")
+    axes.set(yscale="log", xlabel="frequency [Hz]", ylabel="amplitude over level [mm]")
+    axes.set_xlim(responses.frequency.min(), responses.frequency.max())
+    figure.legend(loc="outside right upper")
     return figure

@@ -1,219 +1,196 @@
-"""Results of a field and of responses by it: folders, tables, words."""
+"""Results of a field and of responses: their folders, tables, and reports in words."""
 
 import math
 import sys
-from collections import Counter
-from dataclasses import asdict, dataclass, replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from damper3d.case.case import DamperCase
-from damper3d.case.host import bare_amplitude
-from damper3d.run.protocol import PACKAGES, run_digest
-from damper3d.run.sources import SOURCES
-from damper3d.studies.field.balance import Branch, jumps, solve
-from damper3d.studies.field.runs import Points, Rows, field_cases, power_of
-from damper3d.studies.field.table import Field, Floats
-from damper3d.studies.map.grid import Grid
-from granulab.campaign.output.files import write_atomic, writing
-from granulab.campaign.output.table import write_table
+from damper3d.run.protocol import run_digest
+from damper3d.studies.field.balance import Responses, respond, swept
+from damper3d.studies.field.fall import as_rows, falls
+from damper3d.studies.field.runs import Refinement, states, steady_changes, unlike
+from damper3d.studies.field.structure import Structure
+from damper3d.studies.field.table import Field
+from damper3d.studies.map.grid import Grid, MapResult, map_cases
+from granulab.campaign.output.files import write_atomic
+from granulab.campaign.output.table import as_csv
 from granulab.campaign.runs.folder import RunFolder, digest
-from granulab.campaign.runs.provenance import provenance
-from granulab.errors import InputError
 
-_LITERATURE = "-2 at moderate Gamma (Masmoudi et al. 2016), -1 quasi-statically"
+Range = tuple[float, float]
 
 
-def write_field(
-    name: str, changes: dict[str, Any], grid: Grid, rows: Rows, points: Points, out: Path
+def field_folder(
+    name: str, changes: dict[str, Any], grid: Grid, refine: Refinement, out: Path
 ) -> RunFolder:
-    """Write out/fields/<name>-<digest>: table.csv, table.h5, runs/, provenance.json."""
-    cases = field_cases(name, changes, grid)
+    """out/fields/<name>-<digest>, named by the runs of the grid and its refinement."""
+    cases = map_cases(name, steady_changes(changes), grid)
     runs = [[labels, run_digest(case)] for labels, case in cases]
-    named = f"{cases[0][1].name}-{digest({'runs': runs, 'refine': grid.refine})}"
-    folder = RunFolder(out / "fields" / named)
-    with writing(folder.path / "runs"):
-        (folder.path / "runs").mkdir(parents=True, exist_ok=True)
-    folder.write_provenance(
-        provenance(command=sys.argv, seed=grid.seed, packages=PACKAGES, sources=SOURCES.folders)
+    more = [refine.most_runs, refine.tolerance] if refine.most_runs else []
+    named = f"{cases[0][1].name}-{digest({'runs': runs, 'more': more})}"
+    return RunFolder(Path(out) / "fields" / named)
+
+
+def head(case: DamperCase) -> tuple[str, ...]:
+    """Lines on where a field comes from: case, version and command."""
+    size = f"{case.count} particles {case.particle.name}, {case.mass:.6g} kg"
+    return (
+        f"effective mass of {case.name}: {size}, fill ratio {case.fill_ratio:.3f}, {lid(case)}",
+        f"granulab {version('granulab')}, {' '.join(['damper3d', *sys.argv[1:]])}",
+        "m' - i m'' with F = omega^2 (m' - i m'') X of x = Re(X exp(i omega t)); half widths of "
+        "95 % intervals over the packings",
     )
-    of_runs = [f"runs/{file}" for file in write_table(folder.path / "runs", rows)]
-    folder.seal(*of_runs, *write_table(folder.path, points.rows()))
-    return folder
 
 
-def results_of(case: DamperCase, points: Points, rows: Rows, folder: Path) -> dict[str, Any]:
-    """Results of a field, for --json."""
-    powers = {}
-    for frequency in np.unique(points.frequency).tolist():
-        here = points.frequency == frequency
-        found = power_of(points.gamma[here], points.mass[here].real, case.mass)
-        powers[f"{frequency:g}"] = None if found is None else asdict(found)
-    unsteady = sum(row.get("steady") is False for row in rows)
+def lid(case: DamperCase) -> str:
+    """The closed ends, in words, and the direction of the motion to gravity."""
+    return f"with a lid, {1e3 * case.enclosure.height:g} mm high, {case.orientation}"
+
+
+def summary(
+    case: DamperCase, field: Field, result: MapResult, folder: Path, fitted: Range | None
+) -> dict[str, Any]:
+    """Results of a field, for --json and summary.json; what does not exist is None."""
+    points = zip(result.frequency.tolist(), result.gamma.tolist(), strict=True)
+    regimes = dict(zip(points, result.phases, strict=True))
     return {
         "case": case.name,
-        "orientation": case.orientation,
-        "fill_ratio": case.fill_ratio,
-        "mass_kg": case.mass,
-        "points": points.rows(),
-        "falls_as_power_of_gamma": powers,
-        "runs": dict(Counter(row["state"] for row in rows)),
-        "not_steady": unsteady,
-        "table": str(folder / "table.csv"),
+        "enclosure": lid(case),
+        "bed_mass_kg": case.mass,
+        "points": field.rows(),
+        **states(result),
+        "rides_at_least_gamma": field.rides_at_least if len(field.gamma) else None,
+        "unlike_wall_work": unlike(result),
+        "falls": as_rows(falls(field, fitted), regimes) if len(field.gamma) else [],
+        "folder": str(folder),
+        "table": str(folder / "field.csv"),
     }
 
 
 def as_text(results: dict[str, Any]) -> str:
-    """A field in words: its points, the powers with which the mass falls, and its table."""
-    mass = results["mass_kg"]
+    """Report of a field: a line a point, masses over that of the bed."""
+    mass = results["bed_mass_kg"]
+
+    def part(value: float, half: float | None) -> str:
+        return f"{value / mass:8.3f} {'' if half is None else f'± {half / mass:.3f}':8}"
+
     lines = [
-        f"{results['case']}: effective mass of a bed of {mass:.4g} kg, {results['orientation']}, "
-        f"in a closed enclosure, fill ratio {results['fill_ratio']:.3f}",
-        "frequency   Gamma   in phase  out of phase   over the bed's mass (95 %)",
+        f"{results['case']}: effective mass over the bed's {1e3 * mass:.4g} g, "
+        f"{results['enclosure']}",
+        f"{'frequency':>12}{'Gamma':>8}{'amplitude':>13}{'in phase':>11}{'out of phase':>19}",
     ]
-    for row in results["points"]:
-        m, n = row["m_in_phase_kg"] / mass, row["m_out_of_phase_kg"] / mass
-        a, b = row["m_in_phase_half_width_kg"], row["m_out_of_phase_half_width_kg"]
+    lines += [
+        f"{row['frequency_hz']:9g} Hz{row['gamma']:8.4g}{1e3 * row['amplitude_m']:10.3g} mm"
+        f"{part(row['m_in_phase_kg'], row['m_in_phase_half_width_kg'])}"
+        f"{part(row['m_out_of_phase_kg'], row['m_out_of_phase_half_width_kg'])}".rstrip()
+        for row in results["points"]
+    ]
+    for fall in results["falls"]:
+        what = {"in_phase": "in-phase mass", "loss_factor": "loss factor"}[fall["quantity"]]
+        low, high = fall["gamma_range"]
+        shown = ", ".join(fall["phases"]) or "phase not named"
         lines.append(
-            f"{row['frequency_hz']:7g} Hz {row['gamma']:7g} {m:9.3f}{_width(a, mass)} "
-            f"{n:9.3f}{_width(b, mass)}"
+            f"fall        {what} at {fall['frequency_hz']:g} Hz as Gamma^({fall['exponent']:.2f} ± "
+            f"{fall['half_width']:.2f}), Gamma {low:g} to {high:g} ({shown}); literature: "
+            f"{fall['literature']}"
         )
-    for frequency, found in results["falls_as_power_of_gamma"].items():
-        if found is not None:
-            lines.append(
-                f"{frequency} Hz: the mass in phase falls as Gamma^{found['exponent']:.2f} +- "
-                f"{found['half_width']:.2f} from {found['low']:g} to {found['high']:g}; literature "
-                f"{_LITERATURE}"
-            )
+    if results["unlike_wall_work"] is not None:
+        lines.append(
+            f"check       out of phase from forces and from work differ by at most "
+            f"{100 * results['unlike_wall_work']:.2g} % of the bed's mass"
+        )
+    if results["rides_at_least_gamma"] is False:
+        lines.append("below       the bed does not ride along at the least Gamma, and below it the "
+                     "field holds what it has there: give lower --gammas")  # fmt: skip
+    counted = ", ".join(f"{results[name]} {name}" for name in ("done", "failed", "interrupted"))
+    lines.append(f"runs        {counted} ({results['reused']} were there)")
     if results["not_steady"]:
-        lines.append(f"{results['not_steady']} runs were not steady at their last cycle")
+        lines.append(f"not steady  {results['not_steady']} runs ended at their most cycles; give "
+                     "more --max-cycles")  # fmt: skip
     return "\n".join([*lines, f"table       {results['table']}"])
 
 
-def _width(half: float | None, mass: float) -> str:
-    return "         " if half is None else f" +- {half / mass:.3f}"
-
-
-@dataclass(frozen=True)
-class Asked:
-    """Responses that are wanted: levels of the excitation, and frequencies over the host's own."""
-
-    levels: tuple[float, ...]
-    span: tuple[float, ...]
-    points: int
-
-
-@dataclass(frozen=True, eq=False)
-class Responses:
-    """Responses of a host at several levels of what moves it."""
-
-    names: list[str]
-    frequency: Floats  # (f,) [Hz]
-    bare: Floats  # (levels, f) amplitude without the damper [m]
-    branch: Branch
-    field: Field
-
-
-def responses(case: DamperCase, field: Field, asked: Asked) -> Responses:
-    """Responses of the host of a case; InputError where it has none, or the field is not enough."""
-    if case.modes is None or case.drive is None or case.is_decay:
-        raise InputError(
-            f"{case.name}: a response is that of a host which a force or its base moves; give a "
-            "[host] with force, base_displacement or base_acceleration"
-        )
-    if len(asked.span) != 2 or not 0 < asked.span[0] < asked.span[1]:
-        raise InputError(f"--span {','.join(map(str, asked.span))}: give two that rise: 0.9,1.1")
-    own = float(case.modes.omega[case.modes.nearest(2 * np.pi / case.period)])
-    omega = np.linspace(asked.span[0] * own, asked.span[1] * own, asked.points)
-    drives = [
-        replace(case.drive, force=level * case.drive.force, base=level * case.drive.base)
-        for level in asked.levels
-    ]
-    bare = np.array(
-        [
-            [abs(bare_amplitude(case.modes, replace(one, omega=w))) for w in omega.tolist()]
-            for one in drives
-        ]
-    )
-    branch = solve(field, [case.modes] * len(drives), drives, omega)
-    names = [_named(one.force, one.base) for one in drives]
-    return Responses(names, omega / (2 * np.pi), bare, branch, field)
-
-
-def _named(force: float, base: float) -> str:
-    return f"{force:.4g} N" if force else f"base {1e3 * base:.4g} mm"
-
-
-def title(case: DamperCase) -> str:
-    """Headline of a picture of responses."""
-    return f"{case.name}: amplitude with the damper, by harmonic balance"
-
-
-def write_responses(found: Responses, folder: Path) -> None:
-    """Write response.csv into a folder: all solutions, a row each."""
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-    lines = ["excitation,frequency_hz,amplitude_m,phase_rad,stable,bare_amplitude_m"]
-    rows = zip(*(part.tolist() for part in found.branch), strict=True)
-    for level, k, amplitude, stable, phase in rows:
-        lines.append(
-            f"{found.names[level]},{found.frequency[k]:.9g},{amplitude:.9g},{phase:.6g},"
-            f"{int(stable)},{found.bare[level, k]:.9g}"
-        )
-    write_atomic(folder / "response.csv", ("\n".join(lines) + "\n").encode())
-
-
-def response_results(case: DamperCase, found: Responses, folder: Path) -> dict[str, Any]:
-    """Results of responses, for --json: peaks, jumps, and where the field ends."""
-    levels, branch, f = [], found.branch, found.frequency
-    for k, name in enumerate(found.names):
-        here = branch.response == k
-        known = np.unique(branch.frequency[here])
-        top = int(np.argmax(np.where(here & branch.stable, branch.amplitude, -math.inf)))
-        bare = float(found.bare[k].max())
-        whole = bool(len(known) == len(f))
-        levels.append(
+def of_response(structure: Structure, field: Field, responses: Responses) -> list[dict[str, Any]]:
+    """Results of each level: largest response with its interval, reduction, jumps; for --json."""
+    found = []
+    corners = [
+        respond(structure, field.shifted(a, b), responses.frequency, responses.levels)
+        for a in (-1, 1) for b in (-1, 1)
+    ]  # fmt: skip
+    for k, level in enumerate(responses.levels.tolist()):
+        peak, bare = responses.largest(k), float(responses.bare[k].max())
+        edges = [corner.largest(k) for corner in corners]
+        known = np.isfinite(field.in_phase_half_width).any() and None not in edges
+        up, down = (swept(responses, k, down)[1] for down in (False, True))
+        found.append(
             {
-                "excitation": name,
-                "peak_m": float(branch.amplitude[top]) if here.any() else None,
-                "peak_frequency_hz": float(f[branch.frequency[top]]) if here.any() else None,
-                "bare_peak_m": bare,
-                "reduction": float(branch.amplitude[top]) / bare if here.any() else None,
-                "jumps_up_hz": [float(f[j]) for j in jumps(branch, len(f), k, upwards=True)],
-                "jumps_down_hz": [float(f[j]) for j in jumps(branch, len(f), k, upwards=False)],
-                "within_field": whole,
+                "level": level,
+                "peak_frequency_hz": peak and peak[0],
+                "peak_amplitude_m": peak and peak[1],
+                "peak_interval_m": [f(e[1] for e in edges if e) for f in (min, max)]
+                if known else None,
+                "bare_peak_amplitude_m": bare if math.isfinite(bare) else None,
+                "reduction": peak[1] / bare if peak and math.isfinite(bare) else None,
+                "most_solutions": int(responses.count[k].max()),
+                "beyond_field_hz": _span(responses.frequency[responses.beyond[k]]),
+                "jumps": [vars(jump) for jump in (*up, *down)],
             }
-        )
-    return {
-        "case": case.name,
-        "gammas": [float(found.field.gammas[0]), float(found.field.gammas[-1])],
-        "levels": levels,
-        "table": str(folder / "response.csv"),
-    }
+        )  # fmt: skip
+    return found
 
 
-def in_words(results: dict[str, Any]) -> str:
-    """Responses in words."""
-    lines = [f"{results['case']}: response by harmonic balance"]
-    for one in results["levels"]:
-        if one["peak_m"] is None:
-            lines.append(f"  {one['excitation']}: beyond the field at all frequencies")
+def _span(frequency: Any) -> list[float] | None:
+    """Least and greatest of some frequencies; None of none."""
+    return [float(frequency.min()), float(frequency.max())] if len(frequency) else None
+
+
+def in_words(levels: list[dict[str, Any]]) -> str:
+    """Report of responses: a line a level, and its jumps."""
+    lines = [f"{'level':>8}  {'bare peak':>12}{'with the bed':>14}  {'interval':20}{'at':>10}"
+             f"{'reduction':>11}"]  # fmt: skip
+    for one in levels:
+        bare = _millimetres(one["bare_peak_amplitude_m"])
+        start = f"{one['level']:8g}  {bare:>12}"
+        if one["peak_amplitude_m"] is None:
+            low, high = one["beyond_field_hz"]
+            lines.append(f"{start}  beyond the field's greatest Gamma from {low:.4g} to {high:.4g} "
+                         "Hz: compute it there (damper3d field --gammas)")  # fmt: skip
             continue
-        at = one["peak_frequency_hz"]
-        words = (
-            f"  {one['excitation']}: {1e3 * one['peak_m']:.4g} mm at {at:.4g} Hz, "
-            f"{one['reduction']:.3g} of the bare peak, {1e3 * one['bare_peak_m']:.4g} mm"
+        interval = one["peak_interval_m"]
+        between = " to ".join(_millimetres(edge) for edge in interval) if interval else ""
+        reduction = "" if one["reduction"] is None else f"{one['reduction']:.3f}"
+        lines.append(
+            f"{start}{_millimetres(one['peak_amplitude_m']):>14}  {between:20}"
+            f"{one['peak_frequency_hz']:7.4g} Hz{reduction:>11}"
         )
-        for way in ("up", "down"):
-            if one[f"jumps_{way}_hz"]:
-                at = ", ".join(f"{x:.4g}" for x in one[f"jumps_{way}_hz"])
-                words += f"; swept {way} it jumps at {at} Hz"
-        if not one["within_field"]:
-            words += (
-                f"; at some frequencies beyond the field (Gamma {results['gammas'][0]:g} to "
-                f"{results['gammas'][1]:g}), where nothing is known"
-            )
-        lines.append(words)
-    return "\n".join([*lines, f"table       {results['table']}"])
+        lines += [
+            f"{'':10}jump as the frequency goes {jump['direction']}: at {jump['frequency']:.4g} Hz "
+            f"from {_millimetres(jump['before'])} to {_millimetres(jump['after'])}"
+            for jump in one["jumps"]
+        ]
+    return "\n".join(lines)
+
+
+def _millimetres(length: float | None) -> str:
+    return "-" if length is None else f"{1e3 * length:.4g} mm"
+
+
+def write_responses(path: Path, responses: Responses) -> Path:
+    """Write a CSV, a line a level, frequency and solution; its path."""
+    rows = []
+    for k, level in enumerate(responses.levels.tolist()):
+        for f, frequency in enumerate(responses.frequency.tolist()):
+            about = {"level": level, "frequency_hz": frequency}
+            bare = float(responses.bare[k, f])
+            about["bare_amplitude_m"] = bare if math.isfinite(bare) else None
+            found = responses.amplitude[k, f, : responses.count[k, f]].tolist()
+            beyond = bool(responses.beyond[k, f])
+            rows += [
+                {**about, "amplitude_m": a, "stable": s % 2 == 0, "beyond_field": beyond}
+                for s, a in enumerate(found or [None])
+            ]
+    write_atomic(path, as_csv(rows))
+    return path

@@ -1,158 +1,149 @@
-"""Runs of a field: the effective mass at each point of a grid, refined where it bends.
-
-Runs are steady, of an even number of counted cycles. A round of refinement halves, on a logarithmic
-scale, the intervals of Gamma on both sides of a point that the line through its neighbours misses
-by more than its interval and by more than a twentieth of the bed's mass.
-"""
+"""A field from runs: steady ones on a grid of a map, and more of them where the curves bend."""
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from damper3d.case.parts import GRAVITY
-from damper3d.run.sweep import run_cases
-from damper3d.studies.field.table import COLUMNS, Field, Floats
-from damper3d.studies.map.grid import Grid, map_cases
-from granulab.campaign.output.statistics import mean_sd, quantile
-from granulab.campaign.sweeps.sweep import Labelled
+from damper3d.run.steady import BLOCK, LEAST_BLOCKS
+from damper3d.studies.field.table import Field
+from damper3d.studies.map.grid import Grid, MapResult, Points, grow, map_cases
+from damper3d.studies.map.peaks import DIGITS
+from granulab.errors import InputError
 
-Rows = list[dict[str, Any]]
-
-_BENT = 0.05  # of the bed's mass, by which a line may miss a point
-STEADY = {"run.steady": True}
-_COLUMNS = ("effective_mass.in_phase_kg", "effective_mass.out_of_phase_kg")
+# Cheap where the bed rides along, dense about the onset, and on into the falling branch.
+FREQUENCIES = (20.0, 40.0, 80.0)  # [Hz]
+GAMMAS = (0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0, 30.0)
+PACKINGS = 3
+TOLERANCE = 0.05  # of the bed's mass
+IN_PHASE, OUT_OF_PHASE = "effective_mass.in_phase_kg", "effective_mass.out_of_phase_kg"
 
 
 @dataclass(frozen=True)
-class Points:
-    """Effective mass at the points of a field, from its runs that are done (n,)."""
+class Refinement:
+    """Points added to a field where it bends.
 
-    frequency: Floats
-    gamma: Floats
-    mass: np.ndarray  # complex, m' - i m'' [kg]
-    half_width: np.ndarray  # complex, of m' and of m'', 95 % over packings; NaN for one
-    packings: np.ndarray
-
-    @property
-    def field(self) -> Field:
-        """Their field."""
-        return Field(self.frequency, self.gamma, self.mass)
-
-    def rows(self) -> Rows:
-        """A row for each point, by COLUMNS."""
-        amplitude = self.gamma * GRAVITY / (2 * np.pi * self.frequency) ** 2
-        columns = (
-            self.frequency, self.gamma, amplitude, self.mass.real, self.half_width.real,
-            -self.mass.imag, self.half_width.imag, self.packings,
-        )  # fmt: skip
-        lists = [[None if x != x else x for x in column.tolist()] for column in columns]
-        return [dict(zip(COLUMNS, values, strict=True)) for values in zip(*lists, strict=True)]
-
-
-def field_cases(
-    name: str, changes: dict[str, Any], grid: Grid, points: list[tuple[float, float]] | None = None
-) -> list[Labelled]:
-    """The cases of a field, or those at some points of frequency [Hz] and Gamma."""
-    return map_cases(name, STEADY | changes, grid, points)
-
-
-def measure(
-    name: str, changes: dict[str, Any], grid: Grid, bed_mass: float, *, out: Path, **engine: Any
-) -> tuple[Rows, Points]:
-    """Run a case over a grid; rows of the runs, and the points.
-
-    Points are added in grid.refine rounds, after whole rounds only, and runs that are finished
-    below `out` are not done again. engine: as run_cases takes it.
+    most_runs    that may be added to those of the grid
+    tolerance    part of the bed's mass by which a straight line may miss a point
     """
-    rows = run_cases(field_cases(name, changes, grid), out=out, **engine)
-    for _ in range(grid.refine):
-        added = _to_add(points_of(rows), bed_mass)
-        if not added or any(row["state"] == "interrupted" for row in rows):
-            break
-        rows = rows + run_cases(field_cases(name, changes, grid, added), out=out, **engine)
-    return rows, points_of(rows)
+
+    most_runs: int = 0
+    tolerance: float = TOLERANCE
+
+    def __post_init__(self) -> None:
+        if self.most_runs < 0:
+            raise InputError(f"more runs = {self.most_runs}: must be at least 0")
+        if not 0 < self.tolerance < 1:
+            raise InputError(
+                f"within = {self.tolerance:g}: must be above 0 and below 1, such as 0.05"
+            )
 
 
-def points_of(rows: Rows) -> Points:
-    """The points of rows as run_cases gives them."""
-    groups: dict[tuple[float, float], list[complex]] = {}
-    for row in rows:
-        if row["state"] == "done" and all(row.get(name) is not None for name in _COLUMNS):
-            at = (row["frequency_hz"], row["gamma"])
-            groups.setdefault(at, []).append(complex(row[_COLUMNS[0]], -row[_COLUMNS[1]]))
-    known = sorted(groups)
-    mass = [np.array(groups[at]) for at in known]
-    frequency, gamma = np.array(known, float).reshape(-1, 2).T
-    return Points(
-        frequency, gamma, np.array([m.mean() for m in mass]),
-        np.array([complex(_half(m.real), _half(m.imag)) for m in mass]),
-        np.array([len(m) for m in mass]),
+def steady_changes(changes: dict[str, Any]) -> dict[str, Any]:
+    """The changes of a case with steady runs, which count whole blocks of four cycles.
+
+    So an alternation of the bed from cycle to cycle enters in full. InputError where a run would
+    end before the least number of blocks.
+    """
+    return changes | {"run.steady": True}
+
+
+def check_length(name: str, max_cycles: int, discard: int) -> None:
+    """Raise InputError where the most cycles of a run leave an odd number that count."""
+    least = discard + BLOCK * LEAST_BLOCKS
+    if max_cycles < least:
+        raise InputError(
+            f"{name}: max_cycles = {max_cycles}: a field counts whole blocks of {BLOCK} cycles, at "
+            f"least {LEAST_BLOCKS}; give {least} or more"
+        )
+
+
+def field_of_runs(
+    name_or_path: str, changes: dict[str, Any], grid: Grid, refine: Refinement, *, out: Path,
+    **engine: Any,
+) -> MapResult:  # fmt: skip
+    """Run a case over a grid, and further where it bends; as a map, of which field_of is the field.
+
+    Arguments and errors are those of damper3d.studies.map.grid.efficiency_map.
+    """
+    changes = steady_changes(changes)
+    for _, case in map_cases(name_or_path, changes, grid)[:1]:
+        check_length(case.name, case.settings.run.max_cycles, case.settings.run.discard)
+    there = len(grid.points)
+
+    def to_add(result: MapResult) -> Points:
+        left = refine.most_runs // grid.packings - (len(result.gamma) - there)
+        return bends(field_of(result), refine.tolerance)[: max(left, 0)]
+
+    return grow(name_or_path, changes, grid, to_add, out=out, **engine)
+
+
+def field_of(result: MapResult, head: tuple[str, ...] = ()) -> Field:
+    """The field of a map's points that have a mass; a Field of no points where none has."""
+    if not result.packings.any():
+        return Field.of([], [], [], math.nan)
+    in_phase, out_of_phase = result.mean(IN_PHASE), result.mean(OUT_OF_PHASE)
+    known = np.isfinite(in_phase)
+    (mass,) = set(result.mean("mass_kg")[known].tolist())  # one bed
+    return Field(
+        result.frequency[known], result.gamma[known], in_phase[known], out_of_phase[known],
+        result.scatter(IN_PHASE)[known], result.scatter(OUT_OF_PHASE)[known],
+        result.packings[known], mass, head,
     )  # fmt: skip
 
 
-def _half(values: np.ndarray) -> float:
-    found = mean_sd(values.tolist())
-    if found.sd is None:
-        return math.nan
-    return quantile(found.n - 1) * found.sd / math.sqrt(found.n)
+def bends(field: Field, tolerance: float) -> list[tuple[float, float]]:
+    """Frequency and Gamma of the points to compute next, the worst first.
 
-
-def _to_add(points: Points, bed_mass: float) -> list[tuple[float, float]]:
-    """Points in the middle of the intervals beside those at which a field bends."""
-    added = []
-    for f in np.unique(points.frequency).tolist():
-        here = np.flatnonzero(points.frequency == f)
-        here = here[np.argsort(points.gamma[here])]
-        log, mass, half = np.log(points.gamma[here]), points.mass[here], points.half_width[here]
-        bent = set()
-        for k in range(1, len(here) - 1):
-            part = (log[k] - log[k - 1]) / (log[k + 1] - log[k - 1])
-            off = mass[k] - (mass[k - 1] * (1 - part) + mass[k + 1] * part)
-            for missed, width in ((abs(off.real), half[k].real), (abs(off.imag), half[k].imag)):
-                if missed > max(_BENT * bed_mass, 0.0 if width != width else width):
-                    bent |= {k - 1, k}
-        added += [(f, _digits(math.exp(0.5 * (log[k] + log[k + 1])))) for k in sorted(bent)]
-    return added
-
-
-def _digits(gamma: float) -> float:
-    """Three digits, as people read them."""
-    return float(f"{gamma:.3g}")
-
-
-@dataclass(frozen=True)
-class Power:
-    """m ~ Gamma^exponent over a range of Gamma."""
-
-    exponent: float
-    half_width: float  # 95 %
-    low: float
-    high: float
-    points: int
-
-
-def power_of(gamma: Floats, mass: Floats, bed_mass: float) -> Power | None:
-    """Power with which m' falls with Gamma, where it has left the bed's mass; None: too few points.
-
-    Fitted from the first point below nine tenths of the bed's mass down to the least one, or to the
-    last above a hundredth of it, by least squares of the logarithms.
+    At each point between two others the straight line of the force (m Gamma) through these is
+    compared with it. Where the mass that it gives, m' or m'', misses that of the point by more
+    than the point's interval and the tolerance of the bed's mass, the middles (of ln Gamma) of the
+    intervals on both sides are added. Gammas are rounded to DIGITS digits: they name runs.
     """
-    order = np.argsort(gamma)
-    gamma, mass = gamma[order], mass[order]
-    fallen = np.flatnonzero(mass < 0.9 * bed_mass)
-    if not len(fallen):
+    found: dict[tuple[float, float], float] = {}
+    least = tolerance * field.bed_mass
+    for frequency in field.frequencies if len(field.gamma) else ():
+        own = np.flatnonzero(field.frequency == frequency)
+        for low, k, high in zip(own[:-2], own[1:-1], own[2:], strict=True):
+            a, gamma, b = field.gamma[[low, k, high]]
+            ends, part = field.mass[[low, high]] * [a, b], (gamma - a) / (b - a)
+            off = ((1 - part) * ends[0] + part * ends[1]) / gamma - field.mass[k]
+            limits = np.fmax(
+                [field.in_phase_half_width[k], field.out_of_phase_half_width[k]], least
+            )
+            misses = float(max(abs(off.real) / limits[0], abs(off.imag) / limits[1]))
+            if misses <= 1:
+                continue
+            for lower, upper in ((a, gamma), (gamma, b)):
+                middle = float(f"{math.sqrt(lower * upper):.{DIGITS}g}")
+                if lower < middle < upper:
+                    point = (float(frequency), middle)
+                    found[point] = max(found.get(point, 0.0), misses)
+    return sorted(found, key=lambda point: (-found[point], point))
+
+
+def unlike(result: MapResult) -> float | None:
+    """Largest difference of m'' from the work of the enclosure, over the bed's mass.
+
+    m'' = E/(pi V^2), which knows no sampling: 4 M/pi times the efficiency by wall work. With 100
+    samples a cycle the 99th and 101st harmonic of impacts look like the first. None: no run.
+    """
+    if not result.packings.any():
         return None
-    gone = np.flatnonzero(mass[fallen[0] :] < 0.01 * bed_mass)
-    end = fallen[0] + (gone[0] if len(gone) else np.argmin(mass[fallen[0] :]) + 1)
-    chosen = slice(fallen[0], end)
-    x, y = np.log(gamma[chosen]), np.log(mass[chosen])
-    if len(x) < 3:
-        return None
-    slope, intercept = np.polyfit(x, y, 1)
-    left = y - slope * x - intercept
-    error = math.sqrt(float(left @ left) / (len(x) - 2) / float(((x - x.mean()) ** 2).sum()))
-    half = quantile(len(x) - 2) * error
-    return Power(float(slope), half, float(gamma[chosen][0]), float(gamma[chosen][-1]), len(x))
+    mass = result.mean("mass_kg")
+    work = 4.0 / math.pi * result.mean("efficiency_wall_work")
+    return float(np.nanmax(np.abs(result.mean(OUT_OF_PHASE) / mass - work)))
+
+
+def states(result: MapResult) -> dict[str, int]:
+    """Runs that are done, failed, interrupted, reused, and that did not become steady."""
+    counted = Counter(row["state"] for row in result.rows)
+    return {
+        "runs": len(result.rows),
+        **{name: counted[name] for name in ("done", "failed", "interrupted")},
+        "reused": sum(bool(row.get("reused")) for row in result.rows),
+        "not_steady": sum(row.get("steady") is False for row in result.rows),
+    }

@@ -1,123 +1,248 @@
-"""Effective mass of a bed over frequency and Gamma: table, interpolation, CSV.
+"""The effective field: the complex effective mass of a bed over frequency and amplitude.
 
-m = m' - i m'' [kg], F = omega^2 m X of the bed on an enclosure at x = Re(X e^(i omega t)): m' rides
-along, m'' > 0 dissipates. Between the frequencies and Gammas of the table m is linear in their
-logarithms.
+With x = Re(X e^(i omega t)) and F the first harmonic of the bed's force on the enclosure,
+
+    F = omega^2 m X,    m = m' - i m''
+
+A bed that rides along has m' = its mass and m'' = 0; m'' > 0 takes the mean power
+omega^3 |X|^2 m''/2, as the dashpot omega m'' to the ground would.
+
+Between the points of a frequency the force is taken as linear: m Gamma in Gamma. So a bed that
+rides along is met exactly, and so is one whose mass falls as 1/Gamma. Between two frequencies m is
+linear in ln f at the same Gamma. Below the least Gamma, m is as there (a straight line of the
+force from zero); above the greatest, and outside the frequencies, there is none.
 """
 
 import csv
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from damper3d.case.parts import GRAVITY
+from granulab.campaign.output.files import write_atomic
+from granulab.campaign.output.table import as_csv
+from granulab.contact.files.datafile import is_file
+from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 COLUMNS = (
     "frequency_hz", "gamma", "amplitude_m", "m_in_phase_kg", "m_in_phase_half_width_kg",
-    "m_out_of_phase_kg", "m_out_of_phase_half_width_kg", "packings",
+    "m_out_of_phase_kg", "m_out_of_phase_half_width_kg", "bed_mass_kg", "seeds",
 )  # fmt: skip
-_NEEDED = ("frequency_hz", "gamma", "m_in_phase_kg", "m_out_of_phase_kg")
-_ROUND = 1e-9  # by which frequencies of a table may be missed
+_MAY_LACK = ("m_in_phase_half_width_kg", "m_out_of_phase_half_width_kg")
+_HEAD = "# "
+RIDES = 0.05  # of the bed's mass, that m' may be off it where a bed is said to ride along
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """Effective mass at n points (n,), whose frequencies have some Gammas each."""
+    """Effective masses at n points, by rising frequency and then Gamma.
 
-    frequency: Floats  # [Hz]
-    gamma: Floats
-    mass: NDArray[np.complex128]  # m' - i m'' [kg]
+    Half widths are of 95 % intervals over the packings, NaN where there is one packing.
+    """
+
+    frequency: Floats  # (n,) [Hz]
+    gamma: Floats  # (n,)
+    in_phase: Floats  # (n,) m' [kg]
+    out_of_phase: Floats  # (n,) m'' [kg]
+    in_phase_half_width: Floats  # (n,) [kg]
+    out_of_phase_half_width: Floats  # (n,) [kg]
+    seeds: NDArray[np.int64]  # (n,) packings
+    bed_mass: float  # of all particles [kg]
+    head: tuple[str, ...] = ()  # lines on where it comes from
+
+    @classmethod
+    def of(
+        cls, frequency: ArrayLike, gamma: ArrayLike, mass: ArrayLike, bed_mass: float
+    ) -> "Field":
+        """From complex masses m' - i m'' (n,) [kg] without intervals, such as those of a law."""
+        f, g, m = np.asarray(frequency, float), np.asarray(gamma, float), np.asarray(mass, complex)
+        order, unknown = np.lexsort((g, f)), np.full(len(f), math.nan)
+        return cls(f[order], g[order], m.real[order], -m.imag[order], unknown, unknown,
+                   np.ones(len(f), np.int64), bed_mass)  # fmt: skip
+
+    @property
+    def mass(self) -> Complexes:
+        """m' - i m'' (n,) [kg]."""
+        return self.in_phase - 1j * self.out_of_phase
 
     @cached_property
     def frequencies(self) -> Floats:
-        """Frequencies of the table, rising [Hz]."""
+        """Each frequency once, rising [Hz]."""
         return np.unique(self.frequency)
 
-    @cached_property
-    def gammas(self) -> Floats:
-        """Gammas that some frequency has, between the greatest least and the least greatest."""
-        spans = [self.gamma[self.frequency == f] for f in self.frequencies]
-        low, high = max(span.min() for span in spans), min(span.max() for span in spans)
-        every = np.unique(self.gamma)
-        return every[(every >= low) & (every <= high)]
+    @property
+    def amplitude(self) -> Floats:
+        """Of the enclosure (n,) [m]."""
+        return self.gamma * GRAVITY / (2.0 * math.pi * self.frequency) ** 2
 
-    @cached_property
-    def _grid(self) -> NDArray[np.complex128]:
-        """Mass at all frequencies and gammas (f, g)."""
-        wanted, rows = np.log(self.gammas), []
-        for f in self.frequencies:
-            here = self.frequency == f
-            order = np.argsort(self.gamma[here])
-            known, mass = np.log(self.gamma[here][order]), self.mass[here][order]
-            rows.append(
-                np.interp(wanted, known, mass.real) + 1j * np.interp(wanted, known, mass.imag)
-            )
-        return np.array(rows)
+    @property
+    def rides_at_least(self) -> bool:
+        """True where the bed rides along at the least Gamma of every frequency.
 
-    def at(self, omega: Floats) -> tuple[NDArray[np.complex128], Floats]:
-        """Mass (n, g) and amplitude [m] (n, g) of the gammas at angular frequencies (n,) [rad/s].
-
-        InputError for one outside the table.
+        To RIDES of its mass, or within the interval.
         """
-        frequency = np.asarray(omega) / (2 * np.pi)
-        low, high = self.frequencies[[0, -1]]
-        outside = (frequency < low * (1 - _ROUND)) | (frequency > high * (1 + _ROUND))
-        if outside.any():
+        first = [int(np.argmax(self.frequency == f)) for f in self.frequencies]
+        off = np.abs(self.mass[first] - self.bed_mass)
+        allowed = np.fmax(self.in_phase_half_width[first], RIDES * self.bed_mass)
+        return bool((off <= allowed).all())
+
+    def shifted(self, in_phase: float, out_of_phase: float) -> "Field":
+        """The field with m' and m'' moved by so many of their half widths; unknown ones by none."""
+        each = (self.in_phase_half_width, self.out_of_phase_half_width)
+        a, b = (np.nan_to_num(width) for width in each)
+        return Field(
+            self.frequency, self.gamma, self.in_phase + in_phase * a,
+            self.out_of_phase + out_of_phase * b, *each, self.seeds, self.bed_mass, self.head,
+        )  # fmt: skip
+
+    def knots(self, frequency: ArrayLike) -> tuple[Floats, Complexes]:
+        """Knots of the force at each frequency (f,) [Hz]: Gammas (f, k) and m Gamma (f, k) [kg].
+
+        From Gamma 0 up to the greatest of both neighbours; k is the same for all, the last one
+        repeated. Raises InputError for a frequency outside the table.
+        """
+        wanted = np.atleast_1d(np.asarray(frequency, float))
+        known = self.frequencies
+        outside = wanted[~((known[0] <= wanted) & (wanted <= known[-1]))]
+        if outside.size:
             raise InputError(
-                f"{float(frequency[outside][0]):g} Hz: the field is known from {low:g} to "
-                f"{high:g} Hz; give frequencies between, or compute it there"
+                f"frequency {outside[0]:g} Hz: outside the field, {known[0]:g} to {known[-1]:g} "
+                "Hz; compute the field there (damper3d field --frequencies)"
             )
-        wanted, known = np.log(frequency), np.log(self.frequencies)
-        mass = np.stack([_between(wanted, known, column) for column in self._grid.T], axis=1)
-        amplitude = self.gammas * GRAVITY / np.asarray(omega)[:, None] ** 2
-        return mass, amplitude
+        gammas = np.concatenate([[0.0], np.unique(self.gamma)])
+        curves = [self._curve(f, gammas) for f in known]
+        above = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1) if len(known) > 1 else 0
+        below = above - 1 if len(known) > 1 else 0
+        low, high = known[below], known[above]
+        with np.errstate(invalid="ignore"):
+            part = np.nan_to_num(np.log(wanted / low) / np.log(high / low))[:, None]
+        force = np.array([force for _, force in curves])
+        last = np.array([last for last, _ in curves])
+        joined = (1 - part) * force[below] + part * force[above]
+        # A frequency of the table has its own greatest Gamma, whatever its neighbour's.
+        ends = np.minimum(
+            np.where(part[:, 0] < 1, last[below], np.inf), np.where(part[:, 0] > 0, last[above],
+            np.inf),
+        )  # fmt: skip
+        inside = gammas <= ends[:, None]
+        index = np.minimum(np.arange(len(gammas)), inside.sum(axis=1, keepdims=True) - 1)
+        return gammas[index], np.take_along_axis(np.atleast_2d(joined), index, axis=1)
+
+    def _curve(self, frequency: float, gammas: Floats) -> tuple[float, Complexes]:
+        """Greatest Gamma of a frequency of the table, and m Gamma at these Gammas."""
+        own = self.frequency == frequency
+        g, m = self.gamma[own], self.mass[own]
+        return float(g[-1]), np.interp(gammas, np.append(0.0, g), np.append(0.0, m * g))
+
+    def at(self, frequency: float, amplitude: float) -> complex:
+        """m' - i m'' [kg] at a frequency [Hz] and amplitude of the enclosure [m].
+
+        Raises InputError outside the table, but below its least Gamma.
+        """
+        gamma = amplitude * (2.0 * math.pi * frequency) ** 2 / GRAVITY
+        (knots,), (force,) = self.knots(frequency)
+        if gamma > knots[-1]:
+            raise InputError(
+                f"amplitude {1e3 * amplitude:g} mm at {frequency:g} Hz is Gamma {gamma:.4g}: above "
+                f"the field, which ends at {knots[-1]:g}; compute it there (--gammas)"
+            )
+        if gamma <= knots[1]:  # also at 0
+            return complex(force[1] / knots[1])
+        return complex(np.interp(gamma, knots, force) / gamma)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row a point, by the names of COLUMNS; an interval that is not known is None."""
+        columns = (
+            self.frequency, self.gamma, self.amplitude, self.in_phase, self.in_phase_half_width,
+            self.out_of_phase, self.out_of_phase_half_width, np.full(len(self.gamma),
+            self.bed_mass), self.seeds,
+        )  # fmt: skip
+        return [
+            {
+                name: None if value != value else value.item()
+                for name, value in zip(COLUMNS, values, strict=True)
+            }
+            for values in zip(*columns, strict=True)
+        ]
+
+    def write(self, path: Path) -> Path:
+        """Write the CSV table, its head in lines that begin with #; its path."""
+        words = "".join(f"{_HEAD}{line}\n" for line in self.head)
+        write_atomic(path, words + as_csv(self.rows()))
+        return path
 
 
-def _between(wanted: Floats, known: Floats, mass: NDArray[np.complex128]) -> np.ndarray:
-    """Linear interpolation of complex numbers (n,) that are known at rising places."""
-    return np.interp(wanted, known, mass.real) + 1j * np.interp(wanted, known, mass.imag)
+def read_field(path: str | Path) -> Field:
+    """A field from the CSV that Field.write makes.
 
-
-def read_field(path: Path) -> Field:
-    """A field from its CSV table; InputError, one line, where it is none."""
+    Raises InputError, one line that names file, line and column.
+    """
+    path = Path(path)
+    if not is_file(path):
+        raise InputError(f"{path}: no such file; give the field.csv that damper3d field writes")
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: no field can be read: {error}") from None
-    if not rows:
-        raise InputError(f"{path}: holds no points of a field; damper3d field writes a table")
-    columns = {}
-    for name in _NEEDED:
-        if name not in rows[0]:
-            raise InputError(f"{path}: column {name!r} is missing; damper3d field writes a table")
-        columns[name] = np.array([_number(path, k, name, row[name]) for k, row in enumerate(rows)])
-    for name in ("frequency_hz", "gamma"):
-        if not (columns[name] > 0).all():
-            raise InputError(f"{path}: {name} = {columns[name].min():g}: must be above 0")
-    mass = columns["m_in_phase_kg"] - 1j * columns["m_out_of_phase_kg"]
-    field = Field(columns["frequency_hz"], columns["gamma"], mass)
-    points = list(zip(field.frequency.tolist(), field.gamma.tolist(), strict=True))
-    if len(set(points)) < len(points) or len(field.gammas) < 2:
+        raise InputError(f"{path}: no CSV table: {error}") from None
+    head = tuple(line.lstrip("# ") for line in lines if line.startswith("#"))
+    numbered = [(k, line) for k, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
+    table = list(csv.reader(line for _, line in numbered))
+    if len(table) < 2:
+        raise InputError(f"{path}: no points; give the field.csv that damper3d field writes")
+    for name in COLUMNS:
+        if name not in table[0] and name not in _MAY_LACK:
+            raise InputError(f"{path}: column {name!r} is missing; {nearest(name, table[0])}")
+    points = [
+        _point(path, number, table[0], row)
+        for (number, _), row in zip(numbered[1:], table[1:], strict=True)
+    ]
+    return _checked(path, points, head)
+
+
+def _point(path: Path, line: int, names: Sequence[str], row: Sequence[str]) -> dict[str, float]:
+    if len(row) != len(names):
+        raise InputError(f"{path}: line {line} has {len(row)} values, its head {len(names)}")
+    found = dict.fromkeys(_MAY_LACK, math.nan)
+    for name, cell in zip(names, row, strict=True):
+        if name not in COLUMNS or (name in _MAY_LACK and not cell.strip()):
+            continue
+        try:
+            found[name] = float(cell)
+        except ValueError:
+            found[name] = math.nan
+        if not math.isfinite(found[name]):
+            raise InputError(f"{path}: line {line}: {name} = {cell.strip()!r}: no number")
+        if name in ("frequency_hz", "gamma", "bed_mass_kg") and not found[name] > 0:
+            raise InputError(f"{path}: line {line}: {name} = {found[name]:g}: must be above 0")
+    return found
+
+
+def _checked(path: Path, points: list[dict[str, float]], head: tuple[str, ...]) -> Field:
+    column = {name: np.array([point[name] for point in points]) for name in COLUMNS}
+    order = np.lexsort((column["gamma"], column["frequency_hz"]))
+    column = {name: values[order] for name, values in column.items()}
+    f, g = column["frequency_hz"], column["gamma"]
+    twice = np.flatnonzero((np.diff(f) == 0) & (np.diff(g) == 0))
+    if twice.size:
         raise InputError(
-            f"{path}: a field has each frequency and Gamma once, and two Gammas at least that all "
-            "frequencies have between"
+            f"{path}: {f[twice[0]]:g} Hz, Gamma {g[twice[0]]:g} stands twice; leave one out"
         )
-    return field
-
-
-def _number(path: Path, row: int, name: str, text: str | None) -> float:
-    try:
-        value = float(text or "")
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"{path}: point {row + 1}: {name} = {text!r}: no number")
-    return value
+    masses = np.unique(column["bed_mass_kg"])
+    if len(masses) > 1:
+        raise InputError(f"{path}: bed_mass_kg is {masses[0]:g} and {masses[1]:g}: fields of two "
+                         "beds; give one table for each")  # fmt: skip
+    return Field(
+        f, g, column["m_in_phase_kg"], column["m_out_of_phase_kg"],
+        column["m_in_phase_half_width_kg"], column["m_out_of_phase_half_width_kg"],
+        column["seeds"].astype(np.int64), float(masses[0]), head,
+    )  # fmt: skip

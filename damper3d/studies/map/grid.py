@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,6 +22,7 @@ from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
 Rows = list[dict[str, Any]]
+Points = Sequence[tuple[float, float]]  # frequency [Hz] and Gamma
 
 # Of the thesis (Table 6.1).
 FREQUENCIES = (20.0, 40.0, 80.0, 125.0, 160.0, 200.0, 320.0, 625.0, 1024.0)  # [Hz]
@@ -113,6 +114,13 @@ class MapResult:
         """Name of the phase that most runs of a point show; of equally many, the first run's."""
         return [_commonest([row.get("phase") for row in group]) for group in self._groups]
 
+    def scatter(self, column: str) -> Floats:
+        """Half width (n,) of the 95 % interval of a column's mean over the packings.
+
+        Student's; NaN where there is one packing or none.
+        """
+        return np.array([_of_packings(_numbers(group, column)) for group in self._groups])
+
     def mean(self, column: str) -> Floats:
         """Mean over the packings of a column of numbers (n,), such as "law_term".
 
@@ -123,7 +131,7 @@ class MapResult:
         return self._mean(column)
 
     def _mean(self, column: str) -> Floats:
-        values = [[row[column] for row in g if _is_number(row.get(column))] for g in self._groups]
+        values = [_numbers(group, column) for group in self._groups]
         return np.array([math.fsum(v) / len(v) if v else math.nan for v in values])
 
     def at(self, frequency: float) -> NDArray[np.int64]:
@@ -156,10 +164,31 @@ def efficiency_map(
     Points are added in rounds, after whole rounds only: the same grid gives the same points
     whatever was interrupted. Raises what DamperCase.load and run_cases raise.
     """
+    rounds = iter(range(grid.refine))
+
+    def to_add(result: MapResult) -> Points:
+        return result.to_add() if next(rounds, None) is not None else []
+
+    return grow(name_or_path, changes, grid, to_add, out=out, **engine)
+
+
+def grow(
+    name_or_path: str,
+    changes: dict[str, Any],
+    grid: Grid,
+    to_add: Callable[[MapResult], Points],
+    *,
+    out: Path,
+    **engine: Any,
+) -> MapResult:
+    """Run a case over a grid, then at the points that to_add gives of what is there, until none.
+
+    After whole rounds only. The other arguments, and what is raised, are those of efficiency_map.
+    """
     rows = run_cases(map_cases(name_or_path, changes, grid), out=out, **engine)
-    for _ in range(grid.refine):
-        added = MapResult.of(rows).to_add()
-        if not added or any(row["state"] == "interrupted" for row in rows):
+    while not any(row["state"] == "interrupted" for row in rows):
+        added = to_add(MapResult.of(rows))
+        if not added:
             break
         cases = map_cases(name_or_path, changes, grid, added)
         rows = rows + run_cases(cases, out=out, **engine)
@@ -170,7 +199,7 @@ def map_cases(
     name_or_path: str,
     changes: dict[str, Any],
     grid: Grid,
-    points: Sequence[tuple[float, float]] | None = None,
+    points: Points | None = None,
 ) -> list[Labelled]:
     """The case at each point of a grid, or at `points` instead, once for each packing.
 
@@ -199,12 +228,22 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float | np.number) and not isinstance(value, bool)
 
 
+def _numbers(group: Rows, column: str) -> list[float]:
+    return [row[column] for row in group if _is_number(row.get(column))]
+
+
+def _of_packings(values: list[float]) -> float:
+    """Half width of the interval of the mean of some packings' values; NaN for fewer than two."""
+    found = mean_sd(values)
+    return math.nan if found.sd is None else quantile(found.n - 1) * found.sd / math.sqrt(found.n)
+
+
 def _half_width(group: Rows) -> float:
     """Half width of the interval of a point's efficiency, from its runs that are done."""
     group = [row for row in group if row["efficiency"] is not None]  # the bed settles
-    found = mean_sd([row["efficiency"] for row in group])
-    if found.sd is not None:
-        return quantile(found.n - 1) * found.sd / math.sqrt(found.n)
+    over_packings = _of_packings([row["efficiency"] for row in group])
+    if not math.isnan(over_packings):
+        return over_packings
     interval = group[0].get("efficiency_interval") if group else None
     if interval is None or None in interval:
         return math.nan

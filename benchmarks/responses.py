@@ -1,0 +1,55 @@
+"""Cost of responses that follow from a field: 1,000 of them, levels times hosts.
+
+    python benchmarks/responses.py [--field field.csv]
+
+Each is a structure's whole curve: all solutions at 400 frequencies across its resonance. Without a
+field one is made up, of 3 frequencies with 24 Gammas. Prints the seconds; under one is asked.
+"""
+
+import argparse
+import time
+
+import numpy as np
+
+from damper3d.studies.field.balance import respond
+from damper3d.studies.field.structure import Structure
+from damper3d.studies.field.table import Field, read_field
+
+HOSTS, LEVELS, FREQUENCIES = 20, 50, 400
+
+
+def made_up() -> Field:
+    """A bed of 30 g that rides up to Gamma 1 and falls off beyond."""
+    frequency = np.repeat([20.0, 40.0, 80.0], 24)
+    gamma = np.tile(np.geomspace(0.5, 60.0, 24), 3)
+    x = np.minimum(1.0 / gamma, 1.0)
+    return Field.of(frequency, gamma, 0.03 * (x**1.5 - 2j * x * (1 - x)), 0.03)
+
+
+def main() -> None:
+    """Time the responses of one field and print how many solutions they have."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--field", help="field.csv; made up without")
+    given = options.parse_args().field
+    field = read_field(given) if given else made_up()
+    low, high = field.frequencies[[0, -1]]
+    frequency = np.geomspace(low, high, FREQUENCIES)
+    own = np.geomspace(1.1 * low, 0.9 * high, HOSTS)
+    levels = np.geomspace(0.1, 10.0, LEVELS)
+    began = time.perf_counter()
+    solutions, most, beyond = 0, 0, 0
+    for f in own:
+        found = respond(Structure.single(1.0, f, 0.01, force=1.0), field, frequency, levels)
+        solutions += int(found.count.sum())
+        most = max(most, int(found.count.max()))
+        beyond += int(found.beyond.sum())
+    took = time.perf_counter() - began
+    print(
+        f"{HOSTS * LEVELS} responses ({HOSTS} hosts, {LEVELS} levels) at {FREQUENCIES} frequencies "
+        f"of a field of {len(field.gamma)} points: {took:.2f} s; {solutions} solutions, at most "
+        f"{most} at a point, {beyond} points beyond the field"
+    )
+
+
+if __name__ == "__main__":
+    main()

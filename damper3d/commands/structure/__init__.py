@@ -1,0 +1,1 @@
+"""Commands that take a bed from prescribed motion to the structure that it damps."""
