@@ -231,7 +231,7 @@ def test_a_small_bed_becomes_a_field_and_a_response(tmp_path):
     assert len(table.gamma) == 9
     assert "6 particles" in table.head[0]
     host = tmp_path / "host.toml"
-    host.write_text('[host]\nmass = "0.2 kg"\nfrequency = 80\ndamping_ratio = 0.01\n'
+    host.write_text('schema = 1\n[host]\nmass = "0.2 kg"\nfrequency = 80\ndamping_ratio = 0.01\n'
                     'force = "0.01 N"\n', encoding="utf-8")  # fmt: skip
     answer = damper3d("response", host, "--field", found["table"], "--out", tmp_path, "--json")
     (level,) = json.loads(answer.out)["levels"]
