@@ -17,7 +17,19 @@ from damper3d.case.contacts import (
     check_rolling_step,
     pairing_of,
 )
-from damper3d.case.host import MODES, Drive, Modes, host_of, modes_copy, with_host
+from damper3d.case.excitation.excitation import Excitation, Peaks
+from damper3d.case.excitation.recorded import COPY
+from damper3d.case.host import (
+    MODES,
+    Drive,
+    Modes,
+    Shaken,
+    bare_displacement,
+    bare_rows,
+    host_of,
+    modes_copy,
+    with_motion,
+)
 from damper3d.case.parameters import (
     Steps,
     kinds_of_walls,
@@ -77,6 +89,8 @@ class DamperCase:
     bed: Bed | None = None  # spheres that are not all alike; then `particle` is their mean
     modes: Modes | None = None  # of the host that the enclosure rides on; None: it is driven
     drive: Drive | None = None  # what moves that host
+    excitation: Excitation | None = None  # in place of a sine, of the enclosure or of that host
+    peaks: Peaks | None = None  # of the enclosure under it, on a host of the bare one
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "DamperCase":
@@ -104,12 +118,13 @@ class DamperCase:
     def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "DamperCase":
         """A case from the tables of a case file; files it names are looked for in `folder`."""
         settings = with_usual_cycles(check_settings(document, where), document)
-        settings, modes, drive = with_host(settings, folder, where)
+        shaken = with_motion(settings, folder, where)
+        settings = shaken.settings
         check_protocol(settings, where)
         file = find(settings.particles.materials, "materials", folder)
         table = table_of(file, settings)
         try:
-            case = _resolved(cls, settings, table, where, Path(file), folder, modes, drive)
+            case = _resolved(cls, shaken, table, where, Path(file), folder)
             motion_of(settings.motion, where)  # refuses what its kind cannot be
             calculable = _calculable(case)
         except (OverflowError, ZeroDivisionError):
@@ -236,23 +251,39 @@ class DamperCase:
 
     @property
     def amplitude(self) -> float:
-        """Gamma g / omega^2 [m] (eq. 6.2)."""
+        """Gamma g / omega^2 [m] (eq. 6.2); of an excitation its largest displacement."""
+        if self.peaks is not None:
+            return self.peaks.displacement
         motion = self.settings.motion
         return motion.gamma * GRAVITY / (2.0 * math.pi * motion.frequency) ** 2
 
     @property
     def peak_speed(self) -> float:
         """Gamma g / omega, the largest velocity of the enclosure [m/s]."""
+        if self.peaks is not None:
+            return self.peaks.speed
         motion = self.settings.motion
         return motion.gamma * GRAVITY / (2.0 * math.pi * motion.frequency)
 
     @property
     def shaker(self) -> Any:
         """The motion of the enclosure along its direction, as numbers of its kind; a new host."""
-        if self.modes is None or self.drive is None:
-            return motion_of(self.settings.motion, self.name)
-        weight = self.mass * float(self.gravity @ self.direction)
-        return host_of(self.modes, self.drive, self.time_step, weight)
+        mover = self.excitation or self.drive
+        if self.modes is not None and mover is not None:
+            weight = self.mass * float(self.gravity @ self.direction)
+            return host_of(self.modes, mover, self.time_step, weight)
+        if self.excitation is not None:
+            return self.excitation.motion
+        return motion_of(self.settings.motion, self.name)
+
+    def bare_displacement(self, time: np.ndarray) -> np.ndarray:
+        """Displacement [m] of the bare host at the times of samples (n,) [s] from 0 on."""
+        assert self.modes is not None
+        if self.excitation is None:
+            assert self.drive is not None
+            return bare_displacement(self.modes, self.drive, time)
+        each, every = self.time_step, self.steps_per_sample
+        return bare_rows(self.modes, self.excitation, each, len(time) - 1, every)[0]
 
     @property
     def is_decay(self) -> bool:
@@ -280,6 +311,8 @@ class DamperCase:
             if copy.endswith(".obj") and copy != CAVITY_FILE:
                 particles["shape"] = f"mesh:{copy}"
         modes = {"modes": MODES} if MODES in self.files else {}
+        excited = {"file": COPY, "column": None, "full_scale": None} if COPY in self.files else {}
+        excitation = self._excitation_keys(excited)
         own = self.enclosure.keys
         enclosure = {key: size for key, size in own.items() if key in EnclosureKeys.model_fields}
         if "height" not in own:
@@ -290,9 +323,20 @@ class DamperCase:
                     "particles": settings.particles.model_copy(update=particles),
                     "enclosure": settings.enclosure.model_copy(update=enclosure),
                     "host": settings.host.model_copy(update=modes),
+                    **excitation,
                 }
             )
         )
+
+    def _excitation_keys(self, copied: dict[str, Any]) -> dict[str, Any]:
+        """The tables of a case with an excitation, which stands for keys of [motion] and [run]."""
+        settings = self.settings
+        if self.excitation is None:
+            return {}
+        psd = settings.excitation.psd
+        if isinstance(psd, str):
+            copied = {**copied, "psd": self.excitation.breakpoints}
+        return {"excitation": settings.excitation.model_copy(update=copied)}
 
     def identity(self) -> dict[str, Any]:
         """All that the results of a run depend on, by which its folder is named."""
@@ -308,16 +352,25 @@ class DamperCase:
             "cycles": [run.cycles, run.discard],
             **length,
             **self._host_identity(),
+            **self._excitation_identity(),
             "time_step": self.time_step,
             "yield_velocity": self.yield_velocity,
             "output": self.settings.output.model_dump(),
         }
 
     def _host_identity(self) -> dict[str, Any]:
-        """Modes and excitation of a host; nothing without one."""
-        if self.modes is None or self.drive is None:
+        """Modes and drive of a host; nothing without one."""
+        if self.modes is None:
             return {}
-        return {"host": [*vars(self.modes).values(), *vars(self.drive).values()]}
+        drive = [] if self.drive is None else vars(self.drive).values()
+        return {"host": [*vars(self.modes).values(), *drive]}
+
+    def _excitation_identity(self) -> dict[str, Any]:
+        """Numbers that an excitation is made of; nothing without one."""
+        own = self.excitation
+        if own is None:
+            return {}
+        return {"excitation": [own.kind, own.on, *own.identity]}
 
     def packing_identity(self) -> dict[str, Any]:
         """All that a settled packing depends on: not what acts only once the enclosure moves."""
@@ -355,9 +408,10 @@ class DamperCase:
 
 
 def _resolved(
-    cls: type[DamperCase], settings: Settings, table: ContactTable, where: str, file: Path,
-    folder: Path, modes: Modes | None, drive: Drive | None,
+    cls: type[DamperCase], shaken: Shaken, table: ContactTable, where: str, file: Path,
+    folder: Path,
 ) -> DamperCase:  # fmt: skip
+    settings, modes = shaken.settings, shaken.modes
     enclosure = enclosure_of(settings, where, folder)
     materials, walls = materials_of(table, settings)
     files = {"materials.toml": file.read_text(encoding="utf-8")}
@@ -381,6 +435,9 @@ def _resolved(
         files |= mesh_copy(wanted)
     check_law(settings.law, particle.is_sphere, where)
     fastest = 2.0 * settings.motion.gamma * GRAVITY / (2.0 * math.pi * settings.motion.frequency)
+    if shaken.excitation is not None and shaken.peaks is not None:
+        fastest = 2.0 * shaken.peaks.speed
+        files |= shaken.excitation.files
     others: list[Ball | Material] = [*balls, *walls]
     pairings = tuple(
         pairing_of(table, settings.law, balls[a], others[b], fastest)
@@ -396,7 +453,7 @@ def _resolved(
     direction = settings.motion.direction or [0.0, 0.0, 1.0]
     return cls(
         settings, enclosure, particle, count, density, pairings, shortest, gravity, settling,
-        unit_vector(direction, f"{where}: [motion] direction"), files, bed, modes, drive,
+        unit_vector(direction, f"{where}: [motion] direction"), files, bed, *shaken[1:],
     )  # fmt: skip
 
 

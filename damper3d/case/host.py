@@ -10,15 +10,17 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from damper3d.case.excitation.excitation import Excitation, Peaks, excitation_of, peaks_of, under
+from damper3d.case.excitation.forms import PER_CYCLE, Lines
 from damper3d.case.parts import GRAVITY
 from damper3d.case.settings import Host as HostKeys
 from damper3d.case.settings import Settings
 from damper3d.engine.motions import Sines, at_rest
-from damper3d.engine.motions.host import Host, Ringing, propagator
+from damper3d.engine.motions.host import Host, Ringing, drive_push, propagator, without_bed
 from granulab.contact.files.datafile import is_file
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
@@ -88,24 +90,49 @@ def bare_amplitude(modes: Modes, drive: Drive) -> complex:
     return complex(drive.base + modes.shape @ q)
 
 
-def host_of(modes: Modes, drive: Drive, time_step: float, weight: float) -> Host:
+def host_of(modes: Modes, drive: Drive | Excitation, time_step: float, weight: float) -> Host:
     """The engine's host; weight: of the bed at rest, along the motion [N].
 
     A forced host starts on its bare response, with the phase for which the damper moves as
     X sin(omega t). A release lets go of what a force at the damper pulled off its place, and of
-    what a blow there set in motion.
+    what a blow there set in motion. Under an excitation it starts on the bare response to its
+    sines, and from rest under one that has none.
     """
-    n, (alone, force, base) = len(modes.omega), _alone(modes, drive)
+    n, kicked = len(modes.omega), isinstance(drive, Excitation)
+    if isinstance(drive, Excitation):
+        still = _ringing(*np.zeros((4, n)))
+        alone, force, base = still, drive.motion, at_rest()
+        if drive.on == "base":
+            force, base = at_rest(), drive.motion
+    else:
+        alone, force, base = _alone(modes, drive)
     damping = 2 * modes.damping_ratio * modes.omega
     pairs = zip(modes.omega.tolist(), damping.tolist(), strict=True)
-    return Host(
+    host = Host(
         alone=alone, force=force, base=base, shape=modes.shape.copy(),
         force_shape=modes.force_shape.copy(), participation=modes.participation.copy(),
         omega=modes.omega.copy(), damping=damping,
         step=np.array([propagator(w, c, time_step) for w, c in pairs]),
-        time_step=time_step, weight=weight,
+        time_step=time_step, weight=weight, kicked=kicked,
         answer=np.zeros((n, 2)), pushed=np.zeros(1), books=np.zeros(2),
     )  # fmt: skip
+    if isinstance(drive, Excitation):
+        if drive.lines is not None:
+            host.answer[:] = _response_to(modes, drive.on, drive.lines)
+        first = np.array([drive_push(host, r, 0.0) for r in range(n)])
+        host.answer[:, 1] -= 0.5 * time_step * first  # a step's kick stands around its time
+    return host
+
+
+def _response_to(modes: Modes, on: str, lines: Lines) -> np.ndarray:
+    """Modal coordinates and velocities (r, 2) at t = 0 of the steady response to sines."""
+    found = np.zeros((len(modes.omega), 2))
+    for size, omega, phase in zip(lines.amplitude, lines.omega, lines.phase, strict=True):
+        shape = modes.force_shape if on == "force" else omega**2 * modes.participation
+        with np.errstate(divide="ignore", invalid="ignore"):
+            q = modes.receptance(omega, size * shape) * cmath.exp(1j * phase)
+        found += np.column_stack([q.imag, (1j * omega * q).imag])
+    return found
 
 
 def _alone(modes: Modes, drive: Drive) -> tuple[Ringing, Sines, Sines]:
@@ -121,6 +148,13 @@ def _alone(modes: Modes, drive: Drive) -> tuple[Ringing, Sines, Sines]:
         for size in (drive.force, drive.base)
     )
     return _ringing(np.abs(q), omega, np.angle(q), np.zeros(len(q))), force, base
+
+
+def bare_rows(
+    modes: Modes, excitation: Excitation, time_step: float, n: int, every: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement [m] and velocity [m/s] (n + 1,) of the bare host, every so many steps."""
+    return without_bed(host_of(modes, excitation, time_step, 0.0), n, every)
 
 
 def bare_displacement(modes: Modes, drive: Drive, time: np.ndarray) -> np.ndarray:
@@ -306,20 +340,35 @@ def drive_of(keys: HostKeys, omega: float, where: str) -> Drive:
     )
 
 
-def with_host(
-    settings: Settings, folder: Path, where: str
-) -> tuple[Settings, Modes | None, Drive | None]:
-    """The settings with what follows from [host], its modes, and what moves it.
+class Shaken(NamedTuple):
+    """Settings, and what moves the enclosure: host, its drive, excitation and its peaks."""
 
-    The motion's frequency is by itself that of the bare host (of several modes, the lowest);
+    settings: Settings
+    modes: Modes | None = None
+    drive: Drive | None = None
+    excitation: Excitation | None = None
+    peaks: Peaks | None = None  # of the enclosure, on a host of the bare one; of an excitation
+
+
+def with_motion(settings: Settings, folder: Path, where: str) -> Shaken:
+    """The settings with what follows from [host] and [excitation], and what these are.
+
+    The frequency of the motion is by itself that of the bare host (of several modes, the lowest);
     its gamma is the bare response's. A forced host runs until it is steady, unless cycles are
-    given, and a release until REACHED. None and None without a host.
+    given, and a release until REACHED.
     """
-    keys, motion, run = settings.host, settings.motion, settings.run
-    if not given(keys):
-        return settings, None, None
-    modes = modes_of(keys, folder, where)
-    own = float(modes.omega.min()) / (2.0 * math.pi)
+    keys = settings.host
+    modes = modes_of(keys, folder, where) if given(keys) else None
+    slowest, own = 0.0, 0.0
+    if modes is not None:
+        slowest = float((modes.damping_ratio * modes.omega).min())
+        own = float(modes.omega.min()) / (2.0 * math.pi)
+    excitation = excitation_of(settings, modes is not None, slowest, own, folder, where)
+    if excitation is not None:
+        return _excited(settings, modes, excitation, where)
+    if modes is None:
+        return Shaken(settings)
+    motion, run = settings.motion, settings.run
     frequency = motion.frequency if "frequency" in motion.model_fields_set else own
     drive = drive_of(keys, 2.0 * math.pi * frequency, where)
     _check_motion(settings, drive, own, where)
@@ -335,7 +384,28 @@ def with_host(
         "motion": motion.model_copy(update={"frequency": frequency, "gamma": gamma}),
         "run": run.model_copy(update=lengths),
     }
-    return settings.model_copy(update=changes), modes, drive
+    return Shaken(settings.model_copy(update=changes), modes, drive)
+
+
+def _excited(settings: Settings, modes: Modes | None, excitation: Excitation, where: str) -> Shaken:
+    """The settings under an excitation: a window is their cycle."""
+    highest = excitation.highest
+    if modes is not None:
+        highest = max(highest, float(modes.omega.max()) / (2.0 * math.pi))
+    if modes is None:
+        peaks = peaks_of(excitation)
+    else:
+        step = 1.0 / (PER_CYCLE * highest)
+        n = math.ceil(excitation.duration / step)
+        place, rate = bare_rows(modes, excitation, step, n, 1)
+        size = float(np.abs(np.diff(rate)).max()) / step
+        peaks = Peaks(float(np.abs(place).max()), float(np.abs(rate).max()), size)
+    if not (0 < peaks.speed < math.inf and 0 < peaks.acceleration < math.inf):
+        raise InputError(
+            f"{where}: [excitation] the enclosure does not move, or without end: look at shapes, "
+            "damping ratio and amplitudes"
+        )
+    return Shaken(under(settings, excitation, peaks, where), modes, None, excitation, peaks)
 
 
 def _check_motion(settings: Settings, drive: Drive, own: float, where: str) -> None:

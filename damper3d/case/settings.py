@@ -39,6 +39,7 @@ from granulab.contact.files.units import nearest
 
 SCHEMA = 1
 MOST_PARTICLES = 10_000_000
+MOST_SAMPLES = 10_000  # a cycle
 
 
 def _registered(name: str) -> dict[str, dict[str, str]]:
@@ -310,6 +311,90 @@ class Host(Section):
     )  # fmt: skip
 
 
+_NO_EXCITATION = "a sine, by [motion] or [host]"
+Breakpoints = Annotated[list[Annotated[list[FiniteFloat], Field(min_length=2, max_length=2)]],
+                        Field(min_length=2)]  # fmt: skip
+
+
+class Excitation(Section):
+    """Excitation of the enclosure, or the host, in place of one sine of [motion] or [host].
+
+    Its kind says which keys go with it. Amplitudes are accelerations ("2 g"), velocities or
+    displacements, of a force forces, as their unit says.
+    """
+
+    kind: Literal["sines", "sweep", "random", "shock", "signal"] | None = key(
+        None, "kind of excitation; see docs/damper-excitation.md", example="random",
+        left_out=_NO_EXCITATION,
+    )  # fmt: skip
+    on: Literal["enclosure", "force", "base"] | None = key(
+        None, "where it acts: on the enclosure itself, or on a host as a force or by its base",
+        example="base", left_out="the enclosure; of a host a force",
+    )  # fmt: skip
+    frequencies: Annotated[list[Frequency], Field(min_length=1)] | None = key(
+        None, "sines: frequency of each, in Hz", example=[20, 33]
+    )
+    amplitudes: list[str] | None = key(None, "sines: amplitude of each", example=["2 g", "1 g"])
+    phases: list[str] | None = key(
+        None, "sines: phase of each", example=["0 deg", "90 deg"], left_out="0"
+    )
+    across: Vector | None = key(
+        None, "sines: direction of a second motion at the same frequencies, of the enclosure",
+        example=[1, 0, 0], left_out="none",
+    )  # fmt: skip
+    across_amplitudes: list[str] | None = key(
+        None, "sines: amplitude of each there", example=["2 g", "1 g"]
+    )
+    across_phases: list[str] | None = key(
+        None, "sines: phase of each there", example=["90 deg", "0 deg"], left_out="0"
+    )
+    from_frequency: Frequency | None = key(
+        None, "sweep: frequency at its beginning", example="10 Hz"
+    )
+    to_frequency: Frequency | None = key(None, "sweep: frequency at its end", example="40 Hz")
+    amplitude: str | None = key(None, "sweep or shock: amplitude", example="2 g")
+    spacing: Literal["logarithmic", "linear"] | None = key(
+        None, "sweep: how the frequency goes with time", example="linear", left_out="logarithmic"
+    )
+    octaves_per_minute: Positive | None = key(None, "sweep: rate of a logarithmic one", example=30)
+    length: Time | None = key(
+        None, "sweep: its length, in place of a rate; shock: length of the pulse; random: of "
+        "what is counted", example="20 s",
+    )  # fmt: skip
+    steps: Annotated[int, Field(ge=2, le=1000, strict=True)] | None = key(
+        None, "sweep: frequencies that are held one after the other, of a stepped one", example=12,
+        left_out="a continuous sweep",
+    )  # fmt: skip
+    and_back: bool | None = key(
+        None, "sweep: there and back, which shows hysteresis", example=True, left_out="one way"
+    )
+    psd: str | Breakpoints | None = key(
+        None, "random: breakpoints [Hz, g2/Hz] of its power spectral density, of a force "
+        "[Hz, N2/Hz], straight lines between them on logarithmic scales; or a CSV file of two such "
+        "columns", example=[[20, 0.01], [200, 0.01]],
+    )  # fmt: skip
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1, strict=True)] | None = key(
+        None, "random: seed of its phases", example=1, left_out="1"
+    )
+    pulse: Literal["half_sine", "terminal_peak"] | None = key(
+        None, "shock: its form", example="terminal_peak", left_out="half_sine"
+    )
+    file: str | None = key(
+        None, "signal: CSV table with columns time [s] and one such as acceleration [g], or WAV "
+        "file, next to this one", example="signal.csv",
+    )  # fmt: skip
+    column: str | None = key(
+        None, "signal: name of the column", example="acceleration", left_out="the only one"
+    )
+    full_scale: str | None = key(
+        None, "signal: what the largest number of a WAV file stands for", example="10 g"
+    )
+    integration: Literal["balanced", "as_measured"] | None = key(
+        None, "signal: its means are taken off before an acceleration or a velocity is integrated, "
+        "or it is taken as it was measured, from rest", example="as_measured", left_out="balanced",
+    )  # fmt: skip
+
+
 _TABLE = "materials table"
 
 
@@ -416,7 +501,7 @@ class Run(Section):
 class Output(Section):
     """Data that is kept."""
 
-    samples: Annotated[int, Field(ge=8, le=10_000, strict=True)] = key(
+    samples: Annotated[int, Field(ge=8, le=MOST_SAMPLES, strict=True)] = key(
         100, "samples a cycle, of energies, forces and means", option="--samples"
     )
     frames: Annotated[int, Field(ge=0, le=10_000, strict=True)] = key(
@@ -437,19 +522,42 @@ class Settings(Section):
     particles: Particles = Particles()
     motion: Motion = Motion()
     host: Host = Host()
+    excitation: Excitation = Excitation()
     law: Law = Law()
     fill: Fill = Fill()
     run: Run = Run()
     output: Output = Output()
 
 
-# A case that `init --host` writes: the thesis's bed on a structure of 20 times its mass. What
-# follows from the host is left out: amplitude, and the length of a run until it is steady.
-HOST_EXAMPLE: dict[str, Any] = {
-    "host.mass": "0.56 kg", "host.frequency": 20.0, "host.damping_ratio": 0.01,
-    "host.force": "0.5 N",
-    **dict.fromkeys(("motion.frequency", "motion.gamma", "motion.ramp")),
-    **dict.fromkeys(("run.cycles", "run.discard", "run.steady", "run.max_cycles")),
+_FOLLOWS = dict.fromkeys(
+    ("motion.kind", "motion.frequency", "motion.gamma", "motion.ramp", "run.cycles", "run.discard",
+     "run.steady", "run.max_cycles")
+)  # fmt: skip
+_NO_SINE = {**_FOLLOWS, "output.samples": None}
+# Cases that `init` writes besides the thesis's, without keys that follow. `--host`: the thesis's
+# bed on a structure of 20 times its mass, whose amplitude and length of run are found.
+EXAMPLES: dict[str, dict[str, Any]] = {
+    "host": {
+        **_FOLLOWS, "host.mass": "0.56 kg", "host.frequency": 20.0, "host.damping_ratio": 0.01,
+        "host.force": "0.5 N",
+    },
+    "sines": {
+        **_NO_SINE, "excitation.kind": "sines", "excitation.frequencies": [20, 60],
+        "excitation.amplitudes": ["4 g", "6 g"], "excitation.phases": ["0 deg", "90 deg"],
+    },
+    "sweep": {
+        **_NO_SINE, "excitation.kind": "sweep", "excitation.from_frequency": "20 Hz",
+        "excitation.to_frequency": "80 Hz", "excitation.amplitude": "8 g",
+        "excitation.octaves_per_minute": 30, "excitation.and_back": True,
+    },
+    "random": {
+        **_NO_SINE, "excitation.kind": "random",
+        "excitation.psd": [[20, 0.05], [80, 0.2], [400, 0.05]], "excitation.seed": 1,
+    },
+    "shock": {
+        **_NO_SINE, "excitation.kind": "shock", "excitation.pulse": "half_sine",
+        "excitation.amplitude": "30 g", "excitation.length": "11 ms",
+    },
 }  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from damper3d.case.case import PRESETS, DamperCase
+from damper3d.commands.options import EXAMPLES_OF_CASES
 from damper3d.run.folders import is_slow_test
 from granulab.campaign.cli.library import NewFile, packings_and_runs, read_shown, run_in_words
 from granulab.campaign.runs.folder import resume_run
@@ -26,15 +27,18 @@ def new_files() -> dict[str, NewFile]:
 
         return commented_case()
 
-    def host() -> str:
-        from damper3d.case.settings import HOST_EXAMPLE, commented_case
+    def example(kind: str) -> str:
+        from damper3d.case.settings import EXAMPLES, commented_case
 
-        return commented_case(HOST_EXAMPLE)
+        return commented_case(EXAMPLES[kind])
 
     use, cases = "damper3d run {file}", partial(case_names, "enclosure")
     return {
         "case": NewFile(case, use, "cases", cases, "enclosure"),
-        "host": NewFile(host, use, "cases", cases, "host"),
+        **{
+            kind: NewFile(partial(example, kind), use, "cases", cases, "host")
+            for kind in EXAMPLES_OF_CASES
+        },
         "materials": NewFile(
             materials,
             "damper3d run --material {file} --dry-run",

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from damper3d.commands import contact, impact, map, pack, predict, results, run, shape, slow
+from damper3d.commands.options import EXAMPLES_OF_CASES
 from damper3d.commands.structure import field, response
 from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
@@ -53,7 +54,9 @@ app = command_group(
         results.observe,
         results.compare,
         results.export,
-        *file_commands("damper3d", "damper", "case file, materials file", ("materials", "host")),
+        *file_commands(
+            "damper3d", "damper", "case file, materials file", ("materials", *EXAMPLES_OF_CASES)
+        ),
     ],
     """Granular dampers: the energy that shaken particles dissipate.
 

@@ -18,6 +18,8 @@ def _schema() -> "type[Settings]":
     return Settings
 
 
+EXAMPLES_OF_CASES = ("host", "sines", "sweep", "random", "shock")  # case.settings.EXAMPLES
+
 case_command = partial(click.command, cls=CaseCommand, schema=_schema)
 
 

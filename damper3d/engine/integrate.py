@@ -11,6 +11,7 @@ a host (motions/host.py), which takes the forces of a step as the particles do.
 from damper3d.engine.forces import apply_forces
 from damper3d.engine.kinds import move
 from damper3d.engine.motions import displacement, velocity
+from damper3d.engine.motions.crossed import crosses
 from damper3d.engine.motions.host import kick, rides
 from damper3d.engine.neighbours import search_pairs, search_walls
 from damper3d.engine.state import DONE, STALE_INNER, STALE_WALL, STEP
@@ -55,9 +56,34 @@ def search(world, shift):
 
 @uncounted
 def enclosure_at(shaker, d, time):
-    """Displacement [m] and velocity [m/s] of the enclosure along the direction d, at a time."""
+    """Displacement [m] and velocity [m/s] of the enclosure at a time; d: direction of the motion.
+
+    A motion that crosses another has the direction of the second itself.
+    """
     along, rate = displacement(shaker, time), velocity(shaker, time)
-    return (along * d[0], along * d[1], along * d[2]), (rate * d[0], rate * d[1], rate * d[2])
+    shift = along * d[0], along * d[1], along * d[2]
+    return cross_over(shaker, time, shift, (rate * d[0], rate * d[1], rate * d[2]))
+
+
+def cross_over(shaker, time, shift, speed):
+    """Displacement and velocity of the enclosure, with those along a second direction added."""
+
+
+@specialised(cross_over)
+def _cross_over(shaker, time, shift, speed):
+    if crosses(shaker):
+        return lambda shaker, time, shift, speed: _crossed(shaker, time, shift, speed)
+    return lambda shaker, time, shift, speed: (shift, speed)
+
+
+@inlined_inner
+def _crossed(shaker, time, shift, speed):
+    d = shaker.direction
+    along, rate = displacement(shaker.across, time), velocity(shaker.across, time)
+    return (
+        (shift[0] + along * d[0], shift[1] + along * d[1], shift[2] + along * d[2]),
+        (speed[0] + rate * d[0], speed[1] + rate * d[1], speed[2] + rate * d[2]),
+    )
 
 
 def force_so_far(world):

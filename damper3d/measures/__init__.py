@@ -14,6 +14,11 @@ MEASURES = Measures(
             "1",
             "damper3d.measures.efficiency",
         ),
+        "excitation": Shipped(
+            "motion that is no single sine: sweeps by frequency, spectra",
+            "1",
+            "damper3d.measures.excitation",
+        ),
         "host": Shipped(
             "response of the host that the enclosure rides on, with the damper and bare",
             "m",

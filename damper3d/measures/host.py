@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.case.host import bare_displacement
 from damper3d.engine.records import Samples
 from damper3d.measures.counted import Cycles, harmonics, read_cycles
 from damper3d.measures.efficiency import dissipated, held, stiffness_work
@@ -78,7 +77,8 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     """Response of the host in the counted cycles, as a run's Result has it under `host`."""
     case, samples, counted = cycles.case, cycles.samples, cycles.counted
     assert case.modes is not None
-    assert case.drive is not None
+    if case.excitation is not None:
+        return _under_excitation(cycles)
     mode = case.modes.nearest(2.0 * math.pi / case.period)
     mass, omega = float(case.modes.shape[mode] ** -2.0), float(case.modes.omega[mode])
     amplitude = None if case.is_decay else cycles.amplitude
@@ -93,6 +93,47 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
         ),
         "energy_closure": closure(samples, case.mass * float(case.gravity @ case.direction)),
     }
+
+
+def _under_excitation(cycles: Cycles) -> dict[str, Any]:
+    """The same where no one sine moves the host: its rms over that of the bare one, and peaks.
+
+    Displacements are relative to a base that moves.
+    """
+    case, samples, counted = cycles.case, cycles.samples, cycles.counted
+    assert case.modes is not None
+    assert case.excitation is not None
+    mode = case.modes.nearest(0.0)
+    mass, omega = float(case.modes.shape[mode] ** -2.0), float(case.modes.omega[mode])
+    base = case.excitation.base_displacement(samples["time"])
+    bare = case.bare_displacement(samples["time"]) - base
+    own = counted["displacement"] - base[-len(counted["time"]) :]
+    bare_rms = float(np.sqrt(np.mean(bare[-len(own) + 1 :] ** 2)))
+    rms = float(np.sqrt(np.mean(own[1:] ** 2)))
+    shocked = case.excitation.kind == "shock"
+    # 4.34/sqrt(B T) dB of a resonance of B = pi zeta f, seen for a time T
+    ratio = float(case.modes.damping_ratio[mode])
+    seen = 0.5 * ratio * omega * case.period * (len(own) - 1) / cycles.per_cycle
+    noisy = case.excitation.kind == "random" and seen > 0
+    return {
+        "amplitude_m": None,
+        "rms_m": rms,
+        "bare_rms_m": bare_rms,
+        "peak_m": float(np.abs(own).max()),
+        "bare_amplitude_m": float(np.abs(bare).max()),
+        "reduction": rms / bare_rms,
+        "bare_scatter_db": 4.34 / math.sqrt(seen) if noisy else None,
+        "added_damping_ratio": added_damping_ratio(counted, mass, omega),
+        "decay_times_s": _after_pulse(cycles) if shocked else None,
+        "energy_closure": closure(samples, case.mass * float(case.gravity @ case.direction)),
+    }
+
+
+def _after_pulse(cycles: Cycles) -> dict[str, float | None]:
+    """Decay times [s] from the moment at which the host's energy is largest."""
+    energy, time = cycles.samples["host_energy"], cycles.samples["time"]
+    top = int(np.argmax(energy))
+    return decay_times(time[top:] - time[top], energy[top:])
 
 
 def measure(folder: Path) -> dict[str, Any]:
@@ -123,13 +164,21 @@ def draw(folder: Path) -> "Figure":
     return figure
 
 
+def _both(cycles: Cycles) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement (n,) [m] bare and with the damper, under an excitation relative to its base."""
+    case, time = cycles.case, cycles.samples["time"]
+    bare, own = case.bare_displacement(time), cycles.samples["displacement"]
+    if case.excitation is None:
+        return bare, own
+    base = case.excitation.base_displacement(time)
+    return bare - base, own - base
+
+
 def chart(cycles: Cycles, axes: Any) -> None:
     """Displacement against time, with and without the damper."""
     samples = cycles.samples
     time = samples["time"]
-    assert cycles.case.modes is not None
-    assert cycles.case.drive is not None
-    bare = bare_displacement(cycles.case.modes, cycles.case.drive, time)
+    bare = cycles.case.bare_displacement(time)
     axes.plot(time, 1e3 * bare, color=GREY, lw=0.6, label="bare")
     axes.plot(time, 1e3 * samples["displacement"], color=BLUE, lw=0.8, label="with the damper")
     axes.set_ylabel("displacement [mm]")
@@ -146,6 +195,14 @@ def _sizes(cycles: Cycles, axes: Any) -> None:
         slowest = float((case.modes.damping_ratio * case.modes.omega).min())
         axes.semilogy(samples["time"], np.exp(-slowest * samples["time"]), color=GREY, label="bare")
         axes.set(ylabel="root of the energy over its first [-]", ylim=(0.03, 1.3))
+    elif case.excitation is not None:
+        bare, own = _both(cycles)
+        for name, values, colour in (("bare", bare, GREY), ("with the damper", own, BLUE)):
+            square = values[1:].reshape(-1, cycles.per_cycle) ** 2
+            end = samples["time"][cycles.per_cycle :: cycles.per_cycle]
+            rms = 1e3 * np.sqrt(square.mean(axis=1))
+            axes.plot(end, rms, "o-", color=colour, ms=3, lw=0.8, label=name)
+        axes.set(ylabel="rms of a window [mm]", ylim=(0, None))
     else:
         each = np.abs(harmonics(samples["displacement"], cycles.per_cycle))
         end = samples["time"][cycles.per_cycle :: cycles.per_cycle]
@@ -158,6 +215,14 @@ def _sizes(cycles: Cycles, axes: Any) -> None:
 
 def in_words(found: dict[str, Any]) -> str:
     """The response of a host in a line; found: its numbers."""
+    if found["amplitude_m"] is None and "bare_rms_m" in found:
+        spread = found["bare_scatter_db"]
+        scatter = "" if spread is None else f" (which chance moves by {spread:.2g} dB)"
+        return (
+            f"rms {1e3 * found['rms_m']:.4g} mm, {found['reduction']:.3g} of the bare "
+            f"{1e3 * found['bare_rms_m']:.4g} mm{scatter}; largest {1e3 * found['peak_m']:.4g} mm, "
+            f"bare {1e3 * found['bare_amplitude_m']:.4g} mm"
+        )
     if found["decay_times_s"] is None:
         return (
             f"amplitude {1e3 * found['amplitude_m']:.4g} mm, {found['reduction']:.3g} of the bare "

@@ -19,8 +19,9 @@ import numpy as np
 
 from damper3d.engine.records import Samples
 from damper3d.measures.counted import Cycles, read_cycles
-from damper3d.measures.efficiency import efficiencies, reference_energy, settling
+from damper3d.measures.efficiency import efficiencies, lost, reference_energy, settling
 from granulab.campaign.output.figure import BLUE, GREY, headline
+from granulab.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -97,6 +98,8 @@ def bed_height(samples: Samples, up: np.ndarray, lowest: float) -> float:
 def numbers(cycles: Cycles) -> dict[str, Any]:
     """Design numbers of the counted cycles, by the names of a run's Result."""
     case, counted = cycles.case, cycles.counted
+    if case.excitation is not None:
+        return _without_a_frequency(counted, case.direction)
     omega, speed = 2.0 * math.pi / case.period, cycles.peak_speed
     reference = reference_energy(speed, case.mass)
     eta = efficiencies(counted, cycles.per_cycle, reference)
@@ -115,6 +118,18 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     }
 
 
+def _without_a_frequency(counted: Samples, direction: np.ndarray) -> dict[str, Any]:
+    """The same under an excitation that is no sine: what goes by one frequency is None."""
+    length = float(counted["time"][-1] - counted["time"][0])
+    return {
+        "dissipated_power_w": float(lost(counted)[-1]) / length,
+        "loss_factor": None,
+        "equivalent_damping_n_s_per_m": None,
+        "effective_mass": {"in_phase_kg": None, "out_of_phase_kg": None},
+        "peak_wall_force_n": peak_wall_force(counted, direction),
+    }
+
+
 def measure(folder: Path) -> dict[str, Any]:
     """Design numbers of a run; FolderError as read_cycles."""
     return numbers(read_cycles(folder))
@@ -129,6 +144,11 @@ def draw(folder: Path) -> "Figure":
 
     cycles = read_cycles(folder)
     case, counted = cycles.case, cycles.counted
+    if case.excitation is not None:
+        raise InputError(
+            f"{folder}: its motion has no one frequency, by which an effective mass goes; "
+            "damper3d observe RUN excitation draws it"
+        )
     omega = 2.0 * math.pi / case.period
     mass = effective_mass(counted, case.direction, omega, case.time_step)
     figure = Figure(figsize=(6.4, 4.8), layout="constrained")

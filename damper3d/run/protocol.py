@@ -163,10 +163,12 @@ def _end(
 
 def _measured(folder: RunFolder, case: DamperCase, n_cycles: int) -> dict[str, Any]:
     """The part of the results that measures make from what the run stored."""
-    return {
-        **summarise(case, read_trajectory(folder.path)),
-        **phase_of_run(folder.path, first_counted(case, n_cycles)),
-    }
+    phase = (
+        phase_of_run(folder.path, first_counted(case, n_cycles))
+        if case.excitation is None  # by whose cycles the phases are told
+        else {"phase": None, "phase_next": None, "phase_measures": None}
+    )
+    return {**summarise(case, read_trajectory(folder.path)), **phase}
 
 
 def _measured_again(

@@ -7,7 +7,7 @@ import numpy as np
 
 from damper3d.case.case import DamperCase
 from damper3d.case.host import COUNTED
-from damper3d.measures import efficiency, host, response
+from damper3d.measures import efficiency, excitation, host, response
 from damper3d.measures.counted import Cycles, harmonics
 from damper3d.run.packing import lowest
 from damper3d.run.steady import (
@@ -68,6 +68,8 @@ class Result(Results):
     max_impact_over_yield_velocity: dict[str, float | None]
     # Response of the host that the enclosure rides on (measures/host.py); None without one.
     host: dict[str, Any] | None = field(default=None, kw_only=True)
+    # What moved it, where that is no single sine (measures/excitation.py); None of a sine.
+    excitation: dict[str, Any] | None = field(default=None, kw_only=True)
     phase: str | None  # of the particles' motion; None where too few frames were kept
     phase_next: (
         list[dict[str, str | float | None]] | None
@@ -114,6 +116,7 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
         "bed_height_m": response.bed_height(counted, up, lowest(case.enclosure, up)),
         "max_impact_over_yield_velocity": efficiency.impact_ratios(counted, case.yield_velocity),
         "host": host.numbers(cycles) if case.modes is not None else None,
+        "excitation": excitation.numbers(cycles) if case.excitation is not None else None,
         "steady": _steady(cycles, whole) if run.steady else None,
         "time_step_s": case.time_step,
     }

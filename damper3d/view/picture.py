@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from damper3d.measures.excitation import draw as draw_excitation
 from damper3d.measures.host import draw as draw_host
 from damper3d.view.charts import energy_chart, motion_chart, ruled
 from damper3d.view.colouring import Colouring, colouring
@@ -50,6 +51,7 @@ def make_figures(
     energy.png    what a cycle dissipates, by mechanism, as it goes on; efficiency of each cycle
     motion.png    velocity of bed and enclosure, force on the enclosure, height of the bed's mass
     host.png      where the enclosure rides on one: its motion with the damper and bare
+    excitation.png   where it is no single sine: a sweep by its frequency, or time and spectrum
     film.mp4      all frames, or those of the last `cycles_in_film`; left out without `film`
 
     report: called with the pictures done and left, a chart counting as many of a film's.
@@ -68,6 +70,8 @@ def make_figures(
     charts = {name: partial(draw, scene) for name, draw in figures.items()}
     if scene.on_host:
         charts["host"] = partial(draw_host, Path(run_folder))
+    if scene.settings.excitation.kind is not None:
+        charts["excitation"] = partial(draw_excitation, Path(run_folder))
     filmed = partial(make_film, scene, folder, by, cycles_in_film)
     return write_all(folder, charts, len(scene.tables) if film else 0, filmed, report)
 

@@ -7,6 +7,7 @@ import numpy as np
 from damper3d.case.bed import pairs_of
 from damper3d.case.case import DamperCase
 from damper3d.case.contacts import Pairing
+from damper3d.case.excitation.excitation import Excitation
 from damper3d.case.host import COUNTED, REACHED, Drive, Modes
 from damper3d.case.plan import (
     disk_at_most,
@@ -15,7 +16,7 @@ from damper3d.case.plan import (
     steps_at_most,
     warnings,
 )
-from damper3d.measures import host
+from damper3d.measures import excitation, host
 from damper3d.measures.efficiency import in_words
 from damper3d.run.result import Result
 from granulab.campaign.output import room
@@ -59,8 +60,14 @@ def echo(case: DamperCase, dry_run: bool) -> str:
 
 def _motion(case: DamperCase) -> list[str]:
     motion = case.settings.motion
-    if case.modes is not None and case.drive is not None:
-        return [*_host_lines(case, case.modes, case.drive), _along(case)]
+    if case.modes is not None:
+        return [*_host_lines(case, case.modes), _along(case)]
+    if case.excitation is not None:
+        return [
+            f"  motion      {case.orientation}, {_excited(case.excitation)}: at most "
+            f"{case.amplitude:.4g} m, {case.peak_speed:.4g} m/s, gamma {motion.gamma:.4g};",
+            _along(case),
+        ]
     ramp = f", growing over {motion.ramp:g} cycles" if motion.ramp else ""
     return [
         f"  motion      {case.orientation}, {motion.frequency:g} Hz, gamma {motion.gamma:g}: "
@@ -73,22 +80,33 @@ def _along(case: DamperCase) -> str:
     return f"              along {_vector(case.direction)}, gravity {_vector(case.gravity)} m/s2"
 
 
-def _host_lines(case: DamperCase, modes: Modes, drive: Drive) -> list[str]:
+def _excited(excitation: Excitation) -> str:
+    """Words on an excitation and its windows."""
+    windows = f"{excitation.windows} windows of {excitation.window:.4g} s"
+    error = excitation.band_error
+    bands = "" if error is None else f", third octaves within {error:.2g} dB of the table"
+    return f"{excitation.words}, {windows}{bands}"
+
+
+def _host_lines(case: DamperCase, modes: Modes) -> list[str]:
     """The modes of a host, what moves it, and what it does without the damper."""
     lines = [
         f"mass {shape**-2.0:.4g} kg at the damper, {omega / (2.0 * np.pi):.4g} Hz, damping ratio "
         f"{ratio:g}"
         for shape, omega, ratio in zip(modes.shape, modes.omega, modes.damping_ratio, strict=True)
     ]
-    what = (
+    drive = case.drive or Drive()
+    what = f"{case.settings.motion.frequency:g} Hz, " + (
         f"a force of {drive.force:.4g} N" if drive.force
         else f"its base by {drive.base:.4g} m" if drive.base
         else f"let go from {drive.start_displacement:.4g} m at {drive.start_velocity:.4g} m/s"
     )  # fmt: skip
+    if case.excitation is not None:
+        what = _excited(case.excitation)
     return [
         f"  host        {'; '.join(lines)}; the bed has "
         f"{case.mass * float(modes.shape @ modes.shape):.3g} of its mass",
-        f"  motion      {case.orientation}, {case.settings.motion.frequency:g} Hz, {what}; without "
+        f"  motion      {case.orientation}, {what}; without "
         f"the damper: amplitude {case.amplitude:.4g} m, gamma {case.settings.motion.gamma:.4g}, "
         f"peak speed {case.peak_speed:.4g} m/s;",
     ]
@@ -206,6 +224,11 @@ def report(result: Result) -> str:
         f"{_number(result.loss_factor)}, like a damper of "
         f"{_number(result.equivalent_damping_n_s_per_m)} N s/m;",
         f"                   effective mass {_effective_mass(result)}, of {result.mass_kg:.4g} kg",
+        *(
+            []
+            if result.excitation is None
+            else [f"  excitation       {excitation.in_words(result.excitation)}"]
+        ),
         *([] if result.host is None else [f"  host             {_host(result.host)}"]),
         f"  motion           {result.phase or 'no phase named'}; bed's centre of mass "
         f"{_number(result.bed_height_m)} m up; largest force on the enclosure "

@@ -99,8 +99,10 @@ class Scene:
         """Gamma g / omega [m/s], the largest velocity of the enclosure (eq. 6.2).
 
         On a host it is that of the first harmonic, over the last cycles or, of one that was let go,
-        in the first.
+        in the first. Under an excitation that is no sine it is the largest.
         """
+        if self.settings.excitation.kind is not None:
+            return float(np.abs(self.trajectory["velocity"]).max())
         prescribed = self.settings.motion.gamma * _G * self.period / (2 * np.pi)
         per = self.samples_per_cycle
         n_cycles = (len(self.time) - 1) // per
@@ -138,7 +140,15 @@ class Scene:
 
     @property
     def full_energy(self) -> float:
-        """4 (Gamma g/omega)^2 M [J], the most that a cycle can dissipate (eq. 6.10)."""
+        """4 (Gamma g/omega)^2 M [J], the most that a cycle can dissipate (eq. 6.10).
+
+        Of an excitation the mean of what its windows can (measures/counted.py), once it is known.
+        """
+        known = self.summary.get("excitation")
+        if known:
+            return float(known["most_energy_j"]) / (
+                self.summary["cycles"] - self.summary["discarded"]
+            )
         return reference_energy(self.peak_speed, self.mass)
 
     @property

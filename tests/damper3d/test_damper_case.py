@@ -16,7 +16,7 @@ from damper3d.case.case import DamperCase
 from damper3d.case.parameters import SAFE_SHARE
 from damper3d.case.parts import USUAL_FILL_RATIO
 from damper3d.case.plan import plan, warnings
-from damper3d.case.settings import Settings, check_settings, to_toml
+from damper3d.case.settings import Excitation, Settings, check_settings, to_toml
 from damper3d.engine.enclosures import box, cylinder
 from damper3d.shapes.particle import parse_particle
 from granulab.campaign.runs.folder import digest
@@ -374,6 +374,7 @@ def test_all_keys_that_act_are_in_the_digests():
         "run.max_cycles", "output.frames",
         "host.modes",  # by its modes: test_host_cases.py
         *(f"host.{key}" for key in (*HOST, *MOVED)),
+        *(f"excitation.{key}" for key in Excitation.model_fields),  # test_excitation_cases.py
         *DISTRIBUTED, *SIEVED, *ROLLING, "law.rolling_damping", *COHESIVE,
     }  # fmt: skip
     known = {f"{table}.{key}" for table, keys in known_keys(Settings).items() for key in keys}

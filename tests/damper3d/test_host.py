@@ -233,24 +233,28 @@ def test_a_host_that_is_let_go_loses_in_a_cycle_what_a_shaker_gives_at_that_ampl
     """Heavy against the bed: the amplitude falls slowly, and each cycle is like prescribed motion.
 
     A bed of twenty that is thrown at 80 Hz, on 300 times its mass, let go from Gamma 14 and driven
-    at 12, 9 and 6: work on the bed in the cycles within 15 % of each amplitude. Means over six
-    packings, their difference within three standard errors.
+    at 12, 9 and 6: work on the bed in a cycle over the amplitude's square, by a straight line
+    through the cycles within 15 % of it. Means over six packings; their difference is within
+    Student's 99.9 % of ten degrees of freedom, 4.59 standard errors, and what a bed that is a
+    cycle behind has of the amplitude then, W/(M omega^2 A^2) + 2 pi zeta: half a per cent.
     """
     from damper3d.run import protocol
 
     heavy = 300 * resolved().mass
     omega, start = 2 * np.pi * 80.0, 14 * 9.81 / (2 * np.pi * 80.0) ** 2
-    host = {"mass": f"{heavy!r} kg", "frequency": 80.0, "damping_ratio": 0.002,
+    host = {"mass": f"{heavy!r} kg", "frequency": 80.0, "damping_ratio": 0.0005,
             "start_displacement": f"{start!r} m"}  # fmt: skip
     near: dict[int, list[float]] = {6: [], 9: [], 12: []}
     driven: dict[int, list[float]] = {6: [], 9: [], 12: []}
     for seed in range(1, 7):
-        run = {"seed": seed, "discard": 0, "cycles": 200}
+        run = {"seed": seed, "discard": 0, "cycles": 300}
         freed = protocol.run(resolved(host=host, run=run), out=tmp_path)
         work, size = works(freed, omega)
         for gamma, found in near.items():
-            there = np.abs(size / (gamma * 9.81 / omega**2) - 1) < 0.15
-            found.append(float((work[there] / size[there] ** 2).mean()))
+            away = size / (gamma * 9.81 / omega**2) - 1
+            there = np.abs(away) < 0.15
+            line = np.polyfit(away[there], work[there] / size[there] ** 2, 1)
+            found.append(float(line[1]))
             shaken = protocol.run(
                 resolved(motion={"frequency": 80.0, "gamma": float(gamma)},
                          run={"seed": seed, "discard": 10, "cycles": 60}), out=tmp_path,
@@ -260,7 +264,8 @@ def test_a_host_that_is_let_go_loses_in_a_cycle_what_a_shaker_gives_at_that_ampl
     for gamma in near:
         a, b = np.array(near[gamma]), np.array(driven[gamma])
         error = math.sqrt((a.var(ddof=1) + b.var(ddof=1)) / len(a))
-        assert abs(a.mean() - b.mean()) < 3 * error, gamma
+        behind = b.mean() / (heavy * omega**2) + 2 * np.pi * 0.0005
+        assert abs(a.mean() - b.mean()) < 4.59 * error + behind * b.mean(), gamma
         assert error < 0.1 * b.mean()
 
 

@@ -4,7 +4,8 @@ A new motion is a file like sines.py, and one call of `register`: below for one 
 in any file that is imported before the case is read. A case then names its kind in [motion].
 """
 
-from damper3d.engine.motions import host, sines
+from damper3d.engine.motions import crossed, host, sines, table
+from damper3d.engine.motions.crossed import Crossed
 from damper3d.engine.motions.registry import (
     MOTIONS,
     Motion,
@@ -14,8 +15,22 @@ from damper3d.engine.motions.registry import (
     velocity,
 )
 from damper3d.engine.motions.sines import Sines, at_rest, sine
+from damper3d.engine.motions.table import Table
 
-__all__ = ["MOTIONS", "Motion", "Sines", "at_rest", "displacement", "register", "sine", "velocity"]
+__all__ = [
+    "MOTIONS",
+    "Crossed",
+    "Motion",
+    "Sines",
+    "Table",
+    "at_rest",
+    "displacement",
+    "register",
+    "sine",
+    "velocity",
+]
 
 register("sines", Sines, sines.displacement, sines.velocity, sine)
+compile_for(table.Table, table.displacement, table.velocity)
+compile_for(crossed.Crossed, crossed.displacement, crossed.velocity)
 compile_for(host.Host, host.displacement, host.velocity)

@@ -5,14 +5,17 @@
 
 q_r are the modal coordinates for shapes of unit modal mass [m kg^0.5], phi_r and s_r the shapes at
 the damper and where the force f acts [kg^-0.5], p_r the participation factors [kg^0.5] under a base
-motion b, and F the bed's force on the enclosure, over that of its weight at rest. What f and b do
-alone is known beforehand, as a motion for each mode; the answer y_r to F is added to it, so that an
-empty host moves exactly as it should. Between kicks by F, one a step like those of the particles,
+motion b, and F the bed's force on the enclosure, over that of its weight at rest. What sines of f
+and b do alone is known beforehand, as a motion for each mode; the answer y_r to F is added to it,
+so that an empty host moves exactly as it should. Between kicks by F, one a step like those of the
+particles,
 
     y_r' += phi_r F dt        and then        (y_r, y_r')  <-  exp(A_r dt) (y_r, y_r'),
 
 the modes move exactly: a symmetric splitting, of second order. The velocity that contacts see at a
-step is extrapolated by half of the last kick, as the particles' is.
+step is extrapolated by half of the last kick, as the particles' is. Any other f and b are kicks
+too, by s_r f dt - p_r (b'(t + dt/2) - b'(t - dt/2)); an empty host then moves as it should to
+(w_r dt)^2/24.
 """
 
 import math
@@ -21,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from damper3d.engine.motions import registry
-from granulab.contact.jit import inlined_inner, specialised, uncounted
+from granulab.contact.jit import inlined_inner, njit, specialised, uncounted
 
 # Entries of Host.books [J]: work of the force and of the base since the motion began, what the
 # host's own dampers took.
@@ -45,6 +48,7 @@ class Host(NamedTuple):
     step: np.ndarray  # (r, 2, 2) exp(A dt)
     time_step: float  # dt [s]
     weight: float  # of the bed at rest, along the motion [N]
+    kicked: bool  # whether force and base kick the modes, and are not in `alone`
     answer: np.ndarray  # (r, 2) y and y' before the kick of now [m kg^0.5, m kg^0.5/s]
     pushed: np.ndarray  # (1,) F of the last step [N]
     books: np.ndarray  # (2,) see above [J]
@@ -98,6 +102,7 @@ def propagator(omega: float, damping: float, dt: float) -> np.ndarray:
     return decay * np.array([[c + half * s, s], [-(omega**2) * s, c - half * s]])
 
 
+@uncounted
 def displacement(host, t):
     """Return the displacement of the enclosure now [m]; t [s] is the time of this step."""
     total = registry.displacement(host.base, t)
@@ -107,6 +112,7 @@ def displacement(host, t):
     return total
 
 
+@uncounted
 def velocity(host, t):
     """Return its velocity now [m/s], extrapolated by half of the last kick."""
     total = registry.velocity(host.base, t)
@@ -118,8 +124,21 @@ def velocity(host, t):
 @uncounted
 def mode_rate(host, r, t, pushed):
     """Return q' of mode r in the middle of a kick by the force pushed [N]."""
-    half = 0.5 * host.time_step * host.shape[r] * pushed
+    half = 0.5 * host.time_step * (host.shape[r] * pushed + drive_push(host, r, t))
     return ringing_rate(host.alone, r, t) + host.answer[r, 1] + half
+
+
+@uncounted
+def drive_push(host, r, t):
+    """Return the modal force of mode r by a force and base that kick it; else 0."""
+    if not host.kicked:
+        return 0.0
+    half = 0.5 * host.time_step
+    ahead = registry.velocity(host.base, t + half)
+    behind = registry.velocity(host.base, max(t - half, 0.0))
+    gained = (ahead - behind) / (half + min(t, half))
+    push = registry.displacement(host.force, t) * host.force_shape[r]
+    return push - host.participation[r] * gained
 
 
 @uncounted
@@ -141,7 +160,8 @@ def kick(host, t, force):
         power += drive * host.force_shape[r] * rate - rate_of_base * host.participation[r] * held
         direct -= host.shape[r] * host.participation[r]
         y = host.answer[r, 0]
-        v = host.answer[r, 1] + host.time_step * host.shape[r] * pushed
+        push = host.shape[r] * pushed + drive_push(host, r, t)
+        v = host.answer[r, 1] + host.time_step * push
         host.answer[r, 0] = host.step[r, 0, 0] * y + host.step[r, 0, 1] * v
         host.answer[r, 1] = host.step[r, 1, 0] * y + host.step[r, 1, 1] * v
     host.books[WORK] += host.time_step * (power - direct * pushed * rate_of_base)
@@ -158,6 +178,21 @@ def energy(host, t):
         rate = mode_rate(host, r, t, host.pushed[0]) + host.participation[r] * rate_of_base
         total += 0.5 * (rate * rate + (host.omega[r] * q) ** 2)
     return total
+
+
+@njit
+def without_bed(host, n, every):
+    """Return displacement [m] and velocity [m/s] (n + 1,) of an empty host, every so many steps.
+
+    It moves the host.
+    """
+    place, rate = np.zeros(n + 1), np.zeros(n + 1)
+    for k in range(n + 1):
+        for m in range(every if k else 0):
+            kick(host, ((k - 1) * every + m) * host.time_step, host.weight)
+        now = k * every * host.time_step
+        place[k], rate[k] = displacement(host, now), velocity(host, now)
+    return place, rate
 
 
 def rides(world):

@@ -1,0 +1,1 @@
+"""Excitations that are no single sine: sums of sines, sweeps, random, shocks, measured signals."""

@@ -1,0 +1,403 @@
+"""The excitation of a case: from the keys of [excitation] to a motion, windows and samples.
+
+A run counts energies in windows of equal length, as it does in cycles of a sine: the common period
+of some sines, parts of a random signal, of a sweep or of a measured one, the length of a pulse.
+"""
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from damper3d.case.excitation import forms
+from damper3d.case.excitation.forms import Lines, Size, Sweep, quantity
+from damper3d.case.excitation.recorded import COPY, highest_frequency, motion_of, read_signal
+from damper3d.case.parts import GRAVITY, unit_vector
+from damper3d.case.settings import MOST_SAMPLES, Settings
+from damper3d.case.settings import Excitation as Keys
+from damper3d.engine.motions import Crossed, Table, displacement
+from granulab.contact.files.datafile import is_file
+from granulab.contact.files.units import located
+from granulab.errors import InputError
+
+STANDARD_GRAVITY = 9.80665  # [m/s2] of densities in g2/Hz, as of lengths in "g"
+SAMPLES = 16  # a cycle of the highest frequency
+_LEAST = 100  # samples a window, as of a sine
+_FRAMES = 20  # a window, which samples are a multiple of
+_PARTS = 10  # windows of what is counted of a random signal
+_SHOWN = 50  # windows of a sweep, each way
+_RECORDED = 20  # windows of a measured signal, and pulses after a shock
+_RANDOM_CYCLES = 50  # of the lowest frequency, that count by themselves
+_LEFT = math.exp(-3.0)  # of a bare host's transient, that is left when counting begins
+_PEAKS_OF = 50  # windows of a sum of sines, among which its largest values are looked for
+_MOST_POINTS = 50_000_000
+# Keys of each kind: those that it needs, then those that it may have.
+_KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "sines": (("frequencies", "amplitudes"),
+              ("phases", "across", "across_amplitudes", "across_phases")),
+    "sweep": (("from_frequency", "to_frequency", "amplitude"),
+              ("spacing", "octaves_per_minute", "length", "steps", "and_back")),
+    "random": (("psd",), ("seed", "length")),
+    "shock": (("amplitude", "length"), ("pulse",)),
+    "signal": (("file",), ("column", "full_scale", "integration")),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """A motion, or a force, and how a run with it is divided."""
+
+    kind: str
+    on: str  # enclosure, force, base
+    motion: Any  # of the engine: displacement [m] or force [N]
+    window: float  # [s]
+    windows: int
+    discard: int  # windows that do not count
+    highest: float  # frequency [Hz] that samples must show
+    lines: Lines | None = None  # of one that goes on for ever: a host starts on its response
+    sweep: Sweep | None = None
+    band_error: float | None = None  # largest of a random signal's third octaves [dB]
+    breakpoints: list[list[float]] | None = None  # of its density, as given
+    identity: tuple[Any, ...] = ()  # its numbers, for the name of a run
+    files: dict[str, str] = field(default_factory=dict)  # for the run folder
+
+    @property
+    def duration(self) -> float:
+        """Of the whole run [s]."""
+        return self.windows * self.window
+
+    @property
+    def samples(self) -> int:
+        """Samples a window."""
+        return _FRAMES * math.ceil(max(SAMPLES * self.highest * self.window, _LEAST) / _FRAMES)
+
+    def across_velocity(self, time: np.ndarray) -> np.ndarray | None:
+        """Velocity [m/s] along a second direction at times (n,) [s]; None without one."""
+        if not isinstance(self.motion, Crossed):
+            return None
+        omega, amplitude = self.motion.across.omega, self.motion.across.amplitude
+        angle = omega * time[:, None] + self.motion.across.phase
+        return np.asarray(np.cos(angle) @ (omega * amplitude))
+
+    def base_displacement(self, time: np.ndarray) -> np.ndarray:
+        """Displacement [m] of the host's base at times (n,) [s]; 0 where it stands still."""
+        if self.on != "base":
+            return np.zeros(len(time))
+        return np.array([displacement(self.motion, t) for t in time.tolist()])
+
+    @property
+    def words(self) -> str:
+        """Kind and place, for the echo of a case."""
+        where = {"enclosure": "of the enclosure", "force": "as a force", "base": "of the base"}
+        return f"{self.kind} {where[self.on]}"
+
+
+def given(keys: Keys) -> bool:
+    """True where a case has an excitation."""
+    return any(value is not None for value in keys.model_dump().values())
+
+
+def excitation_of(
+    settings: Settings, on_host: bool, slowest: float, own: float, folder: Path, where: str
+) -> Excitation | None:
+    """The excitation of a case; None without one.
+
+    slowest: rate at which the transient of a bare host dies away [1/s], own: its frequency [Hz].
+    Raises InputError, one line, where keys are missing, not of its kind, or cannot be.
+    """
+    keys = settings.excitation
+    if not given(keys):
+        return None
+    _check_keys(keys, on_host, where)
+    _check_rest(settings, where)
+    on = keys.on or ("force" if on_host else "enclosure")
+    with located(f"{where}: [excitation]"):
+        if keys.kind == "sines":
+            found = _sines(keys, on, settings, slowest)
+        elif keys.kind == "sweep":
+            found = _sweep(keys, on)
+        elif keys.kind == "random":
+            found = _random(keys, on, folder, slowest)
+        elif keys.kind == "shock":
+            found = _shock(keys, on, slowest, own)
+        else:
+            found = _signal(keys, on, folder)
+    if found.samples > MOST_SAMPLES:
+        raise InputError(
+            f"{where}: [excitation] a window of {found.window:.4g} s, {found.highest:.4g} Hz at "
+            f"most, takes {found.samples:,} samples: at most {MOST_SAMPLES:,} are kept; give a "
+            "shorter length, or lower frequencies"
+        )
+    return found
+
+
+def _check_keys(keys: Keys, on_host: bool, where: str) -> None:
+    if keys.kind is None:
+        raise InputError(f"{where}: [excitation] kind is missing; give one of {', '.join(_KEYS)}")
+    if keys.on in ("force", "base") and not on_host:
+        raise InputError(
+            f"{where}: [excitation] on = {keys.on!r} moves a host; give [host], or 'enclosure'"
+        )
+    if keys.on == "enclosure" and on_host:
+        raise InputError(
+            f"{where}: [excitation] on = 'enclosure': with [host] the host moves the enclosure; "
+            "give 'force' or 'base', or leave [host] out"
+        )
+    needed, others = _KEYS[keys.kind]
+    for name, value in keys.model_dump(exclude={"kind", "on"}).items():
+        if value is None and name in needed:
+            raise InputError(f"{where}: [excitation] {name} is missing; a {keys.kind} needs it")
+        if value is not None and name not in (*needed, *others):
+            raise InputError(
+                f"{where}: [excitation] {name} is no key of kind = {keys.kind!r}, which has "
+                f"{', '.join((*needed, *others))}"
+            )
+
+
+def _check_rest(settings: Settings, where: str) -> None:
+    """Raise InputError for keys elsewhere that an excitation stands in place of."""
+    host = ("force", "base_displacement", "base_acceleration", "start_displacement",
+            "start_velocity")  # fmt: skip
+    for section, names in {"motion": ("kind", "ramp"), "host": host, "run": ("steady",)}.items():
+        table = getattr(settings, section)
+        for name in names:
+            if getattr(table, name) != type(table).model_fields[name].default:
+                raise _stands_for(settings, section, name, where)
+
+
+def _stands_for(settings: Settings, section: str, name: str, where: str) -> InputError:
+    return InputError(
+        f"{where}: [{section}] {name}: [excitation] kind = {settings.excitation.kind!r} stands in "
+        "its place; leave one of them out"
+    )
+
+
+def under(settings: Settings, excitation: Excitation, peaks: "Peaks", where: str) -> Settings:
+    """The settings of a run under an excitation: its windows are the cycles.
+
+    InputError where they say something else.
+    """
+    found: dict[str, dict[str, Any]] = {
+        "motion": {"frequency": 1.0 / float(excitation.window), "gamma": gamma_of(peaks)},
+        "run": {"cycles": excitation.windows, "discard": excitation.discard},
+        "output": {"samples": excitation.samples},
+    }
+    changed = {}
+    for section, values in found.items():
+        table = getattr(settings, section)
+        for name, value in values.items():
+            said = name in table.model_fields_set and name != "samples"
+            if said and not math.isclose(getattr(table, name), value, rel_tol=1e-6):
+                raise _stands_for(settings, section, name, where)
+        if section == "output" and "samples" in table.model_fields_set:
+            values = {}
+        changed[section] = table.model_copy(update=values)
+    return settings.model_copy(update=changed)
+
+
+def _size(text: object, name: str, on: str) -> Size:
+    """An amplitude; InputError where its unit is not one of what it acts on."""
+    size = quantity(text, name)
+    if (size.unit == "N") != (on == "force"):
+        takes = "a force such as '2 N'" if on == "force" else "such as '2 g' or '0.1 mm'"
+        raise InputError(f"{name} = {text!r}: acts as {on}: give {takes}")
+    if not size.value > 0:
+        raise InputError(f"{name} = {text!r}: must be above 0")
+    return size
+
+
+def _lines(keys: Keys, on: str, prefix: str = "") -> Lines:
+    frequencies = keys.frequencies or []
+    sizes = getattr(keys, f"{prefix}amplitudes") or []
+    angles = getattr(keys, f"{prefix}phases") or ["0 deg"] * len(frequencies)
+    for name, values in ((f"{prefix}amplitudes", sizes), (f"{prefix}phases", angles)):
+        if len(values) != len(frequencies):
+            raise InputError(
+                f"{name}: {len(values)} of them, and {len(frequencies)} frequencies; give one each"
+            )
+    omega = 2.0 * math.pi * np.array(frequencies)
+    amplitude = [
+        float(_size(size, f"{prefix}amplitudes", on).as_displacement(w))
+        for size, w in zip(sizes, omega, strict=True)
+    ]
+    phase = [forms.angle(angle, f"{prefix}phases") for angle in angles]
+    return Lines(np.array(amplitude), omega, np.array(phase))
+
+
+def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitation:
+    frequencies = keys.frequencies or []
+    if len(set(frequencies)) < len(frequencies):
+        raise InputError("frequencies: one stands twice; give one sine for each")
+    lines = _lines(keys, on)
+    motion: Any = lines.motion()
+    if keys.across is not None:
+        if on != "enclosure":
+            raise InputError("across: a host moves along one direction; leave it out")
+        direction = unit_vector(keys.across, "across")
+        motion = Crossed(motion, _lines(keys, on, "across_").motion(), direction)
+    elif keys.across_amplitudes is not None or keys.across_phases is not None:
+        raise InputError("across is missing; give the direction of the second motion")
+    window = forms.common_period(frequencies) or 1.0 / min(frequencies)
+    run = settings.run
+    windows, discard = run.cycles, run.discard
+    if slowest and "cycles" not in run.model_fields_set:
+        discard = math.ceil(-math.log(_LEFT) / slowest / window)
+        windows = discard + _RECORDED
+    across = [*motion.across, motion.direction] if isinstance(motion, Crossed) else []
+    return Excitation(
+        "sines", on, motion, window, windows, discard, max(frequencies), lines,
+        identity=(lines.amplitude, lines.omega, lines.phase, *across),
+    )  # fmt: skip
+
+
+def _sweep(keys: Keys, on: str) -> Excitation:
+    first, last = keys.from_frequency or 0.0, keys.to_frequency or 0.0
+    octaves = abs(math.log2(last / first))
+    if octaves == 0.0:
+        raise InputError("from_frequency and to_frequency are the same; a sweep needs two")
+    logarithmic = keys.spacing != "linear"
+    if (keys.octaves_per_minute is None) == (keys.length is None):
+        raise InputError("give either octaves_per_minute or length, one of them")
+    if keys.octaves_per_minute is not None and not logarithmic:
+        raise InputError("octaves_per_minute goes with spacing = 'logarithmic'; give length")
+    length = keys.length or 60.0 * octaves / float(keys.octaves_per_minute or 1.0)
+    if length * min(first, last) < 1.0:
+        raise InputError(
+            f"length = {length:.4g} s: less than a cycle of {min(first, last):g} Hz; sweep slower"
+        )
+    _check_points(length * max(first, last))
+    sweep = Sweep(first, last, length, logarithmic, keys.steps or 0, bool(keys.and_back))
+    size = _size(keys.amplitude, "amplitude", on)
+    highest = max(first, last)
+    shown = _parts(length, highest, _SHOWN) * (2 if sweep.and_back else 1)
+    return Excitation(
+        "sweep", on, sweep.table(size), sweep.duration / shown, shown, 0, highest,
+        sweep=sweep, identity=(*vars(sweep).values(), size.value, size.unit),
+    )  # fmt: skip
+
+
+def _parts(length: float, highest: float, least: int) -> int:
+    """Number of windows of a length [s]: so many, or as many as its samples take."""
+    return max(least, math.ceil(length * SAMPLES * highest / (MOST_SAMPLES - _FRAMES)))
+
+
+def _check_points(cycles: float) -> None:
+    if not cycles * forms.PER_CYCLE < _MOST_POINTS:
+        raise InputError(
+            f"{cycles:.3g} cycles of the highest frequency: at most "
+            f"{_MOST_POINTS // forms.PER_CYCLE:,} are taken; give a shorter length"
+        )
+
+
+def breakpoints(psd: Any, folder: Path) -> np.ndarray:
+    """Breakpoints (k, 2) of a density, given or from a CSV file; InputError for others."""
+    if isinstance(psd, str):
+        path = folder / psd if is_file(folder / psd) else Path(psd)
+        if not is_file(path):
+            raise InputError(f"psd = {psd!r}: no such file; give one, or [[20, 0.01], [200, 0.01]]")
+        rows = []
+        for line, text in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
+            try:
+                rows.append([float(cell) for cell in text.split(",")])
+            except ValueError:
+                if rows or line > 1:
+                    raise InputError(f"{path}: line {line}: no two numbers: {text}") from None
+        psd = rows
+    found = np.array(psd if all(len(row) == 2 for row in psd) else [[0.0, 0.0]], float)
+    if found.ndim != 2 or len(found) < 2:
+        raise InputError("psd: give two breakpoints at least, [frequency in Hz, density]")
+    for frequency, height in found:
+        if not (0 < frequency < math.inf):
+            raise InputError(f"psd: frequency = {frequency:g} Hz: must be above 0")
+        if not (0 < height < math.inf):
+            raise InputError(f"psd: density = {height:g} at {frequency:g} Hz: must be above 0")
+    if np.any(np.diff(found[:, 0]) <= 0):
+        raise InputError("psd: frequencies must rise from one breakpoint to the next")
+    return found
+
+
+def _random(keys: Keys, on: str, folder: Path, slowest: float) -> Excitation:
+    given_psd, unit = breakpoints(keys.psd, folder), "N" if on == "force" else "m/s2"
+    psd = given_psd * [1.0, 1.0 if on == "force" else STANDARD_GRAVITY**2]
+    seed = 1 if keys.seed is None else keys.seed
+    low, high = float(psd[0, 0]), float(psd[-1, 0])
+    length = keys.length or _RANDOM_CYCLES / low
+    parts = _parts(length, high, _PARTS)
+    window = length / parts
+    discard = max(math.ceil(-math.log(_LEFT) / slowest / window) if slowest else 0, 2)
+    duration = (parts + discard) * window
+    _check_points(duration * high)
+    # Long enough for LINES of its multiples in the lowest third octave.
+    period = max(duration, forms.LINES / ((2.0 ** (1 / 3) - 1.0) * low))
+    lines = forms.random_lines(psd, unit, seed, period)
+    errors = forms.band_errors(lines, psd, unit, period)
+    return Excitation(
+        "random", on, forms.random_table(lines, period, duration), window, parts + discard,
+        discard, high, lines, band_error=float(np.abs(errors).max()),
+        breakpoints=given_psd.tolist(), identity=(psd, seed, length),
+    )  # fmt: skip
+
+
+def _shock(keys: Keys, on: str, slowest: float, own: float) -> Excitation:
+    size, length = _size(keys.amplitude, "amplitude", on), keys.length or 0.0
+    form = keys.pulse or "half_sine"
+    motion = forms.pulse(form, size, length)
+    window, windows, highest = length, _RECORDED, 2.0 / length
+    if own:  # of a host: until it has decayed to a tenth
+        window = 1.0 / own
+        left = math.log(10.0) / (slowest * window) if slowest else 1000.0
+        windows = math.ceil(length / window) + min(math.ceil(left), 100_000)
+        highest = max(highest, own)
+    return Excitation(
+        "shock", on, motion, window, windows, 0, highest,
+        identity=(form, size.value, size.unit, length),
+    )  # fmt: skip
+
+
+def _signal(keys: Keys, on: str, folder: Path) -> Excitation:
+    assert keys.file is not None
+    path = folder / keys.file if is_file(folder / keys.file) else Path(keys.file)
+    signal = read_signal(path, keys.column, keys.full_scale)
+    if (signal.unit == "N") != (on == "force"):
+        takes = "a force [N]" if on == "force" else "an acceleration, velocity or displacement"
+        raise InputError(f"file = {keys.file!r}: acts as {on}: its column must be {takes}")
+    highest = highest_frequency(signal)
+    windows = _parts(signal.length, highest, _RECORDED)
+    balanced = keys.integration != "as_measured"
+    return Excitation(
+        "signal", on, motion_of(signal, balanced), signal.length / windows, windows, 0, highest,
+        identity=(signal.values, signal.spacing, signal.unit, balanced),
+        files={COPY: signal.as_csv()},
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """Largest values of a motion over a run."""
+
+    displacement: float  # [m]
+    speed: float  # [m/s]
+    acceleration: float  # [m/s2]
+
+
+def peaks_of(excitation: Excitation) -> Peaks:
+    """Largest displacement, speed and acceleration of an excitation that is a motion."""
+    motion = excitation.motion
+    if isinstance(motion, Table):
+        spacing, last = motion.spacing, int(excitation.duration / motion.spacing) + 1
+        place, rate = motion.place[None, :last], motion.rate[None, :last]
+    else:
+        both = [motion.along, motion.across] if isinstance(motion, Crossed) else [motion]
+        spacing = 1.0 / (forms.PER_CYCLE * excitation.highest)
+        n = math.ceil(min(excitation.duration, _PEAKS_OF * excitation.window) / spacing)
+        rows = [Lines(*one[:3]).at(spacing * np.arange(n + 1)) for one in both]
+        place, rate = (np.array(one) for one in zip(*rows, strict=True))
+    change = np.diff(rate) / spacing
+    return Peaks(*(float(np.linalg.norm(one, axis=0).max()) for one in (place, rate, change)))
+
+
+def gamma_of(peaks: Peaks) -> float:
+    """Largest acceleration over gravity [-]."""
+    return peaks.acceleration / GRAVITY

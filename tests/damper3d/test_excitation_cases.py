@@ -1,0 +1,249 @@
+"""Cases with an excitation: what is refused, what follows, runs that go on with their bits."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from refusals import assert_refuses
+from same_run import assert_same_run
+from small_damper import damper3d, write_damper
+from small_silo import the_run
+
+from damper3d.case.case import DamperCase
+from damper3d.case.settings import Excitation
+from damper3d.run import protocol
+from granulab.errors import Stopped
+
+PLAIN = dict.fromkeys(
+    ("motion.frequency", "motion.gamma", "run.cycles", "run.discard", "output.samples")
+)
+SINES = {**PLAIN, "excitation.kind": "sines", "excitation.frequencies": [80, 120],
+         "excitation.amplitudes": ["6 g", "4 g"], "run.cycles": 4, "run.discard": 2}  # fmt: skip
+SWEEP = {**PLAIN, "excitation.kind": "sweep", "excitation.from_frequency": 60,
+         "excitation.to_frequency": 120, "excitation.amplitude": "6 g",
+         "excitation.length": "0.2 s"}  # fmt: skip
+RANDOM = {**PLAIN, "excitation.kind": "random", "excitation.psd": [[60, 0.1], [240, 0.1]],
+          "excitation.length": "0.1 s"}  # fmt: skip
+SHOCK = {**PLAIN, "excitation.kind": "shock", "excitation.amplitude": "40 g",
+         "excitation.length": "5 ms"}  # fmt: skip
+SIGNAL = {**PLAIN, "excitation.kind": "signal", "excitation.file": "signal.csv"}
+HOST = {"host.mass": "0.1 kg", "host.frequency": 80.0, "host.damping_ratio": 0.02}
+ON_HOST = {
+    "sweep": {**SWEEP, **HOST, "excitation.amplitude": "0.5 N"},
+    "random": {**RANDOM, **HOST, "excitation.on": "base"},
+    "shock": {**SHOCK, **HOST, "excitation.amplitude": "60 N"},
+}
+
+
+def load(folder: Path, changes) -> DamperCase:
+    return DamperCase.load(write_damper(folder, changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"excitation.on": "enclosure"}, ["[excitation] kind is missing", "sines"]),
+        ({**SINES, "excitation.kind": "noise"}, ["kind", "'noise'"]),
+        ({**SINES, "excitation.frequencies": None}, ["frequencies is missing", "sines"]),
+        ({**SINES, "excitation.amplitudes": ["6 g"]}, ["amplitudes: 1 of them, and 2"]),
+        ({**SINES, "excitation.amplitudes": ["6 g", "4 K"]}, ["amplitudes = '4 K'", "unit"]),
+        ({**SINES, "excitation.amplitudes": ["6 g", "4 N"]}, ["'4 N'", "acts as enclosure"]),
+        ({**SINES, "excitation.amplitudes": ["6 g", "-4 g"]}, ["'-4 g'", "above 0"]),
+        ({**SINES, "excitation.amplitudes": ["6 g", "4"]}, ["'4'", "unit is missing"]),
+        ({**SINES, "excitation.frequencies": [80, 80]}, ["stands twice"]),
+        ({**SINES, "excitation.frequencies": [80, -1]}, ["frequencies", "greater than 0"]),
+        ({**SINES, "excitation.phases": ["1 s", "0 deg"]}, ["phases = '1 s'"]),
+        ({**SINES, "excitation.across_amplitudes": ["1 g", "1 g"]}, ["across is missing"]),
+        ({**SINES, "excitation.across": [0, 0, 0]}, ["across", "no direction"]),
+        ({**SINES, "excitation.psd": [[1, 1], [2, 1]]}, ["psd is no key", "frequencies"]),
+        ({**SINES, "motion.gamma": 3.0}, ["[motion] gamma", "stands in its place"]),
+        ({**SINES, "motion.ramp": 2}, ["[motion] ramp"]),
+        ({**SINES, "run.steady": True}, ["[run] steady"]),
+        ({**SINES, "excitation.on": "force"}, ["on = 'force' moves a host"]),
+        ({**SINES, **HOST, "excitation.on": "enclosure"}, ["on = 'enclosure'", "give 'force'"]),
+        ({**SINES, **HOST}, ["'6 g'", "acts as force", "'2 N'"]),
+        ({**ON_HOST["sweep"], "host.force": "1 N"}, ["[host] force", "stands in its place"]),
+        ({**SWEEP, "excitation.to_frequency": 60}, ["are the same"]),
+        ({**SWEEP, "excitation.length": None}, ["octaves_per_minute or length"]),
+        (
+            {**SWEEP, "excitation.length": None, "excitation.octaves_per_minute": 2,
+             "excitation.spacing": "linear"},
+            ["spacing = 'logarithmic'"],
+        ),
+        ({**SWEEP, "excitation.length": "1 ms"}, ["less than a cycle"]),
+        ({**SWEEP, "excitation.length": "1 Ms"}, ["cycles of the highest frequency"]),
+        ({**SWEEP, "run.cycles": 7}, ["[run] cycles", "stands in its place"]),
+        ({**RANDOM, "excitation.psd": [[60, 0.1], [240, -0.1]]}, ["density = -0.1 at 240 Hz"]),
+        ({**RANDOM, "excitation.psd": [[60, 0.1], [240, 0]]}, ["density = 0 at 240 Hz"]),
+        ({**RANDOM, "excitation.psd": [[-60, 0.1], [240, 1]]}, ["frequency = -60 Hz"]),
+        ({**RANDOM, "excitation.psd": [[60, 0.1], [20, 1]]}, ["must rise"]),
+        ({**RANDOM, "excitation.psd": [[60, 0.1]]}, ["psd"]),
+        ({**RANDOM, "excitation.psd": "none.csv"}, ["psd = 'none.csv'", "no such file"]),
+        ({**RANDOM, "excitation.length": "0.3"}, ["length = '0.3'", "unit is missing"]),
+        ({**SHOCK, "excitation.pulse": "triangle"}, ["pulse"]),
+        ({**SHOCK, "excitation.amplitude": "40 kg"}, ["'40 kg'", "unit is wrong here"]),
+        ({**SIGNAL, "excitation.file": "none.csv"}, ["none.csv", "no such file"]),
+        ({**SIGNAL, "excitation.full_scale": "2 g"}, ["full_scale goes with a WAV file"]),
+        ({**SIGNAL, "excitation.column": "speed"}, ["column = 'speed'"]),
+    ],
+)  # fmt: skip
+def test_excitations_that_cannot_be_are_refused_in_a_line(changes, words, tmp_path):
+    (tmp_path / "signal.csv").write_text(recording(), "utf-8")
+    assert_refuses(words, load, tmp_path, changes)
+
+
+def recording(rate: float = 2000.0, head: str = "time [s],acceleration [g]") -> str:
+    time = np.arange(200) / rate
+    values = 8.0 * np.sin(2.0 * np.pi * 80.0 * time)
+    return "\n".join([head, *(f"{t:.6f},{v:.9f}" for t, v in zip(time, values, strict=True))])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("time [s],acceleration [g]\n0,1\n", ["1 values"]),
+        ("t,a\n0,1\n1,2\n2,1\n", ["'time [s]' is missing"]),
+        ("time [s],acceleration\n0,1\n1,2\n2,1\n", ["acceleration", "unit"]),
+        ("time [s],a [g],b [g]\n0,1,1\n1,2,2\n2,1,1\n", ["2 columns", "a, b"]),
+        ("time [s],a [g]\n0,1\n1,x\n2,1\n", ["line 3", "no two numbers"]),
+        ("time [s],a [g]\n0,1\n1,2\n3,1\n", ["times are not even"]),
+        ("time [s],a [g]\n0,1\n1,1\n2,1\n", ["nothing but one value"]),
+        ("time [s],a [g]\n0,1\n1,nan\n2,1\n", ["no finite numbers"]),
+        ("time [s],a [N]\n0,1\n1,2\n2,1\n", ["acts as enclosure"]),
+    ],
+)
+def test_tables_of_signals_that_cannot_be_are_refused_in_a_line(text, words, tmp_path):
+    (tmp_path / "signal.csv").write_text(text, "utf-8")
+    assert_refuses(words, load, tmp_path, SIGNAL)
+
+
+def test_a_signal_of_a_wav_file_is_that_of_its_table(tmp_path):
+    """To the 16 bits of the file: 10 g over 2^15, and no less than an eighth of that."""
+    from scipy.io import wavfile
+
+    time = np.arange(200) / 2000
+    values = 8.0 * np.sin(2.0 * np.pi * 80.0 * time)
+    wavfile.write(tmp_path / "signal.wav", 2000, np.rint(values / 10.0 * 2**15).astype(np.int16))
+    (tmp_path / "signal.csv").write_text(recording(), "utf-8")
+    table = load(tmp_path, SIGNAL)
+    wav = load(tmp_path, {**SIGNAL, "excitation.file": "signal.wav",
+                          "excitation.full_scale": "10 g"})  # fmt: skip
+    assert wav.settings.motion.gamma == pytest.approx(table.settings.motion.gamma, abs=2e-3)
+    assert table.settings.motion.gamma == pytest.approx(8.0 * 9.80665 / 9.81, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "changes", [SINES, SWEEP, RANDOM, SHOCK, SIGNAL, *ON_HOST.values()],
+    ids=["sines", "sweep", "random", "shock", "signal", *(f"{kind} on host" for kind in ON_HOST)],
+)  # fmt: skip
+def test_a_case_in_a_run_folder_is_the_case_itself(changes, tmp_path):
+    (tmp_path / "signal.csv").write_text(recording(), "utf-8")
+    case = load(tmp_path, changes)
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for name, text in {**case.files, "case.toml": case.to_toml()}.items():
+        (folder / name).write_text(text, "utf-8")
+    again = DamperCase.load(folder / "case.toml")
+    assert protocol.run_digest(again) == protocol.run_digest(case)
+    assert again.peaks == case.peaks
+
+
+CROSSED = {**SINES, "excitation.across": [1, 0, 0], "excitation.across_amplitudes": ["1 g", "1 g"]}
+OTHERS = {
+    "frequencies": (SINES, [80, 160]), "amplitudes": (SINES, ["6 g", "5 g"]),
+    "phases": (SINES, ["0 deg", "9 deg"]), "across": (CROSSED, [0, 1, 0]),
+    "across_amplitudes": (CROSSED, ["1 g", "2 g"]), "across_phases": (CROSSED, ["1 deg", "0 deg"]),
+    "from_frequency": (SWEEP, 50), "to_frequency": (SWEEP, 110), "amplitude": (SHOCK, "41 g"),
+    "spacing": (SWEEP, "linear"), "length": (SWEEP, "0.3 s"), "steps": (SWEEP, 3),
+    "and_back": (SWEEP, True), "psd": (RANDOM, [[60, 0.2], [240, 0.1]]), "seed": (RANDOM, 2),
+    "pulse": (SHOCK, "terminal_peak"), "integration": (SIGNAL, "as_measured"),
+    "on": (ON_HOST["random"], None), "kind": (None, None), "file": (None, None),
+    "column": (None, None), "full_scale": (None, None), "octaves_per_minute": (None, None),
+}  # fmt: skip
+
+
+def test_every_key_that_acts_names_another_run(tmp_path):
+    """Those without a case act by the numbers that come of them, in the tests above."""
+    (tmp_path / "signal.csv").write_text(recording(), "utf-8")
+    assert OTHERS.keys() == Excitation.model_fields.keys()
+    for key, (case, value) in OTHERS.items():
+        if case is None:
+            continue
+        changed = {**case, f"excitation.{key}": value}
+        if key == "on":
+            changed["excitation.psd"] = [[60, 0.1], [240, 0.1]]
+        digests = {protocol.run_digest(load(tmp_path, one)) for one in (case, changed)}
+        assert len(digests) == 2, key
+
+
+def test_a_random_run_that_is_cut_off_goes_on_with_its_bits(tmp_path):
+    file = write_damper(tmp_path, RANDOM)
+    protocol.run(DamperCase.load(file), out=tmp_path / "whole")
+    seen = iter([False] * 5 + [True] * 10_000)
+    with pytest.raises(Stopped):
+        protocol.run(DamperCase.load(file), out=tmp_path / "cut", stop=lambda: next(seen))
+    protocol.resume(the_run(tmp_path / "cut").path)
+    assert_same_run(the_run(tmp_path / "whole"), the_run(tmp_path / "cut"))
+
+
+def test_efficiency_under_one_sine_is_that_of_the_thesis(tmp_path):
+    """A sum of one sine is the prescribed motion: reference and energies are the same.
+
+    Its samples are as many; the sine has its extremes at samples, but for the parabolas.
+    """
+    sine = {"motion.gamma": 10.0, "motion.frequency": 80.0, "output.samples": 100}
+    one = {**PLAIN, "excitation.kind": "sines", "excitation.frequencies": [80],
+           "excitation.amplitudes": [f"{10.0 * 9.81!r} m/s2"],
+           "run.cycles": 4, "run.discard": 2}  # fmt: skip
+    prescribed, summed = (
+        protocol.run(load(tmp_path, changes), out=tmp_path / "runs") for changes in (sine, one)
+    )
+    assert summed.state_digest == prescribed.state_digest
+    assert summed.efficiency_with_settling == pytest.approx(
+        prescribed.efficiency_with_settling, rel=1e-9
+    )
+    assert summed.loss_factor is None
+    assert summed.phase is None
+
+
+def test_energy_is_kept_where_two_motions_cross(tmp_path):
+    """The balance closes as along one direction, below 1 %: work is force times both velocities."""
+    crossed = {**SINES, "excitation.across": [1, 0, 0],
+               "excitation.across_amplitudes": ["6 g", "4 g"]}  # fmt: skip
+    both = protocol.run(load(tmp_path, crossed), out=tmp_path / "runs")
+    assert abs(both.energy_closure) < 0.01
+    one = protocol.run(load(tmp_path, SINES), out=tmp_path / "runs")
+    assert both.excitation["most_energy_j"] == pytest.approx(
+        2.0 * one.excitation["most_energy_j"], rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("kind", ON_HOST)
+def test_a_host_under_an_excitation_closes_its_energy(kind, tmp_path):
+    """Of host and bed below 1e-3 of what moved them, as structure.md asks."""
+    result = protocol.run(load(tmp_path, ON_HOST[kind]), out=tmp_path / "runs")
+    assert abs(result.host["energy_closure"]) < 1e-3
+    assert result.host["rms_m"] > 0
+    assert (result.excitation["sweep"] is not None) == (kind == "sweep")
+    assert (result.host["decay_times_s"] is not None) == (kind == "shock")
+
+
+@pytest.mark.parametrize("kind", ["sines", "sweep", "random", "shock"])
+def test_init_writes_cases_with_excitations_that_a_run_takes(kind, tmp_path):
+    file = tmp_path / "mine.toml"
+    assert damper3d("init", file, f"--{kind}").code == 0
+    done = damper3d("run", file, "--dry-run", "--json")
+    assert done.code == 0, done.err
+    assert json.loads(done.out)["amplitude_m"] > 0
+
+
+def test_a_run_under_an_excitation_is_told_drawn_and_measured(tmp_path):
+    file = write_damper(tmp_path, SWEEP)
+    done = damper3d("run", file, "--out", tmp_path / "runs", "--quiet")
+    assert done.code == 0, done.err
+    assert "sweep: largest displacement" in done.out
+    folder = the_run(tmp_path / "runs")
+    assert (folder.figures / "excitation.png").exists()
+    seen = damper3d("observe", folder.path, "excitation", "--json")
+    assert json.loads(seen.out)["kind"] == "sweep"
