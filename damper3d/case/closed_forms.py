@@ -75,6 +75,11 @@ def bouncing_bed_onset(frequency: ArrayLike, clearance: float) -> Any:
     return (2 * np.pi * np.asarray(frequency)) ** 2 * clearance / (np.pi * GRAVITY)
 
 
+def clearance_for(frequency: ArrayLike, gamma: ArrayLike) -> Any:
+    """h = pi Gamma g/omega^2 [m] whose bouncing bed sets in, and damps best, there: eq. 6.11."""
+    return np.pi * excitation_amplitude(frequency, gamma)
+
+
 def meeting_phase(amplitude_ratio: ArrayLike) -> Floats:
     """phi [rad] at which an ideal bouncing bed meets a wall, for A/A0; NaN below 1."""
     ratio = np.asarray(amplitude_ratio, float)

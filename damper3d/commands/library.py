@@ -32,6 +32,11 @@ def new_files() -> dict[str, NewFile]:
 
         return commented_case(EXAMPLES[kind])
 
+    def task() -> str:
+        from damper3d.studies.design.spec import example
+
+        return example()
+
     use, cases = "damper3d run {file}", partial(case_names, "enclosure")
     return {
         "case": NewFile(case, use, "cases", cases, "enclosure"),
@@ -39,6 +44,7 @@ def new_files() -> dict[str, NewFile]:
             kind: NewFile(partial(example, kind), use, "cases", cases, "host")
             for kind in EXAMPLES_OF_CASES
         },
+        "design": NewFile(task, "damper3d design {file}", "catalogues", lambda: (), "structure"),
         "materials": NewFile(
             materials,
             "damper3d run --material {file} --dry-run",

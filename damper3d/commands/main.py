@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from damper3d.commands import contact, impact, map, pack, predict, results, run, shape, slow
 from damper3d.commands.options import EXAMPLES_OF_CASES
-from damper3d.commands.structure import field, response
+from damper3d.commands.structure import design, field, response
 from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
@@ -34,6 +34,7 @@ app = command_group(
         map.map_,
         field.field,
         response.response,
+        design.design,
         reproduce_command(
             """Compute one of the thesis's tables and compare it with the published numbers.
 
@@ -55,7 +56,10 @@ app = command_group(
         results.compare,
         results.export,
         *file_commands(
-            "damper3d", "damper", "case file, materials file", ("materials", *EXAMPLES_OF_CASES)
+            "damper3d",
+            "damper",
+            "case file, materials file",
+            ("materials", "design", *EXAMPLES_OF_CASES),
         ),
     ],
     """Granular dampers: the energy that shaken particles dissipate.

@@ -29,6 +29,10 @@ _WITHOUT = {
 @click.option("--packing", type=float, metavar="0.6", help="Fill ratio of your packed bed.")
 @click.option("--pack", is_flag=True, help="Compute the close packing of the particles' shape.")
 @click.option("--full-count", type=int, metavar="N", help="How many particles fill the enclosure.")
+@click.option(
+    "--for", "wanted_for", metavar="60,5",
+    help="Frequency in Hz and Gamma whose clearance is wanted.",
+)  # fmt: skip
 @click.option("--simulate", is_flag=True, help="Compare runs with the ideal curves, to Gamma 100.")
 @engine_options
 @out_option
@@ -37,9 +41,9 @@ _WITHOUT = {
 @json_option
 def predict(
     case: str | None, material: str | None, frequencies: str | None,
-    packing: float | None, pack: bool, full_count: int | None, simulate: bool, workers: int | None,
-    engine: str, scheduler: str | None, out: str, no_figures: bool, quiet: bool, as_json: bool,
-    **options: Any,
+    packing: float | None, pack: bool, full_count: int | None, wanted_for: str | None,
+    simulate: bool, workers: int | None, engine: str, scheduler: str | None, out: str,
+    no_figures: bool, quiet: bool, as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """Predict where a damper damps best, from its fill ratio and height.
 
@@ -52,8 +56,12 @@ def predict(
     from damper3d.studies.predict.chart import draw_predictions
     from granulab.campaign.output.figure import write_figure
     from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.errors import InputError
 
     wanted = rising("frequencies", numbers("--frequencies", frequencies, predicting.FREQUENCIES))
+    point = numbers("--for", wanted_for, ())
+    if len(point) not in (0, 2) or any(value <= 0 for value in point):
+        raise InputError(f"--for {wanted_for!r}: give frequency in Hz and Gamma, such as 60,5")
     fills = predicting.fills(case, changes_of(material, options))
     cases = [DamperCase.load(*fill) for fill in fills]
     if pack or simulate or not no_figures:
@@ -74,6 +82,10 @@ def predict(
         "simulated": rows,
     }
     words = _in_words(predictions, wanted, rows)
+    if point:
+        found = [predicting.inverted(prediction, *point) for prediction in predictions]
+        results["for"] = found
+        words += "\n" + "\n".join(map(predicting.inverted_words, found))
     click.echo(json.dumps(results, indent=2) if as_json else on_screen(words))
     if not no_figures:
         picture = Path(out) / f"predict-{cases[0].name}.png"

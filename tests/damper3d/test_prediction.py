@@ -7,7 +7,14 @@ from damper3d.case import closed_forms
 from damper3d.case.case import DamperCase
 from damper3d.studies.predict import compare
 from damper3d.studies.predict.chart import draw_predictions
-from damper3d.studies.predict.prediction import as_dict, as_text, fills, predict
+from damper3d.studies.predict.prediction import (
+    as_dict,
+    as_text,
+    fills,
+    inverted,
+    inverted_words,
+    predict,
+)
 from granulab.campaign.output.figure import write_figure
 from granulab.errors import InputError
 
@@ -96,3 +103,15 @@ def test_simulations_stand_about_the_onset_next_to_both_ideal_curves(monkeypatch
     )
     assert figure.read_bytes().startswith(b"\x89PNG")
     assert len(compare.as_text(rows, predictions).splitlines()) == len(rows) + 1
+
+
+def test_a_wanted_point_has_the_clearance_whose_onset_is_there():
+    """Back through eqs 6.11 and 6.13: the height and the fill ratio that it names have it."""
+    prediction = predicted({"enclosure.height": "45 mm", "particles.count": 300})
+    found = inverted(prediction, 60.0, 5.0)
+    higher = predicted({"enclosure.height": f"{found['height_m']!r} m", "particles.count": 300})
+    assert higher.best.onset(60.0) == pytest.approx(5.0)
+    fewer = closed_forms.effective_clearance(found["fill_ratio"], 0.045, higher.best.packing)
+    assert closed_forms.bouncing_bed_onset(60.0, fewer) == pytest.approx(5.0)
+    assert inverted(prediction, 1.0, 5.0)["fill_ratio"] is None  # wider than the enclosure is high
+    assert f"{1e3 * found['height_m']:.4g} mm" in inverted_words(found)

@@ -143,6 +143,36 @@ def onsets(prediction: Prediction, frequencies: Sequence[float]) -> list[dict[st
     ]
 
 
+def inverted(prediction: Prediction, frequency: float, gamma: float) -> dict[str, Any]:
+    """The clearance whose optimum is at a frequency [Hz] and Gamma, and what gives it.
+
+    height_m holds the same particles, fill_ratio is that of fewer in the same height; None where
+    the enclosure is not that high, or no packing is known.
+    """
+    wanted = float(closed_forms.clearance_for(frequency, gamma))
+    packing, length = prediction.best.packing, prediction.length
+    fits = packing is not None and wanted < length
+    depth = None if packing is None else prediction.fill_ratio / packing * length
+    return {
+        "frequency_hz": frequency,
+        "gamma": gamma,
+        "clearance_m": wanted,
+        "height_m": None if depth is None else depth + wanted,
+        "fill_ratio": packing * (1 - wanted / length) if packing is not None and fits else None,
+    }
+
+
+def inverted_words(found: dict[str, Any]) -> str:
+    """The same in a line."""
+    height, fill = found["height_m"], found["fill_ratio"]
+    same = "" if height is None else f"; these particles need a height of {1e3 * height:.4g} mm"
+    fewer = "" if fill is None else f", or a fill ratio of {fill:.3f} in this one"
+    return (
+        f"  for {found['frequency_hz']:g} Hz and Gamma {found['gamma']:g} a clearance of "
+        f"{1e3 * found['clearance_m']:.4g} mm{same}{fewer}"
+    )
+
+
 def as_dict(prediction: Prediction, frequencies: Sequence[float]) -> dict[str, Any]:
     """A prediction for --json; what does not exist is None."""
     gamma, efficiency = prediction.fluidisation or (None, None)

@@ -1,0 +1,161 @@
+"""The command that designs a damper for a structure: design."""
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+
+if TYPE_CHECKING:
+    from damper3d.studies.design.design import Designer
+    from damper3d.studies.design.spec import Task
+
+
+@click.command()
+@click.argument("spec")
+@click.option(
+    "--compare", type=click.IntRange(0, 1000), default=0, metavar="N",
+    help="Beside the thesis's rule of thumb and N random designs [default: 0].",
+)  # fmt: skip
+@engine_options
+@out_option
+@click.option("--dry-run", is_flag=True, help="Say what would be run, and end.")
+@click.option("--no-figures", is_flag=True, help="Make no picture and no page.")
+@quiet_option
+@json_option
+def design(
+    spec: str, compare: int, workers: int | None, engine: str, scheduler: str | None, out: str,
+    dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Design a damper for a structure: particles, number and enclosure that damp it best.
+
+    SPEC is a TOML file with structure, level, space and mass budget; `damper3d init FILE --design`
+    writes one. Finished runs are not done again.
+    For example: damper3d init my_task.toml --design, then damper3d design my_task.toml
+    """
+    from damper3d.studies.design.design import Designer
+    from damper3d.studies.design.spec import read_spec
+    from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.output.layout import on_screen
+
+    task = read_spec(spec)
+    engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
+
+    def say(words: str) -> None:
+        if not quiet:
+            click.echo(words, err=True)
+
+    designer = Designer(task, Path(out), engines, say)
+    if dry_run:
+        planned = _plan(designer)
+        click.echo(json.dumps(planned, indent=2) if as_json else _planned(planned))
+        return
+    _ = designer.beds  # a space in which none fits is refused before anything is computed
+    refuse_unless_writable(Path(out), "--out")
+    results = _designed(designer, compare, spec, no_figures)
+    from damper3d.studies.design.report import in_words
+
+    words = f"{in_words(results)}\nfolder      {results['folder']}"
+    click.echo(json.dumps(results, indent=2) if as_json else on_screen(words))
+
+
+def _plan(designer: "Designer") -> dict[str, Any]:
+    spec = designer.task.spec
+    costs = [designer.cost_of(bed) for bed in designer.beds]
+    return {
+        "name": spec.name,
+        "bare_gamma": designer.task.bare_gamma,
+        "force_n": designer.task.force,
+        "closed_form_m": designer.amplitude,
+        "beds": len(costs),
+        "candidates": designer.number,
+        "expected_cpu_min": designer.number * sum(costs) / len(costs) / 60,
+        "verified": spec.search.verified * spec.search.seeds * 3,
+    }
+
+
+def _planned(planned: dict[str, Any]) -> str:
+    return (
+        f"{planned['name']}: bare {planned['bare_gamma']:.4g} g under {planned['force_n']:.4g} N; "
+        f"closed form {1e3 * planned['closed_form_m']:.4g} mm\n"
+        f"{planned['beds']} beds find room; fields of {planned['candidates']} candidates, about "
+        f"{planned['expected_cpu_min']:.1f} min of CPU; then {planned['verified']} runs with the "
+        "structure"
+    )
+
+
+def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -> dict[str, Any]:
+    """Compute, write the files, and return the results."""
+    from damper3d.studies.design.report import as_dict, as_page, draw, ranked
+    from granulab.campaign.output.figure import as_png
+    from granulab.campaign.output.files import write_atomic, writing
+    from granulab.campaign.runs.folder import digest
+
+    task, search = designer.task, designer.task.spec.search
+    found = designer.searched()
+    tried = [one for one in found if one.field is not None][: search.verified]
+    designer.say(f"{len(tried)} designs with the structure, {search.seeds} packings each")
+    verified = designer.verify(tried, search.seed + 1)
+    order = ranked(found, verified)
+    designer.say("the first where level and frequency are off")
+    robust = designer.robustness(order[0]) if order[0].field is not None else None
+    designs = [
+        as_dict(task, one, rank, verified, robust if rank == 1 else None)
+        for rank, one in enumerate(order, 1)
+    ]
+    name = digest({"spec": task.spec.model_dump(), "balls": [vars(b) for b in task.catalogue]})
+    folder = designer.out / "designs" / f"{task.spec.name}-{name}"
+    results = {
+        "name": task.spec.name, "spec": spec, "task": _task(designer), "designs": designs,
+        "compared": _compared(designer, order, compare) if compare else [],
+        "made_by": " ".join(["damper3d", *sys.argv[1:]]), "folder": str(folder),
+    }  # fmt: skip
+    with writing(designer.out):
+        folder.mkdir(parents=True, exist_ok=True)
+    write_atomic(folder / "summary.json", json.dumps(results, indent=2) + "\n")
+    if not no_figures:
+        picture = as_png(lambda: draw(task, order, verified))
+        assert picture is not None
+        write_atomic(folder / "design.png", picture)
+        write_atomic(folder / "design.html", as_page(results, picture))
+        click.echo(folder / "design.html", err=True)
+    return results
+
+
+def _task(designer: "Designer") -> dict[str, Any]:
+    task: Task = designer.task
+    own, level = task.spec.structure, task.spec.level
+    return {
+        "mass_kg": own.mass, "frequency_hz": own.frequency, "damping_ratio": own.damping_ratio,
+        "bare_gamma": task.bare_gamma, "force_n": task.force, "levels": level.range,
+        "orientation": level.orientation, "budget_kg": task.budget,
+        "closed_form_m": designer.amplitude,
+    }  # fmt: skip
+
+
+def _compared(designer: "Designer", order: list[Any], number: int) -> list[dict[str, Any]]:
+    """The first design, the rule of thumb and the best random one, on packings nobody has seen."""
+    import math
+
+    from damper3d.studies.design.design import UNSEEN
+
+    designer.say(f"the rule of thumb and {number} random designs")
+    rule, drawn = designer.others(number)
+    chosen = [("first", order[0]), ("thumb", rule), ("random", drawn[0])]
+    able = [(what, one) for what, one in chosen if one.field is not None]
+    seen = designer.verify([one for _, one in able], designer.task.spec.search.seed + UNSEEN)
+    return [
+        {
+            "what": what,
+            "words": one.candidate.words,
+            "reduction": one.reduction,
+            "reductions": each.reductions,
+            "simulated": ", with the structure "
+            + ", ".join(f"{value:.3f}" for value in each.reductions)
+            + (f" (mean {math.exp(each.sample.mean):.3f})" if each.reductions else ""),
+        }
+        for (what, one), each in zip(able, seen, strict=True)
+    ]

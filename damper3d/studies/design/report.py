@@ -1,0 +1,183 @@
+"""Results of a design: as JSON, in words, as a picture, and as one page to hand on."""
+
+import base64
+import html
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from damper3d.case.closed_forms import excitation_amplitude
+from damper3d.studies.design.design import Verified, interval, of_field
+from damper3d.studies.design.search import Design, judge
+from damper3d.studies.design.spec import Task
+from granulab.campaign.output.figure import BLUE, GREY, VERMILION, headline
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_COLOURS = (BLUE, VERMILION, GREY)  # of the first three
+_LISTED = 10  # designs in words
+_IMPACTS = ("particle_particle", "particle_wall")
+
+
+def ranked(designs: Sequence[Design], verified: Sequence[Verified]) -> list[Design]:
+    """Designs in their order: verified ones by simulations, then the others by their fields."""
+    known = {id(one.design): one.sample.mean for one in verified if one.reductions}
+    return sorted(designs, key=lambda d: (id(d) not in known, known.get(id(d), d.reduction)))
+
+
+def as_dict(
+    task: Task, design: Design, rank: int, verified: Sequence[Verified],
+    robustness: dict[str, float | None] | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """A design for --json; what is not known is None."""
+    candidate, own = design.candidate, next((v for v in verified if v.design is design), None)
+    simulated = own is not None and bool(own.reductions)
+    between = interval(own, verified) if own and simulated else of_field(design, verified)
+    mean = math.exp(own.sample.mean) if own and simulated else design.reduction
+    return {
+        "rank": rank,
+        "enclosure": {"shape": "cylinder", "diameter_m": candidate.bed.width,
+                      "height_m": candidate.height},
+        "clearance_m": candidate.clearance,
+        "particles": candidate.bed.ball.name,
+        "count": candidate.bed.count,
+        "added_mass_kg": candidate.bed.mass,
+        "added_mass_ratio": candidate.bed.mass / task.spec.structure.mass,
+        "fill_ratio": 4.0 * candidate.bed.count * candidate.bed.ball.volume
+        / (math.pi * candidate.bed.width**2 * candidate.height),
+        "reduction": mean,
+        "reduction_interval": None if between is None else list(between),
+        "reduction_from_field": design.reduction,
+        "levels": [
+            {"level": level, "reduction": value, "peak_frequency_hz": peak[0]}
+            for level, value, peak in zip(
+                task.spec.level.range, design.reductions, design.peaks, strict=True
+            )
+        ],
+        "robustness": robustness,
+        "peak_wall_force_n": _largest(own, design, "peak_wall_force_n"),
+        "impact_over_yield_velocity": _largest_impact(own, design),
+        "dissipated_power_w": _largest(own, design, "dissipated_power_w"),
+        "verified_by_simulation": None if own is None or not simulated else {
+            "level": own.level,
+            "reduction": mean,
+            "interval": None if between is None else list(between),
+            "reductions": own.reductions,
+            "not_steady": sum(row.get("steady") is False for row in own.rows),
+        },
+    }  # fmt: skip
+
+
+def _largest(own: Verified | None, design: Design, name: str) -> float | None:
+    """Largest value of a column: of the simulations, or of the field up to the response."""
+    if own is not None and own.reductions:
+        return own.largest(name)
+    near = _at_response(design)
+    return None if near is None else near.get(name)
+
+
+def _at_response(design: Design) -> dict[str, Any] | None:
+    """The field's run whose amplitude is nearest to the response at the worst level."""
+    if design.field is None or not design.peaks:
+        return None
+    amplitude = design.peaks[design.worst][1]
+    sizes = [excitation_amplitude(row["frequency_hz"], row["gamma"]) for row in design.rows]
+    return design.rows[int(np.argmin(np.abs(np.log(np.array(sizes) / amplitude))))]
+
+
+def _largest_impact(own: Verified | None, design: Design) -> float | None:
+    names = [f"max_impact_over_yield_velocity.{pair}" for pair in _IMPACTS]
+    found = [value for name in names if (value := _largest(own, design, name)) is not None]
+    return max(found, default=None)
+
+
+def in_words(results: dict[str, Any]) -> str:
+    """Report of a design: a line for each of the best."""
+    task = results["task"]
+    lines = [
+        f"{results['name']}: {task['mass_kg']:g} kg at {task['frequency_hz']:g} Hz, damping ratio "
+        f"{task['damping_ratio']:g}, bare {task['bare_gamma']:.3g} g ({task['orientation']}), "
+        f"levels {', '.join(f'{level:g}' for level in task['levels'])}",
+        f"closed form of one body without rebound: amplitude {1e3 * task['closed_form_m']:.3g} mm, "
+        f"clearance {1e3 * math.pi * task['closed_form_m']:.3g} mm",
+        f"{'rank':>4} {'response':>9} {'interval':>16}  {'particles':24}{'enclosure':22}"
+        f"{'added':>8}",
+    ]
+    for one in results["designs"][:_LISTED]:
+        between = one["reduction_interval"]
+        words = "" if between is None else f"{between[0]:.3f} to {between[1]:.3f}"
+        mark = "*" if one["verified_by_simulation"] else " "
+        size = one["enclosure"]
+        lines.append(
+            f"{one['rank']:4} {one['reduction']:8.3f}{mark} {words:>16}  "
+            f"{str(one['count']) + ' of ' + one['particles']:24}"
+            f"{1e3 * size['diameter_m']:.4g} x {1e3 * size['height_m']:.4g} mm".ljust(66 + 0)
+            + f"{100 * one['added_mass_ratio']:6.2f} %"
+        )
+    lines.append("response over that of the bare structure at the worst level; * simulated with it")
+    best = results["designs"][0]
+    if best["robustness"]:
+        names = {"level_off": "level a fifth off", "frequency_low": "frequency a fifth lower",
+                 "frequency_high": "a fifth higher"}  # fmt: skip
+        shown = [f"{names[k]} {v:.3f}" for k, v in best["robustness"].items() if v is not None]
+        lines.append(f"the first, {', '.join(shown)}")
+    force, impact = best["peak_wall_force_n"], best["impact_over_yield_velocity"]
+    if force is not None:
+        yields = "" if impact is None else f", impacts up to {impact:.2g} of the yield velocity"
+        lines.append(f"the first, {force:.3g} N on its walls at most{yields}, "
+                     f"{best['dissipated_power_w']:.3g} W")  # fmt: skip
+    lines += [
+        f"{one['what']:12} {one['reduction']:.3f}, {one['words']}{one['simulated']}"
+        for one in results["compared"]
+    ]
+    return "\n".join(lines)
+
+
+def draw(task: Task, designs: Sequence[Design], verified: Sequence[Verified]) -> "Figure":
+    """Response of the best against level, and of all candidates against their clearance."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.6, 4.2), layout="constrained")
+    best = designs[0]
+    headline(figure, f"{task.spec.name}: {best.candidate.words}")
+    left, right = figure.subplots(1, 2)
+    ends = task.spec.level.range[0] * 0.8, task.spec.level.range[-1] * 1.2
+    levels = np.linspace(*ends, 21)
+    for k, design in enumerate(designs[:3]):
+        if design.field is not None:
+            found = judge(task, design.field, levels.tolist())[0]
+            label = f"{k + 1}: {design.candidate.words}"
+            left.plot(levels, found, color=_COLOURS[k], label=label)
+    for k, design in enumerate(designs[:3]):
+        for one in (v for v in verified if v.design is design):
+            left.plot([one.level] * len(one.reductions), one.reductions, "o",
+                      color=_COLOURS[k])  # fmt: skip
+    left.axvspan(task.spec.level.range[0], task.spec.level.range[-1], color=GREY, alpha=0.12, lw=0)
+    left.set(xlabel="level", ylabel="response over bare response", ylim=(0, None))
+    left.legend(fontsize=7)
+    for kind, marker in zip(dict.fromkeys(d.candidate.bed.ball.kind for d in designs), "os^vDP",
+                            strict=False):  # fmt: skip
+        own = [d for d in designs if d.candidate.bed.ball.kind == kind]
+        right.semilogx([1e3 * d.candidate.clearance for d in own], [d.reduction for d in own],
+                       marker, label=kind, ms=5)  # fmt: skip
+    right.set(xlabel="clearance over the settled bed [mm]", ylim=(0, None))
+    right.legend(fontsize=7)
+    return figure
+
+
+def as_page(results: dict[str, Any], picture: bytes) -> str:
+    """One page of HTML with the picture in it, to hand to a colleague."""
+    words = html.escape(in_words(results))
+    image = base64.b64encode(picture).decode()
+    title = html.escape(f"A damper for {results['name']}")
+    return (
+        f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+        "<style>body{font-family:sans-serif;max-width:60rem;margin:1.5rem auto;padding:0 1rem}"
+        "img{width:100%}pre{white-space:pre-wrap;font-size:.8rem}</style></head>"
+        f'<body><h1>{title}</h1><pre>{words}</pre><img alt="response against level and clearance" '
+        f'src="data:image/png;base64,{image}"><p>{html.escape(results["made_by"])}</p>'
+        "</body></html>\n"
+    )

@@ -1,0 +1,253 @@
+"""Design of a damper: specifications, candidates, surrogate, and a small design from end to end."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from refusals import assert_refuses
+from small_damper import damper3d
+
+from damper3d.studies.design import candidates as making
+from damper3d.studies.design import design as designing
+from damper3d.studies.design.candidates import Bed, Candidate
+from damper3d.studies.design.search import (
+    Design,
+    expected_improvement,
+    field_from,
+    gammas,
+    judge,
+    propose,
+)
+from damper3d.studies.design.spec import Task, example, read_catalogue, read_spec
+from granulab.campaign.output.statistics import mean_sd
+
+SPEC: dict[str, dict[str, Any]] = {
+    "structure": {"mass": "2 kg", "frequency": 60.0, "damping_ratio": 0.005},
+    "level": {"acceleration": "5 g"},
+    "space": {"width": "60 mm", "height": "60 mm"},
+    "budget": {},
+    "search": {},
+}
+OWN = '[[kind]]\nname = "own"\nmaterials = "acrylic"\nmaterial = "acrylic"\ndiameters = ["5 mm"]\n'
+
+
+def write_spec(folder: Path, changes: dict[str, Any] | None = None) -> Path:
+    """Write spec.toml; a change to None takes a key out."""
+    tables = {name: dict(table) for name, table in SPEC.items()}
+    for place, value in (changes or {}).items():
+        section, name = place.split(".")
+        tables[section][name] = value
+    lines = ["schema = 1"]
+    for section, table in tables.items():
+        lines += [f"[{section}]"]
+        lines += [f"{k} = {json.dumps(v)}" for k, v in table.items() if v is not None]
+    path = folder / "spec.toml"
+    path.write_text("\n".join(lines) + "\n", "utf-8")
+    return path
+
+
+def task_of(folder: Path, changes: dict[str, Any] | None = None) -> Task:
+    return read_spec(write_spec(folder, changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"structure.mass": None}, ["[structure]", "mass"]),
+        ({"structure.mass": "2"}, ["mass = '2'", "unit is missing"]),
+        ({"structure.damping_ratio": 0}, ["damping_ratio"]),
+        ({"structure.damping_ratio": 1.5}, ["damping_ratio"]),
+        ({"structure.frequency": "-2 Hz"}, ["frequency"]),
+        ({"level.acceleration": None}, ["acceleration and force are missing"]),
+        ({"level.force": "2 N"}, ["are both given"]),
+        ({"level.range": [1.0, 0.5]}, ["range", "must rise"]),
+        ({"level.range": []}, ["range"]),
+        ({"level.orientation": "up"}, ["orientation"]),
+        ({"space.width": "0 mm"}, ["width"]),
+        ({"budget.added_mass": 1.5}, ["added_mass"]),
+        ({"budget.catalogue": "nuts"}, ["nuts"]),
+        ({"search.seeds": 1}, ["seeds"]),
+        ({"search.fewest": 500}, ["fewest = 500", "most = 400"]),
+        ({"search.trials": 3}, ["trials", "unknown key"]),
+    ],
+)
+def test_specifications_that_cannot_be_are_refused_in_a_line(changes, words, tmp_path):
+    assert_refuses(words, task_of, tmp_path, changes)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ["no [[kind]]"]),
+        (OWN.replace("materials", "matters"), ["kind 1", "materials is missing"]),
+        (OWN + 'colour = "red"\n', ["unknown key 'colour'"]),
+        (OWN.replace('"5 mm"', '"5"'), ["diameters = '5'", "unit is missing"]),
+        (OWN.replace('"5 mm"', '"-5 mm"'), ["diameters", "above 0"]),
+        (OWN.replace('= "acrylic"', '= "nut"'), ["nut"]),
+    ],
+)
+def test_catalogues_that_cannot_be_are_refused_in_a_line(text, words, tmp_path):
+    (tmp_path / "own.toml").write_text("schema = 1\n" + text, "utf-8")
+    assert_refuses(words, read_catalogue, "own.toml", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"space.width": "5 mm"}, ["no design fits", "5 mm wide", "give more width"]),
+        ({"space.height": "4 mm"}, ["no design fits", "4 mm high", "give more room"]),
+        ({"budget.added_mass": 1e-6}, ["no design fits", "mass budget", "larger added_mass"]),
+        ({"structure.mass": "2 t"}, ["no design fits", "more than 400", "larger balls"]),
+    ],
+)
+def test_a_space_in_which_no_design_fits_says_what_binds(changes, words, tmp_path):
+    assert_refuses(words, making.beds_of, task_of(tmp_path, changes))
+
+
+def test_the_force_is_that_of_the_bare_amplitude_at_resonance(tmp_path):
+    """2 zeta M a, and back from the force."""
+    task = task_of(tmp_path)
+    assert task.force == pytest.approx(2 * 0.005 * 2.0 * 5 * 9.80665)
+    again = task_of(tmp_path, {"level.acceleration": None, "level.force": f"{task.force!r} N"})
+    assert again.bare_gamma == pytest.approx(task.bare_gamma)
+
+
+def test_the_closed_form_is_where_the_powers_are_equal(tmp_path):
+    """The force's pi F A is what structure and bed take, where nothing holds the bed."""
+    task = task_of(tmp_path, {"level.orientation": "none", "level.range": [1.0]})
+    a, own = making.closed_form(task), task.spec.structure
+    taken = (
+        2 * math.pi * own.damping_ratio * own.mass * (task.omega * a) ** 2
+        + 4 * task.budget * (task.omega * a) ** 2
+    )
+    assert math.pi * task.force * a == pytest.approx(taken)
+    held = task_of(tmp_path, {"level.range": [1.0]})
+    assert making.closed_form(held) * held.omega**2 >= 1.2 * 9.81 * (1 - 1e-12)
+
+
+def test_beds_are_the_budget_of_each_ball_and_fit_the_space(tmp_path):
+    task = task_of(tmp_path)
+    beds = making.beds_of(task)
+    assert {bed.ball.kind for bed in beds} == {"steel", "alumina"}  # acrylic takes above 400
+    for bed in beds:
+        assert task.budget - bed.ball.mass < bed.mass <= task.budget * (1 + 1e-9)
+        assert 3 * bed.ball.diameter * (1 - 1e-9) <= bed.width <= 0.06
+        assert bed.depth + bed.ball.diameter <= 0.06
+    drawn = making.random_beds(task, beds, 40)
+    assert len({bed for bed, _ in drawn}) > 30
+    assert all(bed.mass <= task.budget * (1 + 1e-9) and bed.width <= 0.06 for bed, _ in drawn)
+
+
+def test_the_first_candidates_lie_apart_and_begin_with_the_closed_form(tmp_path):
+    task = task_of(tmp_path)
+    beds, amplitude = making.beds_of(task), making.closed_form(task)
+    pool = making.pool(beds, [bed.depth for bed in beds], amplitude, 0.06)
+    chosen = making.spread(pool, amplitude, 8)
+    assert len(set(chosen)) == 8
+    first = pool[chosen[0]]
+    assert first.clearance == pytest.approx(math.pi * amplitude, rel=0.2)
+    assert max(len({pool[k].bed.ball.name for k in chosen}), len(chosen)) >= 3
+    assert all(one.height <= 0.06 for one in pool)
+
+
+def test_expected_improvement_is_the_mean_of_what_is_gained():
+    """Beside the mean of (best - y)+ over draws, to four standard errors of 0.4/sqrt(n)."""
+    draws = np.random.default_rng(1).normal(0.3, 0.5, 400_000)
+    found = expected_improvement(np.array([0.3]), np.array([0.5]), 0.2)[0]
+    assert found == pytest.approx(np.maximum(0.2 - draws, 0).mean(), abs=4 * 0.4 / math.sqrt(4e5))
+
+
+def test_the_surrogate_finds_the_least_of_a_smooth_function():
+    """Of 400 places in a square, whose best ones are found by 20 looks, eight of them blind."""
+    x = np.random.default_rng(2).uniform(size=(400, 2))
+    value = np.exp(2.0 * (x[:, 0] - 0.7) ** 2 + 4.0 * (x[:, 1] - 0.2) ** 2)
+    known = list(range(8))
+    while len(known) < 20:
+        known += propose(x, known, value[known].tolist(), 2)
+    assert len(set(known)) == 20
+    assert value[known].min() <= np.sort(value)[4]
+
+
+def test_a_field_judges_a_rigid_bed_and_a_dashpot_as_their_closed_forms(tmp_path):
+    """A mass shifts the peak to the same height of amplitude times omega^2 (M + m); a dashpot adds
+    its damping. Frequencies are spaced to 0.2 % of a peak.
+    """
+    task = task_of(tmp_path, {"level.range": [1.0]})
+    own, m = task.spec.structure, 0.05
+    rows = [{"state": "done", "gamma": g, "mass_kg": m, "effective_mass.in_phase_kg": m,
+             "effective_mass.out_of_phase_kg": 0.0} for g in gammas(task)]  # fmt: skip
+    rigid = field_from(rows, own.frequency)
+    assert rigid is not None
+    (reduction,), ((peak, _),) = judge(task, rigid, [1.0])
+    assert peak == pytest.approx(60.0 / math.sqrt(1 + m / 2.0), rel=1e-3)
+    assert reduction == pytest.approx(math.sqrt(1 + m / 2.0), rel=5e-3)
+    lossy = [row | {"effective_mass.in_phase_kg": 0.0, "effective_mass.out_of_phase_kg": 0.02}
+             for row in rows]  # fmt: skip
+    damped = field_from(lossy, own.frequency)
+    assert damped is not None
+    (reduction,), _ = judge(task, damped, [1.0])
+    assert reduction == pytest.approx(0.005 / (0.005 + 0.02 / (2 * 2.0)), rel=5e-3)
+    assert field_from([{**rows[0], "state": "failed"}], 60.0) is None
+
+
+def test_a_peak_is_the_top_of_the_parabola_through_three_points():
+    f = [59.0, 60.0, 61.5]
+    assert designing.peak_of(f, [3 - (x - 60.2) ** 2 for x in f]) == pytest.approx(3.0)
+    assert designing.peak_of(f, [3.0, 2.0, 1.0]) == 3.0
+
+
+def test_intervals_of_verified_designs_pool_their_scatter(tmp_path):
+    """Student's for one more packing: of two designs with two packings each, two degrees."""
+    bed = Bed(task_of(tmp_path).catalogue[0], 20, 0.03)
+    design = Design(Candidate(bed, 0.02, 0.001), reductions=[0.3])
+    made = [designing.Verified(design, 1.0, values) for values in ([0.30, 0.32], [0.40, 0.44])]
+    low, high = designing.interval(made[0], made)
+    sd = math.sqrt(sum(mean_sd(np.log(v.reductions).tolist()).sd ** 2 for v in made) / 2)
+    middle = math.sqrt(0.30 * 0.32)
+    assert math.log(high / middle) == pytest.approx(4.3027 * sd * math.sqrt(1.5), rel=1e-4)
+    assert low * high == pytest.approx(middle**2)
+
+
+def test_the_example_is_a_specification_that_is_taken(tmp_path):
+    file = tmp_path / "mine.toml"
+    assert damper3d("init", file, "--design").code == 0
+    assert file.read_text("utf-8") == example()
+    planned = damper3d("design", file, "--dry-run", "--json")
+    assert planned.code == 0, planned.err
+    assert json.loads(planned.out)["candidates"] >= 12
+
+
+TINY = {
+    "structure.mass": "0.1 kg", "structure.frequency": 80.0, "structure.damping_ratio": 0.02,
+    "level.acceleration": "4 g", "level.range": [1.0], "space.width": "20 mm",
+    "space.height": "20 mm", "budget.catalogue": "own.toml", "budget.added_mass": 0.05,
+    "search.candidates": 3, "search.verified": 1,
+}  # fmt: skip
+
+
+@pytest.mark.validation
+def test_a_small_design_is_made_told_and_not_computed_again(tmp_path):
+    (tmp_path / "own.toml").write_text(
+        "schema = 1\n" + OWN.replace('"5 mm"', '"4 mm", "5 mm"') + 'youngs_modulus = "0.1 GPa"\n'
+    )
+    file = write_spec(tmp_path, TINY)
+    command = ("design", file, "--out", tmp_path / "runs", "--json", "--compare", 2)
+    done = damper3d(*command)
+    assert done.code == 0, done.err
+    found = json.loads(done.out)
+    first = found["designs"][0]
+    assert [one["rank"] for one in found["designs"]] == [1, 2, 3]
+    assert 0 < first["reduction"] < 1
+    low, high = first["reduction_interval"]
+    assert low <= first["reduction"] <= high
+    assert first["added_mass_kg"] <= 0.05 * 0.1
+    assert first["verified_by_simulation"]["reduction"] == first["reduction"]
+    assert {one["what"] for one in found["compared"]} <= {"first", "thumb", "random"}
+    folder = Path(found["folder"])
+    assert {"summary.json", "design.png", "design.html"} == {p.name for p in folder.iterdir()}
+    again = damper3d(*command)
+    assert json.loads(again.out)["designs"] == found["designs"]
+    assert "done," not in again.err  # no progress: every run was there
