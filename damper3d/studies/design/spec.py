@@ -83,7 +83,7 @@ class SearchKeys(Section):
         None, "designs of which a field is computed", example=20,
         left_out="as many as some 20 minutes of one core take, 12 to 40",
     )  # fmt: skip
-    verified: Count = key(2, "best designs that are verified with the structure")
+    verified: Count = key(4, "best designs that are verified with the structure")
     seeds: Annotated[int, Field(ge=2, le=100, strict=True)] = key(
         2, "packings of each of these verifications"
     )
