@@ -14,6 +14,7 @@ Row = dict[str, Any]
 TABLES: dict[str, str] = {
     "chapter": "the maps of 4 sizes, 4 fills and 2 orientations (thesis, chapter 6)",
     "cycles": "within the cycle (thesis, Figs 6.7, 6.10, 6.16 and 6.18)",
+    "design-rules": "the design rules and the shape rule (thesis, secs 9.2 and 9.3)",
     "experiments": "two kinds of spheres on a shaker (thesis, chapter 7)",
     "map": "efficiency over frequency and Gamma, 4 fills (thesis, Figs 6.4 and 6.5)",
     "optimum": "where the bouncing bed damps best (thesis, Table 6.3)",

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from damper3d.reproduce.completeness import completeness
 from damper3d.reproduce.panels import (
     HEIGHTS,
     ORIENTATIONS,
@@ -18,6 +17,7 @@ from damper3d.reproduce.panels import (
     SPHERES,
     Panel,
     Row,
+    completeness,
     labels_of,
     panel,
     run_of_panels,

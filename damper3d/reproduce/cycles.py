@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.reproduce.completeness import completeness
-from damper3d.reproduce.panels import point_cases, run_of_cases
+from damper3d.reproduce.panels import completeness, point_cases, run_of_cases
 from damper3d.reproduce.quantities.cycles import CYCLES, FREQUENCY, ideal_since, readings
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims

@@ -8,8 +8,7 @@ and no signal analysis: force and acceleration of the enclosure are those of the
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from damper3d.reproduce.completeness import completeness
-from damper3d.reproduce.panels import point_cases, run_of_cases
+from damper3d.reproduce.panels import completeness, point_cases, run_of_cases
 from damper3d.reproduce.quantities.experiments import (
     EXPERIMENTS,
     FREQUENCY,

@@ -8,13 +8,13 @@ import itertools
 from typing import TYPE_CHECKING
 
 from damper3d.measures.phases.criteria import PHASES
-from damper3d.reproduce.completeness import completeness
 from damper3d.reproduce.panels import (
     HEIGHTS,
     ORIENTATIONS,
     PANEL_COLUMNS,
     Panel,
     Row,
+    completeness,
     labels_of,
     panel,
     run_of_panels,

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.reproduce.completeness import completeness
 from damper3d.reproduce.panels import (
     HEIGHTS,
     ORIENTATIONS,
@@ -22,6 +21,7 @@ from damper3d.reproduce.panels import (
     Row,
     about,
     close_onset,
+    completeness,
     labels_of,
     panel,
     run_of_panels,

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from damper3d.reproduce.completeness import completeness
+from damper3d.reproduce.panels import completeness
 from damper3d.reproduce.quantities.packing import (
     BODIES,
     PACKINGS,

@@ -7,8 +7,7 @@ The values are those of the module properties.
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from damper3d.reproduce.completeness import completeness
-from damper3d.reproduce.panels import point_cases, run_of_cases
+from damper3d.reproduce.panels import completeness, point_cases, run_of_cases
 from damper3d.reproduce.quantities.curves import curve
 from damper3d.reproduce.quantities.properties import (
     FREQUENCY,

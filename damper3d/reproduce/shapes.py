@@ -15,8 +15,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from damper3d.case.closed_forms import bouncing_bed_onset
 from damper3d.case.random_packing import CLOSE_PACKING
-from damper3d.reproduce.completeness import completeness
-from damper3d.reproduce.panels import ORIENTATIONS, Panel, Point, Row, labels_of, run_panels
+from damper3d.reproduce.panels import (
+    ORIENTATIONS,
+    Panel,
+    Point,
+    Row,
+    completeness,
+    labels_of,
+    run_panels,
+)
 from damper3d.reproduce.quantities.optima import Optimum, pooled_scatter, with_scatter
 from damper3d.reproduce.quantities.properties import STANDARD, VALUES, change
 from damper3d.reproduce.quantities.shapes import (

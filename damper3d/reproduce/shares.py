@@ -8,8 +8,7 @@ in which friction is the whole force mu Fn times the sliding velocity, so that i
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from damper3d.reproduce.completeness import completeness
-from damper3d.reproduce.panels import SPHERES, point_cases, run_of_cases
+from damper3d.reproduce.panels import SPHERES, completeness, point_cases, run_of_cases
 from damper3d.reproduce.quantities.curves import curve
 from damper3d.reproduce.quantities.shares import (
     COUNTS,

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from damper3d.reproduce.completeness import completeness
 from damper3d.reproduce.panels import (
     ORIENTATIONS,
     PANEL_COLUMNS,
@@ -21,6 +20,7 @@ from damper3d.reproduce.panels import (
     Row,
     about,
     close_onset,
+    completeness,
     labels_of,
     panel,
     run_of_panels,

@@ -1,6 +1,6 @@
 """How much of a table is there: the first lines of its report."""
 
-from damper3d.reproduce.completeness import completeness
+from damper3d.reproduce.panels import completeness
 
 POINTS = [{"size": size, "gamma": gamma} for size in (3, 5) for gamma in (1.0, 2.5, 20.0)]
 

@@ -82,7 +82,7 @@ def find_table(package: str, name: str) -> PublishedTable:
     known = importlib.import_module(package).TABLES
     if name not in known:
         raise InputError(f"reproduce {name!r}: no such table; {nearest(name, list(known))}")
-    return cast(PublishedTable, importlib.import_module(f"{package}.{name}"))
+    return cast(PublishedTable, importlib.import_module(f"{package}.{name.replace('-', '_')}"))
 
 
 def reproduce_table(

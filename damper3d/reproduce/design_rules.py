@@ -1,0 +1,106 @@
+"""Design rules I to III and the shape rule (secs 9.2 and 9.3), judged by computation.
+
+The thesis's bed unless the label says otherwise; every run goes on until it is steady, as a damper
+in service is, so that a bed that packs down does not count.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from damper3d.reproduce.panels import completeness, point_cases, run_of_cases
+from damper3d.reproduce.quantities.curves import curve
+from damper3d.reproduce.quantities.rules import RULES, VARIANTS, Found, found_in, points
+from damper3d.view.charts import ruled
+from granulab.campaign.claims.claim import claims_of
+from granulab.campaign.claims.judge import report_claims
+from granulab.campaign.output.figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILION, headline
+from granulab.campaign.output.layout import columns, paragraphs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from granulab.campaign.sweeps.sweep import Labelled
+
+Row = dict[str, Any]
+
+SEEDS = 2
+COLUMNS = (
+    "variant", "frequency_hz", "gamma", "efficiency", "efficiency_interval", "efficiency_wall_work",
+    "steady", "phase", "energy_closure",
+)  # fmt: skip
+_READING = """\
+optimum: highest peak of eta along Gamma, with the interval that the noise leaves; it is shifted
+  where the intervals have no point in common. Runs are steady ones, of at most 60 cycles."""
+
+
+def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
+    """Each point once for each seed; `changes` go over what the table sets."""
+    return point_cases(points(), _settings, seeds, changes)
+
+
+def _settings(point: Row) -> Row:
+    return {
+        "motion.frequency": point["frequency_hz"],
+        "motion.gamma": point["gamma"],
+        "run.steady": True,
+        "output.keep": "summary",
+        **VARIANTS[point["variant"]].changes,
+    }
+
+
+run = run_of_cases(lambda seeds: cases(seeds))
+
+
+def report(rows: list[Row]) -> str:
+    """Return what is there, the rules judged, and a line a variant with its optimum."""
+    found = found_in(rows)
+    return paragraphs(
+        completeness(rows, points(), SEEDS),
+        report_claims(RULES.judge(claims_of("damper_design_rules"), found)),
+        _table(found),
+        _READING,
+    )
+
+
+def _table(found: Found) -> str:
+    lines = []
+    for (name, frequency), own in found.items():
+        optimum = (
+            f"{own.peak.gamma:.2f} [{own.peak.low:.2f}, {own.peak.high:.2f}]" if own.peak else "-"
+        )
+        eta = f"{own.peak.efficiency:.3f}" if own.peak else "-"
+        lines.append([f"  {name}", f"{frequency:g} Hz", optimum, eta, own.phase or "-"])
+    header = ["  variant", "frequency", "optimum Gamma", "eta there", "phase there"]
+    return columns(header, lines) if lines else ""
+
+
+_PANELS = {
+    "I: clearance": ("45 mm", "50 mm", "55 mm", "denser", "no gravity"),
+    "II: frequency, vertical": ("vertical", "narrow"),
+    "II: frequency, horizontal": ("horizontal",),
+    "9.3: shape": ("round", "oblate"),
+}
+_COLOURS = (INK, BLUE, GREEN, ORANGE, PURPLE, VERMILION)
+
+
+def draw(rows: list[Row]) -> "Figure":
+    """Eta against Gamma, a panel for each rule."""
+    from matplotlib.figure import Figure
+
+    found = found_in(rows)
+    figure = Figure(figsize=(10.2, 7.4), layout="constrained")
+    headline(figure, "Design rules (thesis, secs 9.2 and 9.3): efficiency of steady beds")
+    for axes, (title, names) in zip(
+        figure.subplots(2, 2, sharey=True).flat, _PANELS.items(), strict=True
+    ):
+        ruled(axes)
+        keys = [key for key in found if key[0] in names]
+        for colour, key in zip(_COLOURS, keys, strict=False):
+            own = curve(found[key].rows, "efficiency")
+            axes.errorbar(own.x, own.mean, own.sd, fmt="o-", ms=3, color=colour, elinewidth=0.8,
+                          label=f"{key[0]}, {key[1]:g} Hz")  # fmt: skip
+        axes.set(xscale="log", ylim=(0, 1.1), xlabel="\u0393", ylabel="efficiency")
+        axes.set_title(title, loc="left", fontsize=10)
+        if keys:
+            axes.legend(fontsize=7.5)
+    return figure
