@@ -323,7 +323,7 @@ class Excitation(Section):
     displacements, of a force forces, as their unit says.
     """
 
-    kind: Literal["sines", "sweep", "random", "shock", "signal"] | None = key(
+    kind: Literal["sines", "rotation", "sweep", "random", "shock", "signal"] | None = key(
         None, "kind of excitation; see docs/damper-excitation.md", example="random",
         left_out=_NO_EXCITATION,
     )  # fmt: skip
@@ -332,11 +332,13 @@ class Excitation(Section):
         example="base", left_out="the enclosure; of a host a force",
     )  # fmt: skip
     frequencies: Annotated[list[Frequency], Field(min_length=1)] | None = key(
-        None, "sines: frequency of each, in Hz", example=[20, 33]
+        None, "sines, rotation: frequency of each, in Hz", example=[20, 33]
     )
-    amplitudes: list[str] | None = key(None, "sines: amplitude of each", example=["2 g", "1 g"])
+    amplitudes: list[str] | None = key(
+        None, "sines: amplitude of each; rotation: an angle for each", example=["2 g", "1 g"]
+    )
     phases: list[str] | None = key(
-        None, "sines: phase of each", example=["0 deg", "90 deg"], left_out="0"
+        None, "sines, rotation: phase of each", example=["0 deg", "90 deg"], left_out="0"
     )
     across: Vector | None = key(
         None, "sines: direction of a second motion at the same frequencies, of the enclosure",

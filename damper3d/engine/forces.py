@@ -15,6 +15,7 @@ from damper3d.engine.geometry import between_spheres, entry, put, vector
 from damper3d.engine.kinds import find_at_wall, find_pairs
 from damper3d.engine.laws.rolling import roll
 from damper3d.engine.laws.table import face_wall, halo, law_of, normal_force, note_laws, tear
+from damper3d.engine.motions.turning import count_turning, turn_wall
 from damper3d.engine.simd import add_loads, gather, keep_history, whole
 from damper3d.engine.state import (
     BLOCK,
@@ -67,8 +68,10 @@ def apply_forces(world, shift, speed):
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
+            turn_wall(world, n, block)
             note_laws(world.wall_law, world.wall, begin, n, block, halo(world.wall_law))
             sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
+            count_turning(world, n, block)
         balance[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w])
     add_to_balance(balance, N_MECHANISMS, sums, world.time_step)
 

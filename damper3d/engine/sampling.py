@@ -25,6 +25,7 @@ from damper3d.engine.motions.host import (
     energy,
     rides,
 )
+from damper3d.engine.motions.turning import turn_wall
 from damper3d.engine.simd import gather
 from damper3d.engine.state import (
     BLOCK,
@@ -137,6 +138,7 @@ def elastic_energies(world, shift, speed, row):
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
+            turn_wall(world, n, block)
             note_laws(world.wall_law, world.wall, begin, n, block, halo(world.wall_law))
             add_elastic(world, world.wall_law, world.wall, begin, n, row, CONTACTS_PW)
 
@@ -199,6 +201,7 @@ def list_contacts(world, particles, numbers):
         for begin in range(np.int64(0), n_touching, BLOCK):
             n = min(n_touching - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
+            turn_wall(world, n, block)
             reach = halo(world.wall_law)
             note_laws(world.wall_law, world.wall, begin, n, block, reach)
             contact_law(world.wall_law, n, block, dt)

@@ -70,11 +70,13 @@ def most_energy(cycles: Cycles) -> np.ndarray:
 
     E_max = (M/2) times the largest sum of (v(t_{k+1}) - v(t_k))^2 over any choice of times of the
     enclosure's velocity: one body without restitution that always meets the wall at the worst
-    moment, a definition of this project. A sine gives 4 M V^2 a cycle. Of two directions the sum.
+    moment, a definition of this project. A sine gives 4 M V^2 a cycle. Of two directions the sum;
+    of a rotation with the velocity of the rim.
     """
     case, per_cycle = cycles.case, cycles.per_cycle
-    total = largest_sum(cycles.samples["velocity"], per_cycle)
-    own = case.excitation
+    own, velocity = case.excitation, cycles.samples["velocity"]
+    rim = None if own is None else own.rim_velocity(cycles.samples["time"])
+    total = largest_sum(velocity if rim is None else rim, per_cycle)
     across = None if own is None else own.across_velocity(cycles.samples["time"])
     if across is not None:
         total = total + largest_sum(across, per_cycle)

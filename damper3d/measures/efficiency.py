@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _OF_A_DECAY = "a free decay has no one amplitude: efficiency_per_cycle goes by each cycle's own"
+_OF_A_ROTATION = "a rotation has no efficiency: the other counts go by the rim's velocity"
 OWN = 0.1  # of what is lost, that may be the bed's own energy in an efficiency
 
 
@@ -201,6 +202,9 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     unaccounted, law_term = closure(counted)
     whole_mean, wall_mean = (float(eta[name].mean()) for name in ("efficiency", "wall_work"))
     note = _OF_A_DECAY if cycles.case.is_decay else settling(whole_mean, wall_mean)
+    own = cycles.case.excitation
+    if own is not None and own.kind == "rotation":
+        note = _OF_A_ROTATION
     return {
         "efficiency": None if note else whole_mean,
         "efficiency_note": note,
@@ -219,7 +223,8 @@ def in_words(found: Mapping[str, Any]) -> str:
     """The efficiency of a run, or that it has none; `found`: its results, by their names."""
     if found["efficiency"] is not None:
         return f"efficiency {found['efficiency']:.3f}"
-    why = "a free decay" if found["efficiency_note"] == _OF_A_DECAY else "the bed settles"
+    known = {_OF_A_DECAY: "a free decay", _OF_A_ROTATION: "a rotation"}
+    why = known.get(found["efficiency_note"], "the bed settles")
     return f"no efficiency, {why} (wall work {found['efficiency_wall_work']:.3f})"
 
 

@@ -24,22 +24,29 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     case, counted = cycles.case, cycles.counted
     own, most = case.excitation, most_energy(cycles)
     assert own is not None
+    rim = own.rim_velocity(counted["time"])
+    velocity = counted["velocity"] if rim is None else rim
+    place = counted["displacement"]
+    if rim is not None and own.lines is not None and own.rim is not None:
+        place = own.rim * own.lines.at(counted["time"])[0]
     return {
         "kind": own.kind,
         "on": own.on,
         "window_s": own.window,
-        "peak_displacement_m": float(np.abs(counted["displacement"]).max()),
-        "peak_velocity_m_s": float(np.abs(counted["velocity"]).max()),
-        "rms_acceleration_m_s2": float(np.sqrt(np.mean(_acceleration(counted) ** 2))),
+        "peak_displacement_m": float(np.abs(place).max()),
+        "peak_velocity_m_s": float(np.abs(velocity).max()),
+        "rms_acceleration_m_s2": float(
+            np.sqrt(np.mean(_acceleration(velocity, counted["time"]) ** 2))
+        ),
         "most_energy_j": float(most[-1] - most[cycles.first]),
         "band_error_db": own.band_error,
         "sweep": None if own.sweep is None else swept(cycles),
     }
 
 
-def _acceleration(samples: Any) -> np.ndarray:
+def _acceleration(velocity: np.ndarray, time: np.ndarray) -> np.ndarray:
     """Mean acceleration (n - 1,) of each sample [m/s2]."""
-    return np.asarray(np.diff(samples["velocity"]) / np.diff(samples["time"]))
+    return np.asarray(np.diff(velocity) / np.diff(time))
 
 
 def swept(cycles: Cycles) -> list[dict[str, Any]]:

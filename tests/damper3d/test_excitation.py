@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from damper_scenes import ball_on_a_turning_floor
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -196,3 +197,14 @@ def test_common_periods_of_sines():
 
 def test_without_keys_there_is_no_excitation(tmp_path):
     assert excitation_of(Settings(), False, 0.0, 0.0, tmp_path, "case") is None
+
+
+def test_a_wall_that_turns_drags_what_touches_it_along():
+    """A ball on the floor of a spinning cylinder, 8 mm off the axis, is pushed as the floor moves.
+
+    Friction mu m g acts until it rolls or moves along: the speed after a time t is mu g t, along
+    (0, w x), for t far below the time w x/(mu g) that the floor's speed takes.
+    """
+    speed, sliding = ball_on_a_turning_floor(rate=200.0, off=8e-3, time=4e-3)
+    assert speed[1] == pytest.approx(sliding, rel=0.02)  # the contact settles in some 1e-5 s
+    assert abs(speed[0]) < 0.05 * sliding  # the floor turns away by w t x mu g t^2/2

@@ -20,6 +20,8 @@ PLAIN = dict.fromkeys(
 )
 SINES = {**PLAIN, "excitation.kind": "sines", "excitation.frequencies": [80, 120],
          "excitation.amplitudes": ["6 g", "4 g"], "run.cycles": 4, "run.discard": 2}  # fmt: skip
+ROTATION = {**PLAIN, "excitation.kind": "rotation", "excitation.frequencies": [80],
+            "excitation.amplitudes": ["20 deg"], "run.cycles": 4, "run.discard": 2}  # fmt: skip
 SWEEP = {**PLAIN, "excitation.kind": "sweep", "excitation.from_frequency": 60,
          "excitation.to_frequency": 120, "excitation.amplitude": "6 g",
          "excitation.length": "0.2 s"}  # fmt: skip
@@ -64,6 +66,14 @@ def load(folder: Path, changes) -> DamperCase:
         ({**SINES, **HOST, "excitation.on": "enclosure"}, ["on = 'enclosure'", "give 'force'"]),
         ({**SINES, **HOST}, ["'6 g'", "acts as force", "'2 N'"]),
         ({**ON_HOST["sweep"], "host.force": "1 N"}, ["[host] force", "stands in its place"]),
+        ({**ROTATION, "excitation.amplitudes": ["2 mm"]}, ["amplitudes = '2 mm'", "unit"]),
+        ({**ROTATION, **HOST}, ["rotation", "leave [host] out"]),
+        ({**ROTATION, "motion.direction": [1, 0, 0]}, ["rotation", "leave [motion] direction"]),
+        (
+            {**ROTATION, "enclosure.shape": "box", "enclosure.diameter": None,
+             "enclosure.width": "20 mm"},
+            ["a box would move through the bed", "'cylinder'"],
+        ),
         ({**SWEEP, "excitation.to_frequency": 60}, ["are the same"]),
         ({**SWEEP, "excitation.length": None}, ["octaves_per_minute or length"]),
         (
@@ -134,8 +144,9 @@ def test_a_signal_of_a_wav_file_is_that_of_its_table(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "changes", [SINES, SWEEP, RANDOM, SHOCK, SIGNAL, *ON_HOST.values()],
-    ids=["sines", "sweep", "random", "shock", "signal", *(f"{kind} on host" for kind in ON_HOST)],
+    "changes", [SINES, ROTATION, SWEEP, RANDOM, SHOCK, SIGNAL, *ON_HOST.values()],
+    ids=["sines", "rotation", "sweep", "random", "shock", "signal",
+         *(f"{kind} on host" for kind in ON_HOST)],
 )  # fmt: skip
 def test_a_case_in_a_run_folder_is_the_case_itself(changes, tmp_path):
     (tmp_path / "signal.csv").write_text(recording(), "utf-8")
@@ -217,6 +228,17 @@ def test_energy_is_kept_where_two_motions_cross(tmp_path):
     assert both.excitation["most_energy_j"] == pytest.approx(
         2.0 * one.excitation["most_energy_j"], rel=1e-9
     )
+
+
+def test_an_enclosure_that_turns_gives_the_energy_that_the_bed_takes(tmp_path):
+    """The balance closes below 1 %; the bed is stirred, and has no efficiency."""
+    turned = protocol.run(load(tmp_path, ROTATION), out=tmp_path / "runs")
+    assert abs(turned.energy_closure) < 0.01
+    assert turned.efficiency is None
+    assert "rotation" in turned.efficiency_note
+    assert turned.dissipated_power_w > 0
+    rim = 0.01 * np.deg2rad(20.0) * 2.0 * np.pi * 80.0
+    assert turned.excitation["peak_velocity_m_s"] == pytest.approx(rim, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", ON_HOST)

@@ -13,7 +13,8 @@ from granulab.campaign.output.figure import write_figure
 
 # Optima that keep the rules, by variant; of two kinds, about the middle of their Gammas.
 KEPT = {"45 mm": 24.0, "50 mm": 32.0, "55 mm": 42.0, "denser": 38.0, "no gravity": 30.0,
-        "vertical": 3.0, "horizontal": 3.0, "narrow": 4.4, "round": 14.0, "oblate": 20.0}  # fmt: skip
+        "vertical": 3.0, "horizontal": 3.0, "narrow": 4.4, "round": 14.0,
+        "oblate": 20.0}  # fmt: skip
 
 
 def made(optima=KEPT, beyond=0.5, other=0.2, frequency_power=0.0) -> list[dict]:
@@ -70,7 +71,7 @@ def test_a_rule_that_is_broken_is_seen_and_the_others_stay(claim, changes):
 
 
 def test_damping_that_does_not_fall_beyond_the_optimum_is_no_rule():
-    """A peak so flat that the noise of two packings, 0.03, hides what is lost at twice its Gamma."""
+    """A peak so flat that the noise of two packings, 0.03, hides the loss at twice its Gamma."""
     assert True not in verdicts(made(beyond=0.02))["beyond-it-less-damping"]
 
 

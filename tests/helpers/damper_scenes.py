@@ -8,7 +8,7 @@ import numpy as np
 from lammps_damper import Bed, Cycles, Scene
 
 from damper3d.engine.enclosures import Enclosure, box, cylinder
-from damper3d.engine.motions import Sines
+from damper3d.engine.motions import Sines, Turning
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
 from granulab.contact.files.datafile import data_file
@@ -151,3 +151,24 @@ def _grid(n: int, enclosure: Enclosure) -> np.ndarray:
     floors = 1.1 * RADIUS + _PITCH * np.arange(math.ceil(n / len(layer)))
     points = [np.column_stack([layer, np.full(len(layer), z)]) for z in floors]
     return np.concatenate(points)[:n]
+
+
+def ball_on_a_turning_floor(rate: float, off: float, time: float) -> tuple[np.ndarray, float]:
+    """Velocity (3,) of a ball at rest off the axis [m] of a cylinder that spins at a rate [rad/s].
+
+    After a time [s], beside the speed that sliding friction gives it by then, mu g t.
+    """
+    law, mass = acrylic(), 4.0 / 3.0 * math.pi * RADIUS**3 * DENSITY
+    sunk = (mass * GRAVITY / (law.hertz * math.sqrt(RADIUS))) ** (2 / 3)
+    slow = 1e-3  # [rad/s] of a sine whose rate stays the same meanwhile
+    spin = Sines(np.array([rate / slow]), np.array([slow]), np.zeros(1), 0.0)
+    sim = Simulation(
+        build_world(
+            np.array([[off, 0.0, RADIUS - sunk]]), np.array([RADIUS]), density=DENSITY,
+            enclosure=cylinder(0.04, 0.02), pair_law=law, wall_law=law, shaker=Turning(spin),
+            direction=np.array([0.0, 0.0, 1.0]), gravity=np.array(_DOWN), time_step=1e-6,
+        ),
+        1,
+    )  # fmt: skip
+    sim.run(round(time / 1e-6))
+    return sim.frame()["v"][0], law.mu * GRAVITY * time

@@ -17,7 +17,8 @@ from damper3d.case.excitation.recorded import COPY, highest_frequency, motion_of
 from damper3d.case.parts import GRAVITY, unit_vector
 from damper3d.case.settings import MOST_SAMPLES, Settings
 from damper3d.case.settings import Excitation as Keys
-from damper3d.engine.motions import Crossed, Table, displacement
+from damper3d.engine.enclosures.cylinder import Cylinder
+from damper3d.engine.motions import Crossed, Table, Turning, displacement
 from granulab.contact.files.datafile import is_file
 from granulab.contact.files.units import located
 from granulab.errors import InputError
@@ -32,11 +33,13 @@ _RECORDED = 20  # windows of a measured signal, and pulses after a shock
 _RANDOM_CYCLES = 50  # of the lowest frequency, that count by themselves
 _LEFT = math.exp(-3.0)  # of a bare host's transient, that is left when counting begins
 _PEAKS_OF = 50  # windows of a sum of sines, among which its largest values are looked for
+_ROUND = ("cylinder", "frustum", "sphere")  # enclosures that may turn about their axis
 _MOST_POINTS = 50_000_000
 # Keys of each kind: those that it needs, then those that it may have.
 _KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "sines": (("frequencies", "amplitudes"),
               ("phases", "across", "across_amplitudes", "across_phases")),
+    "rotation": (("frequencies", "amplitudes"), ("phases",)),
     "sweep": (("from_frequency", "to_frequency", "amplitude"),
               ("spacing", "octaves_per_minute", "length", "steps", "and_back")),
     "random": (("psd",), ("seed", "length")),
@@ -58,6 +61,7 @@ class Excitation:
     highest: float  # frequency [Hz] that samples must show
     lines: Lines | None = None  # of one that goes on for ever: a host starts on its response
     sweep: Sweep | None = None
+    rim: float | None = None  # largest distance from the axis [m], of a rotation
     band_error: float | None = None  # largest of a random signal's third octaves [dB]
     breakpoints: list[list[float]] | None = None  # of its density, as given
     identity: tuple[Any, ...] = ()  # its numbers, for the name of a run
@@ -80,6 +84,12 @@ class Excitation:
         omega, amplitude = self.motion.across.omega, self.motion.across.amplitude
         angle = omega * time[:, None] + self.motion.across.phase
         return np.asarray(np.cos(angle) @ (omega * amplitude))
+
+    def rim_velocity(self, time: np.ndarray) -> np.ndarray | None:
+        """Velocity [m/s] of the rim of an enclosure that turns, at times (n,); None of others."""
+        if self.rim is None or self.lines is None:
+            return None
+        return self.rim * self.lines.at(time)[1]
 
     def base_displacement(self, time: np.ndarray) -> np.ndarray:
         """Displacement [m] of the host's base at times (n,) [s]; 0 where it stands still."""
@@ -114,7 +124,9 @@ def excitation_of(
     _check_rest(settings, where)
     on = keys.on or ("force" if on_host else "enclosure")
     with located(f"{where}: [excitation]"):
-        if keys.kind == "sines":
+        if keys.kind == "rotation":
+            found = _rotation(keys, settings, on_host)
+        elif keys.kind == "sines":
             found = _sines(keys, on, settings, slowest)
         elif keys.kind == "sweep":
             found = _sweep(keys, on)
@@ -199,6 +211,8 @@ def under(settings: Settings, excitation: Excitation, peaks: "Peaks", where: str
 
 def _size(text: object, name: str, on: str) -> Size:
     """An amplitude; InputError where its unit is not one of what it acts on."""
+    if on == "rotation":
+        return Size(forms.angle(text, name), "rad")
     size = quantity(text, name)
     if (size.unit == "N") != (on == "force"):
         takes = "a force such as '2 N'" if on == "force" else "such as '2 g' or '0.1 mm'"
@@ -249,6 +263,28 @@ def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitatio
     return Excitation(
         "sines", on, motion, window, windows, discard, max(frequencies), lines,
         identity=(lines.amplitude, lines.omega, lines.phase, *across),
+    )  # fmt: skip
+
+
+def _rotation(keys: Keys, settings: Settings, on_host: bool) -> Excitation:
+    if on_host:
+        raise InputError("kind = 'rotation': a host that twists is not there; leave [host] out")
+    if settings.motion.direction is not None:
+        raise InputError("kind = 'rotation': it is about the axis; leave [motion] direction out")
+    enclosure = settings.enclosure
+    if enclosure.shape not in _ROUND or enclosure.cells is not None:
+        raise InputError(
+            f"kind = 'rotation': the walls of a {enclosure.shape} would move through the bed as "
+            f"they turn about the axis; give shape = {' or '.join(map(repr, _ROUND))}, no cells"
+        )
+    lines, run = _lines(keys, "rotation"), settings.run
+    diameters = [enclosure.diameter or Cylinder.diameter, enclosure.top_diameter or 0.0]
+    slowest = min(keys.frequencies or [1.0])
+    return Excitation(
+        "rotation", "enclosure", Turning(lines.motion()),
+        forms.common_period(keys.frequencies or []) or 1.0 / slowest, run.cycles, run.discard,
+        max(keys.frequencies or []), lines, identity=(lines.amplitude, lines.omega, lines.phase),
+        rim=0.5 * max(diameters),
     )  # fmt: skip
 
 
@@ -390,6 +426,9 @@ def peaks_of(excitation: Excitation) -> Peaks:
         place, rate = motion.place[None, :last], motion.rate[None, :last]
     else:
         both = [motion.along, motion.across] if isinstance(motion, Crossed) else [motion]
+        if isinstance(motion, Turning):  # of the rim
+            rim = excitation.rim or 0.0
+            both = [motion.angle._replace(amplitude=rim * motion.angle.amplitude)]
         spacing = 1.0 / (forms.PER_CYCLE * excitation.highest)
         n = math.ceil(min(excitation.duration, _PEAKS_OF * excitation.window) / spacing)
         rows = [Lines(*one[:3]).at(spacing * np.arange(n + 1)) for one in both]

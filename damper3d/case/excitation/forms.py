@@ -14,9 +14,16 @@ from damper3d.engine.motions import Sines, Table
 from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 
+_AMPLITUDES = ("m", "m/s", "m/s2", "N")
 PER_CYCLE = 40  # points of a table a cycle of the highest frequency: a sine to 1.6e-6
 LINES = 10  # sines of a random signal in a third of an octave
-_ORDER = {"m": 0, "m/s": 1, "m/s2": 2, "N": 0}  # derivatives that an amplitude's unit stands for
+_ORDER = {
+    "m": 0,
+    "m/s": 1,
+    "m/s2": 2,
+    "N": 0,
+    "rad": 0,
+}  # derivatives that an amplitude's unit stands for
 
 
 @dataclass(frozen=True)
@@ -33,7 +40,7 @@ class Size:
 
 def quantity(text: object, field: str) -> Size:
     """An amplitude as a case gives it, such as "2 g", "0.1 mm" or "3 N"; InputError for others."""
-    for unit in _ORDER:
+    for unit in _AMPLITUDES:
         try:
             value = to_si(text, unit, field)
         except InputError as error:

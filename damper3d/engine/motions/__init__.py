@@ -4,7 +4,7 @@ A new motion is a file like sines.py, and one call of `register`: below for one 
 in any file that is imported before the case is read. A case then names its kind in [motion].
 """
 
-from damper3d.engine.motions import crossed, host, sines, table
+from damper3d.engine.motions import crossed, host, sines, table, turning
 from damper3d.engine.motions.crossed import Crossed
 from damper3d.engine.motions.registry import (
     MOTIONS,
@@ -16,6 +16,7 @@ from damper3d.engine.motions.registry import (
 )
 from damper3d.engine.motions.sines import Sines, at_rest, sine
 from damper3d.engine.motions.table import Table
+from damper3d.engine.motions.turning import Turning
 
 __all__ = [
     "MOTIONS",
@@ -23,6 +24,7 @@ __all__ = [
     "Motion",
     "Sines",
     "Table",
+    "Turning",
     "at_rest",
     "displacement",
     "register",
@@ -32,5 +34,6 @@ __all__ = [
 
 register("sines", Sines, sines.displacement, sines.velocity, sine)
 compile_for(table.Table, table.displacement, table.velocity)
+compile_for(turning.Turning, turning.displacement, turning.velocity)
 compile_for(crossed.Crossed, crossed.displacement, crossed.velocity)
 compile_for(host.Host, host.displacement, host.velocity)
