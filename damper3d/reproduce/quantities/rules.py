@@ -141,7 +141,7 @@ def optimum_of_variant(found: Found) -> list[Row]:
 
 @RULES.quantity
 def shift_of_optimum(found: Found, of: str, against: str) -> list[Row]:
-    """How far apart the intervals of two variants' optima lie, |ln Gamma|; below 0: they overlap.
+    """Distance of the intervals of two variants' optima, |ln Gamma|; below 0: they overlap.
 
     Also both Gammas, first and second.
     """
