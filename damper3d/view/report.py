@@ -213,7 +213,7 @@ def report(result: Result) -> str:
     """Report of a finished run."""
     lines = [
         f"{result.n_particles} of {result.particles}, {result.orientation}, "
-        f"{result.frequency_hz:g} Hz, gamma {result.gamma:g}, seed {result.seed}: "
+        f"{_moved(result)}, gamma {result.gamma:g}, seed {result.seed}: "
         f"{_efficiency(result)}",
         f"  cycles           {_cycles(result)}",
         f"  by other counts  {result.efficiency_contact_count:.3f} as the thesis counts, "
@@ -241,6 +241,13 @@ def report(result: Result) -> str:
         f"  run folder       {result.run_folder}{' (computed before)' if result.reused else ''}",
     ]
     return "\n".join(lines)
+
+
+def _moved(result: Result) -> str:
+    """Frequency of the motion, or kind of one that has none."""
+    if result.excitation is not None:
+        return str(result.excitation["kind"])
+    return f"{result.frequency_hz:g} Hz"
 
 
 def _host(found: dict[str, Any]) -> str:

@@ -291,10 +291,8 @@ class Scene:
             what = f"{n} spheres of {len(kinds)} kinds"
         how = orientation_of(self.gravity, self.direction).replace("none", "no gravity")
         fill = self.trajectory.attributes["fill_ratio"]
-        return (
-            f"{what}, fill ratio {fill:.3f}; {motion.frequency:g} Hz, \u0393 = {motion.gamma:g}, "
-            f"{how}"
-        )
+        moved = self.settings.excitation.kind or f"{motion.frequency:g} Hz"
+        return f"{what}, fill ratio {fill:.3f}; {moved}, \u0393 = {motion.gamma:.4g}, {how}"
 
     @property
     def outcome(self) -> str:
