@@ -6,7 +6,7 @@ Every run goes through the folders of a sweep: a command that is repeated goes o
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +21,8 @@ from damper3d.studies.design.search import (
     Rows,
     evaluated,
     field_cases,
-    field_from,
     judge,
+    predicted,
     search,
     structure_of,
 )
@@ -32,6 +32,8 @@ from granulab.campaign.output.statistics import mean_sd, noise_of_one_more, pool
 from granulab.errors import InputError, Stopped
 
 _SEARCH_CPU = 1200.0  # [s of CPU] that the search takes by itself
+_REFINED = 1.5  # runs of a field over those that it begins with
+ROUNDS = 2  # of runs at the responses that a field predicts
 _FEWEST, _MOST = 12, 40  # candidates by itself
 _BESIDE = 0.85  # of the predicted peak, where the structure is simulated on both sides of it
 _FILLING = {"motion.frequency": 100.0, "motion.gamma": 0.5, "run.cycles": 1, "run.discard": 0,
@@ -96,7 +98,7 @@ class Designer:
         tall = Candidate(bed, bed.depth + clearance, clearance)
         cases = field_cases(self.task, tall, 0, self.task.spec.structure.frequency)
         costs = [DAMPER.expected_cpu_s(case) for _, case in cases]
-        return costs[0][0] + sum(run for _, run in costs)
+        return costs[0][0] + _REFINED * sum(run for _, run in costs)
 
     def run(self, cases: Sequence[Any]) -> Rows:
         """Rows of labelled cases; Stopped where some were interrupted."""
@@ -121,12 +123,31 @@ class Designer:
     def compute(self, chosen: Sequence[Candidate]) -> list[Design]:
         """Designs of candidates, by their fields."""
         frequency = self.task.spec.structure.frequency
-        cases = [
-            case
-            for number, candidate in enumerate(chosen)
-            for case in field_cases(self.task, candidate, number, frequency)
-        ]
-        return evaluated(self.task, chosen, self.run(cases))
+        return self.refined(chosen, frequency, partial(evaluated, self.task, chosen))
+
+    def refined(
+        self, chosen: Sequence[Candidate], frequency: float, judged: Callable[[Rows], list[Design]]
+    ) -> list[Design]:
+        """Designs whose fields hold the responses that they predict, after ROUNDS at most."""
+
+        def computed(at: Sequence[Sequence[float] | None]) -> Rows:
+            return self.run(
+                [
+                    case
+                    for number, (candidate, wanted) in enumerate(zip(chosen, at, strict=True))
+                    for case in field_cases(self.task, candidate, number, frequency, wanted)
+                ]
+            )
+
+        rows = computed([None] * len(chosen))
+        designs = judged(rows)
+        for _ in range(ROUNDS):
+            wanted = [predicted(design) for design in designs]
+            if not any(wanted):
+                break
+            rows = rows + computed(wanted)
+            designs = judged(rows)
+        return designs
 
     def searched(self) -> list[Design]:
         """Designs of the search, the best first."""
@@ -183,12 +204,11 @@ class Designer:
         found: dict[str, float | None] = {"level_off": max(judge(self.task, own, ends)[0])}
         for name, factor in (("frequency_low", 1 - OFF), ("frequency_high", 1 + OFF)):
             frequency = float(f"{factor * self.task.spec.structure.frequency:.6g}")
-            rows = self.run(field_cases(self.task, design.candidate, 0, frequency))
-            there = field_from(rows, frequency)
-            if there is None:
-                found[name] = None
-                continue
-            found[name] = max(judge(self.task, there, level.range, factor)[0])
+            judged = partial(
+                evaluated, self.task, [design.candidate], frequency=frequency, factor=factor
+            )
+            (there,) = self.refined([design.candidate], frequency, judged)
+            found[name] = None if there.field is None else there.reduction
         return found
 
     def others(self, number: int) -> tuple[Design, list[Design]]:

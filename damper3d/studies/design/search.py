@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from damper3d.case.case import DamperCase
+from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.studies.design.candidates import Candidate, scaled, spread
 from damper3d.studies.design.spec import Task
 from damper3d.studies.field.balance import respond, spaced
@@ -23,7 +23,8 @@ from damper3d.studies.field.runs import IN_PHASE, OUT_OF_PHASE
 from damper3d.studies.field.structure import Structure
 from damper3d.studies.field.table import Field
 
-POINTS = 6  # Gammas of a field
+POINTS = 5  # Gammas of a field at first; then those of the responses that it predicts
+NEAR = 0.03  # of ln Gamma, within which a point stands for another
 CYCLES, DISCARD = 24, 12
 _LEAST = 0.08  # of the bare structure's Gamma, at the lowest level, where a field begins
 _OVER = 1.26  # of its Gamma at the highest level, where it ends: the level may be a fifth off
@@ -65,10 +66,28 @@ def gammas(task: Task) -> list[float]:
     return [float(f"{gamma:.4g}") for gamma in np.geomspace(*ends, POINTS)]
 
 
+def predicted(design: "Design") -> list[float]:
+    """Gammas of the response at each level that no run of its field is near to.
+
+    So the field is computed where the structure will be, and interpolated elsewhere: just above the
+    onset of motion its curve bends too sharply for a few points.
+    """
+    if design.field is None:
+        return []
+    known = [row["gamma"] for row in design.rows]
+    found: list[float] = []
+    for frequency, amplitude in design.peaks:
+        gamma = float(f"{amplitude * (2.0 * math.pi * frequency) ** 2 / GRAVITY:.3g}")
+        if all(abs(math.log(gamma / other)) > NEAR for other in (*known, *found)):
+            found.append(gamma)
+    return found
+
+
 def field_cases(
-    task: Task, candidate: Candidate, number: int, frequency: float
-) -> list[tuple[dict[str, Any], DamperCase]]:
-    """Labelled runs of a candidate's field at a frequency [Hz]."""
+    task: Task, candidate: Candidate, number: int, frequency: float,
+    at: Sequence[float] | None = None,
+) -> list[tuple[dict[str, Any], DamperCase]]:  # fmt: skip
+    """Labelled runs of a candidate's field at a frequency [Hz], at Gammas or the first ones."""
     level, search = task.spec.level, task.spec.search
     return [
         (
@@ -80,7 +99,7 @@ def field_cases(
                    "run.cycles": CYCLES, "run.discard": DISCARD},
             ),
         )
-        for gamma in gammas(task)
+        for gamma in (gammas(task) if at is None else at)
     ]  # fmt: skip
 
 
@@ -118,14 +137,23 @@ def judge(
     return reductions, peaks
 
 
-def evaluated(task: Task, candidates: Sequence[Candidate], rows: Rows) -> list[Design]:
-    """Designs of candidates from the rows of their runs, which their labels number."""
+def evaluated(
+    task: Task, candidates: Sequence[Candidate], rows: Rows, frequency: float | None = None,
+    factor: float = 1.0,
+) -> list[Design]:  # fmt: skip
+    """Designs of candidates from the rows of their runs, which their labels number.
+
+    frequency of the runs [Hz], by itself that of the structure; factor on the structure's own.
+    """
     found = []
     for number, candidate in enumerate(candidates):
         own = [row for row in rows if row["design"] == number]
-        design = Design(candidate, field_from(own, task.spec.structure.frequency), rows=own)
+        made_at = frequency or task.spec.structure.frequency
+        design = Design(candidate, field_from(own, made_at), rows=own)
         if design.field is not None:
-            design.reductions, design.peaks = judge(task, design.field, task.spec.level.range)
+            design.reductions, design.peaks = judge(
+                task, design.field, task.spec.level.range, factor
+            )
         found.append(design)
     return found
 
