@@ -29,6 +29,7 @@ from resealed import resealed
 from stock import SHAPES, TABLES, runs_of
 
 from damper3d.case import settings as damper_settings
+from damper3d.studies.design.spec import Spec
 from granulab.campaign.sweeps.study_keys import StudyKeys
 from granulab.contact.files.datafile import data_file, data_names
 from granulab.contact.files.reference import Key, keys_of, plain_keys
@@ -40,6 +41,20 @@ PROGRAMS = {
     "damper3d": "damper3d.commands.main",
     "calibrate": "calibration.commands.main",
 }
+_HOST = {"mass": "0.5 kg", "frequency": 40, "damping_ratio": 0.01}
+EXCITED: list[dict[str, Any]] = [
+    {"kind": "sines", "frequencies": [40, 60], "amplitudes": ["2 g", "1 g"]},
+    {"kind": "rotation", "frequencies": [40], "amplitudes": ["5 deg"]},
+    {"kind": "sweep", "from_frequency": 20, "to_frequency": 40, "amplitude": "2 g",
+     "length": "2 s"},
+    {"kind": "random", "psd": [[20, 0.1], [80, 0.1]], "length": "1 s"},
+    {"kind": "shock", "amplitude": "20 g", "length": "5 ms"},
+]  # fmt: skip
+SPEC: dict[str, Any] = {
+    "structure": {"mass": "2 kg", "frequency": 60, "damping_ratio": 0.005},
+    "level": {"acceleration": "5 g"},
+    "space": {"width": "60 mm", "height": "60 mm"},
+}
 SETTINGS = {"silo2d": silo_settings.Settings, "damper3d": damper_settings.Settings}
 CASES: dict[str, list[dict[str, Any]]] = {
     "silo2d": [
@@ -47,8 +62,12 @@ CASES: dict[str, list[dict[str, Any]]] = {
         {"silo": {"angle": "60 deg", "outlet": "50 mm"}},
         {"silo": {"outline": [[-75, 0], [75, 0], [150, 130], [150, 500], [-150, 500]]}},
     ],
-    "damper3d": [{}, {"enclosure": {"shape": "box", "width": "40 mm"}},
-                 {"particles": {"shape": "prolate:1.5"}}],
+    "damper3d": [
+        {}, {"enclosure": {"shape": "box", "width": "40 mm"}},
+        {"particles": {"shape": "prolate:1.5"}}, {"host": {**_HOST, "force": "1 N"}},
+        *({"excitation": excited} for excited in EXCITED),
+        {"host": _HOST, "excitation": {**EXCITED[3], "on": "base"}},
+    ],
 }  # fmt: skip
 
 
@@ -116,6 +135,16 @@ def case(program: str, chance: Random, _stock: Path) -> Call:
             table[name] = _as_named(name, chance.choice(WRONG))
     arguments = ("run", _written("c.toml", table, chance), "--dry-run", "--quiet")
     return Call(program, (*arguments, *_as_json(chance)))
+
+
+def design(chance: Random, _stock: Path) -> Call:
+    """A specification of a damper with one to three keys changed, and what a dry run says of it."""
+    table = {name: dict(section) for name, section in SPEC.items()}
+    for _ in range(chance.choice([1, 1, 2, 3])):
+        key = chance.choice(list(keys_of(Spec)))
+        table.setdefault(key.section, {})[key.name] = _of_key(key, chance)
+    arguments = ("design", _written("d.toml", table, chance), "--dry-run", "--quiet")
+    return Call("damper3d", (*arguments, *_as_json(chance)))
 
 
 def _series(key: Key, chance: Random) -> Any:
@@ -503,6 +532,7 @@ def _of(make: Callable[..., Call], *given: Any) -> Callable[[Random, Path], Call
 KINDS = {
     "silo case": Kind(3000, _of(case, "silo2d")),
     "damper case": Kind(3000, _of(case, "damper3d")),
+    "design": Kind(600, design),
     "silo study": Kind(1200, _of(study, "silo2d")),
     "damper study": Kind(1200, _of(study, "damper3d")),
     "materials": Kind(2500, materials),
