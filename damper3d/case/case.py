@@ -57,6 +57,7 @@ from damper3d.case.settings import Enclosure as EnclosureKeys
 from damper3d.case.settings import Settings, check_settings, read_settings, to_toml
 from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.laws.table import LawTable
+from damper3d.engine.motions import Turning
 from damper3d.engine.records import CLASSES
 from damper3d.shapes.multisphere import MultiSphere, sphere
 from damper3d.shapes.particle import particle_of
@@ -91,6 +92,7 @@ class DamperCase:
     drive: Drive | None = None  # what moves that host
     excitation: Excitation | None = None  # in place of a sine, of the enclosure or of that host
     peaks: Peaks | None = None  # of the enclosure under it, on a host of the bare one
+    arc: float | None = None  # radius [m] at which a host that twists has its displacements
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "DamperCase":
@@ -270,8 +272,8 @@ class DamperCase:
         """The motion of the enclosure along its direction, as numbers of its kind; a new host."""
         mover = self.excitation or self.drive
         if self.modes is not None and mover is not None:
-            weight = self.mass * float(self.gravity @ self.direction)
-            return host_of(self.modes, mover, self.time_step, weight)
+            own = host_of(self.modes, mover, self.time_step, self.weight)
+            return own if self.arc is None else Turning(own, self.arc, np.zeros(1))
         if self.excitation is not None:
             return self.excitation.motion
         return motion_of(self.settings.motion, self.name)
@@ -284,6 +286,11 @@ class DamperCase:
             return bare_displacement(self.modes, self.drive, time)
         each, every = self.time_step, self.steps_per_sample
         return bare_rows(self.modes, self.excitation, each, len(time) - 1, every)[0]
+
+    @property
+    def weight(self) -> float:
+        """Force of the bed at rest on its enclosure, along the motion [N]; none about the axis."""
+        return 0.0 if self.arc is not None else self.mass * float(self.gravity @ self.direction)
 
     @property
     def is_decay(self) -> bool:
@@ -363,7 +370,8 @@ class DamperCase:
         if self.modes is None:
             return {}
         drive = [] if self.drive is None else vars(self.drive).values()
-        return {"host": [*vars(self.modes).values(), *drive]}
+        arc = [] if self.arc is None else [self.arc]
+        return {"host": [*vars(self.modes).values(), *drive, *arc]}
 
     def _excitation_identity(self) -> dict[str, Any]:
         """Numbers that an excitation is made of; nothing without one."""

@@ -14,7 +14,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from damper3d.case.excitation.excitation import Excitation, Peaks, excitation_of, peaks_of, under
+from damper3d.case.excitation.excitation import (
+    Excitation,
+    Peaks,
+    excitation_of,
+    peaks_of,
+    rim_of,
+    under,
+)
+from damper3d.case.excitation.excitation import given as excitation_given
 from damper3d.case.excitation.forms import PER_CYCLE, Lines
 from damper3d.case.parts import GRAVITY
 from damper3d.case.settings import Host as HostKeys
@@ -22,7 +30,7 @@ from damper3d.case.settings import Settings
 from damper3d.engine.motions import Sines, at_rest
 from damper3d.engine.motions.host import Host, Ringing, drive_push, propagator, without_bed
 from granulab.contact.files.datafile import is_file
-from granulab.contact.files.units import nearest
+from granulab.contact.files.units import located, nearest
 from granulab.errors import InputError
 
 MODES = "modes.csv"  # in a run folder
@@ -340,6 +348,39 @@ def drive_of(keys: HostKeys, omega: float, where: str) -> Drive:
     )
 
 
+def in_arcs(settings: Settings, where: str) -> tuple[HostKeys, float | None]:
+    """The keys of [host] of a structure that moves along, and None; or those of one that twists.
+
+    Its mass, force and displacements are then those of the rim, I/R^2, T/R and R theta, and R [m]
+    is given too. InputError where keys or enclosure do not go with a twist.
+    """
+    keys, own = settings.host, ("inertia", "torque", "start_angle")
+    if not any(getattr(keys, name) is not None for name in own):
+        return keys, None
+    if keys.inertia is None:
+        name = next(name for name in own if getattr(keys, name) is not None)
+        raise InputError(f"{where}: [host] {name} goes with inertia, of a structure that twists")
+    others = ("mass", "modes", "force", "base_displacement", "base_acceleration",
+              "start_displacement", "start_velocity")  # fmt: skip
+    for name in others:
+        if getattr(keys, name) is not None:
+            raise InputError(
+                f"{where}: [host] inertia and {name} are both given; a structure that twists has "
+                "inertia, frequency, damping_ratio, and torque or start_angle"
+            )
+    if excitation_given(settings.excitation):
+        raise InputError(f"{where}: [excitation] moves a structure along; leave [host] inertia out")
+    with located(f"{where}: [host] inertia:"):
+        radius = rim_of(settings)
+    changes = {
+        "mass": keys.inertia / radius**2,
+        "force": keys.torque and keys.torque / radius,
+        "start_displacement": keys.start_angle and keys.start_angle * radius,
+        **dict.fromkeys(own),
+    }
+    return keys.model_copy(update=changes), radius
+
+
 class Shaken(NamedTuple):
     """Settings, and what moves the enclosure: host, its drive, excitation and its peaks."""
 
@@ -348,6 +389,7 @@ class Shaken(NamedTuple):
     drive: Drive | None = None
     excitation: Excitation | None = None
     peaks: Peaks | None = None  # of the enclosure, on a host of the bare one; of an excitation
+    arc: float | None = None  # radius [m] at which a host that twists has its displacements
 
 
 def with_motion(settings: Settings, folder: Path, where: str) -> Shaken:
@@ -357,7 +399,7 @@ def with_motion(settings: Settings, folder: Path, where: str) -> Shaken:
     its gamma is the bare response's. A forced host runs until it is steady, unless cycles are
     given, and a release until REACHED.
     """
-    keys = settings.host
+    keys, arc = in_arcs(settings, where)
     modes = modes_of(keys, folder, where) if given(keys) else None
     slowest, own = 0.0, 0.0
     if modes is not None:
@@ -384,7 +426,7 @@ def with_motion(settings: Settings, folder: Path, where: str) -> Shaken:
         "motion": motion.model_copy(update={"frequency": frequency, "gamma": gamma}),
         "run": run.model_copy(update=lengths),
     }
-    return Shaken(settings.model_copy(update=changes), modes, drive)
+    return Shaken(settings.model_copy(update=changes), modes, drive, arc=arc)
 
 
 def _excited(settings: Settings, modes: Modes | None, excitation: Excitation, where: str) -> Shaken:

@@ -17,6 +17,7 @@ from pydantic import (
 from granulab.contact.files import casefile, reference
 from granulab.contact.files.casefile import (
     Acceleration,
+    Angle,
     Density,
     Force,
     Frequency,
@@ -283,6 +284,18 @@ class Host(Section):
         None, "damping ratio of the bare structure", example=0.01, left_out=_NO_HOST,
         option="--host-damping", metavar="0.01",
     )  # fmt: skip
+    inertia: Annotated[float, read("kg m2"), Unit("kg m2"), Field(gt=0)] | None = key(
+        None, "in place of mass, moment of inertia of a structure that twists about the axis of "
+        "the enclosure, a body of revolution; amplitudes are then arcs at its largest radius",
+        example="1e-4 kg m2", left_out="it moves along",
+    )  # fmt: skip
+    torque: Annotated[float, read("N m"), Unit("N m"), Field(gt=0)] | None = key(
+        None, "amplitude of a harmonic torque on one that twists", example="0.01 N m",
+        left_out="none",
+    )  # fmt: skip
+    start_angle: Angle | None = key(
+        None, "angle where a free decay of one that twists starts", example="5 deg", left_out="0"
+    )
     modes: str | None = key(
         None, "several modes, in place of mass, frequency and damping ratio: a CSV table next to "
         "this file with columns frequency [Hz], damping_ratio, shape [kg^-0.5] at the damper; "

@@ -13,6 +13,7 @@ from damper3d.engine.kinds import move
 from damper3d.engine.motions import displacement, velocity
 from damper3d.engine.motions.crossed import crosses
 from damper3d.engine.motions.host import kick, rides
+from damper3d.engine.motions.turning import turns, twists
 from damper3d.engine.neighbours import search_pairs, search_walls
 from damper3d.engine.state import DONE, STALE_INNER, STALE_WALL, STEP
 from damper3d.engine.walls import drive_walls
@@ -105,6 +106,8 @@ def _force_so_far(world):
 def _ride(world, before):
     if rides(world):
         return lambda world, before: _kick(world, before)
+    if turns(world):
+        return lambda world, before: _twist(world)
     return lambda world, before: None
 
 
@@ -114,6 +117,28 @@ def _summed(world):
     for w in range(len(force)):
         total += force[w, 0] * d[0] + force[w, 1] * d[1] + force[w, 2] * d[2]
     return total
+
+
+@inlined_inner
+def _twist(world):
+    """The torque of a step, to the host if there is one."""
+    push_host(world)
+    world.shaker.torque[0] = 0.0
+
+
+def push_host(world):
+    """Let a host that twists take the torque of this step."""
+
+
+@specialised(push_host)
+def _push_host(world):
+    if twists(world):
+        return lambda world: kick(
+            world.shaker.arc,
+            world.counts[STEP] * world.time_step,
+            world.shaker.torque[0] / world.shaker.radius,
+        )
+    return lambda world: None
 
 
 @inlined_inner

@@ -22,10 +22,12 @@ from damper3d.engine.motions.host import (
     N_HOST_COLUMNS,
     OWN_DAMPING,
     WORK,
+    displacement,
     energy,
     rides,
+    velocity,
 )
-from damper3d.engine.motions.turning import turn_wall
+from damper3d.engine.motions.turning import turn_wall, twists
 from damper3d.engine.simd import gather
 from damper3d.engine.state import (
     BLOCK,
@@ -107,7 +109,16 @@ def sample_host(world, now, row):
 def _sample_host(world, now, row):
     if rides(world):
         return lambda world, now, row: _host_columns(world.shaker, now, row)
+    if twists(world):
+        return lambda world, now, row: _twisted_columns(world.shaker.arc, now, row)
     return lambda world, now, row: None
+
+
+@inner
+def _twisted_columns(host, now, row):
+    """Also the arc in place of a displacement."""
+    row[DISPLACEMENT], row[VELOCITY] = displacement(host, now), velocity(host, now)
+    _host_columns(host, now, row)
 
 
 @inner

@@ -6,7 +6,7 @@ import numpy as np
 
 from damper3d.engine import sampling, state
 from damper3d.engine.integrate import advance, enclosure_at, search
-from damper3d.engine.motions import host
+from damper3d.engine.motions import Turning, host
 from damper3d.engine.multisphere.pairs import key_of
 from damper3d.engine.records import CLASSES, MECHANISMS
 from damper3d.engine.state import (
@@ -127,6 +127,7 @@ class Simulation:
     def _host(self) -> host.Host | None:
         """Return the host that the enclosure rides on, if it does."""
         shaker = self.world.shaker
+        shaker = shaker.arc if isinstance(shaker, Turning) else shaker
         return shaker if isinstance(shaker, host.Host) else None
 
     def _named(self, rows: np.ndarray) -> dict[str, np.ndarray]:

@@ -203,7 +203,7 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     whole_mean, wall_mean = (float(eta[name].mean()) for name in ("efficiency", "wall_work"))
     note = _OF_A_DECAY if cycles.case.is_decay else settling(whole_mean, wall_mean)
     own = cycles.case.excitation
-    if own is not None and own.kind == "rotation":
+    if cycles.case.arc is not None or (own is not None and own.kind == "rotation"):
         note = _OF_A_ROTATION
     return {
         "efficiency": None if note else whole_mean,

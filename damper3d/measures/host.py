@@ -84,6 +84,7 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     amplitude = None if case.is_decay else cycles.amplitude
     return {
         "amplitude_m": amplitude,
+        "amplitude_rad": None if case.arc is None or amplitude is None else amplitude / case.arc,
         "rms_m": float(np.sqrt(np.mean(counted["displacement"][1:] ** 2))),
         "bare_amplitude_m": case.amplitude,
         "reduction": None if amplitude is None else amplitude / case.amplitude,
@@ -91,7 +92,7 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
         "decay_times_s": (
             decay_times(samples["time"], samples["host_energy"]) if case.is_decay else None
         ),
-        "energy_closure": closure(samples, case.mass * float(case.gravity @ case.direction)),
+        "energy_closure": closure(samples, case.weight),
     }
 
 
@@ -125,7 +126,7 @@ def _under_excitation(cycles: Cycles) -> dict[str, Any]:
         "bare_scatter_db": 4.34 / math.sqrt(seen) if noisy else None,
         "added_damping_ratio": added_damping_ratio(counted, mass, omega),
         "decay_times_s": _after_pulse(cycles) if shocked else None,
-        "energy_closure": closure(samples, case.mass * float(case.gravity @ case.direction)),
+        "energy_closure": closure(samples, case.weight),
     }
 
 

@@ -98,7 +98,7 @@ def bed_height(samples: Samples, up: np.ndarray, lowest: float) -> float:
 def numbers(cycles: Cycles) -> dict[str, Any]:
     """Design numbers of the counted cycles, by the names of a run's Result."""
     case, counted = cycles.case, cycles.counted
-    if case.excitation is not None:
+    if case.excitation is not None or case.arc is not None:
         return _without_a_frequency(counted, case.direction)
     omega, speed = 2.0 * math.pi / case.period, cycles.peak_speed
     reference = reference_energy(speed, case.mass)

@@ -95,6 +95,8 @@ def _host_lines(case: DamperCase, modes: Modes) -> list[str]:
         f"{ratio:g}"
         for shape, omega, ratio in zip(modes.shape, modes.omega, modes.damping_ratio, strict=True)
     ]
+    if case.arc is not None:
+        lines = [f"twists about the axis, in arcs at {case.arc:.4g} m: {line}" for line in lines]
     drive = case.drive or Drive()
     what = f"{case.settings.motion.frequency:g} Hz, " + (
         f"a force of {drive.force:.4g} N" if drive.force

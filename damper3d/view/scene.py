@@ -109,7 +109,8 @@ class Scene:
         if not self.on_host or not n_cycles:
             return prescribed
         sizes = np.abs(harmonics(self.trajectory["displacement"][: n_cycles * per + 1], per))
-        driven = self.settings.host.force or base_of(self.settings.host)
+        keys = self.settings.host
+        driven = keys.force or keys.torque or base_of(keys)
         size = sizes[-COUNTED:].mean() if driven else sizes[0]
         return float(2 * np.pi / self.period * size)
 
@@ -276,7 +277,8 @@ class Scene:
 
     def shift(self, frame: int) -> Array:
         """Displacement (3,) [m] of the enclosure in a frame."""
-        return self.trajectory["displacement"][self.frame_sample[frame]] * self.direction
+        along = 0.0 if self.settings.host.inertia is not None else self.direction  # it twists
+        return self.trajectory["displacement"][self.frame_sample[frame]] * along * np.ones(3)
 
     @property
     def title(self) -> str:

@@ -19,6 +19,8 @@ from granulab.errors import Stopped
 
 HOST = {"host.mass": "0.1 kg", "host.frequency": 80.0, "host.damping_ratio": 0.02}
 FORCED = {**HOST, "host.force": "2 N", "motion.gamma": None, "motion.frequency": None}
+TWISTED = {"host.inertia": "1e-6 kg m2", "host.frequency": 80.0, "host.damping_ratio": 0.02,
+           "host.torque": "1e-3 N m", "motion.gamma": None, "motion.frequency": None}  # fmt: skip
 LET_GO = {**FORCED, "host.force": None, "host.start_displacement": "1 mm"}
 HEAD = "frequency [Hz],damping_ratio,shape [kg^-0.5]\n"
 
@@ -31,6 +33,28 @@ def load(folder: Path, changes) -> DamperCase:
     ("changes", "words"),
     [
         ({"host.mass": "0.1 kg"}, ["[host]", "frequency is missing"]),
+        ({**FORCED, "host.torque": "1 N m"}, ["torque goes with inertia"]),
+        ({**TWISTED, "host.mass": "1 kg"}, ["inertia and mass are both given"]),
+        ({**TWISTED, "host.inertia": "1 kg"}, ["inertia = '1 kg'", "unit is wrong"]),
+        ({**TWISTED, "motion.direction": [1, 0, 0]}, ["inertia", "leave [motion] direction out"]),
+        (
+            {
+                **TWISTED,
+                "enclosure.shape": "box",
+                "enclosure.diameter": None,
+                "enclosure.width": "20 mm",
+            },
+            ["inertia", "a box would move through the bed"],
+        ),
+        (
+            {
+                **TWISTED,
+                "excitation.kind": "shock",
+                "excitation.amplitude": "1 N",
+                "excitation.length": "1 ms",
+            },
+            ["leave [host] inertia out"],
+        ),
         ({**HOST}, ["[host]", "nothing moves it", "start_displacement"]),
         (
             {**FORCED, "host.base_displacement": "1 mm"},
@@ -182,3 +206,44 @@ def test_init_writes_a_host_that_runs(tmp_path):
     assert damper3d("init", path, "--host").code == 0
     shown = damper3d("run", path, "--dry-run", "--json")
     assert json.loads(shown.out)["frequency_hz"] == 20.0
+
+
+def test_a_host_that_twists_is_the_bare_one_where_nothing_rubs(tmp_path):
+    """Without friction the walls turn past the bed: amplitude T/(2 zeta I w^2) R at resonance.
+
+    To the 1e-6 that the bed's normal forces, which have no torque on round walls, leave of it.
+    """
+    smooth = {**TWISTED, "law.friction": 0.0, "law.friction_wall": 0.0, "run.max_cycles": 25}
+    result = protocol.run(load(tmp_path, smooth), out=tmp_path / "runs")
+    omega = 2.0 * np.pi * 80.0
+    angle = 1e-3 / (2 * 0.02 * 1e-6 * omega**2)
+    assert result.host["bare_amplitude_m"] == pytest.approx(0.01 * angle, rel=1e-9)
+    assert result.host["reduction"] == pytest.approx(1.0, abs=1e-6)
+    assert result.host["amplitude_rad"] == pytest.approx(angle, rel=1e-6)
+
+
+def test_a_host_that_twists_gives_the_bed_what_it_loses(tmp_path):
+    """Friction carries the bed along: the energy of both is closed, and the response falls.
+
+    By what the damping ratio that the bed adds makes of a resonance, zeta/(zeta + zeta_added), but
+    for the inertia that it adds, whose detuning is of second order: to 2 %.
+    """
+    result = protocol.run(load(tmp_path, TWISTED), out=tmp_path / "runs")
+    added = result.host["added_damping_ratio"]
+    assert added > 2e-4
+    assert result.host["reduction"] == pytest.approx(0.02 / (0.02 + added), rel=0.02)
+    assert abs(result.host["energy_closure"]) < 1e-3
+    assert result.efficiency is None
+    assert "rotation" in result.efficiency_note
+    again = DamperCase.load(the_run(tmp_path / "runs").case_file)
+    assert protocol.run_digest(again) == protocol.run_digest(load(tmp_path, TWISTED))
+
+
+def test_a_twist_that_is_cut_off_goes_on_with_its_bits(tmp_path):
+    case = load(tmp_path, {**TWISTED, "run.cycles": 6})
+    protocol.run(case, out=tmp_path / "whole")
+    seen = iter([False] * 5 + [True] * 10_000)
+    with pytest.raises(Stopped):
+        protocol.run(case, out=tmp_path / "cut", stop=lambda: next(seen))
+    protocol.resume(the_run(tmp_path / "cut").path)
+    assert_same_run(the_run(tmp_path / "whole"), the_run(tmp_path / "cut"))

@@ -165,8 +165,9 @@ def ball_on_a_turning_floor(rate: float, off: float, time: float) -> tuple[np.nd
     sim = Simulation(
         build_world(
             np.array([[off, 0.0, RADIUS - sunk]]), np.array([RADIUS]), density=DENSITY,
-            enclosure=cylinder(0.04, 0.02), pair_law=law, wall_law=law, shaker=Turning(spin),
-            direction=np.array([0.0, 0.0, 1.0]), gravity=np.array(_DOWN), time_step=1e-6,
+            enclosure=cylinder(0.04, 0.02), pair_law=law, wall_law=law,
+            shaker=Turning(spin, 1.0, np.zeros(1)), direction=np.array([0.0, 0.0, 1.0]),
+            gravity=np.array(_DOWN), time_step=1e-6,
         ),
         1,
     )  # fmt: skip

@@ -266,25 +266,31 @@ def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitatio
     )  # fmt: skip
 
 
+def rim_of(settings: Settings) -> float:
+    """Largest radius [m] of an enclosure that turns about its axis; InputError for others."""
+    enclosure = settings.enclosure
+    if settings.motion.direction is not None:
+        raise InputError("it is about the axis; leave [motion] direction out")
+    if enclosure.shape not in _ROUND or enclosure.cells is not None:
+        raise InputError(
+            f"the walls of a {enclosure.shape} would move through the bed as they turn about the "
+            f"axis; give shape = {' or '.join(map(repr, _ROUND))}, no cells"
+        )
+    return 0.5 * max(enclosure.diameter or Cylinder.diameter, enclosure.top_diameter or 0.0)
+
+
 def _rotation(keys: Keys, settings: Settings, on_host: bool) -> Excitation:
     if on_host:
         raise InputError("kind = 'rotation': a host that twists is not there; leave [host] out")
-    if settings.motion.direction is not None:
-        raise InputError("kind = 'rotation': it is about the axis; leave [motion] direction out")
-    enclosure = settings.enclosure
-    if enclosure.shape not in _ROUND or enclosure.cells is not None:
-        raise InputError(
-            f"kind = 'rotation': the walls of a {enclosure.shape} would move through the bed as "
-            f"they turn about the axis; give shape = {' or '.join(map(repr, _ROUND))}, no cells"
-        )
+    with located("kind = 'rotation':"):
+        rim = rim_of(settings)
     lines, run = _lines(keys, "rotation"), settings.run
-    diameters = [enclosure.diameter or Cylinder.diameter, enclosure.top_diameter or 0.0]
     slowest = min(keys.frequencies or [1.0])
     return Excitation(
-        "rotation", "enclosure", Turning(lines.motion()),
+        "rotation", "enclosure", Turning(lines.motion(), 1.0, np.zeros(1)),
         forms.common_period(keys.frequencies or []) or 1.0 / slowest, run.cycles, run.discard,
         max(keys.frequencies or []), lines, identity=(lines.amplitude, lines.omega, lines.phase),
-        rim=0.5 * max(diameters),
+        rim=rim,
     )  # fmt: skip
 
 
@@ -428,7 +434,7 @@ def peaks_of(excitation: Excitation) -> Peaks:
         both = [motion.along, motion.across] if isinstance(motion, Crossed) else [motion]
         if isinstance(motion, Turning):  # of the rim
             rim = excitation.rim or 0.0
-            both = [motion.angle._replace(amplitude=rim * motion.angle.amplitude)]
+            both = [motion.arc._replace(amplitude=rim * motion.arc.amplitude)]
         spacing = 1.0 / (forms.PER_CYCLE * excitation.highest)
         n = math.ceil(min(excitation.duration, _PEAKS_OF * excitation.window) / spacing)
         rows = [Lines(*one[:3]).at(spacing * np.arange(n + 1)) for one in both]

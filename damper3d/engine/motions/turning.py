@@ -1,13 +1,18 @@
 """A rotation about the axis of the enclosure, which is a body of revolution: it stays where it is.
 
 Its surface passes the particles: at a place p from the origin the walls move at (-w p_y, w p_x, 0)
-for the angular velocity w, the rate of an angle that is itself a registered motion.
+for the angular velocity w = v/R, with v the velocity of a point at the distance R from the axis.
+That is a registered motion, or a host's: its coordinate then is the arc x = R theta, its mass I/R^2
+for a moment of inertia I, and the bed's force on it the torque over R.
 """
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from damper3d.engine.geometry import entry, put, vector
 from damper3d.engine.motions import registry
+from damper3d.engine.motions.host import Host
 from damper3d.engine.state import STEP, WALL_WORK
 from granulab.contact.jit import inlined_inner, njit, specialised
 
@@ -15,7 +20,9 @@ from granulab.contact.jit import inlined_inner, njit, specialised
 class Turning(NamedTuple):
     """A rotation about z."""
 
-    angle: Any  # a motion whose displacement is an angle [rad]
+    arc: Any  # a motion [m] of a point at the distance R from the axis, or a Host
+    radius: float  # R [m]
+    torque: np.ndarray  # (1,) of the bed on the enclosure in this step [N m]
 
 
 @njit
@@ -38,51 +45,68 @@ def count_turning(world, n_contacts, block):
     """Add the work of walls that turn on the bed, from the forces in the lanes of a block."""
 
 
-def _turns(world):
+def turns(world):
     """Return whether the enclosure of a type of world, as numba has it, turns."""
     shaker = world[world.fields.index("shaker")]
     return getattr(shaker, "instance_class", None) is Turning
 
 
+def twists(world):
+    """Return whether it turns with a host, likewise."""
+    if not turns(world):
+        return False
+    shaker = world[world.fields.index("shaker")]
+    arc = shaker[shaker.fields.index("arc")]
+    return getattr(arc, "instance_class", None) is Host
+
+
 @specialised(turn_wall)
 def _turn_wall(world, n_contacts, block):
-    if _turns(world):
+    if turns(world):
         return lambda world, n_contacts, block: _turned(world, n_contacts, block)
     return lambda world, n_contacts, block: None
 
 
 @specialised(count_turning)
 def _count_turning(world, n_contacts, block):
-    if _turns(world):
+    if turns(world):
         return lambda world, n_contacts, block: _counted(world, n_contacts, block)
     return lambda world, n_contacts, block: None
 
 
 @inlined_inner
+def _rate(world):
+    now = world.counts[STEP] * world.time_step
+    return registry.velocity(world.shaker.arc, now) / world.shaker.radius
+
+
+@inlined_inner
 def _turned(world, n_contacts, block):
-    rate = registry.velocity(world.shaker.angle, world.counts[STEP] * world.time_step)
+    rate = _rate(world)
     for k in range(n_contacts):
-        vx, vy = _passing(block, k, rate)
+        px, py = _place(block, k)
         x, y, z = vector(block.velocity, k)
-        put(block.velocity, k, (x + vx, y + vy, z))
+        put(block.velocity, k, (x - rate * py, y + rate * px, z))
 
 
 @inlined_inner
 def _counted(world, n_contacts, block):
-    rate, power = registry.velocity(world.shaker.angle, world.counts[STEP] * world.time_step), 0.0
+    torque = 0.0
     for k in range(n_contacts):
         if block.overlap[k] > 0.0:
-            vx, vy = _passing(block, k, rate)
-            power += block.push[entry(0, k)] * vx + block.push[entry(1, k)] * vy
-    world.balance[WALL_WORK] -= world.time_step * power
+            px, py = _place(block, k)
+            torque += px * block.push[entry(1, k)] - py * block.push[entry(0, k)]
+    world.balance[WALL_WORK] -= world.time_step * _rate(world) * torque
+    world.shaker.torque[0] += torque
 
 
 @inlined_inner
-def _passing(block, k, rate):
-    """Return the velocity (x, y) of the wall where contact k touches it [m/s].
+def _place(block, k):
+    """Return where contact k lies from the axis (x, y) [m].
 
     The separation leads from the sphere to the enclosure's origin, the normal to the wall.
     """
-    x = block.arm_i[k] * block.normal[entry(0, k)] - block.separation[entry(0, k)]
-    y = block.arm_i[k] * block.normal[entry(1, k)] - block.separation[entry(1, k)]
-    return -rate * y, rate * x
+    return (
+        block.arm_i[k] * block.normal[entry(0, k)] - block.separation[entry(0, k)],
+        block.arm_i[k] * block.normal[entry(1, k)] - block.separation[entry(1, k)],
+    )

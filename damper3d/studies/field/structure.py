@@ -83,6 +83,11 @@ class Structure:
 def structure_of(case: DamperCase) -> Structure:
     """The structure of a case's [host]; InputError where it has none, or one that is let go."""
     keys, modes = case.settings.host, case.modes
+    if case.arc is not None:
+        raise InputError(
+            f"{case.name}: its host twists, and a field is of a bed that is moved along; give "
+            "[host] mass in place of inertia"
+        )
     if modes is None or case.is_decay:
         why = "its host is let go" if modes is not None else "it has no [host]"
         raise InputError(
