@@ -374,7 +374,7 @@ def test_all_keys_that_act_are_in_the_digests():
         "run.max_cycles", "output.frames",
         "host.modes",  # by its modes: test_host_cases.py
         *(f"host.{key}" for key in (*HOST, *MOVED)),
-        "host.inertia", "host.torque", "host.start_angle",  # as mass, force and start: test_host_cases
+        "host.inertia", "host.torque", "host.start_angle",  # as mass and force: test_host_cases.py
         *(f"excitation.{key}" for key in Excitation.model_fields),  # test_excitation_cases.py
         *DISTRIBUTED, *SIEVED, *ROLLING, "law.rolling_damping", *COHESIVE,
     }  # fmt: skip
