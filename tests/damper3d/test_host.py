@@ -10,41 +10,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from damper_scenes import acrylic
+from host_scenes import on_host
 from impact_damper import ImpactDamper, first_harmonic
 
 from damper3d.case.case import DamperCase
-from damper3d.case.host import Drive, Modes, bare_amplitude, bare_displacement, host_of
-from damper3d.engine.enclosures import cylinder
+from damper3d.case.host import Drive, Modes, bare_amplitude, bare_displacement
 from damper3d.engine.motions.host import propagator
-from damper3d.engine.simulation import Simulation
-from damper3d.engine.world import build_world
 from damper3d.measures.host import closure, decay_times
 
-UP, RADIUS = np.array([0.0, 0.0, 1.0]), 5e-3
 TWO = Modes(
     2 * np.pi * np.array([20.0, 33.0]), np.array([0.02, 0.05]), np.array([1.5, -0.8]),
     np.array([0.7, 1.1]), np.array([0.9, -0.3]),
 )  # fmt: skip
-
-
-def on_host(modes, drive, *, mass, gap, dt, restitution=0.6, steps_per_sample=1):
-    """A ball of a mass in the middle of a cylinder that it has a gap in, without gravity."""
-    law = acrylic(restitution, 0.0, dashpot=False)
-    density = mass / (4 / 3 * math.pi * RADIUS**3)
-    world = build_world(
-        np.array([[0.0, 0.0, RADIUS + gap / 2]]), np.array([RADIUS]), density=density,
-        enclosure=cylinder(0.05, 2 * RADIUS + gap), pair_law=law, wall_law=law,
-        shaker=host_of(modes, drive, dt, 0.0), direction=UP, gravity=np.zeros(3), time_step=dt,
-    )  # fmt: skip
-    sim = Simulation(world, steps_per_sample)
-    sim.world.spheres.position[:1, 2] += bare_start(sim)
-    return sim
-
-
-def bare_start(sim):
-    """Displacement with which a host begins."""
-    return float(sim.sample()["displacement"][0])
 
 
 def integrated(modes, drive, start, times):
