@@ -83,8 +83,10 @@ class Structure:
 def structure_of(case: DamperCase) -> Structure:
     """The structure of a case's [host]; InputError where it has none, or one that is let go."""
     keys, modes = case.settings.host, case.modes
-    if modes is None or case.is_decay:
+    if modes is None or case.is_decay or case.excitation is not None:
         why = "its host is let go" if modes is not None else "it has no [host]"
+        if case.excitation is not None:
+            why = "[excitation] is no single sine"
         raise InputError(
             f"{case.name}: {why}, and a steady response is that of one which is moved; give [host] "
             f"with one of {', '.join(DRIVES)}"
