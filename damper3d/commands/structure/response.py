@@ -1,4 +1,4 @@
-"""The command that finds a structure's response with a bed: response."""
+"""The command that finds a structure's response with a bed, by harmonic balance or simulation."""
 
 import json
 from pathlib import Path
