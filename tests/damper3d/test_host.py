@@ -10,10 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from host_scenes import on_host
+from host_scenes import on_host, resolved, works
 from impact_damper import ImpactDamper, first_harmonic
 
-from damper3d.case.case import DamperCase
 from damper3d.case.host import Drive, Modes, bare_amplitude, bare_displacement
 from damper3d.engine.motions.host import propagator
 from damper3d.measures.host import closure, decay_times
@@ -117,22 +116,6 @@ def test_a_light_ball_leaves_the_modes_alone():
     assert sim.world.shaker.answer.any()
     bare = bare_displacement(heavy, drive, rows["time"])
     assert rows["displacement"] == pytest.approx(bare, abs=1e-6 * np.abs(bare).max())
-
-
-def resolved(**tables):
-    """A case of twenty balls of 5 mm, soft as in the small damper, with some tables changed."""
-    document = {
-        "name": "small",
-        "enclosure": {"diameter": "20 mm", "height": "25 mm"},
-        "particles": {"shape": "sphere:5mm", "count": 20},
-        "law": {"youngs_modulus": "0.1 GPa"},
-        "fill": {"settle_time": "20 ms"},
-        "run": {"cycles": 4, "discard": 2, "time_step": "5 us"},
-        "output": {"samples": 50, "frames": 10},
-    }  # fmt: skip
-    for name, table in tables.items():
-        document[name] = {**document.get(name, {}), **table}
-    return DamperCase.resolve(document, "small", Path())
 
 
 def test_a_host_of_a_million_beds_moves_as_prescribed(runs):
@@ -244,14 +227,3 @@ def test_a_host_that_is_let_go_loses_in_a_cycle_what_a_shaker_gives_at_that_ampl
         behind = b.mean() / (heavy * omega**2) + 2 * np.pi * 0.0005
         assert abs(a.mean() - b.mean()) < 4.59 * error + behind * b.mean(), gamma
         assert error < 0.1 * b.mean()
-
-
-def works(result, omega):
-    """Work on the bed in each cycle [J], and the enclosure's amplitude in it [m]."""
-    from granulab.campaign.runs.trajectory import read_trajectory
-
-    samples = read_trajectory(Path(result.run_folder))
-    work = np.diff(samples["wall_work"][::50])
-    turned = np.exp(-1j * omega * samples["time"][1:])
-    size = np.abs(2 * (samples["displacement"][1:] * turned).reshape(-1, 50).mean(axis=1))
-    return work, size
