@@ -2,10 +2,13 @@
 
 import csv
 import json
+import math
 
 import pytest
 from refusals import assert_refused
 from small_damper import damper3d, write_damper
+
+from damper3d.studies.field.simulated import response_cases
 
 FORCED = {
     "host.mass": "0.1 kg", "host.frequency": 80.0, "host.damping_ratio": 0.02, "host.force": "2 N",
@@ -27,7 +30,7 @@ def test_simulated_points_are_runs_of_the_host_that_are_not_done_again(tmp_path)
     assert [(one["level"], one["frequency_hz"]) for one in found] == [
         (1, 70), (1, 80), (2, 70), (2, 80),
     ]  # fmt: skip
-    k, zeta = 0.1 * (2 * 3.141592653589793 * 80) ** 2, 0.02
+    k, zeta = 0.1 * (2 * math.pi * 80) ** 2, 0.02
     assert found[1]["bare_amplitude_m"] == pytest.approx(2 / (2 * zeta * k))
     assert found[3]["bare_amplitude_m"] == pytest.approx(2 * found[1]["bare_amplitude_m"])
     assert all(0 < one["amplitude_m"] < 0.02 for one in found)
@@ -41,6 +44,17 @@ def test_simulated_points_are_runs_of_the_host_that_are_not_done_again(tmp_path)
     assert (out / "response-small.png").stat().st_size > 10_000
     again = respond(path, out, *asked, "--levels", "1,2,0.5", "--no-figures")
     assert "6 runs (4 were there)" in again.out
+
+
+def test_a_steady_run_is_judged_when_its_start_is_forgotten(tmp_path):
+    """exp(-2 pi zeta n f0/f) = 0.01; cycles that the case gives stay as they are."""
+    by_itself = {"run.cycles": None, "run.discard": None}
+    ((_, case),) = response_cases(str(write_damper(tmp_path, FORCED | by_itself)), [1.0], [40.0])
+    assert case.settings.run.steady
+    assert case.settings.run.discard == math.ceil(math.log(100) / (2 * math.pi * 0.02) * 40 / 80)
+    assert case.settings.run.max_cycles > case.settings.run.discard + 20
+    ((_, given),) = response_cases(str(write_damper(tmp_path, FORCED)), [1.0], [40.0])
+    assert (given.settings.run.cycles, given.settings.run.discard) == (4, 2)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ The runs are those of a case with a [host] at other amplitudes and frequencies o
 the folders of a sweep: finished ones are not done again.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,6 +12,7 @@ from damper3d.case.case import DamperCase
 from damper3d.studies.field.structure import DRIVES, Structure, structure_of
 from granulab.campaign.sweeps.sweep import Labelled
 
+LEFT = 0.01  # of the difference from the steady motion with which a run starts
 _UNITS = dict(zip(DRIVES, ("N", "m", "m/s2"), strict=True))
 Rows = list[dict[str, Any]]
 
@@ -20,7 +22,9 @@ def response_cases(
 ) -> list[Labelled]:
     """The case at each level and frequency [Hz], with the labels level and frequency_hz.
 
-    host: a name or path of a case with a [host]. A run is steady unless the case gives its cycles.
+    host: a name or path of a case with a [host]. A run is steady unless the case gives its cycles,
+    and not judged before what its start left has fallen to LEFT: off the resonance it beats, and
+    at the top of a beat ten cycles are like the ten before.
     Raises InputError where the case has no steady response.
     """
     structure = structure_of(DamperCase.load(host))
@@ -32,8 +36,21 @@ def response_cases(
             changes = {f"host.{drive}": size, "motion.frequency": frequency,
                        "output.keep": "summary"}  # fmt: skip
             labels = {"level": level, "frequency_hz": frequency}
-            cases.append((labels, DamperCase.load(host, changes)))
+            case = DamperCase.load(host, changes)
+            if case.settings.run.steady:
+                discard = max(case.settings.run.discard, _forgotten(structure, frequency))
+                case = DamperCase.load(host, {**changes, "run.discard": discard})
+            cases.append((labels, case))
     return cases
+
+
+def _forgotten(structure: Structure, frequency: float) -> int:
+    """Cycles at a frequency [Hz] in which the bare structure's free decay falls to LEFT.
+
+    0 of an undamped one, which forgets by its bed only.
+    """
+    slowest = float((structure.damping_ratio * structure.omega).min())
+    return math.ceil(-math.log(LEFT) * frequency / slowest) if slowest else 0
 
 
 def points(structure: Structure, rows: Rows) -> Rows:
