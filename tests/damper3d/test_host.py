@@ -10,41 +10,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from damper_scenes import acrylic
+from host_scenes import on_host, resolved, works
 from impact_damper import ImpactDamper, first_harmonic
 
-from damper3d.case.case import DamperCase
-from damper3d.case.host import Drive, Modes, bare_amplitude, bare_displacement, host_of
-from damper3d.engine.enclosures import cylinder
+from damper3d.case.host import Drive, Modes, bare_amplitude, bare_displacement
 from damper3d.engine.motions.host import propagator
-from damper3d.engine.simulation import Simulation
-from damper3d.engine.world import build_world
 from damper3d.measures.host import closure, decay_times
 
-UP, RADIUS = np.array([0.0, 0.0, 1.0]), 5e-3
 TWO = Modes(
     2 * np.pi * np.array([20.0, 33.0]), np.array([0.02, 0.05]), np.array([1.5, -0.8]),
     np.array([0.7, 1.1]), np.array([0.9, -0.3]),
 )  # fmt: skip
-
-
-def on_host(modes, drive, *, mass, gap, dt, restitution=0.6, steps_per_sample=1):
-    """A ball of a mass in the middle of a cylinder that it has a gap in, without gravity."""
-    law = acrylic(restitution, 0.0, dashpot=False)
-    density = mass / (4 / 3 * math.pi * RADIUS**3)
-    world = build_world(
-        np.array([[0.0, 0.0, RADIUS + gap / 2]]), np.array([RADIUS]), density=density,
-        enclosure=cylinder(0.05, 2 * RADIUS + gap), pair_law=law, wall_law=law,
-        shaker=host_of(modes, drive, dt, 0.0), direction=UP, gravity=np.zeros(3), time_step=dt,
-    )  # fmt: skip
-    sim = Simulation(world, steps_per_sample)
-    sim.world.spheres.position[:1, 2] += bare_start(sim)
-    return sim
-
-
-def bare_start(sim):
-    """Displacement with which a host begins."""
-    return float(sim.sample()["displacement"][0])
 
 
 def integrated(modes, drive, start, times):
@@ -140,22 +116,6 @@ def test_a_light_ball_leaves_the_modes_alone():
     assert sim.world.shaker.answer.any()
     bare = bare_displacement(heavy, drive, rows["time"])
     assert rows["displacement"] == pytest.approx(bare, abs=1e-6 * np.abs(bare).max())
-
-
-def resolved(**tables):
-    """A case of twenty balls of 5 mm, soft as in the small damper, with some tables changed."""
-    document = {
-        "name": "small",
-        "enclosure": {"diameter": "20 mm", "height": "25 mm"},
-        "particles": {"shape": "sphere:5mm", "count": 20},
-        "law": {"youngs_modulus": "0.1 GPa"},
-        "fill": {"settle_time": "20 ms"},
-        "run": {"cycles": 4, "discard": 2, "time_step": "5 us"},
-        "output": {"samples": 50, "frames": 10},
-    }  # fmt: skip
-    for name, table in tables.items():
-        document[name] = {**document.get(name, {}), **table}
-    return DamperCase.resolve(document, "small", Path())
 
 
 def test_a_host_of_a_million_beds_moves_as_prescribed(runs):
@@ -267,14 +227,3 @@ def test_a_host_that_is_let_go_loses_in_a_cycle_what_a_shaker_gives_at_that_ampl
         behind = b.mean() / (heavy * omega**2) + 2 * np.pi * 0.0005
         assert abs(a.mean() - b.mean()) < 4.59 * error + behind * b.mean(), gamma
         assert error < 0.1 * b.mean()
-
-
-def works(result, omega):
-    """Work on the bed in each cycle [J], and the enclosure's amplitude in it [m]."""
-    from granulab.campaign.runs.trajectory import read_trajectory
-
-    samples = read_trajectory(Path(result.run_folder))
-    work = np.diff(samples["wall_work"][::50])
-    turned = np.exp(-1j * omega * samples["time"][1:])
-    size = np.abs(2 * (samples["displacement"][1:] * turned).reshape(-1, 50).mean(axis=1))
-    return work, size

@@ -54,13 +54,15 @@ class ImpactDamper:
         mean = (self.mass * v + self.ball * u) / total
         return mean - self.ball / total * apart, mean + self.mass / total * apart
 
-    def run(self, end: float, start: tuple[float, float], step: float) -> np.ndarray:
+    def run(
+        self, end: float, start: tuple[float, float], step: float, ball: float = 0.0
+    ) -> np.ndarray:
         """Time, place of the box and number of impacts so far, each step (n, 3).
 
-        start: place and velocity of the box; the ball begins at rest in the middle. The step is to
-        be short against the time between impacts, which are looked for at its end.
+        start: place and velocity of the box; the ball begins at rest in the place given. The step
+        is to be short against the time between impacts, which are looked for at its end.
         """
-        t0, (x0, v0), y0, u0, hits = 0.0, start, 0.0, 0.0, 0
+        t0, (x0, v0), y0, u0, hits = 0.0, start, ball, 0.0, 0
         rows = [(0.0, x0, 0)]
 
         def off(t: float) -> float:

@@ -88,8 +88,10 @@ def structure_of(case: DamperCase) -> Structure:
             f"{case.name}: its host twists, and a field is of a bed that is moved along; give "
             "[host] mass in place of inertia"
         )
-    if modes is None or case.is_decay:
+    if modes is None or case.is_decay or case.excitation is not None:
         why = "its host is let go" if modes is not None else "it has no [host]"
+        if case.excitation is not None:
+            why = "[excitation] is no single sine"
         raise InputError(
             f"{case.name}: {why}, and a steady response is that of one which is moved; give [host] "
             f"with one of {', '.join(DRIVES)}"

@@ -1,0 +1,92 @@
+"""Responses from simulations of structure and bed together: a run a level and frequency.
+
+The runs are those of a case with a [host] at other amplitudes and frequencies of what moves it, in
+the folders of a sweep: finished ones are not done again.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from damper3d.case.case import DamperCase
+from damper3d.studies.field.structure import DRIVES, Structure, structure_of
+from granulab.campaign.sweeps.sweep import Labelled
+
+LEFT = 0.01  # of the difference from the steady motion with which a run starts
+_UNITS = dict(zip(DRIVES, ("N", "m", "m/s2"), strict=True))
+Rows = list[dict[str, Any]]
+
+
+def response_cases(
+    host: str, levels: Sequence[float], frequencies: Sequence[float]
+) -> list[Labelled]:
+    """The case at each level and frequency [Hz], with the labels level and frequency_hz.
+
+    host: a name or path of a case with a [host]. A run is steady unless the case gives its cycles,
+    and not judged before what its start left has fallen to LEFT: off the resonance it beats, and
+    at the top of a beat ten cycles are like the ten before.
+    Raises InputError where the case has no steady response.
+    """
+    structure = structure_of(DamperCase.load(host))
+    drive = next(name for name in DRIVES if getattr(structure, name))
+    cases: list[Labelled] = []
+    for level in levels:
+        size = f"{level * getattr(structure, drive)!r} {_UNITS[drive]}"
+        for frequency in frequencies:
+            changes = {f"host.{drive}": size, "motion.frequency": frequency,
+                       "output.keep": "summary"}  # fmt: skip
+            labels = {"level": level, "frequency_hz": frequency}
+            case = DamperCase.load(host, changes)
+            if case.settings.run.steady:
+                discard = max(case.settings.run.discard, _forgotten(structure, frequency))
+                case = DamperCase.load(host, {**changes, "run.discard": discard})
+            cases.append((labels, case))
+    return cases
+
+
+def _forgotten(structure: Structure, frequency: float) -> int:
+    """Cycles at a frequency [Hz] in which the bare structure's free decay falls to LEFT.
+
+    0 of an undamped one, which forgets by its bed only.
+    """
+    slowest = float((structure.damping_ratio * structure.omega).min())
+    return math.ceil(-math.log(LEFT) * frequency / slowest) if slowest else 0
+
+
+def points(structure: Structure, rows: Rows) -> Rows:
+    """A row for each run: amplitudes with the bed and bare [m]; None where it is not done."""
+    found = []
+    for row in rows:
+        bare = row["level"] * abs(complex(structure.bare([row["frequency_hz"]])[0]))
+        amplitude = row.get("host.amplitude_m")
+        found.append(
+            {
+                "level": row["level"],
+                "frequency_hz": row["frequency_hz"],
+                "bare_amplitude_m": bare,
+                "amplitude_m": amplitude,
+                "reduction": None if amplitude is None else amplitude / bare,
+                "steady": row.get("steady"),
+                "efficiency": row.get("efficiency"),
+                "state": row["state"],
+                "reused": row.get("reused"),
+                "run_folder": row["run_folder"],
+            }
+        )
+    return found
+
+
+def in_words(found: Rows) -> str:
+    """Report of points: a line each."""
+    lines = [f"{'level':>8}{'frequency':>13}{'bare':>13}{'simulated':>13}{'reduction':>11}"]
+    for one in found:
+        start = (
+            f"{one['level']:8g}{one['frequency_hz']:10.4g} Hz{1e3 * one['bare_amplitude_m']:10.4g} "
+            "mm"
+        )
+        if one["amplitude_m"] is None:
+            lines.append(f"{start}  {one['state']}")
+            continue
+        settled = "" if one["steady"] in (True, None) else "  not steady: give more --max-cycles"
+        lines.append(f"{start}{1e3 * one['amplitude_m']:10.4g} mm{one['reduction']:11.3f}{settled}")
+    return "\n".join(lines)
