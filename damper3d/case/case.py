@@ -453,7 +453,7 @@ def _resolved(
     )
     tangential = max(pairing.law.tangential for pairing in pairings)
     mobility = 0.0 if modes is None else float(modes.shape @ modes.shape)
-    load = count * density * particle.volume * mobility
+    load = count * density * particle.volume * mobility if mobility else 0.0  # not infinity times 0
     steps = [time_steps(one, own, tangential, settings, where, load) for one, own in smallest]
     shortest = min(steps, key=lambda one: one.limit)
     check_rolling_step(settings.law, pairings, shortest.free, where)

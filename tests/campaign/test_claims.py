@@ -15,6 +15,7 @@ NAN = float("nan")
 # Where the quantities of each file of claims are registered.
 REGISTRIES = {
     "damper_cycles": ("damper3d.reproduce.quantities.cycles", "CYCLES"),
+    "damper_design_rules": ("damper3d.reproduce.quantities.rules", "RULES"),
     "damper_experiments": ("damper3d.reproduce.quantities.experiments", "EXPERIMENTS"),
     "damper_map": ("damper3d.reproduce.quantities.maps", "MAPS"),
     "damper_optimum": ("damper3d.reproduce.quantities.optima", "OPTIMA"),

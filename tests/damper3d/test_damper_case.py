@@ -544,6 +544,7 @@ def case_or_line(changes: dict[str, Any]) -> DamperCase | str:
 
 @given(any_changes())
 @example({"motion.direction": [0.0, 1.0, math.nan]})
+@example({"law.density": "5e305 kg/m3"})
 @settings(deadline=None, max_examples=examples(80))
 def test_whatever_stands_in_a_case_file_is_resolved_or_refused_in_one_line(changes):
     """A case is all finite numbers and can be reported; else one line says what is wrong."""

@@ -218,6 +218,7 @@ def test_efficiency_under_one_sine_is_that_of_the_thesis(tmp_path):
     assert summed.phase is None
 
 
+@pytest.mark.validation  # compiles kernels of its own
 def test_energy_is_kept_where_two_motions_cross(tmp_path):
     """The balance closes as along one direction, below 1 %: work is force times both velocities."""
     crossed = {**SINES, "excitation.across": [1, 0, 0],

@@ -208,6 +208,7 @@ def test_init_writes_a_host_that_runs(tmp_path):
     assert json.loads(shown.out)["frequency_hz"] == 20.0
 
 
+@pytest.mark.validation  # compiles kernels of its own
 def test_a_host_that_twists_is_the_bare_one_where_nothing_rubs(tmp_path):
     """Without friction the walls turn past the bed: amplitude T/(2 zeta I w^2) R at resonance.
 
@@ -222,6 +223,7 @@ def test_a_host_that_twists_is_the_bare_one_where_nothing_rubs(tmp_path):
     assert result.host["amplitude_rad"] == pytest.approx(angle, rel=1e-6)
 
 
+@pytest.mark.validation  # compiles kernels of its own
 def test_a_host_that_twists_gives_the_bed_what_it_loses(tmp_path):
     """Friction carries the bed along: the energy of both is closed, and the response falls.
 
@@ -240,6 +242,7 @@ def test_a_host_that_twists_gives_the_bed_what_it_loses(tmp_path):
     assert protocol.run_digest(again) == protocol.run_digest(load(tmp_path, settled))
 
 
+@pytest.mark.validation  # compiles kernels of its own
 def test_a_twist_that_is_cut_off_goes_on_with_its_bits(tmp_path):
     case = load(tmp_path, {**TWISTED, "run.cycles": 6})
     protocol.run(case, out=tmp_path / "whole")
