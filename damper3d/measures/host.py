@@ -106,9 +106,8 @@ def _under_excitation(cycles: Cycles) -> dict[str, Any]:
     assert case.excitation is not None
     mode = case.modes.nearest(0.0)
     mass, omega = float(case.modes.shape[mode] ** -2.0), float(case.modes.omega[mode])
-    base = case.excitation.base_displacement(samples["time"])
-    bare = case.bare_displacement(samples["time"]) - base
-    own = counted["displacement"] - base[-len(counted["time"]) :]
+    bare, whole = _both(cycles)
+    own = whole[-len(counted["time"]) :]
     bare_rms = float(np.sqrt(np.mean(bare[-len(own) + 1 :] ** 2)))
     rms = float(np.sqrt(np.mean(own[1:] ** 2)))
     shocked = case.excitation.kind == "shock"

@@ -81,9 +81,7 @@ class Excitation:
         """Velocity [m/s] along a second direction at times (n,) [s]; None without one."""
         if not isinstance(self.motion, Crossed):
             return None
-        omega, amplitude = self.motion.across.omega, self.motion.across.amplitude
-        angle = omega * time[:, None] + self.motion.across.phase
-        return np.asarray(np.cos(angle) @ (omega * amplitude))
+        return Lines(*self.motion.across[:3]).at(time)[1]
 
     def rim_velocity(self, time: np.ndarray) -> np.ndarray | None:
         """Velocity [m/s] of the rim of an enclosure that turns, at times (n,); None of others."""
@@ -240,6 +238,11 @@ def _lines(keys: Keys, on: str, prefix: str = "") -> Lines:
     return Lines(np.array(amplitude), omega, np.array(phase))
 
 
+def _window_of(frequencies: list[float]) -> float:
+    """Window [s] of sums of sines: their common period, or one of the slowest."""
+    return forms.common_period(frequencies) or 1.0 / min(frequencies)
+
+
 def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitation:
     frequencies = keys.frequencies or []
     if len(set(frequencies)) < len(frequencies):
@@ -253,8 +256,7 @@ def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitatio
         motion = Crossed(motion, _lines(keys, on, "across_").motion(), direction)
     elif keys.across_amplitudes is not None or keys.across_phases is not None:
         raise InputError("across is missing; give the direction of the second motion")
-    window = forms.common_period(frequencies) or 1.0 / min(frequencies)
-    run = settings.run
+    window, run = _window_of(frequencies), settings.run
     windows, discard = run.cycles, run.discard
     if slowest and "cycles" not in run.model_fields_set:
         discard = math.ceil(-math.log(_LEFT) / slowest / window)
@@ -285,12 +287,11 @@ def _rotation(keys: Keys, settings: Settings, on_host: bool) -> Excitation:
     with located("kind = 'rotation':"):
         rim = rim_of(settings)
     lines, run = _lines(keys, "rotation"), settings.run
-    slowest = min(keys.frequencies or [1.0])
+    frequencies = keys.frequencies or []
     return Excitation(
         "rotation", "enclosure", Turning(lines.motion(), 1.0, np.zeros(1)),
-        forms.common_period(keys.frequencies or []) or 1.0 / slowest, run.cycles, run.discard,
-        max(keys.frequencies or []), lines, identity=(lines.amplitude, lines.omega, lines.phase),
-        rim=rim,
+        _window_of(frequencies), run.cycles, run.discard, max(frequencies), lines,
+        identity=(lines.amplitude, lines.omega, lines.phase), rim=rim,
     )  # fmt: skip
 
 

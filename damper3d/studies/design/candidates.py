@@ -117,7 +117,7 @@ def _friction(task: Task) -> float:
 def beds_of(task: Task) -> list[Bed]:
     """Beds of the budget that find room; InputError that names what binds where there is none."""
     space, search = task.spec.space, task.spec.search
-    widest = min(space.width, space.depth or space.width)
+    widest = task.widest
     found, why = [], dict.fromkeys(("few", "many", "wide", "high"), 0)
     for ball in task.catalogue:
         count = math.floor(task.budget / ball.mass * (1 + 1e-9))
@@ -197,8 +197,7 @@ def rule_of_thumb(task: Task, beds: Sequence[Bed]) -> Bed:
 
     Its clearance makes the bare structure's amplitude the optimum (eq. 6.11).
     """
-    widest = min(task.spec.space.width, task.spec.space.depth or task.spec.space.width)
-    return min(beds, key=lambda bed: (abs(bed.ball.diameter - widest / 8), -bed.width))
+    return min(beds, key=lambda bed: (abs(bed.ball.diameter - task.widest / 8), -bed.width))
 
 
 def random_beds(task: Task, beds: Sequence[Bed], number: int) -> list[tuple[Bed, float]]:
@@ -208,13 +207,12 @@ def random_beds(task: Task, beds: Sequence[Bed], number: int) -> list[tuple[Bed,
     """
     rng = np.random.default_rng([task.spec.search.seed, 30])
     found: list[tuple[Bed, float]] = []
-    widest = min(task.spec.space.width, task.spec.space.depth or task.spec.space.width)
     balls = list(dict.fromkeys(bed.ball for bed in beds))
     while len(found) < number:
         ball = balls[int(rng.integers(len(balls)))]
         full = math.floor(task.budget / ball.mass * (1 + 1e-9))
         count = int(rng.integers(max(full // 3, 1), full + 1))
-        width = float(f"{rng.uniform(_NARROWEST * ball.diameter, widest):.4g}")
+        width = float(f"{rng.uniform(_NARROWEST * ball.diameter, task.widest):.4g}")
         bed, part = Bed(ball, count, width), float(rng.uniform())
         if bed.depth + ball.diameter <= task.spec.space.height:
             found.append((bed, part))

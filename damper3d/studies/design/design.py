@@ -23,11 +23,10 @@ from damper3d.studies.design.search import (
     field_cases,
     judge,
     predicted,
+    responses_near,
     search,
-    structure_of,
 )
 from damper3d.studies.design.spec import Task
-from damper3d.studies.field.balance import respond, spaced
 from granulab.campaign.output.statistics import mean_sd, noise_of_one_more, pooled_sd, quantile
 from granulab.errors import InputError, Stopped
 
@@ -235,11 +234,9 @@ def about_peak(task: Task, design: Design) -> list[float]:
 
     There the predicted response has fallen to _BESIDE of it.
     """
-    structure, own = structure_of(task), task.spec.structure.frequency
     assert design.field is not None
-    frequency = spaced(structure, 0.85 * own, 1.15 * own)
-    level = [task.spec.level.range[design.worst]]
-    responses = respond(structure, design.field, frequency, level)
+    responses = responses_near(task, design.field, [task.spec.level.range[design.worst]])
+    frequency = responses.frequency
     each = np.nan_to_num(responses.stable[0]).max(axis=1, initial=0.0)
     top = int(np.argmax(each))
     low = each >= _BESIDE * each[top]

@@ -18,7 +18,7 @@ import numpy as np
 from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.studies.design.candidates import Candidate, scaled, spread
 from damper3d.studies.design.spec import Task
-from damper3d.studies.field.balance import respond, spaced
+from damper3d.studies.field.balance import Responses, respond, spaced
 from damper3d.studies.field.runs import IN_PHASE, OUT_OF_PHASE
 from damper3d.studies.field.structure import Structure
 from damper3d.studies.field.table import Field
@@ -121,14 +121,22 @@ def field_from(rows: Rows, frequency: float) -> Field | None:
     return Field.of(at, own * len(places), mass * len(places), done[0]["mass_kg"])
 
 
+def responses_near(
+    task: Task, own: Field, levels: Sequence[float], factor: float = 1.0
+) -> Responses:
+    """Responses about the structure's frequency, times a factor, with a bed's field."""
+    structure = structure_of(task, factor)
+    centre = factor * task.spec.structure.frequency
+    frequency = spaced(structure, 0.85 * centre, 1.15 * centre)
+    return respond(structure, own, frequency, levels)
+
+
 def judge(
     task: Task, own: Field, levels: Sequence[float], factor: float = 1.0
 ) -> tuple[list[float], list[tuple[float, float]]]:
     """Reduction at each level, and frequency and amplitude of the peak; 1 beyond the field."""
-    structure = structure_of(task, factor)
+    responses = responses_near(task, own, levels, factor)
     centre = factor * task.spec.structure.frequency
-    frequency = spaced(structure, 0.85 * centre, 1.15 * centre)
-    responses = respond(structure, own, frequency, levels)
     reductions, peaks = [], []
     for k in range(len(levels)):
         bare, largest = float(responses.bare[k].max()), responses.largest(k)

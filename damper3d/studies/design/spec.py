@@ -167,6 +167,12 @@ class Task:
         return self.bare_gamma * GRAVITY / self.omega**2
 
     @property
+    def widest(self) -> float:
+        """Largest diameter [m] of a cylinder in the space."""
+        space = self.spec.space
+        return min(space.width, space.depth or space.width)
+
+    @property
     def budget(self) -> float:
         """Largest mass of the particles [kg]."""
         return self.spec.budget.added_mass * self.spec.structure.mass
