@@ -222,8 +222,8 @@ def test_the_example_is_a_specification_that_is_taken(tmp_path):
 
 TINY = {
     "structure.mass": "0.1 kg", "structure.frequency": 80.0, "structure.damping_ratio": 0.02,
-    "level.acceleration": "4 g", "level.range": [1.0], "space.width": "20 mm",
-    "space.height": "20 mm", "budget.catalogue": "own.toml", "budget.added_mass": 0.05,
+    "level.acceleration": "4 g", "level.range": [1.0], "space.width": "25 mm",
+    "space.height": "25 mm", "budget.catalogue": "own.toml", "budget.added_mass": 0.05,
     "search.candidates": 3, "search.verified": 1,
 }  # fmt: skip
 
