@@ -20,7 +20,7 @@ from granulab.errors import InputError
 
 LAYERS = (1.0, 2.5, 6.0)  # of a bed as deep as spheres packed closely in space
 _LAYER = math.pi / 6.0 / (math.pi / (2.0 * math.sqrt(3.0)))  # depth of a full layer, of its volume
-CLEARANCES = np.geomspace(0.25, 16.0, 13)  # over that of the closed form
+CLEARANCES = np.geomspace(0.25, 64.0, 17)  # over that of the closed form
 _LOWEST = 1.2  # Gamma over the threshold of motion, below which no bed damps
 _NARROWEST = 3.0  # diameters of a particle, of an enclosure
 

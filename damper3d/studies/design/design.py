@@ -25,8 +25,10 @@ from damper3d.studies.design.search import (
     predicted,
     responses_near,
     search,
+    structure_of,
 )
 from damper3d.studies.design.spec import Task
+from damper3d.studies.field.simulated import forgotten
 from granulab.campaign.output.statistics import mean_sd, noise_of_one_more, pooled_sd, quantile
 from granulab.errors import InputError, Stopped
 
@@ -173,7 +175,12 @@ class Designer:
         return search(self.task, pool, self.amplitude, number, compute)
 
     def verify(self, designs: Sequence[Design], first_seed: int) -> list[Verified]:
-        """Simulate structure and bed about the predicted peak at the worst level."""
+        """Simulate structure and bed about the predicted peak at the worst level.
+
+        A run is not judged before its start is forgotten: with the damping that the response over
+        the bare one tells.
+        """
+        bare = structure_of(self.task)
         own, orientation = self.task.spec.structure, self.task.spec.level.orientation
         cases, found = [], []
         for number, design in enumerate(designs):
@@ -187,7 +194,8 @@ class Designer:
                 }  # fmt: skip
                 for frequency in about_peak(self.task, design):
                     labels = {"design": number, "seed": seed, "frequency_hz": frequency}
-                    here = changes | {"motion.frequency": frequency}
+                    waits = math.ceil(design.reduction * forgotten(bare, frequency))
+                    here = changes | {"motion.frequency": frequency, "run.discard": waits}
                     cases.append((labels, DamperCase.load("thesis", here)))
         for row in self.run(cases):
             found[row["design"]].rows.append(row)

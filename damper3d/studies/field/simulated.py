@@ -38,13 +38,13 @@ def response_cases(
             labels = {"level": level, "frequency_hz": frequency}
             case = DamperCase.load(host, changes)
             if case.settings.run.steady:
-                discard = max(case.settings.run.discard, _forgotten(structure, frequency))
+                discard = max(case.settings.run.discard, forgotten(structure, frequency))
                 case = DamperCase.load(host, {**changes, "run.discard": discard})
             cases.append((labels, case))
     return cases
 
 
-def _forgotten(structure: Structure, frequency: float) -> int:
+def forgotten(structure: Structure, frequency: float) -> int:
     """Cycles at a frequency [Hz] in which the bare structure's free decay falls to LEFT.
 
     0 of an undamped one, which forgets by its bed only.
