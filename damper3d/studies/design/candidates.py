@@ -1,9 +1,11 @@
-"""Candidates: particles of the catalogue at the full budget, in cylinders of the space.
+"""Candidates: particles of the catalogue up to the budget, in cylinders of the space.
 
 The motion is along the axis of the cylinder. Of each ball there are some widths, from a tall bed to
-a flat one, and clearances about that of the closed form. A bed that is one body without rebound
-damps best where the amplitude is 1/pi of its clearance (thesis, eq. 6.11), at which it takes
-4 V^2 m a cycle: with the power of the force that sets the amplitude, and with it the clearance.
+one that does not cover its floor, with all of the budget or a part (balls that bounce one by one
+may damp better than more of them that carry each other), and clearances about that of the closed
+form. A bed that is one body without rebound damps best where the amplitude is 1/pi of its clearance
+(thesis, eq. 6.11), at which it takes 4 V^2 m a cycle: with the power of the force that sets the
+amplitude, and with it the clearance.
 """
 
 import math
@@ -18,8 +20,9 @@ from damper3d.case.random_packing import CLOSE_PACKING
 from damper3d.studies.design.spec import Ball, Task
 from granulab.errors import InputError
 
-LAYERS = (1.0, 2.5, 6.0)  # of a bed as deep as spheres packed closely in space
-_LAYER = math.pi / 6.0 / (math.pi / (2.0 * math.sqrt(3.0)))  # depth of a full layer, of its volume
+LAYERS = (0.6, 1.0, 2.5, 6.0)  # below one, of the floor that a full layer covers
+SHARES = (1.0, 0.6)  # of the budget
+_LAYER = math.pi / (3.0 * math.sqrt(3.0))  # volume of a hexagonal layer over floor and diameter
 CLEARANCES = np.geomspace(0.25, 64.0, 17)  # over that of the closed form
 _LOWEST = 1.2  # Gamma over the threshold of motion, below which no bed damps
 _NARROWEST = 3.0  # diameters of a particle, of an enclosure
@@ -127,10 +130,11 @@ def beds_of(task: Task) -> list[Bed]:
         if ball.diameter * _NARROWEST > widest:
             why["wide"] += 1
             continue
-        beds = {_bed(ball, count, layers, widest) for layers in LAYERS}
+        counts = {max(math.floor(share * count), search.fewest) for share in SHARES}
+        beds = {_bed(ball, n, layers, widest) for n in counts for layers in LAYERS}
         fit = [bed for bed in beds if bed.depth + ball.diameter <= space.height]
         why["high"] += not fit
-        found += sorted(fit, key=lambda bed: bed.width)
+        found += sorted(fit, key=lambda bed: (bed.count, bed.width))
     if found:
         return found
     sizes = [ball.diameter for ball in task.catalogue]
@@ -149,9 +153,8 @@ def beds_of(task: Task) -> list[Bed]:
 
 
 def _bed(ball: Ball, count: int, layers: float, widest: float) -> Bed:
-    """A bed about as deep as so many layers, or as wide as the space."""
-    depth = max(layers * _LAYER * ball.diameter / CLOSE_PACKING, ball.diameter)
-    area = count * ball.volume / (CLOSE_PACKING * depth)
+    """A bed of so many layers, or as wide as the space."""
+    area = count * ball.volume / (layers * _LAYER * ball.diameter)
     width = max(math.sqrt(4.0 * area / math.pi), _NARROWEST * ball.diameter)
     return Bed(ball, count, float(f"{min(width, widest):.4g}"))
 
@@ -197,7 +200,8 @@ def rule_of_thumb(task: Task, beds: Sequence[Bed]) -> Bed:
 
     Its clearance makes the bare structure's amplitude the optimum (eq. 6.11).
     """
-    return min(beds, key=lambda bed: (abs(bed.ball.diameter - task.widest / 8), -bed.width))
+    wanted = task.widest / 8
+    return min(beds, key=lambda b: (abs(b.ball.diameter - wanted), -b.count, -b.width))
 
 
 def random_beds(task: Task, beds: Sequence[Bed], number: int) -> list[tuple[Bed, float]]:
