@@ -1,7 +1,7 @@
 """A damper's case: settings resolved to enclosure, particles, laws, motion and time step."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -19,17 +19,17 @@ from damper3d.case.contacts import (
 )
 from damper3d.case.excitation.excitation import Excitation, Peaks
 from damper3d.case.excitation.recorded import COPY
-from damper3d.case.host import (
-    MODES,
+from damper3d.case.host.host import (
     Drive,
-    Modes,
     Shaken,
     bare_displacement,
     bare_rows,
     host_of,
-    modes_copy,
+    ride_together,
     with_motion,
 )
+from damper3d.case.host.modes import MODES, Modes, modes_copy
+from damper3d.case.host.several import as_given, check_alike, documents
 from damper3d.case.parameters import (
     Steps,
     kinds_of_walls,
@@ -93,6 +93,8 @@ class DamperCase:
     excitation: Excitation | None = None  # in place of a sine, of the enclosure or of that host
     peaks: Peaks | None = None  # of the enclosure under it, on a host of the bare one
     arc: float | None = None  # radius [m] at which a host that twists has its displacements
+    dampers: tuple["DamperCase", ...] = ()  # all on the host, where there are several
+    together: Settings | None = None  # then what was given for all of them
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "DamperCase":
@@ -119,8 +121,27 @@ class DamperCase:
     @classmethod
     def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "DamperCase":
         """A case from the tables of a case file; files it names are looked for in `folder`."""
+        given = check_settings(document, where)
+        if given.damper is None:
+            return cls._single(document, where, folder)
+        dampers: list[DamperCase] = []
+        for own, here in documents(document, given, where):
+            first = dampers[0].modes.shape if dampers and dampers[0].modes else None
+            dampers.append(cls._single(own, here, folder, first))
+        check_alike(dampers, where)
+        shortest = min((one.steps for one in dampers), key=lambda steps: steps.time_step)
+        for k, one in enumerate(dampers):
+            steps = replace(shortest, free=one.steps.free)
+            dampers[k] = replace(one, steps=steps)
+        return replace(dampers[(given.host.shown or 1) - 1], dampers=tuple(dampers), together=given)
+
+    @classmethod
+    def _single(
+        cls, document: dict[str, Any], where: str, folder: Path, first: np.ndarray | None = None
+    ) -> "DamperCase":
+        """The case of one damper; first: shape at the first of several on its host."""
         settings = with_usual_cycles(check_settings(document, where), document)
-        shaken = with_motion(settings, folder, where)
+        shaken = with_motion(settings, folder, where, first)
         settings = shaken.settings
         check_protocol(settings, where)
         file = find(settings.particles.materials, "materials", folder)
@@ -278,6 +299,31 @@ class DamperCase:
             return self.excitation.motion
         return motion_of(self.settings.motion, self.name)
 
+    def shown(self, k: int) -> "DamperCase":
+        """The case with its results those of damper number k (from 0) of several."""
+        assert self.together is not None
+        host = self.together.host.model_copy(update={"shown": k + 1 if k else None})
+        together = self.together.model_copy(update={"host": host})
+        return replace(self.dampers[k], dampers=self.dampers, together=together)
+
+    @property
+    def all_particles(self) -> int:
+        """Number of particles of all dampers on the host."""
+        return sum(one.count for one in self.dampers) or self.count
+
+    @property
+    def number(self) -> int:
+        """Number of the damper among those on its host, from 0."""
+        return 0 if self.together is None else (self.together.host.shown or 1) - 1
+
+    @property
+    def shakers(self) -> list[Any]:
+        """What each of the dampers rides on: a new host, whose state they share."""
+        if not self.dampers:
+            return [self.shaker]
+        modes = [one.modes for one in self.dampers if one.modes is not None]
+        return ride_together(self.dampers[0].shaker, modes, [one.weight for one in self.dampers])
+
     def bare_displacement(self, time: np.ndarray) -> np.ndarray:
         """Displacement [m] of the bare host at the times of samples (n,) [s] from 0 on."""
         assert self.modes is not None
@@ -309,20 +355,20 @@ class DamperCase:
 
     def to_toml(self) -> str:
         """The case as a file for the run folder, which has copies of the files it names."""
-        settings = self.settings
+        settings = self.settings if self.together is None else as_given(self.together)
         particles: dict[str, Any] = {"materials": "materials.toml"}
         kinds = settings.particles.kind or []
-        if not any(kind.count for kind in kinds):
+        if self.together is None and not any(kind.count for kind in kinds):
             particles["count"] = self.count
         for copy in self.files:
             if copy.endswith(".obj") and copy != CAVITY_FILE:
                 particles["shape"] = f"mesh:{copy}"
         modes = {"modes": MODES} if MODES in self.files else {}
         excited = {"file": COPY, "column": None, "full_scale": None} if COPY in self.files else {}
-        excitation = self._excitation_keys(excited)
-        own = self.enclosure.keys
+        excitation = self._excitation_keys(settings, excited)
+        own = self.enclosure.keys if self.together is None else {}
         enclosure = {key: size for key, size in own.items() if key in EnclosureKeys.model_fields}
-        if "height" not in own:
+        if self.together is None and "height" not in own:
             enclosure["height"] = None
         return to_toml(
             settings.model_copy(
@@ -335,9 +381,8 @@ class DamperCase:
             )
         )
 
-    def _excitation_keys(self, copied: dict[str, Any]) -> dict[str, Any]:
+    def _excitation_keys(self, settings: Settings, copied: dict[str, Any]) -> dict[str, Any]:
         """The tables of a case with an excitation, which stands for keys of [motion] and [run]."""
-        settings = self.settings
         if self.excitation is None:
             return {}
         psd = settings.excitation.psd
@@ -360,6 +405,7 @@ class DamperCase:
             **length,
             **self._host_identity(),
             **self._excitation_identity(),
+            **self._others_identity(),
             "time_step": self.time_step,
             "yield_velocity": self.yield_velocity,
             "output": self.settings.output.model_dump(),
@@ -371,7 +417,14 @@ class DamperCase:
             return {}
         drive = [] if self.drive is None else vars(self.drive).values()
         arc = [] if self.arc is None else [self.arc]
-        return {"host": [*vars(self.modes).values(), *drive, *arc]}
+        modes = [values for values in vars(self.modes).values() if values is not None]
+        return {"host": [*modes, *drive, *arc]}
+
+    def _others_identity(self) -> dict[str, Any]:
+        """All dampers on its host, and which of them it is; nothing of a single one."""
+        if not self.dampers:
+            return {}
+        return {"dampers": [one.identity() for one in self.dampers], "shown": self.number}
 
     def _excitation_identity(self) -> dict[str, Any]:
         """Numbers that an excitation is made of; nothing without one."""

@@ -49,7 +49,7 @@ def expected_cpu_of_step(case: DamperCase) -> float:
     """
     spheres = len(case.particle.radii)
     each = _OF_A_SPHERE if case.particle.is_sphere else _OF_A_PARTICLE + _OF_A_SUB_SPHERE * spheres
-    return each * case.count
+    return each * case.all_particles
 
 
 def expected_stages(case: DamperCase) -> dict[str, float]:
@@ -85,7 +85,7 @@ def compiling(case: DamperCase) -> tuple[float, int]:
 def checkpoint_interval(case: DamperCase, work: float = CHECKPOINT_WORK) -> int:
     """Samples between checkpoints: whole cycles, or less in cycles that take long."""
     per_cycle = case.settings.output.samples
-    samples = min(max(int(work / (case.count * case.steps_per_sample)), 1), _MOST_SAMPLES)
+    samples = min(max(int(work / (case.all_particles * case.steps_per_sample)), 1), _MOST_SAMPLES)
     return samples if samples < per_cycle else samples // per_cycle * per_cycle
 
 
@@ -100,8 +100,14 @@ def _kept(case: DamperCase) -> tuple[int, int, float, float, float]:
     columns = (
         10 if case.particle.is_sphere else 14
     )  # place, motion, spin, heat; and how it is turned
-    of_contacts = room.CONTACTS * case.count * _OF_A_CONTACT
-    return samples + 1, frames, 8.0 * numbers, 4.0 * columns * case.count, of_contacts
+    of_contacts = room.CONTACTS * case.all_particles * _OF_A_CONTACT
+    return (
+        samples + 1,
+        frames,
+        8.0 * numbers * max(len(case.dampers), 1),
+        4.0 * columns * case.all_particles,
+        of_contacts,
+    )
 
 
 def disk_at_most(case: DamperCase) -> dict[str, int]:
@@ -112,7 +118,7 @@ def disk_at_most(case: DamperCase) -> dict[str, int]:
         numbers=0,
         contacts=(frames, of_contacts),
         parts=samples / checkpoint_interval(case) + 1,
-        checkpoint=case.count * _KEPT_OF_A_PARTICLE,
+        checkpoint=case.all_particles * _KEPT_OF_A_PARTICLE,
         merged=case.settings.output.keep == "all",
     )
 
@@ -123,7 +129,7 @@ def memory_at_most(case: DamperCase) -> int:
     together = min(checkpoint_interval(case), samples)
     unwritten = together * (of_sample + _OF_ARRAYS)
     unwritten += frames / samples * together * (of_frame + of_contacts)
-    return room.in_memory(_PROCESS + frames * case.count * _MEASURED, unwritten)
+    return room.in_memory(_PROCESS + frames * case.all_particles * _MEASURED, unwritten)
 
 
 def warnings(case: DamperCase) -> list[str]:

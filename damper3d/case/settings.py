@@ -265,6 +265,12 @@ class Motion(Extensible):
 _NO_HOST = "no host: the motion is prescribed"
 
 
+# A name, or a number in place of one.
+Place = Annotated[
+    str, BeforeValidator(lambda name: str(name) if type(name) is int else name), Field(min_length=1)
+]
+
+
 class Host(Section):
     """A structure that the enclosure rides on, in place of a prescribed motion.
 
@@ -301,6 +307,14 @@ class Host(Section):
         "this file with columns frequency [Hz], damping_ratio, shape [kg^-0.5] at the damper; "
         "force_shape [kg^-0.5] where the force acts, if not there; participation [kg^0.5] for "
         "base motion", example="modes.csv", left_out="one mode",
+    )  # fmt: skip
+    at: Place | None = key(
+        None, "name of the damper's place: its shapes are the column shape_<at> of that table",
+        example="tip", left_out="the column shape",
+    )  # fmt: skip
+    shown: Annotated[int, Field(ge=1, strict=True)] | None = key(
+        None, "of several dampers, number of the one whose results stand in the run folder itself",
+        example=2, left_out="the first",
     )  # fmt: skip
     force: Force | None = key(
         None, "amplitude of a harmonic force on it", example="0.79 N", left_out="none",
@@ -529,6 +543,16 @@ class Output(Section):
     )  # fmt: skip
 
 
+class Damper(Section):
+    """One of several dampers on the host: keys that it gives stand before those of all."""
+
+    at: Place | None = None
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1, strict=True)] | None = None
+    enclosure: dict[str, Any] | None = None
+    particles: dict[str, Any] | None = None
+    law: dict[str, Any] | None = None
+
+
 class Settings(Section):
     """A whole case file, but for its schema number."""
 
@@ -542,6 +566,7 @@ class Settings(Section):
     fill: Fill = Fill()
     run: Run = Run()
     output: Output = Output()
+    damper: Annotated[list[Damper], Field(min_length=2, max_length=100)] | None = None
 
 
 _FOLLOWS = dict.fromkeys(

@@ -5,8 +5,11 @@
 
 Dashpots that take the velocity half a step back make the energy balance first order in dt; the
 extrapolated u makes them second order. The enclosure's motion is known at all times, or it rides on
-a host (motions/host.py), which takes the forces of a step as the particles do.
+a host (motions/host.py), which takes the forces of a step as the particles do; several dampers may
+ride on one.
 """
+
+import numpy as np
 
 from damper3d.engine.forces import apply_forces
 from damper3d.engine.kinds import move
@@ -38,6 +41,37 @@ def advance(world, n_steps):
         drive_walls(world)
         move(world, shift)
     return n_steps, DONE
+
+
+@uncounted
+def advance_together(worlds, n_steps):
+    """Likewise of dampers on one host, a tuple of worlds of one type, step by step.
+
+    How many steps were taken, DONE or why no more, and of which world.
+    """
+    outcome, which = np.int64(DONE), np.int64(0)
+    for taken in range(n_steps):
+        for k, world in enumerate(worlds):
+            if outcome == DONE:
+                outcome, which = search(world, place_now(world)[0]), k
+        if outcome != DONE:
+            return taken, outcome, which
+        for world in worlds:
+            shift, speed = place_now(world)
+            before = force_so_far(world)
+            apply_forces(world, shift, speed)
+            ride(world, before)
+        for world in worlds:
+            world.counts[STEP] += 1
+            drive_walls(world)
+            move(world, place_now(world)[0])
+    return n_steps, outcome, which
+
+
+@uncounted
+def place_now(world):
+    """Displacement and velocity of a world's enclosure at its step."""
+    return enclosure_at(world.shaker, world.direction, world.counts[STEP] * world.time_step)
 
 
 @uncounted

@@ -1,11 +1,12 @@
 """A bed of particles in motion: the only caller of the kernels."""
 
 import hashlib
+from collections.abc import Sequence
 
 import numpy as np
 
 from damper3d.engine import sampling, state
-from damper3d.engine.integrate import advance, enclosure_at, search
+from damper3d.engine.integrate import advance, advance_together, enclosure_at, search
 from damper3d.engine.motions import Turning, host
 from damper3d.engine.multisphere.pairs import key_of
 from damper3d.engine.records import CLASSES, MECHANISMS
@@ -96,8 +97,8 @@ class Simulation:
         wall_work, are since the phase began. Raises SimulationError where the state is no longer
         finite or an overlap is beyond belief.
         """
-        rows = self._rows(n_samples)
-        done, at_a_time = 0, self._steps_at_a_time() // self.steps_per_sample
+        rows = self.room(n_samples)
+        done, at_a_time = 0, self.steps_at_a_time() // self.steps_per_sample
         while done < n_samples:
             if not at_a_time:  # a sample takes long
                 self._sample_by_parts(rows[done])
@@ -108,16 +109,15 @@ class Simulation:
             )
             done += filled
             if outcome != DONE:  # in the middle of a sample: make room, and go on to its end
-                self._answer(outcome)
+                self.answer(outcome)
                 self.step(self.steps_per_sample - over)
-                self.refresh()
-                sampling.sample(self.world, self.steps_per_sample, rows[done])
+                self.write_sample(rows[done])
                 done += 1
         if not np.isfinite(rows).all():
             raise self.failure("the state is no longer finite")
-        return self._named(rows)
+        return self.named(rows)
 
-    def _rows(self, n_samples: int) -> np.ndarray:
+    def room(self, n_samples: int) -> np.ndarray:
         """Room for samples."""
         own = host.N_HOST_COLUMNS if self._host else 0
         n_walls = len(self.world.walls.force)
@@ -130,7 +130,7 @@ class Simulation:
         shaker = shaker.arc if isinstance(shaker, Turning) else shaker
         return shaker if isinstance(shaker, host.Host) else None
 
-    def _named(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+    def named(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """The columns of samples by name."""
         named = {name: rows[:, column].copy() for name, column in _COLUMNS.items()}
         named["mean_position"] = rows[:, state.POSITION_X : state.VELOCITY_X].copy()
@@ -142,47 +142,53 @@ class Simulation:
             named |= {name: rows[:, own + k].copy() for name, k in _OF_HOST.items()}
         return named
 
-    def _steps_at_a_time(self) -> int:
+    def steps_at_a_time(self) -> int:
         """Steps of a call of the kernels, which hear no Ctrl-C."""
         return max(_AT_A_TIME // (self.n_particles * self.n_spheres), 1)
 
     def _sample_by_parts(self, row: np.ndarray) -> None:
         self.step(self.steps_per_sample)
+        self.write_sample(row)
+
+    def write_sample(self, row: np.ndarray) -> None:
+        """Write the sample of now, whose last steps are taken; SimulationError if not finite."""
         self.refresh()
         sampling.sample(self.world, self.steps_per_sample, row)
+        if not np.isfinite(row).all():
+            raise self.failure("the state is no longer finite")
 
     def step(self, n_steps: int) -> None:
         """Go on for a number of steps; raises as run does."""
-        at_a_time = self._steps_at_a_time()
+        at_a_time = self.steps_at_a_time()
         while n_steps:
             taken, outcome = advance(self.world, min(n_steps, at_a_time))
             n_steps -= taken
             if outcome != DONE:
-                self._answer(outcome)
+                self.answer(outcome)
 
     def sample(self) -> dict[str, np.ndarray]:
         """One row of samples for the state as it is; forces on the walls are not known."""
         self.refresh()
-        rows = self._rows(1)
+        rows = self.room(1)
         sampling.sample(self.world, 1, rows[0])
-        return self._named(rows)
+        return self.named(rows)
 
     def compile(self) -> None:
         """Compile or load the kernels now, so that their time is not taken for a step's."""
-        sampling.advance_sampling(self.world, self.steps_per_sample, self._rows(0))
+        sampling.advance_sampling(self.world, self.steps_per_sample, self.room(0))
 
     def refresh(self) -> None:
         """Make stale lists again now."""
         while self.world.counts[[state.STALE_INNER, state.STALE_WALL]].any():
             outcome = search(self.world, self._shift())
             if outcome != DONE:
-                self._answer(outcome)
+                self.answer(outcome)
 
     def _shift(self) -> tuple[float, float, float]:
         """Displacement of the enclosure now [m]."""
         return enclosure_at(self.world.shaker, self.world.direction, self.time)[0]
 
-    def _answer(self, outcome: int) -> None:
+    def answer(self, outcome: int) -> None:
         """Give a search the room that it lacked, or raise what is wrong."""
         if outcome in _FULL:
             self.world = lengthened(self.world, _FULL[outcome])
@@ -377,3 +383,38 @@ class Simulation:
 def _touching(contacts: state.Contacts, n: int) -> np.ndarray:
     """Return which of the first n contacts of a list touch."""
     return np.flatnonzero(contacts.history[:n, state.DAMPING] >= 0.0)
+
+
+class Together:
+    """Beds of dampers that go on step by step together, on one host; or a single bed."""
+
+    def __init__(self, beds: Sequence[Simulation]) -> None:
+        self.beds = list(beds)
+
+    def run(self, n_samples: int) -> list[dict[str, np.ndarray]]:
+        """Go on for a number of samples; of each bed their columns, as Simulation.run has them."""
+        if len(self.beds) == 1:
+            return [self.beds[0].run(n_samples)]
+        rows = [bed.room(n_samples) for bed in self.beds]
+        for k in range(n_samples):
+            self.step(self.beds[0].steps_per_sample)
+            for bed, own in zip(self.beds, rows, strict=True):
+                bed.write_sample(own[k])
+        return [bed.named(own) for bed, own in zip(self.beds, rows, strict=True)]
+
+    def step(self, n_steps: int) -> None:
+        """Go on for a number of steps; raises as Simulation.run does."""
+        at_a_time = max(min(bed.steps_at_a_time() for bed in self.beds) // len(self.beds), 1)
+        while n_steps:
+            worlds = tuple(bed.world for bed in self.beds)
+            taken, outcome, which = advance_together(worlds, min(n_steps, at_a_time))
+            n_steps -= taken
+            if outcome != DONE:
+                self.beds[which].answer(outcome)
+
+    def compile(self) -> None:
+        """Compile or load the kernels now; see Simulation.compile."""
+        for bed in self.beds:
+            bed.compile()
+        if len(self.beds) > 1:
+            advance_together(tuple(bed.world for bed in self.beds), 0)

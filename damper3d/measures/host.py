@@ -8,6 +8,7 @@ motion, over twice the mass and angular frequency of the mode that is nearest to
 """
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -53,23 +54,26 @@ def decay_times(time: np.ndarray, energy: np.ndarray) -> dict[str, float | None]
     return found
 
 
-def closure(samples: Samples, weight: float) -> float | None:
-    """Energy of host and bed that is unaccounted for, over what moved them [-].
+def closure_of(beds: Sequence[Samples], weights: Sequence[float]) -> float | None:
+    """Energy of a host and the beds of its dampers that is unaccounted for, over what moved it [-].
 
-    weight: of the bed at rest, along the motion [N], whose work on the host displacements from
+    weights: of the beds at rest, along the motion [N], whose work on the host displacements from
     equilibrium leave out. Work of force and base = change of the host's energy + its own damping +
-    what the bed dissipates + change of the bed's energy; what moved them is that work, or the
-    energy of a host that was let go.
+    what the beds dissipate + change of their energy; what moved it is that work, or the energy of
+    a host that was let go.
     """
 
-    def change(name: str) -> float:
+    def change(samples: Samples, name: str) -> float:
         return float(samples[name][-1] - samples[name][0])
 
-    sunk = weight * change("displacement")
-    bed = float(held(samples)[-1] - held(samples)[0])
-    lost = float(dissipated(samples)[-1] - stiffness_work(samples)[-1])
-    left = change("host_work") - change("host_damping") - change("host_energy") - sunk - bed - lost
-    moved = max(abs(change("host_work")), float(samples["host_energy"][0]))
+    host = beds[0]
+    left = change(host, "host_work") - change(host, "host_damping") - change(host, "host_energy")
+    for samples, weight in zip(beds, weights, strict=True):
+        sunk = weight * change(samples, "displacement")
+        own = float(held(samples)[-1] - held(samples)[0])
+        lost = float(dissipated(samples)[-1] - stiffness_work(samples)[-1])
+        left = left - sunk - own - lost
+    moved = max(abs(change(host, "host_work")), float(host["host_energy"][0]))
     return left / moved if moved else None
 
 
@@ -92,7 +96,7 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
         "decay_times_s": (
             decay_times(samples["time"], samples["host_energy"]) if case.is_decay else None
         ),
-        "energy_closure": closure(samples, case.weight),
+        "energy_closure": closure_of([samples], [case.weight]),
     }
 
 
@@ -125,7 +129,7 @@ def _under_excitation(cycles: Cycles) -> dict[str, Any]:
         "bare_scatter_db": 4.34 / math.sqrt(seen) if noisy else None,
         "added_damping_ratio": added_damping_ratio(counted, mass, omega),
         "decay_times_s": _after_pulse(cycles) if shocked else None,
-        "energy_closure": closure(samples, case.weight),
+        "energy_closure": closure_of([samples], [case.weight]),
     }
 
 

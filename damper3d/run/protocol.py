@@ -3,7 +3,8 @@
 import dataclasses
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +12,15 @@ import numpy as np
 
 from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.case.plan import compiling, expected_stages
-from damper3d.engine.simulation import Simulation
+from damper3d.engine.simulation import Together
 from damper3d.measures.phases.criteria import phase_of_run
 from damper3d.run.fill import fill, resting
 from damper3d.run.folders import shaken
 from damper3d.run.packing import REFILLED, Packing, load_packing, packing_folder, save_packing
 from damper3d.run.result import Result, first_counted, summarise
+from damper3d.run.several import beside, folder_beside
 from damper3d.run.sources import MEASURES, SOURCES
-from damper3d.run.vibration import Clock, vibrate
+from damper3d.run.vibration import BESIDE, Clock, Shaken, restore, vibrate
 from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.protocol import Progress, Runs, Stop, damaged, kept, restored
 from granulab.campaign.runs.provenance import Warn, to_stderr
@@ -42,14 +44,17 @@ def _compute(
 ) -> dict[str, Any]:
     """The results of a damper: filled, settled and shaken, or gone on with."""
     stages.expect(**expected_stages(case))
-    packing = get_packing(case, folder.path.resolve().parent, stages, stop, warn)
-    sim, clock = _start_or_resume(folder, case, packing, warn)
-    writer = TrajectoryWriter(folder.path, parts=clock.parts)
-    writer.write_static(*describe(case, packing))
-    vibrate(sim, case, folder, writer, clock, stages, stop)
+    root = folder.path.resolve().parent
+    packings = [get_packing(one, root, stages, stop, warn) for one in case.dampers or (case,)]
+    dampers = _start_or_resume(folder, case, packings, warn)
+    lead = dampers[case.number]
+    vibrate(lead, dampers, stages, stop)
     stages.finish("shaking")
     stages.hedge = ""
-    return _end(folder, case, packing, sim, clock, writer)
+    ended = [_end(one, packing) for one, packing in zip(dampers, packings, strict=True)]
+    if case.dampers:
+        beside(dampers, ended, lead)
+    return ended[case.number]
 
 
 def get_packing(
@@ -92,21 +97,34 @@ def _fill(case: DamperCase, folder: Path, stages: Stages, stop: Stop) -> Packing
 
 
 def _start_or_resume(
-    folder: RunFolder, case: DamperCase, packing: Packing, warn: Warn
-) -> tuple[Simulation, Clock]:
-    """The settled bed in an enclosure that begins to move, or the state of the checkpoint."""
-    sim = resting(case, packing.state["position"][:, :3])
-    try:
-        sim.restore(packing.state)
-    except (IndexError, KeyError, ValueError):
-        raise damaged(packing_folder(case, folder.path.resolve().parent), REFILLED) from None
-    sim.begin_phase(
-        shaker=case.shaker, gravity=np.append(case.gravity, 0.0), time_step=case.time_step
-    )
-    sim.compile()
-    going_on = folder.checkpoint.exists()
-    clock = restored(folder, sim.restore, Clock, "its first cycle", warn) if going_on else None
-    return sim, clock or Clock(filling_cpu_s=packing.cpu_s)
+    folder: RunFolder, case: DamperCase, packings: Sequence[Packing], warn: Warn
+) -> list[Shaken]:
+    """The settled beds in enclosures that begin to move, or the state of the checkpoint."""
+    root, cases, sims = folder.path.resolve().parent, case.dampers or (case,), []
+    for one, packing, shaker in zip(cases, packings, case.shakers, strict=True):
+        sim = resting(one, packing.state["position"][:, :3])
+        try:
+            sim.restore(packing.state)
+        except (IndexError, KeyError, ValueError):
+            raise damaged(packing_folder(one, root), REFILLED) from None
+        gravity = np.append(one.gravity, 0.0)
+        sim.begin_phase(shaker=shaker, gravity=gravity, time_step=one.time_step)
+        sims.append(sim)
+    Together(sims).compile()
+    clock = None
+    if folder.checkpoint.exists():
+        put_back = partial(restore, sims, case.number)
+        clock = restored(folder, put_back, Clock, "its first cycle", warn)
+    clock = clock or Clock(filling_cpu_s=sum(packing.cpu_s for packing in packings))
+    others, dampers = iter(clock.beside), []
+    for k, (one, packing, sim) in enumerate(zip(cases, packings, sims, strict=True)):
+        is_lead = k == case.number
+        own = clock if is_lead else Clock(**next(others, {}))
+        place = folder if is_lead else folder_beside(folder, case, k)
+        writer = TrajectoryWriter(place.path, parts=own.parts)
+        writer.write_static(*describe(one, packing))
+        dampers.append(Shaken(case if is_lead else one, sim, own, place, writer))
+    return dampers
 
 
 def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
@@ -132,21 +150,15 @@ def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray],
     return static, attributes
 
 
-def _end(
-    folder: RunFolder,
-    case: DamperCase,
-    packing: Packing,
-    sim: Simulation,
-    clock: Clock,
-    writer: TrajectoryWriter,
-) -> dict[str, Any]:
+def _end(damper: Shaken, packing: Packing) -> dict[str, Any]:
     """Bring the trajectory into its last form, and the results of a run that has ended."""
+    case, sim, clock, writer = damper.case, damper.sim, damper.clock, damper.writer
     if case.settings.output.keep == "all":
         writer.finish(*describe(case, packing))
     else:
         writer.flush()
     return {
-        **_measured(folder, case, len(clock.lost) - 1),
+        **_measured(damper.folder, case, len(clock.lost) - 1),
         "packing": {
             "fraction": packing.fraction,
             "height_m": packing.height,
@@ -174,15 +186,16 @@ def _measured(folder: RunFolder, case: DamperCase, n_cycles: int) -> dict[str, A
 def _measured_again(
     folder: RunFolder, case: DamperCase, summary: Mapping[str, Any]
 ) -> dict[str, Any] | None:
-    if case.settings.output.keep == "summary" or case.settings.run.steady:
-        return None  # nothing is stored; or the measures decided when the run ended
+    if case.settings.output.keep == "summary" or case.settings.run.steady or case.dampers:
+        return None  # nothing is stored; or the measures decided when it ended; or others count too
     return {**summary, **_measured(folder, case, summary["cycles"])}
 
 
 def _clear(folder: RunFolder, case: DamperCase) -> None:
     """Remove the frames of a run that keeps its results only; where they stay, they do no harm."""
     if case.settings.output.keep == "summary":
-        shutil.rmtree(folder.path / "parts", ignore_errors=True)
+        for place in [folder.path, *folder.path.glob(f"{BESIDE}*")]:
+            shutil.rmtree(place / "parts", ignore_errors=True)
 
 
 RUNS = Runs(

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from damper3d.case.case import DamperCase
-from damper3d.case.host import COUNTED
+from damper3d.case.host.host import COUNTED
 from damper3d.measures import efficiency, excitation, host, response
 from damper3d.measures.counted import Cycles, harmonics
 from damper3d.run.packing import lowest
@@ -68,6 +68,8 @@ class Result(Results):
     max_impact_over_yield_velocity: dict[str, float | None]
     # Response of the host that the enclosure rides on (measures/host.py); None without one.
     host: dict[str, Any] | None = field(default=None, kw_only=True)
+    # Of several dampers on it, a row for each (run/several.py); None of a single one.
+    dampers: list[dict[str, Any]] | None = field(default=None, kw_only=True)
     # What moved it, where that is no single sine (measures/excitation.py); None of a sine.
     excitation: dict[str, Any] | None = field(default=None, kw_only=True)
     phase: str | None  # of the particles' motion; None where too few frames were kept

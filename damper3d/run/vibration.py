@@ -2,16 +2,17 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, astuple, dataclass, field
+from typing import Any
 
 import numpy as np
 
 from damper3d.case.case import DamperCase
-from damper3d.case.host import COUNTED, REACHED
+from damper3d.case.host.host import COUNTED, REACHED
 from damper3d.case.plan import CHECKPOINT_WORK, checkpoint_interval, expected_cpu_of_step
 from damper3d.engine.records import MECHANISMS
-from damper3d.engine.simulation import Simulation
+from damper3d.engine.simulation import Simulation, Together
 from damper3d.measures.efficiency import held, reference_energy, summed
 from damper3d.run.steady import BLOCK, is_steady, keeps_amplitude
 from granulab.campaign.runs.checkpoint import keep_checkpoint
@@ -25,6 +26,7 @@ from granulab.errors import Stopped
 # step 5 %; more means that the state is wrong, not coarse.
 MOST_UNACCOUNTED = 0.2
 _NOTHING = 1e-4  # efficiency below which this is not checked: next to nothing is dissipated
+BESIDE = "damper-"  # begins the name of the folder of another damper on the host, and its arrays
 _LONGEST_LOOK = 0.3  # [s of CPU, as expected] between looks whether to stop
 
 
@@ -41,43 +43,54 @@ class Clock:
     tops: list[float] = field(default_factory=list)  # largest energy of a host in each cycle [J]
     # First harmonic of the host [m] and its largest energy [J] in the cycle that is going on.
     cycle: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    beside: list[dict[str, Any]] = field(default_factory=list)  # clocks of others on the host
+
+
+@dataclass
+class Shaken:
+    """A damper in motion: its case, its bed, and what is kept of it where."""
+
+    case: DamperCase
+    sim: Simulation
+    clock: Clock
+    folder: RunFolder
+    writer: TrajectoryWriter
 
 
 def vibrate(
-    sim: Simulation,
-    case: DamperCase,
-    folder: RunFolder,
-    writer: TrajectoryWriter,
-    clock: Clock,
-    stages: Stages,
-    stop: Callable[[], bool],
+    lead: Shaken, dampers: Sequence[Shaken], stages: Stages, stop: Callable[[], bool]
 ) -> None:
     """Shake from the first moment, or from a checkpoint, to the last cycle.
 
-    Samples, frames and checkpoints come at fixed numbers of steps since the motion began. Raises
-    Stopped when `stop` says so, and SimulationError; the state is kept before either.
+    dampers: all on the host, in their order; lead: the one of them in whose folder the state is
+    kept. Samples, frames and checkpoints come at fixed numbers of steps since the motion began.
+    Raises Stopped when `stop` says so, and SimulationError; the state is kept before either.
     """
-    sim.steps_per_sample = case.steps_per_sample
+    case, together = lead.case, Together([one.sim for one in dampers])
+    for one in dampers:
+        one.sim.steps_per_sample = case.steps_per_sample
     per_cycle, checkpoint = case.settings.output.samples, checkpoint_interval(case, CHECKPOINT_WORK)
     intervals = (per_cycle, frame_interval(case), checkpoint, _look_interval(case))
-    now = sim.steps // case.steps_per_sample
+    now = lead.sim.steps // case.steps_per_sample
     stages.begin(*_so_far(case, now)[:3])
     stages.hedge = " at most" if case.settings.run.steady else ""
     if now == 0:
-        _take(sim, case, writer, clock, sim.sample(), now)
-    while not (now % per_cycle == 0 and _ended(case, clock)):
+        for one in dampers:
+            _take(one, one.sim.sample(), now)
+    while not (now % per_cycle == 0 and all(_ended(one.case, one.clock) for one in dampers)):
         target = min(now - now % every + every for every in intervals)
         began = time.process_time()
-        rows = sim.run(target - now)
-        clock.cpu_s += time.process_time() - began
+        rows = together.run(target - now)
+        lead.clock.cpu_s += time.process_time() - began
         now = target
-        _take(sim, case, writer, clock, rows, now)
+        for one, own in zip(dampers, rows, strict=True):
+            _take(one, own, now)
         if now % checkpoint == 0:
-            _keep(sim, folder, writer, clock)
+            _keep(lead, dampers)
         stages.report(*_so_far(case, now))
         if stop():
-            _keep(sim, folder, writer, clock)
-            raise Stopped(f"go on with: {folder.go_on('damper3d')}")
+            _keep(lead, dampers)
+            raise Stopped(f"go on with: {lead.folder.go_on('damper3d')}")
 
 
 def frame_interval(case: DamperCase) -> int:
@@ -131,22 +144,16 @@ def _note_host(case: DamperCase, clock: Clock, rows: dict[str, np.ndarray], now:
         clock.cycle = [0.0, 0.0, 0.0]
 
 
-def _take(
-    sim: Simulation,
-    case: DamperCase,
-    writer: TrajectoryWriter,
-    clock: Clock,
-    rows: dict[str, np.ndarray],
-    now: int,
-) -> None:
+def _take(damper: Shaken, rows: dict[str, np.ndarray], now: int) -> None:
     """Keep samples, of which the last is number `now`; frames and cycles end with one."""
+    case, clock, sim = damper.case, damper.clock, damper.sim
     if case.modes is not None:
         _note_host(case, clock, rows, now)
     framed = case.settings.output.frames and now % frame_interval(case) == 0
     last = len(rows["time"]) - 1
     for k in range(last + 1):
         row = {name: column[k] for name, column in rows.items()}
-        writer.append(row, tables_of(sim) if framed and k == last else None)
+        damper.writer.append(row, tables_of(sim) if framed and k == last else None)
     if now % case.settings.output.samples == 0:
         clock.lost.append(float(rows["wall_work"][last] - held(rows)[last]))
         attraction = Attraction(*clock.attraction)
@@ -189,9 +196,25 @@ def tables_of(sim: Simulation) -> dict[str, dict[str, np.ndarray]]:
     }
 
 
-def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: Clock) -> None:
-    clock.parts = writer.flush()
-    keep_checkpoint(folder, clock.parts, sim.save(), asdict(clock))
+def _keep(lead: Shaken, dampers: Sequence[Shaken]) -> None:
+    """Write what all dampers go on from: the lead's arrays by their names, others' below BESIDE."""
+    for one in dampers:
+        one.clock.parts = one.writer.flush()
+    arrays = lead.sim.save()
+    others = [(k, one) for k, one in enumerate(dampers) if one is not lead]
+    for k, one in others:
+        arrays |= {f"{BESIDE}{k + 1}/{name}": array for name, array in one.sim.save().items()}
+    lead.clock.beside = [asdict(one.clock) for _, one in others]
+    keep_checkpoint(lead.folder, lead.clock.parts, arrays, asdict(lead.clock))
+
+
+def restore(sims: Sequence[Simulation], lead: int, saved: dict[str, np.ndarray]) -> None:
+    """Put back the arrays of a checkpoint, of which number lead has the plain names."""
+    for k, sim in enumerate(sims):
+        begin = f"{BESIDE}{k + 1}/"
+        own = {name.removeprefix(begin): array for name, array in saved.items()
+               if name.startswith(begin)}  # fmt: skip
+        sim.restore(saved if k == lead else own)
 
 
 def _so_far(case: DamperCase, now: int) -> tuple[str, float, float, str]:

@@ -8,7 +8,9 @@ from damper3d.case.bed import pairs_of
 from damper3d.case.case import DamperCase
 from damper3d.case.contacts import Pairing
 from damper3d.case.excitation.excitation import Excitation
-from damper3d.case.host import COUNTED, REACHED, Drive, Modes
+from damper3d.case.host.host import COUNTED, REACHED, Drive
+from damper3d.case.host.modes import Modes
+from damper3d.case.host.several import name_of
 from damper3d.case.plan import (
     disk_at_most,
     expected_cpu_s,
@@ -105,9 +107,17 @@ def _host_lines(case: DamperCase, modes: Modes) -> list[str]:
     )  # fmt: skip
     if case.excitation is not None:
         what = _excited(case.excitation)
+    others = [
+        f"  damper {k + 1:<4} at {name_of(own, k)}: {one.count} of {one.particle.name}, "
+        f"{one.mass:.4g} kg, seed {one.settings.run.seed}"
+        for k, (own, one) in enumerate(
+            zip((case.together and case.together.damper) or [], case.dampers, strict=True)
+        )
+    ]
     return [
         f"  host        {'; '.join(lines)}; the bed has "
         f"{case.mass * float(modes.shape @ modes.shape):.3g} of its mass",
+        *others,
         f"  motion      {case.orientation}, {what}; without "
         f"the damper: amplitude {case.amplitude:.4g} m, gamma {case.settings.motion.gamma:.4g}, "
         f"peak speed {case.peak_speed:.4g} m/s;",
@@ -232,6 +242,7 @@ def report(result: Result) -> str:
             else [f"  excitation       {excitation.in_words(result.excitation)}"]
         ),
         *([] if result.host is None else [f"  host             {_host(result.host)}"]),
+        *[f"  damper           {_of_damper(row)}" for row in result.dampers or []],
         f"  motion           {result.phase or 'no phase named'}; bed's centre of mass "
         f"{_number(result.bed_height_m)} m up; largest force on the enclosure "
         f"{result.peak_wall_force_n:.4g} N",
@@ -256,6 +267,18 @@ def _host(found: dict[str, Any]) -> str:
     closure = found["energy_closure"]
     closed = "" if closure is None else f"; energy closed to {abs(closure):.2g} of what moved it"
     return f"{host.in_words(found)}{closed}"
+
+
+def _of_damper(row: dict[str, Any]) -> str:
+    """A damper of several on a host in a line."""
+    size = row["rms_m"] if row["amplitude_m"] is None else row["amplitude_m"]
+    kind = "rms" if row["amplitude_m"] is None else "amplitude"
+    less = "" if row["reduction"] is None else f", {row['reduction']:.3g} of the bare"
+    where = "" if row["folder"] == "." else f"; its own folder is {row['folder']}"
+    return (
+        f"{row['at']}: {row['n_particles']} of {row['particles']}, {row['mass_kg']:.4g} kg, {kind} "
+        f"{1e3 * size:.4g} mm{less}, {row['dissipated_power_w']:.4g} W{where}"
+    )
 
 
 def _efficiency(result: Result) -> str:

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from damper3d.case.host import COUNTED, base_of
+from damper3d.case.host.host import COUNTED
+from damper3d.case.host.modes import base_of
 from damper3d.case.parts import enclosure_of, orientation_of
 from damper3d.case.settings import Settings, check_settings, read_settings
 from damper3d.engine.enclosures import Enclosure

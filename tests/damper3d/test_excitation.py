@@ -13,7 +13,8 @@ from damper3d.case.excitation import forms
 from damper3d.case.excitation.excitation import excitation_of
 from damper3d.case.excitation.forms import Lines, Size, Sweep
 from damper3d.case.excitation.recorded import Signal, motion_of
-from damper3d.case.host import Modes, bare_rows
+from damper3d.case.host.host import bare_rows
+from damper3d.case.host.modes import Modes
 from damper3d.case.settings import Settings
 from damper3d.engine.motions import Table, displacement, velocity
 from damper3d.measures.counted import largest_sum

@@ -13,9 +13,10 @@ import pytest
 from host_scenes import on_host, resolved, works
 from impact_damper import ImpactDamper, first_harmonic
 
-from damper3d.case.host import Drive, Modes, bare_amplitude, bare_displacement
+from damper3d.case.host.host import Drive, bare_amplitude, bare_displacement
+from damper3d.case.host.modes import Modes
 from damper3d.engine.motions.host import propagator
-from damper3d.measures.host import closure, decay_times
+from damper3d.measures.host import closure_of, decay_times
 
 TWO = Modes(
     2 * np.pi * np.array([20.0, 33.0]), np.array([0.02, 0.05]), np.array([1.5, -0.8]),
@@ -103,7 +104,7 @@ def test_one_ball_in_a_box_is_an_impact_damper():
     found = first_harmonic(late["time"], late["displacement"], omega)
     assert found == pytest.approx(by_events, rel=0.01)
     assert found < 0.2 * 5e-3  # the bare host has 5 mm: it is damped
-    assert abs(closure(samples, 0.0)) < 1e-3
+    assert abs(closure_of([samples], [0.0])) < 1e-3
 
 
 def test_a_light_ball_leaves_the_modes_alone():

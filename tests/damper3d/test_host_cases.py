@@ -12,7 +12,7 @@ from small_damper import damper3d, write_damper
 from small_silo import the_run
 
 from damper3d.case.case import DamperCase
-from damper3d.case.host import read_modes
+from damper3d.case.host.modes import read_modes
 from damper3d.run import protocol, vibration
 from damper3d.run.steady import keeps_amplitude
 from granulab.errors import Stopped

@@ -8,7 +8,8 @@ import pytest
 from host_scenes import on_host
 from impact_damper import ImpactDamper
 
-from damper3d.case.host import Drive, Modes
+from damper3d.case.host.host import Drive
+from damper3d.case.host.modes import Modes
 
 CYCLE = 1 / 0.95  # [s]
 EACH = 500  # rows of the engine a cycle: 2 ms

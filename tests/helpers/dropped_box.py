@@ -14,7 +14,8 @@ import math
 import numpy as np
 from damper_scenes import DENSITY, GRAVITY, RADIUS, acrylic, poured
 
-from damper3d.case.host import Drive, Modes, host_of
+from damper3d.case.host.host import Drive, host_of
+from damper3d.case.host.modes import Modes
 from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world

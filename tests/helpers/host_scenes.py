@@ -8,7 +8,8 @@ import numpy as np
 from damper_scenes import acrylic
 
 from damper3d.case.case import DamperCase
-from damper3d.case.host import Drive, Modes, host_of
+from damper3d.case.host.host import Drive, host_of
+from damper3d.case.host.modes import Modes
 from damper3d.engine.enclosures import cylinder
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world

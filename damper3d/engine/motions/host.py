@@ -49,8 +49,10 @@ class Host(NamedTuple):
     time_step: float  # dt [s]
     weight: float  # of the bed at rest, along the motion [N]
     kicked: bool  # whether force and base kick the modes, and are not in `alone`
+    closes: bool  # whether it goes on with this damper's push: of several on it, with the last's
     answer: np.ndarray  # (r, 2) y and y' before the kick of now [m kg^0.5, m kg^0.5/s]
-    pushed: np.ndarray  # (1,) F of the last step [N]
+    gathered: np.ndarray  # (r,) modal forces of the dampers that pushed in this step [N kg^-0.5]
+    pushed: np.ndarray  # (r,) those of all in the last step
     books: np.ndarray  # (2,) see above [J]
 
 
@@ -117,14 +119,14 @@ def velocity(host, t):
     """Return its velocity now [m/s], extrapolated by half of the last kick."""
     total = registry.velocity(host.base, t)
     for r in range(len(host.shape)):
-        total += host.shape[r] * mode_rate(host, r, t, host.pushed[0])
+        total += host.shape[r] * mode_rate(host, r, t, host.pushed[r])
     return total
 
 
 @uncounted
 def mode_rate(host, r, t, pushed):
-    """Return q' of mode r in the middle of a kick by the force pushed [N]."""
-    half = 0.5 * host.time_step * (host.shape[r] * pushed + drive_push(host, r, t))
+    """Return q' of mode r in the middle of a kick by the modal force pushed [N kg^-0.5]."""
+    half = 0.5 * host.time_step * (pushed + drive_push(host, r, t))
     return ringing_rate(host.alone, r, t) + host.answer[r, 1] + half
 
 
@@ -145,28 +147,38 @@ def drive_push(host, r, t):
 def kick(host, t, force):
     """Take the bed's force [N] of the step at t [s] to the modes, and go on by a step.
 
-    The powers of this moment are added to the books: of the force, of the base, which moves what
-    the modes hold and, where they are not all modes, a part of the bed by itself, and of the
-    host's dampers.
+    Of several dampers on the host the last one's call goes on. The powers of this moment are added
+    to the books: of the force, of the base, which moves what the modes hold and, where they are
+    not all modes, a part of the bed by itself, and of the host's dampers.
     """
-    pushed, rate_of_base = force - host.weight, registry.velocity(host.base, t)
-    power, own, direct = 0.0, 0.0, 1.0
+    pushed, direct = force - host.weight, 1.0
+    for r in range(len(host.shape)):
+        direct -= host.shape[r] * host.participation[r]
+        host.gathered[r] += host.shape[r] * pushed
+    host.books[WORK] -= host.time_step * direct * pushed * registry.velocity(host.base, t)
+    if host.closes:
+        go_on(host, t)
+
+
+@uncounted
+def go_on(host, t):
+    """Kick the modes by what was gathered in the step at t [s], and let them move to the next."""
+    power, own, rate_of_base = 0.0, 0.0, registry.velocity(host.base, t)
     drive = registry.displacement(host.force, t)
     for r in range(len(host.shape)):
+        pushed, host.gathered[r] = host.gathered[r], 0.0
         q = ringing(host.alone, r, t) + host.answer[r, 0]
         rate = mode_rate(host, r, t, pushed)
         own += host.damping[r] * rate * rate
         held = host.damping[r] * rate + host.omega[r] ** 2 * q
         power += drive * host.force_shape[r] * rate - rate_of_base * host.participation[r] * held
-        direct -= host.shape[r] * host.participation[r]
         y = host.answer[r, 0]
-        push = host.shape[r] * pushed + drive_push(host, r, t)
-        v = host.answer[r, 1] + host.time_step * push
+        v = host.answer[r, 1] + host.time_step * (pushed + drive_push(host, r, t))
         host.answer[r, 0] = host.step[r, 0, 0] * y + host.step[r, 0, 1] * v
         host.answer[r, 1] = host.step[r, 1, 0] * y + host.step[r, 1, 1] * v
-    host.books[WORK] += host.time_step * (power - direct * pushed * rate_of_base)
+        host.pushed[r] = pushed
+    host.books[WORK] += host.time_step * power
     host.books[OWN_DAMPING] += host.time_step * own
-    host.pushed[0] = pushed
 
 
 @uncounted
@@ -175,7 +187,7 @@ def energy(host, t):
     total, rate_of_base = 0.0, registry.velocity(host.base, t)
     for r in range(len(host.shape)):
         q = ringing(host.alone, r, t) + host.answer[r, 0]
-        rate = mode_rate(host, r, t, host.pushed[0]) + host.participation[r] * rate_of_base
+        rate = mode_rate(host, r, t, host.pushed[r]) + host.participation[r] * rate_of_base
         total += 0.5 * (rate * rate + (host.omega[r] * q) ** 2)
     return total
 

@@ -225,15 +225,23 @@ class CaseFile(Generic[Model]):
         for section in type(settings).model_fields:
             table = getattr(settings, section)
             if isinstance(table, Section):
-                written = []
-                for key, field in type(table).model_fields.items():
-                    value = getattr(table, key)
-                    if value is not None:
-                        written.append(f"{key} = {toml_value(value, unit_of(field))}")
-                own = table.model_extra or {}  # keys of what is registered from outside, as written
-                written += [f"{key} = {toml_value(value)}" for key, value in own.items()]
+                written = _written(table)
                 lines += ["", f"[{section}]", *written] if written else []
+            elif isinstance(table, list):  # of tables
+                for one in table:
+                    lines += ["", f"[[{section}]]", *_written(one)]
         return "\n".join(lines) + "\n"
+
+
+def _written(table: Section) -> list[str]:
+    """The keys of a table that have a value, a line each."""
+    lines = []
+    for key, field in type(table).model_fields.items():
+        value = getattr(table, key)
+        if value is not None:
+            lines.append(f"{key} = {toml_value(value, unit_of(field))}")
+    own = table.model_extra or {}  # keys of what is registered from outside, as written
+    return lines + [f"{key} = {toml_value(value)}" for key, value in own.items()]
 
 
 def changed(

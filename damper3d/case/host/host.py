@@ -1,14 +1,9 @@
-"""The host of an enclosure: its modes, what excites them, and the bare response in closed form.
-
-Single mode of a mass M (structure and empty enclosure): omega_0, zeta_0, and shapes 1/sqrt(M), so
-that M x'' + c x' + k x = f + F with c = 2 zeta_0 omega_0 M, k = omega_0^2 M.
-"""
+"""The host of an enclosure: what excites its modes, and the bare response in closed form."""
 
 import cmath
-import csv
 import math
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,52 +19,19 @@ from damper3d.case.excitation.excitation import (
 )
 from damper3d.case.excitation.excitation import given as excitation_given
 from damper3d.case.excitation.forms import PER_CYCLE, Lines
+from damper3d.case.host.modes import Modes, given, modes_of
 from damper3d.case.parts import GRAVITY
 from damper3d.case.settings import Host as HostKeys
 from damper3d.case.settings import Settings
 from damper3d.engine.motions import Sines, at_rest
 from damper3d.engine.motions.host import Host, Ringing, drive_push, propagator, without_bed
-from granulab.contact.files.datafile import is_file
-from granulab.contact.files.units import located, nearest
+from granulab.contact.files.units import located
 from granulab.errors import InputError
 
-MODES = "modes.csv"  # in a run folder
 REACHED = 0.1  # of the first root of the host's energy: where a free decay ends
 _SETTLED = 1e-3  # of a transient, that is left after the most cycles of a steady run
 COUNTED = 20  # cycles of a steady forced host that count: two blocks of ten that agree
 _MOST_CYCLES, _UNDAMPED_CYCLES = 100_000, 1000
-# Columns of a table of modes, and the units that stand behind their names in brackets.
-_UNITS = {
-    "frequency": "Hz", "damping_ratio": "", "shape": "kg^-0.5", "force_shape": "kg^-0.5",
-    "participation": "kg^0.5",
-}  # fmt: skip
-_REQUIRED = ("frequency", "damping_ratio", "shape")
-
-
-@dataclass(frozen=True, eq=False)
-class Modes:
-    """Modes of a structure, of unit modal mass (r,)."""
-
-    omega: np.ndarray  # [rad/s]
-    damping_ratio: np.ndarray  # [-]
-    shape: np.ndarray  # at the damper, along its motion [kg^-0.5]
-    force_shape: np.ndarray  # where the force acts [kg^-0.5]
-    participation: np.ndarray  # [kg^0.5]
-
-    @classmethod
-    def single(cls, mass: float, omega: float, damping_ratio: float) -> "Modes":
-        """One degree of freedom."""
-        shape = np.array([1 / math.sqrt(mass)])
-        return cls(np.array([omega]), np.array([damping_ratio]), shape, shape, 1 / shape)
-
-    def nearest(self, omega: float) -> int:
-        """The mode whose own frequency is nearest [rad/s]."""
-        return int(np.argmin(np.abs(self.omega - omega)))
-
-    def receptance(self, omega: float, drive: np.ndarray) -> np.ndarray:
-        """Modal amplitudes (r,) for a modal force drive e^(i omega t) (r,)."""
-        damping = 2j * self.damping_ratio * self.omega * omega
-        return np.asarray(drive / (self.omega**2 - omega**2 + damping))
 
 
 @dataclass(frozen=True)
@@ -93,17 +55,30 @@ def bare_amplitude(modes: Modes, drive: Drive) -> complex:
 
     The force, or the base's displacement, is real.
     """
+    return complex(drive.base + modes.shape @ _amplitudes(modes, drive))
+
+
+def _amplitudes(modes: Modes, drive: Drive) -> np.ndarray:
+    """Complex modal amplitudes (r,) of the bare host."""
     forced = drive.force * modes.force_shape + drive.base * drive.omega**2 * modes.participation
-    q = modes.receptance(drive.omega, forced)
-    return complex(drive.base + modes.shape @ q)
+    return modes.receptance(drive.omega, forced)
+
+
+def ride_together(host: Host, modes: Sequence[Modes], weights: Sequence[float]) -> list[Host]:
+    """The host as each of several dampers at their shapes rides on it; all share its state."""
+    last = len(modes) - 1
+    return [
+        host._replace(shape=one.shape.copy(), weight=weight, closes=k == last)
+        for k, (one, weight) in enumerate(zip(modes, weights, strict=True))
+    ]
 
 
 def host_of(modes: Modes, drive: Drive | Excitation, time_step: float, weight: float) -> Host:
     """The engine's host; weight: of the bed at rest, along the motion [N].
 
-    A forced host starts on its bare response, with the phase for which the damper moves as
-    X sin(omega t). A release lets go of what a force at the damper pulled off its place, and of
-    what a blow there set in motion. Under an excitation it starts on the bare response to its
+    A forced host starts on its bare response, with the phase for which the (first) damper moves as
+    X sin(omega t). A release lets go of what a force at it pulled off its place, and of what a
+    blow there set in motion. Under an excitation it starts on the bare response to its
     sines, and from rest under one that has none.
     """
     n, kicked = len(modes.omega), isinstance(drive, Excitation)
@@ -122,7 +97,8 @@ def host_of(modes: Modes, drive: Drive | Excitation, time_step: float, weight: f
         omega=modes.omega.copy(), damping=damping,
         step=np.array([propagator(w, c, time_step) for w, c in pairs]),
         time_step=time_step, weight=weight, kicked=kicked,
-        answer=np.zeros((n, 2)), pushed=np.zeros(1), books=np.zeros(2),
+        closes=True, answer=np.zeros((n, 2)), gathered=np.zeros(n), pushed=np.zeros(n),
+        books=np.zeros(2),
     )  # fmt: skip
     if isinstance(drive, Excitation):
         if drive.lines is not None:
@@ -147,9 +123,9 @@ def _alone(modes: Modes, drive: Drive) -> tuple[Ringing, Sines, Sines]:
     """The modes without the bed, the force [N] and the motion of the base [m]."""
     if drive.is_release:
         return _released(modes, drive), at_rest(), at_rest()
-    turn = -cmath.phase(bare_amplitude(modes, drive))  # of e^(i omega t), sines taken
-    forced = drive.force * modes.force_shape + drive.base * drive.omega**2 * modes.participation
-    q = modes.receptance(drive.omega, forced) * cmath.exp(1j * turn)
+    q = _amplitudes(modes, drive)
+    turn = -cmath.phase(drive.base + modes.lead @ q)  # of e^(i omega t), sines taken
+    q = q * cmath.exp(1j * turn)
     omega = np.full(len(q), drive.omega)
     force, base = (
         Sines(np.array([size]), np.array([drive.omega]), np.array([turn]), 0.0)
@@ -182,148 +158,19 @@ def _ringing(
 
 
 def _released(modes: Modes, drive: Drive) -> Ringing:
-    """Free decay of each mode, from a static pull and a blow at the damper."""
-    pull = modes.shape / modes.omega**2
-    place = drive.start_displacement * pull / (modes.shape @ pull)
-    rate = drive.start_velocity * modes.shape / (modes.shape @ modes.shape)
+    """Free decay of each mode, from what it is let go with."""
+    place, rate = _let_go(modes, drive)
     decay = modes.damping_ratio * modes.omega
     own = modes.omega * np.sqrt(1.0 - modes.damping_ratio**2)
     across = (rate + decay * place) / own
     return _ringing(np.hypot(place, across), own, np.arctan2(place, across), decay)
 
 
-def given(keys: HostKeys) -> bool:
-    """True where a case has a host."""
-    return any(value is not None for value in keys.model_dump().values())
-
-
-def modes_of(keys: HostKeys, folder: Path, where: str) -> Modes:
-    """The modes of [host]; InputError where keys or the table of modes are not right."""
-    single = {name: getattr(keys, name) for name in ("mass", "frequency", "damping_ratio")}
-    if keys.modes is not None:
-        both = [name for name, value in single.items() if value is not None]
-        if both:
-            raise InputError(
-                f"{where}: [host] {both[0]} is given, and modes = {keys.modes!r} has it for each "
-                "mode; leave one of them out"
-            )
-        return read_modes(_table(keys.modes, folder), bool(base_of(keys)))
-    for name, value in single.items():
-        if value is None:
-            raise InputError(
-                f"{where}: [host] {name} is missing; a host has mass, frequency and damping_ratio, "
-                "or a table of modes"
-            )
-    omega = 2.0 * math.pi * single["frequency"]
-    return Modes.single(single["mass"], omega, single["damping_ratio"])
-
-
-def _table(name: str, folder: Path) -> Path:
-    """The table of modes that a case names: next to it, or where the command stands."""
-    return folder / name if is_file(folder / name) else Path(name)
-
-
-def modes_copy(keys: HostKeys, folder: Path) -> dict[str, str]:
-    """The table of modes as a file for the run folder: its name and text; one mode has none."""
-    if keys.modes is None:
-        return {}
-    return {MODES: _table(keys.modes, folder).read_text(encoding="utf-8-sig")}
-
-
-def read_modes(path: Path, with_base: bool = False) -> Modes:
-    """Modes from a CSV table, a line each; with_base: the participation factors are needed.
-
-    Raises InputError, one line that names file, line and column.
-    """
-    rows = _rows(path)
-    if len(rows) < 2:
-        raise InputError(f"{path}: no modes; write a head, {_head()}, and a line for each mode")
-    names = [_column(path, cell.strip()) for cell in rows[0]]
-    needed = (*_REQUIRED, "participation") if with_base else _REQUIRED
-    for name in needed:
-        if name not in names:
-            why = ", which base motion needs" if name == "participation" else ""
-            raise InputError(f"{path}: column {name!r} is missing{why}; the head is {_head()}")
-    table = np.array([_mode(path, k, names, row) for k, row in enumerate(rows[1:], 2)])
-    values = dict(zip(names, table.T, strict=True))
-    _check_modes(path, values)
-    shape = values["shape"]
-    return Modes(
-        2.0 * math.pi * values["frequency"], values["damping_ratio"], shape,
-        values.get("force_shape", shape), values.get("participation", np.zeros(len(shape))),
-    )  # fmt: skip
-
-
-def _rows(path: Path) -> list[list[str]]:
-    """The lines of a CSV table that are not empty."""
-    if not is_file(path):
-        raise InputError(f"{path}: no such file; give the table of the host's modes")
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: no CSV table: {error}") from None
-    return [row for row in csv.reader(text.splitlines()) if any(map(str.strip, row))]
-
-
-def _head() -> str:
-    return ", ".join(f"{name} [{unit}]" if unit else name for name, unit in _UNITS.items())
-
-
-def _column(path: Path, cell: str) -> str:
-    """The name of a column from its head, which has the unit that it must have."""
-    name, _, rest = cell.partition("[")
-    name, unit = name.strip(), rest.rstrip("] ").strip().replace("**", "^")
-    if name not in _UNITS:
-        raise InputError(f"{path}: column {cell!r}: {nearest(name, list(_UNITS))}")
-    if unit != _UNITS[name] and (unit or "kg" in _UNITS[name]):
-        said = f"the unit is {unit!r}" if unit else "the unit is missing"
-        raise InputError(
-            f"{path}: column {cell!r}: {said}; shapes of unit modal mass are needed: write "
-            f"'{name} [{_UNITS[name]}]'" if "kg" in _UNITS[name] else
-            f"{path}: column {cell!r}: {said}; write '{name} [{_UNITS[name]}]'"
-        )  # fmt: skip
-    return name
-
-
-def _mode(path: Path, line: int, names: list[str], row: list[str]) -> list[float]:
-    if len(row) != len(names):
-        raise InputError(f"{path}: line {line} has {len(row)} values, its head {len(names)}")
-    found = []
-    for name, cell in zip(names, row, strict=True):
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise InputError(f"{path}: line {line}: {name} = {cell.strip()!r}: no number")
-        found.append(value)
-    return found
-
-
-def _check_modes(path: Path, values: dict[str, np.ndarray]) -> None:
-    for k, (frequency, ratio) in enumerate(
-        zip(values["frequency"], values["damping_ratio"], strict=True), 2
-    ):
-        if not frequency > 0:
-            raise InputError(f"{path}: line {k}: frequency = {frequency:g} Hz: must be above 0")
-        if not 0 <= ratio < 1:
-            raise InputError(
-                f"{path}: line {k}: damping_ratio = {ratio:g}: must be 0 or more and below 1"
-            )
-    if len(set(values["frequency"])) < len(values["frequency"]):
-        repeated = sorted(values["frequency"])
-        twice = next(a for a, b in pairwise(repeated) if a == b)
-        raise InputError(
-            f"{path}: frequency = {twice:g} Hz stands twice; two modes of one frequency act as "
-            "one, whose shape is the root of the sum of their squares"
-        )
-    if not np.any(values["shape"]):
-        raise InputError(f"{path}: every shape is 0: no mode moves the damper")
-
-
-def base_of(keys: HostKeys) -> float | None:
-    """The amplitude of the base as a length [m] or acceleration [m/s2]; None: it does not move."""
-    return keys.base_displacement or keys.base_acceleration
+def _let_go(modes: Modes, drive: Drive) -> tuple[np.ndarray, np.ndarray]:
+    """Modal coordinates and velocities (r,) after a static pull and a blow at the first damper."""
+    pull = modes.lead / modes.omega**2
+    place = drive.start_displacement * pull / (modes.lead @ pull)
+    return place, drive.start_velocity * modes.lead / (modes.lead @ modes.lead)
 
 
 def drive_of(keys: HostKeys, omega: float, where: str) -> Drive:
@@ -392,15 +239,19 @@ class Shaken(NamedTuple):
     arc: float | None = None  # radius [m] at which a host that twists has its displacements
 
 
-def with_motion(settings: Settings, folder: Path, where: str) -> Shaken:
+def with_motion(
+    settings: Settings, folder: Path, where: str, first: np.ndarray | None = None
+) -> Shaken:
     """The settings with what follows from [host] and [excitation], and what these are.
 
     The frequency of the motion is by itself that of the bare host (of several modes, the lowest);
     its gamma is the bare response's. A forced host runs until it is steady, unless cycles are
-    given, and a release until REACHED.
+    given, and a release until REACHED. first: shape at the first damper, see Modes.
     """
     keys, arc = in_arcs(settings, where)
     modes = modes_of(keys, folder, where) if given(keys) else None
+    if modes is not None:
+        modes = replace(modes, first=first)
     slowest, own = 0.0, 0.0
     if modes is not None:
         slowest = float((modes.damping_ratio * modes.omega).min())
@@ -474,7 +325,8 @@ def _bare_gamma(modes: Modes, drive: Drive, where: str) -> float:
     """Largest acceleration of the bare host at the damper over g; of a release, at its start."""
     omega = drive.omega
     if drive.is_release:
-        size = math.hypot(omega * drive.start_displacement, drive.start_velocity) / omega
+        place, rate = _let_go(modes, drive)
+        size = math.hypot(omega * float(modes.shape @ place), float(modes.shape @ rate)) / omega
     else:
         with np.errstate(divide="ignore", invalid="ignore"):
             size = abs(bare_amplitude(modes, drive))
