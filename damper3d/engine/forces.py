@@ -18,8 +18,11 @@ from damper3d.engine.laws.table import face_wall, halo, law_of, normal_force, no
 from damper3d.engine.motions.turning import count_turning, turn_wall
 from damper3d.engine.simd import add_loads, gather, keep_history, whole
 from damper3d.engine.state import (
+    BEGUN,
+    BEYOND,
     BLOCK,
     DAMPING,
+    FASTEST,
     FRICTION,
     HERTZ,
     LAW_TERM,
@@ -37,6 +40,7 @@ from damper3d.engine.state import (
     STIFFNESS,
     TANGENTIAL_DAMPING,
     WALL_WORK,
+    YIELD,
 )
 from damper3d.engine.walls import place_wall, with_wall
 from granulab.contact.hertz import damping_of_impact, mindlin_force, spring_work, with_history
@@ -100,7 +104,7 @@ def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
     """Add the forces of a block of a class, 0 or 1, to their spheres; the sums with theirs."""
     block, dt = world.block, world.time_step
     contact_law(law, whole(n_contacts), block, dt)
-    begin_contacts(law, n_contacts, block, world.fastest, which)
+    begin_contacts(law, n_contacts, block, world.impacts[which])
     keep_history(contacts, begin, n_contacts, block)
     add_loads(world.spheres, contacts, begin, n_contacts, block)
     heat = world.particles.dissipated
@@ -188,12 +192,14 @@ def without_slip(law, history, k, normal, kt_before, kt, moved):
 
 
 @inlined_inner
-def begin_contacts(law, n_contacts, block, fastest, which):
-    """Note the speeds of impacts that begin, and the damping that goes with them."""
+def begin_contacts(law, n_contacts, block, impacts):
+    """Note the impacts that begin, and the damping that goes with their speeds."""
     for k in range(np.uintp(n_contacts)):
         speed = block.impact_speed[k]
         if speed > 0.0:
-            fastest[which] = max(fastest[which], speed)
+            impacts[FASTEST] = max(impacts[FASTEST], speed)
+            impacts[BEGUN] += 1.0
+            impacts[BEYOND] += 1.0 if speed > impacts[YIELD] else 0.0
             hertz, mass = block.constants[entry(HERTZ, k)], block.constants[entry(MASS, k)]
             block.next_history[entry(DAMPING, k)] = damping_of_impact(
                 law_of(law, k), hertz, mass, speed

@@ -3,10 +3,11 @@
 A run keeps its samples as the frames of its trajectory, so many a cycle and one before the first
 cycle: row k per_cycle is the end of cycle k. Energies of mechanisms and the wall work are summed
 since the motion began, what the bed holds is that of the moment, forces are means over the time
-since the row before, and impact speeds the largest since then.
+since the row before, impact speeds the largest and impacts the number since then.
 """
 
 from collections.abc import Mapping
+from itertools import chain
 
 import numpy as np
 
@@ -32,9 +33,12 @@ UNITS = {
     "mean_position": "m",  # (3,) of the bed's mass, relative to the enclosure
     "mean_velocity": "m/s",  # (3,) likewise, in the laboratory
 }
-# Columns of an enclosure on a host: its energy from static equilibrium; the work of force and base
-# on it, and what its own dampers took.
+# Columns that not all runs have. Of an enclosure on a host: its energy from static equilibrium; the
+# work of force and base on it, and what its own dampers took. Of all but those that an earlier
+# version began: impacts since the row before, and those of them beyond the yield velocity.
 HOST_UNITS = dict.fromkeys(("host_energy", "host_work", "host_damping"), "J")
+IMPACTS = {pair: (f"impacts_{pair}", f"impacts_beyond_yield_{pair}") for pair in CLASSES}
+OWN_UNITS = {**HOST_UNITS, **dict.fromkeys(chain(*IMPACTS.values()), "1")}
 
 
 def cut(samples: Samples, per_cycle: int, first: int, last: int | None = None) -> Samples:

@@ -47,6 +47,7 @@ from damper3d.engine.state import (
     STIFFNESS,
     TIME,
     VELOCITY,
+    YIELD,
 )
 from damper3d.engine.walls import place_wall
 from granulab.contact.hertz import mindlin_force, spring_energy
@@ -89,8 +90,9 @@ def sample(world, steps, row):
     mean_motion(world, shift, row)
     elastic_energies(world, shift, speed, row)
     for c in range(2):
-        row[IMPACT_PP + c] = world.fastest[c]
-        world.fastest[c] = 0.0
+        for k in range(YIELD):
+            row[IMPACT_PP + 2 * k + c] = world.impacts[c, k]
+            world.impacts[c, k] = 0.0
     for b in range(N_BALANCE):
         row[N_COLUMNS + b] = world.balance[b]
     force = world.walls.force

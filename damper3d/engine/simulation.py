@@ -9,7 +9,7 @@ from damper3d.engine import sampling, state
 from damper3d.engine.integrate import advance, advance_together, enclosure_at, search
 from damper3d.engine.motions import Turning, host
 from damper3d.engine.multisphere.pairs import key_of
-from damper3d.engine.records import CLASSES, MECHANISMS
+from damper3d.engine.records import CLASSES, IMPACTS, MECHANISMS
 from damper3d.engine.state import (
     DONE,
     INNER_FULL,
@@ -45,6 +45,11 @@ _COLUMNS = {
     for c, name in enumerate(CLASSES)
     for m, mechanism in enumerate(_BOOKS)
 }
+_OF_IMPACTS = {
+    name: column + c
+    for c, pair in enumerate(CLASSES)
+    for name, column in zip(IMPACTS[pair], (state.BEGUN_PP, state.BEYOND_PP), strict=True)
+}
 _OF_HOST = {
     "host_energy": host.HOST_ENERGY,
     "host_work": host.HOST_WORK,
@@ -62,6 +67,7 @@ class Simulation:
         self.world = world
         self.steps_per_sample = steps_per_sample
         self._kind = kind_of(world)
+        self._counts_impacts = True  # but in a run that an earlier version began
 
     @property
     def n_particles(self) -> int:
@@ -138,6 +144,8 @@ class Simulation:
         n_walls, forces = len(self.world.walls.force), state.N_COLUMNS + state.N_BALANCE
         own = forces + 3 * n_walls
         named["wall_force"] = rows[:, forces:own].copy().reshape(len(rows), n_walls, 3)
+        if self._counts_impacts:
+            named |= {name: rows[:, column].copy() for name, column in _OF_IMPACTS.items()}
         if self._host:
             named |= {name: rows[:, own + k].copy() for name, k in _OF_HOST.items()}
         return named
@@ -296,7 +304,7 @@ class Simulation:
             "wall_force": world.walls.force.copy(),
             "step": world.counts[[state.STEP]],
             "books": world.balance.copy(),
-            "fastest": world.fastest.copy(),
+            "impacts": world.impacts[:, : state.YIELD].copy(),
             **{f"host_{name}": array.copy() for name, array in self._of_host().items()},
         }
 
@@ -327,7 +335,11 @@ class Simulation:
         world.counts[state.STEP] = saved["step"][0]
         world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
         world.balance[:] = saved["books"]
-        world.fastest[:] = saved["fastest"]
+        self._counts_impacts = "impacts" in saved
+        if self._counts_impacts:
+            world.impacts[:, : state.YIELD] = saved["impacts"]
+        else:
+            world.impacts[:, state.FASTEST] = saved["fastest"]
         for name, array in self._of_host().items():
             array[:] = saved[f"host_{name}"]
 
@@ -361,7 +373,8 @@ class Simulation:
         self.world.counts[[state.STEP, state.INNER_MADE, state.WALL_MADE]] = 0
         self.world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
         self.world.balance[:] = 0.0
-        self.world.fastest[:] = 0.0
+        self.world.impacts[:, : state.YIELD] = 0.0
+        self._counts_impacts = True
         self.world.walls.force[:] = 0.0
         self.world.particles.dissipated[:] = 0.0
 

@@ -49,10 +49,14 @@ DEEPEST = 0.25  # overlap over the sum of the radii that is taken for a failure
 # Columns of a sample; the energies and then the forces on the walls follow.
 (
     TIME, DISPLACEMENT, VELOCITY, KINETIC, POTENTIAL, ELASTIC_NORMAL, ELASTIC_TANGENTIAL,
-    CONTACTS_PP, CONTACTS_PW, IMPACT_PP, IMPACT_PW, POSITION_X, POSITION_Y, POSITION_Z,
-    VELOCITY_X, VELOCITY_Y, VELOCITY_Z,
-) = range(17)  # fmt: skip
-N_COLUMNS = 17
+    CONTACTS_PP, CONTACTS_PW, IMPACT_PP, IMPACT_PW, BEGUN_PP, BEGUN_PW, BEYOND_PP, BEYOND_PW,
+    POSITION_X, POSITION_Y, POSITION_Z, VELOCITY_X, VELOCITY_Y, VELOCITY_Z,
+) = range(21)  # fmt: skip
+N_COLUMNS = 21
+
+# Entries of World.impacts: of the contacts that began since last asked the largest speed [m/s],
+# their number, and the number of those faster than the yield velocity, the last entry [m/s].
+FASTEST, BEGUN, BEYOND, YIELD = range(4)
 
 BLOCK = 32  # contacts that the force pass works on at once: what it finds stays in the first cache
 
@@ -207,7 +211,7 @@ class World(NamedTuple):
     block: Block
     counts: np.ndarray  # (N_COUNTS,) int64
     balance: np.ndarray  # (N_BALANCE,) [J]
-    fastest: np.ndarray  # (2,) largest impact speed of each class since last asked [m/s]
+    impacts: np.ndarray  # (2, 4) of each class, see FASTEST
     lengths: np.ndarray  # (N_LENGTHS,) [m]
     pair_law: Any  # HertzLaw
     wall_law: Any  # likewise

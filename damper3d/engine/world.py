@@ -1,6 +1,7 @@
 """Builds the arrays of a world from particles, an enclosure, laws and motion; lengthens lists."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ def build_world(
     time_step: float,
     curved_wall: bool = False,
     treatment: str = "sum",
+    yields: Sequence[float] = (math.nan, math.nan),
 ) -> World:
     """A world of n particles at rest in an enclosure that is about to move.
 
@@ -54,7 +56,8 @@ def build_world(
     (w, x, y, z), of no rotation if left out; density [kg/m3], of spheres also (n,); laws: a
     HertzLaw each, or for spheres the same LawTable twice; shaker: the numbers of a registered
     motion, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s]; treatment of
-    several contacts of two particles: one of multisphere.particles.TREATMENTS.
+    several contacts of two particles: one of multisphere.particles.TREATMENTS; yields: velocity
+    beyond which impacts of particles, and at walls, are counted [m/s].
     """
     n = len(positions)
     if isinstance(particle, np.ndarray):
@@ -79,7 +82,7 @@ def build_world(
         block=block(),
         counts=_first_counts(),
         balance=np.zeros(state.N_BALANCE),
-        fastest=np.zeros(2),
+        impacts=np.column_stack([np.zeros((2, state.YIELD)), yields]),
         lengths=_first_skins(largest),
         pair_law=pair_law,
         wall_law=wall_law,

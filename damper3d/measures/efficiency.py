@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.engine.records import CLASSES, HELD, MECHANISMS, Samples, per_cycle_change
+from damper3d.engine.records import CLASSES, HELD, IMPACTS, MECHANISMS, Samples, per_cycle_change
 from damper3d.measures.counted import Cycles, read_cycles
 from granulab.campaign.output.figure import BLUE, GREY, headline
 
@@ -192,6 +192,23 @@ def impact_ratios(
     return {
         pair: None if limit is None else fastest[pair] / limit for pair, limit in limits.items()
     }
+
+
+def impacts_beyond_yield(
+    samples: Samples, yield_velocity: Mapping[str, float | None]
+) -> dict[str, float | None] | None:
+    """Part of the impacts of each class that are faster than its yield velocity [-] (eq. 5.26).
+
+    None of a class where that is not known, or without an impact; of samples of earlier versions,
+    which did not count them, None at all.
+    """
+    if IMPACTS[CLASSES[0]][0] not in samples:
+        return None
+    found: dict[str, float | None] = {}
+    for pair in CLASSES:
+        begun, beyond = (float(samples[name][1:].sum()) for name in IMPACTS[pair])
+        found[pair] = beyond / begun if begun and yield_velocity[pair] is not None else None
+    return found
 
 
 def numbers(cycles: Cycles) -> dict[str, Any]:

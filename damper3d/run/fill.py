@@ -113,6 +113,7 @@ def world_of(
         time_step=case.steps.free,
         curved_wall=case.settings.law.wall_curvature,
         treatment=case.settings.law.contact_treatment,
+        yields=[math.nan if v is None else v for v in case.yield_velocity.values()],
     )
 
 

@@ -66,6 +66,8 @@ class Result(Results):
     # strongest over a particle's weight; None in runs of earlier versions.
     pulling: dict[str, float] | None = field(default=None, kw_only=True)
     max_impact_over_yield_velocity: dict[str, float | None]
+    # Part of the impacts that are faster than it; None in runs of earlier versions.
+    impacts_beyond_yield: dict[str, float | None] | None = field(default=None, kw_only=True)
     # Response of the host that the enclosure rides on (measures/host.py); None without one.
     host: dict[str, Any] | None = field(default=None, kw_only=True)
     # Of several dampers on it, a row for each (run/several.py); None of a single one.
@@ -117,6 +119,7 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
         **response.numbers(cycles),
         "bed_height_m": response.bed_height(counted, up, lowest(case.enclosure, up)),
         "max_impact_over_yield_velocity": efficiency.impact_ratios(counted, case.yield_velocity),
+        "impacts_beyond_yield": efficiency.impacts_beyond_yield(counted, case.yield_velocity),
         "host": host.numbers(cycles) if case.modes is not None else None,
         "excitation": excitation.numbers(cycles) if case.excitation is not None else None,
         "steady": _steady(cycles, whole) if run.steady else None,

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from damper3d.engine.records import HOST_UNITS, UNITS
+from damper3d.engine.records import OWN_UNITS, UNITS
 from damper3d.measures.counted import read_cycles
 from damper3d.view.colouring import power
 from damper3d.view.scene import Scene, read_scene
@@ -191,7 +191,7 @@ def samples_csv(scene: Scene) -> bytes:
     """
     per = scene.samples_per_cycle
     columns = {"cycle": np.arange(len(scene.time)) / per}
-    own = {key: unit for key, unit in HOST_UNITS.items() if key in scene.trajectory}
+    own = {key: unit for key, unit in OWN_UNITS.items() if key in scene.trajectory}
     for key, unit in {**UNITS, **own}.items():
         for part, values in _parts(scene, key).items():
             columns["_".join(filter(None, [key, part, _ENDS[unit]]))] = values

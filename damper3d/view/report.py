@@ -340,8 +340,12 @@ def _effective_mass(result: Result) -> str:
 
 
 def _impacts(result: Result) -> str:
-    ratios = result.max_impact_over_yield_velocity
-    return ", ".join(f"{pair.replace('_', '-')} {_number(r)}" for pair, r in ratios.items())
+    ratios, beyond = result.max_impact_over_yield_velocity, result.impacts_beyond_yield or {}
+    return ", ".join(
+        f"{pair.replace('_', '-')} {_number(ratio)}"
+        + (f" ({100 * share:.2g} % beyond it)" if (share := beyond.get(pair)) else "")
+        for pair, ratio in ratios.items()
+    )
 
 
 def _balance(result: Result) -> str:

@@ -109,6 +109,24 @@ def test_the_largest_impact_is_that_of_the_counted_cycles_alone():
     assert found == {"particle_particle": 0.5, "particle_wall": 0.0}
 
 
+def test_the_part_of_impacts_beyond_yield_is_that_of_the_counted_cycles():
+    """Likewise; null without a yield velocity, without an impact, and in samples that lack it."""
+    samples = at_rest()
+    assert efficiency.impacts_beyond_yield(samples, {}) is None
+    begun, beyond = np.zeros((2, len(samples["time"])))
+    begun[3 * PER_CYCLE :: 3], beyond[3 * PER_CYCLE :: 6] = 4.0, 1.0
+    counts = {"impacts_particle_particle": begun, "impacts_particle_wall": np.zeros_like(begun),
+              "impacts_beyond_yield_particle_particle": beyond,
+              "impacts_beyond_yield_particle_wall": np.zeros_like(begun)}  # fmt: skip
+    counted = cut({**samples, **counts}, PER_CYCLE, 3)
+    limits = {"particle_particle": 3.5, "particle_wall": 7.0}
+    found = efficiency.impacts_beyond_yield(counted, limits)
+    share = beyond[3 * PER_CYCLE + 1 :].sum() / begun[3 * PER_CYCLE + 1 :].sum()
+    assert found == {"particle_particle": share, "particle_wall": None}
+    unknown = dict.fromkeys(limits)
+    assert efficiency.impacts_beyond_yield(counted, unknown) == dict.fromkeys(limits)
+
+
 # Response. The projection of sampled means is exact for the fundamental, but for rounding and for
 # the 200 moments by which the made-up force is averaged: (omega step/200)^2/24 = 4e-9 of it.
 CLOSE = 1e-7

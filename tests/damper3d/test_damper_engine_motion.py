@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from damper3d.engine.enclosures import box
 from damper3d.engine.motions import Sines
 from damper3d.engine.simulation import Simulation
+from damper3d.engine.state import YIELD
 from damper3d.engine.world import build_world
 from granulab.contact.files.datafile import data_file
 from granulab.contact.files.table import load_table
@@ -72,11 +73,17 @@ def test_a_bouncing_sphere_of_period_one():
         steps_per_sample=160_000,
     )  # fmt: skip
     sim.step(80_000)  # in the middle of its flight
+    speed = G * period / (1 + e)
+    sim.world.impacts[1, YIELD] = 0.99 * speed
     rows = sim.run(6)
     expected = MASS * G**2 * period**2 * (1 - e) / (2 * (1 + e))
     assert np.diff(rows["wall_work"])[-3:] == pytest.approx(expected, rel=5e-3)
     assert np.diff(rows["normal_damping_particle_wall"])[-3:] == pytest.approx(expected, rel=5e-3)
-    assert rows["impact_speed_particle_wall"][-1] == pytest.approx(G * period / (1 + e), rel=5e-3)
+    assert rows["impact_speed_particle_wall"][-1] == pytest.approx(speed, rel=5e-3)
+    assert rows["impacts_particle_wall"][1:].tolist() == [1] * 5  # one a cycle, beyond 0.99 of it
+    assert rows["impacts_beyond_yield_particle_wall"][1:].tolist() == [1] * 5
+    sim.world.impacts[1, YIELD] = 1.01 * speed
+    assert sim.run(1)["impacts_beyond_yield_particle_wall"].tolist() == [0]
 
 
 @pytest.mark.parametrize("restitution", [1.0, 0.7])

@@ -59,7 +59,8 @@ def as_dict(
         ],
         "robustness": robustness,
         "peak_wall_force_n": _largest(own, design, "peak_wall_force_n"),
-        "impact_over_yield_velocity": _largest_impact(own, design),
+        "impact_over_yield_velocity": _of_pairs(own, design, "max_impact_over_yield_velocity"),
+        "impacts_beyond_yield": _of_pairs(own, design, "impacts_beyond_yield"),
         "dissipated_power_w": _largest(own, design, "dissipated_power_w"),
         "verified_by_simulation": None if own is None or not simulated else {
             "level": own.level,
@@ -88,8 +89,9 @@ def _at_response(design: Design) -> dict[str, Any] | None:
     return design.rows[int(np.argmin(np.abs(np.log(np.array(sizes) / amplitude))))]
 
 
-def _largest_impact(own: Verified | None, design: Design) -> float | None:
-    names = [f"max_impact_over_yield_velocity.{pair}" for pair in _IMPACTS]
+def _of_pairs(own: Verified | None, design: Design, name: str) -> float | None:
+    """Likewise of a column for particles, and for particles and walls."""
+    names = [f"{name}.{pair}" for pair in _IMPACTS]
     found = [value for name in names if (value := _largest(own, design, name)) is not None]
     return max(found, default=None)
 
@@ -127,6 +129,8 @@ def in_words(results: dict[str, Any]) -> str:
     force, impact = best["peak_wall_force_n"], best["impact_over_yield_velocity"]
     if force is not None:
         yields = "" if impact is None else f", impacts up to {impact:.2g} of the yield velocity"
+        if beyond := best["impacts_beyond_yield"]:
+            yields += f", {100 * beyond:.2g} % of them beyond it"
         lines.append(f"the first, {force:.3g} N on its walls at most{yields}, "
                      f"{best['dissipated_power_w']:.3g} W")  # fmt: skip
     lines += [
