@@ -11,7 +11,7 @@ from refusals import assert_refuses
 from small_damper import damper3d
 
 from damper3d.studies.design import candidates as making
-from damper3d.studies.design import design as designing
+from damper3d.studies.design import verification as verifying
 from damper3d.studies.design.candidates import Bed, Candidate
 from damper3d.studies.design.search import (
     Design,
@@ -197,16 +197,38 @@ def test_a_field_judges_a_rigid_bed_and_a_dashpot_as_their_closed_forms(tmp_path
 
 def test_a_peak_is_the_top_of_the_parabola_through_three_points():
     f = [59.0, 60.0, 61.5]
-    assert designing.peak_of(f, [3 - (x - 60.2) ** 2 for x in f]) == pytest.approx(3.0)
-    assert designing.peak_of(f, [3.0, 2.0, 1.0]) == 3.0
+    assert verifying.peak_of(f, [3 - (x - 60.2) ** 2 for x in f]) == pytest.approx(3.0)
+    assert verifying.peak_of([*f, 70.0], [*(3 - (x - 60.2) ** 2 for x in f), 0.0]) == pytest.approx(
+        3.0
+    )
+    assert verifying.peak_of(f, [3.0, 2.0, 1.0]) == 3.0
+
+
+def test_a_peak_at_the_edge_is_looked_for_one_step_further():
+    """On the side of the larger mean over the packings; not where a run has failed."""
+
+    def rows(values, state="done"):
+        return [
+            {"frequency_hz": frequency, "host.amplitude_m": value, "state": state}
+            for frequency, pair in values.items() for value in pair
+        ]  # fmt: skip
+
+    falling, rising = {59.0: (3, 2), 60.0: (2, 2), 61.5: (1, 2)}, {59.0: (1, 1), 60.0: (2, 2)}
+    assert verifying.beyond_edge(rows(falling)) == [58.0]
+    assert verifying.beyond_edge(rows(rising)) == [61.0]
+    assert verifying.beyond_edge(rows({59.0: (3, 0), 60.0: (2, 2), 61.5: (1, 2)})) == []
+    assert verifying.beyond_edge(rows(falling, "failed")) == []
 
 
 def test_intervals_of_verified_designs_pool_their_scatter(tmp_path):
     """Student's for one more packing: of two designs with two packings each, two degrees."""
     bed = Bed(task_of(tmp_path).catalogue[0], 20, 0.03)
     design = Design(Candidate(bed, 0.02, 0.001), reductions=[0.3])
-    made = [designing.Verified(design, 1.0, values) for values in ([0.30, 0.32], [0.40, 0.44])]
-    low, high = designing.interval(made[0], made)
+    levels = [{0: {2: 0.30, 3: 0.25}, 2: {2: 0.20, 3: 0.32}}, {1: {2: 0.40, 3: 0.44, 4: 0.5}}]
+    levels[1][0] = {2: 0.1, 3: 0.1}  # the third packing is not done there
+    made = [verifying.Verified(design, known) for known in levels]
+    assert [one.reductions for one in made] == [[0.30, 0.32], [0.40, 0.44]]  # of the worst level
+    low, high = verifying.interval(made[0], made)
     sd = math.sqrt(sum(mean_sd(np.log(v.reductions).tolist()).sd ** 2 for v in made) / 2)
     middle = math.sqrt(0.30 * 0.32)
     assert math.log(high / middle) == pytest.approx(4.3027 * sd * math.sqrt(1.5), rel=1e-4)
@@ -247,6 +269,8 @@ def test_a_small_design_is_made_told_and_not_computed_again(tmp_path):
     assert low <= first["reduction"] <= high
     assert first["added_mass_kg"] <= 0.05 * 0.1
     assert first["verified_by_simulation"]["reduction"] == first["reduction"]
+    seen = first["verified_by_simulation"]["levels"]
+    assert [one["level"] for one in seen] == [one["level"] for one in first["levels"]]  # all
     assert {one["what"] for one in found["compared"]} <= {"first", "thumb", "random"}
     folder = Path(found["folder"])
     assert {"summary.json", "design.png", "design.html"} == {p.name for p in folder.iterdir()}

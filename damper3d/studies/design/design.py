@@ -5,7 +5,7 @@ Every run goes through the folders of a sweep: a command that is repeated goes o
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -23,46 +23,28 @@ from damper3d.studies.design.search import (
     field_cases,
     judge,
     predicted,
-    responses_near,
     search,
-    structure_of,
 )
 from damper3d.studies.design.spec import Task
-from damper3d.studies.field.simulated import forgotten
-from granulab.campaign.output.statistics import mean_sd, noise_of_one_more, pooled_sd, quantile
+from damper3d.studies.design.verification import (
+    Verified,
+    about_peak,
+    beyond_edge,
+    verification_cases,
+)
 from granulab.errors import InputError, Stopped
 
 _SEARCH_CPU = 1200.0  # [s of CPU] that the search takes by itself
 _REFINED = 1.5  # runs of a field over those that it begins with
 ROUNDS = 2  # of runs at the responses that a field predicts
+EDGES = 3  # times that a peak is looked for further out
 _FEWEST, _MOST = 12, 40  # candidates by itself
-_BESIDE = 0.85  # of the predicted peak, where the structure is simulated on both sides of it
 _FILLING = {"motion.frequency": 100.0, "motion.gamma": 0.5, "run.cycles": 1, "run.discard": 0,
             "fill.settle_time": "60 ms"}  # fmt: skip
 OFF = 0.2  # of level and frequency, for which robustness is asked
 UNSEEN = 1000  # added to the seed for packings that nothing was chosen by
 
 Say = Callable[[str], None]
-
-
-@dataclass
-class Verified:
-    """A design simulated with the structure: peaks at its worst level, for each packing."""
-
-    design: Design
-    level: float
-    reductions: list[float] = field(default_factory=list)  # of each packing
-    rows: Rows = field(default_factory=list)
-
-    @property
-    def sample(self) -> Any:
-        """Logarithms of the reductions as a sample."""
-        return mean_sd([math.log(value) for value in self.reductions])
-
-    def largest(self, name: str) -> float | None:
-        """Largest value of a column of the runs."""
-        found = [row[name] for row in self.rows if isinstance(row.get(name), float)]
-        return max(found, default=None)
 
 
 @dataclass
@@ -175,33 +157,45 @@ class Designer:
         return search(self.task, pool, self.amplitude, number, compute)
 
     def verify(self, designs: Sequence[Design], first_seed: int) -> list[Verified]:
-        """Simulate structure and bed about the predicted peak at the worst level.
+        """Simulate structure and bed together, each design at the level that its field has worst.
 
-        A run is not judged before its start is forgotten: with the damping that the response over
-        the bare one tells.
+        Then the best one at all levels, and the next if that one is no longer the best.
         """
-        bare = structure_of(self.task)
-        own, orientation = self.task.spec.structure, self.task.spec.level.orientation
-        cases, found = [], []
-        for number, design in enumerate(designs):
-            level = self.task.spec.level.range[design.worst]
-            found.append(Verified(design, level))
-            for seed in range(first_seed, first_seed + self.task.spec.search.seeds):
-                changes = design.candidate.changes(orientation, seed) | {
-                    "host.mass": f"{own.mass!r} kg", "host.frequency": own.frequency,
-                    "host.damping_ratio": own.damping_ratio,
-                    "host.force": f"{level * self.task.force!r} N",
-                }  # fmt: skip
-                for frequency in about_peak(self.task, design):
-                    labels = {"design": number, "seed": seed, "frequency_hz": frequency}
-                    waits = math.ceil(design.reduction * forgotten(bare, frequency))
-                    here = changes | {"motion.frequency": frequency, "run.discard": waits}
-                    cases.append((labels, DamperCase.load("thesis", here)))
-        for row in self.run(cases):
-            found[row["design"]].rows.append(row)
-        for one in found:
-            one.reductions = _reductions(self.task, one)
-        return found
+        verified = [Verified(design) for design in designs]
+        self.simulate([(one, one.design.worst) for one in verified], first_seed)
+        every = range(len(self.task.spec.level.range))
+        while able := [one for one in verified if one.reductions]:
+            best = min(able, key=lambda one: one.mean)
+            missing = [(best, level) for level in every if level not in best.levels]
+            if not missing:
+                break
+            self.say("the best at its other levels")
+            self.simulate(missing, first_seed)
+        return verified
+
+    def simulate(self, wanted: Sequence[tuple[Verified, int]], first_seed: int) -> None:
+        """Simulate designs with the structure, each at a level, and note what came out.
+
+        About the predicted peak; and further out while the largest response is at the edge.
+        """
+        seeds = range(first_seed, first_seed + self.task.spec.search.seeds)
+        own: list[Rows] = [[] for _ in wanted]
+        at = [about_peak(self.task, one.design, level) for one, level in wanted]
+        for _ in range(EDGES + 1):
+            cases = [
+                case
+                for number, (one, level) in enumerate(wanted)
+                for case in verification_cases(
+                    self.task, one.design, level, at[number], seeds, number
+                )
+            ]
+            for row in self.run(cases):
+                own[row["design"]].append(row)
+            at = [beyond_edge(rows) for rows in own]
+            if not any(at):
+                break
+        for (one, level), rows in zip(wanted, own, strict=True):
+            one.note(self.task, level, rows)
 
     def robustness(self, design: Design) -> dict[str, float | None]:
         """Reduction at the worst level where level or frequency of the structure are off by OFF."""
@@ -235,63 +229,3 @@ class Designer:
 def _candidate(bed: Bed, height: float, settled: float) -> Candidate:
     rounded = float(f"{height:.5g}")
     return Candidate(bed, rounded, rounded - settled)
-
-
-def about_peak(task: Task, design: Design) -> list[float]:
-    """Frequencies [Hz] of the predicted peak at the worst level, and on both sides of it.
-
-    There the predicted response has fallen to _BESIDE of it.
-    """
-    assert design.field is not None
-    responses = responses_near(task, design.field, [task.spec.level.range[design.worst]])
-    frequency = responses.frequency
-    each = np.nan_to_num(responses.stable[0]).max(axis=1, initial=0.0)
-    top = int(np.argmax(each))
-    low = each >= _BESIDE * each[top]
-    left = top - int(np.argmin(low[top::-1])) if not low[: top + 1].all() else 0
-    right = top + int(np.argmin(low[top:])) if not low[top:].all() else len(each) - 1
-    return sorted({float(f"{frequency[k]:.6g}") for k in (left, top, right)})
-
-
-def peak_of(frequency: Sequence[float], amplitude: Sequence[float]) -> float:
-    """Largest amplitude, by a parabola through three points where it has its top among them."""
-    if len(frequency) == 3 and amplitude[1] >= max(amplitude[0], amplitude[2]):
-        a, b, c = np.polyfit(np.array(frequency) - frequency[1], amplitude, 2)
-        if a < 0:
-            return float(c - b**2 / (4.0 * a))
-    return float(max(amplitude))
-
-
-def _reductions(task: Task, one: Verified) -> list[float]:
-    """Of each packing that is done at all frequencies."""
-    bare = one.level * task.bare_amplitude
-    found = []
-    for seed in dict.fromkeys(row["seed"] for row in one.rows):
-        own = sorted((row for row in one.rows if row["seed"] == seed),
-                     key=lambda row: row["frequency_hz"])  # fmt: skip
-        if all(row["state"] == "done" for row in own):
-            amplitudes = [row["host.amplitude_m"] for row in own]
-            found.append(peak_of([row["frequency_hz"] for row in own], amplitudes) / bare)
-    return found
-
-
-def interval(one: Verified, all_verified: Sequence[Verified]) -> tuple[float, float] | None:
-    """Of 95 %, for one more packing: scatter pooled over all designs; None for too few packings."""
-    pooled = pooled_sd([each.sample for each in all_verified if len(each.reductions) > 1])
-    if pooled is None or not one.reductions:
-        return None
-    half = noise_of_one_more(len(one.reductions), *pooled)
-    middle = math.exp(one.sample.mean)
-    return middle * math.exp(-half), middle * math.exp(half)
-
-
-def of_field(design: Design, all_verified: Sequence[Verified]) -> tuple[float, float] | None:
-    """Interval of a design that was not verified, by how far fields and simulations differ."""
-    off = [
-        math.log(value / each.design.reduction)
-        for each in all_verified for value in each.reductions
-    ]  # fmt: skip
-    if not off:
-        return None
-    half = quantile(len(off)) * math.sqrt(sum(x * x for x in off) / len(off))
-    return design.reduction * math.exp(-half), design.reduction * math.exp(half)

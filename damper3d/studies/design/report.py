@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.case.closed_forms import excitation_amplitude
-from damper3d.studies.design.design import Verified, interval, of_field
 from damper3d.studies.design.search import Design, judge
 from damper3d.studies.design.spec import Task
+from damper3d.studies.design.verification import Verified, interval, of_field
 from granulab.campaign.output.figure import BLUE, GREY, VERMILION, headline
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ _IMPACTS = ("particle_particle", "particle_wall")
 
 def ranked(designs: Sequence[Design], verified: Sequence[Verified]) -> list[Design]:
     """Designs in their order: verified ones by simulations, then the others by their fields."""
-    known = {id(one.design): one.sample.mean for one in verified if one.reductions}
+    known = {id(one.design): one.mean for one in verified if one.reductions}
     return sorted(designs, key=lambda d: (id(d) not in known, known.get(id(d), d.reduction)))
 
 
@@ -36,7 +36,7 @@ def as_dict(
     candidate, own = design.candidate, next((v for v in verified if v.design is design), None)
     simulated = own is not None and bool(own.reductions)
     between = interval(own, verified) if own and simulated else of_field(design, verified)
-    mean = math.exp(own.sample.mean) if own and simulated else design.reduction
+    mean = own.mean if own and simulated else design.reduction
     return {
         "rank": rank,
         "enclosure": {"shape": "cylinder", "diameter_m": candidate.bed.width,
@@ -63,7 +63,10 @@ def as_dict(
         "impacts_beyond_yield": _of_pairs(own, design, "impacts_beyond_yield"),
         "dissipated_power_w": _largest(own, design, "dissipated_power_w"),
         "verified_by_simulation": None if own is None or not simulated else {
-            "level": own.level,
+            "levels": [
+                {"level": task.spec.level.range[level], "reductions": list(seen.values())}
+                for level, seen in sorted(own.levels.items())
+            ],
             "reduction": mean,
             "interval": None if between is None else list(between),
             "reductions": own.reductions,
@@ -119,7 +122,10 @@ def in_words(results: dict[str, Any]) -> str:
             f"{1e3 * size['diameter_m']:.4g} x {1e3 * size['height_m']:.4g} mm".ljust(66 + 0)
             + f"{100 * one['added_mass_ratio']:6.2f} %"
         )
-    lines.append("response over that of the bare structure at the worst level; * simulated with it")
+    lines.append(
+        "response over that of the bare structure at the worst level; * simulated with it, the "
+        "first at all levels, the others at the worst of their fields"
+    )
     best = results["designs"][0]
     if best["robustness"]:
         names = {"level_off": "level a fifth off", "frequency_low": "frequency a fifth lower",
@@ -157,8 +163,9 @@ def draw(task: Task, designs: Sequence[Design], verified: Sequence[Verified]) ->
             left.plot(levels, found, color=_COLOURS[k], label=label)
     for k, design in enumerate(designs[:3]):
         for one in (v for v in verified if v.design is design):
-            left.plot([one.level] * len(one.reductions), one.reductions, "o",
-                      color=_COLOURS[k])  # fmt: skip
+            for level, seen in one.levels.items():
+                there = [task.spec.level.range[level]] * len(seen)
+                left.plot(there, list(seen.values()), "o", color=_COLOURS[k])
     left.axvspan(task.spec.level.range[0], task.spec.level.range[-1], color=GREY, alpha=0.12, lw=0)
     left.set(xlabel="level", ylabel="response over bare response", ylim=(0, None))
     left.legend(fontsize=7)
