@@ -143,6 +143,20 @@ def test_beds_are_shares_of_the_budget_of_each_ball_and_fit_the_space(tmp_path):
     assert all(bed.mass <= task.budget * (1 + 1e-9) and bed.width <= 0.06 for bed, _ in drawn)
 
 
+def test_particles_of_a_catalogue_may_have_a_shape(tmp_path):
+    """A prolate of aspect ratio 2 and the volume of a 5 mm sphere is 2^(2/3) times as long."""
+    (tmp_path / "own.toml").write_text("schema = 1\n" + OWN + 'shape = "prolate:2"\n')
+    task = task_of(tmp_path, {"budget.catalogue": "own.toml", "budget.added_mass": 0.004})
+    (ball,) = task.catalogue
+    assert ball.diameter == 0.005
+    assert ball.extent == pytest.approx(0.005 * 2 ** (2 / 3), rel=1e-3)
+    assert ball.mass == pytest.approx(1190 * math.pi / 6 * 0.005**3, rel=1e-3)
+    beds = making.beds_of(task)
+    assert all(bed.width >= 3 * ball.extent * (1 - 1e-4) for bed in beds)
+    low = making.pool(beds, [0.006] * len(beds), 1e-5, 0.06)
+    assert all(one.height >= ball.extent for one in low)
+
+
 def test_the_first_candidates_lie_apart_and_begin_with_the_closed_form(tmp_path):
     task = task_of(tmp_path)
     beds, amplitude = making.beds_of(task), making.closed_form(task)

@@ -25,7 +25,7 @@ SHARES = (1.0, 0.6)  # of the budget
 _LAYER = math.pi / (3.0 * math.sqrt(3.0))  # volume of a hexagonal layer over floor and diameter
 CLEARANCES = np.geomspace(0.25, 64.0, 17)  # over that of the closed form
 _LOWEST = 1.2  # Gamma over the threshold of motion, below which no bed damps
-_NARROWEST = 3.0  # diameters of a particle, of an enclosure
+_NARROWEST = 3.0  # extents of a particle, of an enclosure
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,11 @@ class Bed:
         """At close packing [m]; of a single layer a diameter."""
         area = math.pi * self.width**2 / 4.0
         return max(self.count * self.ball.volume / (CLOSE_PACKING * area), self.ball.diameter)
+
+    @property
+    def fits(self) -> float:
+        """Least height of an enclosure for it [m]: its depth and a particle."""
+        return self.depth + self.ball.extent
 
 
 @dataclass(frozen=True)
@@ -110,8 +115,8 @@ def _friction(task: Task) -> float:
 
     loaded = [
         DamperCase.load("thesis", dict(ball.changes) | {"particles.count": 1,
-                        "enclosure.diameter": f"{10 * ball.diameter!r} m",
-                        "enclosure.height": f"{10 * ball.diameter!r} m"})
+                        "enclosure.diameter": f"{10 * ball.extent!r} m",
+                        "enclosure.height": f"{10 * ball.extent!r} m"})
         for ball in {ball.kind: ball for ball in task.catalogue}.values()
     ]  # fmt: skip
     return min(case.wall_law.mu for case in loaded)
@@ -127,17 +132,17 @@ def beds_of(task: Task) -> list[Bed]:
         if not search.fewest <= count <= search.most:
             why["few" if count < search.fewest else "many"] += 1
             continue
-        if ball.diameter * _NARROWEST > widest:
+        if ball.extent * _NARROWEST > widest:
             why["wide"] += 1
             continue
         counts = {max(math.floor(share * count), search.fewest) for share in SHARES}
         beds = {_bed(ball, n, layers, widest) for n in counts for layers in LAYERS}
-        fit = [bed for bed in beds if bed.depth + ball.diameter <= space.height]
+        fit = [bed for bed in beds if bed.fits <= space.height]
         why["high"] += not fit
         found += sorted(fit, key=lambda bed: (bed.count, bed.width))
     if found:
         return found
-    sizes = [ball.diameter for ball in task.catalogue]
+    sizes = [ball.extent for ball in task.catalogue]
     lines = {
         "few": f"the mass budget, {task.budget:.4g} kg, is below {search.fewest} particles of "
         f"{why['few']} balls of the catalogue: allow a larger added_mass, or smaller balls",
@@ -155,7 +160,7 @@ def beds_of(task: Task) -> list[Bed]:
 def _bed(ball: Ball, count: int, layers: float, widest: float) -> Bed:
     """A bed of so many layers, or as wide as the space."""
     area = count * ball.volume / (layers * _LAYER * ball.diameter)
-    width = max(math.sqrt(4.0 * area / math.pi), _NARROWEST * ball.diameter)
+    width = max(math.sqrt(4.0 * area / math.pi), _NARROWEST * ball.extent)
     return Bed(ball, count, float(f"{min(width, widest):.4g}"))
 
 
@@ -168,7 +173,7 @@ def pool(
         for part in CLEARANCES:
             clearance = part * math.pi * amplitude
             height = float(f"{settled + clearance:.5g}")
-            if height <= highest:
+            if bed.ball.extent <= height <= highest:
                 found.append(Candidate(bed, height, height - settled))
     return found
 
@@ -216,8 +221,8 @@ def random_beds(task: Task, beds: Sequence[Bed], number: int) -> list[tuple[Bed,
         ball = balls[int(rng.integers(len(balls)))]
         full = math.floor(task.budget / ball.mass * (1 + 1e-9))
         count = int(rng.integers(max(full // 3, 1), full + 1))
-        width = float(f"{rng.uniform(_NARROWEST * ball.diameter, task.widest):.4g}")
+        width = float(f"{rng.uniform(_NARROWEST * ball.extent, task.widest):.4g}")
         bed, part = Bed(ball, count, width), float(rng.uniform())
-        if bed.depth + ball.diameter <= task.spec.space.height:
+        if bed.fits <= task.spec.space.height:
             found.append((bed, part))
     return found

@@ -78,7 +78,7 @@ class Designer:
     def cost_of(self, bed: Bed) -> float:
         """About what a field of a bed costs [s of CPU]."""
         clearance = math.pi * self.amplitude
-        tall = Candidate(bed, bed.depth + clearance, clearance)
+        tall = Candidate(bed, max(bed.depth + clearance, bed.ball.extent), clearance)
         cases = field_cases(self.task, tall, 0, self.task.spec.structure.frequency)
         costs = [DAMPER.expected_cpu_s(case) for _, case in cases]
         return costs[0][0] + _REFINED * sum(run for _, run in costs)
@@ -227,5 +227,5 @@ class Designer:
 
 
 def _candidate(bed: Bed, height: float, settled: float) -> Candidate:
-    rounded = float(f"{height:.5g}")
+    rounded = float(f"{max(height, 1.001 * bed.ball.extent):.5g}")
     return Candidate(bed, rounded, rounded - settled)

@@ -113,7 +113,8 @@ class Ball:
     """Particles of one kind and size in a catalogue."""
 
     kind: str
-    diameter: float  # [m]
+    diameter: float  # of the sphere of its volume [m]
+    extent: float  # the longest [m]
     density: float  # [kg/m3]
     changes: tuple[tuple[str, Any], ...]  # keys of a case that has them
     source: str
@@ -221,17 +222,31 @@ def read_catalogue(name: str, folder: Path) -> tuple[Ball, ...]:
             with located(where):
                 if not size > 0:
                     raise InputError(f"diameters = {size:g} m: must be above 0")
-                own = {**changes, "particles.shape": f"sphere:{1e3 * size!r} mm"}
+                own = changes | _shape(kind.get("shape", "sphere"), size)
                 room = {"enclosure.diameter": f"{20 * size!r} m", "particles.count": 1,
                         "enclosure.height": f"{20 * size!r} m"}  # fmt: skip
-                density = DamperCase.load("thesis", own | room).density
+                case = DamperCase.load("thesis", own | room)
             found.append(
-                Ball(kind["name"], size, density, tuple(own.items()), kind.get("source", ""))
+                Ball(
+                    kind["name"],
+                    size,
+                    2.0 * case.particle.bounding_radius,
+                    case.density,
+                    tuple(own.items()),
+                    kind.get("source", ""),
+                )
             )
     return tuple(found)
 
 
-_OF_A_KIND = ("name", "materials", "material", "diameters", "restitution", "friction",
+def _shape(name: str, size: float) -> dict[str, Any]:
+    """Changes of a case to particles of a shape, with the volume of a sphere of this size [m]."""
+    if name == "sphere":
+        return {"particles.shape": f"sphere:{1e3 * size!r} mm"}
+    return {"particles.shape": name, "particles.equal_volume_radius": f"{0.5 * size!r} m"}
+
+
+_OF_A_KIND = ("name", "materials", "material", "diameters", "shape", "restitution", "friction",
               "youngs_modulus", "source")  # fmt: skip
 
 
