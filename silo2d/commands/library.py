@@ -4,6 +4,7 @@ from pathlib import Path
 
 from granulab.campaign.cli.library import NewFile, packings_and_runs, read_shown, run_in_words
 from granulab.contact.files.datafile import case_names, data_names
+from granulab.errors import InputError
 from silo2d.case.outline import PRESETS
 
 
@@ -36,6 +37,17 @@ def new_files() -> dict[str, NewFile]:
         ),
         "shapes": NewFile(shapes, with_shapes, "shapes", lambda: data_names("shapes"), "shape"),
     }
+
+
+def case_of(outline: str | None, unit: str | None, layer: str | None) -> str | None:
+    """The commented case with the silo of a drawing; None where no drawing is given."""
+    if outline is None:
+        if unit or layer:
+            raise InputError("--unit and --layer go with a drawing; give --outline FILE")
+        return None
+    from silo2d.drawings.outline import drawn_case
+
+    return drawn_case(outline, unit, layer)
 
 
 def preset_case(name: str) -> str | None:

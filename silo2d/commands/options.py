@@ -26,7 +26,26 @@ def mu_option(command: Callable[..., Any]) -> Callable[..., Any]:
     return click.option("--mu", metavar="0.4", help="Friction of all contacts.")(command)
 
 
+UNIT = click.option("--unit", metavar="mm", help="Unit of a drawing [default: as the file says].")
+LAYER = click.option("--layer", metavar="NAME", help="Layer or group of a drawing to read alone.")
+OUTLINE = click.option(
+    "--outline", metavar="FILE", help="Silo of a drawing (SVG or DXF), in place of the case's."
+)
+
+
+def outline_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """--outline FILE with --unit and --layer: the silo of a drawing."""
+    return OUTLINE(UNIT(LAYER(command)))
+
+
 def changes_of(mu: str | None, options: dict[str, Any]) -> dict[str, Any]:
     """The keys of the case that the options change, as they would stand in a file."""
     both = {} if mu is None else {"law.mu_particle": mu, "law.mu_wall": mu}
-    return both | case_changes(options)
+    outline, unit, layer = (options.pop(name, None) for name in ("outline", "unit", "layer"))
+    if outline is None:
+        if unit or layer:
+            raise click.UsageError("--unit and --layer go with a drawing; give --outline FILE")
+        return both | case_changes(options)
+    from silo2d.drawings.outline import outline_changes
+
+    return both | outline_changes(outline, unit, layer) | case_changes(options)

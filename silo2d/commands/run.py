@@ -8,12 +8,13 @@ import click
 
 from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
 from granulab.campaign.cli.run import Runnable, run_case, run_options
-from silo2d.commands.options import case_command, changes_of, mu_option
+from silo2d.commands.options import case_command, changes_of, mu_option, outline_options
 
 
 @case_command()
 @click.argument("case", required=False)
 @mu_option
+@outline_options
 @run_options
 def run(
     case: str | None, mu: str | None, out: str,
@@ -47,6 +48,7 @@ def run(
 @case_command()
 @click.argument("case")
 @mu_option
+@outline_options
 @out_option
 @quiet_option
 @json_option

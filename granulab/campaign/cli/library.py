@@ -29,7 +29,11 @@ _LONGEST = 40  # characters of a value in a list
 
 
 def file_commands(
-    package: str, study_file: str, kinds: str, new: Sequence[str] = ("materials",)
+    package: str,
+    study_file: str,
+    kinds: str,
+    new: Sequence[str] = ("materials",),
+    case_options: Callable[[Callable[..., Any]], Callable[..., Any]] | None = None,
 ) -> list[click.Command]:
     """The commands `init`, `list` and `show` of a simulator's package, called as it is.
 
@@ -37,7 +41,8 @@ def file_commands(
     below a folder of runs, `description(name)`, one of these in words, `new_files()`, the kinds of
     files that `init` writes besides studies: "case" and those in `new`, and `preset_case(name)`,
     the case file of a preset or None. study_file: a shipped one, as an example; kinds: of files,
-    for the help.
+    for the help. case_options: of `init`, which `commands.library.case_of` makes a case of, or None
+    where none is given.
     """
 
     def library() -> Any:
@@ -56,9 +61,14 @@ def file_commands(
         "--from", "source", metavar="NAME",
         help=f"Write a copy of this one to change: a preset, a shipped {kinds}, or a file.",
     )  # fmt: skip
-    def init(file: str, kind: str | None, source: str | None) -> None:
+    def init(file: str, kind: str | None, source: str | None, **given: Any) -> None:
         files = known()
-        if source is None:
+        made = library().case_of(**given) if case_options else None
+        if made is not None:
+            if source or kind:
+                raise InputError("a drawing makes a case; leave --from and other kinds of files out")
+            kind, text = "case", made
+        elif source is None:
             kind = kind or "case"
             text = files[kind].text()
         else:
@@ -70,6 +80,8 @@ def file_commands(
         use = files[kind].use.format(file=in_shell(file))
         click.echo(f"wrote {file}; change it, and use it with: {use}")
 
+    if case_options:
+        init = case_options(init)
     for one in new:
         text = f"Write a {one} file instead."
         init = click.option(f"--{one}", "kind", flag_value=one, help=text)(init)

@@ -2,6 +2,7 @@
 
 import _thread
 import math
+import os
 import signal
 import sys
 import threading
@@ -11,6 +12,7 @@ from time import monotonic
 from typing import Any, Self
 
 _LINE_INTERVAL = 10.0  # s between lines where stderr is a file or a pipe
+INTERVAL = "GRANULAB_PROGRESS_INTERVAL"  # environment variable: other seconds between them
 _UNNOTICED = 2.0  # [s] that nobody minds to wait without a word
 _GRACE = 0.5  # [s] for a run to notice that it is to end
 _AGAIN = 0.05  # [s] after which a Ctrl-C that was lost comes again
@@ -32,6 +34,7 @@ class Progress:
         self._bar: Any = None
         self._started = 0.0
         self._last_line = -math.inf  # the first line comes at once
+        self._interval = _seconds(os.environ.get(INTERVAL, ""))
 
     def __enter__(self) -> Self:
         self._started = monotonic()
@@ -52,12 +55,20 @@ class Progress:
             self._bar.update(self._task, completed=fraction, text=text)
             return
         stage = "" if self._estimates else text.partition(",")[0]
-        due = monotonic() - self._last_line >= _LINE_INTERVAL or stage != self._stage
+        due = monotonic() - self._last_line >= self._interval or stage != self._stage
         if due and not self._quiet:
             self._last_line, self._stage = monotonic(), stage
             left = _time_left(fraction, self._last_line - self._started) if self._estimates else ""
             line = f"{self._title}: {fraction:.0%}{left} {text}".rstrip()
             print(line, file=sys.stderr, flush=True)
+
+
+def _seconds(text: str) -> float:
+    """Seconds between lines of progress; the usual ones for a text that is no time."""
+    try:
+        return min(max(float(text), 0.1), 3600.0)
+    except ValueError:
+        return _LINE_INTERVAL
 
 
 @contextmanager

@@ -1,0 +1,163 @@
+"""The addresses of the studio: what the page fetches, and what it sends."""
+
+import json
+import logging
+from collections.abc import Callable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
+from starlette.routing import Route
+
+from granulab.errors import FolderError, InputError, SimulationError
+from granulab.studio.contents import KIND
+from granulab.studio.desk import Desk
+
+_PAGE = files("granulab.studio") / "page"
+_TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css",
+          ".svg": "image/svg+xml"}  # fmt: skip
+_MOST_JSON = 2**22  # bytes of a request
+# A page of its own origin: it can read nothing of the studio, and fetch nothing.
+_PLAYER = (
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; "
+    "style-src 'unsafe-inline'; img-src data: blob:; frame-ancestors 'self'"
+)
+_log = logging.getLogger(__name__)
+
+Answer = Callable[..., Any]
+
+
+def studio(desk: Desk) -> Starlette:
+    """The application, without its guard."""
+    return Starlette(
+        routes=[
+            Route("/", _page),
+            Route("/page/{name}", _page),
+            Route("/files/{name:path}", _file(desk), methods=["GET"]),
+            Route("/files/{name}", _receive(desk), methods=["PUT"]),
+            Route("/player/{run}", _player(desk)),
+            Route("/api/{question}", _answers(desk), methods=["GET", "POST"]),
+        ]
+    )
+
+
+async def _page(request: Request) -> Response:
+    """The page itself, or one of its scripts and styles."""
+    name = request.path_params.get("name", "index.html")
+    known = {one.name: one for one in _PAGE.iterdir()}
+    ending = Path(name).suffix
+    if name not in known or ending not in _TYPES:
+        return _refused("no such part of the page", 404)
+    return Response(known[name].read_bytes(), media_type=_TYPES[ending])
+
+
+def _answers(desk: Desk) -> Any:
+    """Questions of the page: JSON in, JSON out; a refusal is a line."""
+
+    async def answer(request: Request) -> Response:
+        asks = desk.asks if request.method == "GET" else desk.orders
+        function = asks.get(request.path_params["question"])
+        if function is None:
+            return _refused("no such question", 404)
+        try:
+            given = dict(request.query_params) if request.method == "GET" else await _json(request)
+            return JSONResponse(await run_in_threadpool(_called, function, given))
+        except (InputError, FolderError, SimulationError) as error:
+            return _refused(desk.without_root(str(error)), 422)
+
+    return _guarded(answer)
+
+
+def _called(function: Answer, given: Mapping[str, Any]) -> Any:
+    """The answer to a question with its parameters; InputError where they are others."""
+    try:
+        bound = _bound(function, given)
+    except TypeError as error:
+        raise InputError(f"a request of another page version: {error}") from None
+    return function(**bound)
+
+
+def _bound(function: Answer, given: Mapping[str, Any]) -> dict[str, Any]:
+    import inspect
+
+    return inspect.signature(function).bind(**given).arguments
+
+
+async def _json(request: Request) -> dict[str, Any]:
+    content = bytearray()
+    async for piece in request.stream():
+        content += piece
+        if len(content) > _MOST_JSON:
+            raise InputError("the request is larger than 4 MB")
+    try:
+        found = json.loads(bytes(content) or b"{}")
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
+        raise InputError("the request is no JSON object")
+    return found
+
+
+def _file(desk: Desk) -> Any:
+    """A picture, film or table of the folder."""
+
+    async def file(request: Request) -> Response:
+        try:
+            path = desk.folder.file(request.path_params["name"])
+        except InputError as error:
+            return _refused(desk.without_root(str(error)), 404)
+        if KIND.get(path.suffix.lower()) is None and path.suffix.lower() != ".gif":
+            return _refused(f"{path.name}: files of this kind are not shown", 404)
+        # Nothing in it runs, whatever it is: an SVG may hold scripts.
+        return FileResponse(path, headers={"Content-Security-Policy": "sandbox; default-src 'none'"})
+
+    return _guarded(file)
+
+
+def _receive(desk: Desk) -> Any:
+    """A file that is dropped on the page."""
+
+    async def receive(request: Request) -> Response:
+        replace = request.query_params.get("replace") == "yes"
+        try:
+            name = await desk.folder.receive(
+                request.path_params["name"], request.stream(), replace
+            )
+        except (InputError, FolderError) as error:
+            return _refused(desk.without_root(str(error)), 422)
+        return JSONResponse({"name": name})
+
+    return _guarded(receive)
+
+
+def _player(desk: Desk) -> Any:
+    async def player(request: Request) -> Response:
+        try:
+            page = await run_in_threadpool(desk.runs.player, request.path_params["run"])
+        except (InputError, FolderError) as error:
+            return _refused(desk.without_root(str(error)), 422)
+        return HTMLResponse(page, headers={"Content-Security-Policy": _PLAYER})
+
+    return _guarded(player)
+
+
+def _guarded(answer: Any) -> Any:
+    """An answer in one line where something fails that nobody foresaw; the terminal has more."""
+
+    async def guarded(request: Request) -> Response:
+        try:
+            return await answer(request)
+        except Exception as error:
+            _log.exception("unforeseen")
+            reason = " ".join(str(error).split())
+            return _refused(f"{type(error).__name__}: {reason} (a fault; the terminal has more)", 500)
+
+    return guarded
+
+
+def _refused(line: str, status: int) -> Response:
+    return JSONResponse({"refused": line}, status)

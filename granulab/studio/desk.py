@@ -1,0 +1,111 @@
+"""The desk: what the page may ask and order, by name, and what answers it."""
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from granulab.errors import InputError
+from granulab.studio.folder import Folder, listed
+from granulab.studio.forms import Texts
+from granulab.studio.processes import Processes
+from granulab.studio.rooms.simulator import Bench
+
+
+class Desk:
+    """Answers to the page, over one folder."""
+
+    def __init__(self, root: Path) -> None:
+        self.folder = Folder(root)
+        self.processes = Processes(self.folder.root)
+
+    @cached_property
+    def benches(self) -> Mapping[str, Bench]:
+        """The simulators, by their commands."""
+        from granulab.studio.rooms import silo
+
+        return {one.command: one for one in (silo.bench(),)}
+
+    @cached_property
+    def runs(self) -> Any:
+        """The runs below the folder."""
+        from granulab.studio.rooms.runs import Runs
+
+        return Runs(self.folder, self.processes, self.benches)
+
+    @cached_property
+    def asks(self) -> dict[str, Callable[..., Any]]:
+        """What the page may ask, which changes nothing."""
+        from granulab.studio.rooms import drawings
+
+        return {
+            "start": self.start,
+            "files": lambda: listed(self.folder),
+            "open": lambda simulator, name: self._bench(simulator).open(self.folder, name),
+            "runs": self.runs.listed,
+            "run": self.runs.state,
+            "frame": self.runs.frame,
+            "results": self.runs.results,
+            "shapes": lambda name: drawings.shapes(self.folder, name),
+            "materials": lambda name: drawings.materials(self.folder, name),
+        }
+
+    @cached_property
+    def orders(self) -> dict[str, Callable[..., Any]]:
+        """What the page may order, or ask with more than an address holds."""
+        from granulab.studio.rooms import drawings
+
+        def check(simulator: str, case: Texts) -> dict[str, Any]:
+            return self._bench(simulator).check(self.folder, case)
+
+        def save(simulator: str, case: Texts, replace: bool = False) -> dict[str, Any]:
+            return self._bench(simulator).save(self.folder, case, replace)
+
+        return {
+            "check": check,
+            "save": save,
+            "begin": self.begin,
+            "compare": self.runs.compare,
+            "stop": self.runs.stop,
+            "resume": self.runs.resume,
+            "outline": lambda **given: drawings.outline(self.folder, **given),
+            "particles": lambda **given: drawings.particles(self.folder, **given),
+            "draw_shapes": lambda **given: drawings.draw_shapes(self.folder, **given),
+        }
+
+    def start(self) -> dict[str, Any]:
+        """What the page begins with: forms, presets, shipped files, and what is in the folder."""
+        from importlib.metadata import version
+
+        from granulab.contact.files.datafile import data_names
+
+        return {
+            "folder": str(self.folder.root),
+            "version": version("granulab"),
+            "simulators": {
+                name: {"form": bench.form(), "presets": bench.presets()}
+                for name, bench in self.benches.items()
+            },
+            "shapes": data_names("shapes"),
+            "materials": data_names("materials"),
+            "files": listed(self.folder),
+        }
+
+    def begin(self, simulator: str, case: Texts, replace: bool = False) -> dict[str, Any]:
+        """Save a case and start its run; the answer of save alone where its file is another's."""
+        bench = self._bench(simulator)
+        saved = bench.save(self.folder, case, replace)
+        return saved if saved["exists"] else saved | self.runs.start(bench, saved["file"], saved["run"])
+
+    def close(self) -> None:
+        """End what goes on; runs keep their state."""
+        self.processes.end()
+
+    def without_root(self, line: str) -> str:
+        """A line without the path of the folder."""
+        return line.replace(f"{self.folder.root}/", "")
+
+    def _bench(self, simulator: str) -> Bench:
+        if simulator not in self.benches:
+            raise InputError(f"{simulator!r}: no such simulator; known: {', '.join(self.benches)}")
+        return self.benches[simulator]

@@ -1,0 +1,80 @@
+"""The studio on its port: socket, token, server, and the browser that is opened."""
+
+import contextlib
+import logging
+import secrets
+import socket
+import threading
+from pathlib import Path
+
+import click
+
+from granulab.errors import InputError
+
+HOST = "127.0.0.1"
+
+
+def serve(folder: Path, port: int, *, open_browser: bool) -> None:
+    """Serve the page of a folder until Ctrl-C.
+
+    Raises InputError, one line, where the folder is none or the port is taken.
+    """
+    from granulab.campaign.output.files import refuse_unless_writable
+
+    if not folder.is_dir():
+        raise InputError(f"--folder {folder}: no such folder; make it, or give another")
+    refuse_unless_writable(folder, "--folder")
+    try:
+        import uvicorn
+
+        from granulab.studio.app import studio
+        from granulab.studio.desk import Desk
+        from granulab.studio.guard import Guard
+    except ModuleNotFoundError as error:
+        raise InputError(f"studio needs {error.name}; pip install {error.name}") from None
+    with _listening(port) as listening:
+        port = listening.getsockname()[1]
+        token = secrets.token_urlsafe(24)
+        address = f"http://{HOST}:{port}/{token}/"
+        desk = Desk(folder)
+        application = Guard(studio(desk), token, port)
+        config = uvicorn.Config(
+            application, log_level=logging.WARNING, access_log=False, server_header=False,
+            timeout_graceful_shutdown=3, ws="none",
+        )  # fmt: skip
+        click.echo(address)
+        click.echo(f"serves {folder.resolve()} on this machine alone; Ctrl-C ends it", err=True)
+        if open_browser:
+            threading.Thread(target=_show, args=(address,), daemon=True).start()
+        try:
+            with contextlib.suppress(KeyboardInterrupt):  # the way to end it
+                uvicorn.Server(config).run(sockets=[listening])
+        finally:
+            desk.close()
+
+
+def _listening(port: int) -> socket.socket:
+    """A socket at a port of this machine alone; InputError where it is taken."""
+    listening = socket.socket()
+    try:
+        listening.bind((HOST, port))
+        listening.listen(128)
+    except OSError as error:
+        listening.close()
+        reason = error.strerror or type(error).__name__
+        raise InputError(
+            f"--port {port}: cannot be used ({reason}); give another, or leave it out"
+        ) from None
+    return listening
+
+
+def _show(address: str) -> None:
+    """Open the address in the person's browser; a line where there is none."""
+    import webbrowser
+
+    try:
+        opened = webbrowser.open(address)
+    except (webbrowser.Error, OSError):
+        opened = False
+    if not opened:
+        click.echo("no browser was found; open the address above in one", err=True)

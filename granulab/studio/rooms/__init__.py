@@ -1,0 +1,1 @@
+"""Rooms of the studio: what the page asks of each simulator, of runs, drawings and measurements."""

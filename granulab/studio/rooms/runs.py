@@ -1,0 +1,114 @@
+"""Runs on the page: started, watched, stopped, gone on with; their results and files."""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from granulab.campaign.runs.folder import RunFolder
+from granulab.errors import FolderError, InputError
+from granulab.studio.folder import RUNS, Folder
+from granulab.studio.processes import Processes
+from granulab.studio.rooms.simulator import Bench
+
+_SHOWN = (".png", ".mp4", ".webm", ".gif")  # of a run's figures
+_MOST_RUNS = 500
+
+
+class Runs:
+    """The runs below a folder, and the processes that compute some of them."""
+
+    def __init__(self, folder: Folder, processes: Processes, benches: Mapping[str, Bench]) -> None:
+        self._folder, self._processes, self._benches = folder, processes, benches
+
+    def listed(self) -> list[dict[str, Any]]:
+        """All runs, the newest first: simulator, state, and words on each."""
+        cases = [*self._folder.runs.glob("*/case.toml")]
+        cases.sort(key=lambda case: case.stat().st_mtime, reverse=True)
+        return [self.state(case.parent.name) for case in cases[:_MOST_RUNS]]
+
+    def start(self, bench: Bench, file: str, run: str) -> dict[str, Any]:
+        """Start the command that runs a case file of the folder; or go on with its run."""
+        self._folder.file(file)
+        self._processes.start(_key(run), [bench.command, "run", file, "--out", RUNS])
+        return {"run": run, "simulator": bench.command}
+
+    def resume(self, run: str) -> dict[str, Any]:
+        """Go on with a run that was stopped, cut off, or failed."""
+        bench = self._bench(run)
+        self._processes.start(_key(run), [bench.command, "run", "--resume", f"{RUNS}/{run}"])
+        return {"run": run, "simulator": bench.command}
+
+    def stop(self, run: str) -> dict[str, Any]:
+        """Ask the process of a run to keep its state and end."""
+        process = self._processes.get(_key(run))
+        if process is None or process.code is not None:
+            raise InputError(f"{run}: does not run now; nothing to stop")
+        process.stop()
+        return self.state(run)
+
+    def state(self, run: str) -> dict[str, Any]:
+        """State of a run: of its process, where the page started one, and of its folder."""
+        folder = RunFolder(self._path(run))
+        process = self._processes.get(_key(run))
+        bench = self._bench(run, process.command[0] if process else None)
+        found: dict[str, Any] = {
+            "run": run,
+            "simulator": bench.command,
+            "state": folder.state,
+            "failure": folder.failure or "",
+            "process": process.state() if process else None,
+        }
+        going = process is not None and process.code is None
+        return found | {"state": "running" if going else folder.state}
+
+    def results(self, run: str) -> dict[str, Any]:
+        """Results of a finished run in words, and the names of its pictures and films."""
+        path, bench = self._path(run), self._bench(run)
+        figures = sorted(
+            one.name for one in (path / "figures").glob("*") if one.suffix.lower() in _SHOWN
+        )
+        return {
+            "words": bench.report(path).replace(f"{self._folder.root}/", ""),
+            "figures": [f"{RUNS}/{run}/figures/{name}" for name in figures],
+            "case": bench.open(self._folder, f"{RUNS}/{run}/case.toml"),
+        }
+
+    def frame(self, run: str) -> dict[str, Any]:
+        """The last stored frame of a run; empty where there is none yet."""
+        try:
+            return self._bench(run).frame(self._path(run))
+        except FolderError:
+            return {}
+
+    def compare(self, first: str, second: str) -> dict[str, Any]:
+        """Two runs of one simulator side by side: a table, and a picture in the first's folder."""
+        bench = self._bench(first)
+        if self._bench(second) is not bench:
+            raise InputError("the runs are of two simulators; choose two of one")
+        table, picture = bench.compare(self._path(first), self._path(second))
+        return {"words": table, "figures": [picture.relative_to(self._folder.root).as_posix()]}
+
+    def player(self, run: str) -> str:
+        """The page that plays a finished run, which needs nothing but itself."""
+        return self._bench(run).player(self._path(run))
+
+    def _path(self, run: str) -> Path:
+        if "/" in run:
+            raise InputError(f"{run!r}: no run; give the name of its folder")
+        return self._folder.path(f"{RUNS}/{run}")
+
+    def _bench(self, run: str, command: str | None = None) -> Bench:
+        """The simulator of a run, by the tables of its case."""
+        if command is None:
+            try:
+                text = (self._path(run) / "case.toml").read_text(encoding="utf-8")
+                tables = tomllib.loads(text)
+            except (OSError, ValueError):
+                raise InputError(f"{run}: no run of that name below {RUNS}") from None
+            command = "silo2d" if "silo" in tables else "damper3d"
+        return self._benches[command]
+
+
+def _key(run: str) -> str:
+    return f"{RUNS}/{run}"

@@ -1,0 +1,126 @@
+"""Silos on the page: the preview of a case, frames of a run, shapes, drawings, materials."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
+from granulab.contact.files.datafile import case_names, data_file
+from granulab.errors import FolderError
+from granulab.studio.rooms.simulator import Bench
+from silo2d.case.case import SiloCase
+from silo2d.case.filling import Layer, layers_of
+from silo2d.case.outline import PRESETS
+from silo2d.case.plan import expected_particles
+from silo2d.case.settings import Settings, read_settings
+from silo2d.case.shape import ShapeSet
+from silo2d.run.pour import rain
+from silo2d.run.result import Result
+from silo2d.run.sweep import SILO
+from silo2d.view import report
+
+_DIGITS = 6  # of metres and radians that are sent
+
+
+def bench() -> Bench:
+    """Silos, for the page."""
+    return Bench(
+        command="silo2d",
+        table="silo",
+        settings=Settings,
+        presets=lambda: [*PRESETS, *case_names("silo")],
+        preset=_preset,
+        read=read_settings,
+        resolve=SiloCase.resolve,
+        simulator=SILO,
+        echo=partial(report.echo, dry_run=True),
+        preview=preview,
+        frame=frame,
+        report=lambda run: report.report(Result.read(RunFolder(run), reused=False)),
+        compare=compare,
+        player=player,
+    )
+
+
+def _preset(name: str) -> dict[str, Any]:
+    if name in PRESETS:
+        return {"name": name, "silo": {"preset": name}}
+    path = data_file("cases", name)
+    assert path is not None
+    return read_settings(path)
+
+
+def preview(case: SiloCase) -> dict[str, Any]:
+    """The silo [m], its shapes, and the particles as they will be poured, before they fall.
+
+    Those are the first of the filling's own random numbers: kinds, positions and angles by which
+    the run of this seed begins.
+    """
+    layer = case.settings.fill.layer
+    first = Layer(*layers_of(case.settings.fill)[0], 0.0)
+    kinds, poses, _ = rain(case, np.random.default_rng(case.settings.run.seed), first)
+    return {
+        "outline": _rounded(case.outline.polygon),
+        "lips": [list(lip) for lip in case.outline.lips],
+        "level": case.settings.fill.level,
+        "shapes": outlines_of(case.shapes),
+        "particles": {"kind": kinds.tolist(), "pose": _rounded(poses)},
+        "expected": expected_particles(case),
+        "poured": f"the first layer of {layer:g} m" if layer else "all at once",
+    }
+
+
+def outlines_of(shapes: ShapeSet) -> list[dict[str, Any]]:
+    """Rounded outlines [m] of the shapes of a set, with their names and shares."""
+    return [
+        {"name": shape.name, "share": share, "outline": _rounded(shape.rounded_outline())}
+        for shape, share in zip(shapes.shapes, shapes.shares, strict=True)
+    ]
+
+
+def frame(run: Path) -> dict[str, Any]:
+    """The last stored frame of a run: time, particles inside and out, and their poses."""
+    last = read_trajectory(run, lambda name, stored: slice(-1, None))
+    if "time" not in last or "shape_points" not in last.static:
+        raise FolderError(f"{run}: no frame yet")
+    inside = last["inside"][-1]
+    poses = np.column_stack([last[name][-1][inside] for name in ("x", "y", "angle")])
+    return {
+        "time": float(last["time"][-1]),
+        "out": int(last["n_out"][-1]),
+        "of": len(last.static["kind"]),
+        "shapes": [{"outline": _rounded(part)} for part in _outlines(last)],
+        "walls": _rounded(last.static["wall_segments"][:-1]),
+        "particles": {
+            "kind": last.static["kind"][inside].tolist(),
+            "layer": last.static["layer"][inside].tolist(),
+            "pose": _rounded(poses),
+        },
+    }
+
+
+def compare(first: Path, second: Path) -> tuple[str, Path]:
+    """Two runs side by side: a table, and a picture in the first's folder."""
+    from granulab.campaign.output.figure import write_figure
+    from silo2d.view import compare as comparison
+
+    pairs = [comparison.compare(first, second)]
+    picture = first / "figures" / f"beside-{second.name}.png"
+    write_figure(picture, lambda: comparison.draw(pairs))
+    return comparison.table(pairs), picture
+
+
+def player(run: Path) -> str:
+    """The page that plays a run."""
+    raise FolderError(f"{run.name}: no player in this version")
+
+
+def _outlines(found: Trajectory) -> list[np.ndarray]:
+    return np.split(found.static["shape_points"], found.static["shape_start"][1:-1])
+
+
+def _rounded(values: np.ndarray) -> list[Any]:
+    return np.round(values, _DIGITS).tolist()

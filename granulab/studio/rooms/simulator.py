@@ -1,0 +1,102 @@
+"""Cases of a simulator on the page: checked, written as TOML, opened; whichever simulator it is."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from granulab.contact.files.casefile import Section
+from granulab.errors import FolderError, InputError
+from granulab.studio.folder import Folder
+from granulab.studio.forms import Texts, case_form, document, texts_of, to_toml
+
+SCHEMA = 1
+_HEAD = "Made by granulab studio; `{command} run {file}` runs it."
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A simulator, as far as the page builds and runs its cases.
+
+    command    name of its command and module
+    table      that every case of it has, and no case of another
+    settings   the schema
+    presets    cases that are known by name
+    read       the tables of a case file
+    resolve    a case from tables, its name for refusals, and the folder of files that it names
+    simulator  its part in sweeps: digest and run folder of a case
+    echo       a case in words, with what its run would take
+    preview    what is shown of a case before anything runs, for the page to draw
+    frame      the last stored frame of a run in a folder, for the page; raises FolderError
+    report     the results of a finished run in words
+    compare    two runs side by side in words, and a picture of both
+    player     a page that plays a run
+    """
+
+    command: str
+    table: str
+    settings: type[Section]
+    presets: Callable[[], list[str]]
+    preset: Callable[[str], dict[str, Any]]
+    read: Callable[[Path], dict[str, Any]]
+    resolve: Callable[[dict[str, Any], str, Path], Any]
+    simulator: Any
+    echo: Callable[[Any], str]
+    preview: Callable[[Any], dict[str, Any]]
+    frame: Callable[[Path], dict[str, Any]]
+    report: Callable[[Path], str]
+    compare: Callable[[Path, Path], tuple[str, Path]]
+    player: Callable[[Path], str]
+
+    def form(self) -> list[dict[str, Any]]:
+        """Sections and keys of its cases."""
+        return case_form(self.settings)
+
+    def check(self, folder: Folder, texts: Texts) -> dict[str, Any]:
+        """A case as the texts of a form have it: its words, its file, its run; or its refusal.
+
+        The refusal is the line that the command would say of the file.
+        """
+        tables = document(self.settings, texts)
+        tables.setdefault("name", "case")
+        file = f"{tables['name']}.toml"
+        found: dict[str, Any] = {"toml": self.written(tables), "refused": "", "file": file}
+        try:
+            case = self.resolve(tables, file, folder.root)
+            run = self.simulator.run_folder(case, folder.runs)
+        except (InputError, FolderError) as error:
+            return {**found, "refused": str(error).replace(f"{folder.root}/", "")}
+        return {
+            **found,
+            "words": self.echo(case),
+            "run": run.path.name,
+            "state": run.state,
+            "digest": self.simulator.digest(case),
+            "preview": self.preview(case),
+        }
+
+    def written(self, tables: Mapping[str, Any]) -> str:
+        """The case file of some tables."""
+        file = f"{tables.get('name', 'case')}.toml"
+        return to_toml(tables, SCHEMA, _HEAD.format(command=self.command, file=file))
+
+    def open(self, folder: Folder, name: str) -> Texts:
+        """The texts of a preset, or of a case file in the folder."""
+        if name in self.presets():
+            return texts_of(self.preset(name))
+        tables = self.read(folder.file(name))
+        if self.table not in tables and any(other in tables for other in _OTHERS):
+            raise InputError(f"{name}: a case of another simulator; open it there")
+        return texts_of(tables)
+
+    def save(self, folder: Folder, texts: Texts, replace: bool) -> dict[str, Any]:
+        """Write the case file of a form, where no other stands under its name or it may go."""
+        checked = self.check(folder, texts)
+        if checked["refused"]:
+            raise InputError(checked["refused"])
+        if not folder.write(checked["file"], checked["toml"], replace):
+            return {"file": checked["file"], "exists": True}
+        return {"file": checked["file"], "exists": False, "run": checked["run"]}
+
+
+_OTHERS = ("silo", "enclosure", "motion", "shape", "material", "vary", "structure")

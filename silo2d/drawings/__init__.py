@@ -1,0 +1,1 @@
+"""Drawings and photographs as outlines: SVG, DXF and pictures to silos and shapes of particles."""
