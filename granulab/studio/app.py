@@ -67,7 +67,7 @@ def _answers(desk: Desk) -> Any:
             given = dict(request.query_params) if request.method == "GET" else await _json(request)
             return JSONResponse(await run_in_threadpool(_called, function, given))
         except (InputError, FolderError, SimulationError) as error:
-            return _refused(desk.without_root(str(error)), 422)
+            return _refused(desk.without_root(str(error)))
 
     return _guarded(answer)
 
@@ -128,7 +128,7 @@ def _receive(desk: Desk) -> Any:
                 request.path_params["name"], request.stream(), replace
             )
         except (InputError, FolderError) as error:
-            return _refused(desk.without_root(str(error)), 422)
+            return _refused(desk.without_root(str(error)))
         return JSONResponse({"name": name})
 
     return _guarded(receive)
@@ -139,7 +139,7 @@ def _player(desk: Desk) -> Any:
         try:
             page = await run_in_threadpool(desk.runs.player, request.path_params["run"])
         except (InputError, FolderError) as error:
-            return _refused(desk.without_root(str(error)), 422)
+            return _refused(desk.without_root(str(error)))
         return HTMLResponse(page, headers={"Content-Security-Policy": _PLAYER})
 
     return _guarded(player)
@@ -159,5 +159,6 @@ def _guarded(answer: Any) -> Any:
     return guarded
 
 
-def _refused(line: str, status: int) -> Response:
-    return JSONResponse({"refused": line}, status)
+def _refused(line: str, status: int = 200) -> Response:
+    """A line in place of an answer. Browsers count an error status as a fault of the page."""
+    return JSONResponse({"refusal": line}, status)

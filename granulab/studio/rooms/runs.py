@@ -8,10 +8,12 @@ from typing import Any
 from granulab.campaign.runs.folder import RunFolder
 from granulab.errors import FolderError, InputError
 from granulab.studio.folder import RUNS, Folder
+from granulab.studio.forms import Texts
 from granulab.studio.processes import Processes
 from granulab.studio.rooms.simulator import Bench
 
 _SHOWN = (".png", ".mp4", ".webm", ".gif")  # of a run's figures
+_BESIDE = (".toml", ".csv", ".wav", ".stl", ".obj")  # of files that a run keeps with its case
 _MOST_RUNS = 500
 
 
@@ -71,7 +73,22 @@ class Runs:
         return {
             "words": bench.report(path).replace(f"{self._folder.root}/", ""),
             "figures": [f"{RUNS}/{run}/figures/{name}" for name in figures],
-            "case": bench.open(self._folder, f"{RUNS}/{run}/case.toml"),
+            "case": self._case(bench, run),
+        }
+
+    def _case(self, bench: Bench, run: str) -> Texts:
+        """The texts of a run's case, with the files beside it by names from the chosen folder."""
+        texts, beside = bench.open(self._folder, f"{RUNS}/{run}/case.toml"), self._path(run)
+
+        def named(text: str) -> str:
+            there = "/" not in text and text.endswith(_BESIDE) and (beside / text).is_file()
+            return f"{RUNS}/{run}/{text}" if there else text
+
+        return {
+            section: named(table)
+            if isinstance(table, str)
+            else {name: named(text) for name, text in table.items()}
+            for section, table in texts.items()
         }
 
     def frame(self, run: str) -> dict[str, Any]:

@@ -68,7 +68,7 @@ class Bench:
             return {**found, "refused": str(error).replace(f"{folder.root}/", "")}
         return {
             **found,
-            "words": self.echo(case),
+            "words": _rows(self.echo(case)),
             "run": run.path.name,
             "state": run.state,
             "digest": self.simulator.digest(case),
@@ -99,4 +99,11 @@ class Bench:
         return {"file": checked["file"], "exists": False, "run": checked["run"]}
 
 
+def _rows(echo: str) -> list[tuple[str, str]]:
+    """Label and words of each line of a case in words; the first line is about the whole."""
+    first, *lines = echo.splitlines()
+    return [("case", first), *((line[2:_WORDS].strip(), line[_WORDS:].strip()) for line in lines)]
+
+
+_WORDS = 14  # column where the words of a line begin
 _OTHERS = ("silo", "enclosure", "motion", "shape", "material", "vary", "structure")

@@ -1,0 +1,39 @@
+// What the page asks of its server, which is where the page came from and nowhere else.
+
+/** An answer that is no answer: its message is the line that says why. */
+export class Refused extends Error {}
+
+/** A question; its parameters are words. */
+export function ask(question, parameters = {}) {
+  const query = new URLSearchParams(parameters).toString();
+  return answer(fetch(`api/${question}${query ? `?${query}` : ""}`));
+}
+
+/** An order, or a question with more than an address holds. */
+export function order(name, body = {}) {
+  return answer(fetch(`api/${name}`, { method: "POST", body: JSON.stringify(body) }));
+}
+
+/** Sends a file into the folder; resolves to the name that it has there. */
+export async function send(file, replace = false) {
+  const name = encodeURIComponent(file.name);
+  const sent = fetch(`files/${name}${replace ? "?replace=yes" : ""}`, { method: "PUT", body: file });
+  return (await answer(sent)).name;
+}
+
+/** Address of a file of the folder. */
+export function address(name) {
+  return `files/${name.split("/").map(encodeURIComponent).join("/")}`;
+}
+
+async function answer(sent) {
+  let reply;
+  try {
+    reply = await sent;
+  } catch {
+    throw new Refused("the studio does not answer; is it still running?");
+  }
+  const found = await reply.json().catch(() => ({}));
+  if (!reply.ok || found.refusal) throw new Refused(found.refusal ?? `answer ${reply.status}`);
+  return found;
+}

@@ -1,0 +1,140 @@
+// A case of a simulator: its name, its form, what the server says of it; saved, opened, run.
+
+import { ask, order } from "./api.js";
+import { choices, confirmed, h, note, put, refusal } from "./dom.js";
+import { Form } from "./form.js";
+
+const PAUSE = 250; // ms without a change after which the case is checked
+
+export class Case {
+  /** simulator: name of its command; start: what the page began with; watch: shows a run. */
+  constructor(simulator, start, watch) {
+    Object.assign(this, { simulator, start, watch });
+    this.form = new Form(start.simulators[simulator].form, () => this.check());
+    this.name = h("input", { value: "case", "aria-label": "Name of the case", oninput: () => this.check() });
+    this.list = h("select", { class: "wide", "aria-label": "Open a case", onchange: () => this.open(this.list.value) });
+    this.verdict = h("div", { "aria-live": "polite" });
+    this.words = h("div", { class: "scroll" });
+    this.file = h("pre", { class: "toml" });
+    this.digest = h("p", { class: "quiet digest" });
+    this.saveButton = h("button", { onclick: () => this.save() }, "Save");
+    this.runButton = h("button", { class: "main run", onclick: () => this.run() }, "Run");
+    this.shown = () => {}; // takes what the server says of the case
+    this.filled = () => {}; // takes the texts of a case that was opened
+    this.count = 0;
+    this.refreshList();
+  }
+
+  /** Name, opening and saving. */
+  head() {
+    return h("div", {},
+      h("div", { class: "field" }, h("label", {}, "Name", this.name),
+        h("p", {}, "of the case file and of the folder of its runs")),
+      h("div", { class: "buttons" }, h("label", {}, "Open"), this.list, this.saveButton));
+  }
+
+  /** What the server says of the case, and running it. */
+  side() {
+    return h("section", { class: "said" },
+      h("div", { class: "buttons" }, this.runButton), this.verdict, this.digest,
+      h("details", { open: innerWidth > 740 }, h("summary", {}, "What will be run"), this.words),
+      h("details", {}, h("summary", {}, "The case file"), this.file));
+  }
+
+  refreshList() {
+    const { presets } = this.start.simulators[this.simulator];
+    const files = this.start.files.text.filter((name) => name.endsWith(".toml"));
+    choices(this.list, [["", [["", "a preset or file"]]], ["In the folder", files], ["Presets", presets]]);
+  }
+
+  texts() {
+    return { name: this.name.value.trim() || "case", ...this.form.values() };
+  }
+
+  /** Writes the texts of a case into the form. */
+  fill(texts) {
+    this.form.fill(texts);
+    if (texts.name) this.name.value = texts.name;
+    this.filled(texts);
+    this.check(0);
+  }
+
+  async open(name) {
+    if (!name) return;
+    try {
+      this.fill(await ask("open", { simulator: this.simulator, name }));
+      note(`opened ${name}`);
+    } catch (error) {
+      put(this.verdict, refusal(error.message));
+    }
+    this.list.value = "";
+  }
+
+  /** Asks the server for its verdict, once nothing has changed for a moment. */
+  check(pause = PAUSE) {
+    clearTimeout(this.waiting);
+    const mine = ++this.count;
+    this.waiting = setTimeout(async () => {
+      try {
+        const found = await order("check", { simulator: this.simulator, case: this.texts() });
+        if (mine === this.count) this.tell(found);
+      } catch (error) {
+        if (mine === this.count) put(this.verdict, refusal(error.message));
+      }
+    }, pause);
+  }
+
+  tell(found) {
+    const fine = !found.refused;
+    put(this.verdict, refusal(found.refused), fine ? h("p", { class: "fine" }, inShort(found)) : null);
+    put(this.file, found.toml);
+    put(this.words, fine ? inRows(found.words) : "");
+    put(this.digest, fine ? `Run ${found.run}, digest ${found.digest}` : "");
+    this.runButton.disabled = this.saveButton.disabled = !fine;
+    this.runButton.textContent = fine && found.state !== "new" ? RUN[found.state] : "Run";
+    this.shown(found);
+  }
+
+  async save() {
+    const done = await this.asked("save");
+    if (done) note(`saved ${done.file}`);
+  }
+
+  async run() {
+    this.runButton.disabled = true;
+    const done = await this.asked("begin");
+    this.runButton.disabled = false;
+    if (done) this.watch(done.run);
+  }
+
+  /** Saves or begins; asks first where another case has the name of its file. */
+  async asked(what) {
+    const body = { simulator: this.simulator, case: this.texts() };
+    try {
+      let done = await order(what, body);
+      if (done.exists) {
+        const words = `${done.file} is there already and holds another case.`;
+        if (!(await confirmed(words, "Replace it"))) return null;
+        done = await order(what, { ...body, replace: true });
+      }
+      this.start.files = await ask("files");
+      this.refreshList();
+      return done;
+    } catch (error) {
+      put(this.verdict, refusal(error.message));
+      return null;
+    }
+  }
+}
+
+/** Words in two columns. */
+function inRows(rows) {
+  return h("table", {}, h("tbody", {}, rows.map(([label, words]) => h("tr", {}, h("th", { scope: "row" }, label), h("td", {}, words)))));
+}
+
+const RUN = { finished: "Show its run", unfinished: "Go on with its run" };
+
+function inShort({ preview, state }) {
+  const known = { new: "", unfinished: " A run of it was begun.", finished: " A run of it is finished." };
+  return `About ${preview.expected} particles; nothing is refused.${known[state]}`;
+}
