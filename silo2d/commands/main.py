@@ -8,6 +8,8 @@ from granulab.campaign.cli.many import sweep_command
 from granulab.campaign.cli.reproduce import reproduce_command
 from silo2d.commands import results, run, shapes
 from silo2d.commands.options import outline_options
+from granulab.campaign.cli.view import view_command
+from silo2d.commands import results, run
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.cases import LabelledStudy
@@ -40,6 +42,7 @@ app = command_group(
             _simulator,
         ),
         results.render,
+        view_command("silo2d", results.player, lambda: _simulator().means),
         results.observe,
         results.compare,
         results.export,
