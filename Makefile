@@ -13,7 +13,7 @@ test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint $(CONSTRAINTS) --editable
 
-.PHONY: demo test test-oldest test-pythons fuzz fuzz-brief own-silos low-drops estimates lint bench validate planted \
+.PHONY: demo test browser test-oldest test-pythons fuzz fuzz-brief own-silos low-drops estimates lint bench validate planted \
 	reproduce wheel clean
 .DELETE_ON_ERROR:
 
@@ -21,7 +21,10 @@ demo: $(VENV)/installed ## discharge silo A4: a number and pictures
 	$(BIN)/silo2d run A4 --out $(RUNS)
 
 test: $(VENV)/with-tests ## all tests but the long comparisons
-	$(BIN)/python -m pytest -m "not validation" $(TESTERS)
+	$(BIN)/python -m pytest -m "not validation and not browser" $(TESTERS)
+
+browser: $(VENV)/with-browser ## the pages in Chromium, where there is one; else it says that there is none
+	$(BIN)/python -m pytest -m browser tests/browser
 
 test-oldest: ## the same with the oldest versions of what pyproject.toml asks for
 	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt
@@ -89,4 +92,8 @@ $(VENV)/installed: pyproject.toml $(CONSTRAINTS)
 
 $(VENV)/with-tests: $(VENV)/installed
 	$(INSTALL) ".[pictures,tests]"
+	touch $@
+
+$(VENV)/with-browser: $(VENV)/with-tests
+	$(INSTALL) ".[pictures,tests,browser]"
 	touch $@

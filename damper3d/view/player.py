@@ -322,7 +322,7 @@ def _walls(enclosure: Enclosure) -> dict[str, Quantised]:
     triangles = [
         points[[0, k, k + 1]] for points in polygons for k in range(1, len(points) - 1)
     ]
-    ends, normals = _edges(polygons)
+    ends, normals = edges_of(polygons)
     return {
         "face": linear(np.concatenate(triangles), 0.0),
         "edge": linear(ends, 0.0),
@@ -330,7 +330,7 @@ def _walls(enclosure: Enclosure) -> dict[str, Quantised]:
     }
 
 
-def _edges(polygons: list[Floats]) -> tuple[Floats, Floats]:
+def edges_of(polygons: list[Floats]) -> tuple[Floats, Floats]:
     """Ends of the edges (e, 2, 3) [m], and unit normals of the two faces beside each (e, 2, 3).
 
     The normals are zeros where the edge is sharp and always drawn; else it is drawn where one of

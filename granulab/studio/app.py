@@ -40,6 +40,7 @@ def studio(desk: Desk) -> Starlette:
             Route("/files/{name:path}", _file(desk), methods=["GET"]),
             Route("/files/{name}", _receive(desk), methods=["PUT"]),
             Route("/player/{run}", _player(desk)),
+            Route("/frames/{name:path}", _frame(desk)),
             Route("/api/{question}", _answers(desk), methods=["GET", "POST"]),
         ]
     )
@@ -113,7 +114,9 @@ def _file(desk: Desk) -> Any:
         if KIND.get(path.suffix.lower()) is None and path.suffix.lower() != ".gif":
             return _refused(f"{path.name}: files of this kind are not shown", 404)
         # Nothing in it runs, whatever it is: an SVG may hold scripts.
-        return FileResponse(path, headers={"Content-Security-Policy": "sandbox; default-src 'none'"})
+        return FileResponse(
+            path, headers={"Content-Security-Policy": "sandbox; default-src 'none'"}
+        )
 
     return _guarded(file)
 
@@ -124,9 +127,7 @@ def _receive(desk: Desk) -> Any:
     async def receive(request: Request) -> Response:
         replace = request.query_params.get("replace") == "yes"
         try:
-            name = await desk.folder.receive(
-                request.path_params["name"], request.stream(), replace
-            )
+            name = await desk.folder.receive(request.path_params["name"], request.stream(), replace)
         except (InputError, FolderError) as error:
             return _refused(desk.without_root(str(error)))
         return JSONResponse({"name": name})
@@ -145,6 +146,24 @@ def _player(desk: Desk) -> Any:
     return _guarded(player)
 
 
+def _frame(desk: Desk) -> Any:
+    """A frame of a film of the folder, for marking what to look at."""
+    from granulab.studio.rooms.measuring import film_frame
+
+    async def frame(request: Request) -> Response:
+        number = request.query_params.get("number", "0")
+        try:
+            if not number.isdecimal() or len(number) > 9:
+                raise InputError(f"frame {number!r}: must be a whole number")
+            name = request.path_params["name"]
+            png, count = await run_in_threadpool(film_frame, desk.folder, name, int(number))
+        except InputError as error:
+            return _refused(desk.without_root(str(error)), 404)
+        return Response(png, media_type="image/png", headers={"X-Frames": str(count)})
+
+    return _guarded(frame)
+
+
 def _guarded(answer: Any) -> Any:
     """An answer in one line where something fails that nobody foresaw; the terminal has more."""
 
@@ -154,7 +173,9 @@ def _guarded(answer: Any) -> Any:
         except Exception as error:
             _log.exception("unforeseen")
             reason = " ".join(str(error).split())
-            return _refused(f"{type(error).__name__}: {reason} (a fault; the terminal has more)", 500)
+            return _refused(
+                f"{type(error).__name__}: {reason} (a fault; the terminal has more)", 500
+            )
 
     return guarded
 

@@ -31,7 +31,9 @@ def _dxf(head: bytes) -> bool:
     return _text(head) and b"SECTION" in head
 
 
-_PICTURES = {
+Test = Callable[[bytes], bool]  # of the first bytes of a file
+
+_PICTURES: dict[str, Test] = {
     ".png": _begins(b"\x89PNG\r\n\x1a\n"),
     ".jpg": _begins(b"\xff\xd8\xff"),
     ".jpeg": _begins(b"\xff\xd8\xff"),
@@ -40,7 +42,7 @@ _PICTURES = {
     ".bmp": _begins(b"BM"),
     ".webp": _riff(b"WEBP"),
 }
-_FILMS = {
+_FILMS: dict[str, Test] = {
     ".mp4": _begins(b"ftyp", at=4),
     ".m4v": _begins(b"ftyp", at=4),
     ".mov": _begins(b"ftyp", b"moov", b"mdat", b"wide", b"free", at=4),
@@ -48,15 +50,18 @@ _FILMS = {
     ".mkv": _begins(b"\x1aE\xdf\xa3"),
     ".webm": _begins(b"\x1aE\xdf\xa3"),
 }
-_DATA = {
+_DATA: dict[str, Test] = {
     ".wav": _riff(b"WAVE"),
     ".xlsx": _begins(b"PK\x03\x04"),
     ".ods": _begins(b"PK\x03\x04"),
     ".xls": _begins(b"\xd0\xcf\x11\xe0"),
     ".stl": lambda head: bool(head),  # binary or text: read where it is used
 }
-_TEXTS = {".toml": _text, ".csv": _text, ".txt": _text, ".tsv": _text, ".obj": _text,
-          ".svg": _svg, ".dxf": _dxf}  # fmt: skip
+_TEXTS: dict[str, Test] = {
+    **dict.fromkeys((".toml", ".csv", ".txt", ".tsv", ".obj"), _text),
+    ".svg": _svg,
+    ".dxf": _dxf,
+}
 _KINDS = {"picture": _PICTURES, "film": _FILMS, "data": _DATA, "text": _TEXTS}
 KIND = {ending: kind for kind, tests in _KINDS.items() for ending in tests}
 

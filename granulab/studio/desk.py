@@ -8,7 +8,7 @@ from typing import Any
 from granulab.errors import InputError
 from granulab.studio.folder import Folder, listed
 from granulab.studio.forms import Texts
-from granulab.studio.processes import Processes
+from granulab.studio.processes import Beside, Processes
 from granulab.studio.rooms.simulator import Bench
 
 
@@ -18,13 +18,14 @@ class Desk:
     def __init__(self, root: Path) -> None:
         self.folder = Folder(root)
         self.processes = Processes(self.folder.root)
+        self.beside = Beside()
 
     @cached_property
     def benches(self) -> Mapping[str, Bench]:
         """The simulators, by their commands."""
-        from granulab.studio.rooms import silo
+        from granulab.studio.rooms import damper, silo
 
-        return {one.command: one for one in (silo.bench(),)}
+        return {one.command: one for one in (silo.bench(), damper.bench())}
 
     @cached_property
     def runs(self) -> Any:
@@ -32,6 +33,13 @@ class Desk:
         from granulab.studio.rooms.runs import Runs
 
         return Runs(self.folder, self.processes, self.benches)
+
+    @cached_property
+    def measuring(self) -> Any:
+        """The measurements and maps that the page starts."""
+        from granulab.studio.rooms.measuring import Measuring
+
+        return Measuring(self.folder, self.processes)
 
     @cached_property
     def asks(self) -> dict[str, Callable[..., Any]]:
@@ -47,6 +55,8 @@ class Desk:
             "frame": self.runs.frame,
             "results": self.runs.results,
             "shapes": lambda name: drawings.shapes(self.folder, name),
+            "task": self.measuring.form,
+            "measured": self.measuring.state,
             "materials": lambda name: drawings.materials(self.folder, name),
         }
 
@@ -61,9 +71,18 @@ class Desk:
         def save(simulator: str, case: Texts, replace: bool = False) -> dict[str, Any]:
             return self._bench(simulator).save(self.folder, case, replace)
 
+        def fill(simulator: str, case: Texts) -> dict[str, Any]:
+            bench = self._bench(simulator)
+            if bench.start is None:
+                return {}
+            return self.beside.call(bench.start, *bench.tables(self.folder, case), self.folder.root)
+
         return {
             "check": check,
             "save": save,
+            "fill": fill,
+            "measure": self.measuring.start,
+            "end": self.measuring.stop,
             "begin": self.begin,
             "compare": self.runs.compare,
             "stop": self.runs.stop,
@@ -88,6 +107,7 @@ class Desk:
             },
             "shapes": data_names("shapes"),
             "materials": data_names("materials"),
+            "tasks": self.measuring.listed(),
             "files": listed(self.folder),
         }
 
@@ -95,10 +115,15 @@ class Desk:
         """Save a case and start its run; the answer of save alone where its file is another's."""
         bench = self._bench(simulator)
         saved = bench.save(self.folder, case, replace)
-        return saved if saved["exists"] else saved | self.runs.start(bench, saved["file"], saved["run"])
+        return (
+            saved
+            if saved["exists"]
+            else saved | self.runs.start(bench, saved["file"], saved["run"])
+        )
 
     def close(self) -> None:
         """End what goes on; runs keep their state."""
+        self.beside.end()
         self.processes.end()
 
     def without_root(self, line: str) -> str:

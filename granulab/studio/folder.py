@@ -46,6 +46,19 @@ class Folder:
             raise InputError(f"{name}: no such file in {self.root}")
         return path
 
+    def refuse_outside(self, text: str, where: str) -> None:
+        """Raise InputError for a text that names a file outside of the folder, if it is a name.
+
+        "10 N/mm" and "mesh:rock.stl" are none, or lead nowhere else.
+        """
+        for name in (text, text.partition(":")[2]):
+            try:
+                outside = "\0" in name or not (self.root / name).resolve().is_relative_to(self.root)
+            except (OSError, ValueError):
+                outside = True
+            if outside:
+                raise InputError(f"{where} = {text!r}: not within the folder of the studio")
+
     def files(self, kind: str) -> list[str]:
         """Names of the files of a kind ("picture", "film", "data", "text") in the folder itself."""
         found = (

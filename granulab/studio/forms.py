@@ -77,7 +77,7 @@ def document(settings: type[Section], texts: Texts) -> dict[str, Any]:
 def _value(key: Key | None, text: Any) -> Any:
     """A text as the value that a case file would have."""
     text = str(text).strip()
-    if key is not None and (key.kind == "string" or key.unit and key.kind == "number"):
+    if key is not None and (key.kind == "string" or (key.unit and key.kind == "number")):
         return text
     return _read(text)
 
@@ -120,7 +120,7 @@ def to_toml(tables: Mapping[str, Any], schema: int, head: str) -> str:
 
 
 # Options that the page sets itself, or that are for a terminal.
-_OWN = {"help", "quiet", "as_json", "out", "output", "workers", "engine", "scheduler", "resume",
+_OWN = {"quiet", "as_json", "out", "output", "workers", "engine", "scheduler", "resume",
         "again", "dry_run", "no_figures", "version", "table", "interactive"}  # fmt: skip
 
 
@@ -147,7 +147,8 @@ def command_form(command: click.Command) -> dict[str, Any]:
 
 def _options(command: click.Command, context: click.Context) -> Iterator[click.Option]:
     for one in command.get_params(context):
-        if isinstance(one, click.Option) and one.name not in _OWN and not one.hidden:
+        helps = one.opts == context.help_option_names[:1]
+        if isinstance(one, click.Option) and not (one.name in _OWN or one.hidden or helps):
             yield one
 
 

@@ -1,8 +1,8 @@
 """The guard before the page: the token, Host and Origin of each request, headers of each answer.
 
 A page of another site that the same browser shows may send requests to 127.0.0.1, also by a name
-of its own that leads there (DNS rebinding): what it sends has another Host, Origin or Sec-Fetch-Site
-than ours, and no token.
+of its own that leads there (DNS rebinding): what it sends has another Host, Origin or
+Sec-Fetch-Site than ours, and no token.
 """
 
 import hmac

@@ -24,14 +24,12 @@ def serve(folder: Path, port: int, *, open_browser: bool) -> None:
     if not folder.is_dir():
         raise InputError(f"--folder {folder}: no such folder; make it, or give another")
     refuse_unless_writable(folder, "--folder")
-    try:
-        import uvicorn
+    import uvicorn  # slow, as what it serves: --help needs none of it
 
-        from granulab.studio.app import studio
-        from granulab.studio.desk import Desk
-        from granulab.studio.guard import Guard
-    except ModuleNotFoundError as error:
-        raise InputError(f"studio needs {error.name}; pip install {error.name}") from None
+    from granulab.studio.app import studio
+    from granulab.studio.desk import Desk
+    from granulab.studio.guard import Guard
+
     with _listening(port) as listening:
         port = listening.getsockname()[1]
         token = secrets.token_urlsafe(24)

@@ -1,6 +1,7 @@
 """Commands that the page started: their words while they go on, stopping them, their ends."""
 
 import json
+import multiprocessing
 import os
 import re
 import signal
@@ -9,9 +10,9 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from granulab.campaign.output.terminal import INTERVAL
 from granulab.errors import InputError
@@ -19,7 +20,10 @@ from granulab.errors import InputError
 _LINES = 200  # of its words that are kept
 _EVERY = "0.5"  # [s] between words on its progress
 _GRACE = 20.0  # [s] for all to keep their state when the server ends
+_PATIENCE = 600.0  # [s] for an answer of another process, kernels compiled
 _PROGRESS = re.compile(r"^(?P<name>.*): (?P<percent>\d+)%(?P<words>.*)$")
+
+Answer = TypeVar("Answer")
 
 
 class Process:
@@ -150,3 +154,29 @@ class Processes:
         until = time.monotonic() + _GRACE
         for one in going:
             one.end(until - time.monotonic())
+
+
+class Beside:
+    """Another process for what compiles kernels: it would hold up the answers of this one."""
+
+    def __init__(self) -> None:
+        self._pool: Any = None
+        self._lock = threading.Lock()
+
+    def call(self, function: Callable[..., Answer], *arguments: Any) -> Answer:
+        """What a function of a module gives for arguments; its exceptions too."""
+        with self._lock:
+            if self._pool is None:
+                self._pool = multiprocessing.get_context("spawn").Pool(1, _deaf)
+        return self._pool.apply_async(function, arguments).get(_PATIENCE)
+
+    def end(self) -> None:
+        """End it, whatever it does."""
+        if self._pool is not None:
+            self._pool.terminate()
+            self._pool.join()
+
+
+def _deaf() -> None:
+    """Let Ctrl-C at the terminal be the server's, who ends this process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

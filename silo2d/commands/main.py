@@ -6,10 +6,9 @@ from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
 from granulab.campaign.cli.reproduce import reproduce_command
+from granulab.campaign.cli.view import view_command
 from silo2d.commands import results, run, shapes
 from silo2d.commands.options import outline_options
-from granulab.campaign.cli.view import view_command
-from silo2d.commands import results, run
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.cases import LabelledStudy

@@ -138,7 +138,9 @@ def polyline(pieces: Sequence[Piece]) -> Points:
         n = math.ceil(math.sqrt(0.75 * bend / (FLATNESS * extent))) if bend else 1
         t = np.linspace(0, 1, n + 1)[1:, None]
         a, b, c, d = piece
-        points.append(a * (1 - t) ** 3 + 3 * b * t * (1 - t) ** 2 + 3 * c * t**2 * (1 - t) + d * t**3)
+        points.append(
+            a * (1 - t) ** 3 + 3 * b * t * (1 - t) ** 2 + 3 * c * t**2 * (1 - t) + d * t**3
+        )
     return np.concatenate(points)
 
 

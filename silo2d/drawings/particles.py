@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 SPHERORADIUS = 0.1  # over the diameter of a disc of the smallest particle's area
 TOLERANCE = 0.02  # over that of a disc of the mean particle's area
 _CORNERS = 24  # beyond which none is worth its cost: a disc is then within 1 % of its radius
-_SIMPLER = np.geomspace(0.3, 1e-4, 40)  # distances that the core is simplified by, over that
 _ROUNDING = 1e-9  # part of an area
 _EVEN = 0.02  # depth of what is no hollow, over the diameter
 _DENSE = 100  # points along a diameter, between which distances are measured
@@ -86,18 +85,13 @@ def _diameter(outline: "Polygon") -> float:
 
 def _fitted(name: str, drawn: "Polygon", r: float, within: float, where: str) -> Fitted:
     """The spheropolygon with the fewest corners within a distance, or the nearest there is."""
-    core, best, tried = drawn.convex_hull.buffer(-r, join_style="mitre"), None, set()
-    for part in _SIMPLER:
-        if core.is_empty or (best is not None and best.error <= within):
-            break
-        simpler = core.simplify(part * _diameter(drawn))
-        n = len(simpler.exterior.coords) - 1
-        if n < 3 or n in tried or (n > _CORNERS and best is not None):
-            continue
-        tried.add(n)
-        one = _made(name, simpler, core, drawn, r)
+    core, best = drawn.convex_hull.buffer(-r, join_style="mitre"), None
+    for corners in _simpler(core):
+        one = _made(name, corners, core, drawn, r)
         if one is not None and (best is None or one.error < best.error):
             best = one
+        if best is not None and best.error <= within:
+            return best
     if best is None:
         raise InputError(
             f"{where}: spheroradius = {1e3 * r:g} mm: too large for particle {name}, "
@@ -106,16 +100,32 @@ def _fitted(name: str, drawn: "Polygon", r: float, within: float, where: str) ->
     return best
 
 
-def _made(
-    name: str, simpler: "Polygon", core: "Polygon", drawn: "Polygon", r: float
-) -> Fitted | None:
-    """A spheropolygon on a simplified core; None where that has no room for the radius.
+def _simpler(core: "Polygon") -> list[Points]:
+    """A convex polygon with 3 corners and more: each time without the one that sticks out least."""
+    if core.is_empty or core.geom_type != "Polygon":
+        return []
+    corners = np.array(core.exterior.coords)[:-1]
+    found: list[Points] = []
+    while len(corners) >= 3:
+        if len(corners) <= _CORNERS or not found:
+            found.append(corners)
+        before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
+        (ax, ay), (bx, by) = (corners - before).T, (after - before).T
+        corners = np.delete(
+            corners, (np.abs(ax * by - ay * bx) / np.hypot(bx, by)).argmin(), axis=0
+        )
+    return found[::-1]
+
+
+def _made(name: str, corners: Points, core: "Polygon", drawn: "Polygon", r: float) -> Fitted | None:
+    """A spheropolygon on some corners of a core; None where that has no room for the radius.
 
     Corners that were left out took area with them: the shape gets that of the outline.
     """
     from shapely import Polygon, distance, hausdorff_distance, points, segmentize
     from shapely.geometry.polygon import orient
 
+    simpler = Polygon(corners)
     outer = orient(simpler.buffer(r, join_style="mitre", mitre_limit=1e3))
     corners = np.array(outer.exterior.coords)[:-1]
     try:
@@ -140,7 +150,7 @@ def _made(
 
 
 def shape_file(shapes: Sequence[Fitted], spheroradius: float, origin: str) -> str:
-    """A shape file of some spheropolygons, with their errors as comments; origin: its first line."""
+    """A shape file of some spheropolygons, with their errors as comments; origin: its head."""
     lines = [
         *(f"# {line}" for line in origin.splitlines()),
         "",

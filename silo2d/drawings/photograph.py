@@ -11,8 +11,9 @@ from granulab.errors import InputError
 from silo2d.case.shape import Points
 
 ENDINGS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp")
-_MOST_BYTES, _MOST_PIXELS = 2**26, 10**8
+_MOST_BYTES, _MOST_PIXELS = 2**26, 10**8  # pixels of the interpolated picture too
 _SPECK = 0.05  # area of what is no particle, over the median area
+_STEPS = 0.15  # [px] of the staircase that pixels make of a border, at most
 _LEAST = 20.0  # area of a particle [px2]
 _SLENDER = 6.0  # length over width of a bar
 _FULL = 0.8  # part of its rectangle that a bar fills
@@ -101,30 +102,36 @@ def _grey(path: Path) -> np.ndarray:
     if picture is None:
         raise InputError(f"{path}: not a picture that can be read; give a PNG or JPEG")
     if picture.size > _MOST_PIXELS:
-        raise InputError(f"{path}: more than {_MOST_PIXELS // 10**6} million pixels; make it smaller")
+        raise InputError(
+            f"{path}: more than {_MOST_PIXELS // 10**6} million pixels; make it smaller"
+        )
     return picture
 
 
 def _contours(grey: np.ndarray) -> list[Points]:
     """Outer contours (n, 2) [px] of all that differs from the background, by Otsu's threshold.
 
-    OpenCV's run through the centres of the outermost pixels: they are moved out by half a pixel.
+    OpenCV's run through the centres of the outermost pixels, and are moved out by half a pixel; in
+    a picture that is interpolated to finer ones, so that a border is known to a part of one.
     """
     import cv2
     from shapely import Polygon
 
+    finer = next(k for k in (4, 2, 1) if k * k * grey.size <= _MOST_PIXELS or k == 1)
     smooth = cv2.GaussianBlur(grey, (3, 3), 0)
-    level, bright = cv2.threshold(smooth, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
-    border = np.concatenate([smooth[0], smooth[-1], smooth[:, 0], smooth[:, -1]])
+    fine = cv2.resize(smooth, None, fx=finer, fy=finer, interpolation=cv2.INTER_LINEAR)
+    level, bright = cv2.threshold(fine, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
+    border = np.concatenate([fine[0], fine[-1], fine[:, 0], fine[:, -1]])
     if np.median(border) > level:
         bright = cv2.bitwise_not(bright)
     found, _ = cv2.findContours(bright, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     contours = []
     for contour in found:
-        if cv2.contourArea(contour) >= _LEAST:
+        if cv2.contourArea(contour) >= _LEAST * finer**2:
             wider = Polygon(contour[:, 0].astype(float)).buffer(0.5, join_style="mitre")
-            if wider.geom_type == "Polygon":
-                contours.append(np.array(wider.exterior.coords)[:-1] + 0.5)
+            even = wider.simplify(_STEPS * finer)
+            if even.geom_type == "Polygon":
+                contours.append((np.array(even.exterior.coords)[:-1] + 0.5) / finer)
     return contours
 
 

@@ -1,4 +1,4 @@
-"""Shapes of particles from a drawing or a photograph: the spheropolygons, their file and picture."""
+"""Shapes of particles from a drawing or photograph: spheropolygons, their file and picture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -18,6 +18,7 @@ _SILENT = {"svg", "g", "a", "title", "desc", "metadata", "style", "namedview", "
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _COMMAND = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])([^MmZzLlHhVvCcSsQqTtAa]*)")
 _COUNT = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7}
+_SMOOTH = {"S": "CS", "T": "QT"}
 _PER_INCH = 96  # of a CSS pixel, which is the unit of lengths without one
 _EVEN = np.eye(3)
 
@@ -184,22 +185,22 @@ def _points(element: ElementTree.Element, where: str) -> Shape:
 
 def _path(element: ElementTree.Element, where: str) -> Shape:
     """The sub-paths of a path: SVG 1.1, 8.3."""
-    at, begin, handle = np.zeros(2), np.zeros(2), None
+    at, begin, handle, before = np.zeros(2), np.zeros(2), None, ""
     pieces: list[Piece] = []
     for command, numbers in _commands(element.get("d", ""), where):
         kind, origin = command.upper(), at if command.islower() else np.zeros(2)
         if kind in "MZ":
             if pieces:
                 yield pieces, kind == "Z"
-            pieces, handle = [], None
+            pieces, before = [], kind
             at = begin = begin if kind == "Z" else origin + numbers
             continue
         if kind == "A":
             new = _elliptical(at, numbers[:5], origin + numbers[5:])
         else:
-            new, handle = _piece(kind, at, numbers, origin, handle)
-        if kind not in "CSQT":
-            handle = None
+            smooth = _SMOOTH.get(kind, "")  # mirrors the handle of a curve of its own degree
+            new, handle = _piece(kind, at, numbers, origin, handle if before in smooth else None)
+        before = kind
         pieces += new
         at = new[-1][-1] if new else at
     if pieces:
@@ -225,7 +226,8 @@ def _commands(text: str, where: str) -> Iterator[tuple[str, np.ndarray]]:
 
 def _flagged(text: str) -> list[float]:
     """Numbers of arcs, whose two flags may stand without a space: "a1 1 0 01.5.5"."""
-    found, at = [], 0
+    found: list[float] = []
+    at = 0
     while match := (re.compile(r"[01]") if len(found) % 7 in (3, 4) else _NUMBER).search(text, at):
         found.append(float(match[0]))
         at = match.end()
@@ -248,7 +250,9 @@ def _piece(
     if kind in "CS":
         return [np.array([at, *points])], points[1]
     control, end = points  # a quadratic one as a cubic
-    return [np.array([at, at + 2 / 3 * (control - at), end + 2 / 3 * (control - end), end])], control
+    return [
+        np.array([at, at + 2 / 3 * (control - at), end + 2 / 3 * (control - end), end])
+    ], control
 
 
 def _elliptical(start: np.ndarray, shape: np.ndarray, end: np.ndarray) -> list[Piece]:

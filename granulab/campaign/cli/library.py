@@ -66,7 +66,9 @@ def file_commands(
         made = library().case_of(**given) if case_options else None
         if made is not None:
             if source or kind:
-                raise InputError("a drawing makes a case; leave --from and other kinds of files out")
+                raise InputError(
+                    "a drawing makes a case; leave --from and other kinds of files out"
+                )
             kind, text = "case", made
         elif source is None:
             kind = kind or "case"

@@ -2,6 +2,7 @@
 
 import { h, put } from "./dom.js";
 import { Plane } from "./plane.js";
+import { Space } from "./space.js";
 
 /** A view in a place; show(frame) draws one. */
 export function frameView(simulator, place) {
@@ -41,4 +42,17 @@ function windowOf(points) {
   return [Math.min(...xs), Math.max(...xs), Math.min(...ys) - 0.15 * height, Math.max(...ys)];
 }
 
-const VIEWS = { silo2d: siloView };
+function damperView(place) {
+  const words = h("p", { class: "quiet" });
+  const stage = h("div", { class: "stage" });
+  put(place, words, stage);
+  const space = new Space(stage);
+  return {
+    show(frame) {
+      put(words, frame.words);
+      space.show(frame);
+    },
+  };
+}
+
+const VIEWS = { silo2d: siloView, damper3d: damperView };

@@ -2,6 +2,9 @@
 
 import { ask } from "./api.js";
 import { h, put, refusal } from "./dom.js";
+import { damperRoom } from "./damper.js";
+import { labRoom } from "./lab.js";
+import { mapRoom } from "./map.js";
 import { runsRoom } from "./runs.js";
 import { siloRoom } from "./silo.js";
 
@@ -26,6 +29,9 @@ async function begin() {
   };
   const rooms = {
     silo: ["Silo", () => siloRoom(start, watch)],
+    damper: ["Damper", () => damperRoom(start, watch)],
+    map: ["Map", () => mapRoom(start)],
+    lab: ["Laboratory", () => labRoom(start)],
     runs: ["Runs", (run) => runsRoom(start, run, openCase)],
   };
   function show(name, what) {

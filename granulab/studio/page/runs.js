@@ -85,12 +85,10 @@ function watchedRun(run, place, { refresh, openCase, others }) {
     if (process?.line) put(said, refusal(process.line));
     else if (found.failure) put(said, refusal(found.failure));
     if (found.state !== "finished") await drawFrame(found);
-    if (going) timer = setTimeout(look, EVERY);
-    else if (found.state !== shown) {
-      shown = found.state;
-      refresh();
-      if (found.state === "finished") showResults(found);
-    }
+    if (found.state !== shown || others().every((one) => one.run !== run)) await refresh();
+    if (found.state === "finished" && shown !== "finished") showResults(found);
+    shown = found.state;
+    if (going && !left) timer = setTimeout(look, EVERY);
   }
   async function drawFrame({ simulator, state }) {
     const frame = await ask("frame", { run }).catch(() => ({}));

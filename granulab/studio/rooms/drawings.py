@@ -72,7 +72,9 @@ def draw_shapes(
     ]  # fmt: skip
     for shape in shapes:
         lines += ["", "[[shape]]"]
-        lines += [f"{key} = {toml_value(shape[key])}" for key in ("name", "outline") if key in shape]
+        lines += [
+            f"{key} = {toml_value(shape[key])}" for key in ("name", "outline") if key in shape
+        ]
     return _written(folder, name, "\n".join(lines) + "\n", replace)
 
 
@@ -88,7 +90,8 @@ def materials(folder: Folder, name: str) -> dict[str, Any]:
     return {
         "values": [
             {
-                "section": section, "key": key, "value": shown(value, PROPERTIES[key].unit_in_files),
+                "section": section, "key": key,
+                "value": shown(value, PROPERTIES[key].unit_in_files),
                 "meaning": PROPERTIES[key].meaning, "trials": value.trials, "method": value.method,
                 "source": value.source, "date": value.date and value.date.isoformat(),
                 "before": len(value.history),

@@ -15,6 +15,7 @@ from granulab.studio.rooms.simulator import Bench
 _SHOWN = (".png", ".mp4", ".webm", ".gif")  # of a run's figures
 _BESIDE = (".toml", ".csv", ".wav", ".stl", ".obj")  # of files that a run keeps with its case
 _MOST_RUNS = 500
+_PLAYER_MB = 6.0  # of the page that plays a run, at most: it goes no further than this machine
 
 
 class Runs:
@@ -108,7 +109,8 @@ class Runs:
 
     def player(self, run: str) -> str:
         """The page that plays a finished run, which needs nothing but itself."""
-        return self._bench(run).player(self._path(run))
+        page, _ = self._bench(run).player(self._path(run), 1e6 * _PLAYER_MB)
+        return page
 
     def _path(self, run: str) -> Path:
         if "/" in run:

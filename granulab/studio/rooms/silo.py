@@ -21,6 +21,7 @@ from silo2d.run.pour import rain
 from silo2d.run.result import Result
 from silo2d.run.sweep import SILO
 from silo2d.view import report
+from silo2d.view.player import player_page
 
 _DIGITS = 6  # of metres and radians that are sent
 
@@ -41,7 +42,7 @@ def bench() -> Bench:
         frame=frame,
         report=lambda run: report.report(Result.read(RunFolder(run), reused=False)),
         compare=compare,
-        player=player,
+        player=player_page,
     )
 
 
@@ -111,11 +112,6 @@ def compare(first: Path, second: Path) -> tuple[str, Path]:
     picture = first / "figures" / f"beside-{second.name}.png"
     write_figure(picture, lambda: comparison.draw(pairs))
     return comparison.table(pairs), picture
-
-
-def player(run: Path) -> str:
-    """The page that plays a run."""
-    raise FolderError(f"{run.name}: no player in this version")
 
 
 def _outlines(found: Trajectory) -> list[np.ndarray]:

@@ -1,6 +1,6 @@
 """Cases of a simulator on the page: checked, written as TOML, opened; whichever simulator it is."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,10 +27,12 @@ class Bench:
     simulator  its part in sweeps: digest and run folder of a case
     echo       a case in words, with what its run would take
     preview    what is shown of a case before anything runs, for the page to draw
+    start      the particles of a case, as its filling begins with them, where that takes kernels:
+               a function that another process calls with what resolve takes; or None
     frame      the last stored frame of a run in a folder, for the page; raises FolderError
     report     the results of a finished run in words
     compare    two runs side by side in words, and a picture of both
-    player     a page that plays a run
+    player     a page that plays a run, of at most so many bytes, and a remark on it
     """
 
     command: str
@@ -46,7 +48,8 @@ class Bench:
     frame: Callable[[Path], dict[str, Any]]
     report: Callable[[Path], str]
     compare: Callable[[Path, Path], tuple[str, Path]]
-    player: Callable[[Path], str]
+    player: Callable[[str | Path, float], tuple[str, str]]
+    start: Callable[[dict[str, Any], str, Path], dict[str, Any]] | None = None
 
     def form(self) -> list[dict[str, Any]]:
         """Sections and keys of its cases."""
@@ -57,11 +60,10 @@ class Bench:
 
         The refusal is the line that the command would say of the file.
         """
-        tables = document(self.settings, texts)
-        tables.setdefault("name", "case")
-        file = f"{tables['name']}.toml"
-        found: dict[str, Any] = {"toml": self.written(tables), "refused": "", "file": file}
+        found: dict[str, Any] = {"toml": "", "refused": "", "file": ""}
         try:
+            tables, file = self.tables(folder, texts)
+            found |= {"toml": self.written(tables), "file": file}
             case = self.resolve(tables, file, folder.root)
             run = self.simulator.run_folder(case, folder.runs)
         except (InputError, FolderError) as error:
@@ -74,6 +76,17 @@ class Bench:
             "digest": self.simulator.digest(case),
             "preview": self.preview(case),
         }
+
+    def tables(self, folder: Folder, texts: Texts) -> tuple[dict[str, Any], str]:
+        """The tables of a case from the texts of a form, and the name of its file.
+
+        Raises InputError where they name a file outside of the folder.
+        """
+        tables = document(self.settings, texts)
+        file = f"{tables.setdefault('name', 'case')}.toml"
+        for text in _texts_in(tables):
+            folder.refuse_outside(text, file)
+        return tables, file
 
     def written(self, tables: Mapping[str, Any]) -> str:
         """The case file of some tables."""
@@ -99,11 +112,22 @@ class Bench:
         return {"file": checked["file"], "exists": False, "run": checked["run"]}
 
 
+def _texts_in(value: Any) -> Iterator[str]:
+    """All texts in tables and lists."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping | list):
+        for inner in value.values() if isinstance(value, Mapping) else value:
+            yield from _texts_in(inner)
+
+
 def _rows(echo: str) -> list[tuple[str, str]]:
     """Label and words of each line of a case in words; the first line is about the whole."""
     first, *lines = echo.splitlines()
-    return [("case", first), *((line[2:_WORDS].strip(), line[_WORDS:].strip()) for line in lines)]
+    ends = [max(line.find(" ", _LABEL), _LABEL) for line in lines]  # longer ones have one space
+    rows = [(line[:end].strip(), line[end:].strip()) for line, end in zip(lines, ends, strict=True)]
+    return [("case", first), *rows]
 
 
-_WORDS = 14  # column where the words of a line begin
+_LABEL = 13  # column where the label of a line ends
 _OTHERS = ("silo", "enclosure", "motion", "shape", "material", "vary", "structure")
