@@ -15,7 +15,8 @@ from damper3d.run.result import Result
 from damper3d.run.sweep import DAMPER
 from damper3d.view import compare as comparison
 from damper3d.view import report
-from damper3d.view.player import edges_of, player_page
+from damper3d.view.player.page import player_page
+from damper3d.view.player.walls import edges_of
 from damper3d.view.scene import read_scene
 from granulab.campaign.output.figure import write_figure
 from granulab.campaign.runs.folder import RunFolder
