@@ -16,7 +16,9 @@ from silo2d.run import sweep as silo_sweep
 
 ROOT = Path(__file__).parents[1]
 # Packages of the README's map, and their folders.
-PACKAGES = ("granulab/contact", "granulab/campaign", "silo2d", "damper3d", "calibration")
+PACKAGES = (
+    "granulab/contact", "granulab/campaign", "silo2d", "damper3d", "calibration", "granulab/studio",
+)  # fmt: skip
 
 
 def generated() -> dict[Path, str]:

@@ -1,5 +1,6 @@
 """The addresses of the studio: what the page fetches, and what it sends."""
 
+import inspect
 import json
 import logging
 from collections.abc import Callable, Mapping
@@ -13,7 +14,7 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
 
-from granulab.errors import FolderError, InputError, SimulationError
+from granulab.errors import FolderError, InputError, SimulationError, Stopped
 from granulab.studio.contents import KIND
 from granulab.studio.desk import Desk
 
@@ -67,7 +68,7 @@ def _answers(desk: Desk) -> Any:
         try:
             given = dict(request.query_params) if request.method == "GET" else await _json(request)
             return JSONResponse(await run_in_threadpool(_called, function, given))
-        except (InputError, FolderError, SimulationError) as error:
+        except (InputError, FolderError, SimulationError, Stopped) as error:
             return _refused(desk.without_root(str(error)))
 
     return _guarded(answer)
@@ -76,16 +77,10 @@ def _answers(desk: Desk) -> Any:
 def _called(function: Answer, given: Mapping[str, Any]) -> Any:
     """The answer to a question with its parameters; InputError where they are others."""
     try:
-        bound = _bound(function, given)
+        bound = inspect.signature(function).bind(**given)
     except TypeError as error:
         raise InputError(f"a request of another page version: {error}") from None
-    return function(**bound)
-
-
-def _bound(function: Answer, given: Mapping[str, Any]) -> dict[str, Any]:
-    import inspect
-
-    return inspect.signature(function).bind(**given).arguments
+    return function(*bound.args, **bound.kwargs)
 
 
 async def _json(request: Request) -> dict[str, Any]:

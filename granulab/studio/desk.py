@@ -1,7 +1,7 @@
 """The desk: what the page may ask and order, by name, and what answers it."""
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -43,26 +43,26 @@ class Desk:
 
     @cached_property
     def asks(self) -> dict[str, Callable[..., Any]]:
-        """What the page may ask, which changes nothing."""
+        """Questions of the page, which change nothing."""
         from granulab.studio.rooms import drawings
 
         return {
             "start": self.start,
             "files": lambda: listed(self.folder),
-            "open": lambda simulator, name: self._bench(simulator).open(self.folder, name),
+            "open": lambda simulator, name: self._bench(simulator).texts(self.folder, name),
             "runs": self.runs.listed,
             "run": self.runs.state,
             "frame": self.runs.frame,
             "results": self.runs.results,
-            "shapes": lambda name: drawings.shapes(self.folder, name),
+            "shapes": partial(drawings.shapes, self.folder),
             "task": self.measuring.form,
             "measured": self.measuring.state,
-            "materials": lambda name: drawings.materials(self.folder, name),
+            "materials": partial(drawings.materials, self.folder),
         }
 
     @cached_property
     def orders(self) -> dict[str, Callable[..., Any]]:
-        """What the page may order, or ask with more than an address holds."""
+        """Orders of the page, and questions with more than an address holds."""
         from granulab.studio.rooms import drawings
 
         def check(simulator: str, case: Texts) -> dict[str, Any]:
@@ -87,13 +87,13 @@ class Desk:
             "compare": self.runs.compare,
             "stop": self.runs.stop,
             "resume": self.runs.resume,
-            "outline": lambda **given: drawings.outline(self.folder, **given),
-            "particles": lambda **given: drawings.particles(self.folder, **given),
-            "draw_shapes": lambda **given: drawings.draw_shapes(self.folder, **given),
+            "outline": partial(drawings.outline, self.folder),
+            "particles": partial(drawings.particles, self.folder),
+            "draw_shapes": partial(drawings.draw_shapes, self.folder),
         }
 
     def start(self) -> dict[str, Any]:
-        """What the page begins with: forms, presets, shipped files, and what is in the folder."""
+        """All that the page begins with: forms, presets, shipped files, and what is in the folder."""
         from importlib.metadata import version
 
         from granulab.contact.files.datafile import data_names
@@ -111,15 +111,15 @@ class Desk:
             "files": listed(self.folder),
         }
 
-    def begin(self, simulator: str, case: Texts, replace: bool = False) -> dict[str, Any]:
+    def begin(
+        self, simulator: str, case: Texts, replace: bool = False, figures: bool = True
+    ) -> dict[str, Any]:
         """Save a case and start its run; the answer of save alone where its file is another's."""
         bench = self._bench(simulator)
         saved = bench.save(self.folder, case, replace)
-        return (
-            saved
-            if saved["exists"]
-            else saved | self.runs.start(bench, saved["file"], saved["run"])
-        )
+        if saved["exists"]:
+            return saved
+        return saved | self.runs.start(bench, saved["file"], saved["run"], figures)
 
     def close(self) -> None:
         """End what goes on; runs keep their state."""

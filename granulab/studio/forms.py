@@ -12,6 +12,7 @@ import click
 
 from granulab.contact.files.casefile import Section, sections, toml_value
 from granulab.contact.files.reference import Key, keys_of
+from granulab.contact.files.units import is_plain_number
 from granulab.errors import InputError
 
 Texts = dict[str, Any]  # name, and by section the texts of its keys; or one text of a whole table
@@ -77,7 +78,8 @@ def document(settings: type[Section], texts: Texts) -> dict[str, Any]:
 def _value(key: Key | None, text: Any) -> Any:
     """A text as the value that a case file would have."""
     text = str(text).strip()
-    if key is not None and (key.kind == "string" or (key.unit and key.kind == "number")):
+    kind = "" if key is None else key.kind
+    if kind == "string" or (kind == "number" and not is_plain_number(text)):
         return text
     return _read(text)
 

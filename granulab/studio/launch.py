@@ -6,6 +6,7 @@ import secrets
 import socket
 import threading
 from pathlib import Path
+from types import FrameType
 
 import click
 
@@ -36,6 +37,12 @@ def serve(folder: Path, port: int, *, open_browser: bool) -> None:
         address = f"http://{HOST}:{port}/{token}/"
         desk = Desk(folder)
         application = Guard(studio(desk), token, port)
+
+        class Server(uvicorn.Server):
+            def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+                desk.beside.ending = True  # an answer that takes long holds up the end
+                super().handle_exit(sig, frame)
+
         config = uvicorn.Config(
             application, log_level=logging.WARNING, access_log=False, server_header=False,
             timeout_graceful_shutdown=3, ws="none",
@@ -46,7 +53,7 @@ def serve(folder: Path, port: int, *, open_browser: bool) -> None:
             threading.Thread(target=_show, args=(address,), daemon=True).start()
         try:
             with contextlib.suppress(KeyboardInterrupt):  # the way to end it
-                uvicorn.Server(config).run(sockets=[listening])
+                Server(config).run(sockets=[listening])
         finally:
             desk.close()
 

@@ -15,12 +15,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from granulab.campaign.output.terminal import INTERVAL
-from granulab.errors import InputError
+from granulab.errors import InputError, Stopped
 
 _LINES = 200  # of its words that are kept
 _EVERY = "0.5"  # [s] between words on its progress
 _GRACE = 20.0  # [s] for all to keep their state when the server ends
 _PATIENCE = 600.0  # [s] for an answer of another process, kernels compiled
+_LOOK = 0.3  # [s] between looks at whether the server ends
 _PROGRESS = re.compile(r"^(?P<name>.*): (?P<percent>\d+)%(?P<words>.*)$")
 
 Answer = TypeVar("Answer")
@@ -162,13 +163,22 @@ class Beside:
     def __init__(self) -> None:
         self._pool: Any = None
         self._lock = threading.Lock()
+        self.ending = False  # answers are not waited for any more
 
     def call(self, function: Callable[..., Answer], *arguments: Any) -> Answer:
-        """What a function of a module gives for arguments; its exceptions too."""
+        """Result of a function of a module for arguments; its exceptions too.
+
+        Raises Stopped where the server ends, or the answer takes longer than kernels compile.
+        """
         with self._lock:
             if self._pool is None:
                 self._pool = multiprocessing.get_context("spawn").Pool(1, _deaf)
-        return self._pool.apply_async(function, arguments).get(_PATIENCE)
+        result, until = self._pool.apply_async(function, arguments), time.monotonic() + _PATIENCE
+        while not self.ending and time.monotonic() < until:
+            result.wait(_LOOK)
+            if result.ready():
+                return result.get()
+        raise Stopped("no answer")
 
     def end(self) -> None:
         """End it, whatever it does."""

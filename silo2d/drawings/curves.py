@@ -33,7 +33,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Drawing:
-    """What a drawing holds.
+    """Content of a drawing.
 
     unit      its unit [m], or None where the file does not say
     unread    kinds of entities that were left out, and how many

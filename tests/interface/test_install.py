@@ -50,6 +50,15 @@ def test_the_wheel_installs_the_commands(wheel):
     packages = {"silo2d": "silo2d", "damper3d": "damper3d", "calibrate": "calibration"}
     for command, package in packages.items():
         assert f"{command} = {package}.commands.main:main" in wheel.read(points).decode()
+    assert "granulab = granulab.studio.main:main" in wheel.read(points).decode()
+
+
+def test_the_wheel_holds_the_page_of_the_studio(wheel):
+    """Scripts, style and icon are data of the package: nothing is loaded from elsewhere."""
+    parts = [path for path in (ROOT / "granulab/studio/page").iterdir() if path.is_file()]
+    assert {"index.html", "studio.css", "main.js", "icon.svg"} <= {path.name for path in parts}
+    for part in parts:
+        assert wheel.read(part.relative_to(ROOT).as_posix()) == part.read_bytes()
 
 
 def test_an_unpacked_wheel_finds_its_data(wheel, tmp_path):

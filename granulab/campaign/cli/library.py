@@ -55,6 +55,29 @@ def file_commands(
             "study": NewFile(lambda: _shipped(study_file), sweep, "studies", lambda: study, "vary"),
         }
 
+    @click.command("list", help="List presets, files, packings; runs with their state and size.")
+    @out_option
+    @click.option("--verify", "check", is_flag=True, help="Check all files below DIR for damage.")
+    def list_(out: str, check: bool) -> None:
+        (_verify if check else partial(_list, library()))(Path(out))
+
+    @click.command(help=f"Describe a preset, {kinds} or run folder in words and numbers.")
+    @click.argument("name")
+    def show(name: str) -> None:
+        click.echo(wrapped(library().description(name), 14))
+
+    return [_init_command(library, known, kinds, new, case_options), list_, show]
+
+
+def _init_command(
+    library: Callable[[], Any],
+    known: Callable[[], dict[str, NewFile]],
+    kinds: str,
+    new: Sequence[str],
+    case_options: Callable[[Callable[..., Any]], Callable[..., Any]] | None,
+) -> click.Command:
+    """The command `init`; see file_commands."""
+
     @click.argument("file")
     @click.option("--study", "kind", flag_value="study", help="Write a study file instead.")
     @click.option(
@@ -88,19 +111,7 @@ def file_commands(
         text = f"Write a {one} file instead."
         init = click.option(f"--{one}", "kind", flag_value=one, help=text)(init)
     about = "Write a file with a comment on every key: a case."
-
-    @click.command("list", help="List presets, files, packings; runs with their state and size.")
-    @out_option
-    @click.option("--verify", "check", is_flag=True, help="Check all files below DIR for damage.")
-    def list_(out: str, check: bool) -> None:
-        (_verify if check else partial(_list, library()))(Path(out))
-
-    @click.command(help=f"Describe a preset, {kinds} or run folder in words and numbers.")
-    @click.argument("name")
-    def show(name: str) -> None:
-        click.echo(wrapped(library().description(name), 14))
-
-    return [click.command("init", help=about)(init), list_, show]
+    return click.command("init", help=about)(init)
 
 
 def _copied(

@@ -18,6 +18,7 @@ export class Case {
     this.file = h("pre", { class: "toml" });
     this.digest = h("p", { class: "quiet digest" });
     this.saveButton = h("button", { onclick: () => this.save() }, "Save");
+    this.figures = h("input", { type: "checkbox", checked: true });
     this.runButton = h("button", { class: "main run", onclick: () => this.run() }, "Run");
     this.shown = () => {}; // takes what the server says of the case
     this.filled = () => {}; // takes the texts of a case that was opened
@@ -36,7 +37,8 @@ export class Case {
   /** What the server says of the case, and running it. */
   side() {
     return h("section", { class: "said" },
-      h("div", { class: "buttons" }, this.runButton), this.verdict, this.digest,
+      h("div", { class: "buttons" }, this.runButton, h("label", {}, this.figures, "with pictures and film")),
+      this.verdict, this.digest,
       h("details", { open: innerWidth > 740 }, h("summary", {}, "What will be run"), this.words),
       h("details", {}, h("summary", {}, "The case file"), this.file));
   }
@@ -102,14 +104,14 @@ export class Case {
 
   async run() {
     this.runButton.disabled = true;
-    const done = await this.asked("begin");
+    const done = await this.asked("begin", { figures: this.figures.checked });
     this.runButton.disabled = false;
     if (done) this.watch(done.run);
   }
 
   /** Saves or begins; asks first where another case has the name of its file. */
-  async asked(what) {
-    const body = { simulator: this.simulator, case: this.texts() };
+  async asked(what, more = {}) {
+    const body = { simulator: this.simulator, case: this.texts(), ...more };
     try {
       let done = await order(what, body);
       if (done.exists) {

@@ -116,7 +116,7 @@ def _written(folder: Folder, name: str, text: str, replace: bool) -> dict[str, A
     name = name if name.endswith(".toml") else f"{name}.toml"
     with tempfile.TemporaryDirectory() as place:
         tried = Path(place) / "shapes.toml"
-        tried.write_text(text, encoding="utf-8")
+        tried.write_text(text, encoding="utf-8", newline="\n")
         try:
             load_shapes(tried)
         except InputError as error:

@@ -30,10 +30,14 @@ class Runs:
         cases.sort(key=lambda case: case.stat().st_mtime, reverse=True)
         return [self.state(case.parent.name) for case in cases[:_MOST_RUNS]]
 
-    def start(self, bench: Bench, file: str, run: str) -> dict[str, Any]:
-        """Start the command that runs a case file of the folder; or go on with its run."""
+    def start(self, bench: Bench, file: str, run: str, figures: bool) -> dict[str, Any]:
+        """Start the command that runs a case file of the folder, with figures and film or without.
+
+        It goes on with the run where one was begun.
+        """
         self._folder.file(file)
-        self._processes.start(_key(run), [bench.command, "run", file, "--out", RUNS])
+        line = [bench.command, "run", file, "--out", RUNS, *["--no-figures"] * (not figures)]
+        self._processes.start(_key(run), line)
         return {"run": run, "simulator": bench.command}
 
     def resume(self, run: str) -> dict[str, Any]:
@@ -79,7 +83,7 @@ class Runs:
 
     def _case(self, bench: Bench, run: str) -> Texts:
         """The texts of a run's case, with the files beside it by names from the chosen folder."""
-        texts, beside = bench.open(self._folder, f"{RUNS}/{run}/case.toml"), self._path(run)
+        texts, beside = bench.texts(self._folder, f"{RUNS}/{run}/case.toml"), self._path(run)
 
         def named(text: str) -> str:
             there = "/" not in text and text.endswith(_BESIDE) and (beside / text).is_file()

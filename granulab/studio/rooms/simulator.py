@@ -93,7 +93,7 @@ class Bench:
         file = f"{tables.get('name', 'case')}.toml"
         return to_toml(tables, SCHEMA, _HEAD.format(command=self.command, file=file))
 
-    def open(self, folder: Folder, name: str) -> Texts:
+    def texts(self, folder: Folder, name: str) -> Texts:
         """The texts of a preset, or of a case file in the folder."""
         if name in self.presets():
             return texts_of(self.preset(name))

@@ -1,0 +1,269 @@
+"""The studio in a browser: built by mouse, refused, run, stopped, gone on with, opened again."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+from made_drawings import A4_DOWN, photograph, regular, svg, svg_path
+from small_silo import SHAPES
+from studio_server import Studio
+
+from granulab.campaign.runs.folder import RunFolder
+from silo2d.case.case import SiloCase
+from silo2d.case.shapefile import load_shapes
+from silo2d.run.sweep import SILO
+
+MEDIA = Path(__file__).parents[2] / "data" / "media"
+
+# The plane that is shown where nothing is drawn yet [m], and the margin round it [px]
+# (granulab/studio/page/silo.js, plane.js).
+LEFT, RIGHT, BOTTOM, TOP = -0.3, 0.3, -0.05, 0.6
+MARGIN = 18
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("studio")
+    (folder / "small.toml").write_text(SHAPES)
+    running = Studio(folder)
+    yield running
+    code, err = running.close()
+    assert (code, err.count("\n")) == (0, 1), err
+
+
+def click_at(page, corners):
+    """Click places of the silo's plane [mm]."""
+    box = page.locator(".drawing canvas").bounding_box()
+    width, height = box["width"], box["height"]
+    scale = min((width - 2 * MARGIN) / (RIGHT - LEFT), (height - 2 * MARGIN) / (TOP - BOTTOM))
+    for x, y in corners:
+        px = box["x"] + width / 2 + (1e-3 * x - (LEFT + RIGHT) / 2) * scale
+        py = box["y"] + height / 2 - (1e-3 * y - (BOTTOM + TOP) / 2) * scale
+        page.mouse.move(px, py)
+        page.mouse.down()
+        page.mouse.up()
+
+
+def expect(locator):
+    from playwright.sync_api import expect as expecting
+
+    return expecting(locator)
+
+
+OUTLINE = [(-30, 0), (30, 0), (40, 20), (40, 90), (-40, 90), (-40, 20)]
+
+
+def draw_small_silo(page, name):
+    """Draw the outline by mouse, and write what else the small silo needs."""
+    page.get_by_role("button", name="Clear").click()
+    click_at(page, [*OUTLINE, OUTLINE[0]])
+    page.get_by_label("Name of the case").fill(name)
+    page.get_by_label("shapes", exact=True).fill("small.toml")
+    page.get_by_label("level [m]").fill("50 mm")
+
+
+def test_a_silo_is_drawn_by_mouse_refused_run_and_opened_again_with_its_digest(studio, opened):
+    page = opened(studio.address)
+    draw_small_silo(page, "drawn")
+    expect(page.locator(".fine")).to_contain_text("nothing is refused")
+    assert tomllib.loads(page.locator(".toml").text_content())["silo"] == {
+        "outline": [list(corner) for corner in OUTLINE]
+    }
+
+    page.get_by_label("level [m]").fill("200 mm")  # above the rim
+    expect(page.locator(".refused")).to_have_text(
+        "drawn.toml: [fill] level = 200 mm: must be above the largest particle, 10.8 mm, and at "
+        "most the silo's height, 90 mm"
+    )
+    expect(page.get_by_role("button", name="Run", exact=True)).to_be_disabled()
+    page.get_by_label("level [m]").fill("50 mm")
+
+    page.locator("summary", has_text="[law]").click()
+    page.get_by_label("kn [N/m]").fill("1e3 N/mm")
+    page.get_by_label("keep_ratios").select_option("true")
+    page.locator("summary", has_text="[run]").click()
+    page.get_by_label("max_time").fill("0.3 s")
+    page.get_by_label("with pictures and film").uncheck()
+    expect(page.locator(".fine")).to_be_visible()
+    page.wait_for_timeout(600)  # the check that the last change asked for
+    digest = page.locator(".digest").text_content()
+    page.get_by_role("button", name="Run", exact=True).click()
+
+    expect(page.locator(".run h2")).to_contain_text("drawn-seed1-")
+    expect(page.locator(".report")).to_contain_text("particles out", timeout=120_000)
+    run = page.locator(".run h2").text_content()
+    assert run in digest
+    of_file = SiloCase.load(studio.folder / "drawn.toml")
+    folder = SILO.run_folder(of_file, studio.folder / "runs")
+    assert (folder.path.name, folder.state) == (run, "finished"), "the command takes the same run"
+
+    page.get_by_role("tab", name="Silo").click()
+    page.get_by_label("Open a case").select_option("A1")
+    expect(page.locator(".digest")).to_contain_text("A1-seed1-")
+    page.get_by_label("Open a case").select_option("drawn.toml")
+    expect(page.locator(".digest")).to_have_text(digest)
+    expect(page.get_by_role("button", name="Show its run")).to_be_visible()
+
+
+def test_a_run_is_watched_stopped_and_gone_on_with(studio, opened):
+    page = opened(studio.address)
+    draw_small_silo(page, "watched")
+    page.locator("summary", has_text="[run]").click()
+    page.get_by_label("time_step [s]").first.fill("0.4 us")  # some seconds to be stopped in
+    page.get_by_label("with pictures and film").uncheck()
+    page.wait_for_timeout(600)
+    page.get_by_role("button", name="Run", exact=True).click()
+    expect(page.locator(".watch p")).to_contain_text("out", timeout=120_000)  # a frame is there
+    drawn = page.locator(".watch canvas").screenshot()
+    assert len(set(drawn)) > 100, "a picture, not an empty one"
+    page.get_by_role("button", name="Stop").click()
+    expect(page.get_by_role("button", name="Go on")).to_be_visible()
+    expect(page.locator(".run")).to_contain_text("stopped; its state is kept")
+    run = page.locator(".run h2").text_content()
+    assert RunFolder(studio.folder / "runs" / run).state == "unfinished"
+    page.get_by_role("button", name="Go on").click()
+    expect(page.locator(".report")).to_contain_text("particles out", timeout=180_000)
+    page.locator("summary", has_text="Play it").click()
+    player = page.frame_locator("iframe")
+    expect(player.locator("#clock")).to_contain_text("s")
+
+
+def test_an_outline_is_drawn_with_the_keys_alone(studio, opened):
+    page = opened(studio.address)
+    page.get_by_role("button", name="Clear").click()
+    page.locator(".drawing canvas").focus()
+    for key in ["ArrowLeft", "Enter", *["ArrowRight"] * 3, "Enter", "Shift+ArrowUp", "Enter",
+                *["ArrowLeft"] * 3, "Enter", "Shift+ArrowDown", "Enter"]:  # fmt: skip
+        page.keyboard.press(key)
+    expect(page.get_by_label("outline", exact=True)).to_have_value(
+        "[[-10, 0], [20, 0], [20, 100], [-10, 100]]"
+    )
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Delete")
+    expect(page.get_by_label("outline", exact=True)).to_have_value(  # the corner at the cursor went
+        "[[20, 0], [20, 100], [-10, 100]]"
+    )
+
+
+def test_a_drawing_is_imported(studio, opened):
+    page = opened(studio.address)
+    drawing = {"name": "a4.svg", "mimeType": "image/svg+xml",
+               "buffer": svg(svg_path(A4_DOWN)).encode()}  # fmt: skip
+    page.locator(".drawing input[type=file]").set_input_files(drawing)
+    expect(page.locator(".fine")).to_contain_text("About 605 particles")
+    unitless = {**drawing, "name": "b.svg", "buffer": svg(svg_path(A4_DOWN), "300").encode()}
+    page.locator(".drawing input[type=file]").set_input_files(unitless)
+    expect(page.locator(".refused")).to_contain_text("b.svg: does not say its unit of length")
+
+
+def test_particles_come_from_a_photograph(studio, opened, tmp_path):
+    true = [regular(5 + k % 2, 70, (120 + 230 * k, 150)) for k in range(3)]
+    picture = photograph(tmp_path / "stones.png", true, (500, 500, 700, 512))
+    page = opened(studio.address)
+    page.get_by_role("button", name="From a photograph or drawing").click()
+    dialog = page.get_by_role("dialog")
+    dialog.locator("input[type=file]").set_input_files(picture)
+    dialog.get_by_label("Length of the scale bar").fill("20 mm")
+    dialog.get_by_label("Length of the scale bar").blur()
+    expect(dialog.locator("pre")).to_contain_text("3 particles")
+    dialog.get_by_role("button", name="Save and use").click()
+    expect(page.get_by_label("shapes", exact=True)).to_have_value("stones.toml")
+    expect(page.locator(".fine")).to_be_visible()
+    assert len(load_shapes(studio.folder / "stones.toml").shapes) == 3
+
+
+def test_a_damper_is_shown_as_its_filling_begins(studio, opened):
+    page = opened(studio.address)
+    page.get_by_role("tab", name="Damper").click()
+    page.get_by_label("count").fill("60")
+    expect(page.locator(".drawing p")).to_contain_text("as they are let go", timeout=120_000)
+    page.get_by_label("diameter [m]", exact=True).fill("4 mm")
+    expect(page.locator(".refused")).to_be_visible()
+    page.get_by_label("diameter [m]", exact=True).fill("40 mm")
+    page.get_by_label("Open a case").select_option("host")
+    expect(page.locator(".said")).to_contain_text("host")
+
+
+def test_a_film_is_measured_in_a_region_and_its_value_written(studio, opened):
+    page = opened(studio.address)
+    page.get_by_role("tab", name="Laboratory").click()
+    page.locator(".drop input").set_input_files(MEDIA / "drop.mp4")
+    page.locator("summary", has_text="Part of the picture").click()
+    canvas = page.locator(".picture canvas")
+    expect(page.locator(".picture img")).to_have_js_property("naturalWidth", 160)
+    box = canvas.bounding_box()
+    page.mouse.move(box["x"] + 10, box["y"] + 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 150, box["y"] + 318, steps=3)
+    page.mouse.up()
+    expect(page.get_by_label("roi")).to_have_value("10,2,140,316")
+    page.locator("summary", has_text="Write the value").click()
+    page.get_by_label("into").fill("mine.toml")
+    page.get_by_label("pair").fill("wood-steel")
+    page.get_by_role("button", name="Measure and write").click()
+    expect(page.locator(".answer")).to_contain_text("restitution 0.75", timeout=120_000)
+    expect(page.locator(".figures img").first).to_be_visible()
+    table = tomllib.loads((studio.folder / "mine.toml").read_text())
+    # the film is rendered with 0.75
+    assert table["pair"]["wood-steel"]["restitution"]["value"] == pytest.approx(0.75, abs=2e-3)
+    page.get_by_label("pair").fill("wood")
+    page.get_by_role("button", name="Measure and write").click()
+    expect(page.locator(".refused")).to_contain_text("such as pair.wood-steel")
+
+
+def test_a_map_is_computed_and_shown(studio, opened):
+    page = opened(studio.address)
+    page.get_by_role("tab", name="Map").click()
+    page.get_by_label("frequencies").fill("40")
+    page.get_by_label("gammas").fill("10,20")
+    page.locator("summary", has_text="Changes of the case").click()
+    for name, value in (("count", "20"), ("cycles", "2"), ("discard", "1")):
+        page.get_by_label(name, exact=True).fill(value)
+    page.get_by_role("button", name="Map").click()
+    expect(page.locator(".fine")).to_contain_text("2 of 2 runs", timeout=180_000)
+    expect(page.locator(".figures img")).to_be_visible()
+
+
+NAMELESS = """
+() => [...document.querySelectorAll("input, select, textarea, button")]
+  .filter((one) => one.type !== "file" && !one.labels?.length && !one.ariaLabel
+    && !one.textContent.trim())
+  .map((one) => one.outerHTML)
+"""
+
+
+@pytest.mark.parametrize("room", ["Silo", "Damper", "Map", "Laboratory", "Runs"])
+def test_every_room_fits_a_telephone_light_and_dark(studio, opened, room):
+    """At 360 px nothing sticks out to the side; every control has a name."""
+    for dark in (False, True):
+        page = opened(studio.address, width=360, height=740, dark=dark)
+        page.get_by_role("tab", name=room).click()
+        page.wait_for_timeout(800)
+        assert page.evaluate("() => document.documentElement.scrollWidth") == 360
+        background = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
+        assert background == ("rgb(25, 26, 28)" if dark else "rgb(251, 250, 247)")
+        assert page.evaluate(NAMELESS) == []
+
+
+def test_what_files_say_is_text_and_never_markup(studio, opened):
+    """A name and a source that hold tags are shown as they are, and run nothing."""
+    (studio.folder / "mat.toml").write_text(
+        'schema = 1\n[material.wood]\ndensity = { value = "0.45 g/cm3", '
+        'source = "<img src=x onerror=alert(1)>" }\n'
+    )
+    page = opened(studio.address)
+    page.get_by_label("materials", exact=True).fill("mat.toml")
+    page.locator("summary", has_text="Materials and their sources").click()
+    expect(page.locator("table").first).to_contain_text("<img src=x onerror=alert(1)>")
+    assert page.locator("table img").count() == 0
+    page.get_by_label("Name of the case").fill("<b>x</b>")
+    expect(page.locator(".refused")).to_contain_text("<b>x</b>")
+
+
+def test_the_scripts_set_no_markup():
+    """textContent and elements alone: nothing that is read becomes HTML."""
+    page = Path(__file__).parents[2] / "granulab" / "studio" / "page"
+    for script in page.glob("*.js"):
+        text = script.read_text()
+        for way in ("innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval("):
+            assert way not in text, (script.name, way)

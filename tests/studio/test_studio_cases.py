@@ -1,0 +1,288 @@
+"""Cases on the page: the same files, refusals and digests as on the command line."""
+
+import json
+import shutil
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_damper import damper3d
+from small_silo import CASE, SHAPES, silo2d, write_case
+from studio_server import Studio
+from waiting import wait_until
+
+from damper3d.case.case import DamperCase
+from damper3d.run.sweep import DAMPER
+from granulab.campaign.runs.folder import RunFolder
+from granulab.studio.folder import Folder
+from granulab.studio.forms import document, texts_of, to_toml
+from granulab.studio.rooms import damper, silo
+from silo2d.case.case import SiloCase
+from silo2d.case.settings import Settings
+from silo2d.run.sweep import SILO
+
+BENCHES = {"silo2d": silo.bench(), "damper3d": damper.bench()}
+LOADED = {"silo2d": (SiloCase, SILO), "damper3d": (DamperCase, DAMPER)}
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [(command, name) for command, bench in BENCHES.items() for name in bench.presets()],
+)
+def test_a_case_saved_and_opened_again_has_the_digest_of_the_command_line(tmp_path, command, name):
+    bench, folder = BENCHES[command], Folder(tmp_path)
+    texts = bench.texts(folder, name)
+    shown = bench.check(folder, texts)
+    assert shown["refused"] == ""
+    saved = bench.save(folder, texts, replace=False)
+    assert saved == {"file": shown["file"], "exists": False, "run": shown["run"]}
+    case, simulator = LOADED[command]
+    of_file = case.load(tmp_path / saved["file"])
+    assert simulator.digest(of_file) == shown["digest"]
+    assert simulator.run_folder(of_file, tmp_path / "runs").path.name == shown["run"]
+    again = bench.check(folder, bench.texts(folder, saved["file"]))
+    assert again["digest"] == shown["digest"]
+
+
+REFUSED = {
+    "silo2d": [
+        {"silo": {"preset": "A9"}},
+        {"silo": {"outlet": "60"}},
+        {"silo": {"outlet": "60 kg", "angle": "45 deg"}},
+        {"silo": {"outline": "[[0, 0], [100, 5], [100, 300], [0, 300]]"}},
+        {"silo": {"outline": "[[0, 0], [100, 0]"}},
+        {"silo": {"outline": "a circle"}},
+        {"silo": {"preset": "A4"}, "run": {"seed": "-1"}},
+        {"silo": {"preset": "A4"}, "run": {"seed": "true"}},
+        {"silo": {"preset": "A4"}, "fill": {"level": "2 m"}},
+        {"silo": {"preset": "A4"}, "fill": {"friction": "nan"}},
+        {"silo": {"preset": "A4"}, "law": {"mu_wall": "much"}},
+        {"silo": {"preset": "A4"}, "particles": {"shapes": "wood20"}},
+        {"silo": {"preset": "A4"}, "sieve": {"mesh": "5 mm"}},
+    ],
+    "damper3d": [
+        {"enclosure": {"diameter": "-4 mm"}},
+        {"enclosure": {"shape": "cone"}},
+        {"motion": {"frequency": "40 kg"}},
+        {"particles": {"count": "many"}},
+        {"particles": {"count": "20000"}},
+        {"host": {"mass": "1 kg"}},
+        {"excitation": {"kind": "random", "psd": "[[20, 0.1]]"}},
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("command", "case"), [(name, case) for name, cases in REFUSED.items() for case in cases]
+)
+def test_a_refusal_is_the_line_that_the_command_says_of_the_file(
+    tmp_path, monkeypatch, command, case
+):
+    monkeypatch.chdir(tmp_path)
+    shown = BENCHES[command].check(Folder(tmp_path), case)
+    Path("case.toml").write_text(shown["toml"])
+    run = {"silo2d": silo2d, "damper3d": damper3d}[command]
+    said = run("run", "case.toml", "--dry-run")
+    assert said.code == 2
+    assert shown["refused"] == said.err.removeprefix(f"{command}: ").rstrip("\n")
+
+
+@pytest.mark.parametrize("command", BENCHES)
+def test_texts_of_a_form_are_the_values_of_the_file(command):
+    """Every key of the schema as `init` writes it, from TOML to texts and back."""
+    bench = BENCHES[command]
+    tables = bench.preset("example" if command == "silo2d" else "damper")
+    tables = {name: table for name, table in tables.items() if table != {}}
+    assert document(bench.settings, texts_of(tables)) == tables
+    assert tomllib.loads(to_toml(tables, 1, "head")) == {"schema": 1, **tables}
+
+
+def test_a_form_has_every_key_with_its_words():
+    form = {section["name"]: section for section in BENCHES["silo2d"].form()}
+    assert list(form) == [name for name in Settings.model_fields if name != "name"]
+    level = next(key for key in form["fill"]["keys"] if key["name"] == "level")
+    assert level["usual"] == "475 mm"
+    assert level["unit"] == "m"
+    assert "height of the filling" in level["meaning"]
+    keep = next(key for key in form["law"]["keys"] if key["name"] == "keep_ratios")
+    assert keep["choices"] == ["true", "false"]
+
+
+def test_a_file_of_another_case_is_replaced_only_when_told(tmp_path):
+    bench, folder = BENCHES["silo2d"], Folder(tmp_path)
+    bench.save(folder, {"name": "one", "silo": {"preset": "A4"}}, replace=False)
+    before = (tmp_path / "one.toml").read_text()
+    other = {"name": "one", "silo": {"preset": "B4"}}
+    assert bench.save(folder, other, replace=False) == {"file": "one.toml", "exists": True}
+    assert (tmp_path / "one.toml").read_text() == before
+    assert bench.save(folder, other, replace=True)["exists"] is False
+    assert 'preset = "B4"' in (tmp_path / "one.toml").read_text()
+
+
+def small(folder: Path, **changes: dict) -> dict:
+    """The texts of the small silo, with its shapes in a folder."""
+    (folder / "small_shapes.toml").write_text(SHAPES)
+    tables: dict = {"name": "small"}
+    for key, value in CASE.items():
+        section, _, name = key.partition(".")
+        tables.setdefault(section, {})[name] = value
+    for section, table in changes.items():
+        tables[section] = {**tables.get(section, {}), **table}
+    return texts_of(tables)
+
+
+def test_the_preview_of_a_silo_is_what_its_filling_begins_with(tmp_path, monkeypatch):
+    """Kinds, positions and angles of the rain, as the run of this seed pours it."""
+    from silo2d.run import pour
+
+    bench, folder = BENCHES["silo2d"], Folder(tmp_path)
+    shown = bench.check(folder, small(tmp_path, run={"seed": 3}))["preview"]
+    poured = {}
+
+    class Begun(Exception):
+        pass
+
+    def begin(case, kinds, poses, outline):
+        poured.update(kinds=kinds, poses=poses)
+        raise Begun
+
+    monkeypatch.setattr(pour, "pouring", begin)
+    case = SiloCase.load(write_case(tmp_path, {"run.seed": 3}))
+    with pytest.raises(Begun):
+        pour.pour(case, 3, lambda *_: None)
+    assert shown["particles"]["kind"] == poured["kinds"].tolist()
+    assert np.allclose(shown["particles"]["pose"], poured["poses"], rtol=0, atol=5e-7)
+    assert len(shown["shapes"]) == len(case.shapes.shapes)
+
+
+def test_the_start_of_a_damper_fits_and_does_not_overlap(tmp_path):
+    tables = {"particles": {"shape": "sphere:4mm", "count": 60}, "enclosure": {"diameter": "30 mm"}}
+    found = damper.start({"name": "d", **tables}, "d.toml", tmp_path)
+    spheres = np.array(found["spheres"])
+    assert spheres.shape == (60, 4)
+    apart = np.linalg.norm(spheres[:, None, :3] - spheres[None, :, :3], axis=2)
+    np.fill_diagonal(apart, 1.0)
+    assert apart.min() > 0.98 * 4e-3  # growth ends with overlaps of a part of a per cent
+    assert np.hypot(*spheres[:, :2].T).max() <= 15e-3 - 0.98 * 2e-3
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory):
+    running = Studio(tmp_path_factory.mktemp("cases, größer"))
+    yield running
+    running.close()
+
+
+def until(studio: Studio, run: str, *states: str) -> dict:
+    """State of a run, once it is one of those."""
+    found: dict = {}
+
+    def reached() -> bool:
+        found.update(studio.ask("run", run=run))
+        return found["state"] in states
+
+    wait_until(reached, 90.0)
+    return found
+
+
+def has_ended(studio: Studio, run: str) -> bool:
+    return studio.ask("run", run=run)["state"] != "running"
+
+
+def test_a_run_started_stopped_and_gone_on_with_has_the_digest_of_one_never_stopped(
+    studio, reference
+):
+    """Started, stopped at a moment of its own, resumed: bits as of the command's run."""
+    slow = small(studio.folder, output={"checkpoint_interval": "5 ms"})
+    begun = studio.order("begin", simulator="silo2d", case=slow, figures=False)
+    run = begun["run"]
+    assert studio.order("begin", simulator="silo2d", case=slow)["refusal"].endswith("wait for it")
+
+    def discharges() -> bool:
+        return "time" in studio.ask("frame", run=run) or has_ended(studio, run)
+
+    wait_until(discharges, 90.0)
+    studio.order("stop", run=run)
+    stopped = until(studio, run, "unfinished", "finished")
+    if stopped["state"] == "unfinished":  # it may have been faster
+        assert stopped["process"]["state"] == "stopped"
+        frame = studio.ask("frame", run=run)
+        assert frame["of"] > frame["out"] >= 0
+        assert len(frame["particles"]["pose"]) <= frame["of"]
+        assert studio.order("resume", run=run) == {"run": run, "simulator": "silo2d"}
+        until(studio, run, "finished")
+    own = RunFolder(studio.folder / "runs" / run).read_summary()
+    of_command = reference.read_summary()
+    assert own["state_digest"] == of_command["state_digest"]
+    assert "nothing to stop" in studio.order("stop", run=run)["refusal"]
+
+
+def test_a_finished_run_shows_results_player_and_its_case(studio):
+    """Opened again from its folder, the case has the run's own digest."""
+    (run,) = [one["run"] for one in studio.ask("runs")]
+    found = studio.ask("results", run=run)
+    assert "particles out" in found["words"]
+    assert "runs/" in found["words"]
+    assert str(studio.folder) not in found["words"]
+    again = studio.order("check", simulator="silo2d", case=found["case"])
+    assert (again["refused"], again["run"], again["state"]) == ("", run, "finished")
+    player = studio.request("GET", f"player/{run}", origin="")
+    assert player.body.lower().startswith(b"<!doctype html>")
+    assert player.headers["content-security-policy"].startswith("sandbox allow-scripts;")
+
+
+def test_two_runs_are_compared(studio, reference):
+    """A run and a copy of it leave at the same times."""
+    for name in ("one", "other"):
+        shutil.copytree(reference.path, studio.folder / "runs" / name)
+    both = studio.order("compare", first="one", second="other")
+    assert "curves 0.000 s apart in the mean" in both["words"]
+    (picture,) = both["figures"]
+    assert (studio.folder / picture).read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_is_no_run_is_refused(studio):
+    for question in ("run", "results"):
+        assert "no run" in studio.ask(question, run="none")["refusal"]
+        assert "refusal" in studio.ask(question, run="../runs")
+    assert studio.ask("frame", run="small") == studio.ask("run", run="small")
+
+
+def test_materials_come_with_their_sources(studio):
+    found = studio.ask("materials", name="wood")
+    rows = {(one["section"], one["key"]): one for one in found["values"]}
+    friction = rows["pair.wood-wood", "friction"]
+    assert friction["value"].startswith("0.38")
+    assert friction["source"]
+    assert friction["meaning"]
+
+
+def test_particles_that_are_drawn_become_a_shape_file_or_are_refused(studio):
+    square = [[0, 0], [8, 0], [8, 8], [0, 8]]
+    one = {"name": "1", "outline": square}
+    done = studio.order("draw_shapes", name="mine", spheroradius="1 mm", shapes=[one])
+    assert done == {"file": "mine.toml", "exists": False}
+    (shown,) = studio.ask("shapes", name="mine.toml")["shapes"]
+    assert shown["name"] == "1"
+    hollow = {"name": "1", "outline": [[0, 0], [8, 0], [2, 2], [0, 8]]}
+    refused = studio.order("draw_shapes", name="other", spheroradius="1 mm", shapes=[hollow])
+    assert refused["refusal"].startswith("other.toml: [shape 1] outline: concave")
+    assert not (studio.folder / "other.toml").exists()
+    again = studio.order("draw_shapes", name="mine", spheroradius="2 mm", shapes=[one])
+    assert again["exists"] is True
+
+
+def test_ending_the_studio_ends_its_runs_and_keeps_their_state(tmp_path):
+    running = Studio(tmp_path)
+    case = small(tmp_path, run={"time_step": "1 us"}, output={"checkpoint_interval": "5 ms"})
+    run = running.order("begin", simulator="silo2d", case=case, figures=False)["run"]
+    wait_until(lambda: "time" in running.ask("frame", run=run), 90.0)
+    code, err = running.close()
+    assert (code, err.count("\n")) == (0, 1), err
+    folder = RunFolder(tmp_path / "runs" / run)
+    assert folder.state == "unfinished"
+    assert folder.checkpoint.exists()
+    assert json.loads((folder.path / "provenance.json").read_text())["run_digest"]
+    with folder.lock():
+        pass  # nobody computes in it any more
