@@ -93,7 +93,7 @@ class Desk:
         }
 
     def start(self) -> dict[str, Any]:
-        """All that the page begins with: forms, presets, shipped files, and what is in the folder."""
+        """All that the page begins with: forms, presets, shipped files, the folder's content."""
         from importlib.metadata import version
 
         from granulab.contact.files.datafile import data_names

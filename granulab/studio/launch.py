@@ -78,7 +78,7 @@ def _show(address: str) -> None:
     import webbrowser
 
     try:
-        opened = webbrowser.open(address)
+        opened = webbrowser.open_new_tab(address)
     except (webbrowser.Error, OSError):
         opened = False
     if not opened:

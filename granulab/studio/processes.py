@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 from granulab.campaign.output.terminal import INTERVAL
 from granulab.errors import InputError, Stopped
 
+_SOURCES = Path(__file__).resolve().parents[2]
 _LINES = 200  # of its words that are kept
 _EVERY = "0.5"  # [s] between words on its progress
 _GRACE = 20.0  # [s] for all to keep their state when the server ends
@@ -42,7 +43,7 @@ class Process:
         if sys.platform == "win32":
             apart = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
         self._process = subprocess.Popen(
-            [sys.executable, "-m", *command], cwd=folder, env={**os.environ, INTERVAL: _EVERY},
+            [sys.executable, "-P", "-m", *command], cwd=folder, env=_environment(),
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
             encoding="utf-8", errors="replace", **apart,
         )  # fmt: skip
@@ -113,6 +114,12 @@ class Process:
         except ValueError:
             return None
         return found if isinstance(found, dict) else None
+
+
+def _environment() -> dict[str, str]:
+    """The environment with these same sources first, whatever the folder holds."""
+    paths = [str(_SOURCES), *filter(None, [os.environ.get("PYTHONPATH")])]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), INTERVAL: _EVERY}
 
 
 _COMMANDS = {"silo2d": "silo2d", "damper3d": "damper3d", "calibration": "calibrate"}  # by module

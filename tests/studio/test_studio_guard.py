@@ -65,15 +65,11 @@ def test_an_order_without_an_origin_is_refused(studio):
 
 
 def test_no_address_without_the_token_answers(studio):
-    for path in (
-        "/",
-        "/api/start",
-        "/x/api/start",
-        f"{studio.path[:-2]}x/api/start",
-        "//api/start",
-    ):
-        assert studio.request("GET", path, whole=True, origin="").status in (404, 307)
-        assert b"silo2d" not in studio.request("GET", path, whole=True, origin="").body
+    almost = f"{studio.path[:-2]}x/api/start"
+    for path in ("/", "/api/start", "/x/api/start", almost, "//api/start"):
+        answer = studio.request("GET", path, whole=True, origin="")
+        assert answer.status == 404
+        assert b"silo2d" not in answer.body
 
 
 def test_it_listens_on_this_machine_alone(studio):
@@ -219,7 +215,7 @@ def test_the_line_on_a_browser_says_what_to_do(capsys, monkeypatch):
 
     from granulab.studio.launch import _show
 
-    monkeypatch.setattr(webbrowser, "open", lambda address: False)
+    monkeypatch.setattr(webbrowser, "open_new_tab", lambda address: False)
     _show("http://127.0.0.1:1/x/")
     assert capsys.readouterr().err == "no browser was found; open the address above in one\n"
 
@@ -227,15 +223,8 @@ def test_the_line_on_a_browser_says_what_to_do(capsys, monkeypatch):
 def test_granulab_alone_lists_what_there_is(tmp_path):
     code, out, err = command("-o", str(tmp_path))
     assert (code, err) == (0, "")
-    for word in (
-        "silo2d ",
-        "damper3d ",
-        "calibrate ",
-        "granulab studio ",
-        "A4",
-        "thesis",
-        "acrylic",
-    ):
+    commands = ("silo2d ", "damper3d ", "calibrate ", "granulab studio ")
+    for word in (*commands, "A4", "thesis", "acrylic"):
         assert word in out, word
 
 

@@ -37,8 +37,8 @@ export function runsRoom(start, chosen, openCase) {
   };
 }
 
-function stateWords({ state, process, failure }) {
-  if (state === "running") return `${process.percent ?? 0} %`;
+function stateWords({ state, failure }) {
+  if (state === "running") return "running";
   return failure ? `failed: ${failure}` : state;
 }
 
