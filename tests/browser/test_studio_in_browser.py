@@ -235,13 +235,13 @@ NAMELESS = """
 @pytest.mark.parametrize("room", ["Silo", "Damper", "Map", "Laboratory", "Runs"])
 def test_every_room_fits_a_telephone_light_and_dark(studio, opened, room):
     """At 360 px nothing sticks out to the side; every control has a name."""
-    for dark in (False, True):
-        page = opened(studio.address, width=360, height=740, dark=dark)
+    for scheme in ("light", "dark"):
+        page = opened(studio.address, width=360, height=740, scheme=scheme)
         page.get_by_role("tab", name=room).click()
         page.wait_for_timeout(800)
         assert page.evaluate("() => document.documentElement.scrollWidth") == 360
         background = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
-        assert background == ("rgb(25, 26, 28)" if dark else "rgb(251, 250, 247)")
+        assert background == {"dark": "rgb(25, 26, 28)", "light": "rgb(251, 250, 247)"}[scheme]
         assert page.evaluate(NAMELESS) == []
 
 

@@ -150,7 +150,7 @@ def test_the_way_to_a_wall_ends_on_it_and_none_is_shorter_than_the_nearest(shape
             "frustum": {"diameter": 0.04, "top_diameter": 0.03, "height": 0.04},
             "hexagonal_prism": {"across_flats": 0.04, "height": 0.04}}.get(shape, {})  # fmt: skip
     enclosure = ENCLOSURES[shape](**keys)
-    point = enclosure.middle + [3e-3, -2e-3, 5e-3]
+    point = enclosure.middle + np.array([3e-3, -2e-3, 5e-3])
     for wall in range(len(enclosure.wall_names)):
         way = to_wall(enclosure, wall, point)
         again = to_wall(enclosure, wall, point + 0.5 * way)

@@ -77,7 +77,7 @@ def test_the_network_is_that_of_the_stored_contacts(page, scene, reference):
 
 
 def test_stress_is_the_pressure_over_the_prisms_length(page, scene, reference):
-    """Half the trace of particle_stress [N/m] over 120 mm, where it is positive; to half of 1.2 %."""
+    """Half the trace of particle_stress [N/m] over 120 mm where it presses; to half of 1.2 %."""
     (colour,) = [c for c in page.data["colours"] if c["array"] == "stress"]
     assert colour["unit"] == "Pa"
     tables = read_tables(reference.path, "contacts")

@@ -72,16 +72,16 @@ void main() {
   float towards = sqrt(1.0 - across);
   vec3 normal = vec3(corner, towards);
   vec3 point = centre + size * normal;
-  vec3 shown;
-  if (dot(cut.xyz, point) <= cut.w) {
-    shown = lit(colour, normal, point.z) * mix(0.55, 1.0, smoothstep(0.0, 0.35, towards));
-  } else {
+  vec3 shown = lit(colour, normal, point.z) * mix(0.55, 1.0, smoothstep(0.0, 0.35, towards));
+#ifdef CUT
+  if (dot(cut.xyz, point) > cut.w) {
     if (cut.z <= 0.0) discard;
     float onPlane = (cut.w - dot(cut.xy, point.xy)) / cut.z;
     float deep = (onPlane - centre.z) / size + towards;
     if (deep < 0.0) discard;
     shown = section(colour) * mix(0.6, 1.0, smoothstep(0.0, 0.1, deep));
   }
+#endif
   if (ring > 0.5 && across > 0.72) shown = vec3(1.0, 0.25, 0.1);
   pixel = vec4(shown, 1.0);
 }`,
@@ -113,7 +113,9 @@ flat in vec3 colour;
 out vec4 pixel;
 ${LIT}
 void main() {
+#ifdef CUT
   if (dot(cut.xyz, point) > cut.w) discard;
+#endif
   vec3 outwards = normalize(normal);
   float rim = mix(0.55, 1.0, smoothstep(0.0, 0.35, outwards.z));
   pixel = vec4(gl_FrontFacing ? rim * lit(colour, outwards, point.z) : section(colour), 1.0);
@@ -146,9 +148,13 @@ out vec4 pixel;
 void main() { pixel = tint; }`,
 };
 
+// Behind all else, and one tint however many walls are there: the first at a pixel keeps it.
 export const FACES = {
   vertex: `${CAMERA}
 layout(location = 0) in vec3 corner;
-void main() { gl_Position = onStage(camera * (corner + shift - middle)); }`,
+void main() {
+  gl_Position = onStage(camera * (corner + shift - middle));
+  gl_Position.z = 0.9999;
+}`,
   fragment: EDGES.fragment,
 };
