@@ -1,8 +1,8 @@
 """Cases on the page: the same files, refusals and digests as on the command line."""
 
-import json
 import shutil
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -168,62 +168,62 @@ def test_the_start_of_a_damper_fits_and_does_not_overlap(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def studio(tmp_path_factory):
-    running = Studio(tmp_path_factory.mktemp("cases, größer"))
+def studio(tmp_path_factory, reference):
+    """The studio on a folder that has the finished run of the small silo, and a copy of it."""
+    folder = tmp_path_factory.mktemp("cases, größer")
+    for name in (reference.path.name, "copy"):
+        shutil.copytree(reference.path, folder / "runs" / name)
+    running = Studio(folder)
     yield running
     running.close()
 
 
-def until(studio: Studio, run: str, *states: str) -> dict:
-    """State of a run, once it is one of those."""
-    found: dict = {}
-
-    def reached() -> bool:
-        found.update(studio.ask("run", run=run))
-        return found["state"] in states
-
-    wait_until(reached, 90.0)
-    return found
+def until(studio: Studio, run: str, reached: Callable[[dict], bool]) -> None:
+    """Wait until a run is in a state."""
+    wait_until(lambda: reached(studio.ask("run", run=run)), 90.0)
 
 
-def has_ended(studio: Studio, run: str) -> bool:
-    return studio.ask("run", run=run)["state"] != "running"
-
-
-def test_a_run_started_stopped_and_gone_on_with_has_the_digest_of_one_never_stopped(
-    studio, reference
+def test_a_run_goes_on_after_the_studio_has_ended_to_the_bits_of_one_never_stopped(
+    tmp_path, reference
 ):
-    """Started, stopped at a moment of its own, resumed: bits as of the command's run."""
-    slow = small(studio.folder, output={"checkpoint_interval": "5 ms"})
-    begun = studio.order("begin", simulator="silo2d", case=slow, figures=False)
+    """Ending the studio ends its runs in good order; another studio goes on with them."""
+    case = small(tmp_path, output={"checkpoint_interval": "5 ms"})
+    first = Studio(tmp_path)
+    begun = first.order("begin", simulator="silo2d", case=case, figures=False)
     run = begun["run"]
-    assert studio.order("begin", simulator="silo2d", case=slow)["refusal"].endswith("wait for it")
+    again = first.order("begin", simulator="silo2d", case=case)
+    assert again["refusal"].endswith("wait for it")
 
-    def discharges() -> bool:
-        return "time" in studio.ask("frame", run=run) or has_ended(studio, run)
+    def has_a_frame(state: dict) -> bool:
+        return "time" in first.ask("frame", run=run) or state["state"] != "running"
 
-    wait_until(discharges, 90.0)
-    studio.order("stop", run=run)
-    stopped = until(studio, run, "unfinished", "finished")
-    if stopped["state"] == "unfinished":  # it may have been faster
-        assert stopped["process"]["state"] == "stopped"
-        frame = studio.ask("frame", run=run)
-        assert frame["of"] > frame["out"] >= 0
-        assert len(frame["particles"]["pose"]) <= frame["of"]
-        assert studio.order("resume", run=run) == {"run": run, "simulator": "silo2d"}
-        until(studio, run, "finished")
-    own = RunFolder(studio.folder / "runs" / run).read_summary()
-    of_command = reference.read_summary()
-    assert own["state_digest"] == of_command["state_digest"]
-    assert "nothing to stop" in studio.order("stop", run=run)["refusal"]
+    until(first, run, has_a_frame)
+    frame = first.ask("frame", run=run)
+    assert frame["of"] > frame["out"] >= 0
+    assert len(frame["particles"]["pose"]) == frame["of"] - frame["out"]
+    code, err = first.close()
+    assert (code, err.count("\n")) == (0, 1), err
+
+    folder = RunFolder(tmp_path / "runs" / run)
+    second = Studio(tmp_path)
+    if folder.state == "unfinished":  # it may have been faster
+        assert folder.checkpoint.exists()
+        with folder.lock():
+            pass  # nobody computes in it any more
+        assert second.order("resume", run=run) == {"run": run, "simulator": "silo2d"}
+        until(second, run, lambda state: state["state"] == "finished")
+    assert "nothing to stop" in second.order("stop", run=run)["refusal"]
+    second.close()
+    own, never_stopped = folder.read_summary(), reference.read_summary()
+    assert own["state_digest"] == never_stopped["state_digest"]
 
 
-def test_a_finished_run_shows_results_player_and_its_case(studio):
+def test_a_finished_run_shows_results_player_and_its_case(studio, reference):
     """Opened again from its folder, the case has the run's own digest."""
-    (run,) = [one["run"] for one in studio.ask("runs")]
+    run = reference.path.name
+    assert {one["run"] for one in studio.ask("runs")} == {run, "copy"}
     found = studio.ask("results", run=run)
     assert "particles out" in found["words"]
-    assert "runs/" in found["words"]
     assert str(studio.folder) not in found["words"]
     again = studio.order("check", simulator="silo2d", case=found["case"])
     assert (again["refused"], again["run"], again["state"]) == ("", run, "finished")
@@ -234,9 +234,7 @@ def test_a_finished_run_shows_results_player_and_its_case(studio):
 
 def test_two_runs_are_compared(studio, reference):
     """A run and a copy of it leave at the same times."""
-    for name in ("one", "other"):
-        shutil.copytree(reference.path, studio.folder / "runs" / name)
-    both = studio.order("compare", first="one", second="other")
+    both = studio.order("compare", first=reference.path.name, second="copy")
     assert "curves 0.000 s apart in the mean" in both["words"]
     (picture,) = both["figures"]
     assert (studio.folder / picture).read_bytes().startswith(b"\x89PNG")
@@ -271,18 +269,3 @@ def test_particles_that_are_drawn_become_a_shape_file_or_are_refused(studio):
     assert not (studio.folder / "other.toml").exists()
     again = studio.order("draw_shapes", name="mine", spheroradius="2 mm", shapes=[one])
     assert again["exists"] is True
-
-
-def test_ending_the_studio_ends_its_runs_and_keeps_their_state(tmp_path):
-    running = Studio(tmp_path)
-    case = small(tmp_path, run={"time_step": "1 us"}, output={"checkpoint_interval": "5 ms"})
-    run = running.order("begin", simulator="silo2d", case=case, figures=False)["run"]
-    wait_until(lambda: "time" in running.ask("frame", run=run), 90.0)
-    code, err = running.close()
-    assert (code, err.count("\n")) == (0, 1), err
-    folder = RunFolder(tmp_path / "runs" / run)
-    assert folder.state == "unfinished"
-    assert folder.checkpoint.exists()
-    assert json.loads((folder.path / "provenance.json").read_text())["run_digest"]
-    with folder.lock():
-        pass  # nobody computes in it any more
