@@ -2,8 +2,8 @@
 
 `python benchmarks/player.py` runs three cases where they are not there yet (in --out, default
 runs/player), writes their pages and plays them: 650 polygons in 500 frames with contacts in each,
-358 spheres and 90 prolates of 51 sub-spheres in 301 frames each. For each page, as it opens and with
-contact network and wall forces:
+358 spheres and 90 prolates of 51 sub-spheres in 301 frames each. For each page, as it opens and
+with contact network and wall forces:
 
     median, 90 %   [ms] of wall time from one frame drawn to the next, which includes that the
                    browser has composed the page; frames of the whole run in turn

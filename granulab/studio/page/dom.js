@@ -70,3 +70,14 @@ export function choices(select, groups, chosen = "") {
   select.value = chosen;
   return select;
 }
+
+/** Gives a view's canvas the pixels of its place, and the view its width, height, pixels a px. */
+export function filled(view) {
+  const { width, height } = view.canvas.parentElement.getBoundingClientRect();
+  if (!width || !height) return false;
+  const ratio = devicePixelRatio || 1;
+  Object.assign(view, { width, height, ratio });
+  view.canvas.width = Math.round(width * ratio);
+  view.canvas.height = Math.round(height * ratio);
+  return true;
+}

@@ -1,5 +1,7 @@
 // A plane on a canvas: silo, particles, grid; moved by dragging, enlarged by the wheel. Metres, y up.
 
+import { filled } from "./dom.js";
+
 const MARGIN = 18; // px
 
 export class Plane {
@@ -18,12 +20,7 @@ export class Plane {
   }
 
   resize() {
-    const { width, height } = this.canvas.parentElement.getBoundingClientRect();
-    if (!width || !height) return;
-    this.ratio = devicePixelRatio || 1;
-    Object.assign(this, { width, height });
-    this.canvas.width = Math.round(width * this.ratio);
-    this.canvas.height = Math.round(height * this.ratio);
+    if (!filled(this)) return;
     if (!this.moved) this.fit();
     this.draw();
   }

@@ -1,5 +1,7 @@
 // A view of space on a canvas: edges of an enclosure, spheres; turned by dragging or the arrow keys.
 
+import { filled } from "./dom.js";
+
 const MARGIN = 24; // px
 const TURN = 0.009; // rad a pixel
 const SPRITE = 96; // px of the shaded sphere that all are drawn with
@@ -52,12 +54,7 @@ export class Space {
   }
 
   resize() {
-    const { width, height } = this.canvas.parentElement.getBoundingClientRect();
-    if (!width || !height) return;
-    this.ratio = devicePixelRatio || 1;
-    Object.assign(this, { width, height });
-    this.canvas.width = Math.round(width * this.ratio);
-    this.canvas.height = Math.round(height * this.ratio);
+    if (!filled(this)) return;
     this.draw();
   }
 
