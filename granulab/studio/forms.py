@@ -5,7 +5,7 @@ quantities and words stay text, all else is read as TOML reads it.
 """
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import click
@@ -179,3 +179,8 @@ def command_line(command: click.Command, texts: Mapping[str, Any]) -> list[str]:
             values = text.splitlines() if known[name].multiple else [text]
             line += [f"{flag}={value.strip()}" for value in values if value.strip()]
     return line
+
+
+def as_files(names: Sequence[str]) -> list[str]:
+    """Names of files as the last words of a command line, where none can be an option."""
+    return ["--", *names] if any(name.startswith("-") for name in names) else [*names]

@@ -34,7 +34,8 @@ class Guard:
 
     def __init__(self, app: ASGIApp, token: str, port: int) -> None:
         self._app, self._token = app, token
-        self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
+        after = "" if port == 80 else f":{port}"  # which browsers leave out
+        self._hosts = {f"127.0.0.1{after}", f"localhost{after}"}
         self._origins = {f"http://{host}" for host in self._hosts}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

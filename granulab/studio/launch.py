@@ -4,6 +4,7 @@ import contextlib
 import logging
 import secrets
 import socket
+import sys
 import threading
 from pathlib import Path
 from types import FrameType
@@ -61,6 +62,8 @@ def serve(folder: Path, port: int, *, open_browser: bool) -> None:
 def _listening(port: int) -> socket.socket:
     """A socket at a port of this machine alone; InputError where it is taken."""
     listening = socket.socket()
+    if sys.platform != "win32":  # there it would share the port with another program
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((HOST, port))
         listening.listen(128)

@@ -1,5 +1,6 @@
 """The studio in a browser: built by mouse, refused, run, stopped, gone on with, opened again."""
 
+import shutil
 import tomllib
 from pathlib import Path
 
@@ -230,6 +231,43 @@ NAMELESS = """
     && !one.textContent.trim())
   .map((one) => one.outerHTML)
 """
+
+
+def test_two_runs_are_set_side_by_side(studio, opened, reference):
+    for name in (reference.path.name, "copy"):
+        shutil.copytree(reference.path, studio.folder / "runs" / name, dirs_exist_ok=True)
+    page = opened(studio.address)
+    page.get_by_role("tab", name="Runs").click()
+    page.get_by_role("button", name=reference.path.name).click()
+    page.locator("summary", has_text="Compare with another run").click()
+    page.get_by_label("Another run").select_option("copy")
+    page.get_by_role("button", name="Compare").click()
+    expect(page.locator(".run")).to_contain_text("curves 0.000 s apart", timeout=60_000)
+
+
+DROPPED = """
+() => {
+  const data = new DataTransfer();
+  const table = "height [mm],rebound [mm]\\n500,281\\n500,280\\n500,283\\n";
+  data.items.add(new File([table], "drops.csv", { type: "text/csv" }));
+  data.items.add(new File(["<html>"], "film.mp4", { type: "video/mp4" }));
+  document.querySelector(".drop").dispatchEvent(
+    new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
+}
+"""
+
+
+def test_a_table_is_dropped_and_what_is_no_film_refused(studio, opened):
+    """sqrt(281/500) = 0.7497 and its like: their mean is 0.750."""
+    page = opened(studio.address)
+    page.get_by_role("tab", name="Laboratory").click()
+    page.get_by_label("Measurement").select_option("calibrate heights")
+    expect(page.locator(".lab")).to_contain_text("heights of drop and rebound")
+    page.evaluate(DROPPED)
+    expect(page.locator(".refused")).to_contain_text("film.mp4: its content is no MP4 file")
+    expect(page.locator(".lab .list")).to_contain_text("drops.csv")
+    page.get_by_role("button", name="Measure", exact=True).click()
+    expect(page.locator(".answer")).to_contain_text("0.7501", timeout=60_000)
 
 
 @pytest.mark.parametrize("room", ["Silo", "Damper", "Map", "Laboratory", "Runs"])

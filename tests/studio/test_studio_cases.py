@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import assert_refuses
 from small_damper import damper3d
 from small_silo import CASE, SHAPES, silo2d, write_case
 from studio_server import Studio
@@ -107,6 +108,16 @@ def test_a_form_has_every_key_with_its_words():
     assert "height of the filling" in level["meaning"]
     keep = next(key for key in form["law"]["keys"] if key["name"] == "keep_ratios")
     assert keep["choices"] == ["true", "false"]
+
+
+def test_a_file_of_another_kind_is_opened_nowhere_else(tmp_path):
+    folder = Folder(tmp_path)
+    BENCHES["silo2d"].save(folder, {"name": "s", "silo": {"preset": "A4"}}, replace=False)
+    shaken = {"name": "d", "motion": {"gamma": "5"}}  # all else is the thesis's
+    BENCHES["damper3d"].save(folder, shaken, replace=False)
+    assert BENCHES["damper3d"].texts(folder, "d.toml")["motion"] == {"gamma": "5"}
+    for command, name in (("damper3d", "s.toml"), ("silo2d", "d.toml")):
+        assert_refuses([name, "another"], BENCHES[command].texts, folder, name)
 
 
 def test_a_file_of_another_case_is_replaced_only_when_told(tmp_path):

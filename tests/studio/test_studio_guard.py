@@ -10,6 +10,7 @@ from studio_server import Studio
 
 from granulab.errors import InputError
 from granulab.studio.folder import Folder
+from granulab.studio.forms import as_files
 
 
 @pytest.fixture(scope="module")
@@ -106,13 +107,23 @@ def test_no_case_names_a_file_outside(studio, case):
 
 
 def test_no_measurement_reads_or_writes_outside(studio):
-    for options in ({"into": "../other.toml"}, {"roi": "/etc/passwd"}):
+    outside = [{"into": "../other.toml"}, {"roi": "/etc/passwd"}, {"unit": "time=s\n/etc/passwd"}]
+    for options in outside:
         found = studio.order("measure", task="calibrate drop", files=["seen.csv"], options=options)
         assert "not within the folder" in found["refusal"]
     found = studio.order("measure", task="calibrate drop", files=["../secret.csv"], options={})
     assert "not within the folder" in found["refusal"]
     found = studio.order("measure", task="calibrate drop", files=["seen.csv"], options={"out": "x"})
     assert "no option" in found["refusal"]
+    found = studio.order(
+        "measure", task="damper3d map", files=[], options={}, presets=["../secret"]
+    )
+    assert "not within the folder" in found["refusal"]
+
+
+def test_a_file_is_no_option_of_a_command():
+    assert as_files(["a.csv", "b.csv"]) == ["a.csv", "b.csv"]
+    assert as_files(["a.csv", "--into=b.toml"]) == ["--", "a.csv", "--into=b.toml"]
 
 
 KEPT = {

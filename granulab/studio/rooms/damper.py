@@ -32,7 +32,6 @@ def bench() -> Bench:
     """Dampers, for the page."""
     return Bench(
         command="damper3d",
-        table="enclosure",
         settings=Settings,
         presets=lambda: [*PRESETS, *EXAMPLES, *case_names("enclosure")],
         preset=_preset,

@@ -9,7 +9,7 @@ import click
 
 from granulab.errors import InputError
 from granulab.studio.folder import RUNS, Folder
-from granulab.studio.forms import command_form, command_line
+from granulab.studio.forms import as_files, command_form, command_line
 from granulab.studio.processes import Process, Processes
 
 _MEASUREMENTS = ("drop", "pendulum", "rebound", "triaxial", "flow", "packing", "piv", "impacts",
@@ -79,16 +79,16 @@ class Measuring:
         command = known.command()
         for file in files:
             self._folder.file(file)
-        for name, text in options.items():
-            self._folder.refuse_outside(str(text), f"--{name}")
-        line = [known.module, known.name, *presets, *files, *command_line(command, options)]
+        line = [known.module, known.name, *command_line(command, options)]
+        for word in [*line, *presets]:
+            self._folder.refuse_outside(word.partition("=")[2] or word, word.partition("=")[0])
         place = f"{_LAB}/{known.name}-{Path(files[0]).stem}" if files else f"{_LAB}/{known.name}"
         own = {one.name for one in command.get_params(click.Context(command))}
         if known.module == "damper3d":
             line += ["--out", RUNS, "--json"]
         elif "out" in own:
             line += ["--out", place]
-        self._processes.start(place, line)
+        self._processes.start(place, [*line, *as_files([*presets, *files])])
         return {"place": place}
 
     def state(self, place: str) -> dict[str, Any]:

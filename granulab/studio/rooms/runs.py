@@ -1,5 +1,6 @@
 """Runs on the page: started, watched, stopped, gone on with; their results and files."""
 
+import contextlib
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 from granulab.campaign.runs.folder import RunFolder
 from granulab.errors import FolderError, InputError
 from granulab.studio.folder import RUNS, Folder
-from granulab.studio.forms import Texts
+from granulab.studio.forms import Texts, as_files
 from granulab.studio.processes import Processes
 from granulab.studio.rooms.simulator import Bench
 
@@ -28,7 +29,11 @@ class Runs:
         """All runs, the newest first: simulator, state, and words on each."""
         cases = [*self._folder.runs.glob("*/case.toml")]
         cases.sort(key=lambda case: case.stat().st_mtime, reverse=True)
-        return [self.state(case.parent.name) for case in cases[:_MOST_RUNS]]
+        found = []
+        for case in cases[:_MOST_RUNS]:
+            with contextlib.suppress(InputError):  # a link that leads out, a case of no simulator
+                found.append(self.state(case.parent.name))
+        return found
 
     def start(self, bench: Bench, file: str, run: str, figures: bool) -> dict[str, Any]:
         """Start the command that runs a case file of the folder, with figures and film or without.
@@ -36,8 +41,8 @@ class Runs:
         It goes on with the run where one was begun.
         """
         self._folder.file(file)
-        line = [bench.command, "run", file, "--out", RUNS, *["--no-figures"] * (not figures)]
-        self._processes.start(_key(run), line)
+        options = ["--out", RUNS, *["--no-figures"] * (not figures)]
+        self._processes.start(_key(run), [bench.command, "run", *options, *as_files([file])])
         return {"run": run, "simulator": bench.command}
 
     def resume(self, run: str) -> dict[str, Any]:

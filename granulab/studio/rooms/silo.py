@@ -23,6 +23,7 @@ from silo2d.run.sweep import SILO
 from silo2d.view import report
 from silo2d.view.player import player_page
 
+_MOST_PARTICLES = 20_000  # that a page draws
 _DIGITS = 6  # of metres and radians that are sent
 
 
@@ -30,7 +31,6 @@ def bench() -> Bench:
     """Silos, for the page."""
     return Bench(
         command="silo2d",
-        table="silo",
         settings=Settings,
         presets=lambda: [*PRESETS, *case_names("silo")],
         preset=_preset,
@@ -58,18 +58,20 @@ def preview(case: SiloCase) -> dict[str, Any]:
     """The silo [m], its shapes, and the particles as they will be poured, before they fall.
 
     Those are the first of the filling's own random numbers: kinds, positions and angles by which
-    the run of this seed begins.
+    the run of this seed begins; none where there are too many to draw.
     """
-    layer = case.settings.fill.layer
-    first = Layer(*layers_of(case.settings.fill)[0], 0.0)
-    kinds, poses, _ = rain(case, np.random.default_rng(case.settings.run.seed), first)
+    layer, expected = case.settings.fill.layer, expected_particles(case)
+    kinds, poses = np.zeros(0, np.int64), np.zeros((0, 3))
+    if expected <= _MOST_PARTICLES:
+        first = Layer(*layers_of(case.settings.fill)[0], 0.0)
+        kinds, poses, _ = rain(case, np.random.default_rng(case.settings.run.seed), first)
     return {
         "outline": _rounded(case.outline.polygon),
         "lips": [list(lip) for lip in case.outline.lips],
         "level": case.settings.fill.level,
         "shapes": outlines_of(case.shapes),
         "particles": {"kind": kinds.tolist(), "pose": _rounded(poses)},
-        "expected": expected_particles(case),
+        "expected": expected,
         "poured": f"the first layer of {layer:g} m" if layer else "all at once",
     }
 

@@ -19,7 +19,6 @@ class Bench:
     """A simulator, as far as the page builds and runs its cases.
 
     command    name of its command and module
-    table      that every case of it has, and no case of another
     settings   the schema
     presets    cases that are known by name
     read       the tables of a case file
@@ -36,7 +35,6 @@ class Bench:
     """
 
     command: str
-    table: str
     settings: type[Section]
     presets: Callable[[], list[str]]
     preset: Callable[[str], dict[str, Any]]
@@ -98,7 +96,7 @@ class Bench:
         if name in self.presets():
             return texts_of(self.preset(name))
         tables = self.read(folder.file(name))
-        if self.table not in tables and any(other in tables for other in _OTHERS):
+        if any(other in tables for other in _KINDS - {*self.settings.model_fields}):
             raise InputError(f"{name}: a case of another simulator; open it there")
         return texts_of(tables)
 
@@ -130,4 +128,5 @@ def _rows(echo: str) -> list[tuple[str, str]]:
 
 
 _LABEL = 13  # column where the label of a line ends
-_OTHERS = ("silo", "enclosure", "motion", "shape", "material", "vary", "structure")
+# Tables by which a file is a case of one simulator, or of another kind.
+_KINDS = {"silo", "enclosure", "motion", "shape", "material", "vary", "structure"}
