@@ -11,7 +11,13 @@ from typing import Any
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
+from starlette.responses import (
+    FileResponse,
+    HTMLResponse,
+    JSONResponse,
+    PlainTextResponse,
+    Response,
+)
 from starlette.routing import Route
 
 from granulab.errors import FolderError, InputError, SimulationError, Stopped
@@ -120,9 +126,8 @@ def _receive(desk: Desk) -> Any:
     """A file that is dropped on the page."""
 
     async def receive(request: Request) -> Response:
-        replace = request.query_params.get("replace") == "yes"
         try:
-            name = await desk.folder.receive(request.path_params["name"], request.stream(), replace)
+            name = await desk.folder.receive(request.path_params["name"], request.stream())
         except (InputError, FolderError) as error:
             return _refused(desk.without_root(str(error)))
         return JSONResponse({"name": name})
@@ -131,11 +136,13 @@ def _receive(desk: Desk) -> Any:
 
 
 def _player(desk: Desk) -> Any:
+    """The page that plays a run, for a frame of its own."""
+
     async def player(request: Request) -> Response:
         try:
             page = await run_in_threadpool(desk.runs.player, request.path_params["run"])
         except (InputError, FolderError) as error:
-            return _refused(desk.without_root(str(error)))
+            return PlainTextResponse(desk.without_root(str(error)))
         return HTMLResponse(page, headers={"Content-Security-Policy": _PLAYER})
 
     return _guarded(player)
@@ -151,10 +158,10 @@ def _frame(desk: Desk) -> Any:
             if not number.isdecimal() or len(number) > 9:
                 raise InputError(f"frame {number!r}: must be a whole number")
             name = request.path_params["name"]
-            png, count = await run_in_threadpool(film_frame, desk.folder, name, int(number))
+            png = await run_in_threadpool(film_frame, desk.folder, name, int(number))
         except InputError as error:
             return _refused(desk.without_root(str(error)), 404)
-        return Response(png, media_type="image/png", headers={"X-Frames": str(count)})
+        return Response(png, media_type="image/png")
 
     return _guarded(frame)
 

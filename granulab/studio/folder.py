@@ -81,10 +81,10 @@ class Folder:
         write_atomic(path, text)
         return True
 
-    async def receive(self, name: str, stream: AsyncIterator[bytes], replace: bool = False) -> str:
+    async def receive(self, name: str, stream: AsyncIterator[bytes]) -> str:
         """Keep a file that the page sends, once it is found to be what it says; its name.
 
-        Another of that name stays unless `replace`: the new one gets a number.
+        Another of that name stays: the new one gets a number.
         """
         name, most = _checked(name), most_bytes(name)
         part = self.root / f".{secrets.token_hex(4)}.part"
@@ -97,9 +97,7 @@ class Folder:
                         raise InputError(f"{name}: larger than {most // MB} MB, the most taken")
                     file.write(piece)
             refuse_unless_it_is(part, name)
-            target = self.path(name)
-            if not replace:
-                target = _free(target, part)
+            target = _free(self.path(name), part)
             part.replace(target)
             return target.name
         finally:

@@ -44,6 +44,22 @@ def test_log_gets_a_line_every_ten_seconds(clock, capsys):
     ]
 
 
+@pytest.mark.parametrize(
+    ("written", "seconds"), [("2", 2), ("0", 0.1), ("nan", 10), ("soon", 10), ("", 10)]
+)
+def test_a_program_that_reads_the_lines_says_how_often_they_come(
+    clock, capsys, monkeypatch, written, seconds
+):
+    """The studio shows them twice a second; what is no time leaves the usual ten."""
+    monkeypatch.setenv(terminal.INTERVAL, written)
+    with Progress("A4") as progress:
+        progress.update(0.1, "t = 1 s")
+        for part in (0.9, 1.01):
+            clock[0] = 100.0 + part * seconds
+            progress.update(0.2, "t = 2 s")
+    assert capsys.readouterr().err.count("t = 2 s") == 1
+
+
 def test_fraction_stays_within_its_bounds(clock, capsys):
     with Progress("A4") as progress:
         progress.update(-0.1)

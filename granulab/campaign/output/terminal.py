@@ -66,9 +66,10 @@ class Progress:
 def _seconds(text: str) -> float:
     """Seconds between lines of progress; the usual ones for a text that is no time."""
     try:
-        return min(max(float(text), 0.1), 3600.0)
+        seconds = float(text)
     except ValueError:
-        return _LINE_INTERVAL
+        seconds = math.nan
+    return _LINE_INTERVAL if math.isnan(seconds) else max(seconds, 0.1)
 
 
 @contextmanager

@@ -15,9 +15,8 @@ export function order(name, body = {}) {
 }
 
 /** Sends a file into the folder; resolves to the name that it has there. */
-export async function send(file, replace = false) {
-  const name = encodeURIComponent(file.name);
-  const sent = fetch(`files/${name}${replace ? "?replace=yes" : ""}`, { method: "PUT", body: file });
+export async function send(file) {
+  const sent = fetch(`files/${encodeURIComponent(file.name)}`, { method: "PUT", body: file });
   return (await answer(sent)).name;
 }
 

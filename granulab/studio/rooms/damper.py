@@ -23,7 +23,7 @@ from granulab.campaign.runs.folder import RunFolder
 from granulab.contact.files.datafile import case_names, data_file
 from granulab.studio.rooms.simulator import Bench
 
-_DIGITS = 5  # of metres that are sent
+_DIGITS = 7  # of metres that are sent
 _MOST_SPHERES = 20_000  # that a page draws
 _MOST_PARTICLES = 3000  # whose random start is computed for a look
 

@@ -130,8 +130,8 @@ def _known(task: str) -> Task:
     return TASKS[task]
 
 
-def film_frame(folder: Folder, name: str, number: int) -> tuple[bytes, int]:
-    """A frame of a film, or a picture, as a PNG, and how many frames the file says it has.
+def film_frame(folder: Folder, name: str, number: int) -> bytes:
+    """A frame of a film, or a picture, as a PNG.
 
     Raises InputError where it is none, or has no such frame.
     """
@@ -144,5 +144,5 @@ def film_frame(folder: Folder, name: str, number: int) -> tuple[bytes, int]:
     for frame in film.some({number}):
         done, content = cv2.imencode(".png", frame.picture)
         if done:
-            return content.tobytes(), film.count
+            return content.tobytes()
     raise InputError(f"{name}: has no frame {number}; give one from 0 to {max(film.count - 1, 0)}")
