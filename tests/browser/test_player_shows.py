@@ -1,6 +1,5 @@
 """Pictures of the player: particles in their place, colours, forces, cut, light, dark, a phone."""
 
-import io
 import os
 from pathlib import Path
 
@@ -89,7 +88,7 @@ def test_spheres_are_drawn_where_they_are_and_as_large(damper_page, open_page):
         "player.view.radii.fill(0); player.view.radii[7] = player.arrays.radius.at(7);"
     )
     shown.shown("player.redraw()")
-    image = pixels(shown)[1:, 1:][40:-80]  # without the border and the words
+    image = pixels(shown)[40:-80]  # without the words
     rows, columns = np.nonzero(painted(image))
     radius = shown.run("player.arrays.radius.at(7) * player.view.scale")
     # Pixels whose middle lies in it; the brim of those counts as a quarter of a pixel all round.
@@ -166,8 +165,7 @@ def test_light_and_dark_pages_are_legible(name, scheme, request, open_page):
     for ground in (paper, stage):
         assert contrast(ink, ground) > 7
         assert contrast(quiet, ground) > 4.5
-    image = pixels(shown, "body")
-    assert (np.median(image) > 128) == (scheme == "light")
+    assert (np.median(pixels(shown)) > 128) == (scheme == "light")
 
 
 def luminance(colour: str) -> float:
@@ -196,14 +194,14 @@ def test_a_phone_s_width_needs_no_scrolling_aside(name, request, open_page):
 
 @pytest.mark.parametrize("name", ["silo_page", "damper_page", "clusters_page"])
 def test_pictures_are_those_that_were_looked_at(name, request, open_page):
-    """Loosely: blocks of 24 x 24 pixels of the stage differ by less than 12 of 255 on the mean.
+    """Loosely: blocks of 24 x 24 pixels of the stage differ by a fifth of what they are from paper.
 
     GRANULAB_WRITE_PICTURES=1 writes them anew, to be looked at.
     """
     shown = open_page(request.getfixturevalue(name), size=(900, 700))
     shown.run("player.show(12)")
     shown.shown()
-    image = Image.open(io.BytesIO(shown.page.locator("#stage").screenshot())).convert("RGB")
+    image = Image.fromarray(pixels(shown).astype(np.uint8))
     blocks = image.resize((image.width // 24, image.height // 24), Image.Resampling.BOX)
     path = Path(__file__).parent / "pictures" / f"{name}.png"
     if os.environ.get("GRANULAB_WRITE_PICTURES"):
@@ -211,6 +209,7 @@ def test_pictures_are_those_that_were_looked_at(name, request, open_page):
         blocks.save(path)
     kept = Image.open(path).convert("RGB")
     assert kept.size == blocks.size
-    apart = np.abs(np.asarray(kept).astype(float) - np.asarray(blocks).astype(float))
-    assert apart.mean() < 12
-    assert np.asarray(kept).std() > 8, "a picture of something"
+    kept_pixels, pixels_now = (np.asarray(one).astype(float) for one in (kept, blocks))
+    from_paper = np.abs(kept_pixels - 255.0).mean()
+    assert from_paper > 10, "a picture of something"
+    assert np.abs(kept_pixels - pixels_now).mean() < 0.2 * from_paper
