@@ -160,7 +160,7 @@ def silo_page(tmp_path_factory) -> Path:
     from silo2d.view.player import player_page
 
     folder = tmp_path_factory.mktemp("silo-page")
-    return _page(folder, write_fake_run(folder / "made"), player_page)
+    return _page(folder, write_fake_run(folder / "made", spacing=0.02), player_page)
 
 
 @pytest.fixture(scope="session")

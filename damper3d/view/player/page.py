@@ -77,7 +77,6 @@ class _Recorder:
         self._colour(recording, frames)
         time = scene.time[scene.frame_sample]
         moments = [touching(scene, pairs) for pairs in self.pairs]
-        moments = [touching(scene, pairs) for pairs in self.pairs]
         taken = recording.add_contacts(moments, time, frames, n, colours_of("YlOrRd"))
         if taken and not scene.of_many_spheres:  # the points of their contacts are not kept
             stress = np.array([pressure(scene, self.pairs[k]) for k in taken])

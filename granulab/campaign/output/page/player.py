@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from granulab.campaign.output.page.document import document
 from granulab.campaign.output.page.packing import (
+    LEVELS,
     Quantised,
     counted,
     linear,
@@ -97,10 +98,10 @@ class Recording:
 
     def add_scale(self, label: str, unit: str, values: Floats, colours: Sequence[str], *,
                   name: str, per: str = "frame") -> None:  # fmt: skip
-        """Add a quantity from 0 to the most that any but a few particles have."""
-        high = float(np.percentile(values, _HIGHEST)) if values.size else 0.0
-        self.arrays[name] = on_scale(np.minimum(values, 2.0 * high))
-        self.add_colour(Colour(label, unit, per, name, colours, 0.0, high or 1.0))
+        """Add a quantity from 0 to the most that all but a few particles have; in thousandths."""
+        high = (float(np.percentile(values, _HIGHEST)) if values.size else 0.0) or 1.0
+        self.arrays[name] = linear(values, high / LEVELS)
+        self.add_colour(Colour(label, unit, per, name, colours, 0.0, high))
 
     def add_decades(self, label: str, unit: str, values: Floats, colours: Sequence[str], *,
                     name: str, per: str) -> None:  # fmt: skip

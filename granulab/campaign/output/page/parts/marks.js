@@ -140,8 +140,11 @@ export class Marks {
   }
 }
 
-/** Gives a canvas whole pixels of the screen: the stage may be a part of one wider. */
+/** Gives a canvas whole pixels of the screen, which the stage need not begin or end with. */
 export function fitCanvas(canvas, width, height, ratio) {
+  const { left, top } = canvas.parentElement.getBoundingClientRect();
+  canvas.style.left = `${Math.round(left) - left}px`;
+  canvas.style.top = `${Math.round(top) - top}px`;
   canvas.width = Math.round(width * ratio);
   canvas.height = Math.round(height * ratio);
   canvas.style.width = `${width}px`;
