@@ -9,8 +9,10 @@ import click
 
 from granulab.campaign.cli.commandline import (
     Ended,
+    dry_run_option,
     engine_options,
     json_option,
+    no_figures_option,
     out_option,
     quiet_option,
 )
@@ -38,7 +40,9 @@ def sweep_command(
     @click.argument("study")
     @out_option
     @engine_options
-    @click.option("--dry-run", is_flag=True, help="Say what would be run, and end.")
+    @click.option("--rank-by", metavar="NAME", help="Quantity that the ranking goes by.")
+    @dry_run_option
+    @no_figures_option
     @quiet_option
     @json_option
     def sweep(study: str, **options: Any) -> None:
@@ -53,24 +57,35 @@ def _sweep(
     loaded: "LabelledStudy",
     *,
     out: str,
+    rank_by: str | None,
     dry_run: bool,
+    no_figures: bool,
     as_json: bool,
     quiet: bool,
     **engine: Any,
 ) -> None:
     """Run a study, or say what would be run; print its table, and raise Ended for gaps in it."""
-    from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.output.files import refuse_unless_writable, write_atomic
+    from granulab.campaign.output.table import as_csv
     from granulab.campaign.sweeps.cases import run_study
-    from granulab.campaign.sweeps.overview import as_text, plan, plan_as_text, summary
+    from granulab.campaign.sweeps.overview import plan, plan_as_text
+    from granulab.campaign.sweeps.report import summary
+    from granulab.campaign.sweeps.report.comparison import Comparison
 
+    quantities = summary.ranked_by(simulator.quantities, rank_by)
     if dry_run:
         planned = plan(simulator, loaded, Path(out))
         click.echo(json.dumps(planned, indent=2) if as_json else plan_as_text(loaded, planned))
         return
     refuse_unless_writable(Path(out), "--out")
     folder, rows = run_study(simulator, loaded, out=Path(out), quiet=quiet, **engine)
-    table = summary(simulator, loaded, folder, rows)
-    click.echo(json.dumps(table, indent=2) if as_json else as_text(table))
+    comparison = Comparison.of(loaded.study.name, loaded.varied, quantities, rows)
+    table = summary.summary(comparison, folder)
+    if not table["interrupted"]:
+        write_atomic(folder / "ranking.csv", as_csv(table["ranking"]))
+        if not no_figures:
+            table |= summary.write_report(folder, comparison, table)
+    click.echo(json.dumps(table, indent=2) if as_json else summary.as_text(comparison, table))
     if table["interrupted"]:
         raise Ended(f"{table['why_interrupted']}; the same command goes on from there", 130)
     if table["failed"]:
