@@ -9,6 +9,7 @@ from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
 from granulab.campaign.cli.reproduce import reproduce_command
+from granulab.campaign.cli.view import view_command
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.cases import LabelledStudy
@@ -52,6 +53,7 @@ app = command_group(
         slow.shear,
         slow.compress,
         results.render,
+        view_command("damper3d", results.player, lambda: _simulator().means),
         results.observe,
         results.compare,
         results.export,

@@ -38,6 +38,13 @@ def render(folder: str, no_film: bool, by: str, engine: str, cycles_in_film: int
         click.echo(path)
 
 
+def player() -> Any:
+    """What makes the page of a run."""
+    from damper3d.view.player import player_page
+
+    return player_page
+
+
 def _measures() -> Any:
     from damper3d.measures import MEASURES
 

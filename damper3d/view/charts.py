@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 # Friction at the bottom of a stack, particle-particle first: the largest carries the others.
-_COLOURS = {
+COLOURS = {
     "friction_particle_particle": BLUE,
     "normal_damping_particle_particle": VERMILION,
     "tangential_damping_particle_particle": PURPLE,
@@ -35,14 +35,14 @@ _COLOURS = {
     "normal_damping_particle_wall": ORANGE,
     "tangential_damping_particle_wall": "#e6b8d0",
 }
-_WALL_COLOURS = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY]
+WALL_COLOURS = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY]
 _FAINT = 0.02  # of the largest force: walls that bear less along the motion are not drawn
 
 
 def dissipated(scene: Scene) -> dict[str, Array]:
     """Energy that each mechanism dissipated since a cycle began, of whole cycles (c, k + 1) [J]."""
     found = {}
-    for name in _COLOURS:
+    for name in COLOURS:
         series = scene.by_cycle(scene.trajectory[name])
         found[name] = series - series[:, :1]
     return found
@@ -69,10 +69,10 @@ def energy_chart(scene: Scene) -> "Figure":
 def _stacked(axes: "Axes", scene: Scene) -> None:
     """Mean over the cycles that count, by mechanism; thin: their sum in each."""
     found, counted = dissipated(scene), scene.counted
-    mean = {name: found[name][counted].mean(axis=0) for name in _COLOURS}
-    total = np.sum([found[name][counted] for name in _COLOURS], axis=0)
+    mean = {name: found[name][counted].mean(axis=0) for name in COLOURS}
+    total = np.sum([found[name][counted] for name in COLOURS], axis=0)
     factor, unit = _milli(float(np.max(total)))
-    colours = list(_COLOURS.values())
+    colours = list(COLOURS.values())
     ruled(axes)
     layers = axes.stackplot(
         scene.phase, *(factor * series for series in mean.values()), colors=colours
@@ -196,7 +196,7 @@ def _forces(axes: "Axes", scene: Scene) -> None:
         for wall, name in enumerate(scene.wall_names)
         if np.abs(force[:, wall]).max() > _FAINT * np.abs(force).max()
     ]
-    for (name, cycles), colour in zip(seen, _WALL_COLOURS, strict=False):
+    for (name, cycles), colour in zip(seen, WALL_COLOURS, strict=False):
         _each(axes, scene, cycles, name, colour)
     mean = all_walls.mean(axis=0)
     axes.plot(scene.phase, mean, color=INK, lw=0.9, ls=(0, (4, 2)), label="all walls")

@@ -6,6 +6,7 @@ from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
 from granulab.campaign.cli.reproduce import reproduce_command
+from granulab.campaign.cli.view import view_command
 from silo2d.commands import results, run
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ app = command_group(
             _simulator,
         ),
         results.render,
+        view_command("silo2d", results.player, lambda: _simulator().means),
         results.observe,
         results.compare,
         results.export,

@@ -23,6 +23,13 @@ def render(folder: str, no_film: bool) -> None:
         click.echo(path)
 
 
+def player() -> Any:
+    """What makes the page of a run."""
+    from silo2d.view.player import player_page
+
+    return player_page
+
+
 def _measures() -> Any:
     from silo2d.measures import MEASURES
 

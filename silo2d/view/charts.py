@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_MECHANISM_COLOURS = {
+MECHANISM_COLOURS = {
     "friction_grain_grain": BLUE,
     "normal_damping_grain_grain": VERMILION,
     "tangential_damping_grain_grain": PURPLE,
@@ -85,7 +85,7 @@ def energy_chart(scene: Scene) -> "Figure":
 
     Where the engine keeps no account of mechanisms, what was lost is one number.
     """
-    if any(name not in scene.trajectory for name in _MECHANISM_COLOURS):
+    if any(name not in scene.trajectory for name in MECHANISM_COLOURS):
         return _energy_without_mechanisms(scene)
     figure, (held, lost, rest) = _canvas(scene, [3, 3, 1.1], (9.2, 7.6))
     traj, time = scene.trajectory, scene.time
@@ -106,9 +106,9 @@ def energy_chart(scene: Scene) -> "Figure":
     by = dissipated(traj)
     # Friction at the bottom, the particles' share first: the largest carries the others.
     stacked = lost.stackplot(
-        time, *(by[name] for name in _MECHANISM_COLOURS), colors=list(_MECHANISM_COLOURS.values())
+        time, *(by[name] for name in MECHANISM_COLOURS), colors=list(MECHANISM_COLOURS.values())
     )
-    labels = [_words(name, by[name][-1]) for name in _MECHANISM_COLOURS]
+    labels = [_words(name, by[name][-1]) for name in MECHANISM_COLOURS]
     _legend(lost, stacked[::-1], labels[::-1])
     lost.set_ylabel("dissipated [J]")
 
@@ -158,7 +158,7 @@ def force_chart(scene: Scene) -> "Figure":
     along = second - first
     outwards = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
     pressing = (force * outwards).sum(axis=2)
-    styles = _wall_styles(scene.wall_names[:-1])
+    styles = wall_styles(scene.wall_names[:-1])
     for k, (name, style) in enumerate(styles.items()):
         _thin_and_thick(vertical, scene.time, -force[:, k, 1], label=name, **style)
         _thin_and_thick(normal, scene.time, pressing[:, k], label=name, **style)
@@ -186,7 +186,7 @@ def _thin_and_thick(axes: "Axes", time: np.ndarray, force: np.ndarray, label: st
     axes.plot(np.convolve(time, window, "valid"), smooth, label=label, **style)
 
 
-def _wall_styles(names: list[str]) -> dict[str, dict]:
+def wall_styles(names: list[str]) -> dict[str, dict]:
     """Left and right of a kind share a colour; the right one is dashed."""
     kinds = list(dict.fromkeys(_kind(name) for name in names))
     return {

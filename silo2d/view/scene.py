@@ -75,14 +75,14 @@ class Scene:
         left, bottom = self.walls.min(axis=(0, 1))
         right, top = self.walls.max(axis=(0, 1))
         inside, y = self.trajectory["inside"], self.trajectory["y"]
-        heap = y[0][inside[0]].max(initial=bottom) + self._reach  # may stand above the rim
-        fall = bottom - y[inside].min(initial=bottom) + self._reach
+        heap = y[0][inside[0]].max(initial=bottom) + self.reach  # may stand above the rim
+        fall = bottom - y[inside].min(initial=bottom) + self.reach
         least, most = (share * (top - bottom) for share in _BELOW)
         below = bottom - min(max(fall, least), most)
         return float(left), float(right), float(below), float(max(top, heap))
 
     @property
-    def _reach(self) -> float:
+    def reach(self) -> float:
         """Largest distance of an outline from its centroid [m]."""
         return float(np.hypot(*self.trajectory.static["shape_points"].T).max())
 
@@ -109,7 +109,7 @@ class Scene:
         Outlines that lie below the window are left out.
         """
         y = self.trajectory["y"][frame]
-        shown = self.trajectory["inside"][frame] & (y > self.window[2] - self._reach)
+        shown = self.trajectory["inside"][frame] & (y > self.window[2] - self.reach)
         return self.placed(frame, np.flatnonzero(shown))
 
     def placed(

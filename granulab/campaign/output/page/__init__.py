@@ -1,0 +1,1 @@
+"""Pages: one HTML file each, which holds all that it shows and needs no network."""

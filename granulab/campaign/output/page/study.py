@@ -1,0 +1,144 @@
+"""The page of many runs, a sweep or a map: its pictures, its tables, and the way to each run."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from granulab.campaign.output.page.document import document, picture
+from granulab.campaign.output.results import read_results
+from granulab.errors import FolderError
+
+SCRIPTS = ("data.js", "scale.js", "theme.js", "curves.js", "points.js", "study.js")
+_PAGE = Path("figures") / "page.html"
+_ENDS = ("state", "reason")  # of a row
+_OF_THE_MACHINE = ("run_folder", "reused")
+
+Row = dict[str, Any]
+
+
+def page_of(run_folder: Path) -> Path:
+    """Path of a run's page, unless another is given: beside its pictures."""
+    return run_folder / _PAGE
+
+
+def is_study(folder: Path) -> bool:
+    """True for the folder of a sweep or a map, which holds a table."""
+    return (folder / "table.csv").is_file()
+
+
+def runs_of(folder: Path) -> list[Path]:
+    """Folders of the runs of a sweep or map, those that are there, each once."""
+    rows = _read(_tables(folder)[-1])
+    found = [_run_folder(_tables(folder)[-1].parent, row) for row in rows]
+    return list(dict.fromkeys(run for run in found if run is not None))
+
+
+def study_page(folder: Path, answers: Sequence[str], target: Path) -> str:
+    """The page of a sweep or map, to stand at `target`, from which its links lead.
+
+    answers: the columns of numbers that matter most. Raises FolderError for a folder whose table
+    cannot be read.
+    """
+    tables = [_table(path, answers, target.parent) for path in _tables(folder)]
+    rows = tables[-1]["rows"]
+    state = tables[-1]["columns"].index("state") if "state" in tables[-1]["columns"] else None
+    done = len(rows) if state is None else sum(row[state] == "done" for row in rows)
+    linked = sum(link is not None for link in tables[-1]["links"])
+    data = {
+        "title": folder.resolve().name,
+        "outcome": f"{len(rows)} runs, {done} done; {linked} with a page of their own",
+        "figures": [
+            {"name": path.stem, "source": picture(path.read_bytes())}
+            for path in sorted(folder.glob("*.png"))
+        ],
+        "tables": tables,
+    }
+    return document("study.html", SCRIPTS, str(data["title"]), data)
+
+
+def _tables(folder: Path) -> list[Path]:
+    """The table of a study; of a map that of its points and that of its runs."""
+    found = [path for path in (folder, folder / "runs") if is_study(path)]
+    whole = [path / "table.parquet" for path in found]
+    return [
+        path if path.is_file() else path.with_suffix(".csv") for path in whole
+    ]  # a version before Parquet wrote CSV only
+
+
+def _read(path: Path) -> list[Row]:
+    return [
+        {key: value for key, value in row.items() if not isinstance(value, dict)}
+        for row in read_results(path)[1]
+    ]
+
+
+def _table(path: Path, answers: Sequence[str], start: Path) -> dict[str, Any]:
+    rows = _read(path)
+    names = [n for n in dict.fromkeys(k for row in rows for k in row) if n not in _OF_THE_MACHINE]
+    has_runs = "run_folder" in (rows[0] if rows else {})
+    first = [*names[: names.index("seed") + 1]] if "seed" in names else names[:2]
+    varied = [n for n in first if len({str(row.get(n)) for row in rows}) > 1]
+    key = [*first, *(n for n in (*answers, "outcome", "phase", *_ENDS) if n in names)]
+    key = [n for k, n in enumerate(key) if n not in key[:k]]
+    numbers = [n for n in varied if all(isinstance(row.get(n), int | float) for row in rows)]
+    known = [n for n in answers if any(row.get(n) is not None for row in rows)]
+    links = [_link(path.parent, row, start) for row in rows]
+    return {
+        "title": "Runs" if has_runs else "Points",
+        "note": _note(links) if has_runs else "",
+        "columns": names,
+        "rows": [[_plain(row.get(name)) for name in names] for row in rows],
+        "links": links if has_runs else None,
+        "key": [names.index(n) for n in key],
+        "plot": {
+            "x": names.index(next(iter([*numbers, *names]))),
+            "y": names.index(next(iter([*known, *names]))),
+            "group": next((names.index(n) for n in varied if n not in (numbers[:1], "seed")
+                           and n != next(iter(numbers), None)), None),
+        },
+    }  # fmt: skip
+
+
+def _note(links: Sequence[str | None]) -> str:
+    missing = links.count(None)
+    if not missing:
+        return "Each row leads to the page of its run."
+    return (
+        f"{missing} of {len(links)} have no page here: view RUN makes one, view FOLDER --runs those "
+        "of all that kept their frames."
+    )
+
+
+def _link(folder: Path, row: Row, start: Path) -> str | None:
+    """Address of the page of a row's run as seen from a folder; None where there is none."""
+    run = _run_folder(folder, row)
+    if run is None or not page_of(run).is_file():
+        return None
+    try:
+        seen = os.path.relpath(page_of(run).resolve(), start.resolve())
+    except ValueError:  # on another drive
+        return page_of(run).resolve().as_uri()
+    return quote(Path(seen).as_posix())
+
+
+def _run_folder(folder: Path, row: Row) -> Path | None:
+    """Folder of a row's run, which its table names as seen from its own folder."""
+    named = row.get("run_folder")
+    path = Path(os.path.normpath(folder / str(named))) if named else None
+    return path if path is not None and (path / "case.toml").is_file() else None
+
+
+def _plain(value: Any) -> Any:
+    """A cell for JSON, where a number that is none is nothing."""
+    return None if isinstance(value, float) and value != value else value
+
+
+def refuse_no_study(folder: Path) -> None:
+    """Raise FolderError for a folder that is neither a run nor a study."""
+    if not is_study(folder):
+        raise FolderError(
+            f"{folder}: neither a run folder (it has no case.toml) nor a sweep or map (no "
+            "table.csv); give one of these"
+        )
