@@ -65,8 +65,7 @@ def _sweep(
     **engine: Any,
 ) -> None:
     """Run a study, or say what would be run; print its table, and raise Ended for gaps in it."""
-    from granulab.campaign.output.files import refuse_unless_writable, write_atomic
-    from granulab.campaign.output.table import as_csv
+    from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.sweeps.cases import run_study
     from granulab.campaign.sweeps.overview import plan, plan_as_text
     from granulab.campaign.sweeps.report import summary
@@ -82,9 +81,9 @@ def _sweep(
     comparison = Comparison.of(loaded.study.name, loaded.varied, quantities, rows)
     table = summary.summary(comparison, folder)
     if not table["interrupted"]:
-        write_atomic(folder / "ranking.csv", as_csv(table["ranking"]))
+        summary.write_ranking(folder, comparison, table)
         if not no_figures:
-            table |= summary.write_report(folder, comparison, table)
+            table |= summary.write_pictures(folder, comparison, simulator.means)
     click.echo(json.dumps(table, indent=2) if as_json else summary.as_text(comparison, table))
     if table["interrupted"]:
         raise Ended(f"{table['why_interrupted']}; the same command goes on from there", 130)

@@ -41,10 +41,10 @@ def _from(folder: Path, row: Row) -> Row:
     """The row with its run_folder, where it has one, relative to a folder."""
     if not row.get("run_folder"):
         return row
-    return {**row, "run_folder": seen_from(folder, Path(row["run_folder"]).resolve())}
+    return {**row, "run_folder": _seen_from(folder, Path(row["run_folder"]).resolve())}
 
 
-def seen_from(folder: PurePath, path: PurePath) -> str:
+def _seen_from(folder: PurePath, path: PurePath) -> str:
     """A path from a folder on, with slashes; whole where it is on another drive (Windows)."""
     here, there = folder.parts, path.parts
     shared = len(list(takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False))))

@@ -76,6 +76,11 @@ class Simulator:
     compiled: Callable[[], bool] = lambda: True
     disk_at_most: Callable[[Any], Mapping[str, int]] = lambda case: {}
 
+    @property
+    def means(self) -> tuple[str, ...]:
+        """Columns of the numbers by which runs are compared."""
+        return tuple(number.column for number in self.quantities.numbers)
+
     def run_folder(self, case: Any, out: Path) -> RunFolder:
         """Return where a case is run, which a single run finds too; it may not exist yet."""
         return find_run(out, f"{case.name}-seed{case.settings.run.seed}", self.digest(case))

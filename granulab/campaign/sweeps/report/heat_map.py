@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granulab.campaign.output.figure import INK, VERMILION
+from granulab.campaign.output.layout import with_half_width
 from granulab.campaign.sweeps.report.axes import Axis, key_of
 from granulab.campaign.sweeps.report.comparison import Combination, Comparison
 from granulab.campaign.sweeps.report.quantities import Ending, Estimate, Number, heading, name_of
-from granulab.campaign.sweeps.report.words import with_half_width
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,8 +87,7 @@ def cell_words(
         return "\n".join(f"{n} {word}" for word, n in ends.most_common(2))
     if isinstance(what, Ending):
         return f"{own.n} of {own.of}\n{100 * (own.low or 0):.0f} to {100 * (own.high or 0):.0f} %"
-    half = own.half_width
-    number = f"{own.mean:.3g}" if half is None else with_half_width(own.mean, half)
+    number = with_half_width(own.mean, own.half_width)
     lack = f"\n{own.n} of {len(one.rows)}" if own.n < len(one.rows) else ""
     return number.replace(" ± ", "\n±") + lack
 

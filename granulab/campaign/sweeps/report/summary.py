@@ -1,7 +1,7 @@
 """Summary of a study after its runs: counts and estimates, in words and as files."""
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,11 +9,18 @@ from typing import TYPE_CHECKING, Any
 from granulab.campaign.output.figure import as_png
 from granulab.campaign.output.files import write_atomic
 from granulab.campaign.output.layout import paragraphs, wrapped
+from granulab.campaign.output.page.study import study_page
+from granulab.campaign.output.table import as_csv, as_parquet
 from granulab.campaign.sweeps.report.chart import draw_sweep
 from granulab.campaign.sweeps.report.comparison import Comparison
-from granulab.campaign.sweeps.report.page import sweep_page
 from granulab.campaign.sweeps.report.quantities import Quantities, Rows
-from granulab.campaign.sweeps.report.words import ranking_as_text, ranking_rows, row_of
+from granulab.campaign.sweeps.report.words import (
+    notes_on,
+    order_in_words,
+    ranking_as_text,
+    ranking_rows,
+    row_of,
+)
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 
@@ -22,7 +29,6 @@ if TYPE_CHECKING:
 
 _STATES = ("failed", "interrupted")
 _MOST_FAILURES = 10  # that are listed
-_FILES = ("table.csv", "ranking.csv", "study.toml", "provenance.json")  # beside a page
 
 
 def ranked_by(quantities: Quantities, name: str | None) -> Quantities:
@@ -91,22 +97,28 @@ def _labels(comparison: Comparison, row: dict[str, Any]) -> str:
     return ", ".join([*words, f"seed {row['seed']}"])
 
 
-def write_report(
-    folder: Path, comparison: Comparison, table: dict[str, Any], name: str = "sweep",
+def write_ranking(folder: Path, comparison: Comparison, table: dict[str, Any]) -> None:
+    """Write ranking.csv and ranking.parquet, a row a combination; FolderError where that fails."""
+    notes = [f"ranked by {order_in_words(comparison.quantities)}", *notes_on(comparison)]
+    write_atomic(folder / "ranking.csv", as_csv(table["ranking"]))
+    about = {"notes": ". ".join(notes)}
+    write_atomic(folder / "ranking.parquet", as_parquet(table["ranking"], about))
+
+
+def write_pictures(
+    folder: Path, comparison: Comparison, columns: Sequence[str], picture: str = "sweep.png",
     draw: "Callable[[Comparison], Figure | None]" = draw_sweep,
 ) -> dict[str, str]:  # fmt: skip
-    """Write NAME.png and NAME.html into a folder; their paths by "picture" and "page".
+    """Write a picture and page.html into a folder; their paths by "picture" and "page".
 
-    draw        makes the picture
+    columns     of numbers that the page shows first; draw: makes the picture
     There is no picture where nothing was measured. Raises FolderError where they cannot be written.
     """
     written = {}
     image = as_png(lambda: draw(comparison))
     if image is not None:
-        write_atomic(folder / f"{name}.png", image)
-        written["picture"] = str(folder / f"{name}.png")
-    pictures = {} if image is None else {f"{comparison.name}: {name}": image}
-    facts = [(kind, kind, kind) for kind in _FILES if (folder / kind).exists()]
-    page = sweep_page(comparison, pictures, folder, counts(table), facts)
-    write_atomic(folder / f"{name}.html", page)
-    return written | {"page": str(folder / f"{name}.html")}
+        write_atomic(folder / picture, image)
+        written["picture"] = str(folder / picture)
+    page = folder / "page.html"
+    write_atomic(page, study_page(folder, columns, page))
+    return written | {"page": str(page)}

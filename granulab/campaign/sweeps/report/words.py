@@ -1,11 +1,16 @@
 """Words on a comparison: the ranking as a table for the terminal, numbers with their intervals."""
 
-import math
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from granulab.campaign.output.layout import fitted, paragraphs, wrapped
+from granulab.campaign.output.layout import (
+    fitted,
+    paragraphs,
+    share_within,
+    with_half_width,
+    wrapped,
+)
 from granulab.campaign.sweeps.report.comparison import Combination, Comparison, Ranked
 from granulab.campaign.sweeps.report.quantities import (
     Ending,
@@ -19,7 +24,6 @@ from granulab.campaign.sweeps.report.quantities import (
 MOST_ROWS = 12  # of a ranking on the terminal
 _PARTS = ("mean", "sd", "n", "low", "high")  # of an estimate
 _LETTERS = 26  # of a word that was varied
-_ALONE = 4  # digits of a number without an interval
 
 
 def spelled(found: Estimate) -> str:
@@ -27,32 +31,14 @@ def spelled(found: Estimate) -> str:
     if found.mean is None:
         return "-"
     runs = f"{found.n}" if found.n == found.of else f"{found.n} of {found.of}"
-    half = found.half_width
-    if half is None:
-        return f"{found.mean:.{_ALONE}g} ({runs})"
-    return f"{with_half_width(found.mean, half)} ({runs})"
-
-
-def with_half_width(mean: float, half: float) -> str:
-    """A number to the second digit of its half width."""
-    if not half or not math.isfinite(half):
-        return f"{mean:.{_ALONE}g} ± {half:.1g}"
-    digits = max(1 - math.floor(math.log10(half)), 0)
-    if digits > 7 or abs(mean) >= 1e6:
-        return f"{mean:.{_ALONE}g} ± {half:.2g}"
-    return f"{mean:.{digits}f} ± {half:.{digits}f}"
-
-
-def share(found: Estimate) -> str:
-    """ "1 of 5, 4 to 62 %": the runs, and the interval of their share."""
-    if found.low is None or found.high is None:
-        return "-"
-    return f"{found.n} of {found.of}, {100 * found.low:.0f} to {100 * found.high:.0f} %"
+    return f"{with_half_width(found.mean, found.half_width)} ({runs})"
 
 
 def in_words(what: Number | Ending, found: Estimate) -> str:
     """An estimate as a cell of a table."""
-    return share(found) if isinstance(what, Ending) else spelled(found)
+    if isinstance(what, Ending):
+        return share_within(found.n, found.of, found.low, found.high)
+    return spelled(found)
 
 
 def order_in_words(quantities: Quantities) -> str:
@@ -172,7 +158,8 @@ def ranking_rows(comparison: Comparison) -> list[dict[str, Any]]:
 
 def row_of(comparison: Comparison, one: Combination) -> dict[str, Any]:
     """A combination as a row of numbers: labels in SI, counts, estimates with their intervals."""
-    table: dict[str, Any] = dict(one.labels) | {"runs": one.done}
+    lost = len(one.rows) - one.done
+    table: dict[str, Any] = dict(one.labels) | {"runs": one.done, "not_done": lost}
     for ending in comparison.offered.endings:
         found, name = one.estimates[ending.name], ending.name
         table |= {name: found.n, f"{name}.low": found.low, f"{name}.high": found.high}
