@@ -34,12 +34,14 @@ def run(
     from damper3d.run.sweep import DAMPER
     from damper3d.view.picture import make_figures
     from damper3d.view.report import echo, report
+    from damper3d.view.sketch import sketch
 
     usual = "thesis" if case is None else case
     loaded = DamperCase.load(shaken(resume).case_file if resume else usual, changes)
     drawn = partial(make_figures, cycles_in_film=cycles_in_film)
     draw = drawn if loaded.settings.output.keep == "all" else None
+    runnable = Runnable(loaded, DAMPER, protocol, plan, echo, report, sketch, draw)
     run_case(
-        Runnable(loaded, DAMPER, protocol, plan, echo, report, draw), out=out, resume=resume,
-        again=again, dry_run=dry_run, no_figures=no_figures, quiet=quiet, as_json=as_json,
+        runnable, out=out, resume=resume, again=again, dry_run=dry_run, no_figures=no_figures,
+        quiet=quiet, as_json=as_json,
     )  # fmt: skip

@@ -19,15 +19,19 @@ from granulab.campaign.cli.commandline import (
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.cases import LabelledStudy
+    from granulab.campaign.sweeps.sketch import Sketch
     from granulab.campaign.sweeps.sweep import Simulator
 
 
 def sweep_command(
-    name: str, simulator: Callable[[], "Simulator"], load: Callable[[str], "LabelledStudy"]
+    name: str,
+    simulator: Callable[[], "Simulator"],
+    load: Callable[[str], "LabelledStudy"],
+    sketch: "Callable[[], Sketch]",
 ) -> click.Command:
     """The command `sweep` of a simulator.
 
-    name: of its command line; load: gives the cases of a study file.
+    name: of its command line; load: gives the cases of a study file; sketch: what draws a case.
     """
 
     @click.command(
@@ -47,7 +51,7 @@ def sweep_command(
     @json_option
     def sweep(study: str, **options: Any) -> None:
         loaded = load(study)
-        _sweep(simulator(), loaded, **options)
+        _sweep(simulator(), loaded, sketch, **options)
 
     return sweep
 
@@ -55,6 +59,7 @@ def sweep_command(
 def _sweep(
     simulator: "Simulator",
     loaded: "LabelledStudy",
+    sketch: "Callable[[], Sketch]",
     *,
     out: str,
     rank_by: str | None,
@@ -74,6 +79,10 @@ def _sweep(
     quantities = summary.ranked_by(simulator.quantities, rank_by)
     if dry_run:
         planned = plan(simulator, loaded, Path(out))
+        if not no_figures:
+            cases = [case for _, case in loaded.cases[:: len(loaded.study.seeds)]]
+            title = f"{loaded.study.name}: {planned['runs']} runs"
+            planned |= sketched(simulator, cases, sketch(), Path(planned["folder"]), title)
         click.echo(json.dumps(planned, indent=2) if as_json else plan_as_text(loaded, planned))
         return
     refuse_unless_writable(Path(out), "--out")
@@ -89,6 +98,16 @@ def _sweep(
         raise Ended(f"{table['why_interrupted']}; the same command goes on from there", 130)
     if table["failed"]:
         raise Ended(f"{table['failed']} of {table['runs']} runs failed; see {table['table']}", 3)
+
+
+def sketched(
+    simulator: "Simulator", cases: Sequence[Any], sketch: "Sketch", folder: Path, title: str
+) -> dict[str, str | None]:
+    """Draw the cases of a study before they are run, beside its folder; the path as "picture"."""
+    from granulab.campaign.sweeps.sketch import panels_of, write_sketch
+
+    panels = panels_of(cases, sketch, lambda case: simulator.packing_folder(case, Path()))
+    return {"picture": write_sketch(folder.with_name(f"{folder.name}.png"), title, panels)}
 
 
 def numbers(option: str, text: str | None, default: Sequence[float]) -> tuple[float, ...]:

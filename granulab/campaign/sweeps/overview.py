@@ -71,8 +71,14 @@ def plan_as_text(loaded: LabelledStudy, planned: dict[str, Any]) -> str:
             fitted(columns, cells, len(columns)),
             room.line(planned),
             f"table       {planned['folder']}/table.csv",
+            *picture_line(planned),
         ]
     )
+
+
+def picture_line(planned: dict[str, Any]) -> list[str]:
+    """The line on the picture of a plan, where there is one."""
+    return [f"picture     {planned['picture']}"] if planned.get("picture") else []
 
 
 def _key(columns: tuple[str, ...], row: dict[str, Any]) -> tuple[Any, ...]:
