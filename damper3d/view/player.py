@@ -72,11 +72,7 @@ class _Recorder:
         """What a page shows of some frames."""
         scene, n = self.scene, len(self.scene.radius)
         recording = Recording(self._data())
-        recording.arrays |= {
-            **self._places(frames),
-            **self._shapes(frames),
-            **_walls(scene.enclosure),
-        }
+        recording.arrays |= {**self._places(frames), **self._shapes(frames), **_walls(scene.enclosure)}
         self._colour(recording, frames)
         time = scene.time[scene.frame_sample]
         taken = recording.add_contacts(self.touching, time, frames, n, colours_of("YlOrRd"))
@@ -98,9 +94,7 @@ class _Recorder:
         scene, low, high = self.scene, *_box(self.scene.enclosure)
         in_seconds = scene.time[-1] > _LONG
         middles = {
-            name: np.mean(
-                [p.mean(axis=0) for n, p in scene.enclosure.polygons if n == name], axis=0
-            )
+            name: np.mean([p.mean(axis=0) for n, p in scene.enclosure.polygons if n == name], axis=0)
             for name, _ in scene.enclosure.polygons
         }
         usual = scene.enclosure.middle
@@ -184,9 +178,7 @@ class _Recorder:
         speed = np.linalg.norm(velocity, axis=2)
         recording.add_scale("speed", "m/s", speed, colours_of("viridis"), name="speed")
         gained = self.dissipated[frames] - self.dissipated[0]
-        recording.add_scale(
-            "energy dissipated so far", "J", gained, colours_of("plasma"), name="heat"
-        )
+        recording.add_scale("energy dissipated so far", "J", gained, colours_of("plasma"), name="heat")
         recording.add_decades(
             "power dissipated", "W", self.power[frames], colours_of("YlOrRd"), name="power",
             per="frame",
@@ -327,7 +319,9 @@ def _box(enclosure: Enclosure) -> tuple[Floats, Floats]:
 def _walls(enclosure: Enclosure) -> dict[str, Quantised]:
     """Triangles of the walls (t, 3, 3), and of their edges the ends and two normals (e, 2, 3)."""
     polygons = [points for _, points in enclosure.polygons]
-    triangles = [points[[0, k, k + 1]] for points in polygons for k in range(1, len(points) - 1)]
+    triangles = [
+        points[[0, k, k + 1]] for points in polygons for k in range(1, len(points) - 1)
+    ]
     ends, normals = _edges(polygons)
     return {
         "face": linear(np.concatenate(triangles), 0.0),

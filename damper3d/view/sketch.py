@@ -26,7 +26,7 @@ _HALVINGS = 40  # of where a level lies
 
 
 def sketch(case: DamperCase) -> list[Panel]:
-    """The enclosure with the level of its bed, and the particles with their sizes; of each damper."""
+    """Enclosure with the level of its bed, and particles with their sizes, of each damper."""
     dampers = case.dampers or (case,)
     return [panel for one in dampers for panel in (_enclosure(one), _particles(one))]
 
