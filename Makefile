@@ -17,8 +17,8 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	reproduce wheel clean
 .DELETE_ON_ERROR:
 
-demo: $(VENV)/installed ## discharge silo A4: a number and pictures
-	$(BIN)/silo2d run A4 --out $(RUNS)
+demo: $(VENV)/installed ## discharge silo A4: a number, pictures, and a page that plays it
+	$(BIN)/silo2d run A4 --page --out $(RUNS)
 
 test: $(VENV)/with-tests ## all tests but the long comparisons
 	$(BIN)/python -m pytest -m "not validation" $(TESTERS)

@@ -16,7 +16,8 @@ from granulab.campaign.cli.run import Runnable, run_case, run_options
 @run_options
 def run(
     case: str | None, material: str | None, cycles_in_film: int | None, out: str,
-    resume: str | None, again: bool, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
+    resume: str | None, again: bool, dry_run: bool, no_figures: bool, page: bool, quiet: bool,
+    as_json: bool,
     **options: Any,
 ) -> None:  # fmt: skip
     """Shake a granular damper and measure the energy that it dissipates.
@@ -33,15 +34,18 @@ def run(
     from damper3d.run.folders import shaken
     from damper3d.run.sweep import DAMPER
     from damper3d.view.picture import make_figures
+    from damper3d.view.player.page import player_page
     from damper3d.view.report import echo, report
     from damper3d.view.sketch import sketch
 
     usual = "thesis" if case is None else case
     loaded = DamperCase.load(shaken(resume).case_file if resume else usual, changes)
     drawn = partial(make_figures, cycles_in_film=cycles_in_film)
-    draw = drawn if loaded.settings.output.keep == "all" else None
-    runnable = Runnable(loaded, DAMPER, protocol, plan, echo, report, sketch, draw)
+    output = loaded.settings.output
+    draw = drawn if output.keep == "all" else None
+    player = player_page if draw and output.frames else None
+    runnable = Runnable(loaded, DAMPER, protocol, plan, echo, report, sketch, draw, player)
     run_case(
         runnable, out=out, resume=resume, again=again, dry_run=dry_run, no_figures=no_figures,
-        quiet=quiet, as_json=as_json,
+        page=page, quiet=quiet, as_json=as_json,
     )  # fmt: skip

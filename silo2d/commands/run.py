@@ -17,7 +17,8 @@ from silo2d.commands.options import case_command, changes_of, mu_option
 @run_options
 def run(
     case: str | None, mu: str | None, out: str,
-    resume: str | None, again: bool, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
+    resume: str | None, again: bool, dry_run: bool, no_figures: bool, page: bool, quiet: bool,
+    as_json: bool,
     **options: Any,
 ) -> None:  # fmt: skip
     """Fill a silo, open it, and measure how it empties.
@@ -35,14 +36,17 @@ def run(
     from silo2d.run import protocol
     from silo2d.run.sweep import SILO
     from silo2d.view.picture import make_figures
+    from silo2d.view.player import player_page
     from silo2d.view.report import echo, report
     from silo2d.view.sketch import sketch
 
     loaded = SiloCase.load(resume_run(resume).case_file if resume else str(case), changes)
-    runnable = Runnable(loaded, SILO, protocol, plan, echo, report, sketch, make_figures)
+    runnable = Runnable(
+        loaded, SILO, protocol, plan, echo, report, sketch, make_figures, player_page
+    )
     run_case(
         runnable, out=out, resume=resume, again=again, dry_run=dry_run, no_figures=no_figures,
-        quiet=quiet, as_json=as_json,
+        page=page, quiet=quiet, as_json=as_json,
     )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from granulab.campaign.output.page.player import (
     colours_of,
     player,
 )
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import stored_tables
 from granulab.contact.files.table import load_table
@@ -40,8 +41,8 @@ def player_page(run_folder: str | Path, most_bytes: float) -> tuple[str, str]:
     """
     scene = read_scene(run_folder)
     if not scene.summary:
-        cure = "wait until it is finished, or go on with it: silo2d run --resume"
-        raise FolderError(f"{run_folder}: unfinished; {cure}")
+        go_on = RunFolder(Path(run_folder)).go_on("silo2d")
+        raise FolderError(f"{run_folder}: unfinished; wait for it, or go on with it: {go_on}")
     contacts = stored_tables(run_folder).get("contacts")
     return player(_Recorder(Path(run_folder), scene, contacts).record, scene.time, most_bytes)
 
@@ -66,9 +67,7 @@ class _Recorder:
             "counted": counted(scene.trajectory["n_out"][frames]),
         }
         self._colour(recording, frames)
-        taken = recording.add_contacts(
-            self.touching, scene.time, frames, n, colours_of("YlOrRd")
-        )
+        taken = recording.add_contacts(self.touching, scene.time, frames, n, colours_of("YlOrRd"))
         if taken:
             unit, length = self._length
             values = np.maximum(self.pressures[taken] / length, 0.0)
@@ -118,8 +117,9 @@ class _Recorder:
         left, right, bottom, top = self.scene.window
         step = max(right - left, top - bottom) / 2**16
         last = np.where(shown, np.arange(len(frames))[:, None], 0)
-        last = np.maximum.accumulate(last, axis=0), np.arange(shown.shape[1])
-        held = {name: trajectory[name][frames][last] for name in ("x", "y", "angle")}
+        last = np.maximum.accumulate(last, axis=0)
+        each = np.arange(shown.shape[1])
+        held = {name: trajectory[name][frames][last, each] for name in ("x", "y", "angle")}
         return {
             name: linear(values, _TURN if name == "angle" else step, order=2)
             for name, values in held.items()
@@ -129,11 +129,9 @@ class _Recorder:
         trajectory = self.scene.trajectory
         layer = trajectory.static["layer"].astype(np.int64)
         layer = layer - layer.min()
-        names = [f"layer {k + 1}" for k in range(int(layer.max()) + 1)]
-        tones = [WOOD[k % len(WOOD)] for k in range(len(names))]
         recording.arrays["layer"] = counted(layer)
         recording.add_colour(
-            Colour("layer", "", "particle", "layer", tones, names=names, numbered=True)
+            Colour("layer", "", "particle", "layer", WOOD, numbered=int(layer.max()) + 1)
         )
         speed = np.hypot(trajectory["vx"][frames], trajectory["vy"][frames])
         speed = np.where(self.shown[frames], speed, 0.0)
@@ -155,8 +153,12 @@ class _Recorder:
     def pressures(self) -> Floats:
         """Half the trace of the mean stress in each particle at each of them (M, n) [N/m]."""
         assert self.contacts is not None
-        found = [particle_stress(self.scene, self.contacts, m.frame) for m in self.moments]
-        return np.array([np.trace(stress, axis1=1, axis2=2) / 2 for stress in found])
+        found = np.zeros((len(self.moments), self.scene.n_particles))
+        for row, moment in zip(found, self.moments, strict=True):
+            stress = particle_stress(self.scene, self.contacts, moment.frame)
+            assert stress is not None  # these frames have contacts
+            row[:] = np.trace(stress, axis1=1, axis2=2) / 2
+        return found
 
     @cached_property
     def _length(self) -> tuple[str, float]:

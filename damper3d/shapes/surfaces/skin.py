@@ -37,8 +37,9 @@ def skin(centres: Floats, radii: Floats, cells: int) -> Skin:
     origin = low - 2.13 * size
     shape = np.ceil((high - origin) / size).astype(int) + 3
     nodes = origin + size * np.moveaxis(np.indices(shape), 0, -1)
-    inside = np.min([np.linalg.norm(nodes - c, axis=-1) - r for c, r in zip(centres, radii, strict=True)],
-                    axis=0) < 0.0  # fmt: skip
+    inside = np.zeros(shape, bool)
+    for centre, radius in zip(centres, radii, strict=True):
+        inside |= ((nodes - centre) ** 2).sum(axis=-1) < radius**2
     return _nets(inside, origin, size, centres, radii)
 
 

@@ -29,6 +29,7 @@ class Runnable(NamedTuple):
     sketch: Callable[[Any], Sequence[Any]]  # the panels of a case that is drawn before it is run
     # The figures of a run folder; reports the pictures done and left. None where none are wanted.
     draw: Callable[..., Any] | None
+    player: Callable[..., Any] | None  # the page of a run folder; None where nothing is kept for it
 
 
 def run_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -36,6 +37,7 @@ def run_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for option in (
         json_option,
         quiet_option,
+        click.option("--page", is_flag=True, help="Write a page that plays the run in a browser."),
         click.option("--no-figures", is_flag=True, help="Make no pictures and no film."),
         dry_run_option,
         click.option("--again", is_flag=True, help="Compute it again, in a folder of its own."),
@@ -48,7 +50,7 @@ def run_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def run_case(
     runnable: Runnable, *, out: str, resume: str | None, again: bool, dry_run: bool,
-    no_figures: bool, quiet: bool, as_json: bool,
+    no_figures: bool, page: bool, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Compute a case, draw it and print its result; or say what would be run.
 
@@ -58,8 +60,14 @@ def run_case(
     from granulab.campaign.output import room
     from granulab.campaign.output.ranges import judged
     from granulab.contact.files.units import located
+    from granulab.errors import InputError
 
     case, echo = runnable.case, runnable.echo
+    if page and runnable.player is None:
+        raise InputError(
+            '--page: nothing is kept to play (output.keep = "summary", or output.frames = 0); keep '
+            "all, with frames"
+        )
     short = room.shortage(runnable.simulator.disk_of([case]), Path(out))
     warning = f"\n  warning     {short}" if short else ""
     if dry_run:
@@ -70,7 +78,7 @@ def run_case(
         click.echo(json.dumps(runnable.plan(case) | free, indent=2) if as_json else text)
         return
     _refuse_unless_writable(
-        runnable.simulator, case, Path(out), resume, again, drawn=not no_figures
+        runnable.simulator, case, Path(out), resume, again, drawn=page or not no_figures
     )
     if not quiet:
         click.echo(wrapped(echo(case, dry_run=False) + warning, 14), err=True)
@@ -80,10 +88,12 @@ def run_case(
     table = dataclasses.asdict(result)
     with located(f"{result.run_folder}:"):
         warnings = judged(runnable.simulator.name, table)
+    said = _page(runnable, Path(result.run_folder)) if page else []
     if as_json:
         click.echo(json.dumps(table | {"warnings": warnings}, indent=2))
+        click.echo("".join(said), err=True, nl=bool(said))
         return
-    lines = [runnable.report(result), *(f"  warning: {line}" for line in warnings)]
+    lines = [runnable.report(result), *(f"  warning: {line}" for line in warnings), *said]
     click.echo(wrapped("\n".join(lines), 4))
 
 
@@ -94,6 +104,15 @@ def _sketched(runnable: Runnable, out: Path) -> str | None:
     folder = runnable.simulator.run_folder(runnable.case, out).path
     path = folder.with_name(f"{folder.name}.png")
     return write_sketch(path, runnable.case.name, runnable.sketch(runnable.case))
+
+
+def _page(runnable: Runnable, run: Path) -> list[str]:
+    """Line on the page that plays the run, which is written."""
+    from granulab.campaign.cli.view import MOST_MB, written
+
+    assert runnable.player is not None
+    path, _ = written(runnable.player, run, MOST_MB)
+    return [f"  page             {path}: open it in a browser"]
 
 
 def _say_what_plays(paths: Any, quiet: bool) -> None:

@@ -1,4 +1,4 @@
-"""The command `view` of any simulator: a page that plays a run, or of the runs of a sweep or map."""
+"""The command `view` of any simulator: a page that plays a run, or that of a sweep or map."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -36,14 +36,13 @@ def view_command(
     )  # fmt: skip
     @click.option("--runs", is_flag=True, help="Of a sweep or map: pages of its runs too.")
     def view(folder: str, output: str | None, size: float, runs: bool) -> None:
-        from granulab.campaign.output.page.study import page_of, refuse_no_study
+        from granulab.campaign.output.page.study import refuse_no_study
 
         path = Path(folder)
         if (path / "case.toml").is_file():
             if runs:
                 raise click.UsageError("--runs is of a sweep or map; leave it out")
-            target = Path(output) if output else page_of(path)
-            _say(*_written(player(), path, target, size))
+            _say(*written(player(), path, size, Path(output) if output else None))
             return
         refuse_no_study(path)
         _view_study(path, Path(output) if output else path / "page.html", player(), answers(),
@@ -52,12 +51,13 @@ def view_command(
     return view
 
 
-def _written(player: Page, run: Path, target: Path, size: float) -> tuple[Path, str]:
-    """The page of a run, written; its path, and a remark on what is left out."""
+def written(player: Page, run: Path, size: float, target: Path | None = None) -> tuple[Path, str]:
+    """The page of a run, of at most so many MB, written; its path, and a remark on what lacks."""
     from granulab.campaign.cli.library import write_output
+    from granulab.campaign.output.page.study import page_of
 
     page, remark = player(run, 1e6 * size)
-    return write_output(target, page.encode()), remark
+    return write_output(target or page_of(run), page.encode()), remark
 
 
 def _say(path: Path, remark: str) -> None:
@@ -71,13 +71,13 @@ def _view_study(
 ) -> None:
     """Write the page of a sweep or map, before it those of its runs where a size is given."""
     from granulab.campaign.cli.library import write_output
-    from granulab.campaign.output.page.study import page_of, runs_of, study_page
+    from granulab.campaign.output.page.study import runs_of, study_page
     from granulab.errors import FolderError
 
     reasons: dict[str, int] = {}
     for run in runs_of(folder) if size is not None else []:
         try:
-            _say(*_written(player, run, page_of(run), size or MOST_MB))
+            _say(*written(player, run, size or MOST_MB))
         except FolderError as error:
             reason = str(error).removeprefix(f"{run}: ")
             reasons[reason] = reasons.get(reason, 0) + 1

@@ -1,7 +1,8 @@
 """The HTML of a page: a template of parts/ with its style, scripts and data, in one file.
 
-Scripts are modules of parts/, joined into one. A policy in the page lets nothing run but this
-script and nothing be fetched; what the data say is set as text, never as markup.
+Scripts are modules of parts/, joined into one: a page that is opened as a file may import none. A
+policy in the page lets nothing run but this script and nothing be fetched; what the data say is set
+as text, never as markup.
 """
 
 import base64
@@ -14,8 +15,8 @@ from importlib.resources import files
 from typing import Any
 
 _PARTS = files(__name__.rpartition(".")[0]) / "parts"
-_IMPORT = re.compile(r"(?ms)^import [^;]*;\n")
-_EXPORT = re.compile(r"(?m)^export ")
+_IMPORT = re.compile(r'(?m)^import (\{[^}]*\}) from "\./(\w+)\.js";$')
+_EXPORT = re.compile(r"(?m)^export ((?:async )?(?:function|class|const) (\w+))")
 
 
 def document(
@@ -53,8 +54,15 @@ def _part(name: str) -> str:
 
 
 def _joined(scripts: Sequence[str]) -> str:
-    """One script of several modules, which name what they import; names are unique in all."""
-    return "".join(_EXPORT.sub("", _IMPORT.sub("", _part(name))) for name in scripts)
+    """One script of several modules, each a function that gives what the module exports."""
+    return "".join(map(_as_function, scripts))
+
+
+def _as_function(script: str) -> str:
+    text, module = _part(script), script.removesuffix(".js")
+    exports = ", ".join(found[1] for found in _EXPORT.findall(text))
+    body = _EXPORT.sub(r"\1", _IMPORT.sub(r"const \1 = \2_js;", text))
+    return f"const {module}_js = (() => {{\n{body}return {{ {exports} }};\n}})();\n"
 
 
 def _known(text: str) -> str:

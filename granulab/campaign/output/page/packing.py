@@ -17,6 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granulab.errors import InputError
+
 _MOST = 2**16 - 1  # of an integer
 LEVELS = 1000  # of a quantity that is read off a scale of colours
 _NO_LOWER = 1e-12  # of the largest, below which a logarithm is none
@@ -39,9 +41,9 @@ class Quantised(NamedTuple):
 
     @property
     def values(self) -> NDArray[np.float64]:
-        """What a page reads, 0 where a logarithm has none."""
+        """Values that a page reads, 0 where a logarithm has none."""
         if not self.logarithmic:
-            return self.low + self.step * self.integers
+            return self.low + self.step * self.integers.astype(float)
         whole = self.low * np.exp(self.step * (self.integers - 1.0))
         return np.where(self.integers > 0, whole, 0.0)
 
@@ -78,8 +80,11 @@ def logarithmic(values: ArrayLike, decades: float, order: int = 1) -> Quantised:
 
 
 def counted(integers: ArrayLike, order: int = 1) -> Quantised:
-    """Integers from 0 to 65,535 as they are."""
-    return Quantised(np.asarray(integers).astype(np.uint16), order=order)
+    """Integers from 0 to 65,535 as they are; InputError for more."""
+    integers = np.asarray(integers)
+    if integers.size and integers.max() > _MOST:
+        raise InputError(f"{integers.max():,} particles and walls: a page counts to {_MOST:,}")
+    return Quantised(integers.astype(np.uint16), order=order)
 
 
 def packed(arrays: Mapping[str, Quantised]) -> tuple[list[dict[str, Any]], str]:

@@ -33,6 +33,7 @@ _DECADES = 3.0  # that the colours of a force or a stress resolve
 _HIGHEST = 99.5  # percentile of the values that a scale of colours ends with
 _FEW_WALL_LEVELS = 60  # of where a particle touches a wall, each way
 _CURVE = 2000  # samples of a curve, at most about
+_FRAMES = 60_000  # of a page, at most: 16 bits count them
 
 
 class Colour(NamedTuple):
@@ -40,7 +41,8 @@ class Colour(NamedTuple):
 
     per       "particle" (n,), "frame" (F, n), or "moment" (M, n), a frame with contacts
     low, high  ends of the scale
-    names     of categories, in whose place the array has numbers; numbered: 1, 2, ... in words
+    names     of categories, in whose place the array has numbers; or how many are `numbered` from 1
+              on; colours come again where they are fewer
     """
 
     label: str
@@ -51,7 +53,7 @@ class Colour(NamedTuple):
     low: float = 0.0
     high: float = 1.0
     names: Sequence[str] | None = None
-    numbered: bool = False
+    numbered: int = 0
 
 
 class Line(NamedTuple):
@@ -112,11 +114,13 @@ class Recording:
     def add_curve(
         self, name: str, unit: str, time: Floats,
         series: Sequence[Line], *,
-        window: float | None = None, spans: Sequence[dict[str, Any]] = (), steps: bool = False,
+        window: float | None = None, since: float = 0.0, spans: Sequence[dict[str, Any]] = (),
+        steps: bool = False,
     ) -> None:  # fmt: skip
         """Add a chart of some lines over time (T,) [s].
 
         window   of the time [s] that is shown at once; None: all of it
+        since    the time [s] from which on the values decide the scale
         spans    from, to [s], label and colour of what is marked
         steps    whether values hold until the next
         """
@@ -130,7 +134,7 @@ class Recording:
                           "array": f"{at}_{k}"})  # fmt: skip
         self.curves.append(
             {"name": name, "unit": unit, "time": f"{at}_time", "series": drawn, "window": window,
-             "spans": list(spans), "steps": steps}
+             "since": since, "spans": list(spans), "steps": steps}
         )  # fmt: skip
 
     def add_contacts(
@@ -167,15 +171,16 @@ class Recording:
         high = float(np.percentile(np.concatenate([_on_each(m, n) for m in shown]), _HIGHEST))
         high = high or float(force.max())
         self.data["usual_force"] = float(force.mean())
-        self.add_colour(
-            Colour("force", "N", "moment", "force", colours, high / 10**_DECADES, high)
-        )
+        self.add_colour(Colour("force", "N", "moment", "force", colours, high / 10**_DECADES, high))
         return taken
 
-    def add_wall_forces(self, force: Floats) -> None:
-        """Add the forces on the walls in each frame (F, walls, d) [N]."""
+    def add_wall_forces(self, force: Floats, counted_from: int = 0) -> None:
+        """Add the forces on the walls in each frame (F, walls, d) [N].
+
+        counted_from: the frame from which on the largest decides how long arrows are.
+        """
         flat = force.reshape(len(force), -1)
-        largest = float(np.percentile(np.linalg.norm(force, axis=2), 99.8))
+        largest = float(np.linalg.norm(force[counted_from:], axis=2).max(initial=0.0))
         self.arrays["wall_force"] = linear(flat, float(np.abs(flat).max()) / _CURVE)
         self.data["largest_wall_force"] = largest or 1.0
 
@@ -200,7 +205,8 @@ def player(
 
     Raises InputError where a page of two frames would be larger than `most_bytes`.
     """
-    total, stride = len(time), 1
+    total = len(time)
+    stride = -(-total // _FRAMES)
     while True:
         frames = np.arange(0, total, stride)
         remark = "" if stride == 1 else (

@@ -12,7 +12,7 @@ from granulab.errors import FolderError
 
 SCRIPTS = ("data.js", "scale.js", "theme.js", "curves.js", "points.js", "study.js")
 _PAGE = Path("figures") / "page.html"
-_ENDS = ("state", "reason")  # of a row
+_ALSO = ("outcome", "phase", "state", "reason")  # columns that are shown at first, besides answers
 _OF_THE_MACHINE = ("run_folder", "reused")
 
 Row = dict[str, Any]
@@ -77,14 +77,12 @@ def _read(path: Path) -> list[Row]:
 def _table(path: Path, answers: Sequence[str], start: Path) -> dict[str, Any]:
     rows = _read(path)
     names = [n for n in dict.fromkeys(k for row in rows for k in row) if n not in _OF_THE_MACHINE]
-    has_runs = "run_folder" in (rows[0] if rows else {})
-    first = [*names[: names.index("seed") + 1]] if "seed" in names else names[:2]
-    varied = [n for n in first if len({str(row.get(n)) for row in rows}) > 1]
-    key = [*first, *(n for n in (*answers, "outcome", "phase", *_ENDS) if n in names)]
-    key = [n for k, n in enumerate(key) if n not in key[:k]]
-    numbers = [n for n in varied if all(isinstance(row.get(n), int | float) for row in rows)]
-    known = [n for n in answers if any(row.get(n) is not None for row in rows)]
+    has_runs = any("run_folder" in row for row in rows)
+    labels = names[: names.index("seed") + 1] if "seed" in names else names[:2]
+    key = [*labels, *(n for n in (*answers, *_ALSO) if n in names and n not in labels)]
+    key = [n for n in key if any(row.get(n) not in (None, "") for row in rows)]
     links = [_link(path.parent, row, start) for row in rows]
+    plotted = _plotted(rows, labels, [n for n in answers if n in key])
     return {
         "title": "Runs" if has_runs else "Points",
         "note": _note(links) if has_runs else "",
@@ -92,13 +90,24 @@ def _table(path: Path, answers: Sequence[str], start: Path) -> dict[str, Any]:
         "rows": [[_plain(row.get(name)) for name in names] for row in rows],
         "links": links if has_runs else None,
         "key": [names.index(n) for n in key],
-        "plot": {
-            "x": names.index(next(iter([*numbers, *names]))),
-            "y": names.index(next(iter([*known, *names]))),
-            "group": next((names.index(n) for n in varied if n not in (numbers[:1], "seed")
-                           and n != next(iter(numbers), None)), None),
-        },
-    }  # fmt: skip
+        "plot": {axis: names.index(name) for axis, name in plotted.items()},
+    }
+
+
+def _plotted(rows: Sequence[Row], labels: Sequence[str], answers: Sequence[str]) -> dict[str, str]:
+    """Columns that the plot begins with: x, y and, where two labels vary by themselves, group."""
+    columns = {name: [row.get(name) for row in rows] for name in labels if name != "seed"}
+    varied = {name: len(set(map(str, column))) for name, column in columns.items()}
+    found = {"y": answers[0]} if answers else {}
+    numbers = [n for n, cells in columns.items() if all(isinstance(v, int | float) for v in cells)]
+    if not numbers:
+        return found
+    x = found["x"] = max(numbers, key=lambda name: varied[name])
+    for name, distinct in varied.items():
+        pairs = {(str(row.get(name)), str(row.get(x))) for row in rows}
+        if name != x and distinct > 1 and len(pairs) > varied[x]:
+            return found | {"group": name}
+    return found
 
 
 def _note(links: Sequence[str | None]) -> str:
@@ -106,8 +115,8 @@ def _note(links: Sequence[str | None]) -> str:
     if not missing:
         return "Each row leads to the page of its run."
     return (
-        f"{missing} of {len(links)} have no page here: view RUN makes one, view FOLDER --runs those "
-        "of all that kept their frames."
+        f"{missing} of {len(links)} have no page here: view RUN makes one, view FOLDER --runs one "
+        "of each that kept its frames."
     )
 
 

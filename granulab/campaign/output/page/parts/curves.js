@@ -8,8 +8,9 @@ const LOOSE = 0.06; // of the range, left free above and below
 
 /**
  * A chart of one of the page's curves at a time: name, unit, series (label, colour or null, array,
- * dashed), time (an array), window [s] of the time that is shown or null for all of it, spans (from,
- * to, label, colour) and steps, where values hold until the next.
+ * dashed), time (an array), window [s] of the time that is shown or null for all of it, since [s],
+ * from when on values decide the scale, spans (from, to, label, colour) and steps, where values hold
+ * until the next.
  */
 export class Curves {
   constructor(canvas, curves, arrays, clock) {
@@ -79,12 +80,15 @@ export class Curves {
   }
 
   range() {
+    const times = this.arrays[this.curve.time];
+    let since = 0;
+    while (since < times.rows - 1 && times.at(since) < this.curve.since) since++;
     const ends = this.curve.series.flatMap(({ array }) => {
       const { low, step, integers } = this.arrays[array];
       let most = 0, least = 65535;
-      for (const integer of integers) {
-        most = Math.max(most, integer);
-        least = Math.min(least, integer);
+      for (let k = since; k < integers.length; k++) {
+        most = Math.max(most, integers[k]);
+        least = Math.min(least, integers[k]);
       }
       return [low + step * least, low + step * most];
     });
@@ -120,7 +124,7 @@ export class Curves {
     context.lineWidth = 1;
     context.textBaseline = "middle";
     context.textAlign = "right";
-    for (const value of rounded(low, high, Math.max(2, Math.floor((this.height - 44) / 28)))) {
+    for (const value of rounded(low, high, Math.max(3, Math.floor((this.height - TOP - BOTTOM) / 24)))) {
       context.strokeStyle = theme.rule;
       context.beginPath();
       context.moveTo(LEFT, y(value));

@@ -12,7 +12,7 @@ export function drawLegend(context, scale, [left, top], most, theme) {
   context.fillText(title, left, top + 12);
   const titled = context.measureText(title).width;
   context.font = "11px system-ui, sans-serif";
-  const [wide, high] = scale.names && !scale.numbered
+  const [wide, high] = scale.names
     ? drawNames(context, scale, left, top + 20, most, theme)
     : drawBar(context, scale, left, top + 20, Math.min(BAR, most), theme);
   return [Math.max(wide, titled), high];
@@ -28,7 +28,7 @@ function drawBar(context, scale, left, top, wide, theme) {
   context.lineWidth = 1;
   context.strokeRect(left + 0.5, top + 0.5, wide - 1, HIGH - 1);
   context.fillStyle = theme.ink;
-  const words = scale.numbered ? [1, scale.names.length] : scale.ticks();
+  const words = scale.numbered ? [1, scale.numbered] : scale.ticks();
   words.forEach((text, k) => {
     const part = k / (words.length - 1);
     context.textAlign = ["left", "right"][part] ?? "center";

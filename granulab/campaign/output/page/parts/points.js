@@ -18,8 +18,8 @@ export class Points {
     const columns = table.columns.map((_, k) => k);
     const numbers = columns.filter((k) => values(table, k).some((v) => typeof v === "number"));
     const few = columns.filter((k) => new Set(values(table, k).map(String)).size <= COLOURS.length);
-    this.x = this.select("x", numbers, table.plot.x);
-    this.y = this.select("y", numbers, table.plot.y);
+    this.x = this.select("x", numbers, table.plot.x ?? numbers[0]);
+    this.y = this.select("y", numbers, table.plot.y ?? numbers.at(-1));
     this.group = this.select("group", few, table.plot.group, "none");
     this.logarithmic = document.getElementById("logarithmic");
     document.getElementById("plot").hidden = numbers.length < 2;
@@ -90,7 +90,7 @@ export class Points {
     context.strokeStyle = theme.rule;
     context.textAlign = "right";
     context.textBaseline = "middle";
-    for (const value of rounded(y.low, y.high, 5)) {
+    for (const value of rounded(y.low, y.high, 6)) {
       context.beginPath();
       context.moveTo(LEFT, y.place(value));
       context.lineTo(this.width - RIGHT, y.place(value));
@@ -111,12 +111,13 @@ export class Points {
 
   drawGroups(groups) {
     const { context, theme } = this, name = this.table.columns[this.group.value];
-    context.textAlign = "right";
-    groups.forEach((group, k) => {
-      context.fillStyle = theme.of(COLOURS[k % COLOURS.length]);
-      context.fillText(`${k ? "" : `${name} `}${group}`, this.width - RIGHT, TOP + 14 + 15 * k);
-    });
-    context.textAlign = "left";
+    let left = LEFT + context.measureText(this.table.columns[this.y.value]).width;
+    for (const [text, colour] of [[name, null], ...groups.map((group, k) =>
+      [`\u25cf ${group}`, COLOURS[k % COLOURS.length]])]) {
+      context.fillStyle = theme.of(colour);
+      context.fillText(text, left, 14);
+      left += context.measureText(text).width + 12;
+    }
   }
 
   /** The row whose point is nearest to the pointer, or null. */

@@ -4,20 +4,19 @@ export const TONES = 64; // colours of a scale that runs on
 
 /**
  * A scale of colours. What it is made of stands in the page: label, unit, array, "per" (particle,
- * frame or moment: a frame with contacts), colours, and low and high, or names of categories.
+ * frame or moment: a frame with contacts), colours, and low and high; or, of categories, names, or
+ * how many are numbered 1, 2, ...: their colours come again where there are fewer.
  */
 export class Scale {
   constructor(spec, array) {
     Object.assign(this, spec);
     this.array = array;
-    const places = spec.names ? spec.names.length : TONES;
-    this.tones = Array.from({ length: places }, (_, k) =>
-      blend(spec.colours, places > 1 ? k / (places - 1) : 0, spec.names));
+    this.categories = spec.names?.length ?? spec.numbered;
+    const { colours } = spec;
+    this.tones = Array.from({ length: Math.min(this.categories || TONES, TONES) }, (_, k) =>
+      this.categories ? colours[k % colours.length] : blend(colours, k / (TONES - 1)));
     // Both a linear and a logarithmic array are linear in the integers.
-    if (spec.names) {
-      this.slope = 1;
-      this.start = 0;
-    } else if (array.logarithmic) {
+    if (array.logarithmic) {
       this.slope = array.step / Math.log(spec.high / spec.low);
       this.start = (Math.log(array.low / spec.low) - array.step) / Math.log(spec.high / spec.low);
     } else {
@@ -28,14 +27,14 @@ export class Scale {
 
   /** Number of the colour of an integer. */
   tone(integer) {
-    if (this.names) return integer % this.tones.length;
+    if (this.categories) return integer % this.tones.length;
     const part = this.start + this.slope * integer;
     return Math.max(0, Math.min(TONES - 1, Math.round((TONES - 1) * part)));
   }
 
   /** A value in words, with its unit. */
   words(integer) {
-    if (this.names) return this.numbered ? `${integer + 1}` : this.names[integer];
+    if (this.categories) return this.names?.[integer] ?? `${integer + 1}`;
     return withUnit(this.array.value(integer), this.unit);
   }
 
@@ -47,12 +46,10 @@ export class Scale {
   }
 }
 
-/** The colour at a part (0 to 1) of a list of #rrggbb; of categories the one that is there. */
-function blend(colours, part, categories) {
+/** The colour at a part (0 to 1) of a list of #rrggbb. */
+function blend(colours, part) {
   const at = part * (colours.length - 1);
   const first = Math.min(Math.floor(at), colours.length - 2);
-  if (categories && colours.length === categories.length) return colours[Math.round(at)];
-  if (colours.length < 2) return colours[0];
   const [a, b] = [rgb(colours[first]), rgb(colours[first + 1])];
   const mixed = a.map((value, k) => Math.round(value + (b[k] - value) * (at - first)));
   return `#${mixed.map((value) => value.toString(16).padStart(2, "0")).join("")}`;

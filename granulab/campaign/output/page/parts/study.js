@@ -40,7 +40,7 @@ class Table {
     const shown = spec.columns.map((_, k) => k).filter((k) => this.all || spec.key.includes(k));
     this.toggle.textContent = this.all ? "Fewer columns" : `All ${spec.columns.length} columns`;
     const head = document.createElement("tr");
-    if (spec.links) head.append(document.createElement("th"));
+    head.append(document.createElement("td"));
     for (const k of shown) head.append(this.headOf(k));
     const body = this.order.map((row) => this.rowOf(row, shown));
     this.table.replaceChildren(head, ...body);
@@ -59,13 +59,12 @@ class Table {
 
   rowOf(row, shown) {
     const { spec } = this, line = document.createElement("tr");
-    if (spec.links) {
-      const cell = line.appendChild(document.createElement("td"));
-      if (spec.links[row]) {
-        const link = cell.appendChild(document.createElement("a"));
-        link.href = spec.links[row];
-        link.textContent = "play";
-      } else cell.textContent = "–";
+    const first = line.appendChild(document.createElement("td"));
+    first.append(this.opener(line, row));
+    if (spec.links?.[row]) {
+      const link = first.appendChild(document.createElement("a"));
+      link.href = spec.links[row];
+      link.textContent = "play";
     }
     for (const column of shown) {
       const cell = line.appendChild(document.createElement("td"));
@@ -73,6 +72,38 @@ class Table {
       cell.textContent = inWords(value);
       if (typeof value === "number") cell.className = "number";
     }
+    return line;
+  }
+
+  /** A button that shows all that is known of a row below it. */
+  opener(line, row) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = "+";
+    button.ariaLabel = "All numbers of this row";
+    button.ariaExpanded = "false";
+    let below = null;
+    button.addEventListener("click", () => {
+      if (below) below.remove();
+      below = below ? null : this.detailsOf(row, line.cells.length);
+      if (below) line.after(below);
+      button.textContent = below ? "\u2212" : "+";
+      button.ariaExpanded = String(Boolean(below));
+    });
+    return button;
+  }
+
+  detailsOf(row, wide) {
+    const line = document.createElement("tr"), cell = line.appendChild(document.createElement("td"));
+    cell.colSpan = wide;
+    const list = cell.appendChild(document.createElement("dl"));
+    this.spec.columns.forEach((name, k) => {
+      const value = this.spec.rows[row][k];
+      if (value === null || value === "") return;
+      list.append(document.createElement("dt"), document.createElement("dd"));
+      list.lastChild.previousSibling.textContent = name;
+      list.lastChild.textContent = inWords(value);
+    });
     return line;
   }
 }
