@@ -23,6 +23,11 @@ if TYPE_CHECKING:
     from granulab.campaign.sweeps.sweep import Simulator
 
 
+rank_by_option = click.option(
+    "--rank-by", metavar="NAME", help="Quantity that the ranking goes by."
+)
+
+
 def sweep_command(
     name: str,
     simulator: Callable[[], "Simulator"],
@@ -44,7 +49,7 @@ def sweep_command(
     @click.argument("study")
     @out_option
     @engine_options
-    @click.option("--rank-by", metavar="NAME", help="Quantity that the ranking goes by.")
+    @rank_by_option
     @dry_run_option
     @no_figures_option
     @quiet_option

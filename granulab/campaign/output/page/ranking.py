@@ -26,13 +26,15 @@ def ranking_table(folder: Path) -> dict[str, Any] | None:
     about, rows = read_results(path)
     names = [name for name in rows[0] if name not in _ALSO and not _is_part(name, rows[0])]
     columns = [name for name in names if any(_cell(name, row) is not None for row in rows)]
+    cells = [[_cell(name, row) for name in columns] for row in rows]
+    told_apart = [k for k in range(len(columns)) if any(line[k] != cells[0][k] for line in cells)]
     return {
         "title": "Combinations, the best first",
         "note": about.get("notes", ""),
-        "columns": columns,
-        "rows": [[_cell(name, row) for name in columns] for row in rows],
+        "columns": [name.removesuffix(".mean") for name in columns],
+        "rows": cells,
         "links": None,
-        "key": list(range(len(columns))),
+        "key": told_apart or list(range(len(columns))),
         "plot": {},
     }
 
