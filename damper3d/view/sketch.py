@@ -44,36 +44,43 @@ def fractions(case: DamperCase) -> tuple[float, float, str]:
 
 def level_of(enclosure: Enclosure, up: Array, volume: float) -> float:
     """Level [m] along a unit vector `up` (3,) below which the void has a volume [m3]."""
-    low, high = enclosure.lowest(up), -enclosure.lowest(-up)
-    part = volume / enclosure.volume * volume_below(enclosure, up, high)
+    over, area = walls_along(enclosure, up)
+    low, high = float(over.min()), float(over.max())
+    part = volume / enclosure.volume * volume_below(over, area, high)
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        if volume_below(enclosure, up, middle) < part:
+        if volume_below(over, area, middle) < part:
             low = middle
         else:
             high = middle
     return high
 
 
-def volume_below(enclosure: Enclosure, up: Array, level: float) -> float:
-    """Volume [m3] of the polygons by which an enclosure is drawn where up . x < level.
+def walls_along(enclosure: Enclosure, up: Array) -> tuple[Array, Array]:
+    """Heights (m, 3) [m] of the corners of an enclosure's walls, in triangles, along `up` (3,).
 
-    By the divergence theorem it is the sum over the walls of the integral of up . x - level over
-    what of their projection along `up` lies below: exact for flat walls, closed and, but for a
-    cavity, convex.
+    Also their areas (m,) [m2] as seen along it, negative from below. The walls are those that it is
+    drawn by: closed and, but for a cavity's or polyhedron's, convex.
     """
     if isinstance(enclosure, Cells):
-        raised = np.unique(np.round(enclosure.cells @ up[:2], 15), return_counts=True)
-        return sum(
-            int(times) * volume_below(enclosure.cell, up, level - by)
-            for by, times in zip(*raised, strict=True)
-        )
+        over, area = walls_along(enclosure.cell, up)
+        raised = enclosure.cells @ up[:2]
+        return (raised[:, None, None] + over).reshape(-1, 3), np.tile(area, len(raised))
     corners = np.concatenate([_fan(points) for _, points in enclosure.polygons])
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     if not isinstance(enclosure, Cavity | Polyhedron):  # of the others any way round will do
         outwards = np.einsum("ij,ij->i", across, corners.mean(axis=1) - enclosure.middle)
         across *= np.sign(outwards)[:, None]
-    return float((0.5 * (across @ up) * _mean_below(corners @ up - level)).sum())
+    return corners @ up, 0.5 * across @ up
+
+
+def volume_below(over: Array, area: Array, level: float) -> float:
+    """Volume [m3] of a void below a level [m], from the heights and areas of its walls.
+
+    By the divergence theorem: the sum over the walls of their area times the mean of the height
+    over the level, where they are below it.
+    """
+    return float(area @ _mean_below(over - level))
 
 
 def _fan(points: Array) -> Array:

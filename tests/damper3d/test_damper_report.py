@@ -66,7 +66,7 @@ def test_the_names_for_python_are_imported_on_first_use():
 
 def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
     """The case in SI, the time step with the Rayleigh step, restitution, yield velocity, time."""
-    result = damper3d("run", "--dry-run", "-o", tmp_path / "runs", "--gamma", "10")
+    result = damper3d("run", "--dry-run", "--no-figures", "-o", tmp_path / "runs", "--gamma", "10")
     assert (result.code, result.err) == (0, "")
     for words in (
         "thesis, seed 1", "cylinder, 0.04 m in diameter, 0.04 m high", "358 of sphere:5mm",
@@ -77,7 +77,7 @@ def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
     ):  # fmt: skip
         assert words in " ".join(result.out.split())  # lines end where the terminal does
     assert "warning" not in result.out
-    plan = damper3d("run", "--dry-run", "--json", "--seed", 3).json
+    plan = damper3d("run", "--dry-run", "--no-figures", "--json", "--seed", 3).json
     assert (plan["seed"], plan["n_particles"], plan["time_step_s"]) == (3, 358, 1e-6)
     assert plan["steps"] == 200_000
     assert plan["expected_min"] > 0
@@ -113,23 +113,34 @@ OPTIONS = {
 def test_options_change_the_keys_they_name():
     """The echo of the case has the number of each option, in SI."""
     arguments = [text for flag, (value, _) in OPTIONS.items() for text in (flag, value)]
-    result = damper3d("run", "--dry-run", *arguments, "--yielding", "--wall-curvature")
+    result = damper3d(
+        "run", "--dry-run", "--no-figures", *arguments, "--yielding", "--wall-curvature"
+    )
     assert result.code == 0, result.err
     shown = " ".join(result.out.split())  # lines end where the terminal does
     for flag, (_, echoed) in OPTIONS.items():
         assert echoed in shown, flag
     assert "restitution falls, as [law] yielding says" in shown
     assert "curvature counts" in shown
-    steady = " ".join(damper3d("run", "--dry-run", "--steady", "--max-cycles", "40").out.split())
+    steady = " ".join(
+        damper3d("run", "--dry-run", "--no-figures", "--steady", "--max-cycles", "40").out.split()
+    )
     assert "when steady, 8 cycles at least" in steady
     assert "40 cycles at most" in steady
 
 
 def test_one_restitution_of_all_contacts_and_one_of_the_walls():
-    plan = damper3d("run", "--dry-run", "--json", "--restitution", "0.7").json
+    plan = damper3d("run", "--dry-run", "--no-figures", "--json", "--restitution", "0.7").json
     assert plan["restitution"] == {"particle_particle": 0.7, "particle_wall": 0.7}
     plan = damper3d(
-        "run", "--dry-run", "--json", "--restitution-wall", "0.6", "--restitution", "0.7"
+        "run",
+        "--dry-run",
+        "--no-figures",
+        "--json",
+        "--restitution-wall",
+        "0.6",
+        "--restitution",
+        "0.7",
     ).json
     assert plan["restitution"] == {"particle_particle": 0.7, "particle_wall": 0.6}
 

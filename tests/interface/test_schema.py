@@ -75,7 +75,7 @@ def test_init_begins_files_that_a_run_takes(program, start, use, tmp_path):
     written = program("init", file, *start)
     assert (written.code, written.err) == (0, "")
     assert str(file) in written.out
-    done = program(*use, file, "--dry-run")
+    done = program(*use, file, "--dry-run", "--no-figures")
     assert done.code == 0, done.err
 
 

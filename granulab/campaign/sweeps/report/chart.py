@@ -165,6 +165,8 @@ def _how_to_read(comparison: Comparison, axes: Sequence[Axis]) -> str:
     if seeds == "1":
         of = "95 % intervals over the cycles of one run" if known else "one run each: no interval"
     else:
-        of = f"95 % intervals over {seeds} seeds: means by Student's t, shares by Wilson"
+        shares = any(isinstance(what, Ending) for what in comparison.shown)
+        of = f"95 % intervals over {seeds} seeds: means by Student's t"
+        of += ", shares by Wilson" if shares else ""
     effects = len(axes) > 2 and math.prod(len(axis.values) for axis in axes) > 1
     return of + ("; over each key the mean of all combinations of the others" if effects else "")

@@ -132,9 +132,10 @@ def notes_on(comparison: Comparison) -> list[str]:
     elif comparison.seeds == "1":
         notes.append("±  95 % interval over the cycles of one run; (runs)")
     else:
+        shares = any(isinstance(what, Ending) for what in comparison.shown)
         notes.append(
-            "±  half of Student's 95 % interval of the mean, (runs with a value); of shares "
-            "Wilson's 95 % interval"
+            "±  half of Student's 95 % interval of the mean, (runs with a value)"
+            + ("; of shares Wilson's 95 % interval" if shares else "")
         )
     return notes
 
