@@ -10,7 +10,7 @@ import click
 import pytest
 from refusals import assert_refused
 from small_damper import damper3d
-from small_silo import silo2d
+from small_silo import DRY, silo2d
 
 from damper3d.case import settings as damper
 from granulab.contact.files.casefile import sections
@@ -75,7 +75,7 @@ def test_init_begins_files_that_a_run_takes(program, start, use, tmp_path):
     written = program("init", file, *start)
     assert (written.code, written.err) == (0, "")
     assert str(file) in written.out
-    done = program(*use, file, "--dry-run", "--no-figures")
+    done = program(*use, file, *DRY)
     assert done.code == 0, done.err
 
 

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 import pytest
 from refusals import assert_refused
-from small_silo import Completed, contents, finish, silo2d, start, write_case
+from small_silo import DRY, Completed, contents, finish, silo2d, start, write_case
 from waiting import is_alive, wait_until
 
 from granulab.campaign.runs import folder as campaign_folder
@@ -182,7 +182,7 @@ def test_a_packing_that_runs_share_is_poured_once(tmp_path):
     text = STUDY.replace("[1, 2]", "1").replace("[0.1, 0.3]", "[0.1, 0.2, 0.3]")
     study = tmp_path / "walls.toml"
     study.write_text(text)
-    assert sweep(study, "--dry-run", "--no-figures", "--json").json["packings_to_fill"] == 1
+    assert sweep(study, *DRY, "--json").json["packings_to_fill"] == 1
     assert [study] == [path for path in tmp_path.iterdir() if path.name == "walls.toml"]
     assert not (tmp_path / "runs").exists()
     assert sweep(study, "--workers", 2, "--json").json["done"] == 3
@@ -194,7 +194,7 @@ def test_a_packing_that_runs_share_is_poured_once(tmp_path):
 
 def test_a_dry_run_says_what_would_be_done_and_writes_nothing(study):
     before = contents(study.parent)
-    result = sweep(study, "--dry-run", "--no-figures")
+    result = sweep(study, *DRY)
     assert "4 runs, 0 of them finished; 0 packings to fill" in result.out
     assert contents(study.parent) == before
 

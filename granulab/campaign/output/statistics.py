@@ -32,6 +32,7 @@ def mean_sd(values: Sequence[float]) -> Sample:
     return Sample(n, mean, math.sqrt(math.fsum((v - mean) ** 2 for v in values) / (n - 1)))
 
 
+@lru_cache(maxsize=4096)  # scipy tests a hypothesis for it, and a table has the same few shares
 def wilson(k: int, n: int) -> tuple[float, float]:
     """Wilson's score interval of a share of which k of n trials were seen; (0, 1) for no trial."""
     from scipy.stats import binomtest
