@@ -13,15 +13,16 @@ test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint $(CONSTRAINTS) --editable
 
-.PHONY: demo test test-oldest test-pythons fuzz fuzz-brief own-silos low-drops estimates lint bench validate planted \
+.PHONY: demo test test-oldest test-pythons browse fuzz fuzz-brief own-silos low-drops estimates lint bench \
+	validate planted \
 	reproduce wheel clean
 .DELETE_ON_ERROR:
 
 demo: $(VENV)/installed ## discharge silo A4: a number, pictures, and a page that plays it
 	$(BIN)/silo2d run A4 --page --out $(RUNS)
 
-test: $(VENV)/with-tests ## all tests but the long comparisons
-	$(BIN)/python -m pytest -m "not validation" $(TESTERS)
+test: $(VENV)/with-tests ## all tests but the long comparisons and those in a browser
+	$(BIN)/python -m pytest -m "not validation and not browser" $(TESTERS)
 
 test-oldest: ## the same with the oldest versions of what pyproject.toml asks for
 	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt
@@ -60,6 +61,9 @@ bench: $(VENV)/installed ## cost a step: the silo beside a reference kernel, the
 	$(BIN)/python benchmarks/cost.py
 	$(BIN)/python benchmarks/damper.py
 	$(BIN)/python benchmarks/clusters.py
+
+browse: $(VENV)/with-tests ## pages in Chromium, where it is installed (Debian: apt-get install chromium)
+	$(BIN)/python -m pytest -m browser tests/browser
 
 validate: $(VENV)/with-tests ## comparisons with published results (minutes)
 	$(BIN)/python -m pytest -m validation

@@ -216,9 +216,10 @@ class _Recorder:
     def _layers(self) -> tuple[NDArray[np.int64], int]:
         """Layer of each particle at the start, from the bottom, and how many: a diameter each."""
         height = self.position[0] @ self.scene.view.up
-        span = float(np.ptp(height)) or 1.0
-        count = int(np.clip(round(span / (2 * float(self.scene.radius.mean()))), *_LAYERS))
-        return np.minimum((height - height.min()) / span * count, count - 1).astype(np.int64), count
+        radius = float(self.scene.radius.mean())
+        part = (height - height.min() + radius) / (np.ptp(height) + 2 * radius)
+        count = int(np.clip(round((np.ptp(height) + 2 * radius) / (2 * radius)), *_LAYERS))
+        return (part * count).astype(np.int64), count
 
     def _curves(self, recording: Recording) -> None:
         scene, trajectory = self.scene, self.scene.trajectory

@@ -112,6 +112,7 @@ function bindButtons(player) {
   click("fit", () => fit(player));
   click("closer", () => zoom(player, 1.25));
   click("farther", () => zoom(player, 0.8));
+  element("forces-of-walls").addEventListener("toggle", () => player.redraw());
   click("help-button", () => help());
   click("help-close", () => help());
 }
@@ -141,7 +142,7 @@ function bindPointer(player) {
   const pointers = new Map();
   let travelled = 0;
   const place = (event) => {
-    const { left, top } = stage.getBoundingClientRect();
+    const { left, top } = view.canvas.getBoundingClientRect();
     return [event.clientX - left, event.clientY - top];
   };
   stage.addEventListener("pointerdown", (event) => {

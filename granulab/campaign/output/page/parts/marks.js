@@ -140,6 +140,14 @@ export class Marks {
   }
 }
 
+/** Gives a canvas whole pixels of the screen: the stage may be a part of one wider. */
+export function fitCanvas(canvas, width, height, ratio) {
+  canvas.width = Math.round(width * ratio);
+  canvas.height = Math.round(height * ratio);
+  canvas.style.width = `${width}px`;
+  canvas.style.height = `${height}px`;
+}
+
 /** Distance of two points [m]. */
 export function distance([a, b]) {
   return Math.hypot(...a.map((value, axis) => value - b[axis]));

@@ -18,7 +18,7 @@ export function savePicture(player) {
 
 export function pictureOf(player) {
   const { view, theme, ratio, data } = player;
-  const { width, height } = player.stage.getBoundingClientRect();
+  const { clientWidth: width, clientHeight: height } = player.stage;
   const canvas = document.createElement("canvas");
   canvas.width = width * ratio;
   canvas.height = (HEAD + height + FOOT) * ratio;

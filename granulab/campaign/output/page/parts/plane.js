@@ -1,6 +1,6 @@
 // Particles of the plane, on a Canvas 2D: polygons, walls; moved, enlarged, and pointed at.
 
-import { Marks } from "./marks.js";
+import { Marks, fitCanvas } from "./marks.js";
 
 const LEFT_OUT = 0.3; // px by which an outline may lie off the stored one: its corners are many
 const MARGIN = 14; // px round what is shown
@@ -21,8 +21,7 @@ export class Plane {
 
   resize(width, height, ratio) {
     Object.assign(this, { width, height, ratio });
-    this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(height * ratio);
+    fitCanvas(this.canvas, width, height, ratio);
     if (!this.moved) this.fit();
     else this.simplify();
   }

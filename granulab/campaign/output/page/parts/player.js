@@ -56,7 +56,7 @@ class Player {
 
   resize() {
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
-    const { width, height } = this.stage.getBoundingClientRect();
+    const { clientWidth: width, clientHeight: height } = this.stage;
     if (this.view && width > 1 && height > 1) this.view.resize(width, height, ratio);
     const course = document.getElementById("curves").getBoundingClientRect();
     this.curves.resize(course.width, course.height, ratio);

@@ -1,6 +1,6 @@
 // Particles in space, by WebGL2: spheres or surfaces in their enclosure; orbit, cut, pointing.
 
-import { Marks } from "./marks.js";
+import { Marks, fitCanvas } from "./marks.js";
 import { rgb } from "./scale.js";
 import { EDGES, FACES, SPHERES, SURFACES } from "./shaders.js";
 
@@ -83,10 +83,7 @@ export class Space {
 
   resize(width, height, ratio) {
     Object.assign(this, { width, height, ratio });
-    for (const canvas of [this.canvas, this.overlay]) {
-      canvas.width = Math.round(width * ratio);
-      canvas.height = Math.round(height * ratio);
-    }
+    for (const canvas of [this.canvas, this.overlay]) fitCanvas(canvas, width, height, ratio);
     if (!this.moved) this.fit();
   }
 
