@@ -19,9 +19,7 @@ def drawn(varied, rows):
 
 def panels(figure):
     """The panels of a picture by what they show."""
-    return {
-        label: axes for axes in figure.axes for label in [axes.get_ylabel() or axes.get_xlabel()]
-    }
+    return {axes.get_ylabel() or axes.get_xlabel(): axes for axes in figure.axes}
 
 
 def bars(axes):

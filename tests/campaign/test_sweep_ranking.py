@@ -145,8 +145,8 @@ def test_the_best_first_ties_alike_and_without_a_value_last():
 
 
 def test_what_cannot_be_told_from_the_best_is_said():
-    """4.35 of two against 4.2 of three with a deviation of 0.2: Welch's noise is 0.4. 1.1 is far off;
-    two of three stuck against none of two is not, by Newcombe's interval, but the speed is."""
+    """4.35 of two against 4.2 of three with a deviation of 0.2: Welch's noise is 0.4. 1.1 is far
+    off; two of three stuck against none of two is not, by Newcombe, but the speed is."""
     as_good = {one.combination.labels["b.count"]: one.as_good
                for one in compared([B], rows_of_four()).ranking}  # fmt: skip
     assert as_good == {6: True, 2: True, 3: True, 4: False, 1: False, 5: None}

@@ -1,6 +1,7 @@
 """A damper drawn before it is run: the level of its bed against closed forms, its particles."""
 
 import math
+import os
 import subprocess
 import sys
 
@@ -58,7 +59,7 @@ def test_half_of_a_void_lies_below_its_middle_along_any_direction(enclosure):
 
 
 def test_the_bed_is_drawn_between_loose_and_close_packing():
-    """Of spheres in a cylinder: N V/(0.64 A) to N V/(0.55 A), and the upper one is what is filled."""
+    """Of spheres in a cylinder: N V/(0.64 A) to N V/(0.55 A); up to the upper one it is filled."""
     case = DamperCase.load("thesis")
     panel, shapes = sketch(case)
     volume = case.count * 4 / 3 * math.pi * 0.0025**3
@@ -91,9 +92,8 @@ def test_without_gravity_there_is_no_level():
 
 def test_gravity_across_the_axis_lays_the_enclosure_down():
     """A cylinder on its side: the section through its axis is as high as its diameter."""
-    case = DamperCase.load("thesis", {"motion.orientation": "horizontal", "enclosure.height": "60 mm",
-                                      "particles.count": 200})  # fmt: skip
-    panel = sketch(case)[0]
+    sizes = {"enclosure.height": "60 mm", "particles.count": 200}
+    panel = sketch(DamperCase.load("thesis", {"motion.orientation": "horizontal", **sizes}))[0]
     size = np.ptp(np.concatenate(panel.lines), axis=0)
     assert size == pytest.approx([0.06, 0.04], rel=1e-3)
 
@@ -113,19 +113,13 @@ def test_a_dry_run_draws_beside_where_the_run_would_be_and_compiles_nothing(tmp_
     words = ["run", "--dry-run", "--particles", "toroid:0.2", "-o", "runs"]
     done = subprocess.run(
         [sys.executable, "-m", "damper3d", *words], capture_output=True, text=True, check=True,
-        cwd=tmp_path, env=_with_cache(cache),
+        cwd=tmp_path, env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
     )  # fmt: skip
     (picture,) = tmp_path.rglob("*.png")
     assert picture.parent == tmp_path / "runs"
     assert f"picture     {picture.relative_to(tmp_path)}" in done.stdout
     assert not picture.with_suffix("").exists()
     assert not list(cache.rglob("*.nbi"))
-
-
-def _with_cache(folder):
-    import os
-
-    return {**os.environ, "NUMBA_CACHE_DIR": str(folder)}
 
 
 def test_a_map_is_drawn_before_it_is_run(tmp_path):

@@ -1,4 +1,4 @@
-"""Rows of a sweep of a made simulator: a speed, a time that not all have, and runs that get stuck."""
+"""Rows of a sweep of a made simulator: speed, a time that not all have, runs that get stuck."""
 
 from typing import Any
 
