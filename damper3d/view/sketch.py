@@ -120,7 +120,7 @@ def _enclosure(case: DamperCase) -> Panel:
 
 
 def _bed(case: DamperCase, lines: list[Array]) -> tuple[list[Filled], list[Array], str]:
-    """What the bed covers of a section, its levels between loose and close packing, in words."""
+    """Parts of a section that the bed covers, lines at its levels, and words on these."""
     strength = float(np.linalg.norm(case.gravity))
     if strength == 0.0:
         return [], [], "without gravity the bed has no level"
@@ -141,7 +141,7 @@ def _bed(case: DamperCase, lines: list[Array]) -> tuple[list[Filled], list[Array
 
 
 def _below(lines: list[Array], up: Array, level: float) -> tuple[list[Array], list[Array]]:
-    """What closed lines enclose below a level along `up` (2,), and the lines at the level."""
+    """Areas within closed lines below a level along `up` (2,), and the lines at the level."""
     from shapely import LineString, MultiLineString, Polygon, build_area
 
     inside = build_area(MultiLineString(lines))

@@ -96,7 +96,7 @@ def _without(comparison: Comparison) -> Axis:
 
 
 def _is_by_words(axes: Sequence[Axis]) -> bool:
-    """Whether one of two axes has few enough words for a colour each."""
+    """True where one of two axes has few enough words for a colour each."""
     kinds = [axis.kind for axis in axes]
     few = any(axis.kind == "word" and len(axis.values) <= len(COLOURS) for axis in axes)
     return len(axes) == 2 and few and "drawn" not in kinds
@@ -142,7 +142,7 @@ def _size_of_cells(across: Axis, up: Axis) -> tuple[float, float]:
 def _words(
     figure: "Figure", comparison: Comparison, axes: Sequence[Axis], panels: Sequence["Axes"]
 ) -> None:
-    """What the picture shows, the key to its colours and marks, and what its intervals are."""
+    """Headline, key to colours and marks, and a line on the intervals."""
     *others, last = [axis.varied.label for axis in axes]
     over = f"{', '.join(others)} and {last}" if others else last
     headline(figure, f"{comparison.name}: {len(comparison.rows)} runs over {over}")

@@ -161,7 +161,7 @@ class Comparison:
 
 
 def _goodness(what: Number | Ending, found: Estimate) -> tuple[bool, float]:
-    """What sorts the better one in front, those without a value last."""
+    """Key that sorts the better one in front, those without a value last."""
     if found.mean is None:
         return True, 0.0
     more = isinstance(what, Number) and what.better == "more"
@@ -169,7 +169,7 @@ def _goodness(what: Number | Ending, found: Estimate) -> tuple[bool, float]:
 
 
 def _as_good(order: Sequence[Number | Ending], best: Combination, one: Combination) -> bool | None:
-    """Whether a combination cannot be told from the best by any quantity of the order."""
+    """True where no quantity of the order tells a combination from the best; see Ranked."""
     if one is best:
         return True
     judged = [
@@ -179,7 +179,7 @@ def _as_good(order: Sequence[Number | Ending], best: Combination, one: Combinati
 
 
 def _alike(what: Number | Ending, first: Estimate, second: Estimate) -> bool | None:
-    """Whether two estimates differ by no more than noise; None where that is not known."""
+    """True where two estimates differ by no more than noise; None where that is not known."""
     if first.mean is None or second.mean is None:
         return True if first.mean is second.mean else None
     if isinstance(what, Ending):

@@ -141,7 +141,7 @@ def notes_on(comparison: Comparison) -> list[str]:
 
 
 def has_intervals(comparison: Comparison) -> bool:
-    """Whether any mean of a number has an interval."""
+    """True where any mean of a number has an interval."""
     return any(
         one.estimates[number.column].half_width is not None
         for one in comparison.combinations
