@@ -340,6 +340,14 @@ def test_a_damaged_summary_of_a_finished_run(swept, digests):
     assert [row["state_digest"] for row in rows_of(study)] == digests
 
 
+def test_a_page_of_a_damaged_ranking_is_refused_and_the_sweep_makes_it_again(swept):
+    (ranking,) = swept.parent.rglob("ranking.parquet")
+    ranking.write_bytes(ranking.read_bytes()[:200])
+    assert_refused(silo2d("view", ranking.parent), f"{ranking}: cannot be read", "its sweep or map")
+    assert sweep(swept).code == 0
+    assert silo2d("view", ranking.parent).code == 0
+
+
 @pytest.mark.usefixtures("in_this_process")
 def test_a_run_of_another_version_is_a_row_that_says_so_and_the_page_shows_it(swept):
     """Its schema is not read; the others are compared, and the ranking counts the missing one."""

@@ -23,7 +23,7 @@ def ranking_table(folder: Path) -> dict[str, Any] | None:
     path = folder / _FILE
     if not path.is_file():
         return None
-    about, rows = read_results(path)
+    about, rows = read_results(path, "its sweep or map")
     names = [name for name in rows[0] if name not in _ALSO and not _is_part(name, rows[0])]
     columns = [name for name in names if any(_cell(name, row) is not None for row in rows)]
     cells = [[_cell(name, row) for name in columns] for row in rows]

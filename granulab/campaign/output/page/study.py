@@ -71,7 +71,7 @@ def _tables(folder: Path) -> list[Path]:
 def _read(path: Path) -> list[Row]:
     return [
         {key: value for key, value in row.items() if not isinstance(value, dict)}
-        for row in read_results(path)[1]
+        for row in read_results(path, "its sweep or map")[1]
     ]
 
 
