@@ -4,7 +4,7 @@ import { rounded } from "./curves.js";
 import { digits } from "./scale.js";
 import { onThemeChange, readTheme } from "./theme.js";
 
-const AT_LEFT = 62, AT_RIGHT = 14, ABOVE = 26, BELOW = 40; // px round the points
+const LEFT = 62, RIGHT = 14, TOP = 26, BOTTOM = 40; // px round the points
 const RADIUS = 5, NEAR = 14; // px of a point, and of the pointer from it
 const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9", "#cc79a7", "#8a8a8a"];
 
@@ -56,7 +56,7 @@ export class Points {
       return fits ? [{ k, x: this.logarithmic.checked ? Math.log10(x) : x, y }] : [];
     });
     if (!this.rows.length) return;
-    const [x, y] = [this.axis("x", AT_LEFT, width - AT_RIGHT), this.axis("y", height - BELOW, ABOVE)];
+    const [x, y] = [this.axis("x", LEFT, width - RIGHT), this.axis("y", height - BOTTOM, TOP)];
     this.drawAxes(x, y);
     const groups = [...new Set(this.rows.map(({ k }) => String(this.groupOf(k))))]
       .sort((a, b) => a.localeCompare(b, undefined, { numeric: true }));
@@ -92,26 +92,26 @@ export class Points {
     context.textBaseline = "middle";
     for (const value of rounded(y.low, y.high, 6)) {
       context.beginPath();
-      context.moveTo(AT_LEFT, y.place(value));
-      context.lineTo(this.width - AT_RIGHT, y.place(value));
+      context.moveTo(LEFT, y.place(value));
+      context.lineTo(this.width - RIGHT, y.place(value));
       context.stroke();
-      context.fillText(digits(value), AT_LEFT - 8, y.place(value));
+      context.fillText(digits(value), LEFT - 8, y.place(value));
     }
     context.textAlign = "center";
     context.textBaseline = "alphabetic";
     for (const value of rounded(x.low, x.high, Math.max(2, Math.floor(this.width / 110)))) {
       context.fillText(digits(this.logarithmic.checked ? 10 ** value : value), x.place(value),
-        this.height - BELOW + 16);
+        this.height - BOTTOM + 16);
     }
     context.fillStyle = theme.ink;
-    context.fillText(this.table.columns[this.x.value], (AT_LEFT + this.width) / 2, this.height - 6);
+    context.fillText(this.table.columns[this.x.value], (LEFT + this.width) / 2, this.height - 6);
     context.textAlign = "left";
     context.fillText(this.table.columns[this.y.value], 8, 14);
   }
 
   drawGroups(groups) {
     const { context, theme } = this, name = this.table.columns[this.group.value];
-    let left = AT_LEFT + context.measureText(this.table.columns[this.y.value]).width;
+    let left = LEFT + context.measureText(this.table.columns[this.y.value]).width;
     for (const [text, colour] of [[name, null], ...groups.map((group, k) =>
       [`\u25cf ${group}`, COLOURS[k % COLOURS.length]])]) {
       context.fillStyle = theme.of(colour);
