@@ -8,7 +8,6 @@ one of two a few words       curves or dots, in a colour for each word
 more                         main effects: a row of panels for each quantity, a panel a key
 """
 
-import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +22,7 @@ from granulab.campaign.sweeps.report.panels import (
     draw_scatter,
 )
 from granulab.campaign.sweeps.report.quantities import Ending, Number
-from granulab.campaign.sweeps.report.words import has_intervals
+from granulab.campaign.sweeps.report.words import NO_INTERVAL, has_intervals
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,23 +75,31 @@ def _panels(
     comparison: Comparison, shown: Sequence[Quantity], axes: Sequence[Axis]
 ) -> tuple[tuple[float, float], list[list[tuple[Quantity, Draw]]]]:
     """Size of a panel [inch], and what each row of them shows."""
-    if [axis.kind for axis in axes] == ["number", "number"]:
+    if _has_effects(axes):
+        effects = [[(what, _effect(comparison, axis)) for axis in axes] for what in shown]
+        return (0.82 * _WIDE, _HIGH), effects
+    if _is_plane(axes):
         size = _size_of_cells(*axes)
         return size, _in_rows([(what, _heat_map(comparison, *axes)) for what in shown], size[0])
-    if len(axes) == 1 or _is_by_words(axes):
-        axis, by = _along_and_by(axes)
-        lines = len(axis.values) * (len(by.values) if by else 1) ** 0.5
-        size = _WIDE, max(_HIGH, _OF_A_WORD * lines + 1.0 if axis.kind == "word" else 0.0)
-        return size, _in_rows([(what, _along(comparison, axis, by)) for what in shown], size[0])
-    return (0.82 * _WIDE, _HIGH), [
-        [(what, _effect(comparison, axis)) for axis in axes] for what in shown
-    ]
+    axis, by = _along_and_by(axes)
+    lines = len(axis.values) * (len(by.values) if by else 1) ** 0.5
+    size = _WIDE, max(_HIGH, _OF_A_WORD * lines + 1.0 if axis.kind == "word" else 0.0)
+    return size, _in_rows([(what, _along(comparison, axis, by)) for what in shown], size[0])
 
 
 def _without(comparison: Comparison) -> Axis:
     """The axis of a study that varies nothing but seeds: its one combination."""
     first = comparison.varied[0]
     return Axis(first, "word", (comparison.combinations[0].labels[first.column],))
+
+
+def _has_effects(axes: Sequence[Axis]) -> bool:
+    """True where there are more keys than one picture of them all would show."""
+    return len(axes) > 1 and not _is_plane(axes) and not _is_by_words(axes)
+
+
+def _is_plane(axes: Sequence[Axis]) -> bool:
+    return [axis.kind for axis in axes] == ["number", "number"]
 
 
 def _is_by_words(axes: Sequence[Axis]) -> bool:
@@ -161,12 +168,13 @@ def _words(
 
 def _how_to_read(comparison: Comparison, axes: Sequence[Axis]) -> str:
     """A line on the intervals and the number of seeds."""
-    seeds, known = comparison.seeds, has_intervals(comparison)
-    if seeds == "1":
-        of = "95 % intervals over the cycles of one run" if known else "one run each: no interval"
+    if not has_intervals(comparison):
+        of = NO_INTERVAL
+    elif comparison.seeds == "1":
+        of = "95 % intervals over the cycles of one run"
     else:
         shares = any(isinstance(what, Ending) for what in comparison.shown)
-        of = f"95 % intervals over {seeds} seeds: means by Student's t"
+        of = f"95 % intervals over {comparison.seeds} seeds: means by Student's t"
         of += ", shares by Wilson" if shares else ""
-    effects = len(axes) > 2 and math.prod(len(axis.values) for axis in axes) > 1
-    return of + ("; over each key the mean of all combinations of the others" if effects else "")
+    effects = "; over each key the mean of those combinations of the others that have a value"
+    return of + (effects if _has_effects(axes) else "")

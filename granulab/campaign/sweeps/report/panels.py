@@ -137,7 +137,7 @@ def draw_scatter(panel: "Axes", what: Number | Ending, axis: Axis, comparison: C
     )
     if found is not None:
         words = f"{found.value:+.2f} [{found.low:+.2f}, {found.high:+.2f}]".replace("-", "\u2212")
-        panel.set_title(f"ρ {words}, {len(known)} draws", loc="right", fontsize=8)
+        panel.set_title(f"ρ {words}, n = {len(known)}", loc="right", fontsize=8)
     panel.set_xlabel(axis.heading)
     _across(panel, what, axis, comparison)
     mark_lacking(panel, what, axis, comparison)

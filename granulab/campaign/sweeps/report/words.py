@@ -22,6 +22,7 @@ from granulab.campaign.sweeps.report.quantities import (
 )
 
 MOST_ROWS = 12  # of a ranking on the terminal
+NO_INTERVAL = "no interval, as of no combination two runs have a value"
 _PARTS = ("mean", "sd", "n", "low", "high")  # of an estimate
 _LETTERS = 26  # of a word that was varied
 
@@ -128,7 +129,7 @@ def notes_on(comparison: Comparison) -> list[str]:
     if not comparison.quantities.numbers:
         return notes
     if not has_intervals(comparison):
-        notes.append("one run each: no interval, and no difference that can be told from noise")
+        notes.append(NO_INTERVAL)
     elif comparison.seeds == "1":
         notes.append("±  95 % interval over the cycles of one run; (runs)")
     else:
