@@ -39,7 +39,7 @@ def render(folder: str, no_film: bool, by: str, engine: str, cycles_in_film: int
 
 
 def player() -> Any:
-    """What makes the page of a run."""
+    """Return what makes the page of a run."""
     from damper3d.view.player.page import player_page
 
     return player_page

@@ -24,7 +24,7 @@ def render(folder: str, no_film: bool) -> None:
 
 
 def player() -> Any:
-    """What makes the page of a run."""
+    """Return what makes the page of a run."""
     from silo2d.view.player import player_page
 
     return player_page

@@ -57,7 +57,7 @@ class _Recorder:
         )
 
     def record(self, frames: NDArray[np.int64]) -> Recording:
-        """What a page shows of some frames."""
+        """Return what a page shows of some frames."""
         scene, n = self.scene, self.scene.n_particles
         recording = Recording(self._data())
         recording.arrays |= {

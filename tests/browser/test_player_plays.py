@@ -167,6 +167,7 @@ def test_a_distance_is_measured_in_metres(any_page, open_page):
     box = stage_of(shown)
     for x in (20, 140):
         shown.page.mouse.click(box["x"] + x, box["y"] + 60)
+    shown.shown()
     wanted = 120 / shown.run("player.view.scale")
     points = np.array(shown.run("player.state.points"))
     assert np.linalg.norm(points[1] - points[0]) == pytest.approx(wanted, rel=1e-6)

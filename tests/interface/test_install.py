@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+KINDS = (".py", ".js", ".css", ".html")
 
 
 @pytest.fixture(scope="module")
@@ -26,11 +27,13 @@ def wheel(tmp_path_factory) -> zipfile.ZipFile:
 
 
 def test_the_wheel_holds_the_packages_whole(wheel):
-    """Every module of the tree, byte for byte, and no tests, runs or caches."""
+    """Every module and part of a page, byte for byte, and no tests, runs or caches."""
     names = wheel.namelist()
     for package in ("granulab", "silo2d", "damper3d", "calibration"):
-        for source in (ROOT / package).rglob("*.py"):
+        sources = [s for s in (ROOT / package).rglob("*.*") if s.suffix in KINDS]
+        for source in sources:
             assert wheel.read(source.relative_to(ROOT).as_posix()) == source.read_bytes()
+    assert "granulab/campaign/output/page/parts/player.js" in names
     tops = {name.partition("/")[0] for name in names if ".dist-info/" not in name}
     assert tops == {"granulab", "silo2d", "damper3d", "calibration"}
     assert not [name for name in names if "__pycache__" in name or "/." in name]

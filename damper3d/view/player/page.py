@@ -69,7 +69,7 @@ class _Recorder:
         self.dissipated = np.array([p.dissipated for p in particles])
 
     def record(self, frames: NDArray[np.int64]) -> Recording:
-        """What a page shows of some frames."""
+        """Return what a page shows of some frames."""
         scene, n = self.scene, len(self.scene.radius)
         recording = Recording(self._data())
         recording.arrays |= self._places(frames) | self._shapes(frames)

@@ -84,7 +84,7 @@ class Touching(NamedTuple):
 
 @dataclass
 class Recording:
-    """What a page plays: the data that stand in it as JSON, its arrays, and its colours."""
+    """Content of a page: the data that stand in it as JSON, its arrays, and its colours."""
 
     data: dict[str, Any]
     arrays: dict[str, Quantised] = field(default_factory=dict)

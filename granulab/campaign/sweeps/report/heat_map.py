@@ -28,11 +28,13 @@ def draw_heat_map(
 
     found, words, best = heat_map(what, across, up, comparison)
     less = isinstance(what, Ending) or what.better == "less"
-    colours = "viridis_r" if less else "viridis"
+    colours: dict[str, Any] = {"cmap": "viridis_r" if less else "viridis"}
+    if isinstance(what, Ending):
+        colours |= {"vmin": 0.0, "vmax": 1.0}
     shape = found.shape
     image = panel.pcolormesh(
         np.arange(shape[1] + 1) - 0.5, np.arange(shape[0] + 1) - 0.5,
-        np.ma.masked_invalid(found), cmap=colours, edgecolors="white", linewidth=0.8,
+        np.ma.masked_invalid(found), edgecolors="white", linewidth=0.8, **colours,
     )  # fmt: skip
     assert panel.figure is not None
     side = "less" if less else "more" if isinstance(what, Number) and what.better else ""

@@ -167,7 +167,7 @@ class Player {
     const time = this.time.at(frame);
     const words = [`${(clock.factor * time).toFixed(clock.digits)} ${clock.unit}`];
     if (period) {
-      const part = time / period + 1e-9;
+      const part = Math.round(1e3 * time / period) / 1e3; // times come in steps
       words.push(`cycle ${Math.floor(part) + 1}, ${(part % 1).toFixed(2)} of it`);
     }
     if (this.arrays.counted) words.push(`${this.arrays.counted.at(frame)} ${this.data.counted}`);

@@ -24,20 +24,27 @@ uniform vec3 colours[64];
 uniform int picked;
 layout(location = 0) in vec3 place;  // in steps
 layout(location = 1) in float tone;
+uniform float front;  // half the depth of what is shown: the farthest get less light
 vec3 centreOf() {
   return camera * (low + step_ * place + shift - middle);
 }
+vec3 colourAt(vec3 centre) {
+  return (0.8 + 0.2 * clamp(centre.z / front, -1.0, 1.0)) * colours[int(tone)];
+}
 `;
 
-// Light as in damper3d/view/spheres.py: Lambert's law, a highlight, and darker where it is farther.
+// Light as in damper3d/view/spheres.py: Lambert's law, a highlight, and a dark rim.
 const LIT = `
-uniform vec4 cut;     // normal and offset of the plane in front of which nothing is drawn
-uniform float front;  // of the farthest particles to the nearest, for the depth of light
-vec3 lit(vec3 colour, vec3 normal, float depth) {
-  float light = 1.0 - 0.4 * clamp(0.5 - 0.5 * depth / front, 0.0, 1.0);
+uniform vec4 cut;  // normal and offset of the plane in front of which nothing is drawn
+vec3 lit(vec3 colour, vec3 normal) {
   float facing = max(dot(normal, vec3(-0.450, 0.600, 0.661)), 0.0);
-  float shine = pow(max(dot(normal, vec3(-0.247, 0.329, 0.911)), 0.0), 32.0);
-  return light * (colour * (0.42 + 0.58 * facing) + 0.22 * shine);
+  float shine = max(dot(normal, vec3(-0.247, 0.329, 0.911)), 0.0);
+  shine *= shine;
+  shine *= shine;
+  shine *= shine;
+  shine *= shine;  // its 16th power
+  float rim = min(0.55 + 1.5 * normal.z, 1.0);
+  return rim * colour * (0.42 + 0.58 * facing) + 0.2 * shine;
 }
 vec3 section(vec3 colour) {  // flat, where the plane cuts a particle
   return 0.86 * colour + 0.06;
@@ -54,7 +61,7 @@ void main() {
   corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   centre = centreOf();
   size = radius;
-  colour = colours[int(tone)];
+  colour = colourAt(centre);
   ring = gl_InstanceID == picked ? 1.0 : 0.0;
   gl_Position = onStage(centre + vec3(radius * corner, 0.0));
 }`,
@@ -72,16 +79,16 @@ void main() {
   float towards = sqrt(1.0 - across);
   vec3 normal = vec3(corner, towards);
   vec3 point = centre + size * normal;
-  vec3 shown;
-  if (dot(cut.xyz, point) <= cut.w) {
-    shown = lit(colour, normal, point.z) * mix(0.55, 1.0, smoothstep(0.0, 0.35, towards));
-  } else {
+  vec3 shown = lit(colour, normal);
+#ifdef CUT
+  if (dot(cut.xyz, point) > cut.w) {
     if (cut.z <= 0.0) discard;
     float onPlane = (cut.w - dot(cut.xy, point.xy)) / cut.z;
     float deep = (onPlane - centre.z) / size + towards;
     if (deep < 0.0) discard;
     shown = section(colour) * mix(0.6, 1.0, smoothstep(0.0, 0.1, deep));
   }
+#endif
   if (ring > 0.5 && across > 0.72) shown = vec3(1.0, 0.25, 0.1);
   pixel = vec4(shown, 1.0);
 }`,
@@ -100,9 +107,10 @@ vec3 turned(vec3 arm) {
   return arm + 2.0 * cross(q.yzw, cross(q.yzw, arm) + q.x * arm);
 }
 void main() {
-  point = centreOf() + camera * turned(corner);
+  vec3 centre = centreOf();
+  point = centre + camera * turned(corner);
   normal = camera * turned(outward);
-  colour = gl_InstanceID == picked ? vec3(1.0, 0.25, 0.1) : colours[int(tone)];
+  colour = gl_InstanceID == picked ? vec3(1.0, 0.25, 0.1) : colourAt(centre);
   gl_Position = onStage(point);
 }`,
   // Behind the plane of a cut one sees the surface from inside: drawn flat, it is the section.
@@ -113,10 +121,10 @@ flat in vec3 colour;
 out vec4 pixel;
 ${LIT}
 void main() {
+#ifdef CUT
   if (dot(cut.xyz, point) > cut.w) discard;
-  vec3 outwards = normalize(normal);
-  float rim = mix(0.55, 1.0, smoothstep(0.0, 0.35, outwards.z));
-  pixel = vec4(gl_FrontFacing ? rim * lit(colour, outwards, point.z) : section(colour), 1.0);
+#endif
+  pixel = vec4(gl_FrontFacing ? lit(colour, normalize(normal)) : section(colour), 1.0);
 }`,
 };
 
@@ -146,9 +154,13 @@ out vec4 pixel;
 void main() { pixel = tint; }`,
 };
 
+// Behind all else, and one tint however many walls are there: the first at a pixel keeps it.
 export const FACES = {
   vertex: `${CAMERA}
 layout(location = 0) in vec3 corner;
-void main() { gl_Position = onStage(camera * (corner + shift - middle)); }`,
+void main() {
+  gl_Position = onStage(camera * (corner + shift - middle));
+  gl_Position.z = 0.9999;
+}`,
   fragment: EDGES.fragment,
 };

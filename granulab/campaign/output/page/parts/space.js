@@ -49,7 +49,9 @@ export class Space {
   build() {
     const { gl, arrays, turns } = this;
     this.programs = {};
-    const sources = { particles: turns ? SURFACES : SPHERES, edges: EDGES, faces: FACES };
+    const particles = turns ? SURFACES : SPHERES;
+    const cut = { ...particles, fragment: particles.fragment.replace("\n", "\n#define CUT\n") };
+    const sources = { particles, cut, edges: EDGES, faces: FACES };
     for (const [name, source] of Object.entries(sources)) {
       this.programs[name] = compiled(gl, source);
     }
@@ -193,7 +195,7 @@ export class Space {
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     const paper = rgb(theme.stage).map((value) => value / 255);
     gl.clearColor(...paper, 1);
-    gl.depthMask(true);
+    gl.enable(gl.DEPTH_TEST);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     this.drawFaces(state.frame, theme);
     this.drawParticles(state, tones, colours, paper, theme);
@@ -216,14 +218,13 @@ export class Space {
   drawFaces(frame, theme) {
     const { gl } = this, at = this.use("faces", frame);
     gl.bindVertexArray(this.faces);
-    gl.disable(gl.DEPTH_TEST); // behind all else, and one tint, however many walls are there
     gl.uniform4f(at("tint"), ...rgb(theme.shell).map((value) => value / 255), 1);
     gl.drawArrays(gl.TRIANGLES, 0, this.arrays.face.integers.length / 3);
-    gl.enable(gl.DEPTH_TEST);
   }
 
   drawParticles({ frame, picked, network }, tones, colours, paper, theme) {
-    const { gl, place_: place, turns } = this, at = this.use("particles", frame);
+    const { gl, place_: place, turns } = this, whole = this.cut.axis === "none";
+    const at = this.use(whole ? "particles" : "cut", frame);
     const order = this.fromTheNearest(frame);
     gl.bindVertexArray(this.particles);
     upload(gl, this.moving.place, inOrder(place.row(frame), order, 3));
@@ -244,7 +245,7 @@ export class Space {
       return;
     }
     gl.uniform2f(at("turnScale"), turns.low, turns.step);
-    if (this.cut.axis === "none") gl.enable(gl.CULL_FACE);
+    if (whole) gl.enable(gl.CULL_FACE);
     gl.drawElementsInstanced(gl.TRIANGLES, this.arrays.surface_triangle.integers.length,
       gl.UNSIGNED_SHORT, 0, this.count);
     gl.disable(gl.CULL_FACE);
