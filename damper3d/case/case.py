@@ -318,7 +318,7 @@ class DamperCase:
 
     @property
     def shakers(self) -> list[Any]:
-        """What each of the dampers rides on: a new host, whose state they share."""
+        """Motion of each damper: of several a new host, whose state they share."""
         if not self.dampers:
             return [self.shaker]
         modes = [one.modes for one in self.dampers if one.modes is not None]

@@ -13,6 +13,7 @@ from granulab.campaign.cli.view import view_command
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.cases import LabelledStudy
+    from granulab.campaign.sweeps.sketch import Sketch
     from granulab.campaign.sweeps.sweep import Simulator
 
 
@@ -28,10 +29,16 @@ def _study(path: str) -> "LabelledStudy":
     return load_study(path)
 
 
+def _sketch() -> "Sketch":
+    from damper3d.view.sketch import sketch
+
+    return sketch
+
+
 app = command_group(
     [
         run.run,
-        sweep_command("damper3d", _simulator, _study),
+        sweep_command("damper3d", _simulator, _study, _sketch),
         map.map_,
         field.field,
         response.response,

@@ -7,11 +7,20 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from damper3d.commands.options import case_command, changes_of, material_option
-from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
-from granulab.campaign.cli.many import numbers, stop_unless_whole
+from granulab.campaign.cli.commandline import (
+    dry_run_option,
+    engine_options,
+    json_option,
+    no_figures_option,
+    out_option,
+    quiet_option,
+)
+from granulab.campaign.cli.many import numbers, rank_by_option, sketched, stop_unless_whole
 
 if TYPE_CHECKING:
     from damper3d.studies.map.grid import Grid
+    from damper3d.studies.predict.prediction import Prediction
+    from granulab.campaign.sweeps.report.quantities import Quantities
 
 _WITHOUT = {
     "motion.frequency": "give --frequencies, a list such as 20,40,80",
@@ -28,15 +37,16 @@ _WITHOUT = {
 @click.option("--refine", type=int, default=0, metavar="N", help="Halve N times about each peak.")
 @engine_options
 @out_option
-@click.option("--dry-run", is_flag=True, help="Say what would be run, and end.")
-@click.option("--no-figures", is_flag=True, help="Make no picture.")
+@rank_by_option
+@dry_run_option
+@no_figures_option
 @quiet_option
 @json_option
 def map_(
     case: str | None, material: str | None, frequencies: str | None,
     gammas: str | None, packings: int, refine: int, workers: int | None, engine: str,
-    scheduler: str | None, out: str, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
-    **options: Any,
+    scheduler: str | None, out: str, rank_by: str | None, dry_run: bool, no_figures: bool,
+    quiet: bool, as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """Map the efficiency over frequency and Gamma: ridges, table, picture.
 
@@ -45,38 +55,65 @@ def map_(
     For example: damper3d map --frequencies 20,40 --packings 3 --refine 3
     """
     from damper3d.case.case import DamperCase
-    from damper3d.studies.map.chart import draw_map
-    from damper3d.studies.map.grid import FREQUENCIES, GAMMAS, Grid, efficiency_map
-    from damper3d.studies.map.report import as_text, map_folder, summary, write_map
-    from damper3d.studies.map.ridges import ridges
+    from damper3d.run.sweep import DAMPER
+    from damper3d.studies.map.grid import FREQUENCIES, GAMMAS, Grid
     from damper3d.studies.predict.prediction import predict
-    from granulab.campaign.output.figure import write_figure
-    from granulab.campaign.output.files import refuse_unless_writable
-    from granulab.campaign.output.layout import on_screen
+    from damper3d.view.sketch import sketch
+    from granulab.campaign.sweeps.report.summary import ranked_by
 
     name, changes = case or "thesis", changes_of(material, options)
     loaded = DamperCase.load(name, changes)
     prediction = predict(loaded)
+    quantities = ranked_by(DAMPER.quantities, rank_by)
     grid = Grid(
         numbers("--frequencies", frequencies, FREQUENCIES), numbers("--gammas", gammas, GAMMAS),
         packings, refine, loaded.settings.run.seed,
     )  # fmt: skip
     if dry_run:
         planned = _plan(name, changes, grid, Path(out))
+        if not no_figures:
+            title = f"{planned['case']}: map of {planned['runs']} runs"
+            planned |= sketched(DAMPER, [loaded], sketch, Path(planned["folder"]), title)
         click.echo(json.dumps(planned, indent=2) if as_json else _in_words(planned))
         return
-    refuse_unless_writable(Path(out), "--out")
     engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
-    folder = map_folder(name, changes, grid, Path(out))
-    result = efficiency_map(name, changes, grid, out=Path(out), **engines)
+    _map(prediction, (name, changes, grid), quantities, Path(out), no_figures, as_json, engines)
+
+
+def _map(
+    prediction: "Prediction", of: tuple[str, dict[str, Any], "Grid"], quantities: "Quantities",
+    out: Path, no_figures: bool, as_json: bool, engines: dict[str, Any],
+) -> None:  # fmt: skip
+    """Run a map, write and print its results."""
+    from damper3d.run.sweep import DAMPER
+    from damper3d.studies.map.chart import draw_map
+    from damper3d.studies.map.grid import efficiency_map
+    from damper3d.studies.map.report import as_text, compared, map_folder, summary, write_map
+    from damper3d.studies.map.ridges import ridges
+    from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.output.layout import on_screen, paragraphs
+    from granulab.campaign.sweeps.report.summary import write_pictures, write_ranking
+    from granulab.campaign.sweeps.report.words import ranking_as_text
+
+    refuse_unless_writable(out, "--out")
+    folder, grid = map_folder(*of, out), of[2]
+    result = efficiency_map(*of, out=out, **engines)
     on_ridges = ridges(result, prediction)
-    results = summary(grid, result, prediction, on_ridges, folder.path)
+    comparison = compared(prediction.name, result, quantities)
+    results = summary(grid, result, prediction, on_ridges, folder.path, comparison)
     write_map(folder, result, results)
-    click.echo(json.dumps(results, indent=2) if as_json else on_screen(as_text(results)))
     stopped = any(row["state"] == "interrupted" for row in result.rows)
+    if not stopped:
+        write_ranking(folder.path, comparison, results)
+    text = paragraphs(on_screen(as_text(results)), ranking_as_text(comparison))
+    click.echo(json.dumps(results, indent=2) if as_json else text)
     if not no_figures and results["done"] and not stopped:
-        picture = folder.path / "map.png"
-        click.echo(write_figure(picture, lambda: draw_map(result, prediction, on_ridges)), err=True)
+        written = write_pictures(
+            folder.path, comparison, DAMPER.means, "map.png",
+            lambda _: draw_map(result, prediction, on_ridges),
+        )  # fmt: skip
+        for path in written.values():
+            click.echo(path, err=True)
     stop_unless_whole(result.rows)
 
 
@@ -111,6 +148,7 @@ def _plan(name: str, changes: dict[str, Any], grid: "Grid", out: Path) -> dict[s
 
 def _in_words(planned: dict[str, Any]) -> str:
     from granulab.campaign.output import room
+    from granulab.campaign.sweeps.overview import picture_line
 
     def listed(values: list[float]) -> str:
         return " ".join(f"{value:g}" for value in values)
@@ -125,5 +163,6 @@ def _in_words(planned: dict[str, Any]) -> str:
             f"expected    about {planned['expected_cpu_min']:.1f} min of CPU",
             room.line(planned),
             f"table       {planned['folder']}/table.csv",
+            *picture_line(planned),
         ]
     )

@@ -36,6 +36,7 @@ def run(
     from damper3d.view.picture import make_figures
     from damper3d.view.player.page import player_page
     from damper3d.view.report import echo, report
+    from damper3d.view.sketch import sketch
 
     usual = "thesis" if case is None else case
     loaded = DamperCase.load(shaken(resume).case_file if resume else usual, changes)
@@ -43,8 +44,8 @@ def run(
     output = loaded.settings.output
     draw = drawn if output.keep == "all" else None
     player = player_page if draw and output.frames else None
+    runnable = Runnable(loaded, DAMPER, protocol, plan, echo, report, sketch, draw, player)
     run_case(
-        Runnable(loaded, DAMPER, protocol, plan, echo, report, draw, player), out=out,
-        resume=resume, again=again, dry_run=dry_run, no_figures=no_figures, page=page, quiet=quiet,
-        as_json=as_json,
+        runnable, out=out, resume=resume, again=again, dry_run=dry_run, no_figures=no_figures,
+        page=page, quiet=quiet, as_json=as_json,
     )  # fmt: skip

@@ -20,9 +20,26 @@ from granulab.campaign.runs.protocol import Stop, packing_sources
 from granulab.campaign.sweeps import study_keys
 from granulab.campaign.sweeps.cases import label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
+from granulab.campaign.sweeps.report.quantities import Ending, Number, Quantities
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled, run_or_pack, silent
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
+
+# On a host it counts how much of its motion is left; by itself a damper has its efficiency.
+QUANTITIES = Quantities(
+    numbers=(
+        Number("host.reduction", "amplitude over bare", "", "less"),
+        Number("host.added_damping_ratio", "added damping ratio", "", "more"),
+        Number("efficiency", "efficiency", "", "more", interval="efficiency_interval"),
+        Number("dissipated_power_w", "dissipated power", "W", "more"),
+        Number("peak_wall_force_n", "peak wall force", "N", "less"),
+    ),
+    endings=(
+        Ending("settling", "without efficiency", lambda row: row["efficiency"] is None),
+        Ending("unsteady", "not steady at the last cycle", lambda row: row.get("steady") is False),
+    ),
+    order=("host.reduction", "host.added_damping_ratio", "efficiency"),
+)
 
 # A few spheres in a small enclosure: all kernels of a filling and of a cycle.
 _SMALL = {
@@ -85,8 +102,7 @@ DAMPER = Simulator(
     sources=SOURCES,
     measures=MEASURES,
     packages=PACKAGES,
-    counted={"settling": lambda row: row["efficiency"] is None},  # no part of its mean
-    means=("efficiency", "dissipated_power_w", "peak_wall_force_n"),
+    quantities=QUANTITIES,
     compiled=partial(already_compiled, ENGINE),
 )
 

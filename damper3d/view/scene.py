@@ -63,6 +63,19 @@ class View(NamedTuple):
         return points @ np.stack(self, axis=1)
 
 
+def view_of(gravity: Array, direction: Array) -> View:
+    """Gravity (3,) downwards, the motion's direction (3,) to be seen; along the frame's axes."""
+    down = 2 if abs(gravity[2]) >= np.abs(gravity).max() else int(np.abs(gravity).argmax())
+    up = np.zeros(3)
+    up[down] = -1.0 if gravity[down] > 0 else 1.0
+    seen = np.abs(direction)
+    seen[down] = -1.0
+    across = [axis for axis in (2, 0, 1) if axis != down]  # z first where it lies
+    right = np.zeros(3)
+    right[max(across, key=lambda axis: seen[axis])] = 1.0
+    return View(right, up, np.cross(right, up))
+
+
 @dataclass(frozen=True)
 class Scene:
     """One run as it stands on disk, finished or not.
@@ -181,16 +194,7 @@ class Scene:
     @property
     def view(self) -> View:
         """Gravity downwards, the motion to be seen; along the enclosure's own axes."""
-        g = self.gravity
-        down = 2 if abs(g[2]) >= np.abs(g).max() else int(np.abs(g).argmax())
-        up = np.zeros(3)
-        up[down] = -1.0 if g[down] > 0 else 1.0
-        seen = np.abs(self.direction)
-        seen[down] = -1.0
-        across = [axis for axis in (2, 0, 1) if axis != down]  # z first where it lies
-        right = np.zeros(3)
-        right[max(across, key=lambda axis: seen[axis])] = 1.0
-        return View(right, up, np.cross(right, up))
+        return view_of(self.gravity, self.direction)
 
     @property
     def samples_per_cycle(self) -> int:

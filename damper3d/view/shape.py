@@ -162,20 +162,27 @@ def _draw_spheres(axes: "Axes", particle: MultiSphere, half: float) -> None:
 
 
 def _draw_surface(axes: "Axes", particle: MultiSphere, half: float) -> None:
-    """Triangles from the farthest to the nearest, lit as the spheres are."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgb
 
+    triangles, light = lit_triangles(particle)
+    colours = light[:, None] * np.array(to_rgb(SKY))
+    axes.add_collection(
+        PolyCollection(list(triangles), facecolors=colours, edgecolors=colours, lw=0.3)
+    )
+
+
+def lit_triangles(particle: MultiSphere) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles (m, 3, 2) [m] of the true surface that are seen, the nearest last, and their light.
+
+    They are lit (m,) as the spheres of a picture are.
+    """
     corners = particle.surface.corners @ _view().T
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     seen = np.flatnonzero(normals[:, 2] > 0.0)
     order = seen[np.argsort(corners[seen, :, 2].mean(axis=1), kind="stable")]
-    light = 0.42 + 0.58 * np.maximum(normals[order] @ _LIGHT, 0.0)
-    colours = light[:, None] * np.array(to_rgb(SKY))
-    axes.add_collection(
-        PolyCollection(list(corners[order, :, :2]), facecolors=colours, edgecolors=colours, lw=0.3)
-    )
+    return corners[order, :, :2], 0.42 + 0.58 * np.maximum(normals[order] @ _LIGHT, 0.0)
 
 
 def _scale_bar(axes: "Axes", half: float) -> None:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from damper3d.view.scene import Scene
+from damper3d.engine.enclosures import Enclosure
+from damper3d.view.scene import Scene, View
 
 Array = NDArray[np.float64]
 
@@ -117,16 +118,21 @@ def corners(scene: Scene) -> Array:
 
 
 def outline(scene: Scene) -> list[Array]:
-    """Lines (k, 2) [m] in which the plane of the cut, see cut_open, meets the walls.
+    """Lines (k, 2) [m] in which the plane of the cut, see cut_open, meets the walls."""
+    return section(scene.enclosure, scene.view)
+
+
+def section(enclosure: Enclosure, view: View) -> list[Array]:
+    """Lines (k, 2) [m] in which the middle plane of a view meets the walls.
 
     Right and up, in the enclosure's own frame; closed ones end where they begin. Where the plane
     meets no void, as between two cells, it is moved away from the eye until it does.
     """
     from shapely import MultiLineString, line_merge, node
 
-    polygons = [scene.view.project(points) for _, points in scene.enclosure.polygons]
+    polygons = [view.project(points) for _, points in enclosure.polygons]
     depths = np.concatenate(polygons)[:, 2]
-    level, step = scene.view.project(np.array([0.0, 0.0, scene.enclosure.height / 2]))[2], 0.0
+    level, step = view.project(np.array([0.0, 0.0, enclosure.height / 2]))[2], 0.0
     pieces: list[Array] = []
     while not pieces and level - step >= depths.min():
         # Off the corners by a hair, where a line would be met twice or not at all.

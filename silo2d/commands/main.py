@@ -12,6 +12,7 @@ from silo2d.commands.options import outline_options
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.cases import LabelledStudy
+    from granulab.campaign.sweeps.sketch import Sketch
     from granulab.campaign.sweeps.sweep import Simulator
 
 
@@ -27,11 +28,17 @@ def _study(path: str) -> "LabelledStudy":
     return load_study(path)
 
 
+def _sketch() -> "Sketch":
+    from silo2d.view.sketch import sketch
+
+    return sketch
+
+
 app = command_group(
     [
         run.run,
         run.packing,
-        sweep_command("silo2d", _simulator, _study),
+        sweep_command("silo2d", _simulator, _study, _sketch),
         reproduce_command(
             """Compute one of the paper's tables and compare it with the published numbers.
 

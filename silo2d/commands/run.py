@@ -39,12 +39,15 @@ def run(
     from silo2d.view.picture import make_figures
     from silo2d.view.player import player_page
     from silo2d.view.report import echo, report
+    from silo2d.view.sketch import sketch
 
     loaded = SiloCase.load(resume_run(resume).case_file if resume else str(case), changes)
+    runnable = Runnable(
+        loaded, SILO, protocol, plan, echo, report, sketch, make_figures, player_page
+    )
     run_case(
-        Runnable(loaded, SILO, protocol, plan, echo, report, make_figures, player_page), out=out,
-        resume=resume, again=again, dry_run=dry_run, no_figures=no_figures, page=page, quiet=quiet,
-        as_json=as_json,
+        runnable, out=out, resume=resume, again=again, dry_run=dry_run, no_figures=no_figures,
+        page=page, quiet=quiet, as_json=as_json,
     )  # fmt: skip
 
 

@@ -6,13 +6,18 @@ test. A difference counts where chance alone would make one as large in less tha
 each is judged by itself, and of twenty that mean nothing one is then expected to count.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION
 from granulab.campaign.output.layout import columns, done, not_done, percent, share, with_sd
-from granulab.campaign.output.statistics import CONFIDENCE, Sample, mean_sd, quantile, wilson
+from granulab.campaign.output.statistics import (
+    CONFIDENCE,
+    Sample,
+    half_width_of_mean,
+    mean_sd,
+    wilson,
+)
 from silo2d.reproduce.published import outcomes
 
 if TYPE_CHECKING:
@@ -80,9 +85,7 @@ def paired(rows: "list[Row]", first: "list[Row]", key: str) -> tuple[Sample, flo
     known = {row["seed"]: row[key] for row in done(first) if row[key] is not None}
     both = [row for row in done(rows) if row[key] is not None and row["seed"] in known]
     sample = mean_sd([row[key] - known[row["seed"]] for row in both])
-    if sample.sd is None:
-        return sample, None
-    return sample, quantile(sample.n - 1) * sample.sd / math.sqrt(sample.n)
+    return sample, half_width_of_mean(sample)
 
 
 def _difference(rows: "list[Row]", first: "list[Row]", key: str) -> str:
@@ -154,8 +157,8 @@ def _draw_times(axes: "Axes", variants: Variants) -> None:
         times = _values(rows, "t90_s")
         axes.plot(times, [k] * len(times), "o", color=GREY, ms=4, alpha=0.5, mew=0)
         sample = mean_sd(times)
-        if sample.mean is not None and sample.sd is not None:
-            half = quantile(sample.n - 1) * sample.sd / math.sqrt(sample.n)
+        half = half_width_of_mean(sample)
+        if sample.mean is not None and half is not None:
             axes.errorbar(sample.mean, k, xerr=half, fmt="D", color=INK, ms=5, capsize=3)
     axes.grid(axis="x", color="#e6e3dc", lw=0.7)
     axes.set_axisbelow(True)

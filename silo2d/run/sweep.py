@@ -3,12 +3,14 @@
 import tempfile
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import Stop, packing_sources
 from granulab.campaign.sweeps import study_keys
 from granulab.campaign.sweeps.cases import label_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
+from granulab.campaign.sweeps.report.quantities import Ending, Number, Quantities
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled, run_or_pack, silent
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
@@ -20,6 +22,32 @@ from silo2d.run import protocol
 from silo2d.run.packing import load_packing, packing_folder
 from silo2d.run.result import Result
 from silo2d.run.sources import MEASURES, SOURCES
+
+
+def _flowed(row: dict[str, Any]) -> bool:
+    """False of a run that clogged: of a few particles that fell at once no flow can be told."""
+    return not _clogged(row)
+
+
+def _clogged(row: dict[str, Any]) -> bool:
+    return str(row["outcome"]).startswith("clogged")
+
+
+# Less material or a wider silo does not make the flow: of quantities that are better where there is
+# more or less of them, only the flow compares silos of different sizes.
+QUANTITIES = Quantities(
+    numbers=(
+        Number("mean_mass_flow_kg_per_s", "mass flow", "kg/s", "more", counts=_flowed),
+        Number("discharge_time_s", "discharge time", "s", "less"),
+        Number("t90_s", "T90", "s", "less", charted=False),
+        Number("mean_rate_per_s", "rate", "1/s", "more", charted=False),
+    ),
+    endings=(
+        Ending("clogged", "clogged", _clogged, named=True),
+        Ending("time_limit", "out of time", lambda row: row["outcome"] == "time_limit"),
+    ),
+    order=("clogged", "mean_mass_flow_kg_per_s"),
+)
 
 # Some forty particles that fall a centimetre: all kernels of a filling and a discharge.
 _SMALL = {
@@ -91,8 +119,7 @@ SILO = Simulator(
     measures=MEASURES,
     made_by=protocol.sources_of_both,
     packages=protocol.PACKAGES,
-    means=("discharge_time_s", "t90_s", "mean_rate_per_s"),
-    counted={"clogged": lambda row: row["outcome"].startswith("clogged")},
+    quantities=QUANTITIES,
     compiled=partial(already_compiled, ENGINE),
 )
 

@@ -13,7 +13,7 @@ import pytest
 from fuzzing import examples
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from small_silo import silo2d
+from small_silo import DRY, silo2d
 
 from calibration.files.parameter_file import check_section, digest_of, into
 from calibration.statistics.uncertainty import Estimate
@@ -79,9 +79,9 @@ def test_what_is_read_written_and_read_is_equal(wood, tmp_path):
 
 def test_the_silo_reads_what_was_written(wood):
     """The new friction and the new damping are those of the run; the history is not in its way."""
-    before = silo2d("run", "A4", "--materials", wood, "--dry-run", "--json").json["restitution"]
+    before = silo2d("run", "A4", "--materials", wood, *DRY, "--json").json["restitution"]
     put(wood, key="gamma_n", estimate=Estimate(21200.0, 900.0, 5))
-    after = silo2d("run", "A4", "--materials", wood, "--dry-run", "--json").json["restitution"]
+    after = silo2d("run", "A4", "--materials", wood, *DRY, "--json").json["restitution"]
     assert before["particle_particle"]["one_contact"] == pytest.approx(0.80, abs=0.01)  # errata
     assert after["particle_particle"]["one_contact"] == pytest.approx(0.45, abs=0.01)
     assert after["particle_wall"] == before["particle_wall"]

@@ -9,6 +9,7 @@ import pytest
 from damper_runs import small
 from refusals import assert_refuses
 from small_damper import damper3d
+from small_silo import DRY
 
 from damper3d.case.case import DamperCase
 from damper3d.case.contacts import restitution_of_loss
@@ -98,7 +99,7 @@ def test_the_rule_gives_way_to_the_case_and_to_the_table(materials, tmp_path):
 def test_the_echo_names_rule_and_numbers(materials):
     given = ["--material", materials, "--restitution", "0.9"]
     assert damper3d("run", *given, "--dry-run").code == 2  # several materials: a case file says
-    steel = ["--material", "steel", "--restitution", "0.9", "--dry-run"]
+    steel = ["--material", "steel", "--restitution", "0.9", *DRY]
     words = " ".join(damper3d("run", *steel, "--gamma", "5").out.split())
     assert "particles 0.149 m/s: restitution falls, as that is below half of the largest" in words
     assert "walls 0.298 m/s: restitution constant, as that is not below half" in words

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from refusals import assert_refused
 from small_damper import damper3d, write_damper
-from small_silo import contents
+from small_silo import DRY, contents
 
 from granulab.contact.files.datafile import data_file
 
@@ -168,7 +168,7 @@ def test_without_a_yield_strength_the_yield_velocity_is_not_known(tmp_path):
     kept = [line for line in lines if not line.startswith("yield_strength")]
     (tmp_path / "mine.toml").write_text("\n".join(kept), encoding="utf-8")
     plan = damper3d(
-        "run", write_damper(tmp_path, {"particles.materials": "mine.toml"}), "--dry-run", "--json"
+        "run", write_damper(tmp_path, {"particles.materials": "mine.toml"}), *DRY, "--json"
     ).json
     assert plan["yield_velocity_m_s"] == {"particle_particle": None, "particle_wall": None}
 
@@ -177,7 +177,7 @@ def test_a_single_particle_may_fill_its_enclosure(tmp_path):
     """A ball in a tight cylinder has a fill ratio of 2/3, above that of random packings."""
     changes = {"enclosure.diameter": "5.01 mm", "enclosure.height": "5.01 mm"}
     one = write_damper(tmp_path, {**changes, "particles.count": 1})
-    assert damper3d("run", one, "--dry-run", "--json").json["n_particles"] == 1
+    assert damper3d("run", one, *DRY, "--json").json["n_particles"] == 1
     two = write_damper(tmp_path, {**changes, "particles.count": 2})
     assert_refused(damper3d("run", two, "--dry-run"), "at most 1 fit")
 

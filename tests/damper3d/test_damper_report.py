@@ -7,6 +7,7 @@ import time
 
 import pytest
 from small_damper import KEYS, damper3d, write_damper
+from small_silo import DRY
 
 from damper3d.case.case import DamperCase
 from damper3d.case.plan import expected_cpu_s, expected_stages
@@ -66,7 +67,7 @@ def test_the_names_for_python_are_imported_on_first_use():
 
 def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
     """The case in SI, the time step with the Rayleigh step, restitution, yield velocity, time."""
-    result = damper3d("run", "--dry-run", "-o", tmp_path / "runs", "--gamma", "10")
+    result = damper3d("run", *DRY, "-o", tmp_path / "runs", "--gamma", "10")
     assert (result.code, result.err) == (0, "")
     for words in (
         "thesis, seed 1", "cylinder, 0.04 m in diameter, 0.04 m high", "358 of sphere:5mm",
@@ -77,7 +78,7 @@ def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
     ):  # fmt: skip
         assert words in " ".join(result.out.split())  # lines end where the terminal does
     assert "warning" not in result.out
-    plan = damper3d("run", "--dry-run", "--json", "--seed", 3).json
+    plan = damper3d("run", *DRY, "--json", "--seed", 3).json
     assert (plan["seed"], plan["n_particles"], plan["time_step_s"]) == (3, 358, 1e-6)
     assert plan["steps"] == 200_000
     assert plan["expected_min"] > 0
@@ -113,30 +114,28 @@ OPTIONS = {
 def test_options_change_the_keys_they_name():
     """The echo of the case has the number of each option, in SI."""
     arguments = [text for flag, (value, _) in OPTIONS.items() for text in (flag, value)]
-    result = damper3d("run", "--dry-run", *arguments, "--yielding", "--wall-curvature")
+    result = damper3d("run", *DRY, *arguments, "--yielding", "--wall-curvature")
     assert result.code == 0, result.err
     shown = " ".join(result.out.split())  # lines end where the terminal does
     for flag, (_, echoed) in OPTIONS.items():
         assert echoed in shown, flag
     assert "restitution falls, as [law] yielding says" in shown
     assert "curvature counts" in shown
-    steady = " ".join(damper3d("run", "--dry-run", "--steady", "--max-cycles", "40").out.split())
+    steady = " ".join(damper3d("run", *DRY, "--steady", "--max-cycles", "40").out.split())
     assert "when steady, 8 cycles at least" in steady
     assert "40 cycles at most" in steady
 
 
 def test_one_restitution_of_all_contacts_and_one_of_the_walls():
-    plan = damper3d("run", "--dry-run", "--json", "--restitution", "0.7").json
+    plan = damper3d("run", *DRY, "--json", "--restitution", "0.7").json
     assert plan["restitution"] == {"particle_particle": 0.7, "particle_wall": 0.7}
-    plan = damper3d(
-        "run", "--dry-run", "--json", "--restitution-wall", "0.6", "--restitution", "0.7"
-    ).json
+    plan = damper3d("run", *DRY, "--json", "--restitution-wall", "0.6", "--restitution", "0.7").json
     assert plan["restitution"] == {"particle_particle": 0.7, "particle_wall": 0.6}
 
 
 def test_material_is_a_shipped_table_or_a_file(tmp_path):
     """Of particles and walls; a file's only material, whatever its name."""
-    steel = damper3d("run", "--dry-run", "--json", "--material", "steel", "--restitution", "0.9")
+    steel = damper3d("run", *DRY, "--json", "--material", "steel", "--restitution", "0.9")
     assert steel.json["yield_velocity_m_s"]["particle_particle"] == pytest.approx(0.15, abs=0.005)
     mine = tmp_path / "mine.toml"
     mine.write_text(
@@ -144,13 +143,13 @@ def test_material_is_a_shipped_table_or_a_file(tmp_path):
         "poisson = 0.4\n[pair.pvc-pvc]\nfriction = 0.4\nrestitution = 0.8\n",
         encoding="utf-8",
     )
-    plan = damper3d("run", "--dry-run", "--json", "--material", mine).json
+    plan = damper3d("run", *DRY, "--json", "--material", mine).json
     assert plan["restitution"] == {"particle_particle": 0.8, "particle_wall": 0.8}
     two = mine.read_text(encoding="utf-8").replace(
         "[pair", '[material.b]\ndensity = "1 g/cm3"\n[pair'
     )
     mine.write_text(two, encoding="utf-8")
-    result = damper3d("run", "--dry-run", "--material", mine)
+    result = damper3d("run", *DRY, "--material", mine)
     assert result.code == 2
     assert "holds several materials (pvc, b)" in result.err
 
@@ -158,8 +157,8 @@ def test_material_is_a_shipped_table_or_a_file(tmp_path):
 def test_init_writes_a_case_that_is_the_thesis(tmp_path):
     path = tmp_path / "mine.toml"
     assert damper3d("init", path).code == 0
-    mine = damper3d("run", path, "--dry-run").out.replace("damper, seed", "thesis, seed")
-    assert mine == damper3d("run", "--dry-run").out
+    mine = damper3d("run", path, *DRY).out.replace("damper, seed", "thesis, seed")
+    assert mine == damper3d("run", *DRY).out
 
 
 def test_list_and_show_describe_what_there_is(tmp_path):

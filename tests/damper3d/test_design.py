@@ -22,6 +22,7 @@ from damper3d.studies.design.search import (
     propose,
 )
 from damper3d.studies.design.spec import Task, example, read_catalogue, read_spec
+from damper3d.studies.field.table import Field
 from granulab.campaign.output.statistics import mean_sd
 
 SPEC: dict[str, dict[str, Any]] = {
@@ -232,6 +233,17 @@ def test_a_peak_at_the_edge_is_looked_for_one_step_further():
     assert verifying.beyond_edge(rows(rising)) == [61.0]
     assert verifying.beyond_edge(rows({59.0: (3, 0), 60.0: (2, 2), 61.5: (1, 2)})) == []
     assert verifying.beyond_edge(rows(falling, "failed")) == []
+
+
+def test_two_designs_of_a_bed_at_most_are_verified(tmp_path):
+    """The best first; those whose field failed are none."""
+    ball = task_of(tmp_path).catalogue[0]
+    beds = [Bed(ball, 20, 0.03)] * 4 + [Bed(ball, 20, 0.04)] * 2
+    found = [Design(Candidate(bed, 0.02 + 0.001 * k, 0.001), Field.of([60], [1.0], [1j], 0.1))
+             for k, bed in enumerate(beds)]  # fmt: skip
+    found[1].field = None
+    assert verifying.to_verify(found, 3) == [found[0], found[2], found[4]]
+    assert verifying.to_verify(found, 9) == [found[0], found[2], found[4], found[5]]
 
 
 def test_intervals_of_verified_designs_pool_their_scatter(tmp_path):

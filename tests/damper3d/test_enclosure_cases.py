@@ -7,6 +7,7 @@ import pytest
 from made_cavities import box_of, cavity_of, prism_of, round_rim, write_stl
 from refusals import assert_refused
 from small_damper import damper3d
+from small_silo import DRY
 
 from damper3d import DamperCase
 from damper3d.engine.enclosures import Cavity, Cells
@@ -242,7 +243,7 @@ def test_the_option_of_the_fill_ratio(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     refused = damper3d("run", "--fill-ratio", "0.41", "--count", "3", "--dry-run")
     assert_refused(refused, "count = 3", "fill_ratio = 0.41")
-    shown = damper3d("run", "--fill-ratio", "0.41", "--dry-run")
+    shown = damper3d("run", "--fill-ratio", "0.41", *DRY)
     assert shown.code == 0
     assert "315 of sphere:5mm" in shown.out + shown.err
 

@@ -8,7 +8,7 @@ import pytest
 from refusals import assert_refuses
 from same_run import assert_same_run
 from small_damper import damper3d, write_damper
-from small_silo import the_run
+from small_silo import DRY, the_run
 
 from damper3d.case.case import DamperCase
 from damper3d.case.settings import Excitation
@@ -256,7 +256,7 @@ def test_a_host_under_an_excitation_closes_its_energy(kind, tmp_path):
 def test_init_writes_cases_with_excitations_that_a_run_takes(kind, tmp_path):
     file = tmp_path / "mine.toml"
     assert damper3d("init", file, f"--{kind}").code == 0
-    done = damper3d("run", file, "--dry-run", "--json")
+    done = damper3d("run", file, *DRY, "--json")
     assert done.code == 0, done.err
     assert json.loads(done.out)["amplitude_m"] > 0
 

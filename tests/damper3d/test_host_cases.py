@@ -9,7 +9,7 @@ import pytest
 from refusals import assert_refused, assert_refuses, refusal
 from same_run import assert_same_run
 from small_damper import damper3d, write_damper
-from small_silo import the_run
+from small_silo import DRY, the_run
 
 from damper3d.case.case import DamperCase
 from damper3d.case.host.modes import read_modes
@@ -204,7 +204,7 @@ def test_a_run_without_a_host_has_no_response(damper_reference, tmp_path):
 def test_init_writes_a_host_that_runs(tmp_path):
     path = tmp_path / "mine.toml"
     assert damper3d("init", path, "--host").code == 0
-    shown = damper3d("run", path, "--dry-run", "--json")
+    shown = damper3d("run", path, *DRY, "--json")
     assert json.loads(shown.out)["frequency_hz"] == 20.0
 
 

@@ -4,6 +4,7 @@ import json
 
 import pytest
 from made_map import made_runs
+from read_page import element
 
 from damper3d.commands import main as cli
 from damper3d.studies.map import grid as mapping
@@ -38,8 +39,29 @@ def test_map_prints_its_ridges_and_leaves_its_table(damper3d, tmp_path):
     assert {peak["ridge"] for peak in results["ridges"]} == {"bouncing_bed", "fluidisation"}
     (folder,) = (tmp_path / "maps").iterdir()
     names = {"provenance.json", "summary.json", "table.csv", "table.parquet", "table.h5", "runs"}
+    names |= {"ranking.csv", "ranking.parquet"}
     assert {path.name for path in folder.iterdir()} == names
     assert str(folder) == results["folder"]
+
+
+def test_map_ranks_its_points_by_their_means_and_puts_them_on_a_page(damper3d, tmp_path):
+    """The best is that of `best`; the picture, the ranking, points and runs are in one file."""
+    code, out, err = damper3d("map", *SMALL[:-1], "--packings", "2")
+    assert code == 0
+    assert "thesis: ranked by efficiency (most first)" in out
+    (page,) = tmp_path.rglob("page.html")
+    assert err.splitlines()[-2:] == [str(page.parent / "map.png"), str(page)]
+    data = json.loads(element(page.read_text(), "data"))
+    assert [figure["name"] for figure in data["figures"]] == ["map"]
+    assert [table["title"] for table in data["tables"]] == [
+        "Combinations, the best first", "Points", "Runs",
+    ]  # fmt: skip
+    assert [len(table["rows"]) for table in data["tables"]] == [16, 16, 32]
+    results = json.loads((page.parent / "summary.json").read_text())
+    best, first = results["best"], results["ranking"][0]
+    assert (first["frequency_hz"], first["gamma"]) == (best["frequency_hz"], best["gamma"])
+    assert first["efficiency.mean"] == pytest.approx(best["efficiency"])
+    assert first["efficiency.low"] == pytest.approx(best["efficiency_low"])
 
 
 def test_dry_run_says_how_many_runs_and_writes_nothing(damper3d, tmp_path):
@@ -58,6 +80,7 @@ def test_dry_run_says_how_many_runs_and_writes_nothing(damper3d, tmp_path):
         (["map", "--frequencies", ""], "frequencies: empty"),
         (["map", "--packings", "0"], "packings = 0"),
         (["map", "--frequency", "40"], "give --frequencies"),
+        (["map", "--rank-by", "efficency"], "did you mean 'efficiency'"),
         (["predict", "--frequencies", "a"], "write numbers with commas"),
         (["predict", "--frequencies", "0"], "frequencies: 0"),
         (["predict", "--packing", "0.4"], "fill ratio = 0.466"),

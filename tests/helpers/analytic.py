@@ -156,3 +156,18 @@ def mindlin_ratio(nu):
     """Tangential over normal stiffness of two bodies of one material: 2 (1 - nu)/(2 - nu)
     (Mindlin 1949)."""
     return 2 * (1 - nu) / (2 - nu)
+
+
+def students_t(freedom, p=0.975):
+    """Quantile of Student's t of one or two degrees of freedom; Abramowitz and Stegun 26.7.3-4."""
+    if freedom == 1:
+        return math.tan(math.pi * (p - 0.5))
+    assert freedom == 2
+    return (2 * p - 1) / math.sqrt(2 * p * (1 - p))
+
+
+def wilson_interval(k, n, z=1.959963984540054):
+    """Ends of Wilson's score interval of k of n (J. Am. Stat. Assoc. 22 (1927) 209)."""
+    middle = (k + z**2 / 2) / (n + z**2)
+    half = z / (n + z**2) * math.sqrt(k * (n - k) / n + z**2 / 4)
+    return middle - half, middle + half

@@ -32,6 +32,7 @@ outline = [[0, 0], [10, 0], [10, 5], [0, 5]]
 name = "bevelled"
 outline = [[0, 2], [2, 0], [9, 0], [9, 4], [7, 6], [0, 6]]
 """
+DRY = ("--dry-run", "--no-figures")  # words that draw nothing, for what is said before a run
 NARROWEST = 5e-3  # [m] the rectangle
 
 # A tenth of the wood's stiffness, for a longer time step. The outlet is seven particles wide, and

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from small_silo import contents, finish, silo2d, start, the_run, write_case
+from small_silo import DRY, contents, finish, silo2d, start, the_run, write_case
 
 from granulab.campaign.runs.folder import resume_run
 from silo2d.case.outline import PRESETS
@@ -53,13 +53,13 @@ def test_help_loads_nothing_heavy(arguments):
 
 def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
     """The case in SI, the time step and its reason, and what it will take."""
-    result = silo2d("run", "A4", "--dry-run", "-o", tmp_path / "runs", "--kn", "8e3 N/mm")
+    result = silo2d("run", "A4", *DRY, "-o", tmp_path / "runs", "--kn", "8e3 N/mm")
     assert (result.code, result.err) == (0, "")
     words = ["A4, seed 1", "outlet 0.15 m", "filled to 0.475 m", "kn 8e+06 N/m", "mu 0.44"]
     words += ["5e-06 s: the usual one; stable up to", "face to face", "expected", "min"]
     for word in words:
         assert word in result.out
-    plan = silo2d("run", "A4", "--dry-run", "--json", "--seed", 3).json
+    plan = silo2d("run", "A4", *DRY, "--json", "--seed", 3).json
     assert (plan["silo"], plan["seed"], plan["time_step_s"]) == ("A4", 3, 5e-6)
     assert plan["steps_at_most"] == 1_200_000
     assert plan["expected_min"] > 0
@@ -68,7 +68,7 @@ def test_dry_run_says_what_would_be_run_and_writes_nothing(tmp_path):
 
 def test_dry_run_knows_the_number_of_particles(tmp_path, reference):
     """From the usual packing fraction, 0.88; that of so small a silo is up to a tenth off."""
-    plan = silo2d("run", write_case(tmp_path), "--dry-run", "--json").json
+    plan = silo2d("run", write_case(tmp_path), *DRY, "--json").json
     assert plan["n_particles"] == pytest.approx(reference.read_summary()["n_particles"], rel=0.1)
 
 
@@ -89,11 +89,11 @@ def test_options_change_the_keys_they_name():
         "--seed": ("7", "A4, seed 7"),
     }
     arguments = [text for flag, (value, _) in options.items() for text in (flag, value)]
-    result = silo2d("run", "A4", "--dry-run", *arguments)
+    result = silo2d("run", "A4", *DRY, *arguments)
     assert result.code == 0, result.err
     for flag, (_, echoed) in options.items():
         assert echoed in result.out, flag
-    ratios = silo2d("run", "A4", "--dry-run", "--kn", "4e4 N/mm", "--keep-ratios").out
+    ratios = silo2d("run", "A4", *DRY, "--kn", "4e4 N/mm", "--keep-ratios").out
     assert "kn 4e+07 N/m, kt 2.6e+06 N/m, mu 0.38, gamma_n 12170 1/s" in ratios
 
 
@@ -101,8 +101,8 @@ def test_init_writes_a_case_that_is_a4(tmp_path):
     """Every key has its default there, and the silo is spelled out."""
     path = tmp_path / "mine.toml"
     assert silo2d("init", path).code == 0
-    mine = silo2d("run", path, "--dry-run").out.replace("example, seed", "A4, seed")
-    assert mine == silo2d("run", "A4", "--dry-run").out
+    mine = silo2d("run", path, *DRY).out.replace("example, seed", "A4, seed")
+    assert mine == silo2d("run", "A4", *DRY).out
 
 
 def test_list_and_show_describe_what_there_is(tmp_path, finished):

@@ -73,8 +73,9 @@ def test_an_unpacked_wheel_finds_its_data(wheel, tmp_path):
         "from silo2d.commands import main; print(main.__file__); main.main()"
     )
     done = subprocess.run(
-        [sys.executable, "-I", "-c", program], capture_output=True, text=True, check=False
-    )
+        [sys.executable, "-I", "-c", program], capture_output=True, text=True, check=False,
+        cwd=tmp_path,
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(str(tmp_path))
     assert "outlet 0.15 m" in done.stdout

@@ -8,7 +8,7 @@ import h5py
 import pytest
 from fake_simulator import FAKE, fake
 from small_damper import damper3d
-from small_silo import silo2d
+from small_silo import DRY, silo2d
 
 from damper3d.case import plan as damper_plan
 from damper3d.case.case import DamperCase
@@ -116,11 +116,11 @@ def nearly_full(monkeypatch):
 @pytest.mark.parametrize("command", [silo2d, damper3d])
 def test_a_disk_with_too_little_room_is_warned_of(command, nearly_full, tmp_path):
     case = ["A4"] if command is silo2d else []
-    reported = command("run", *case, "--dry-run", "-o", tmp_path / "runs").out
+    reported = command("run", *case, *DRY, "-o", tmp_path / "runs").out
     words = " ".join(reported.split())
     assert "disk at most" in words
     assert "has 1 kB left" in words
-    planned = command("run", *case, "--dry-run", "--json", "-o", tmp_path / "runs").json
+    planned = command("run", *case, *DRY, "--json", "-o", tmp_path / "runs").json
     assert planned["disk_free_bytes"] == 1000
     assert set(planned["disk_bytes_at_most"]) == {"frames", "contacts", "checkpoints"}
     assert planned["memory_bytes_at_most"] > 1e8
@@ -131,8 +131,8 @@ def test_many_runs_are_added_up_and_warned_of(nearly_full, tmp_path, capsys):
     run_labelled(hungry, [({}, fake(3)), ({}, fake(4))], out=tmp_path, workers=1, quiet=True)
     assert "up to 4.0 MB may be needed" in capsys.readouterr().err
     planned = damper3d(
-        "map", "--frequencies", "40", "--gammas", "1,3", "--dry-run", "--json", "-o", tmp_path
+        "map", "--frequencies", "40", "--gammas", "1,3", *DRY, "--json", "-o", tmp_path
     ).json
-    point = damper3d("run", "--gamma", "3", "--keep", "summary", "--dry-run", "--json").json
+    point = damper3d("run", "--gamma", "3", "--keep", "summary", *DRY, "--json").json
     one = point["disk_bytes_at_most"]  # a map keeps no frames of its runs
     assert planned["disk_bytes_at_most"] == 2 * sum(one.values())

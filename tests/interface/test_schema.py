@@ -1,6 +1,7 @@
 """One schema a simulator: options, commented case, key tables and study keys follow from it."""
 
 import importlib
+import math
 import re
 import runpy
 import tomllib
@@ -10,7 +11,7 @@ import click
 import pytest
 from refusals import assert_refused
 from small_damper import damper3d
-from small_silo import silo2d
+from small_silo import DRY, silo2d
 
 from damper3d.case import settings as damper
 from granulab.contact.files.casefile import sections
@@ -75,7 +76,7 @@ def test_init_begins_files_that_a_run_takes(program, start, use, tmp_path):
     written = program("init", file, *start)
     assert (written.code, written.err) == (0, "")
     assert str(file) in written.out
-    done = program(*use, file, "--dry-run")
+    done = program(*use, file, *DRY)
     assert done.code == 0, done.err
 
 
@@ -174,3 +175,15 @@ def test_a_study_takes_truth_and_numbers_where_a_key_does():
     assert keys.read("study", "law.damping", "restitution") == "restitution"
     with pytest.raises(InputError, match=r"law\.mu_wall = True"):
         keys.read("study", "law.mu_wall", True)
+
+
+def test_a_study_shows_a_key_in_the_unit_that_a_case_file_has():
+    """That of its example; a pure number may have a plain one, such as Hz."""
+    silos, dampers = Keys(silo.Settings), Keys(damper.Settings)
+    assert silos.shown("silo.outlet") == ("mm", 1e-3)
+    assert silos.shown("law.kn") == ("N/mm", 1e3)
+    assert silos.shown("silo.angle")[0] == "deg"
+    assert silos.shown("silo.angle")[1] == pytest.approx(math.pi / 180)
+    assert silos.shown("law.mu_wall") == silos.shown("law.damping") == ("", 1.0)
+    assert dampers.shown("motion.frequency") == ("Hz", 1.0)
+    assert dampers.shown("law.youngs_modulus") == ("GPa", 1e9)

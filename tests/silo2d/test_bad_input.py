@@ -14,7 +14,7 @@ import h5py
 import pytest
 from refusals import assert_refused
 from resealed import resealed
-from small_silo import NARROWEST, DischargeStop, contents, silo2d, the_run, write_case
+from small_silo import DRY, NARROWEST, DischargeStop, contents, silo2d, the_run, write_case
 
 from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
 from granulab.contact.files.datafile import data_file
@@ -250,7 +250,7 @@ def test_all_that_a_materials_file_lacks_comes_in_one_answer(tmp_path):
     mine.write_text("schema = 1\n[material.wood]\npoisson = 0.3\n[pair.wood-wood]\n")
     changes = {"particles.materials": "mine.toml", "law.kn": None, "law.kt": "650 N/mm"}
     case = write_case(tmp_path, {**changes, "run.time_step": None})
-    refused = silo2d("run", case, "--dry-run")
+    refused = silo2d("run", case, *DRY)
     assert_refused(refused, "mine.toml: missing: [material.wood] density [g/cm3], length [mm]")
     named = re.findall(r"\[([\w.-]+)\] ([a-z_]+(?: \[[^]]+\])?(?:, [a-z_]+(?: \[[^]]+\])?)*)",
                        refused.err)  # fmt: skip
@@ -264,7 +264,7 @@ def test_all_that_a_materials_file_lacks_comes_in_one_answer(tmp_path):
             tables.setdefault(where, []).append(f"{key} = {value}")
     text = "\n".join(f"[{where}]\n" + "\n".join(lines) for where, lines in tables.items())
     mine.write_text(f"schema = 1\n{text}\n")
-    done = silo2d("run", case, "--dry-run")
+    done = silo2d("run", case, *DRY)
     assert done.code == 0, done.err
 
 

@@ -36,7 +36,7 @@ from scenes import (
 )
 from scipy.special import ndtr
 from scipy.stats import truncnorm
-from small_silo import DischargeStop, silo2d, the_run, write_case
+from small_silo import DRY, DischargeStop, silo2d, the_run, write_case
 
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
@@ -375,7 +375,7 @@ def test_disorder_needs_measured_deviations(tmp_path):
         "particles.materials": "bare.toml",
         "disorder.friction": 0.1,
     }
-    assert silo2d("run", write_case(tmp_path, given), "--dry-run").code == 0
+    assert silo2d("run", write_case(tmp_path, given), *DRY).code == 0
 
 
 @pytest.mark.parametrize(("sigma", "scatter", "code"), [("50 %", "10 %", 0), ("10 %", "50 %", 2)])
@@ -391,6 +391,6 @@ def test_what_is_drawn_is_the_scatter_of_trials_not_the_uncertainty_of_their_mea
     text = path.read_text(encoding="utf-8").replace('sigma = "10 %", ', both)
     (tmp_path / "both.toml").write_text(text, encoding="utf-8")
     changes = SLOW | {"disorder.per": "pair", "particles.materials": "both.toml"}
-    result = silo2d("run", write_case(tmp_path, changes), "--dry-run")
+    result = silo2d("run", write_case(tmp_path, changes), *DRY)
     assert result.code == code, result.err
     assert code == 0 or "a standard deviation of 50 %" in result.err

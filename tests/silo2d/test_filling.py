@@ -12,7 +12,7 @@ from heaps import (
     weight,
 )
 from refusals import assert_refused
-from small_silo import silo2d, write_case
+from small_silo import DRY, silo2d, write_case
 
 from silo2d.case.case import SiloCase
 from silo2d.engine.simulation import Simulation
@@ -100,10 +100,10 @@ def test_packings_of_different_protocols_are_kept_apart():
 
 def test_a_run_says_how_it_was_filled(tmp_path):
     changes = {"fill.friction": True, "fill.layer": "20 mm", "run.door_speed": "0.5 m/s"}
-    said = silo2d("run", write_case(tmp_path, changes), "--dry-run").out
+    said = silo2d("run", write_case(tmp_path, changes), *DRY).out
     assert "mu 0.2 and 0.2, layers of 0.02 m" in said
     assert "drawn to the right at 0.5 m/s, away after 0.1 s" in said
-    plain = silo2d("run", write_case(tmp_path), "--dry-run").out
+    plain = silo2d("run", write_case(tmp_path), *DRY).out
     assert "without friction, kn" in plain
     assert "drawn" not in plain
 

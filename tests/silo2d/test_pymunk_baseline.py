@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from same_run import assert_same_run
 from scenes import SURFACE_DENSITY, block, disc
-from small_silo import DischargeStop, finish, silo2d, start, the_run, write_case
+from small_silo import DRY, DischargeStop, finish, silo2d, start, the_run, write_case
 
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
@@ -416,14 +416,14 @@ def test_bad_settings_are_refused_in_one_line(options, words, tmp_path):
 
 def test_dry_run_says_what_pymunk_is_given():
     """Iterations, step, what is left out of the law; a number of steps of its own."""
-    said = silo2d("run", "A4", "--engine", "pymunk", "--iterations", 10, "--dry-run").out
+    said = silo2d("run", "A4", "--engine", "pymunk", "--iterations", 10, *DRY).out
     for words in (
         "10 iterations in steps of 0.00025 s",
         "overlaps of 1e-05 m",
         "0.45 face to face",
     ):
         assert words in said
-    plan = json.loads(silo2d("run", "A4", "--engine", "pymunk", "--dry-run", "--json").out)
+    plan = json.loads(silo2d("run", "A4", "--engine", "pymunk", *DRY, "--json").out)
     assert (plan["engine"], plan["steps_at_most"]) == ("pymunk", 24000)
 
 

@@ -147,6 +147,15 @@ def draw(seed: int = 1, key: str = "law.mu_wall", **table) -> np.ndarray:
     return np.array(series(table, (key,), lambda key, value: to_si(value, "1", key), seed, 10_000))
 
 
+def test_what_was_drawn_is_known_and_how_people_write_it(tmp_path):
+    """For the picture: a scatter over what was drawn, a curve over what was listed."""
+    text = '[vary]\nlaw.mu_wall = { distribution = "uniform", min = 0.1, max = 0.2, number = 2 }\n'
+    loaded = load_study(write_study(tmp_path, text + 'law.kn = ["1e3 N/mm"]\n'))
+    assert [(one.label, one.unit, one.factor, one.drawn) for one in loaded.varied] == [
+        ("case", "", 1.0, False), ("law.mu_wall", "", 1.0, True), ("law.kn", "N/mm", 1e3, False),
+    ]  # fmt: skip
+
+
 def test_draws_follow_their_distribution():
     """Mean and standard deviation of 4000 draws, to four standard errors; cut off where given."""
     count = 4000

@@ -14,13 +14,15 @@ from unittest import mock
 import h5py
 import numpy as np
 import pytest
+from analytic import wilson_interval
+from read_page import element
 from refusals import assert_refused
-from small_silo import Completed, contents, finish, silo2d, start, write_case
+from small_silo import DRY, Completed, contents, finish, silo2d, start, write_case
 from waiting import is_alive, wait_until
 
 from granulab.campaign.runs import folder as campaign_folder
 from granulab.campaign.runs.checkpoint import save_checkpoint
-from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.folder import RunFolder, write_json
 from granulab.campaign.sweeps.sweep import without_again
 from silo2d.case.case import SiloCase
 from silo2d.run.numbers import MECHANISMS
@@ -182,7 +184,7 @@ def test_a_packing_that_runs_share_is_poured_once(tmp_path):
     text = STUDY.replace("[1, 2]", "1").replace("[0.1, 0.3]", "[0.1, 0.2, 0.3]")
     study = tmp_path / "walls.toml"
     study.write_text(text)
-    assert sweep(study, "--dry-run", "--json").json["packings_to_fill"] == 1
+    assert sweep(study, *DRY, "--json").json["packings_to_fill"] == 1
     assert [study] == [path for path in tmp_path.iterdir() if path.name == "walls.toml"]
     assert not (tmp_path / "runs").exists()
     assert sweep(study, "--workers", 2, "--json").json["done"] == 3
@@ -194,9 +196,63 @@ def test_a_packing_that_runs_share_is_poured_once(tmp_path):
 
 def test_a_dry_run_says_what_would_be_done_and_writes_nothing(study):
     before = contents(study.parent)
-    result = sweep(study, "--dry-run")
+    result = sweep(study, *DRY)
     assert "4 runs, 0 of them finished; 0 packings to fill" in result.out
     assert contents(study.parent) == before
+
+
+def test_a_dry_run_draws_the_silos_beside_the_folder_of_the_study(study):
+    """Frictions do not show: one silo and its shapes."""
+    before = contents(study.parent)
+    planned = sweep(study, "--dry-run", "--json").json
+    (picture,) = study.parent.rglob("*.png")
+    assert planned["picture"] == str(picture) == f"{planned['folder']}.png"
+    assert {
+        k: v for k, v in contents(study.parent).items() if not str(k).endswith(".png")
+    } == before
+
+
+# What it ends in
+
+
+def test_a_sweep_ends_in_a_ranking_a_picture_and_a_page(swept):
+    """Of runs that are all out of time nobody is the best; in the page each leads to its folder."""
+    table = sweep(swept, "--json").json
+    assert table["ranked_by"] == ["clogged"]
+    assert table["endings"] == {"out of time": 4}
+    for row in table["ranking"]:
+        assert (row["rank"], row["runs"], row["not_done"]) == (1, 2, 0)
+        assert (row["clogged"], row["time_limit"], row["t90_s.mean"]) == (0, 2, None)
+        assert row["clogged.high"] == pytest.approx(wilson_interval(0, 2)[1])
+        assert row["cpu_s"] > 0
+    assert "2 out of time" in sweep(swept).out
+    folder = Path(table["folder"])
+    assert Path(table["picture"]).read_bytes().startswith(b"\x89PNG")
+    ranking = list(csv.DictReader((folder / "ranking.csv").read_text().splitlines()))
+    assert [row["rank"] for row in ranking] == ["1", "1"]
+    combinations, runs = json.loads(element(Path(table["page"]).read_text(), "data"))["tables"]
+    rank = combinations["columns"].index("rank")
+    assert [row[rank] for row in combinations["rows"]] == [{"words": "1", "by": 1}] * 2
+    linked = [(folder / address).resolve() for address in runs["folders"]]
+    assert sorted(linked) == run_folders(swept)
+
+
+def test_a_sweep_without_figures_makes_neither_picture_nor_page(swept):
+    """Those of an earlier one are left as they are."""
+    table = sweep(swept, "--json").json
+    Path(table["picture"]).unlink()
+    again = sweep(swept, "--no-figures", "--json").json
+    assert "picture" not in again
+    assert "page" not in again
+    assert not Path(table["picture"]).exists()
+
+
+def test_another_quantity_to_rank_by_is_refused_before_anything_is_run(study):
+    before = contents(study.parent)
+    assert_refused(sweep(study, "--rank-by", "t90"), "--rank-by 't90'", "did you mean 't90_s'?")
+    assert contents(study.parent) == before
+    by_time = sweep(study, "--rank-by", "t90_s", *DRY)
+    assert by_time.code == 0
 
 
 # What fails
@@ -282,6 +338,30 @@ def test_a_damaged_summary_of_a_finished_run(swept, digests):
     shutil.rmtree(harmed.parent)
     assert sweep(study, "--workers", 1, "--json").json["done"] == 4
     assert [row["state_digest"] for row in rows_of(study)] == digests
+
+
+def test_a_page_of_a_damaged_ranking_is_refused_and_the_sweep_makes_it_again(swept):
+    (ranking,) = swept.parent.rglob("ranking.parquet")
+    ranking.write_bytes(ranking.read_bytes()[:200])
+    assert_refused(silo2d("view", ranking.parent), f"{ranking}: cannot be read", "its sweep or map")
+    assert sweep(swept).code == 0
+    assert silo2d("view", ranking.parent).code == 0
+
+
+@pytest.mark.usefixtures("in_this_process")
+def test_a_run_of_another_version_is_a_row_that_says_so_and_the_page_shows_it(swept):
+    """Its schema is not read; the others are compared, and the ranking counts the missing one."""
+    folder = run_folders(swept)[0]
+    write_json(folder / "summary.json", {**RunFolder(folder).read_summary(), "schema": 99})
+    result = sweep(swept)
+    assert result.code == 3
+    (row,) = [row for row in rows_of(swept) if row["state"] == "failed"]
+    assert "schema 99 of another version" in row["reason"]
+    assert "1 failed" in result.out
+    (page,) = swept.parent.rglob("studies/*/page.html")
+    _, runs = json.loads(element(page.read_text(), "data"))["tables"]
+    reasons = [cells[runs["columns"].index("reason")] for cells in runs["rows"]]
+    assert sorted(map(bool, reasons)) == [False, False, False, True]
 
 
 def test_a_damaged_table_is_written_again(swept, digests):

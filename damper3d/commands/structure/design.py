@@ -92,13 +92,14 @@ def _planned(planned: dict[str, Any]) -> str:
 def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -> dict[str, Any]:
     """Compute, write the files, and return the results."""
     from damper3d.studies.design.report import as_dict, as_page, draw, ranked
+    from damper3d.studies.design.verification import to_verify
     from granulab.campaign.output.figure import as_png
     from granulab.campaign.output.files import write_atomic, writing
     from granulab.campaign.runs.folder import digest
 
     task, search = designer.task, designer.task.spec.search
     found = designer.searched()
-    tried = [one for one in found if one.field is not None][: search.verified]
+    tried = to_verify(found, search.verified)
     designer.say(f"{len(tried)} designs with the structure, {search.seeds} packings each")
     verified = designer.verify(tried, search.seed + 1)
     order = ranked(found, verified)

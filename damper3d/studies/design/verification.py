@@ -17,6 +17,7 @@ from damper3d.studies.design.spec import Task
 from damper3d.studies.field.simulated import forgotten
 from granulab.campaign.output.statistics import mean_sd, noise_of_one_more, pooled_sd, quantile
 
+_ALIKE = 2  # designs of a bed that are verified
 _BESIDE = 0.85  # of the predicted peak, where the structure is simulated on both sides of it
 
 
@@ -55,6 +56,19 @@ class Verified:
         """Largest value of a column of the runs."""
         found = [row[name] for row in self.rows if isinstance(row.get(name), float)]
         return max(found, default=None)
+
+
+def to_verify(designs: Sequence[Design], number: int) -> list[Design]:
+    """The best of designs in their order, at most _ALIKE of a bed.
+
+    Fields of one bed err alike, so that another bed is the better second choice.
+    """
+    chosen: list[Design] = []
+    for one in designs:
+        alike = sum(one.candidate.bed == other.candidate.bed for other in chosen)
+        if one.field is not None and alike < _ALIKE and len(chosen) < number:
+            chosen.append(one)
+    return chosen
 
 
 def verification_cases(

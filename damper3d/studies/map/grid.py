@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from damper3d.case.case import DamperCase
 from damper3d.run.sweep import run_cases
 from damper3d.studies.map.peaks import Peak, between, find_peaks
-from granulab.campaign.output.statistics import mean_sd, quantile
+from granulab.campaign.output.statistics import half_width_of_mean, mean_sd
 from granulab.campaign.sweeps.sweep import Labelled, over_seeds
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
@@ -234,8 +234,8 @@ def _numbers(group: Rows, column: str) -> list[float]:
 
 def _of_packings(values: list[float]) -> float:
     """Half width of the interval of the mean of some packings' values; NaN for fewer than two."""
-    found = mean_sd(values)
-    return math.nan if found.sd is None else quantile(found.n - 1) * found.sd / math.sqrt(found.n)
+    half = half_width_of_mean(mean_sd(values))
+    return math.nan if half is None else half
 
 
 def _half_width(group: Rows) -> float:

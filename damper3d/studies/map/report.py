@@ -15,6 +15,12 @@ from granulab.campaign.output.files import writing
 from granulab.campaign.output.table import write_table
 from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.provenance import provenance
+from granulab.campaign.sweeps.report.axes import Varied
+from granulab.campaign.sweeps.report.comparison import Comparison
+from granulab.campaign.sweeps.report.quantities import Quantities
+from granulab.campaign.sweeps.report.words import ranking_rows
+
+_VARIED = (Varied("frequency_hz", "frequency", "Hz"), Varied("gamma", "Gamma", "g"))
 
 
 def map_folder(name_or_path: str, changes: dict[str, Any], grid: Grid, out: Path) -> RunFolder:
@@ -62,11 +68,20 @@ def points(result: MapResult) -> Rows:
     ]
 
 
+def compared(name: str, result: MapResult, quantities: Quantities) -> Comparison:
+    """The points of a map compared by quantities of their runs."""
+    return Comparison.of(name, _VARIED, quantities, result.rows)
+
+
 def summary(
-    grid: Grid, result: MapResult, prediction: Prediction, on_ridges: list[OnRidge], folder: Path
-) -> dict[str, Any]:
+    grid: Grid, result: MapResult, prediction: Prediction, on_ridges: list[OnRidge], folder: Path,
+    comparison: Comparison | None = None,
+) -> dict[str, Any]:  # fmt: skip
     """Results of a map, for --json and summary.json; what does not exist is None."""
     states = Counter(row["state"] for row in result.rows)
+    ranking = {} if comparison is None else {
+        "ranked_by": list(comparison.quantities.order), "ranking": ranking_rows(comparison),
+    }  # fmt: skip
     return {
         "case": prediction.name,
         "fill_ratio": prediction.fill_ratio,
@@ -87,6 +102,7 @@ def summary(
         "ridges": [_peak(item, prediction) for item in on_ridges],
         "folder": str(folder),
         "table": str(folder / "table.csv"),
+        **ranking,
     }
 
 

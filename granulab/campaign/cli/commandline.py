@@ -31,6 +31,10 @@ quiet_option = click.option("--quiet", is_flag=True, help="Print nothing but the
 workers_option = click.option(
     "--workers", type=int, metavar="N", help="Processes [default: one per core]."
 )
+dry_run_option = click.option(
+    "--dry-run", is_flag=True, help="Say and draw what would be run, and end."
+)
+no_figures_option = click.option("--no-figures", is_flag=True, help="Make no pictures.")
 json_option = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 
 

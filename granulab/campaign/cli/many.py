@@ -9,23 +9,34 @@ import click
 
 from granulab.campaign.cli.commandline import (
     Ended,
+    dry_run_option,
     engine_options,
     json_option,
+    no_figures_option,
     out_option,
     quiet_option,
 )
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.cases import LabelledStudy
+    from granulab.campaign.sweeps.sketch import Sketch
     from granulab.campaign.sweeps.sweep import Simulator
 
 
+rank_by_option = click.option(
+    "--rank-by", metavar="NAME", help="Quantity that the ranking goes by."
+)
+
+
 def sweep_command(
-    name: str, simulator: Callable[[], "Simulator"], load: Callable[[str], "LabelledStudy"]
+    name: str,
+    simulator: Callable[[], "Simulator"],
+    load: Callable[[str], "LabelledStudy"],
+    sketch: "Callable[[], Sketch]",
 ) -> click.Command:
     """The command `sweep` of a simulator.
 
-    name: of its command line; load: gives the cases of a study file.
+    name: of its command line; load: gives the cases of a study file; sketch: what draws a case.
     """
 
     @click.command(
@@ -38,12 +49,14 @@ def sweep_command(
     @click.argument("study")
     @out_option
     @engine_options
-    @click.option("--dry-run", is_flag=True, help="Say what would be run, and end.")
+    @rank_by_option
+    @dry_run_option
+    @no_figures_option
     @quiet_option
     @json_option
     def sweep(study: str, **options: Any) -> None:
         loaded = load(study)
-        _sweep(simulator(), loaded, **options)
+        _sweep(simulator(), loaded, sketch, **options)
 
     return sweep
 
@@ -51,9 +64,12 @@ def sweep_command(
 def _sweep(
     simulator: "Simulator",
     loaded: "LabelledStudy",
+    sketch: "Callable[[], Sketch]",
     *,
     out: str,
+    rank_by: str | None,
     dry_run: bool,
+    no_figures: bool,
     as_json: bool,
     quiet: bool,
     **engine: Any,
@@ -61,20 +77,42 @@ def _sweep(
     """Run a study, or say what would be run; print its table, and raise Ended for gaps in it."""
     from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.sweeps.cases import run_study
-    from granulab.campaign.sweeps.overview import as_text, plan, plan_as_text, summary
+    from granulab.campaign.sweeps.overview import plan, plan_as_text
+    from granulab.campaign.sweeps.report import summary
+    from granulab.campaign.sweeps.report.comparison import Comparison
 
+    quantities = summary.ranked_by(simulator.quantities, rank_by)
     if dry_run:
         planned = plan(simulator, loaded, Path(out))
+        if not no_figures:
+            cases = [case for _, case in loaded.cases[:: len(loaded.study.seeds)]]
+            title = f"{loaded.study.name}: {planned['runs']} runs"
+            planned |= sketched(simulator, cases, sketch(), Path(planned["folder"]), title)
         click.echo(json.dumps(planned, indent=2) if as_json else plan_as_text(loaded, planned))
         return
     refuse_unless_writable(Path(out), "--out")
     folder, rows = run_study(simulator, loaded, out=Path(out), quiet=quiet, **engine)
-    table = summary(simulator, loaded, folder, rows)
-    click.echo(json.dumps(table, indent=2) if as_json else as_text(table))
+    comparison = Comparison.of(loaded.study.name, loaded.varied, quantities, rows)
+    table = summary.summary(comparison, folder)
+    if not table["interrupted"]:
+        summary.write_ranking(folder, comparison, table)
+        if not no_figures:
+            table |= summary.write_pictures(folder, comparison, simulator.means)
+    click.echo(json.dumps(table, indent=2) if as_json else summary.as_text(comparison, table))
     if table["interrupted"]:
         raise Ended(f"{table['why_interrupted']}; the same command goes on from there", 130)
     if table["failed"]:
         raise Ended(f"{table['failed']} of {table['runs']} runs failed; see {table['table']}", 3)
+
+
+def sketched(
+    simulator: "Simulator", cases: Sequence[Any], sketch: "Sketch", folder: Path, title: str
+) -> dict[str, str | None]:
+    """Draw the cases of a study before they are run, beside its folder; the path as "picture"."""
+    from granulab.campaign.sweeps.sketch import panels_of, write_sketch
+
+    panels = panels_of(cases, sketch, lambda case: simulator.packing_folder(case, Path()))
+    return {"picture": write_sketch(folder.with_name(f"{folder.name}.png"), title, panels)}
 
 
 def numbers(option: str, text: str | None, default: Sequence[float]) -> tuple[float, ...]:

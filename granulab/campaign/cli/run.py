@@ -2,13 +2,13 @@
 
 import dataclasses
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from granulab.campaign.cli.commandline import json_option, out_option, quiet_option
+from granulab.campaign.cli.commandline import dry_run_option, json_option, out_option, quiet_option
 from granulab.campaign.output.layout import wrapped
 
 _DRAWING = 8.0  # [s] that the figures and the film of a run take, about
@@ -26,6 +26,7 @@ class Runnable(NamedTuple):
     plan: Callable[[Any], dict[str, Any]]  # steps and expected time, of --dry-run --json
     echo: Callable[..., str]  # the case in words
     report: Callable[[Any], str]  # the result in words
+    sketch: Callable[[Any], Sequence[Any]]  # the panels of a case that is drawn before it is run
     # The figures of a run folder; reports the pictures done and left. None where none are wanted.
     draw: Callable[..., Any] | None
     player: Callable[..., Any] | None  # the page of a run folder; None where nothing is kept for it
@@ -38,7 +39,7 @@ def run_options(command: Callable[..., Any]) -> Callable[..., Any]:
         quiet_option,
         click.option("--page", is_flag=True, help="Write a page that plays the run in a browser."),
         click.option("--no-figures", is_flag=True, help="Make no pictures and no film."),
-        click.option("--dry-run", is_flag=True, help="Say what would be run, and end."),
+        dry_run_option,
         click.option("--again", is_flag=True, help="Compute it again, in a folder of its own."),
         click.option("--resume", metavar="DIR", help="Go on with the run in this folder."),
         out_option,
@@ -70,9 +71,11 @@ def run_case(
     short = room.shortage(runnable.simulator.disk_of([case]), Path(out))
     warning = f"\n  warning     {short}" if short else ""
     if dry_run:
-        planned = {**runnable.plan(case), "disk_free_bytes": room.free(Path(out))}
-        text = wrapped(echo(case, dry_run=True) + warning, 14)
-        click.echo(json.dumps(planned, indent=2) if as_json else text)
+        picture = None if no_figures else _sketched(runnable, Path(out))
+        free = {"disk_free_bytes": room.free(Path(out)), "picture": picture}
+        drawn = f"\n  picture     {picture}" if picture else ""
+        text = wrapped(echo(case, dry_run=True) + drawn + warning, 14)
+        click.echo(json.dumps(runnable.plan(case) | free, indent=2) if as_json else text)
         return
     _refuse_unless_writable(
         runnable.simulator, case, Path(out), resume, again, drawn=page or not no_figures
@@ -92,6 +95,15 @@ def run_case(
         return
     lines = [runnable.report(result), *(f"  warning: {line}" for line in warnings), *said]
     click.echo(wrapped("\n".join(lines), 4))
+
+
+def _sketched(runnable: Runnable, out: Path) -> str | None:
+    """Draw a case before it is run, beside the folder that its run would have; the path."""
+    from granulab.campaign.sweeps.sketch import write_sketch
+
+    folder = runnable.simulator.run_folder(runnable.case, out).path
+    path = folder.with_name(f"{folder.name}.png")
+    return write_sketch(path, runnable.case.name, runnable.sketch(runnable.case))
 
 
 def _page(runnable: Runnable, run: Path) -> list[str]:

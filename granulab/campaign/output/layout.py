@@ -1,5 +1,6 @@
 """Columns of text, and how numbers and runs that failed are written in them."""
 
+import math
 import re
 import shutil
 import textwrap
@@ -17,6 +18,7 @@ _UNIT = re.compile(
 )
 _GAP = re.compile(r"\S {2,}\S")  # between two cells of a table
 _VERDICTS = ("PASS", "FAIL", "----")  # that begin the lines of claims, which have no head
+_MOST_DIGITS = 7  # behind the point
 _TIED = "\0"  # in place of the space between a name, a number and its unit
 
 
@@ -197,6 +199,23 @@ def share(k: int, n: int) -> str:
     """ "1 of 5 [0.04, 0.62]", with Wilson's interval."""
     low, high = wilson(k, n)
     return f"{k} of {n} [{low:.2f}, {high:.2f}]" if n else "-"
+
+
+def with_half_width(mean: float, half: float | None) -> str:
+    """ "0.341 ± 0.012": a number to the second digit of its half width, or to four."""
+    if half is None:
+        return f"{mean:.4g}"
+    digits = max(1 - math.floor(math.log10(half)), 0) if half > 0 else _MOST_DIGITS + 1
+    if digits > _MOST_DIGITS or abs(mean) >= 1e6:
+        return f"{mean:.4g} ± {half:.2g}"
+    return f"{mean:.{digits}f} ± {half:.{digits}f}"
+
+
+def share_within(k: int, n: int, low: float | None, high: float | None) -> str:
+    """ "1 of 5, 4 to 62 %": a share and the interval of what it may be."""
+    return (
+        "-" if low is None or high is None else f"{k} of {n}, {100 * low:.0f} to {100 * high:.0f} %"
+    )
 
 
 def pulls_in_words(

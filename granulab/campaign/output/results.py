@@ -70,26 +70,22 @@ def origin_words(lines: Sequence[str]) -> dict[str, str]:
     return {word: text for word, _, text in parts}
 
 
-def read_results(path: Path) -> tuple[dict[str, str], list[Row]]:
+def read_results(path: Path, by: str = "the command reproduce") -> tuple[dict[str, str], list[Row]]:
     """Return the origin of a CSV or Parquet file, by word (see origin_words), and its rows.
 
     Numbers are numbers again, and what a run does not have is None. FolderError where the file
-    is missing or is no such table.
+    is missing or is no such table; by: what makes it.
     """
     try:
         if path.suffix == ".parquet":
             return read_parquet(path)
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, ValueError) as error:
-        raise FolderError(
-            f"{path}: cannot be read ({error}); make it with the command reproduce"
-        ) from None
+        raise FolderError(f"{path}: cannot be read ({error}); make it again with {by}") from None
     head = origin_words([line[2:] for line in lines if line.startswith("# ")])
     table = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     if not table or any("state" not in row or None in row or None in row.values() for row in table):
-        raise FolderError(
-            f"{path}: not a table of the command reproduce, or cut short; make it again"
-        )
+        raise FolderError(f"{path}: not a table of {by}, or cut short; make it again")
     rows = [{key: _value(key, text) for key, text in row.items()} for row in table]
     return head, rows
 

@@ -32,6 +32,7 @@ def mean_sd(values: Sequence[float]) -> Sample:
     return Sample(n, mean, math.sqrt(math.fsum((v - mean) ** 2 for v in values) / (n - 1)))
 
 
+@lru_cache(maxsize=4096)  # scipy tests a hypothesis for it, and a table has the same few shares
 def wilson(k: int, n: int) -> tuple[float, float]:
     """Wilson's score interval of a share of which k of n trials were seen; (0, 1) for no trial."""
     from scipy.stats import binomtest
@@ -42,12 +43,32 @@ def wilson(k: int, n: int) -> tuple[float, float]:
     return float(low), float(high)
 
 
+def difference_of_shares(k: int, n: int, other_k: int, other_n: int) -> tuple[float, float]:
+    """Interval of k/n - other_k/other_n, from Wilson's of each; of n > 0 trials.
+
+    Newcombe, Statist. Med. 17 (1998) 873, method 10.
+    """
+    p, q = k / n, other_k / other_n
+    (low, high), (other_low, other_high) = wilson(k, n), wilson(other_k, other_n)
+    return (
+        p - q - math.hypot(p - low, other_high - q),
+        p - q + math.hypot(high - p, q - other_low),
+    )
+
+
 @lru_cache(maxsize=1024)
 def quantile(freedom: float) -> float:
     """Student's t that |t| stays below with the confidence, for degrees of freedom > 0."""
     from scipy.stats import t
 
     return float(t.ppf(0.5 + CONFIDENCE / 2, freedom))
+
+
+def half_width_of_mean(sample: Sample) -> float | None:
+    """Half width of Student's interval of a mean, t sd/sqrt(n); None for fewer than two values."""
+    if sample.sd is None:
+        return None
+    return quantile(sample.n - 1) * sample.sd / math.sqrt(sample.n)
 
 
 def noise_of_difference(first: Sample, second: Sample) -> float | None:
@@ -119,3 +140,30 @@ def slope(x: Sequence[float], y: Sequence[float], rounding: float = 0.0) -> Slop
     mean = math.fsum(x) / n
     width = math.sqrt(math.fsum((a - mean) ** 2 for a in x))
     return Slope(float(fit.slope), max(float(fit.stderr), rounding / math.sqrt(12) / width), n - 2)
+
+
+@dataclass(frozen=True)
+class Correlation:
+    """Spearman's rank correlation and its interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+def rank_correlation(x: Sequence[float], y: Sequence[float]) -> Correlation | None:
+    """Spearman's rank correlation; None of fewer than four pairs, or where either has one value.
+
+    Its interval is Fisher's z with the variance (1 + r^2/2)/(n - 3): Bonett and Wright,
+    Psychometrika 65 (2000) 23.
+    """
+    from scipy.stats import norm, spearmanr
+
+    if len(x) < 4 or len(set(x)) < 2 or len(set(y)) < 2:
+        return None
+    value = float(spearmanr(x, y).statistic)
+    if abs(value) >= 1.0 - 1e-12:
+        return Correlation(round(value), round(value), round(value))
+    half = float(norm.ppf(0.5 + CONFIDENCE / 2)) * math.sqrt((1 + value**2 / 2) / (len(x) - 3))
+    ends = [math.tanh(math.atanh(value) + sign * half) for sign in (-1, 1)]
+    return Correlation(value, *ends)

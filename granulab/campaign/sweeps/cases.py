@@ -11,6 +11,7 @@ from granulab.campaign.output.files import write_atomic, writing
 from granulab.campaign.output.table import write_table
 from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.provenance import provenance
+from granulab.campaign.sweeps.report.axes import Varied
 from granulab.campaign.sweeps.study import Study, read_study
 from granulab.campaign.sweeps.sweep import Labelled, Simulator, over_seeds, run_labelled
 
@@ -27,6 +28,9 @@ class Keys(Protocol):
     def column(self, key: str) -> str:
         """The name of the key's column in a table, with the unit."""
 
+    def shown(self, key: str) -> tuple[str, float]:
+        """The unit in which people write a key, "" for none, and how much of SI it is."""
+
 
 @dataclass(frozen=True)
 class LabelledStudy:
@@ -34,7 +38,12 @@ class LabelledStudy:
 
     study: Study
     cases: list[Labelled]
-    columns: tuple[str, ...]  # of the labels, the seed left out
+    varied: tuple[Varied, ...]  # columns of the labels, the seed left out
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of these columns."""
+        return tuple(one.column for one in self.varied)
 
 
 def label_study(
@@ -57,8 +66,11 @@ def label_study(
         labels |= {keys.column(key): value for key, value in combination.items()}
         case = load(_base(name, path.parent), changes)
         cases += over_seeds(labels, case, study.seeds)
-    columns = ("case", *(keys.column(key) for key in study.combinations[0]))
-    return LabelledStudy(study, cases, columns)
+    varied = [
+        Varied(keys.column(key), key, *keys.shown(key), drawn=key in study.drawn)
+        for key in study.combinations[0]
+    ]
+    return LabelledStudy(study, cases, (Varied("case", "case"), *varied))
 
 
 def run_study(

@@ -1,17 +1,14 @@
-"""Words on many runs: their cost, the plan before them, and the summary after them."""
+"""Words on many runs before them: their cost, and what there is to do."""
 
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from granulab.campaign.output import room
-from granulab.campaign.output.layout import fitted, wrapped
-from granulab.campaign.output.statistics import mean_sd
+from granulab.campaign.output.layout import fitted
 from granulab.campaign.sweeps.cases import LabelledStudy, study_folder
+from granulab.campaign.sweeps.report.axes import key_of
 from granulab.campaign.sweeps.sweep import Labelled, Simulator
-
-Rows = list[dict[str, Any]]
 
 
 def cost(simulator: Simulator, cases: Sequence[Labelled]) -> str:
@@ -74,91 +71,18 @@ def plan_as_text(loaded: LabelledStudy, planned: dict[str, Any]) -> str:
             fitted(columns, cells, len(columns)),
             room.line(planned),
             f"table       {planned['folder']}/table.csv",
+            *picture_line(planned),
         ]
     )
 
 
-def summary(
-    simulator: Simulator, loaded: LabelledStudy, folder: Path, rows: Rows
-) -> dict[str, Any]:
-    """Return the results of a study: counts, and means and deviations over seeds by combination."""
-    groups: dict[tuple[Any, ...], Rows] = {}
-    for row in rows:
-        groups.setdefault(_key(loaded.columns, row), []).append(row)
-    states = Counter(row["state"] for row in rows)
-    failures = [f"{_labels(loaded, row)}: {row['reason']}" for row in _of(rows, "failed")]
-    lost = (r["reason"] for r in _of(rows, "interrupted") if r["reason"].endswith("went away"))
-    return {
-        "study": loaded.study.name,
-        "folder": str(folder),
-        "table": str(folder / "table.csv"),
-        "runs": len(rows),
-        "done": states["done"],
-        "reused": sum(row.get("reused", False) for row in rows),
-        "failed": states["failed"],
-        "interrupted": states["interrupted"],
-        "why_interrupted": next(lost, "stopped"),
-        "failures": failures,
-        "combinations": [
-            {**dict(zip(loaded.columns, key, strict=True)), **_means(simulator, group)}
-            for key, group in groups.items()
-        ],
-    }
-
-
-def _means(simulator: Simulator, rows: Rows) -> dict[str, Any]:
-    """Over the runs that are done: how they ended, mean and standard deviation; None for none."""
-    done = _of(rows, "done")
-    table: dict[str, Any] = {"runs": len(done)}
-    table |= {word: sum(map(is_one, done)) for word, is_one in simulator.counted.items()}
-    for name in simulator.means:
-        found = mean_sd([row[name] for row in done if row[name] is not None])
-        table[f"{name}.mean"], table[f"{name}.sd"] = found.mean, found.sd
-    return table
-
-
-def as_text(table: dict[str, Any]) -> str:
-    """A summary in words: a line for every combination."""
-    rows = table["combinations"]
-    names, cells = _with_spreads(rows)
-    counts = ", ".join(f"{table[name]} {name}" for name in ("done", "failed", "interrupted"))
-    return "\n".join(
-        [
-            fitted(names, cells, names.index("runs")),
-            *(wrapped(f"failed: {line}", 8) for line in table["failures"]),
-            f"{table['study']}: {_plural(table['runs'], 'run')}: {counts} ({table['reused']} were "
-            "there before)",
-            f"table       {table['table']}",
-        ]
-    )
-
-
-def _with_spreads(rows: Rows) -> tuple[list[str], list[list[str]]]:
-    """Names and cells of a table, a mean and its standard deviation as one: "0.341 +- 0.003"."""
-    means = [name.removesuffix(".mean") for name in rows[0] if name.endswith(".mean")]
-    others = [name for name in rows[0] if name.removesuffix(".sd").removesuffix(".mean") == name]
-
-    def spread(row: dict[str, Any], name: str) -> str:
-        mean, sd = row[f"{name}.mean"], row[f"{name}.sd"]
-        return _number(mean) + ("" if sd is None else f" +- {sd:.2g}")
-
-    cells = [
-        [*(_number(row[name]) for name in others), *(spread(row, name) for name in means)]
-        for row in rows
-    ]
-    return others + means, cells
+def picture_line(planned: dict[str, Any]) -> list[str]:
+    """The line on the picture of a plan, where there is one."""
+    return [f"picture     {planned['picture']}"] if planned.get("picture") else []
 
 
 def _key(columns: tuple[str, ...], row: dict[str, Any]) -> tuple[Any, ...]:
-    return tuple(repr(row[name]) if isinstance(row[name], list) else row[name] for name in columns)
-
-
-def _of(rows: Rows, state: str) -> Rows:
-    return [row for row in rows if row["state"] == state]
-
-
-def _labels(loaded: LabelledStudy, row: dict[str, Any]) -> str:
-    return ", ".join(f"{name} {_number(row[name])}" for name in (*loaded.columns, "seed"))
+    return tuple(key_of(row[name]) for name in columns)
 
 
 def _number(value: Any) -> str:

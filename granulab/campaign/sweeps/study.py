@@ -35,6 +35,7 @@ class Study:
     seeds: tuple[int, ...]
     draw_seed: int  # of the distributions
     text: str  # of the file
+    drawn: frozenset[str] = frozenset()  # keys whose values come from a distribution
 
     @property
     def n_runs(self) -> int:
@@ -76,13 +77,17 @@ def _study(document: dict[str, Any], stem: str, text: str, read: Reader) -> Stud
     if not _is_count(draw_seed):
         raise StudyError(f"draw_seed = {draw_seed!r}: must be an integer, 0 or more")
     cases, seeds = _cases(document.get("case")), _seeds(document.get("seeds", 1))
-    axes = [
-        (keys, series(written, keys, read, draw_seed, MAX_RUNS))
-        for keys, written in _axes(document.get("vary", {}))
-    ]
+    vary = _axes(document.get("vary", {}))
+    axes = [(keys, series(written, keys, read, draw_seed, MAX_RUNS)) for keys, written in vary]
+    drawn = {
+        key
+        for keys, written in vary
+        for key in keys
+        if isinstance(written, dict) and "distribution" in written
+    }
     _check_once(keys for keys, _ in axes)
     combinations = _combined(axes, document.get("combine", "product"), len(cases) * len(seeds))
-    return Study(name, cases, tuple(combinations), seeds, draw_seed, text)
+    return Study(name, cases, tuple(combinations), seeds, draw_seed, text, frozenset(drawn))
 
 
 def _axes(vary: Any) -> list[tuple[tuple[str, ...], Any]]:

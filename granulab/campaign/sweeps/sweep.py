@@ -21,6 +21,7 @@ from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.provenance import Sources, to_stderr
 from granulab.campaign.runs.stages import in_words
 from granulab.campaign.sweeps.engine import Tally, run_tasks
+from granulab.campaign.sweeps.report.quantities import Quantities
 from granulab.campaign.sweeps.task import Function, Outcome
 from granulab.errors import Failed, FolderError, InputError, SimulationError
 
@@ -56,8 +57,7 @@ class Simulator:
     measures       those that make its results from what it stored; None: none do
     made_by        of a case, the sources of its run and of its packing, where they differ
     packages       distributions whose versions matter to the last bit
-    means          columns of numbers of which a study gives mean and deviation over the seeds
-    counted        words for kinds of runs that a study counts, and which rows are of the kind
+    quantities     numbers and endings by which a study compares its runs
     compiled       whether its kernels are; what is not compiled yet delays the first runs
     """
 
@@ -72,10 +72,14 @@ class Simulator:
     packages: list[str]
     measures: Sources | None = None
     made_by: Callable[[Any], tuple[Sources, Sources]] | None = None
-    means: tuple[str, ...] = ()
-    counted: Mapping[str, Callable[[dict[str, Any]], bool]] = field(default_factory=dict)
+    quantities: Quantities = field(default_factory=Quantities)
     compiled: Callable[[], bool] = lambda: True
     disk_at_most: Callable[[Any], Mapping[str, int]] = lambda case: {}
+
+    @property
+    def means(self) -> tuple[str, ...]:
+        """Columns of the numbers by which runs are compared."""
+        return tuple(number.column for number in self.quantities.numbers)
 
     def run_folder(self, case: Any, out: Path) -> RunFolder:
         """Return where a case is run, which a single run finds too; it may not exist yet."""

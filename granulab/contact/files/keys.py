@@ -11,7 +11,7 @@ from granulab.contact.files.casefile import (
     takes_truth,
     unit_of,
 )
-from granulab.contact.files.units import nearest, to_si
+from granulab.contact.files.units import nearest, to_si, unit_in
 from granulab.errors import InputError
 
 
@@ -43,6 +43,15 @@ class Keys:
     def unit(self, key: str) -> str:
         """The SI unit of a key, "1" for a pure number or a word."""
         return unit_of(self._field(key))
+
+    def shown(self, key: str) -> tuple[str, float]:
+        """The unit in which a case file has a key, "" for none, and how much of SI it is."""
+        field = self._field(key)
+        unit, extra = unit_of(field), field.json_schema_extra or {}
+        if unit == "1":
+            return extra.get("plain_unit", ""), 1.0
+        own = unit_in(str((field.examples or [field.default])[0])) or unit
+        return own, to_si(f"1 {own}", unit, key)
 
     def column(self, key: str) -> str:
         """The name of a key's column in a table: "law.kn_n_per_m"."""

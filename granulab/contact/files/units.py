@@ -121,6 +121,12 @@ def is_unit(text: str) -> bool:
         return False
 
 
+def unit_in(text: str) -> str:
+    """The unit that a quantity is written in, such as "mm"; "" where it has none or is none."""
+    match = _QUANTITY.fullmatch(text.strip())
+    return match["unit"] if match else ""
+
+
 def is_plain_number(value: object) -> bool:
     """True where a value, or its text, is a number without a unit."""
     if not isinstance(value, str):

@@ -7,6 +7,7 @@ from typing import Any
 from urllib.parse import quote
 
 from granulab.campaign.output.page.document import document, picture
+from granulab.campaign.output.page.ranking import ranking_table
 from granulab.campaign.output.results import read_results
 from granulab.errors import FolderError
 
@@ -53,7 +54,7 @@ def study_page(folder: Path, answers: Sequence[str], target: Path) -> str:
             {"name": path.stem, "source": picture(path.read_bytes())}
             for path in sorted(folder.glob("*.png"))
         ],
-        "tables": tables,
+        "tables": [*filter(None, [ranking_table(folder)]), *tables],
     }
     return document("study.html", SCRIPTS, str(data["title"]), data)
 
@@ -70,7 +71,7 @@ def _tables(folder: Path) -> list[Path]:
 def _read(path: Path) -> list[Row]:
     return [
         {key: value for key, value in row.items() if not isinstance(value, dict)}
-        for row in read_results(path)[1]
+        for row in read_results(path, "its sweep or map")[1]
     ]
 
 
@@ -81,7 +82,9 @@ def _table(path: Path, answers: Sequence[str], start: Path) -> dict[str, Any]:
     labels = names[: names.index("seed") + 1] if "seed" in names else names[:2]
     key = [*labels, *(n for n in (*answers, *_ALSO) if n in names and n not in labels)]
     key = [n for n in key if any(row.get(n) not in (None, "") for row in rows)]
-    links = [_link(path.parent, row, start) for row in rows]
+    runs = [_run_folder(path.parent, row) for row in rows]
+    links = [None if run is None else _seen(page_of(run), start) for run in runs]
+    folders = [None if run is None else _seen(run, start) for run in runs]
     plotted = _plotted(rows, labels, [n for n in answers if n in key])
     return {
         "title": "Runs" if has_runs else "Points",
@@ -89,6 +92,7 @@ def _table(path: Path, answers: Sequence[str], start: Path) -> dict[str, Any]:
         "columns": names,
         "rows": [[_plain(row.get(name)) for name in names] for row in rows],
         "links": links if has_runs else None,
+        "folders": folders if has_runs else None,
         "key": [names.index(n) for n in key],
         "plot": {axis: names.index(name) for axis, name in plotted.items()},
     }
@@ -120,15 +124,14 @@ def _note(links: Sequence[str | None]) -> str:
     )
 
 
-def _link(folder: Path, row: Row, start: Path) -> str | None:
-    """Address of the page of a row's run as seen from a folder; None where there is none."""
-    run = _run_folder(folder, row)
-    if run is None or not page_of(run).is_file():
+def _seen(path: Path, start: Path) -> str | None:
+    """Address of a file or folder as seen from a folder; None where it is not there."""
+    if not path.exists():
         return None
     try:
-        seen = os.path.relpath(page_of(run).resolve(), start.resolve())
+        seen = os.path.relpath(path.resolve(), start.resolve())
     except ValueError:  # on another drive
-        return page_of(run).resolve().as_uri()
+        return path.resolve().as_uri()
     return quote(Path(seen).as_posix())
 
 

@@ -31,7 +31,7 @@ class Table {
     this.falling = this.by === column && !this.falling;
     this.by = column;
     const { rows } = this.spec, sign = this.falling ? -1 : 1;
-    this.order.sort((a, b) => sign * compared(rows[a][column], rows[b][column]) || a - b);
+    this.order.sort((a, b) => sign * compared(worth(rows[a][column]), worth(rows[b][column])) || a - b);
     this.draw();
   }
 
@@ -66,11 +66,16 @@ class Table {
       link.href = spec.links[row];
       link.textContent = "play";
     }
+    if (spec.folders?.[row]) {
+      const link = first.appendChild(document.createElement("a"));
+      link.href = spec.folders[row];
+      link.textContent = "files";
+    }
     for (const column of shown) {
       const cell = line.appendChild(document.createElement("td"));
       const value = spec.rows[row][column];
       cell.textContent = inWords(value);
-      if (typeof value === "number") cell.className = "number";
+      if (typeof worth(value) === "number") cell.className = "number";
     }
     return line;
   }
@@ -119,9 +124,13 @@ function heading({ title, note }) {
 
 function inWords(value) {
   if (value === null) return "–";
+  if (value.words !== undefined) return value.words;
   if (typeof value === "number") return Number.isInteger(value) ? `${value}` : digits(value);
   return Array.isArray(value) ? value.map(inWords).join(" ") : `${value}`;
 }
+
+/** What a cell is sorted by: its value; of words, the number that stands behind them. */
+const worth = (cell) => (cell?.words === undefined ? cell : cell.by);
 
 /** Order of two cells: numbers by size, texts by letters, nothing last. */
 function compared(a, b) {

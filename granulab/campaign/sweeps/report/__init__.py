@@ -1,0 +1,1 @@
+"""Report of many runs: means with intervals over seeds, ranking, pictures, page."""
