@@ -10,7 +10,8 @@ from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.enclosures.cavity import PLACES, Triangles
 from damper3d.engine.laws.table import LawTable, rolls
 from damper3d.engine.multisphere import particles as many_spheres
-from damper3d.engine.multisphere.particles import ManySpheres, Particle
+from damper3d.engine.multisphere.form import Particles, first_spheres, form_of, rows_of_spheres
+from damper3d.engine.multisphere.particles import ManySpheres, most_spheres, of_each
 from damper3d.engine.spheres import particles as one_sphere
 from damper3d.engine.state import (
     Block,
@@ -33,7 +34,7 @@ _WIDEST_OUTER_SKIN = 0.3  # of the outer skin over the bounding radius, for whic
 
 def build_world(
     positions: np.ndarray,
-    particle: np.ndarray | Particle,
+    particle: np.ndarray | Particles,
     orientations: np.ndarray | None = None,
     *,
     density: float | np.ndarray,
@@ -50,9 +51,10 @@ def build_world(
     """A world of n particles at rest in an enclosure that is about to move.
 
     positions (n, 3) in the enclosure's frame [m]; particle: radii (n,) of solid spheres [m], or a
-    multi-sphere particle, as which all are; orientations (n, 4) of such, unit quaternions
-    (w, x, y, z), of no rotation if left out; density [kg/m3], of spheres also (n,); laws: a
-    HertzLaw each, or for spheres the same LawTable twice; shaker: the numbers of a registered
+    multi-sphere particle, as which all are, or each of them, in a list; orientations (n, 4) of
+    such, unit quaternions (w, x, y, z), of no rotation if left out; density [kg/m3] of all, or (n,)
+    of each, but of particles that are alike; laws: a HertzLaw each, or the same LawTable twice, by
+    the kind of each sphere; shaker: the numbers of a registered
     motion, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s]; treatment of
     several contacts of two particles: one of multisphere.particles.TREATMENTS.
     """
@@ -63,11 +65,14 @@ def build_world(
         bounding = float(spheres.position[:, 3].max())
         room = {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
     else:
-        k, bounding = len(particle.radii), particle.bounding_radius
-        shape = many_spheres.shape_of(particle, float(density), n, treatment)
-        particles = many_spheres.at_rest(positions, orientations, particle, float(density))
-        spheres = _spheres(np.tile(particle.radii, n), np.repeat(particles.inverse_mass, k))
-        room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * k + 64)
+        form = form_of(particle, density)
+        first, mass = first_spheres(form, n), density * of_each(particle, n, lambda p: p.volume)
+        shape = many_spheres.shape_of(form, n, treatment)
+        particles = many_spheres.at_rest(positions, orientations, particle, mass, int(first[-1]))
+        radii = form.offset[rows_of_spheres(form, n), 3]
+        spheres = _spheres(radii, np.repeat(particles.inverse_mass, np.diff(first)))
+        bounding = float(particles.position[:, 3].max())
+        room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * most_spheres(form) + 64)
     largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
     built = World(
         shape=shape,
