@@ -142,9 +142,7 @@ def at_rest(
     return made
 
 
-def of_each(
-    particles: Particles, n: int, number: Callable[[Particle], float]
-) -> np.ndarray:
+def of_each(particles: Particles, n: int, number: Callable[[Particle], float]) -> np.ndarray:
     """A number of each of n particles (n,)."""
     if isinstance(particles, Sequence):
         return np.array([number(one) for one in particles])
