@@ -16,6 +16,7 @@ from damper3d.case.contacts import restitution_of_loss
 from damper3d.engine.records import CLASSES
 from damper3d.run.protocol import run_digest
 from damper3d.shapes.particle import parse_particle
+from damper3d.studies.pack.computed import pack
 from granulab.contact.restitution import ratio_of_restitution
 from granulab.contact.timestep import rayleigh_time_step
 
@@ -317,6 +318,13 @@ def test_a_mixture_of_shapes_survives_its_run_folder(materials, tmp_path):
     assert run_digest(deepest) != run_digest(
         made(materials, **kinds(STEEL | {"count": 9}, PROLATE))
     )
+
+
+def test_packings_of_a_mixture_are_refused(materials):
+    """The sphere of the mean volume, by which it is described, packs otherwise."""
+    changes = {"particles.kind": [STEEL | {"count": 9}, PROLATE], "particles.material": "steel",
+               "particles.materials": str(materials), "enclosure.material": "steel"}  # fmt: skip
+    assert_refuses(["particles that are all alike"], pack, "thesis", changes, out=Path())
 
 
 def test_meshes_of_one_name_that_differ_are_refused(materials, tmp_path):

@@ -31,7 +31,8 @@ BALL, PROLATE = sphere(1.8e-3), particle("prolate:1.5", sub_spheres=15)
 
 
 def mixture(particles, places, turns=None, *, law=None, density=DENSITY, room=ROOM, shaker=STILL,
-            gravity=NOWHERE, time_step=1e-6, steps_per_sample=1) -> Simulation:  # fmt: skip
+            gravity=NOWHERE, time_step=1e-6, steps_per_sample=1,
+            treatment="sum") -> Simulation:  # fmt: skip
     """Particles at rest, each with its shape, under one law."""
     m, walls = sum(len(one.radii) for one in particles), np.ones(len(room.wall_names), np.int64)
     laws = law_table([Contact(law or acrylic())], np.zeros((2, 2)), np.zeros(m, np.int64),
@@ -40,6 +41,7 @@ def mixture(particles, places, turns=None, *, law=None, density=DENSITY, room=RO
         np.atleast_2d(places), list(particles), None if turns is None else np.atleast_2d(turns),
         density=density, enclosure=room, pair_law=laws, wall_law=laws, shaker=shaker,
         direction=np.array([0.0, 0.0, 1.0]), gravity=np.array(gravity, float), time_step=time_step,
+        treatment=treatment,
     )  # fmt: skip
     return Simulation(world, steps_per_sample)
 
@@ -106,17 +108,18 @@ def test_contacts_of_a_mixture_are_those_of_a_search_over_all_pairs():
     assert len(seen) >= 5, "hardly two shapes have met"
 
 
-def test_no_bit_of_a_mixture_depends_on_its_lists_or_on_being_put_back():
+@pytest.mark.parametrize("treatment", ["sum", "deepest", "scaled"])
+def test_no_bit_of_a_mixture_depends_on_its_lists_or_on_being_put_back(treatment):
     """Neither on skins, put to extremes every 50 steps, nor on being put back with its springs."""
-    undisturbed = state_after(vigorous(speed=2.0), 3000)
-    sim = vigorous(speed=2.0)
+    undisturbed = state_after(vigorous(speed=2.0, treatment=treatment), 3000)
+    sim = vigorous(speed=2.0, treatment=treatment)
     for _ in range(60):
         sim.world.lengths[[state.INNER_SKIN, state.WALL_SKIN]] = 0.03 * BALL.radii[0], 1e-5
         sim.world.counts[[state.STALE_INNER, state.STALE_WALL]] = 1
         sim.step(50)
     assert state_after(sim, 0) == undisturbed
     assert sim.world.balance[state.FRICTION] > 0.0
-    sim, other = vigorous(speed=2.0), vigorous(speed=2.0)
+    sim, other = vigorous(speed=2.0, treatment=treatment), vigorous(speed=2.0, treatment=treatment)
     sim.step(500)
     while not len(sim.save()["pairs"]):
         sim.step(10)
@@ -195,7 +198,8 @@ def test_a_sphere_and_a_spheroid_that_meet_centrally_part_with_the_restitution()
     assert np.abs(sim.frame()["spin"]).max() < 1e-6
 
 
-def test_an_off_centre_impact_of_a_spheroid_with_a_sphere_keeps_momenta_to_rounding():
+@pytest.mark.parametrize("treatment", ["sum", "deepest", "scaled"])
+def test_an_off_centre_impact_of_a_spheroid_with_a_sphere_keeps_momenta_to_rounding(treatment):
     """sum m v and sum (x x m v + L), without gravity: both get the same force at one point, which
     friction turns too; what moved by itself now moves and turns the other. Velocities are rounded
     to 2e-16 of 2 m/s, places to 6e-17 m in each step."""
@@ -203,7 +207,8 @@ def test_an_off_centre_impact_of_a_spheroid_with_a_sphere_keeps_momenta_to_round
     mass = density * [one.volume for one in particles]
     above = 0.6 * PROLATE.bounding_radius
     sim = mixture(particles, [[0.0, 0.0, 0.5], [above, 0.3e-3, 0.5 + 4.2e-3]],
-                  [about([1, 2, 3], 0.3), about([0, 0, 1], 0.0)], density=density)  # fmt: skip
+                  [about([1, 2, 3], 0.3), about([0, 0, 1], 0.0)], density=density,
+                  treatment=treatment)  # fmt: skip
     sim.set_velocity(np.array([[0.0, 0.0, 0.0], [0.2, -0.1, -2.0]]),
                      np.array([[0.0, 0.0, 0.0], [50.0, 300.0, -80.0]]))  # fmt: skip
     bodies = sim.world.particles
