@@ -11,7 +11,7 @@ from damper3d.engine.enclosures.cavity import PLACES, Triangles
 from damper3d.engine.laws.table import LawTable, rolls
 from damper3d.engine.multisphere import particles as many_spheres
 from damper3d.engine.multisphere.form import Particles, first_spheres, form_of, rows_of_spheres
-from damper3d.engine.multisphere.particles import ManySpheres, most_spheres, of_each
+from damper3d.engine.multisphere.particles import ManySpheres, RigidMotion, most_spheres, of_each
 from damper3d.engine.spheres import particles as one_sphere
 from damper3d.engine.state import (
     Block,
@@ -52,11 +52,11 @@ def build_world(
 
     positions (n, 3) in the enclosure's frame [m]; particle: radii (n,) of solid spheres [m], or a
     multi-sphere particle, as which all are, or each of them, in a list; orientations (n, 4) of
-    such, unit quaternions (w, x, y, z), of no rotation if left out; density [kg/m3] of all, or (n,)
-    of each, but of particles that are alike; laws: a HertzLaw each, or the same LawTable twice, by
-    the kind of each sphere; shaker: the numbers of a registered
-    motion, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s]; treatment of
-    several contacts of two particles: one of multisphere.particles.TREATMENTS.
+    such, unit quaternions (w, x, y, z), of no rotation if left out; density [kg/m3], of unlike
+    particles also (n,); laws: a HertzLaw each, or the same LawTable twice, by the kind of each
+    sphere; shaker: the numbers of a registered motion, along the unit vector direction (3,);
+    gravity (3,) [m/s2]; time_step [s]; treatment of several contacts of two particles: one of
+    multisphere.particles.TREATMENTS.
     """
     n = len(positions)
     if isinstance(particle, np.ndarray):
@@ -65,14 +65,10 @@ def build_world(
         bounding = float(spheres.position[:, 3].max())
         room = {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
     else:
-        form = form_of(particle, density)
-        first, mass = first_spheres(form, n), density * of_each(particle, n, lambda p: p.volume)
-        shape = many_spheres.shape_of(form, n, treatment)
-        particles = many_spheres.at_rest(positions, orientations, particle, mass, int(first[-1]))
-        radii = form.offset[rows_of_spheres(form, n), 3]
-        spheres = _spheres(radii, np.repeat(particles.inverse_mass, np.diff(first)))
+        made = _many_spheres_each(positions, orientations, particle, density, treatment)
+        shape, particles, spheres = made
         bounding = float(particles.position[:, 3].max())
-        room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * most_spheres(form) + 64)
+        room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * most_spheres(shape.form) + 64)
     largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
     built = World(
         shape=shape,
@@ -105,6 +101,18 @@ def _one_sphere_each(
     spheres = _spheres(radii + halo, particles.inverse_mass)
     spheres.position[: len(radii), :3] = positions
     return one_sphere.known_pairs(0), particles, spheres
+
+
+def _many_spheres_each(
+    positions: np.ndarray, orientations: np.ndarray | None, particles: Particles,
+    density: float | np.ndarray, treatment: str,
+) -> tuple[ManySpheres, RigidMotion, Spheres]:  # fmt: skip
+    n, form = len(positions), form_of(particles, density)
+    mass = density * of_each(particles, n, lambda one: one.volume)
+    first, radii = first_spheres(form, n), form.offset[rows_of_spheres(form, n), 3]
+    made = many_spheres.at_rest(positions, orientations, particles, mass, int(first[-1]))
+    spheres = _spheres(radii, np.repeat(made.inverse_mass, np.diff(first)))
+    return many_spheres.shape_of(form, n, treatment), made, spheres
 
 
 def _empty_lists(n: int, shape: Any, rolling: bool) -> dict[str, Any]:

@@ -38,10 +38,6 @@ class Particle(Protocol):
     def bounding_radius(self) -> float:
         """Radius of the sphere about the centroid that holds the particle [m]."""
 
-    @property
-    def smallest_radius(self) -> float:
-        """Radius of its smallest sphere [m]."""
-
 
 Particles = Particle | Sequence[Particle]  # one, as which all are, or each of them
 
@@ -65,11 +61,11 @@ class Unlike(NamedTuple):
     inverse_inertia: np.ndarray  # (n, 3)
     odd: np.ndarray  # (n,)
     row: np.ndarray  # (n,) of offset, where the spheres of a particle begin
-    column: np.ndarray  # (n,) uint64, likewise
-    n_columns: np.ndarray  # (n,)
+    column: np.ndarray  # (n,) uint64, of columns, likewise
+    n_columns: np.ndarray  # (n,) how many they are
     first: np.ndarray  # (n + 1,) number of the first sphere of a particle
     whose: np.ndarray  # (m,) uint32, particle of each sphere
-    most: int  # spheres of a particle
+    most: int  # largest number of spheres of a particle
 
 
 def form_of(particles: Particles, density: float | np.ndarray) -> Alike | Unlike:
@@ -89,13 +85,13 @@ def _unlike(particles: Sequence[Particle], density: np.ndarray) -> Unlike:
     columns = [_columns(table) for table in tables]
     sizes = np.array([len(table) for table in tables])
     wide = np.array([table.shape[1] for table in columns])
-    turning = [_rotation(one, rho) for one, rho in zip(particles, density.tolist(), strict=True)]
+    rotations = [_rotation(one, rho) for one, rho in zip(particles, density.tolist(), strict=True)]
     return Unlike(
         offset=_aligned(np.concatenate(tables)),
         columns=_aligned(np.concatenate(columns, axis=1)),
         arm=np.array([_arm(one) for one in shapes])[which],
-        inverse_inertia=np.array([moments for moments, _ in turning]),
-        odd=np.array([odd for _, odd in turning]),
+        inverse_inertia=np.array([moments for moments, _ in rotations]),
+        odd=np.array([odd for _, odd in rotations]),
         row=_begins(sizes)[which],
         column=_begins(wide)[which].astype(np.uint64),
         n_columns=wide[which],
