@@ -11,7 +11,7 @@ from damper3d.engine.enclosures.cavity import PLACES, Triangles
 from damper3d.engine.laws.table import LawTable, rolls
 from damper3d.engine.multisphere import particles as many_spheres
 from damper3d.engine.multisphere.form import Particles, first_spheres, form_of, rows_of_spheres
-from damper3d.engine.multisphere.particles import ManySpheres, RigidMotion, most_spheres, of_each
+from damper3d.engine.multisphere.particles import ManySpheres, most_spheres, of_each
 from damper3d.engine.spheres import particles as one_sphere
 from damper3d.engine.state import (
     Block,
@@ -30,6 +30,9 @@ from granulab.contact.hertz import HertzLaw
 
 _FIRST_SKIN = 0.01  # inner skin over the largest radius, before it follows the speed
 _WIDEST_OUTER_SKIN = 0.3  # of the outer skin over the bounding radius, for which cells are made
+
+# Shape, particles, spheres; the largest radius of a sphere round a particle; capacities of lists.
+_Made = tuple[Any, Any, Spheres, float, dict[str, int]]
 
 
 def build_world(
@@ -61,14 +64,10 @@ def build_world(
     n = len(positions)
     if isinstance(particle, np.ndarray):
         halo = getattr(pair_law, "halo", 0.0)
-        shape, particles, spheres = _one_sphere_each(positions, particle, density, halo)
-        bounding = float(spheres.position[:, 3].max())
-        room = {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
+        made = _one_sphere_each(positions, particle, density, halo)
     else:
         made = _many_spheres_each(positions, orientations, particle, density, treatment)
-        shape, particles, spheres = made
-        bounding = float(particles.position[:, 3].max())
-        room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * most_spheres(shape.form) + 64)
+    shape, particles, spheres, bounding, room = made
     largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
     built = World(
         shape=shape,
@@ -96,23 +95,27 @@ def build_world(
 
 def _one_sphere_each(
     positions: np.ndarray, radii: np.ndarray, density: float | np.ndarray, halo: float
-) -> tuple[Any, Any, Spheres]:
-    particles = one_sphere.at_rest(radii, density)
+) -> _Made:
+    n, particles = len(radii), one_sphere.at_rest(radii, density)
     spheres = _spheres(radii + halo, particles.inverse_mass)
-    spheres.position[: len(radii), :3] = positions
-    return one_sphere.known_pairs(0), particles, spheres
+    spheres.position[:n, :3] = positions
+    room = {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
+    bounding = float(spheres.position[:, 3].max())
+    return one_sphere.known_pairs(0), particles, spheres, bounding, room
 
 
 def _many_spheres_each(
     positions: np.ndarray, orientations: np.ndarray | None, particles: Particles,
     density: float | np.ndarray, treatment: str,
-) -> tuple[ManySpheres, RigidMotion, Spheres]:  # fmt: skip
+) -> _Made:  # fmt: skip
     n, form = len(positions), form_of(particles, density)
     mass = density * of_each(particles, n, lambda one: one.volume)
     first, radii = first_spheres(form, n), form.offset[rows_of_spheres(form, n), 3]
     made = many_spheres.at_rest(positions, orientations, particles, mass, int(first[-1]))
     spheres = _spheres(radii, np.repeat(made.inverse_mass, np.diff(first)))
-    return many_spheres.shape_of(form, n, treatment), made, spheres
+    room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * most_spheres(form) + 64)
+    bounding = float(made.position[:, 3].max())
+    return many_spheres.shape_of(form, n, treatment), made, spheres, bounding, room
 
 
 def _empty_lists(n: int, shape: Any, rolling: bool) -> dict[str, Any]:
