@@ -44,6 +44,7 @@ _FIRST = (
     "damper3d/test_cluster_contacts.py",
     "silo2d/test_conservation.py",
     "damper3d/test_damper_engine_balance.py",
+    "damper3d/test_unlike_particles.py",
     "damper3d/test_extend_enclosure.py",
     "silo2d/test_disorder.py",
     "silo2d/test_sweep.py",

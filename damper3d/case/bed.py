@@ -1,76 +1,122 @@
-"""Beds of unlike spheres: several kinds, by count or mass, and distributed sizes."""
+"""Beds of unlike particles: several kinds, by count or mass, of shapes and sizes of their own."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from damper3d.case.contacts import Ball, Pairing
-from damper3d.case.parts import USUAL_FILL_RATIO
-from damper3d.case.settings import MOST_PARTICLES, Kind, Particles
+from damper3d.case.oscillation import equivalent_sphere_radius
+from damper3d.case.parts import mesh_copy, particle_wanted
+from damper3d.case.settings import Kind, Particles
+from damper3d.case.sizes import counts_of, sizes_of
 from damper3d.engine.enclosures import Cells, Enclosure
 from damper3d.engine.laws.table import Contact, LawTable, law_table
 from damper3d.shapes.multisphere import MultiSphere, sphere
-from damper3d.shapes.particle import parse_particle
-from granulab.contact.files.units import located, to_si
+from damper3d.shapes.surfaces.surface import Surface
+from granulab.contact.files.units import located
 from granulab.contact.material import Material
 from granulab.errors import InputError
 
-_CUT = 3.0  # standard deviations at which a distribution is cut off on both sides
 _GRID = 1000  # quantiles that a mean volume is taken over
-_ADD_UP = 1e-3  # by which mass fractions may miss 1, as people round thirds
+_NO_SURFACE = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int64))
 _STREAM = 0x5123  # of the sizes: the filling draws from the seed alone
 
 
 @dataclass(frozen=True, eq=False)
 class Sort:
-    """One kind of sphere."""
+    """One kind of particle."""
 
     name: str  # such as "sphere:5mm"
     material: Material
-    radius: np.ndarray  # (count,) [m]
+    shape: MultiSphere  # of any size
+    radius: np.ndarray  # (count,) of the sphere of the same volume [m]
+    mesh: dict[str, str]  # file of its shape for the run folder, where it has one: name and text
 
     @property
     def ball(self) -> Ball:
-        """The sphere of the mean radius of the kind."""
+        """The sphere of the mean radius of the kind, or the particle of that size."""
         radius = float(self.radius.mean()) if np.ptp(self.radius) else float(self.radius[0])
         mass = self.material.density.value * 4.0 / 3.0 * math.pi * radius**3
-        return Ball(self.material, radius, mass)
+        return Ball(self.material, self.of_size(radius).smallest_radius, mass)
 
     @property
     def mass(self) -> float:
         """Mass of all of them [kg]."""
         return self.material.density.value * float((4.0 / 3.0 * math.pi * self.radius**3).sum())
 
+    @property
+    def smallest(self) -> MultiSphere:
+        """The smallest of them."""
+        return self.of_size(float(self.radius.min()))
+
+    def of_size(self, radius: float) -> MultiSphere:
+        """The particle of the volume of the sphere of a radius [m]."""
+        if self.shape.is_sphere:
+            return sphere(radius)
+        own = self.shape.equal_volume_radius
+        return self.shape if radius == own else self.shape.scaled(radius / own)
+
+    @property
+    def particles(self) -> list[MultiSphere]:
+        """Each of them (count,), without its surface; those of one size are one object."""
+        bare, own = replace(self.shape, surface=_NO_SURFACE), self.shape.equal_volume_radius
+        own = float(self.shape.radii[0]) if self.shape.is_sphere else own
+        made = {radius: bare.scaled(radius / own) for radius in np.unique(self.radius).tolist()}
+        return [made[radius] for radius in self.radius.tolist()]
+
 
 @dataclass(frozen=True, eq=False)
 class Bed:
-    """Spheres of one kind or more, kind by kind; SI."""
+    """Particles of one kind or more, kind by kind; SI."""
 
     sorts: tuple[Sort, ...]
 
+    @property
+    def of_spheres(self) -> bool:
+        """True where all are spheres."""
+        return all(sort.shape.is_sphere for sort in self.sorts)
+
     @cached_property
     def radius(self) -> np.ndarray:
-        """Radius of each sphere (n,) [m]."""
+        """Radius of each particle, or of the sphere of its volume (n,) [m]."""
         return np.concatenate([sort.radius for sort in self.sorts])
 
     @cached_property
     def kind(self) -> np.ndarray:
-        """Number of the kind of each sphere (n,)."""
+        """Number of the kind of each particle (n,)."""
         return np.repeat(np.arange(len(self.sorts)), [len(sort.radius) for sort in self.sorts])
 
     @cached_property
     def density(self) -> np.ndarray:
-        """Density of each sphere (n,) [kg/m3]."""
+        """Density of each particle (n,) [kg/m3]."""
         return np.array([sort.material.density.value for sort in self.sorts])[self.kind]
 
     @cached_property
     def volume(self) -> np.ndarray:
-        """Volume of each sphere (n,) [m3]."""
+        """Volume of each particle (n,) [m3]."""
         return 4.0 / 3.0 * np.pi * self.radius**3
+
+    @cached_property
+    def particles(self) -> list[MultiSphere]:
+        """Each particle (n,), as spheres that move together."""
+        return [one for sort in self.sorts for one in sort.particles]
+
+    @property
+    def sub_spheres(self) -> np.ndarray:
+        """Number of spheres of each particle (n,)."""
+        return np.array([len(sort.shape.radii) for sort in self.sorts])[self.kind]
+
+    @property
+    def bounding_radius(self) -> np.ndarray:
+        """Radius of the sphere round each particle (n,) [m]."""
+        if self.of_spheres:
+            return self.radius
+        return np.array([one.bounding_radius for one in self.particles])
 
     @property
     def mean_density(self) -> float:
@@ -81,10 +127,17 @@ class Bed:
     def mean_sphere(self) -> MultiSphere:
         """The sphere of the mean volume, that stands for all where one number is asked.
 
-        No packing is known for its name (random_packing.py): unlike spheres pack closer.
+        No packing is known for its name (random_packing.py): unlike particles pack closer.
         """
         radius = (0.75 * float(self.volume.mean()) / math.pi) ** (1 / 3)
         return sphere(radius, f"mixture: {' + '.join(sort.name for sort in self.sorts)}")
+
+    @property
+    def identity(self) -> list[Any]:
+        """All of it that a packing depends on."""
+        shapes = [[one.offsets, one.radii, one.volume, one.inertia]
+                  for one in (sort.shape for sort in self.sorts)]  # fmt: skip
+        return [self.radius, self.kind, self.density, *([] if self.of_spheres else [shapes])]
 
     def described(self) -> list[dict[str, Any]]:
         """The kinds in numbers, for the results of a run."""
@@ -93,16 +146,31 @@ class Bed:
             {
                 "particles": sort.name,
                 "material": sort.material.name,
+                "sub_spheres": len(sort.shape.radii),
                 "count": len(sort.radius),
                 "mass_kg": sort.mass,
                 "mass_fraction": sort.mass / whole,
                 "diameter_m": {
                     "mean": 2.0 * float(sort.radius.mean()),
-                    "sd": 2.0 * float(sort.radius.std()),
+                    "sd": 2.0 * float(sort.radius.std()) if np.ptp(sort.radius) else 0.0,
                     "smallest": 2.0 * float(sort.radius.min()),
                     "largest": 2.0 * float(sort.radius.max()),
                 },
             }
+            for sort in self.sorts
+        ]
+
+    def swiftest(self, tangential: float) -> list[tuple[MultiSphere, Material, float]]:
+        """Particles that may need the shortest step: the smallest of each kind, its material.
+
+        And how much faster its contacts may oscillate than on a wall: a sphere meets as many
+        sub-spheres of another kind at once as that kind does of a wall, at most.
+        """
+        others = [sort.shape for sort in self.sorts if not sort.shape.is_sphere]
+        faster = max((one.equal_volume_radius / equivalent_sphere_radius(one, tangential)
+                      for one in others), default=1.0)  # fmt: skip
+        return [
+            (sort.smallest, sort.material, faster if sort.shape.is_sphere else 1.0)
             for sort in self.sorts
         ]
 
@@ -111,9 +179,9 @@ def table_of_laws(
     walls: np.ndarray, kind: np.ndarray, radii: np.ndarray, pairings: Sequence[Pairing],
     more: tuple[float, tuple[float, float, float]], cohesion: Any,
 ) -> LawTable:  # fmt: skip
-    """The laws of spheres by their kinds (n,), as the engine takes them.
+    """The laws of spheres by their kinds (m,), as the engine takes them.
 
-    walls (n_walls,): kind of each, after those of spheres; pairings in the order of `pairs_of`;
+    walls (n_walls,): kind of each, after those of particles; pairings in the order of `pairs_of`;
     more: surface energy [J/m2] and rolling resistance.
     """
     sorts, last = int(walls.min()), int(walls.max())
@@ -131,7 +199,7 @@ def pairs_of(sorts: int, walls: int) -> list[tuple[int, int]]:
 
 
 def is_mixed(particles: Particles) -> bool:
-    """True where the spheres of a case are not all alike."""
+    """True where the particles of a case are not all alike."""
     return particles.kind is not None or _is_distributed(particles)
 
 
@@ -141,31 +209,49 @@ def _is_distributed(given: Particles | Kind) -> bool:
 
 
 def bed_of(
-    particles: Particles, materials: Sequence[Material], enclosure: Enclosure, seed: int, where: str
-) -> Bed:
-    """The spheres of a mixture, or of a distribution; InputError where there can be none.
+    particles: Particles, materials: Sequence[Material], enclosure: Enclosure, seed: int,
+    where: str, folder: Path,
+) -> Bed:  # fmt: skip
+    """The particles of a mixture, or of a distribution; InputError where there can be none.
 
-    materials: of the kinds, in their order.
+    materials: of the kinds, in their order; folder: where their meshes are looked for first.
     """
     kinds = _kinds(particles, where)
     names = [f"{where}: [[particles.kind]] {n + 1}:" for n in range(len(kinds))]
     if particles.kind is None:
         names = [f"{where}: [particles]"]
-    sizes = []
+    shapes, sizes, meshes = [], [], []
     for given, name in zip(kinds, names, strict=True):
         with located(name):
-            sizes.append(_diameters_of(given))
+            shape, size = sizes_of(given, folder)
+            meshes.append(mesh_copy(particle_wanted(given, folder)))
+        shapes.append(shape)
+        sizes.append(size)
+    _check_names(meshes, names)
     grid = (np.arange(_GRID) + 0.5) / _GRID
     volumes = [math.pi / 6.0 * float((size(grid) ** 3).mean()) for size in sizes]
-    counts = _counts(particles, kinds, materials, volumes, enclosure, where)
+    counts = counts_of(particles, kinds, materials, volumes, enclosure, where)
     sorts = []
     for n, (given, size, count) in enumerate(zip(kinds, sizes, counts, strict=True)):
         rng = np.random.default_rng([_STREAM, seed, n])
         quantile = (rng.permutation(count) + rng.uniform(size=count)) / count
-        sorts.append(Sort(_name(given), materials[n], 0.5 * size(quantile)))
+        radius = 0.5 * size(quantile)
+        sorts.append(Sort(_name(given), materials[n], shapes[n], radius, meshes[n]))
     bed = Bed(tuple(sorts))
     _check_room(bed, enclosure, where)
     return bed
+
+
+def _check_names(meshes: list[dict[str, str]], names: list[str]) -> None:
+    """Raise InputError where two meshes would have one name in the run folder."""
+    kept: dict[str, str] = {}
+    for mesh, name in zip(meshes, names, strict=True):
+        for file, text in mesh.items():
+            if kept.setdefault(file, text) != text:
+                raise InputError(
+                    f"{name} shape: another kind's mesh is called {Path(file).stem!r} too, and is "
+                    "not the same; rename one of the files"
+                )
 
 
 def _kinds(particles: Particles, where: str) -> list[Particles | Kind]:
@@ -189,170 +275,13 @@ def _name(given: Particles | Kind) -> str:
     return f"{shape} ({given.size_distribution})" if given.size_distribution else shape
 
 
-def _diameters_of(given: Particles | Kind) -> Any:
-    """The function from quantiles, 0 to 1, to diameters [m] of a kind."""
-    distribution, deviation = given.size_distribution, given.size_deviation
-    if distribution == "sieve":
-        if given.shape.strip() not in ("sphere", Particles().shape):
-            raise InputError(
-                f"shape = {given.shape!r}: a sieve table gives the sizes; write shape = 'sphere'"
-            )
-        if deviation is not None:
-            raise InputError("size_deviation goes with 'normal' and 'lognormal'; leave it out")
-        return _sieved(given.sieve)
-    if given.sieve is not None:
-        raise InputError("sieve goes with size_distribution = 'sieve'; give that, or leave it out")
-    particle = parse_particle(given.shape)
-    if not particle.is_sphere:
-        raise InputError(
-            f"shape = {given.shape!r}: mixtures and distributions are of spheres, such as "
-            "'sphere:5mm'"
-        )
-    mean = 2.0 * float(particle.radii[0])
-    if distribution is None:
-        if deviation is not None:
-            raise InputError("size_deviation: size_distribution is missing, such as 'normal'")
-        return lambda quantile: np.full(len(quantile), mean)
-    if deviation is None:
-        raise InputError(
-            f"size_distribution = {distribution!r}: size_deviation is missing, such as '0.2 mm'"
-        )
-    _check_width(distribution, mean, deviation)
-    return _normal(mean, deviation) if distribution == "normal" else _lognormal(mean, deviation)
-
-
-def _check_width(distribution: str, mean: float, deviation: float) -> None:
-    most = mean / _CUT if distribution == "normal" else mean
-    if deviation >= most:
-        raise InputError(
-            f"size_deviation = {1e3 * deviation:g} mm: wider than its mean of {1e3 * mean:g} mm "
-            f"takes; give less than {1e3 * most:.3g} mm"
-            + (", or 'lognormal'" if distribution == "normal" else "")
-        )
-
-
-def _between_cuts(quantile: np.ndarray) -> np.ndarray:
-    """The standard normal variable of quantiles of its part within the cuts."""
-    from scipy.special import ndtr, ndtri
-
-    return ndtri(ndtr(-_CUT) + quantile * (ndtr(_CUT) - ndtr(-_CUT)))
-
-
-def _normal(mean: float, deviation: float) -> Any:
-    return lambda quantile: mean + deviation * _between_cuts(quantile)
-
-
-def _lognormal(mean: float, deviation: float) -> Any:
-    """The diameter has this mean and deviation; its logarithm is normal."""
-    width = math.sqrt(math.log1p((deviation / mean) ** 2))
-    return lambda quantile: mean * np.exp(width * _between_cuts(quantile) - 0.5 * width**2)
-
-
-def _sieved(table: list[list[Any]] | None) -> Any:
-    """Sizes of a sieve table: between two sieves mass is spread evenly over the diameter.
-
-    The number of spheres is then spread as d^-3: in a class from a to b its share goes as the mass
-    times (a^-2 - b^-2)/(2 (b - a)), and d^-2 is even.
-    """
-    if table is None:
-        raise InputError(
-            'size_distribution = \'sieve\': sieve is missing, such as [["2 mm", 0], ["4 mm", 1]]'
-        )
-    sieve = np.array([to_si(row[0], "m", "sieve") for row in table])
-    passing = np.array([to_si(row[1], "1", "sieve") for row in table])
-    if len(sieve) < 2 or sieve[0] <= 0.0 or (np.diff(sieve) <= 0.0).any():
-        raise InputError("sieve: sizes must be above 0 and ascend, two at least")
-    if passing[0] != 0.0 or passing[-1] != 1.0 or (np.diff(passing) < 0.0).any():
-        raise InputError(
-            "sieve: the share of the mass that passes must rise from 0 at the finest to 1 at the "
-            "coarsest"
-        )
-    low, high = sieve[:-1] ** -2.0, sieve[1:] ** -2.0
-    number = np.diff(passing) * (low - high) / np.diff(sieve)
-    edge = np.append(0.0, np.cumsum(number / number.sum()))
-
-    def diameters(quantile: np.ndarray) -> np.ndarray:
-        k = np.clip(np.searchsorted(edge, quantile, side="right") - 1, 0, len(low) - 1)
-        part = (quantile - edge[k]) / (edge[k + 1] - edge[k])
-        return (low[k] + part * (high[k] - low[k])) ** -0.5
-
-    return diameters
-
-
-def _counts(
-    particles: Particles, kinds: list[Particles | Kind], materials: Sequence[Material],
-    volumes: list[float], enclosure: Enclosure, where: str,
-) -> list[int]:  # fmt: skip
-    """Return how many of each kind there are."""
-    if particles.kind is None:
-        shares = [1.0]
-    else:
-        given = [kind.count for kind in particles.kind]
-        if all(count is not None for count in given):
-            for key in ("count", "fill_ratio"):
-                if getattr(particles, key) is not None:
-                    raise InputError(
-                        f"{where}: [particles] {key} and the count of each kind are both given; "
-                        "leave one of them out"
-                    )
-            return [count for count in given if count is not None]
-        fractions = _fractions(particles.kind, where)
-        each = [
-            fraction / (material.density.value * volume)
-            for fraction, material, volume in zip(fractions, materials, volumes, strict=True)
-        ]
-        shares = [share / sum(each) for share in each]
-    mean = sum(share * volume for share, volume in zip(shares, volumes, strict=True))
-    fill_ratio = particles.fill_ratio or USUAL_FILL_RATIO
-    whole = particles.count or max(round(fill_ratio * enclosure.volume / mean), 1)
-    if particles.count and particles.fill_ratio and abs(
-        whole * mean - fill_ratio * enclosure.volume
-    ) > mean:  # fmt: skip
-        raise InputError(
-            f"{where}: [particles] count = {whole} and fill_ratio = {fill_ratio:g} are both given, "
-            f"and are not the same ({whole * mean / enclosure.volume:.4g}); leave one of them out"
-        )
-    if whole > MOST_PARTICLES:
-        raise InputError(
-            f"{where}: [particles] count = {whole}, from the usual fill ratio: must be at most "
-            f"{MOST_PARTICLES}; check the units of sizes, or give a count"
-        )
-    wanted = np.array(shares) * whole
-    counts = np.floor(wanted).astype(int)
-    rest = np.argsort(counts - wanted, kind="stable")  # the largest remainders first
-    counts[rest[: whole - int(counts.sum())]] += 1
-    for n, count in enumerate(counts):
-        if not count:
-            raise InputError(
-                f"{where}: [[particles.kind]] {n + 1}: its mass_fraction is less than one sphere "
-                f"of {whole}; give more of it, or a larger count"
-            )
-    return counts.tolist()
-
-
-def _fractions(kinds: Sequence[Kind], where: str) -> list[float]:
-    """Mass fractions that add up to 1."""
-    known = [kind.mass_fraction for kind in kinds]
-    if any(kind.count is not None for kind in kinds) or None in known:
-        raise InputError(
-            f"{where}: [[particles.kind]]: give every kind a count, or every kind a mass_fraction"
-        )
-    fractions = [fraction for fraction in known if fraction is not None]
-    if abs(sum(fractions) - 1.0) > _ADD_UP:
-        raise InputError(
-            f"{where}: [[particles.kind]] mass_fraction: they add up to {sum(fractions):.6g}; they "
-            "must add up to 1"
-        )
-    return [fraction / sum(fractions) for fraction in fractions]
-
-
 def _check_room(bed: Bed, enclosure: Enclosure, where: str) -> None:
     if isinstance(enclosure, Cells):
         raise InputError(
-            f"{where}: [enclosure] cells hold spheres that are all alike: the first cells would "
+            f"{where}: [enclosure] cells hold particles that are all alike: the first cells would "
             "get the first kind; leave cells out, or give one kind and size"
         )
-    largest = 2.0 * float(bed.radius.max())
+    largest = 2.0 * float(bed.bounding_radius.max())
     if enclosure.narrowest < largest:
         raise InputError(
             f"{where}: [enclosure] {1e3 * enclosure.narrowest:g} mm at the narrowest: smaller than "
@@ -361,6 +290,6 @@ def _check_room(bed: Bed, enclosure: Enclosure, where: str) -> None:
     fill = float(bed.volume.sum()) / enclosure.volume
     if fill >= 1.0:
         raise InputError(
-            f"{where}: [particles] {len(bed.radius)} spheres: fill ratio {fill:.3f}, above 1; give "
-            "fewer, or a larger enclosure"
+            f"{where}: [particles] {len(bed.radius)} particles: fill ratio {fill:.3f}, above 1; "
+            "give fewer, or a larger enclosure"
         )

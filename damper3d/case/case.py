@@ -38,7 +38,6 @@ from damper3d.case.parameters import (
     time_steps,
 )
 from damper3d.case.parts import (
-    CAVITY_FILE,
     GRAVITY,
     cavity_copy,
     check_enclosure,
@@ -51,6 +50,7 @@ from damper3d.case.parts import (
     orientation_of,
     particle_wanted,
     unit_vector,
+    with_copies,
     with_usual_cycles,
 )
 from damper3d.case.settings import Enclosure as EnclosureKeys
@@ -59,7 +59,7 @@ from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.laws.table import LawTable
 from damper3d.engine.motions import Turning
 from damper3d.engine.records import CLASSES
-from damper3d.shapes.multisphere import MultiSphere, sphere
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import particle_of
 from granulab.contact.files.casefile import changed
 from granulab.contact.files.datafile import case_names, data_file, find, is_file
@@ -87,7 +87,7 @@ class DamperCase:
     settling_gravity: np.ndarray  # (3,) [m/s2] while the particles settle
     direction: np.ndarray  # (3,) of the motion, of length one
     files: dict[str, str]  # name in the run folder -> text, of materials, mesh and modes
-    bed: Bed | None = None  # spheres that are not all alike; then `particle` is their mean
+    bed: Bed | None = None  # particles that are not all alike; then `particle` is their mean
     modes: Modes | None = None  # of the host that the enclosure rides on; None: it is driven
     drive: Drive | None = None  # what moves that host
     excitation: Excitation | None = None  # in place of a sine, of the enclosure or of that host
@@ -199,19 +199,39 @@ class DamperCase:
         return found
 
     @property
+    def of_spheres(self) -> bool:
+        """True where all particles are spheres, which need no orientation."""
+        return self.particle.is_sphere if self.bed is None else self.bed.of_spheres
+
+    @property
+    def sub_spheres(self) -> np.ndarray:
+        """Number of spheres of each particle (count,)."""
+        if self.bed is not None:
+            return self.bed.sub_spheres
+        return np.full(self.count, len(self.particle.radii))
+
+    def solids(self, count: int) -> MultiSphere | list[MultiSphere]:
+        """The particle that all are, or each of the first of them, as the engine takes them."""
+        return self.particle if self.bed is None else self.bed.particles[:count]
+
+    @property
     def sorts(self) -> int:
-        """Kinds of spheres."""
+        """Kinds of particles."""
         return 1 if self.bed is None else len(self.bed.sorts)
 
     @property
     def is_plain(self) -> bool:
-        """True where one law holds for all pairs, without rolling resistance or cohesion."""
+        """True where one law holds for all pairs, without rolling resistance or cohesion.
+
+        Shapes that differ have a table all the same, so that their kernels are compiled once.
+        """
         law = self.settings.law
         alike = self.sorts == 1 and not self.wall_kinds.any()
+        alike &= self.bed is None or self.bed.of_spheres
         return alike and law.cohesion is None and law.rolling_friction is None
 
     def laws(self, count: int) -> tuple[HertzLaw, HertzLaw] | tuple[LawTable, LawTable]:
-        """Laws of the first spheres among themselves and with walls, as the engine takes them."""
+        """Laws of the first particles among themselves and with walls, as the engine takes them."""
         if self.is_plain:
             return self.pair_law, self.wall_law
         law = self.settings.law
@@ -219,7 +239,10 @@ class DamperCase:
         more = law.surface_energy or 0.0, (*rolling[:2], rolling[2] or 0.0)
         kind = np.zeros(count, np.int64) if self.bed is None else self.bed.kind[:count]
         cohesion, walls = COHESIONS[law.cohesion], self.sorts + self.wall_kinds
-        table = table_of_laws(walls, kind, self.radii[:count], self.pairings, more, cohesion)
+        kind, radii = (
+            np.repeat(each, self.sub_spheres[:count]) for each in (kind, self.radii[:count])
+        )
+        table = table_of_laws(walls, kind, radii, self.pairings, more, cohesion)
         return table, table
 
     @property
@@ -357,12 +380,10 @@ class DamperCase:
         """The case as a file for the run folder, which has copies of the files it names."""
         settings = self.settings if self.together is None else as_given(self.together)
         particles: dict[str, Any] = {"materials": "materials.toml"}
+        copied = with_copies(settings.particles) if self.together is None else settings.particles
         kinds = settings.particles.kind or []
         if self.together is None and not any(kind.count for kind in kinds):
             particles["count"] = self.count
-        for copy in self.files:
-            if copy.endswith(".obj") and copy != CAVITY_FILE:
-                particles["shape"] = f"mesh:{copy}"
         modes = {"modes": MODES} if MODES in self.files else {}
         excited = {"file": COPY, "column": None, "full_scale": None} if COPY in self.files else {}
         excitation = self._excitation_keys(settings, excited)
@@ -373,7 +394,7 @@ class DamperCase:
         return to_toml(
             settings.model_copy(
                 update={
-                    "particles": settings.particles.model_copy(update=particles),
+                    "particles": copied.model_copy(update=particles),
                     "enclosure": settings.enclosure.model_copy(update=enclosure),
                     "host": settings.host.model_copy(update=modes),
                     **excitation,
@@ -437,7 +458,7 @@ class DamperCase:
         """All that a settled packing depends on: not what acts only once the enclosure moves."""
         enclosure, particle, law = self.enclosure, self.particle, self.settings.law
         # Two spheres have one contact.
-        model = {} if particle.is_sphere else {"contact_treatment": law.contact_treatment}
+        model = {} if self.of_spheres else {"contact_treatment": law.contact_treatment}
         return {
             "enclosure": enclosure.identity,
             "particle": [particle.offsets, particle.radii, particle.volume, particle.inertia],
@@ -454,13 +475,13 @@ class DamperCase:
         }
 
     def _more_identity(self) -> dict[str, Any]:
-        """Likewise, of unlike spheres and of what a law has besides Hertz, Mindlin and Tsuji."""
+        """Likewise, of unlike particles and of what a law has besides Hertz, Mindlin and Tsuji."""
         law = self.settings.law
         more: dict[str, Any] = {}
         if self.wall_kinds.any():
             more["walls"] = self.wall_kinds
         if self.bed is not None:
-            more["bed"] = [self.bed.radius, self.bed.kind, self.bed.density]
+            more["bed"] = self.bed.identity
         if law.cohesion is not None:
             more["cohesion"] = [law.cohesion, law.surface_energy]
         if law.rolling_friction is not None:
@@ -479,11 +500,12 @@ def _resolved(
     files |= cavity_copy(enclosure) | modes_copy(settings.host, folder)
     bed = None
     if is_mixed(settings.particles):
-        bed = bed_of(settings.particles, materials, enclosure, settings.run.seed, where)
+        bed = bed_of(settings.particles, materials, enclosure, settings.run.seed, where, folder)
         particle, count, density = bed.mean_sphere, len(bed.radius), bed.mean_density
         balls = [sort.ball for sort in bed.sorts]
-        smallest = [(sphere(float(sort.radius.min())), sort.material) for sort in bed.sorts]
-        check_enclosure(enclosure, sphere(float(bed.radius.max())), settings, where)
+        for sort in bed.sorts:
+            check_enclosure(enclosure, sort.shape, settings, where)
+            files |= sort.mesh
     else:
         with located(f"{where}: [particles]"):
             wanted = particle_wanted(settings.particles, folder)
@@ -492,9 +514,9 @@ def _resolved(
         count = count_of(enclosure, particle, settings.particles, where)
         density = materials[0].density.value
         balls = [Ball(materials[0], particle.smallest_radius, density * particle.volume)]
-        smallest = [(particle, materials[0])]
         files |= mesh_copy(wanted)
-    check_law(settings.law, particle.is_sphere, where)
+    of_spheres = particle.is_sphere if bed is None else bed.of_spheres
+    check_law(settings.law, of_spheres, where)
     fastest = 2.0 * settings.motion.gamma * GRAVITY / (2.0 * math.pi * settings.motion.frequency)
     if shaken.excitation is not None and shaken.peaks is not None:
         fastest = 2.0 * shaken.peaks.speed
@@ -507,8 +529,12 @@ def _resolved(
     tangential = max(pairing.law.tangential for pairing in pairings)
     mobility = 0.0 if modes is None else float(modes.shape @ modes.shape)
     load = count * density * particle.volume * mobility if mobility else 0.0  # not infinity times 0
-    steps = [time_steps(one, own, tangential, settings, where, load) for one, own in smallest]
-    shortest = min(steps, key=lambda one: one.limit)
+    swiftest = [(particle, materials[0], 1.0)] if bed is None else bed.swiftest(tangential)
+    steps = [
+        time_steps(one, own, tangential, settings, where, load, faster)
+        for one, own, faster in swiftest
+    ]
+    shortest = min(steps, key=lambda one: (one.free, one.limit))
     check_rolling_step(settings.law, pairings, shortest.free, where)
     gravity, settling = gravity_of(settings.motion, where)
     direction = settings.motion.direction or [0.0, 0.0, 1.0]

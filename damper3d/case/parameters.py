@@ -124,7 +124,7 @@ class Steps:
 
 def time_steps(
     particle: MultiSphere, material: Material, tangential: float, settings: Settings, where: str,
-    load: float = 0.0,
+    load: float = 0.0, faster: float = 1.0,
 ) -> Steps:  # fmt: skip
     """The time step of a case and why; InputError where there is none.
 
@@ -132,10 +132,11 @@ def time_steps(
     is given, or the usual one, is shortened to fit. tangential is kt/kn of the contacts [-], load
     the mass of the bed over that of the host: walls that give way make contacts swifter. One
     particle of mass m on a host M swings by sqrt(1 + m/M) faster, and all together, each on a
-    contact of its own, by sqrt(1 + load).
+    contact of its own, by sqrt(1 + load). Contacts with other particles may oscillate faster than
+    those with a wall by the factor `faster`.
     """
     rayleigh = _rayleigh(particle.smallest_radius, material)
-    limit = _rayleigh(equivalent_sphere_radius(particle, tangential), material)
+    limit = _rayleigh(equivalent_sphere_radius(particle, tangential), material) / faster
     if load > _LIGHTEST:
         raise InputError(
             f"{where}: [host] the bed has {load:.3g} times the host's mass: the walls' stiffness "
@@ -143,7 +144,8 @@ def time_steps(
             f"give a host of at least 1/{_LIGHTEST:g} of the bed, or fewer particles"
         )
     limit /= math.sqrt(1.0 + load)
-    wanted, reason = _wanted_step(settings.run.time_step, limit, particle.is_sphere, load, where)
+    alone = particle.is_sphere and faster == 1.0
+    wanted, reason = _wanted_step(settings.run.time_step, limit, alone, load, where)
     samples, frequency = settings.output.samples, settings.motion.frequency
     sample = 1.0 / (frequency * samples)
     ratio = sample / wanted
@@ -179,14 +181,14 @@ def _rayleigh(radius: float, material: Material) -> float:
 
 
 def _wanted_step(
-    given: float | None, limit: float, is_sphere: bool, load: float, where: str
+    given: float | None, limit: float, alone: bool, load: float, where: str
 ) -> tuple[float, str]:
-    """The step [s] before it is fitted to the samples, and why."""
-    whose = "" if is_sphere else " of the sphere that oscillates as fast"
+    """The step [s] before it is fitted to the samples, and why; alone: one contact acts."""
+    whose = "" if alone else " of the sphere that oscillates as fast"
     if load > _LIGHT:
         whose += f" before a host of {1 / load:.3g} of the bed's mass"
     bound = f"Rayleigh step {limit:.3g} s{whose} (thesis, eq. 3.31)"
-    usual = _USUAL_SHARE if is_sphere else _MULTI_SPHERE_SHARE
+    usual = _USUAL_SHARE if alone else _MULTI_SPHERE_SHARE
     if given is not None:
         if given > limit:
             raise InputError(

@@ -3,13 +3,13 @@
 import dataclasses
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from damper3d.case.oscillation import DEEPEST
 from damper3d.case.random_packing import close_packing
-from damper3d.case.settings import MOST_PARTICLES, Motion, Particles, Settings
+from damper3d.case.settings import MOST_PARTICLES, Kind, Motion, Particles, Settings
 from damper3d.case.settings import Enclosure as EnclosureKeys
 from damper3d.engine.enclosures import ENCLOSURES, Cavity, Cells, Enclosure, Polyhedron, cylinder
 from damper3d.engine.motions import MOTIONS
@@ -27,6 +27,8 @@ GRAVITY = 9.81  # [m/s2]
 # which 3, 5 and 6 mm are 1659, 358 and 207 spheres (Table 6.1).
 USUAL_FILL_RATIO = 7 / 15
 SHAPED_CYCLES = 18  # of which 3 are left out: chapter 8 of the thesis, of all its particles
+
+_Shaped = TypeVar("_Shaped", Particles, Kind)
 
 
 def enclosure_of(settings: Settings, where: str, folder: Path) -> Enclosure:
@@ -234,8 +236,8 @@ def _usual_fill_ratio(kind: str) -> float:
     return usual(kind).count * sphere / cylinder(0.04, 0.04).volume
 
 
-def particle_wanted(particles: Particles, folder: Path) -> Particle:
-    """Shape that [particles] requests; folder: looked through first for a mesh."""
+def particle_wanted(particles: Particles | Kind, folder: Path) -> Particle:
+    """Shape that [particles] or a kind requests; folder: looked through first for a mesh."""
     wanted = Particle(
         particles.shape, particles.equal_volume_radius, particles.sub_spheres,
         particles.tolerance, particles.mesh_unit, folder,
@@ -249,13 +251,31 @@ def mesh_copy(wanted: Particle) -> dict[str, str]:
     """The mesh of a particle as a file for the run folder: its name and text; none has none."""
     if wanted.mesh is None:
         return {}
-    return {f"{wanted.mesh.stem}.obj": as_obj(read_triangles(wanted.mesh))}
+    return {name_of_copy(wanted): as_obj(read_triangles(wanted.mesh))}
+
+
+def name_of_copy(wanted: Particle) -> str:
+    """The name of that file."""
+    return f"{Path(wanted.values).stem}.obj"
+
+
+def with_copies(particles: Particles) -> Particles:
+    """The keys of [particles], with the files of the run folder in place of meshes."""
+    if particles.kind is not None:
+        return particles.model_copy(update={"kind": [_with_copy(kind) for kind in particles.kind]})
+    return _with_copy(particles)
+
+
+def _with_copy(given: _Shaped) -> _Shaped:
+    wanted = Particle(given.shape)
+    if wanted.mesh is None:
+        return given
+    return given.model_copy(update={"shape": f"mesh:{name_of_copy(wanted)}"})
 
 
 def with_usual_cycles(settings: Settings, document: dict[str, Any]) -> Settings:
     """The settings with the thesis's number of cycles for the shape, where the case gives none."""
-    shape = settings.particles.shape.partition(":")[0].strip()
-    spheres = shape == "sphere" or settings.particles.kind is not None
+    spheres = all(Particle(one.shape).kind == "sphere" for one in settings.particles.kinds)
     if spheres or "cycles" in document.get("run", {}):
         return settings
     run = settings.run.model_copy(update={"cycles": SHAPED_CYCLES})

@@ -47,8 +47,9 @@ def expected_cpu_of_step(case: DamperCase) -> float:
 
     It goes with the contacts, which shape and motion have a hand in.
     """
-    spheres = len(case.particle.radii)
-    each = _OF_A_SPHERE if case.particle.is_sphere else _OF_A_PARTICLE + _OF_A_SUB_SPHERE * spheres
+    each = _OF_A_SPHERE
+    if not case.of_spheres:
+        each = _OF_A_PARTICLE + _OF_A_SUB_SPHERE * float(case.sub_spheres.mean())
     return each * case.all_particles
 
 
@@ -79,7 +80,7 @@ def expected_cpu_s(case: DamperCase) -> tuple[float, float]:
 
 def compiling(case: DamperCase) -> tuple[float, int]:
     """About what the kernels of a case cost to compile [s of CPU], and how many functions."""
-    return (60.0, 155) if case.particle.is_sphere else (100.0, 240)
+    return (60.0, 155) if case.of_spheres else (100.0, 240)
 
 
 def checkpoint_interval(case: DamperCase, work: float = CHECKPOINT_WORK) -> int:
@@ -97,9 +98,7 @@ def _kept(case: DamperCase) -> tuple[int, int, float, float, float]:
     samples = steps_at_most(case) // case.steps_per_sample
     frames = samples // output.samples * output.frames + 1 if output.frames else 0
     numbers = _NUMBERS + 3 * len(case.wall_names)
-    columns = (
-        10 if case.particle.is_sphere else 14
-    )  # place, motion, spin, heat; and how it is turned
+    columns = 10 if case.of_spheres else 14  # place, motion, spin, heat; and how it is turned
     of_contacts = room.CONTACTS * case.all_particles * _OF_A_CONTACT
     return (
         samples + 1,
@@ -145,12 +144,13 @@ def warnings(case: DamperCase) -> list[str]:
         found.append(
             f"density {case.density:g} kg/m3: heavier than any metal; 1 g/cm3 is 1000 kg/m3"
         )
-    particles = case.settings.particles
-    if case.particle.kind == "mesh" and not (particles.mesh_unit or particles.equal_volume_radius):
-        found.append(
-            f"the mesh does not keep its size: it is scaled to an equal-volume radius of "
-            f"{1e3 * case.particle.equal_volume_radius:g} mm; --mesh-unit mm keeps it"
-        )
+    shapes = [case.particle] if case.bed is None else [sort.shape for sort in case.bed.sorts]
+    found += [
+        f"the mesh does not keep its size: it is scaled to an equal-volume radius of "
+        f"{1e3 * shape.equal_volume_radius:g} mm; --mesh-unit mm keeps it"
+        for shape, own in zip(shapes, case.settings.particles.kinds, strict=True)
+        if shape.kind == "mesh" and not (own.mesh_unit or own.equal_volume_radius)
+    ]
     motion, run = case.settings.motion, case.settings.run
     if motion.ramp > run.discard:
         found.append(

@@ -1,6 +1,6 @@
 """The schema of a damper's case file: sections, keys, units, ranges, defaults, meanings."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -158,9 +158,13 @@ Sieve = list[Annotated[list[Any], Field(min_length=2, max_length=2)]]
 
 
 class Kind(Section):
-    """A kind of spheres of a mixture, [[particles.kind]]."""
+    """A kind of particles of a mixture, [[particles.kind]]; keys as in [particles]."""
 
     shape: str
+    equal_volume_radius: Size | None = None
+    sub_spheres: Annotated[int, Field(ge=1, strict=True)] | None = None
+    tolerance: Positive | None = None
+    mesh_unit: str | None = None
     material: str | None = None  # that of [particles] where it is left out
     count: Annotated[int, Field(ge=1, le=MOST_PARTICLES, strict=True)] | None = None
     mass_fraction: Annotated[Positive, Field(le=1)] | None = None
@@ -206,8 +210,9 @@ class Particles(Section):
         example=0.41, option="--fill-ratio", metavar="0.41",
     )  # fmt: skip
     size_distribution: Distribution | None = key(
-        None, "distribution of the diameters of spheres, by number, about that of the shape; "
-        "sieve: by a table; see docs/damper-beds.md", example="normal", left_out="all are alike",
+        None, "distribution of the diameters, by number, about that of the shape (of the sphere "
+        "of its volume); sieve: of spheres, by a table; see docs/damper-beds.md", example="normal",
+        left_out="all are alike",
     )  # fmt: skip
     size_deviation: Size | None = key(
         None, "standard deviation of the diameters, of a normal or lognormal distribution",
@@ -218,7 +223,7 @@ class Particles(Section):
         example=[["2 mm", 0.0], ["3 mm", 0.4], ["4 mm", 1.0]],
     )  # fmt: skip
     kind: list[Kind] | None = key(
-        None, "kinds of spheres of a mixture, each with shape, material, and count or "
+        None, "kinds of particles of a mixture, each with shape, its size, material, and count or "
         "mass_fraction; also written as [[particles.kind]] tables; see docs/damper-beds.md",
         example=[{"shape": "sphere:5mm", "mass_fraction": 0.7},
                  {"shape": "sphere:3mm", "mass_fraction": 0.3}],
@@ -228,6 +233,11 @@ class Particles(Section):
     materials: str = key(
         "acrylic", "materials table: a shipped one, or a TOML file next to this one"
     )
+
+    @property
+    def kinds(self) -> Sequence["Particles | Kind"]:
+        """Kinds of particles; these themselves where there is one."""
+        return self.kind if self.kind else [self]
 
 
 class Motion(Extensible):

@@ -1,12 +1,12 @@
 """Specialisations of a step by the type of the particles, chosen when compiled.
 
 Each name stands for the kernel that goes with the world it is given, by the type of its `shape`:
-OneSphere, whose particles are spheres (spheres/), or ManySpheres, whose particles are alike, have
-many spheres and rotate (multisphere/).
+OneSphere, whose particles are spheres (spheres/), or ManySpheres, whose particles have many spheres
+and rotate (multisphere/).
 """
 
 from damper3d.engine.geometry import copy_rows, touching_pairs
-from damper3d.engine.multisphere import contact_models
+from damper3d.engine.multisphere import contact_models, form
 from damper3d.engine.multisphere import motion as multisphere_motion
 from damper3d.engine.multisphere import pairs as multisphere_pairs
 from damper3d.engine.multisphere.particles import ManySpheres
@@ -20,6 +20,10 @@ from granulab.contact.jit import specialised, substituted
 
 def note_positions(world):
     """Copy the positions of the particles, and their bounding radii, to the outer list's `now`."""
+
+
+def first_sphere(shape, b):
+    """Return the number of the first sphere of particle b; of one after the last, of all."""
 
 
 def key_of(shape, n, i, j):
@@ -93,10 +97,17 @@ def _note_positions(world):
     return lambda world: copy_rows(world.outer.now, world.spheres.position)
 
 
+@specialised(first_sphere)
+def _first_sphere(shape, b):
+    if _are_many(shape):
+        return lambda shape, b: form.first_sphere(shape.form, b)
+    return lambda shape, b: b
+
+
 @specialised(key_of)
 def _key_of(shape, n, i, j):
     if _are_many(shape):
-        return lambda shape, n, i, j: multisphere_pairs.key_of(len(shape.offset), n, i, j)
+        return lambda shape, n, i, j: form.key_of(shape.form, n, i, j)
     return lambda shape, n, i, j: pairs.key_of(n, i, j)
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from damper3d.engine.enclosures.places import keep_places, list_places
 from damper3d.engine.geometry import copy_rows, gap_of
 from damper3d.engine.kinds import (
+    first_sphere,
     key_of,
     know_pairs,
     list_pairs,
@@ -329,8 +330,7 @@ def contacts_of_wall(world, w, b, shift, n):
 
     -1 if there is no room, -2 if a sphere is half outside.
     """
-    size = len(world.spheres.inverse_mass) // len(world.outer.made_at)
-    for i in range(b * size, (b + 1) * size):
+    for i in range(first_sphere(world.shape, b), first_sphere(world.shape, b + 1)):
         n = contacts_of_sphere(world, w, i, b, shift, n)
         if n < 0:
             return n

@@ -8,7 +8,7 @@ import numpy as np
 from damper3d.engine import sampling, state
 from damper3d.engine.integrate import advance, advance_together, enclosure_at, search
 from damper3d.engine.motions import Turning, host
-from damper3d.engine.multisphere.pairs import key_of
+from damper3d.engine.multisphere.form import key_of_pair
 from damper3d.engine.records import CLASSES, IMPACTS, MECHANISMS
 from damper3d.engine.state import (
     DONE,
@@ -67,17 +67,13 @@ class Simulation:
         self.world = world
         self.steps_per_sample = steps_per_sample
         self._kind = kind_of(world)
+        self._first = self._kind.first_sphere_of_each(world)
         self._counts_impacts = True  # but in a run that an earlier version began
 
     @property
     def n_particles(self) -> int:
         """Return how many particles there are."""
         return len(self.world.particles.inverse_mass)
-
-    @property
-    def n_spheres(self) -> int:
-        """Of each particle."""
-        return len(self.world.spheres.inverse_mass) // self.n_particles
 
     @property
     def steps(self) -> int:
@@ -152,7 +148,7 @@ class Simulation:
 
     def steps_at_a_time(self) -> int:
         """Steps of a call of the kernels, which hear no Ctrl-C."""
-        return max(_AT_A_TIME // (self.n_particles * self.n_spheres), 1)
+        return max(_AT_A_TIME // len(self.world.spheres.inverse_mass), 1)
 
     def _sample_by_parts(self, row: np.ndarray) -> None:
         self.step(self.steps_per_sample)
@@ -221,15 +217,26 @@ class Simulation:
         Also spin (n, 3) [rad/s], heat (n,) [J], half of what their contacts dissipated so far, and
         of multi-sphere particles the orientations (n, 4), unit quaternions (w, x, y, z).
         """
-        moving, n = self._kind.moving(self.world), self.n_particles
+        moving = self._kind.moving(self.world)
         rotated = {name: moving[name].copy() for name in ("orientation",) if name in moving}
         return {
             "x": moving["position"][:, :3] - np.array(self._shift()),
             "v": moving["velocity_now"][:, :3].copy(),
             "spin": self._kind.angular_velocity_now(self.world)[:, :3].copy(),
             **rotated,
-            "heat": self.world.particles.dissipated[:-1].reshape(n, self.n_spheres).sum(axis=1),
+            "heat": self._summed(self.world.particles.dissipated[:-1]),
         }
+
+    def _summed(self, of_spheres: np.ndarray) -> np.ndarray:
+        """Sums over the spheres of each particle (n,)."""
+        if np.ptp(np.diff(self._first)) == 0:  # a sum by rows, which has other bits
+            return of_spheres.reshape(self.n_particles, -1).sum(axis=1)
+        return np.add.reduceat(of_spheres, self._first[:-1])
+
+    def _places(self, spheres: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The particles of spheres, by number, and which of its spheres each is."""
+        whose = np.searchsorted(self._first, spheres, "right") - 1
+        return whose, spheres - self._first[whose]
 
     def contacts(self) -> dict[str, np.ndarray]:
         """The n contacts of now, with the forces that the next step will apply.
@@ -248,15 +255,12 @@ class Simulation:
         spheres = np.zeros((most, 2), np.uint32)
         numbers = np.zeros((most, sampling.N_CONTACT_COLUMNS))
         n = sampling.list_contacts(self.world, spheres, numbers)
-        which, k, m = (
-            spheres[:n].astype(np.int64),
-            self.n_spheres,
-            self.n_particles * self.n_spheres,
-        )
+        which, m = spheres[:n].astype(np.int64), len(self.world.spheres.inverse_mass)
         of_wall = which >= m
+        whose, own = self._places(which)
         return {
-            "bodies": np.where(of_wall, which - m + self.n_particles, which // k).astype(np.uint32),
-            "spheres": np.where(of_wall, 0, which % k).astype(np.uint32),
+            "bodies": np.where(of_wall, which - m + self.n_particles, whose).astype(np.uint32),
+            "spheres": np.where(of_wall, 0, own).astype(np.uint32),
             "force": numbers[:n, sampling.FORCE : sampling.NORMAL],
             "normal": numbers[:n, sampling.NORMAL : sampling.POINT],
             "point": numbers[:n, sampling.POINT : sampling.OVERLAP],
@@ -355,7 +359,9 @@ class Simulation:
         while len(self.world.kept.key) < len(pairs):
             self.world = lengthened(self.world, "inner")
         kept, n = self.world.kept, len(pairs)
-        kept.key[:n] = key_of.py_func(self.n_spheres, self.n_particles, *pairs.T)
+        most = int(np.diff(self._first).max())
+        (a, b), (p, q) = (part.T for part in self._places(pairs.astype(np.int64)))
+        kept.key[:n] = key_of_pair.py_func(most, self.n_particles, a, p, b, q)
         kept.history[:n] = histories
         if rolled is not None:
             kept.rolling[:n] = rolled.T

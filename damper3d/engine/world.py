@@ -11,7 +11,8 @@ from damper3d.engine.enclosures import Enclosure
 from damper3d.engine.enclosures.cavity import PLACES, Triangles
 from damper3d.engine.laws.table import LawTable, rolls
 from damper3d.engine.multisphere import particles as many_spheres
-from damper3d.engine.multisphere.particles import ManySpheres, Particle
+from damper3d.engine.multisphere.form import Particles, first_spheres, form_of, rows_of_spheres
+from damper3d.engine.multisphere.particles import ManySpheres, most_spheres, of_each
 from damper3d.engine.spheres import particles as one_sphere
 from damper3d.engine.state import (
     Block,
@@ -31,10 +32,13 @@ from granulab.contact.hertz import HertzLaw
 _FIRST_SKIN = 0.01  # inner skin over the largest radius, before it follows the speed
 _WIDEST_OUTER_SKIN = 0.3  # of the outer skin over the bounding radius, for which cells are made
 
+# Shape, particles, spheres; the largest radius of a sphere round a particle; capacities of lists.
+_Made = tuple[Any, Any, Spheres, float, dict[str, int]]
+
 
 def build_world(
     positions: np.ndarray,
-    particle: np.ndarray | Particle,
+    particle: np.ndarray | Particles,
     orientations: np.ndarray | None = None,
     *,
     density: float | np.ndarray,
@@ -52,25 +56,21 @@ def build_world(
     """A world of n particles at rest in an enclosure that is about to move.
 
     positions (n, 3) in the enclosure's frame [m]; particle: radii (n,) of solid spheres [m], or a
-    multi-sphere particle, as which all are; orientations (n, 4) of such, unit quaternions
-    (w, x, y, z), of no rotation if left out; density [kg/m3], of spheres also (n,); laws: a
-    HertzLaw each, or for spheres the same LawTable twice; shaker: the numbers of a registered
-    motion, along the unit vector direction (3,); gravity (3,) [m/s2]; time_step [s]; treatment of
-    several contacts of two particles: one of multisphere.particles.TREATMENTS; yields: velocity
-    beyond which impacts of particles, and at walls, are counted [m/s].
+    multi-sphere particle, as which all are, or each of them, in a list; orientations (n, 4) of
+    such, unit quaternions (w, x, y, z), of no rotation if left out; density [kg/m3], of unlike
+    particles also (n,); laws: a HertzLaw each, or the same LawTable twice, by the kind of each
+    sphere; shaker: the numbers of a registered motion, along the unit vector direction (3,);
+    gravity (3,) [m/s2]; time_step [s]; treatment of several contacts of two particles: one of
+    multisphere.particles.TREATMENTS; yields: velocity beyond which impacts of particles, and at
+    walls, are counted [m/s].
     """
     n = len(positions)
     if isinstance(particle, np.ndarray):
         halo = getattr(pair_law, "halo", 0.0)
-        shape, particles, spheres = _one_sphere_each(positions, particle, density, halo)
-        bounding = float(spheres.position[:, 3].max())
-        room = {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
+        made = _one_sphere_each(positions, particle, density, halo)
     else:
-        k, bounding = len(particle.radii), particle.bounding_radius
-        shape = many_spheres.shape_of(particle, float(density), n, treatment)
-        particles = many_spheres.at_rest(positions, orientations, particle, float(density))
-        spheres = _spheres(np.tile(particle.radii, n), np.repeat(particles.inverse_mass, k))
-        room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * k + 64)
+        made = _many_spheres_each(positions, orientations, particle, density, treatment)
+    shape, particles, spheres, bounding, room = made
     largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
     built = World(
         shape=shape,
@@ -98,11 +98,27 @@ def build_world(
 
 def _one_sphere_each(
     positions: np.ndarray, radii: np.ndarray, density: float | np.ndarray, halo: float
-) -> tuple[Any, Any, Spheres]:
-    particles = one_sphere.at_rest(radii, density)
+) -> _Made:
+    n, particles = len(radii), one_sphere.at_rest(radii, density)
     spheres = _spheres(radii + halo, particles.inverse_mass)
-    spheres.position[: len(radii), :3] = positions
-    return one_sphere.known_pairs(0), particles, spheres
+    spheres.position[:n, :3] = positions
+    room = {"inner": 8 * n + 64, "wall": 8 * (n // 2) + 64}
+    bounding = float(spheres.position[:, 3].max())
+    return one_sphere.known_pairs(0), particles, spheres, bounding, room
+
+
+def _many_spheres_each(
+    positions: np.ndarray, orientations: np.ndarray | None, particles: Particles,
+    density: float | np.ndarray, treatment: str,
+) -> _Made:  # fmt: skip
+    n, form = len(positions), form_of(particles, density)
+    mass = density * of_each(particles, n, lambda one: one.volume)
+    first, radii = first_spheres(form, n), form.offset[rows_of_spheres(form, n), 3]
+    made = many_spheres.at_rest(positions, orientations, particles, mass, int(first[-1]))
+    spheres = _spheres(radii, np.repeat(made.inverse_mass, np.diff(first)))
+    room = dict.fromkeys(("inner", "wall"), 16 * n + 16 * most_spheres(form) + 64)
+    bounding = float(made.position[:, 3].max())
+    return many_spheres.shape_of(form, n, treatment), made, spheres, bounding, room
 
 
 def _empty_lists(n: int, shape: Any, rolling: bool) -> dict[str, Any]:

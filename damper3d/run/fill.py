@@ -64,13 +64,14 @@ def random_start(
     """
     rng = np.random.default_rng(case.settings.run.seed)
     orientations = None
-    if case.particle.is_sphere:
+    if case.of_spheres:
         radius = case.particle.bounding_radius if case.bed is None else case.radii[:count]
         centres, reached = grow(case.enclosure, count, radius, rng, grown)
     else:
-        *places, first = random_places(case.enclosure, case.particle, count, rng)
+        solids = case.solids(count)
+        *places, first = random_places(case.enclosure, solids, count, rng)
         world = resting(case, *places).world
-        reached = grow_clusters(world, case.particle, first, grown)
+        reached = grow_clusters(world, solids, first, grown)
         centres, orientations = world.particles.position[:, :3], world.particles.orientation
     if reached < 1.0:
         fit = max(math.floor(count * reached**3), 1)
@@ -86,7 +87,7 @@ def resting(
     case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None = None
 ) -> Simulation:
     """Particles at rest in an enclosure that does not move; see world_of."""
-    return Simulation(world_of(case, centres, orientations, rotating=not case.particle.is_sphere))
+    return Simulation(world_of(case, centres, orientations, rotating=not case.of_spheres))
 
 
 def world_of(
@@ -101,7 +102,7 @@ def world_of(
     pair_law, wall_law = case.laws(n)
     return build_world(
         centres,
-        case.particle if rotating else case.radii[:n],
+        case.solids(n) if rotating else case.radii[:n],
         orientations,
         density=case.density if case.bed is None else case.bed.density[:n],
         enclosure=case.enclosure,

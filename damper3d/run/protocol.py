@@ -12,6 +12,7 @@ import numpy as np
 
 from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.case.plan import compiling, expected_stages
+from damper3d.engine.multisphere.form import Unlike, form_of
 from damper3d.engine.simulation import Together
 from damper3d.measures.phases.criteria import phase_of_run
 from damper3d.run.fill import fill, resting
@@ -129,12 +130,18 @@ def _start_or_resume(
 
 def describe(case: DamperCase, packing: Packing) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Constant arrays and attributes of a trajectory."""
-    motion, output, particle = case.settings.motion, case.settings.output, case.particle
+    motion, output = case.settings.motion, case.settings.output
     static = {"radius": case.radii, "mass": case.masses}
     if case.bed is not None:
         static["kind"] = case.bed.kind
-    if not particle.is_sphere:  # about the centroid, in the axes that turn_... of the tables rotate
-        static |= {"sphere_offset": particle.offsets, "sphere_radius": particle.radii}
+    if not case.of_spheres:  # about the centroid, in the axes that turn_... of the tables rotate
+        form = form_of(case.solids(case.count), case.density)
+        static |= {
+            "sphere_offset": form.offset[:, :3].copy(),
+            "sphere_radius": form.offset[:, 3].copy(),
+        }
+        if isinstance(form, Unlike):  # rows of these tables, of each particle
+            static |= {"sphere_row": form.row, "sphere_count": np.diff(form.first)}
     attributes = {
         "wall_names": json.dumps(case.wall_names),
         "fill_ratio": case.fill_ratio,

@@ -34,7 +34,7 @@ class Result(Results):
     fill_ratio: float
     particle_mass_kg: float  # of one, or the mean
     mass_kg: float  # of all
-    # of unlike spheres: particles, material, count, mass and diameters of each kind
+    # of unlike particles: name, material, count, mass, sub-spheres and diameters of each kind
     kinds: list[dict[str, Any]] | None = field(default=None, kw_only=True)
     seed: int
     packing: dict[str, float]  # at rest: fraction, height_m, coordination, rms_speed_m_s

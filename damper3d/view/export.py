@@ -8,7 +8,8 @@ VTKHDF: two or three files (PolyData with time steps), of which each stored fram
                  orientation (4), a unit quaternion (w, x, y, z), and radius that of the sphere of
                  the same volume
     spheres      sub-spheres, where particles have several, likewise: radius [m], velocity (3)
-                 [m/s] of the sphere's centre, power [W] of its particle, particle: its id
+                 [m/s] of the sphere's centre, power [W] of its particle, particle: its id; of a
+                 mixture also kind
     enclosure    its walls as polygons where they stand, with array wall: row of wall_names
 
 In ParaView: Glyph, sphere, scale by radius with factor 2; the enclosure at an opacity of 0.2.
@@ -144,6 +145,7 @@ def spheres_file(scene: Scene) -> bytes:
             "velocity": now.velocity[whose] + np.cross(now.angular_velocity[whose], arm),
             "power": power(scene, frame)[whose],
             "particle": whose,
+            **({"kind": scene.kind[whose]} if scene.kinds > 1 else {}),
         }
 
     return _points_file(scene, of)
@@ -247,9 +249,15 @@ def bodies_csv(scene: Scene) -> bytes:
 
 
 def spheres_csv(scene: Scene) -> bytes:
-    """The sub-spheres of a particle, alike in all, about its centroid in its principal axes."""
-    static = scene.trajectory.static
-    offset, radius = static["sphere_offset"], static["sphere_radius"]
-    rows = np.column_stack([np.arange(len(radius)), offset, radius])
-    names = ["sphere", "x_m", "y_m", "z_m", "radius_m"]
-    return numbers_as_csv(names, ["%d", *["%.9g"] * 4], [rows])
+    """The sub-spheres of a particle about its centroid in its principal axes.
+
+    Those of one where all are alike; else of each, by its id.
+    """
+    offset, radius, whose = scene.own_spheres
+    first = np.searchsorted(whose, whose)
+    columns = [whose, np.arange(len(whose)) - first, offset, radius]
+    names, shape = ["id", "sphere", "x_m", "y_m", "z_m", "radius_m"], ["%d", "%d", *["%.9g"] * 4]
+    rows = np.column_stack(columns)
+    if not scene.of_unlike_spheres:
+        names, shape, rows = names[1:], shape[1:], rows[whose == 0, 1:]
+    return numbers_as_csv(names, shape, [rows])

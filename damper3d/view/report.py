@@ -129,13 +129,16 @@ def _vector(vector: np.ndarray) -> str:
 
 
 def _kinds(case: DamperCase) -> list[str]:
-    """Lines on each kind of unlike spheres."""
+    """Lines on each kind of unlike particles."""
     lines = []
     for n, kind in enumerate([] if case.bed is None else case.bed.described()):
-        size = kind["diameter_m"]
+        size, several = kind["diameter_m"], kind["sub_spheres"] > 1
+        whose = (
+            f"{kind['sub_spheres']} sub-spheres; equal-volume diameter" if several else "diameter"
+        )
         lines.append(
             f"    kind {n + 1}    {kind['count']} of {kind['particles']}, {kind['material']}: "
-            f"{kind['mass_kg']:.4g} kg, {100 * kind['mass_fraction']:.1f} % of the mass; diameter "
+            f"{kind['mass_kg']:.4g} kg, {100 * kind['mass_fraction']:.1f} % of the mass; {whose} "
             f"{size['mean']:.4g} m, sd {size['sd']:.3g}, {size['smallest']:.4g} to "
             f"{size['largest']:.4g}"
         )

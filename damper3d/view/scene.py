@@ -246,20 +246,30 @@ class Scene:
         From the particle's centre to the sphere's (m, 3) [m], radius (m,) [m], number of the
         particle (m,).
         """
-        static, n = self.trajectory.static, len(self.radius)
+        n = len(self.radius)
         if not self.of_many_spheres:
             return np.zeros((n, 3)), self.radius, np.arange(n)
-        orientation, offset = self.orientation(frame), static["sphere_offset"]
-        w, about = orientation[:, None, :1], orientation[:, None, 1:]
+        offset, radius, whose = self.own_spheres
+        orientation = self.orientation(frame)[whose]
+        w, about = orientation[:, :1], orientation[:, 1:]
         # r + 2 w (q x r) + 2 q x (q x r) of a unit quaternion (w, q)
-        first = np.cross(about, offset[None])
-        rotated = offset[None] + 2.0 * w * first + 2.0 * np.cross(about, first)
-        k = len(offset)
-        return (
-            rotated.reshape(-1, 3),
-            np.tile(static["sphere_radius"], n),
-            np.repeat(np.arange(n), k),
-        )
+        first = np.cross(about, offset)
+        return offset + 2.0 * w * first + 2.0 * np.cross(about, first), radius, whose
+
+    @cached_property
+    def own_spheres(self) -> tuple[Array, Array, NDArray[np.int64]]:
+        """Spheres of all particles in their own axes; see `spheres`."""
+        static, n = self.trajectory.static, len(self.radius)
+        count = static.get("sphere_count", np.full(n, len(static["sphere_radius"])))
+        whose = np.repeat(np.arange(n), count)
+        begin = static.get("sphere_row", np.zeros(n, np.int64)) - (np.cumsum(count) - count)
+        rows = np.arange(len(whose)) + begin[whose]
+        return static["sphere_offset"][rows], static["sphere_radius"][rows], whose
+
+    @property
+    def of_unlike_spheres(self) -> bool:
+        """True for particles of several spheres that are not alike."""
+        return "sphere_row" in self.trajectory.static
 
     @property
     def of_many_spheres(self) -> bool:
@@ -295,7 +305,8 @@ class Scene:
         if kind != "sphere":
             what = f"{n} particles {shape.removesuffix('.obj')}"
         if kinds:
-            what = f"{n} spheres of {len(kinds)} kinds"
+            noun = "particles" if self.of_many_spheres else "spheres"
+            what = f"{n} {noun} of {len(kinds)} kinds"
         how = orientation_of(self.gravity, self.direction).replace("none", "no gravity")
         fill = self.trajectory.attributes["fill_ratio"]
         moved = self.settings.excitation.kind or f"{motion.frequency:g} Hz"

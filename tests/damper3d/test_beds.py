@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from damper_runs import small
+from made_meshes import CUBE, CUBE_FACES, write_obj
 from refusals import assert_refuses
 from small_damper import damper3d
 from small_silo import DRY
@@ -15,7 +16,10 @@ from damper3d.case.case import DamperCase
 from damper3d.case.contacts import restitution_of_loss
 from damper3d.engine.records import CLASSES
 from damper3d.run.protocol import run_digest
+from damper3d.shapes.particle import parse_particle
+from damper3d.studies.pack.computed import pack
 from granulab.contact.restitution import ratio_of_restitution
+from granulab.contact.timestep import rayleigh_time_step
 
 MATERIALS = """
 schema = 1
@@ -179,6 +183,7 @@ def kinds(*tables: dict[str, Any]) -> dict[str, Any]:
 
 
 STEEL, NYLON = {"shape": "sphere:5mm"}, {"shape": "sphere:4mm", "material": "nylon"}
+PROLATE = {"shape": "prolate:1.5", "count": 30}
 
 
 def test_a_mixture_by_mass_has_these_masses(materials):
@@ -225,6 +230,114 @@ def test_a_mixture_survives_its_run_folder(materials, tmp_path):
         assert run_digest(DamperCase.load(tmp_path / "case.toml")) == run_digest(case)
 
 
+# Mixtures of shapes
+
+
+def test_kinds_of_other_shapes_have_laws_and_masses_of_their_own(materials):
+    """Pairs of materials as for spheres, looked up by sub-sphere; by mass within half a particle;
+    and cycles as the thesis has them for shapes."""
+    case = made(materials, **kinds(
+        STEEL | {"mass_fraction": 0.6},
+        {"shape": "oblate:0.7", "material": "nylon", "equal_volume_radius": "3 mm",
+         "sub_spheres": 20, "mass_fraction": 0.4},
+    ), enclosure__diameter="60 mm")  # fmt: skip
+    steel, nylon = case.bed.described()
+    assert nylon["mass_fraction"] == pytest.approx(0.4, abs=1.0 / nylon["count"])
+    assert nylon["diameter_m"]["mean"] == pytest.approx(6e-3, rel=1e-12)
+    table, _ = case.laws(case.count)
+    assert np.bincount(table.kind).tolist() == [steel["count"], 20 * nylon["count"], 1]
+    assert table.constants[1, 0] == case.pairings[1].law.hertz
+    assert case.pairings[2].mass == pytest.approx(0.5 * nylon["mass_kg"] / nylon["count"])
+    assert case.settings.run.cycles == 18
+    assert made(materials, **kinds(STEEL | {"count": 20})).settings.run.cycles == 8
+
+
+def test_walls_of_another_material_know_every_sub_sphere(materials):
+    case = made(materials, particles__shape="prolate:1.5", enclosure__walls={"bottom": "nylon"})
+    table, _ = case.laws(case.count)
+    assert np.bincount(table.kind).tolist() == [51 * case.count, 0, 1]  # the last looks at a wall
+
+
+def test_the_step_of_a_mixture_is_that_of_its_swiftest_contact(materials):
+    """A spheroid's as of spheroids alone. A sphere meets at most as many sub-spheres at once as
+    the spheroid does of a wall, so that its limit is its own over the same ratio."""
+    alone = {
+        shape: made(materials, particles__shape=shape) for shape in ("sphere:4mm", "prolate:3")
+    }
+    limit = {shape: case.steps.limit for shape, case in alone.items()}
+    spheroid = alone["prolate:3"]
+    faster = rayleigh_of(spheroid.particle.equal_volume_radius) / limit["prolate:3"]
+    assert faster > 2.0
+    mixed = made(materials, **kinds({"shape": "sphere:4mm", "count": 30}, PROLATE))
+    large = made(materials, **kinds({"shape": "sphere:30mm", "count": 1},
+                                    {"shape": "prolate:3", "count": 5}))  # fmt: skip
+    assert large.steps.limit == limit["prolate:3"]
+    own = made(materials, particles__shape="prolate:1.5").steps
+    faster = rayleigh_of(3.8e-3) / own.limit
+    assert mixed.steps.limit == pytest.approx(limit["sphere:4mm"] / faster, rel=1e-9)
+    assert mixed.time_step < min(own.time_step, alone["sphere:4mm"].time_step)
+
+
+def rayleigh_of(radius: float) -> float:
+    """Rayleigh's step of a sphere of the table's steel [s]."""
+    return rayleigh_time_step(radius, 7860.0, 206e9, 0.3)
+
+
+def test_a_shape_is_scaled_to_its_sizes(materials):
+    """Volumes go as the third power of the diameters drawn; offsets and radii as the first."""
+    case = distributed(materials, particles__shape="prolate:2", particles__count=300,
+                       particles__equal_volume_radius="2 mm", particles__sub_spheres=9,
+                       particles__size_distribution="normal",
+                       particles__size_deviation="0.5 mm")  # fmt: skip
+    assert (2.0 * case.radii).mean() == pytest.approx(4e-3, rel=2e-3)
+    assert (2.0 * case.radii).std() == pytest.approx(0.5e-3, rel=0.03)
+    mean = parse_particle("prolate:2", 2e-3, sub_spheres=9)
+    for one, radius in zip(case.bed.particles, case.radii.tolist(), strict=True):
+        assert one.volume == pytest.approx(4 / 3 * math.pi * radius**3, rel=1e-12)
+        assert one.offsets == pytest.approx(mean.offsets * radius / 2e-3, rel=1e-12)
+        assert one.inertia == pytest.approx(mean.inertia * (radius / 2e-3) ** 5, rel=1e-12)
+    assert case.mass == pytest.approx(case.masses.sum(), rel=1e-12)
+    smallest = case.bed.sorts[0].smallest.smallest_radius
+    assert case.steps.rayleigh == pytest.approx(rayleigh_of(smallest), rel=1e-12)
+
+
+def test_a_mixture_of_shapes_survives_its_run_folder(materials, tmp_path):
+    """With a mesh, of which the folder has a copy; a multi-contact model names another run."""
+    write_obj(tmp_path / "cube.obj", CUBE, CUBE_FACES)
+    mesh = {"shape": f"mesh:{tmp_path / 'cube.obj'}", "count": 4, "tolerance": 0.2}
+    case = made(materials, **kinds(PROLATE, mesh | {"equal_volume_radius": "3 mm"}))
+    run = tmp_path / "run"
+    run.mkdir()
+    (run / "case.toml").write_text(case.to_toml(), encoding="utf-8")
+    for name, text in case.files.items():
+        (run / name).write_text(text, encoding="utf-8")
+    assert "mesh:cube.obj" in case.to_toml()
+    assert run_digest(DamperCase.load(run / "case.toml")) == run_digest(case)
+    deepest = made(
+        materials, law__contact_treatment="deepest", **kinds(STEEL | {"count": 9}, PROLATE)
+    )
+    assert run_digest(deepest) != run_digest(
+        made(materials, **kinds(STEEL | {"count": 9}, PROLATE))
+    )
+
+
+def test_packings_of_a_mixture_are_refused(materials):
+    """The sphere of the mean volume, by which it is described, packs otherwise."""
+    changes = {"particles.kind": [STEEL | {"count": 9}, PROLATE], "particles.material": "steel",
+               "particles.materials": str(materials), "enclosure.material": "steel"}  # fmt: skip
+    assert_refuses(["particles that are all alike"], pack, "thesis", changes, out=Path())
+
+
+def test_meshes_of_one_name_that_differ_are_refused(materials, tmp_path):
+    for name, size in (("a", 1.0), ("b", 2.0)):
+        (tmp_path / name).mkdir()
+        write_obj(tmp_path / name / "rock.obj", size * CUBE, CUBE_FACES)
+    rocks = [{"shape": f"mesh:{tmp_path / name / 'rock.obj'}", "count": 3, "tolerance": 0.2}
+             for name in "ab"]  # fmt: skip
+    words = ["[[particles.kind]] 2", "'rock'", "rename"]
+    assert_refuses(words, made, materials, **kinds(*rocks))
+
+
 NORMAL = {"particles__size_distribution": "normal"}
 HALF = [{"shape": "sphere:5mm", "mass_fraction": 0.5}, {"shape": "sphere:4mm"}]
 
@@ -243,13 +356,32 @@ HALF = [{"shape": "sphere:5mm", "mass_fraction": 0.5}, {"shape": "sphere:4mm"}]
         (kinds(STEEL | {"count": 3, "material": "unobtainium"}), ["unobtainium", "known"]),
         (kinds(STEEL | {"count": 3, "material": "rubber"}), ["pair.rubber-steel", "friction"]),
         (kinds(STEEL | {"count": 3, "weight": 3}), ["unknown key 'weight'"]),
-        (kinds({"shape": "prolate:1.5", "count": 3}), ["prolate:1.5", "are of spheres"]),
+        (kinds({"shape": "brick", "count": 3}), ["[[particles.kind]] 1", "brick", "unknown"]),
+        (kinds({"shape": "prolate", "count": 3}), ["[[particles.kind]] 1", "aspect ratio"]),
+        (kinds(STEEL, {"shape": "mesh:none.stl", "count": 3}), ["particles.kind]] 2", "none.stl"]),
+        (kinds(STEEL | {"equal_volume_radius": "2 mm", "count": 3}), ["has a size", "given too"]),
+        (kinds(STEEL | {"sub_spheres": 5, "count": 3}), ["sub_spheres goes with other shapes"]),
+        (kinds(PROLATE | {"sub_spheres": 4}), ["[[particles.kind]] 1", "must be odd"]),
+        (kinds(PROLATE | {"mesh_unit": "mm"}), ["mesh_unit goes with a mesh"]),
+        (kinds(PROLATE) | {"particles__sub_spheres": 51}, ["sub_spheres", "say it in each kind"]),
+        (kinds(PROLATE | {"equal_volume_radius": "-1 mm"}), ["equal_volume_radius", "than 0"]),
+        (kinds({"shape": "prolate:9", "equal_volume_radius": "10 mm", "count": 1}),
+         ["smaller than a particle", "86.535 mm"]),
+        (kinds(STEEL | {"count": 9}, PROLATE) | {"enclosure__cells": [2, 2],
+                                                 "enclosure__cell_wall": "1 mm"},
+         ["particles that are all alike"]),
+        (kinds(STEEL | {"count": 9}, PROLATE) | {"law__rolling_friction": 0.1,
+                                                 "law__rolling_stiffness": "1e4 N/m"},
+         ["rolling_friction is of spheres"]),
+        (kinds(STEEL | {"count": 9}, PROLATE) | {"law__cohesion": "jkr",
+                                                 "law__surface_energy": "0.05 J/m2"},
+         ["cohesion is of spheres"]),
         (kinds({"shape": "sphere:-5mm", "count": 3}), ["[[particles.kind]] 1", "above 0"]),
         (kinds(), ["holds no kind"]),
         (kinds({"shape": "sphere:50mm", "count": 3}), ["smaller than a particle"]),
         (kinds(STEEL | {"count": 5000}), ["fill ratio", "above 1"]),
         (kinds(STEEL | {"mass_fraction": 0.99999}, NYLON | {"mass_fraction": 1e-5}),
-         ["[[particles.kind]] 2", "less than one sphere"]),
+         ["[[particles.kind]] 2", "less than one particle"]),
         (NORMAL, ["size_deviation is missing"]),
         (NORMAL | {"particles__size_deviation": "2 mm"}, ["wider than its mean", "lognormal"]),
         (NORMAL | {"particles__size_deviation": "-1 mm"}, ["size_deviation", "greater than 0"]),
@@ -264,8 +396,13 @@ HALF = [{"shape": "sphere:5mm", "mass_fraction": 0.5}, {"shape": "sphere:4mm"}]
           "particles__sieve": [["2 mm", 0.0], ["1 mm", 1.0]]}, ["ascend"]),
         ({"particles__size_distribution": "sieve",
           "particles__sieve": [["1 mm", 0.0], ["2 mm", 0.9]]}, ["rise from 0", "to 1"]),
-        (NORMAL | {"particles__size_deviation": "0.1 mm", "particles__shape": "toroid:0.2"},
-         ["are of spheres"]),
+        ({"particles__size_distribution": "sieve", "particles__shape": "toroid:0.2",
+          "particles__sieve": [["1 mm", 0.0], ["2 mm", 1.0]]},
+         ["by their width", "'normal' or 'lognormal'"]),
+        ({"particles__size_distribution": "sieve", "particles__equal_volume_radius": "2 mm",
+          "particles__sieve": [["1 mm", 0.0], ["2 mm", 1.0]]}, ["no equal_volume_radius"]),
+        (NORMAL | {"particles__shape": "toroid:0.2", "particles__size_deviation": "3 mm"},
+         ["wider than its mean of 7 mm"]),
     ],
 )  # fmt: skip
 def test_sizes_and_kinds_that_cannot_be_are_refused(materials, changes, words):

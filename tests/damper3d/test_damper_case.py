@@ -373,6 +373,7 @@ def test_all_keys_that_act_are_in_the_digests():
         "law.friction_wall", "law.restitution", "law.contact_treatment",
         "run.max_cycles", "output.frames",
         "host.modes",  # by its modes: test_host_cases.py
+        "host.at", "host.shown",  # by shapes and the damper shown: test_several_dampers.py
         *(f"host.{key}" for key in (*HOST, *MOVED)),
         "host.inertia", "host.torque", "host.start_angle",  # as mass and force: test_host_cases.py
         *(f"excitation.{key}" for key in Excitation.model_fields),  # test_excitation_cases.py

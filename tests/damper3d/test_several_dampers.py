@@ -182,6 +182,14 @@ def test_the_folder_of_another_damper_is_shown_as_a_run(tmp_path):
         ),
         (
             SEVERAL,
+            [{"at": "tip"}, {"at": "middle", "particles": {"kind": [
+                {"shape": "sphere:5mm", "mass_fraction": 0.5},
+                {"shape": "prolate:1.5", "equal_volume_radius": "2 mm", "mass_fraction": 0.5}]}}],
+            {},
+            ["[[damper]] 2", "of several shapes or sizes, of the first spheres"],
+        ),
+        (
+            SEVERAL,
             [{"at": "tip"}, {"at": "middle", "particles": {"count": 0}}],
             {},
             ["[[damper]] 2", "count = 0"],

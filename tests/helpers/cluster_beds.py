@@ -67,6 +67,15 @@ def bed(shape="cylinder", cluster: MultiSphere | None = None, *, speed=0.5, shak
     return sim
 
 
+def touching(sim: Simulation) -> set[tuple[int, int, int, int]]:
+    """All contacts now: particle and its sphere, then particle or wall and its sphere."""
+    contacts = sim.contacts()
+    (i, j), (p, q) = contacts["bodies"].T, contacts["spheres"].T
+    found = list(zip(i.tolist(), p.tolist(), j.tolist(), q.tolist(), strict=True))
+    assert len(found) == len(set(found)), "a contact is listed twice"
+    return set(found)
+
+
 def about(axis, angle) -> np.ndarray:
     """The quaternion of a turn by an angle [rad] about an axis (3,)."""
     axis = np.asarray(axis, float) / np.linalg.norm(axis)

@@ -31,6 +31,14 @@ SPHEROIDS = CASE | {
     "fill.settle_time": "60 ms",
     "run.cycles": 3,
 }
+# Spheres and particles of several spheres together.
+MIXTURE = {key: value for key, value in SPHEROIDS.items() if not key.startswith("particles.")} | {
+    "particles.kind": [
+        {"shape": "sphere:4mm", "count": 12},
+        {"shape": "prolate:1.5", "equal_volume_radius": "2.2 mm", "sub_spheres": 15, "count": 14},
+    ],
+    "run.discard": 1,
+}
 # Options of the command for a like one.
 OPTIONS = ["--diameter", "20 mm", "--height", "20 mm", "--count", 20, "--frequency", 80,
            "--gamma", 10, "--cycles", 4, "--discard", 1, "--time-step", "2 us"]  # fmt: skip
@@ -44,6 +52,11 @@ def small(**changes: Any) -> DamperCase:
 def small_spheroids(**changes: Any) -> DamperCase:
     """The case of particles of several spheres, with changes such as motion__gamma=5."""
     return _case(SPHEROIDS, changes)
+
+
+def small_mixture(**changes: Any) -> DamperCase:
+    """The case of spheres and spheroids together, with changes such as motion__gamma=5."""
+    return _case(MIXTURE, changes)
 
 
 def _case(usual: dict[str, Any], changes: dict[str, Any]) -> DamperCase:

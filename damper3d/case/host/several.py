@@ -81,10 +81,16 @@ def _kind(case: "DamperCase") -> dict[str, str]:
     law = case.settings.law
     return {
         "enclosure": case.settings.enclosure.shape,
-        "particles": "spheres" if case.particle.is_sphere else "multi-sphere particles",
+        "particles": _particles(case),
         "laws": "of one kind" if case.is_plain else "of several kinds, or with more than Hertz's",
         "rolling resistance": "none" if law.rolling_friction is None else "some",
     }
+
+
+def _particles(case: "DamperCase") -> str:
+    if case.of_spheres:
+        return "spheres"
+    return "multi-sphere particles" + ("" if case.bed is None else " of several shapes or sizes")
 
 
 def as_given(settings: Settings) -> Settings:

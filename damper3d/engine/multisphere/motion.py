@@ -9,6 +9,12 @@ has the velocity u + w x r. Free rotation: rotation.py.
 
 import numpy as np
 
+from damper3d.engine.multisphere.form import (
+    farthest_centre,
+    first_row,
+    first_sphere,
+    rotation_of,
+)
 from damper3d.engine.multisphere.rotation import axes_of, freely_turned
 from damper3d.engine.simd import place_sphere, take_load
 from damper3d.engine.state import (
@@ -34,7 +40,7 @@ def move(world, shift):
 
     shift is that of the enclosure after the step.
     """
-    counts, dt, arm = world.counts, world.time_step, world.shape.arm
+    counts, dt, form = world.counts, world.time_step, world.shape.form
     since, drift = (counts[STEP] - counts[INNER_MADE]) * dt, world.inner_seen.drift
     carried = since * drift[0], since * drift[1], since * drift[2]
     was = world.wall_seen.drift
@@ -45,6 +51,7 @@ def move(world, shift):
         kick(world, b)
         turn(world, b)
         place_active(world, b)
+        arm = farthest_centre(form, b)
         left |= has_left(world.particles, world.inner_seen, arm, b, carried)
         left_wall |= has_left(world.particles, world.wall_seen, arm, b, swept)
     counts[STALE_INNER] |= left
@@ -81,15 +88,16 @@ def kick(world, b):
 @inlined_inner
 def turn(world, b):
     """Orientation, axes and angular velocity of a particle after a step, from its momentum then."""
-    particles, shape = world.particles, world.shape
+    particles, form = world.particles, world.shape.form
     old, momentum = particles.orientation, particles.momentum
     q = old[b, 0], old[b, 1], old[b, 2], old[b, 3]
     about = momentum[b, 0], momentum[b, 1], momentum[b, 2]
-    q = freely_turned(q, about, shape.inverse_inertia, shape.odd, world.time_step)
+    inverse_inertia, odd = rotation_of(form, b)
+    q = freely_turned(q, about, inverse_inertia, odd, world.time_step)
     for c in range(4):
         old[b, c] = q[c]
     note_axes(particles, b)
-    note_angular_velocity(particles, shape, b)
+    note_angular_velocity(particles, form, b)
 
 
 @uncounted
@@ -102,14 +110,15 @@ def note_axes(particles, b):
 
 
 @uncounted
-def note_angular_velocity(particles, shape, b):
+def note_angular_velocity(particles, form, b):
     """w = I^-1 L of a particle, now."""
     axes, momentum, rate = particles.axes, particles.momentum_now, particles.angular_velocity_now
+    inverse_inertia, _ = rotation_of(form, b)
     rate[b, 0] = rate[b, 1] = rate[b, 2] = 0.0
     for k in range(3):
         x, y, z = axes[b, 4 * k], axes[b, 4 * k + 1], axes[b, 4 * k + 2]
         along = x * momentum[b, 0] + y * momentum[b, 1] + z * momentum[b, 2]
-        along *= shape.inverse_inertia[k]
+        along *= inverse_inertia[k]
         rate[b, 0] += along * x
         rate[b, 1] += along * y
         rate[b, 2] += along * z
@@ -118,21 +127,22 @@ def note_angular_velocity(particles, shape, b):
 @inlined_inner
 def place_active(world, b):
     """Position, velocity and angular velocity of the listed spheres of a particle."""
-    particles, spheres, offset = world.particles, world.spheres, world.shape.offset
-    first = b * len(offset)
+    particles, spheres, form = world.particles, world.spheres, world.shape.form
+    before = first_sphere(form, b) - first_row(form, b)
     for n in range(world.shape.active_first[b], world.shape.active_first[b + 1]):
         i = np.int64(world.shape.active[n])
         place_sphere(
             particles.position, particles.velocity_now, particles.angular_velocity_now,
-            particles.axes, offset, spheres.position, spheres.velocity, spheres.angular_velocity,
-            b, i - first, i,
+            particles.axes, form.offset, spheres.position, spheres.velocity,
+            spheres.angular_velocity, b, i - before, i,
         )  # fmt: skip
 
 
 @inner
-def arm_of(axes, offset, b, s):
+def arm_of(axes, form, b, s):
     """From the centroid of particle b to the centre of its sphere s, in the laboratory [m]."""
-    a, d, e = offset[s, 0], offset[s, 1], offset[s, 2]
+    offset, row = form.offset, first_row(form, b) + s
+    a, d, e = offset[row, 0], offset[row, 1], offset[row, 2]
     return (
         a * axes[b, 0] + d * axes[b, 4] + e * axes[b, 8],
         a * axes[b, 1] + d * axes[b, 5] + e * axes[b, 9],
@@ -188,7 +198,7 @@ def list_spheres(world, seen):
 def list_active(world):
     """Name the spheres of both lists, particle by particle, and bring them up to date."""
     shape, counts = world.shape, world.counts
-    listed, size = shape.scratch.listed, len(shape.offset)
+    listed = shape.scratch.listed
     listed[:] = 0
     for n in range(counts[INNER]):
         listed[world.inner.i[n]] = listed[world.inner.j[n]] = 1
@@ -197,7 +207,7 @@ def list_active(world):
     found = 0
     for b in range(len(world.particles.inverse_mass)):
         shape.active_first[b] = found
-        for i in range(b * size, (b + 1) * size):
+        for i in range(first_sphere(shape.form, b), first_sphere(shape.form, b + 1)):
             shape.active[found] = i
             found += listed[i]
         shape.active_first[b + 1] = found
@@ -207,14 +217,15 @@ def list_active(world):
 @inner
 def place_near_walls(world, skin, shift):
     """Bring all spheres of the particles that are near a wall to their positions."""
-    spheres, offset, particles = world.spheres, world.shape.offset, world.particles
+    spheres, form, particles = world.spheres, world.shape.form, world.particles
     for b in range(len(particles.inverse_mass)):
         for w in range(len(world.walls.force)):
             if gap_to_wall(world.walls, particles.position, w, b, shift) < skin:
-                for s in range(len(offset)):
-                    r = arm_of(particles.axes, offset, b, s)
+                first = first_sphere(form, b)
+                for i in range(first, first_sphere(form, b + 1)):
+                    r = arm_of(particles.axes, form, b, i - first)
                     for c in range(3):
-                        spheres.position[b * len(offset) + s, c] = particles.position[b, c] + r[c]
+                        spheres.position[i, c] = particles.position[b, c] + r[c]
                 break
 
 

@@ -14,6 +14,14 @@ others may go far before the list is made again: it must only know what touches.
 import numpy as np
 
 from damper3d.engine.geometry import copy
+from damper3d.engine.laws.table import hertz_of
+from damper3d.engine.multisphere.form import (
+    columns_of,
+    farthest_centre,
+    first_row,
+    first_sphere,
+    pair_mass,
+)
 from damper3d.engine.multisphere.motion import arm_of, ways_since
 from damper3d.engine.state import (
     DEEPEST,
@@ -32,19 +40,18 @@ _OUTER_SHARE = 0.1  # outer skin over the bounding radius of a particle
 
 
 @inner
-def key_of(k, n, i, j):
-    """Return a number by which pairs ascend: by the particles, of k spheres each, then by sphere.
-
-    For n particles.
-    """
-    a, b = np.int64(i) // k, np.int64(j) // k
-    return ((a * n + b) * k + (i - a * k)) * k + (j - b * k)
+def outer_skin(world):
+    """Gap of bounding spheres that the outer list shall hold [m]."""
+    return _OUTER_SHARE * largest_bounding(world.particles)
 
 
 @inner
-def outer_skin(world):
-    """Gap of bounding spheres that the outer list shall hold [m]; all particles are alike."""
-    return _OUTER_SHARE * world.particles.position[0, 3]
+def largest_bounding(particles):
+    """The largest radius of a sphere that holds a particle [m]."""
+    largest = 0.0
+    for b in range(len(particles.position)):
+        largest = max(largest, particles.position[b, 3])
+    return largest
 
 
 @inner
@@ -57,7 +64,7 @@ def note_ways(world):
     finite = True
     for b in range(len(way)):
         straight, turned = ways_since(
-            world.particles, world.inner_seen, world.shape.arm, b, carried
+            world.particles, world.inner_seen, farthest_centre(world.shape.form, b), b, carried
         )
         way[b] = np.sqrt(straight) + np.sqrt(turned)
         finite &= way[b] < np.inf
@@ -140,35 +147,36 @@ def pairs_of_spheres(world, k, skin, n):
     -1 if there is no room. How deep they overlap stands in scratch.depth.
     """
     outer, shape, x, axes = world.outer, world.shape, world.particles.position, world.particles.axes
-    scratch, direction = shape.scratch, shape.pairs.direction
+    scratch, direction, form = shape.scratch, shape.pairs.direction, shape.form
     height = scratch.height
     a, b = np.int64(outer.i[k]), np.int64(outer.j[k])
     apart = x[b, 0] - x[a, 0], x[b, 1] - x[a, 1], x[b, 2] - x[a, 2]
     d = direction[k, 0], direction[k, 1], direction[k, 2]
     between = apart[0] * d[0] + apart[1] * d[1] + apart[2] * d[2]
-    high = extent(height[0], shape.columns, axes[a], d, 1.0)
-    low = between - extent(height[1], shape.columns, axes[b], d, -1.0)
+    high = extent(height[0], form.columns, columns_of(form, a), axes[a], d, 1.0)
+    low = between - extent(height[1], form.columns, columns_of(form, b), axes[b], d, -1.0)
     shape.pairs.free[k] = low - high
     if low - high >= skin:
         return n
-    n_a = those_beyond(scratch, 0, shape.offset, axes, a, low - skin, (0.0, 0.0, 0.0))
-    n_b = those_beyond(scratch, 1, shape.offset, axes, b, between - high - skin, apart)
-    return compare(scratch, world.inner, direction, len(shape.offset), k, a, b, n_a, n_b,
-                   skin, n)  # fmt: skip
+    n_a = those_beyond(scratch, 0, form, axes, a, low - skin, (0.0, 0.0, 0.0))
+    n_b = those_beyond(scratch, 1, form, axes, b, between - high - skin, apart)
+    return compare(scratch, world.inner, direction, form, k, a, b, n_a, n_b, skin, n)
 
 
 @inner
-def extent(height, columns, axes, d, sign):
+def extent(height, columns, where, axes, d, sign):
     """Return the extent of a particle from its centroid along sign d [m]; height: of each sphere.
 
+    where: columns_of the particle.
     Four largest ones at once, so that none waits for the one before it.
     """
     x = sign * (d[0] * axes[0] + d[1] * axes[1] + d[2] * axes[2])
     y = sign * (d[0] * axes[4] + d[1] * axes[5] + d[2] * axes[6])
     z = sign * (d[0] * axes[8] + d[1] * axes[9] + d[2] * axes[10])
-    n = columns.shape[1]
+    begin, n = where
     for s in range(np.uintp(n)):
-        height[s] = x * columns[0, s] + y * columns[1, s] + z * columns[2, s] + columns[3, s]
+        t = begin + s
+        height[s] = x * columns[0, t] + y * columns[1, t] + z * columns[2, t] + columns[3, t]
     a, b, c, e = height[0], height[1], height[2], height[3]
     for s in range(np.int64(4), n, 4):
         a, b = max(a, height[s]), max(b, height[s + 1])
@@ -177,32 +185,33 @@ def extent(height, columns, axes, d, sign):
 
 
 @inner
-def those_beyond(scratch, which, offset, axes, b, limit, shift):
+def those_beyond(scratch, which, form, axes, b, limit, shift):
     """Note the spheres of particle b whose height is above a limit, and their centres; how many."""
     height, sphere, centre = scratch.height, scratch.sphere, scratch.centre
     found = 0
-    for s in range(len(offset)):
+    for s in range(first_sphere(form, b + 1) - first_sphere(form, b)):
         if height[which, s] > limit:
-            r = arm_of(axes, offset, b, s)
+            r = arm_of(axes, form, b, s)
             sphere[which, found] = s
             for c in range(3):
                 centre[which, c, found] = r[c] + shift[c]
-            centre[which, 3, found] = offset[s, 3]
+            centre[which, 3, found] = form.offset[first_row(form, b) + s, 3]
             found += 1
     return found
 
 
 @inner
-def compare(scratch, contacts, direction, size, k, a, b, n_a, n_b, skin, n):
+def compare(scratch, contacts, direction, form, k, a, b, n_a, n_b, skin, n):
     """Append those of the noted spheres of two particles whose gap is below the skin.
 
     The next time the particles are looked at along the line between the nearest two.
     """
     centre, gap, i, j, group = scratch.centre, scratch.gap, contacts.i, contacts.j, contacts.group
+    first_a, first_b = first_sphere(form, a), first_sphere(form, b)
     least, best_p, best_q = np.inf, 0, 0
     for p in range(n_a):
         x, y, z = centre[0, 0, p], centre[0, 1, p], centre[0, 2, p]
-        radius, first = centre[0, 3, p], a * size + scratch.sphere[0, p]
+        radius, first = centre[0, 3, p], first_a + scratch.sphere[0, p]
         if n + n_b + LANES > len(i):
             return np.int64(-1)
         for q in range(np.uintp(n_b)):
@@ -212,7 +221,7 @@ def compare(scratch, contacts, direction, size, k, a, b, n_a, n_b, skin, n):
             if gap[q] < least:
                 least, best_p, best_q = gap[q], p, q
             # Each is written, and only counted where it is one of them.
-            i[n], j[n], group[n] = first, b * size + scratch.sphere[1, q], k
+            i[n], j[n], group[n] = first, first_b + scratch.sphere[1, q], k
             scratch.depth[n] = -gap[q]
             n += np.int64(gap[q] < skin)
     if least < np.inf:
@@ -234,12 +243,13 @@ def deepest_share(world, n_pairs):
 
 @inlined_inner
 def note_constants(world, n_pairs):
-    """Return what the law needs to know of the pairs; the reduced mass is that of the particles."""
+    """Note what the law needs to know of the pairs; the reduced mass is that of the particles."""
     contacts, whole, radius = world.inner, world.inner.whole, world.spheres.position
-    mass = 0.5 / world.particles.inverse_mass[0]
     for n in range(np.uintp(n_pairs)):
-        first, second = radius[contacts.i[n], 3], radius[contacts.j[n], 3]
-        hertz = world.pair_law.hertz * np.sqrt(first * second / (first + second))
+        i, j = contacts.i[n], contacts.j[n]
+        first, second = radius[i, 3], radius[j, 3]
+        hertz = hertz_of(world.pair_law, i, j) * np.sqrt(first * second / (first + second))
+        mass = pair_mass(world.shape.form, world.spheres, i, j)
         contacts.cutoff[n] = first + second
         contacts.constants[n, RADIUS_I], contacts.constants[n, RADIUS_J] = first, second
         contacts.constants[n, HERTZ] = whole[n, 0] = hertz

@@ -1,48 +1,28 @@
-"""Particles that are rigid clusters of spheres, all alike, and rotate: their arrays.
+"""Particles that are rigid clusters of spheres and rotate: their arrays.
 
 Only the spheres that stand in a list are kept up to date ("active").
 """
 
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from damper3d.engine.multisphere.form import (
+    Alike,
+    Particle,
+    Particles,
+    Unlike,
+    first_spheres,
+    rows_of_spheres,
+    whole,
+)
 from damper3d.engine.multisphere.motion import note_angular_velocity, note_axes
-from damper3d.engine.state import LANES, World, zeros
+from damper3d.engine.state import World, zeros
 
 # What becomes of several contacts of one particle with another, or with a wall.
 TREATMENTS = ("sum", "deepest", "scaled")
 SUM, DEEPEST, SCALED = range(3)
-
-_ROUNDING = 1e-9  # by which moments may differ that are meant to be equal
-
-
-class Particle(Protocol):
-    """A multi-sphere particle in its principal axes about its centroid, as the engine needs it."""
-
-    @property
-    def offsets(self) -> np.ndarray:
-        """Centres of the spheres (k, 3) [m]."""
-
-    @property
-    def radii(self) -> np.ndarray:
-        """Radii of the spheres (k,) [m]."""
-
-    @property
-    def volume(self) -> float:
-        """Volume of the smooth shape [m3]."""
-
-    @property
-    def inertia(self) -> np.ndarray:
-        """Principal moments over the density (3,) [m5]."""
-
-    @property
-    def bounding_radius(self) -> float:
-        """Radius of the sphere about the centroid that holds the particle [m]."""
-
-    @property
-    def smallest_radius(self) -> float:
-        """Radius of its smallest sphere [m]."""
 
 
 class Scratch(NamedTuple):
@@ -69,13 +49,9 @@ class KnownPairs(NamedTuple):
 
 
 class ManySpheres(NamedTuple):
-    """The shape of all particles in principal axes about the centroid, and its search's arrays."""
+    """The shapes of all particles, and the arrays of their search."""
 
-    offset: np.ndarray  # (k, 4) centre of each sphere, its radius [m]
-    columns: np.ndarray  # (4, K) transposed; with as many that extend nowhere as fill vectors
-    arm: float  # distance of the farthest centre from the centroid [m]
-    inverse_inertia: np.ndarray  # (3,) of the principal moments [1/(kg m2)]
-    odd: int  # the axis about which it is, or may be, as round as about no other
+    form: Any  # form.Alike or form.Unlike
     treatment: int
     active: np.ndarray  # (m,) uint32 spheres that stand in a list, ascending
     active_first: np.ndarray  # (n + 1,) where those of each particle begin
@@ -100,46 +76,22 @@ class RigidMotion(NamedTuple):
     dissipated: np.ndarray  # (m + 1,) of each sphere, half of what its contacts dissipated [J]
 
 
-def shape_of(particle: Particle, density: float, n: int, treatment: str) -> ManySpheres:
-    """Return what the kernels know of n such particles; no list has a capacity yet."""
-    inertia, k = density * np.asarray(particle.inertia, float), len(particle.radii)
-    odd = _odd_axis(inertia)
-    others = [(odd + 1) % 3, (odd + 2) % 3]
-    if abs(inertia[others[0]] - inertia[others[1]]) <= _ROUNDING * inertia.max():
-        inertia[others] = inertia[others].mean()  # then its free rotation is exact
-    offset = zeros(k, 4)
-    offset[:, :3], offset[:, 3] = particle.offsets, particle.radii
+def shape_of(form: Alike | Unlike, n: int, treatment: str) -> ManySpheres:
+    """Return what the kernels know of n particles; no list has a capacity yet."""
+    m = int(first_spheres(form, n)[-1])
     return ManySpheres(
-        offset=offset,
-        columns=columns_of(offset),
-        arm=float(np.linalg.norm(particle.offsets, axis=1).max()),
-        inverse_inertia=1.0 / inertia,
-        odd=odd,
+        form=form,
         treatment=TREATMENTS.index(treatment),
-        active=np.zeros(n * k + 1, np.uint32),
+        active=np.zeros(m + 1, np.uint32),
         active_first=np.zeros(n + 1, np.int64),
         pairs=known_pairs(0),
-        scratch=_scratch(n, k),
+        scratch=_scratch(n, most_spheres(form), m),
     )
 
 
-def columns_of(offset: np.ndarray) -> np.ndarray:
-    """Rows of spheres as columns, and more of them, which extend nowhere, to a whole of LANES."""
-    columns = zeros(4, _whole(len(offset)))
-    columns[3] = -np.inf
-    columns[:, : len(offset)] = offset.T
-    return columns
-
-
-def _whole(k: int) -> int:
-    """The next multiple of LANES."""
-    return -(-k // LANES) * LANES
-
-
-def _odd_axis(inertia: np.ndarray) -> int:
-    """The axis whose two others have the most equal moments."""
-    spread = [abs(inertia[(k + 1) % 3] - inertia[(k + 2) % 3]) for k in range(3)]
-    return int(np.argmin(spread))
+def most_spheres(form: Alike | Unlike) -> int:
+    """Largest number of spheres of a particle."""
+    return form.most if isinstance(form, Unlike) else len(form.offset)
 
 
 def known_pairs(capacity: int) -> KnownPairs:
@@ -154,34 +106,47 @@ def known_pairs(capacity: int) -> KnownPairs:
     )
 
 
-def _scratch(n: int, k: int) -> Scratch:
+def _scratch(n: int, k: int, m: int) -> Scratch:
+    """Capacity for n particles, of at most k spheres each and m together."""
     return Scratch(
         way=np.zeros(n),
-        height=zeros(2, _whole(k)),
+        height=zeros(2, whole(k)),
         sphere=np.zeros((2, k), np.int64),
         centre=zeros(2, 4, k),
         gap=zeros(k),
         depth=np.zeros(0),
-        listed=np.zeros(n * k, np.uint8),
+        listed=np.zeros(m, np.uint8),
     )
 
 
 def at_rest(
-    positions: np.ndarray, orientations: np.ndarray | None, particle: Particle, density: float
-) -> RigidMotion:
-    """Particles at rest; positions (n, 3) [m], orientations (n, 4), of no rotation if left out."""
+    positions: np.ndarray, orientations: np.ndarray | None, particles: Particles, mass: np.ndarray,
+    m: int,
+) -> RigidMotion:  # fmt: skip
+    """Particles at rest, of m spheres together.
+
+    positions (n, 3) [m]; orientations (n, 4), of no rotation if left out; mass (n,) [kg].
+    """
     n = len(positions)
     rows = ("position", "orientation", "velocity", "momentum", "velocity_now", "momentum_now",
             "angular_velocity_now", "force", "torque")  # fmt: skip
     made = RigidMotion(
         **{name: zeros(n, 4) for name in rows},
         axes=zeros(n, 12),
-        inverse_mass=np.full(n, 1.0 / (density * particle.volume)),
-        dissipated=np.zeros(n * len(particle.radii) + 1),
+        inverse_mass=1.0 / mass,
+        dissipated=np.zeros(m + 1),
     )
-    made.position[:, :3], made.position[:, 3] = positions, particle.bounding_radius
+    made.position[:, :3] = positions
+    made.position[:, 3] = of_each(particles, n, lambda one: one.bounding_radius)
     made.orientation[:] = [1.0, 0.0, 0.0, 0.0] if orientations is None else orientations
     return made
+
+
+def of_each(particles: Particles, n: int, number: Callable[[Particle], float]) -> np.ndarray:
+    """A number of each of n particles (n,)."""
+    if isinstance(particles, Sequence):
+        return np.array([number(one) for one in particles])
+    return np.full(n, number(particles))
 
 
 def moving(world: World) -> dict[str, np.ndarray]:
@@ -202,14 +167,15 @@ def settle(world: World) -> None:
     """Axes and angular velocities of all particles, from orientations and momenta."""
     for b in range(len(world.particles.inverse_mass)):
         note_axes(world.particles, b)
-        note_angular_velocity(world.particles, world.shape, b)
+        note_angular_velocity(world.particles, world.shape.form, b)
 
 
 def set_angular_velocity(world: World, angular_velocity: np.ndarray) -> None:
     """Let the particles rotate at (n, 3) [rad/s], now and half a step ago."""
     now = world.particles
     axes = now.axes.reshape(-1, 3, 4)[:, :, :3]
-    along = np.einsum("nkc,nc->nk", axes, angular_velocity) / world.shape.inverse_inertia
+    along = np.einsum("nkc,nc->nk", axes, angular_velocity)
+    along /= world.shape.form.inverse_inertia
     now.momentum[:, :3] = np.einsum("nkc,nk->nc", axes, along)
     now.momentum_now[:] = now.momentum
     now.angular_velocity_now[:, :3] = angular_velocity
@@ -217,6 +183,15 @@ def set_angular_velocity(world: World, angular_velocity: np.ndarray) -> None:
 
 def extents(world: World, up: np.ndarray) -> np.ndarray:
     """Extent of each particle from its centroid along a unit vector (n,) [m]."""
-    offset, axes = world.shape.offset, world.particles.axes.reshape(-1, 3, 4)[:, :, :3]
-    spheres = np.einsum("nkc,c,sk->ns", axes, up, offset[:, :3]) + offset[:, 3]
+    form, axes = world.shape.form, world.particles.axes.reshape(-1, 3, 4)[:, :, :3]
+    if isinstance(form, Unlike):
+        rows = form.offset[rows_of_spheres(form, len(axes))]
+        spheres = np.einsum("mkc,c,mk->m", axes[form.whose], up, rows[:, :3]) + rows[:, 3]
+        return np.maximum.reduceat(spheres, form.first[:-1])
+    spheres = np.einsum("nkc,c,sk->ns", axes, up, form.offset[:, :3]) + form.offset[:, 3]
     return spheres.max(axis=1)
+
+
+def first_sphere_of_each(world: World) -> np.ndarray:
+    """Number of the first sphere of each particle, and of all spheres (n + 1,)."""
+    return first_spheres(world.shape.form, len(world.particles.inverse_mass))

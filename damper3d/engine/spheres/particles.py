@@ -74,6 +74,11 @@ def set_angular_velocity(world: World, angular_velocity: np.ndarray) -> None:
     world.spheres.angular_velocity[: len(angular_velocity), :3] = angular_velocity
 
 
+def first_sphere_of_each(world: World) -> np.ndarray:
+    """Number of the first sphere of each particle, and of all spheres (n + 1,)."""
+    return np.arange(len(world.outer.made_at) + 1)
+
+
 def extents(world: World, up: np.ndarray) -> Any:
     """Extent of each sphere from its centre along a unit vector (n,) [m]."""
     halo = getattr(world.pair_law, "halo", 0.0)

@@ -157,7 +157,7 @@ def spheres_around(case: "DamperCase") -> dict[str, Any]:
     return {
         "radius": np.full(case.count, case.particle.bounding_radius)
         if case.bed is None
-        else case.radii,
+        else case.bed.bounding_radius,
         "mass": case.masses,
     }
 

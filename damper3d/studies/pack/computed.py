@@ -10,6 +10,7 @@ from damper3d.studies.pack import tasks
 from damper3d.studies.pack.compact import least_bodies
 from granulab.campaign.output.layout import done, not_done, with_sd
 from granulab.campaign.output.statistics import mean_sd
+from granulab.errors import InputError
 
 Row = dict[str, Any]
 BODIES, PACKINGS = 100, 3
@@ -30,7 +31,10 @@ def pack(
     `name` and `changes` are what DamperCase.load takes; `engine` is what tasks.run takes. Raises
     InputError where there is no such case, or too few particles for the cell.
     """
-    particle = DamperCase.load(name, changes).particle
+    case = DamperCase.load(name, changes)
+    if case.bed is not None:
+        raise InputError(f"{case.name}: packings are computed of particles that are all alike")
+    particle = case.particle
     least_bodies(particle, bodies)
     seeds = range(1, packings + 1)
     wanted = [("cell", tasks.Task(out, s, particle=particle, bodies=bodies)) for s in seeds]

@@ -26,7 +26,7 @@ from damper3d.run.fill import fill, packed, resting
 from granulab.campaign.runs.protocol import Stop
 from granulab.contact.files.datafile import find
 from granulab.contact.files.table import load_table
-from granulab.errors import InputError, Stopped
+from granulab.errors import Stopped
 
 SOFTER = 100.0  # times than the case's particles and walls
 FREQUENCY = 40.0  # [Hz] of the thesis's damper
@@ -90,8 +90,6 @@ def softened(name: str, changes: dict[str, Any]) -> DamperCase:
     """A case with vertical motion whose particles and walls are SOFTER, and its longer steps."""
     hard = DamperCase.load(name, {**changes, "motion.orientation": "vertical"})
     table = load_table(find(hard.settings.particles.materials, "materials", Path()))
-    if hard.bed is not None:
-        raise InputError(f"{name}: packings are computed of particles that are all alike")
     modulus = materials_of(table, hard.settings)[0][0].youngs_modulus
     assert modulus is not None  # the case has refused that
     soft = {
