@@ -22,6 +22,7 @@ from silo2d.engine.sampling import (
     POINT_Y,
     SLIDES,
     energies,
+    list_class,
     list_contacts,
 )
 from silo2d.engine.state import DONE, NOT_FINITE, OUTER_FULL, PAIRS_FULL, World
@@ -29,6 +30,7 @@ from silo2d.engine.world import longer_lists, more_pairs, with_laws
 
 # Particles times steps of a call of the kernel, which hears no Ctrl-C: a quarter of a second.
 _AT_A_TIME = 4_000_000
+_SAMPLED = "sampled_"  # begins the names of what checkpoints hold of samples at the walls
 
 
 @njit
@@ -59,6 +61,7 @@ class Simulation:
         self.world = world
         self._advice = advice  # for the one whose simulation fails
         self._wall_steps = 0
+        self._wall_samples: list[dict[str, np.ndarray]] = []
 
     @property
     def n_particles(self) -> int:
@@ -195,6 +198,46 @@ class Simulation:
         self._wall_steps = 0
         return mean
 
+    def sample_walls(self) -> None:
+        """Keep the contacts at the walls as they are now, for wall_samples; changes no bit."""
+        self.refresh()
+        world = self.world
+        first, last = (int(world.counts[k]) for k in (state.PARTICLE_INNER, state.INNER))
+        most = max(last - first, 1)
+        bodies, numbers = np.zeros((most, 2), np.uint32), np.zeros((most, 8))
+        n = list_class(
+            world.bodies.row, world.inner, world.forces, world.wall_law, first, last,
+            world.time_step, bodies, numbers, np.int64(0),
+        )  # fmt: skip
+        n = max(n, 1)  # one row without force where nothing touches: it was looked at
+        wall = np.maximum(bodies[:n, 1].astype(np.int64) - self.n_particles, 0)
+        self._wall_samples.append(
+            {
+                "time": np.full(n, self.time),
+                "wall": wall.astype(np.uint16),
+                "point": numbers[:n, [POINT_X, POINT_Y]].astype(np.float32),
+                "force": numbers[:n, [FORCE_X, FORCE_Y]].astype(np.float32),
+            }
+        )
+
+    def wall_samples(self) -> dict[str, np.ndarray]:
+        """Contacts at the walls in the samples taken since the last call; nothing of none.
+
+        time         (n,) of the sample, since the phase began [s]
+        wall         (n,) index of the wall
+        point        (n, 2) where the force acts [m]
+        force        (n, 2) on the wall, damping included [N]
+
+        A sample without contacts has one row without force.
+        """
+        table = self._samples_joined()
+        self._wall_samples.clear()
+        return table
+
+    def _samples_joined(self) -> dict[str, np.ndarray]:
+        samples = self._wall_samples
+        return {k: np.concatenate([one[k] for one in samples]) for k in samples[0]} if samples else {}
+
     def remove_wall(self, index: int) -> None:
         """Take a wall away (open a door)."""
         self.world.bodies.layout[self.n_particles + index, [state.N_CORNERS, state.N_EDGES]] = 0
@@ -284,6 +327,7 @@ class Simulation:
             "counts": world.counts.copy(),
             "books": world.account.copy(),
             "wall_steps": np.array([self._wall_steps]),
+            **{f"{_SAMPLED}{name}": column for name, column in self._samples_joined().items()},
         }
 
     def restore(self, saved: dict[str, np.ndarray]) -> None:
@@ -303,6 +347,8 @@ class Simulation:
         world.counts[[state.OUTER, state.INNER, state.STALE]] = n, 0, 3
         self.world = with_laws(world, world.particle_law, world.wall_law)
         self._wall_steps = int(saved["wall_steps"][0])
+        sampled = {k.removeprefix(_SAMPLED): v for k, v in saved.items() if k.startswith(_SAMPLED)}
+        self._wall_samples = [sampled] if sampled else []
 
     def state_digest(self) -> str:
         """Hash of positions, orientations, velocities and the history of the contacts."""

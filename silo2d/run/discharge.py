@@ -37,9 +37,9 @@ def discharge(
 ) -> str:
     """Run to the end and return the outcome: open the door first, unless going on.
 
-    Looks, frames and checkpoints come at fixed numbers of steps since the opening; the first and
-    the last frame bring the contacts, and of those between every so many. Raises Stopped when
-    `stop` says so, with the state kept, and SimulationError.
+    Looks, frames, samples at the walls and checkpoints come at fixed numbers of steps since the
+    opening; the first and the last frame bring the contacts, and of those between every so many.
+    Raises Stopped when `stop` says so, with the state kept, and SimulationError.
     """
     if clock.parts == 0:
         _open_door(sim, case, writer, clock)
@@ -47,18 +47,24 @@ def discharge(
     output = case.settings.output
     intervals = (LOOK, output.frame_interval, output.checkpoint_interval)
     look, frame, keep = (max(round(interval / sim.time_step), 1) for interval in intervals)
+    every = [look, frame, keep, max(_LONGEST_LOOK // sim.n_particles, 1)]
+    sample = output.wall_interval and max(round(output.wall_interval / sim.time_step), 1)
+    every += [sample] if sample else []
     contacts = frame * max(round(output.contact_interval / output.frame_interval), 1)
-    pause = max(_LONGEST_LOOK // sim.n_particles, 1)
     stages.begin(*discharged(sim, case, clock)[:3])
     while True:
         now = sim.steps
-        target = min(now - now % every + every for every in (look, frame, keep, pause))
+        target = min(now - now % n + n for n in every)
         began = time.process_time()
         sim.run(target - now)
         clock.cpu_s += time.process_time() - began
         outcome = _look(sim, case, packing, clock) if target % look == 0 else None
+        if sample and target % sample == 0:
+            sim.sample_walls()
         if target % frame == 0 or outcome:
             touches = contacts_of(sim) if target % contacts == 0 or outcome else {}
+            if samples := sim.wall_samples():
+                touches["walls"] = samples
             writer.append(frame_of(sim, sim.wall_forces()), touches)
         if outcome:
             return outcome

@@ -141,7 +141,12 @@ def packed(
     fraction = packing_fraction(
         case.outline, case.shapes, kinds, poses[:, 1], case.settings.fill.level
     )
-    return Packing(kinds, poses, fraction, sim.coordination(), poured_with, cpu_s)
+    coordination = sim.coordination()
+    sim.sample_walls()
+    at_walls = {k: v for k, v in sim.wall_samples().items() if k != "time"}
+    return Packing(
+        kinds, poses, fraction, coordination, poured_with, cpu_s, at_walls=at_walls
+    )
 
 
 def down_at(poses: np.ndarray, level: float) -> float:
