@@ -198,13 +198,16 @@ class Simulation:
         self._wall_steps = 0
         return mean
 
-    def sample_walls(self) -> None:
-        """Keep the contacts at the walls as they are now, for wall_samples; changes no bit."""
+    def sample_walls(self, most: int | None = None) -> None:
+        """Keep the contacts at the walls as they are now, for wall_samples; changes no bit.
+
+        most: of the samples, the last ones, that are kept.
+        """
         self.refresh()
         world = self.world
         first, last = (int(world.counts[k]) for k in (state.PARTICLE_INNER, state.INNER))
-        most = max(last - first, 1)
-        bodies, numbers = np.zeros((most, 2), np.uint32), np.zeros((most, 8))
+        size = max(last - first, 1)
+        bodies, numbers = np.zeros((size, 2), np.uint32), np.zeros((size, 8))
         n = list_class(
             world.bodies.row, world.inner, world.forces, world.wall_law, first, last,
             world.time_step, bodies, numbers, np.int64(0),
@@ -219,6 +222,8 @@ class Simulation:
                 "force": numbers[:n, [FORCE_X, FORCE_Y]].astype(np.float32),
             }
         )
+        if most is not None:
+            del self._wall_samples[:-most]
 
     def wall_samples(self) -> dict[str, np.ndarray]:
         """Contacts at the walls in the samples taken since the last call; nothing of none.

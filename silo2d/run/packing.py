@@ -27,7 +27,7 @@ class Packing:
     cpu_s: float  # CPU time that the filling took [s]
     attempts: int = 1  # at the filling, each stiffer than the one before
     sources: str = ""  # digest of the sources that made it
-    # Contacts at the walls once it was filled, under the filling's laws: wall, point, force as of
+    # Contacts at the walls in the last looks at the filling, under its laws, as of
     # Simulation.wall_samples; empty of packings of earlier versions.
     at_walls: dict[str, np.ndarray] = field(default_factory=dict)
 
