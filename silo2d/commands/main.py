@@ -6,7 +6,7 @@ from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
 from granulab.campaign.cli.reproduce import reproduce_command
-from silo2d.commands import results, run
+from silo2d.commands import loads, results, run
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.cases import LabelledStudy
@@ -42,11 +42,12 @@ app = command_group(
         results.observe,
         results.compare,
         results.export,
+        loads.loads,
         *file_commands(
             "silo2d",
             "friction",
             "case file, shape set, materials file",
-            new=("materials", "shapes"),
+            new=("materials", "shapes", "loads"),
         ),
     ],
     """Discharge of angular particles from 2D silos.

@@ -241,7 +241,9 @@ class Simulation:
 
     def _samples_joined(self) -> dict[str, np.ndarray]:
         samples = self._wall_samples
-        return {k: np.concatenate([one[k] for one in samples]) for k in samples[0]} if samples else {}
+        return (
+            {k: np.concatenate([one[k] for one in samples]) for k in samples[0]} if samples else {}
+        )
 
     def remove_wall(self, index: int) -> None:
         """Take a wall away (open a door)."""

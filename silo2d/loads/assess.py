@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from silo2d.loads import bottom, jenike
-from silo2d.loads.janssen import Floats
+from silo2d.loads.janssen import Floats, janssen_stress
 from silo2d.loads.solid import LOAD_CASES, Values, as_numbers, characteristic
 from silo2d.loads.spec import Design
 from silo2d.loads.walls import (
@@ -20,8 +20,7 @@ from silo2d.loads.walls import (
     patch_load,
 )
 
-_DEPTHS = 9  # that are tabulated
-_LARGEST_PARTICLE = 0.03  # of d_c, for which the standard is made (1.1.2)
+_DEPTHS = 33  # of the series of pressures; every fourth is printed
 
 
 class Loads:
@@ -47,10 +46,12 @@ class Loads:
         values = self.values(load_case)
         return Wall(self.vessel, values, self.solid.unit_weight, self.highest, self.solid.repose)
 
-    def mean_wall(self) -> Wall:
-        """The same by mean properties."""
-        values = characteristic(self.solid, "wall_pressure", means=True)
-        return Wall(self.vessel, values, self.solid.unit_weight, self.highest, self.solid.repose)
+    def janssen(self, depths: Floats) -> tuple[Floats, Floats]:
+        """Horizontal and vertical stress [Pa] by Janssen's law, mean properties, any slenderness."""
+        mu, ratio, _ = characteristic(self.solid, "wall_pressure", means=True)
+        radius = self.vessel.area / self.vessel.perimeter
+        vertical = janssen_stress(depths, self.solid.unit_weight, mu * ratio, 2.0 * radius)
+        return ratio * vertical, vertical
 
     @property
     def factors(self) -> tuple[float, float]:
@@ -77,7 +78,7 @@ class Loads:
         pressed, rubbed = self.wall("wall_pressure"), self.wall("wall_friction")
         borne, (c_h, c_w) = self.wall("bottom"), self.factors
         horizontal, friction = pressed.horizontal(depths), rubbed.friction(depths)
-        carried = rubbed.carried(depths)
+        carried, janssen = rubbed.carried(depths), self.janssen(depths)
         lists = {
             "depth_m": depths,
             "filling_horizontal_pa": horizontal,
@@ -87,15 +88,14 @@ class Loads:
             "discharge_horizontal_pa": c_h * horizontal,
             "discharge_friction_pa": c_w * friction,
             "discharge_wall_force_n_per_m": c_w * carried,
-            "janssen_means_horizontal_pa": self.mean_wall().horizontal(depths),
+            "janssen_horizontal_pa": janssen[0],
+            "janssen_vertical_pa": janssen[1],
         }
         return {name: series.tolist() for name, series in lists.items()}
 
     def bottom(self) -> dict[str, Any]:
         """Load on a flat bottom, or on the transition of a hopper and its walls."""
-        magnifier = bottom.bottom_magnifier(
-            self.rules.assessment_class, self.rules.dynamic_bottom
-        )
+        magnifier = bottom.bottom_magnifier(self.rules.assessment_class, self.rules.dynamic_bottom)
         wall = self.wall("bottom")
         top = magnifier * float(wall.vertical(np.array(self.vessel.height)))
         found: dict[str, Any] = {"C_b": magnifier, "vertical_at_transition_pa": top}
@@ -115,7 +115,7 @@ class Loads:
             "steepness_differs": len(set(steep.values())) > 1,
         }
         for state, make in on.items():
-            own = make(vessel, weight, top, values[state])
+            own = make(vessel, weight, top, values[state], _DEPTHS)
             found[state] = {
                 "height_m": own.height.tolist(),
                 "vertical_pa": own.vertical.tolist(),
@@ -133,7 +133,7 @@ class Loads:
             self.vessel.half_angle, self.solid.effective_friction,
             math.atan(self.solid.hopper_friction), self.vessel.hopper == "wedge",
             self.solid.unit_weight, self.design.flow_function, self.solid.internal_friction,
-            float(self.mean_wall().vertical(np.array(self.vessel.height))),
+            float(self.janssen(np.array(self.vessel.height))[1]),
         )  # fmt: skip
 
     def assumptions(self) -> list[str]:

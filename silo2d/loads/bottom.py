@@ -1,6 +1,6 @@
 """Loads on bottoms and hoppers after EN 1991-4:2006, section 6.
 
-Mean vertical stress in a hopper at a height x above its apex (6.1.2), under p_vft at the transition:
+Mean vertical stress in a hopper at a height x over its apex (6.1.2), under p_vft at the transition:
 
     p_v(x) = gamma h_h/(n - 1) (x/h_h - (x/h_h)^n) + p_vft (x/h_h)^n
     n      = S (F mu_eff cot beta + F) - 2,    p_n = F p_v,   p_t = mu_eff p_n
@@ -89,7 +89,7 @@ def effective_friction(half_angle: float, values: Values) -> float:
 
 
 def hopper_filling(
-    vessel: Vessel, unit_weight: float, top: float, values: Values, points: int = 9
+    vessel: Vessel, unit_weight: float, top: float, values: Values, points: int = 33
 ) -> Hopper:
     """Pressures in a hopper on filling (6.3.2, 6.4.2); top: p_vft [Pa]."""
     assert vessel.half_angle is not None
@@ -100,7 +100,7 @@ def hopper_filling(
 
 
 def hopper_discharge(
-    vessel: Vessel, unit_weight: float, top: float, values: Values, points: int = 9
+    vessel: Vessel, unit_weight: float, top: float, values: Values, points: int = 33
 ) -> Hopper:
     """Pressures in a hopper on discharge (6.3.3); in a shallow one those of filling (6.4.3)."""
     beta = vessel.half_angle

@@ -23,14 +23,14 @@ plane, 1 in a cone), near the outlet at a distance r from the apex: mean stress 
     Y = ((2 (1 - cos(beta + theta)))^m (beta + theta)^(1-m) sin theta
          + sin beta sin^(1+m)(beta + theta))/((1 - sin delta) sin^(2+m)(beta + theta))
 
-which is within some per cent of Jenike's radial field (Arnold and McLean 1976, Powder Technology 13,
+which is within some per cent of Jenike's radial field (Arnold and McLean 1976, Powder Technol. 13,
 255). Flow factor: major stress over the stress in a stable arch, sigma_1/(gamma B/H),
 
     ff = H (1 + sin delta) Y/(2 (X - 1) sin theta),    H = (2 + theta/65)^m (1 + theta/200)^(1-m)
 
 Outlet. An arch stands where the strength f_c(sigma_1) exceeds sigma_1/ff: B = H f_c/gamma at their
-crossing. A rathole stands up to D = G f_c/gamma, G = 4.3 tan phi_t (fit to Jenike's curve), with the
-strength after the largest vertical pressure. A solid without cohesion has f_c = 0 and neither.
+crossing. A rathole stands up to D = G f_c/gamma, G = 4.3 tan phi_t (fit to Jenike's curve), with
+the strength after the largest vertical pressure. A solid without cohesion has f_c = 0 and neither.
 """
 
 import math

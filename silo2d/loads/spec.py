@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,7 +15,6 @@ from granulab.contact.files.casefile import (
     Friction,
     Length,
     Number,
-    Positive,
     Section,
     Size,
     Unit,
@@ -194,12 +194,16 @@ def load_design(path: str | Path, changes: Mapping[str, Any] | None = None) -> D
     return design_of(spec, vessel, where)
 
 
-def load_beside(path: str | Path | None, changes: Mapping[str, Any]) -> Beside:
-    """Solid and rules for a case, from a file or none, with changes."""
+def load_beside(
+    path: str | Path | None, changes: Mapping[str, Any], usual: Mapping[str, Any]
+) -> Beside:
+    """Solid and rules for a case, from a file or none, with changes; usual: below what it says."""
     where = "the options" if path is None else str(path)
-    document = {} if path is None else _FILE.read(Path(path))
+    document: dict[str, Any] = {} if path is None else _BESIDE.read(Path(path))
     if "silo" in document:
         raise InputError(f"{where}: [silo]: the case has its own; leave it out, or the case")
+    for name, table in changed({}, dict(usual), Beside).items():
+        document[name] = table | document.get(name, {})
     return _BESIDE.check(changed(document, dict(changes), Beside), where)
 
 
@@ -288,9 +292,7 @@ def _check(solid: Solid) -> None:
     for name in ("repose", "internal_friction", "effective_friction"):
         angle = math.degrees(getattr(solid, name))
         if not 5 <= angle <= 75:
-            raise InputError(
-                f"{name} = {angle:.4g} deg: solids have 5 to 75 deg; check the unit"
-            )
+            raise InputError(f"{name} = {angle:.4g} deg: solids have 5 to 75 deg; check the unit")
 
 
 def _flow_function(points: list[list[float]]) -> tuple[tuple[float, float], ...]:
@@ -302,7 +304,7 @@ def _flow_function(points: list[list[float]]) -> tuple[tuple[float, float], ...]
                 "[[2, 0.8], [8, 1.5]]"
             )
     stresses = [point[0] for point in points]
-    if any(b <= a for a, b in zip(stresses, stresses[1:], strict=False)):
+    if any(b <= a for a, b in pairwise(stresses)):
         raise InputError("flow_function: stresses must ascend, each once, in kPa")
     return tuple((1e3 * stress, 1e3 * strength) for stress, strength in points)
 

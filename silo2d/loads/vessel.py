@@ -95,10 +95,12 @@ class Vessel:
 
     @property
     def volume(self) -> float:
-        """Of what is stored [m3], hopper with its whole apex included."""
+        """Of what is stored [m3], down to the outlet."""
         if self.is_flat:
             return self.area * self.height
-        return self.area * (self.height + self.hopper_height / (HOPPERS[self.hopper] + 1))
+        power = HOPPERS[self.hopper] + 1
+        cut = 1.0 - (self.outlet / self.characteristic_width) ** power  # the tip below the outlet
+        return self.area * (self.height + self.hopper_height / power * cut)
 
     def highest_contact(self, repose: float, heap: bool) -> float:
         """h_o [m], depth of the highest contact of solid and wall below the equivalent surface.

@@ -127,9 +127,7 @@ def discharge_factors(
         return Factors(1.0 + 0.15 * part, 1.0 + 0.10 * part)
     horizontal = 1.0 + (0.15 + 1.5 * (1.0 + 0.4 * e) * patch) * part
     slender = 1.4 * (1.0 + 0.4 * e)
-    return Factors(
-        horizontal, slender if kind == "slender" else 1.0 + 0.4 * (1.0 + 1.4 * e) * part
-    )
+    return Factors(horizontal, slender if kind == "slender" else 1.0 + 0.4 * (1.0 + 1.4 * e) * part)
 
 
 def filling_patch(vessel: Vessel, patch: float, filling_eccentricity: float) -> float:

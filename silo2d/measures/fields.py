@@ -105,9 +105,7 @@ def _vectors(scene: Scene, frame: int, which: NDArray, *keys: str) -> tuple[Floa
     return np.column_stack(columns[:2]), np.column_stack(columns[2:])
 
 
-def flow_frames(
-    scene: Scene, between: tuple[float, float] | None = None
-) -> NDArray[np.int64]:
+def flow_frames(scene: Scene, between: tuple[float, float] | None = None) -> NDArray[np.int64]:
     """Frames of a window of time [s], or while a tenth to a half of the leavers were out (f,)."""
     first, last = between or flowing(scene)
     frames = np.flatnonzero((scene.time >= first) & (scene.time <= last))
@@ -143,9 +141,10 @@ def left_zones(scene: Scene, field: FlowField) -> DeadZones | None:
     whole = area_of_silo(scene, field.grid)
     end = len(scene.time) - 1
     if not in_silo(scene, end).any():
-        return DeadZones(field.grid, np.zeros_like(field.density, bool), whole)
-    last = field_of(scene, np.array([end]))
-    return DeadZones(last.grid, filled(last.solid), whole)
+        none = np.zeros_like(field.density, bool)
+        return DeadZones(field.grid, none, none, whole)
+    last = filled(field_of(scene, np.array([end])).solid)
+    return DeadZones(field.grid, last, ~last, whole)
 
 
 def _step(field: FlowField) -> float:

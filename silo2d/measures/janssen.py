@@ -107,7 +107,7 @@ def column(moments: list[Moment]) -> Column:
     Raises InputError for a silo without a vertical wall on each side.
     """
     scene = moments[0].scene
-    walls = _vertical_walls(scene)
+    walls = vertical_walls(scene)
     segments = scene.walls[walls]
     low, width = segments[:, :, 1].min(axis=1).max(), float(np.ptp(segments[:, :, 0]))
     top = float(scene.trajectory["y"][0][scene.trajectory["inside"][0]].max())
@@ -135,7 +135,7 @@ def _weight_over(moment: Moment, low: float) -> float:
     return float(GRAVITY * mass[moment.inside & (moment.centres[:, 1] > low)].sum())
 
 
-def _vertical_walls(scene: Scene) -> list[int]:
+def vertical_walls(scene: Scene) -> list[int]:
     """The topmost vertical wall of each side, left and right."""
     run, rise = np.abs(scene.walls[:, 1] - scene.walls[:, 0]).T
     vertical = run <= _VERTICAL * rise

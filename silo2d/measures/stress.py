@@ -15,8 +15,8 @@ last sum is what the walls push back with, spread by the same Gaussian. The inte
 contact part over the plane is the virial sum - sum f (x) b, exactly.
 
 Stresses are of the plane [N/m]; divided by the prisms' length, which stands in the materials file,
-they are in pascals, as pictures have them. Within two widths of a wall they are smeared over it, not
-corrected: a correction would break the balance of momentum.
+they are in pascals, as pictures have them. Within two widths of a wall they are smeared over it,
+not corrected: a correction would break the balance of momentum.
 """
 
 from dataclasses import dataclass

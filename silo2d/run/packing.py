@@ -71,6 +71,7 @@ def save_packing(packing: Packing, folder: Path) -> None:
 
 def load_packing(folder: Path) -> Packing | None:
     """The packing kept in a folder, None where there is none; FolderError where it is damaged."""
+
     def packing(arrays: dict[str, np.ndarray], meta: dict[str, Any]) -> Packing:
         at_walls = {
             name.removeprefix(_AT_WALLS): column

@@ -61,9 +61,7 @@ def _compute(
     while True:
         try:
             rest = None if case.settings.output.wall_interval is None else Rest()
-            sim, clock = _start_or_resume(
-                folder, case, packing, halvings, stages, stop, warn, rest
-            )
+            sim, clock = _start_or_resume(folder, case, packing, halvings, stages, stop, warn, rest)
             halvings = clock.halvings
             return _discharged(folder, case, packing, sim, clock, stages, stop, rest)
         except SimulationError:

@@ -77,7 +77,9 @@ def observe_command(
             lines = (f"{key:{wide}}  {_value(value)}" for key, value in shown.items())
             click.echo(wrapped("\n".join(lines), wide + 2))
         if not no_figures:
-            picture = write_figure(path / "figures" / f"{what}.png", lambda: found.draw(path, **given))
+            picture = write_figure(
+                path / "figures" / f"{what}.png", lambda: found.draw(path, **given)
+            )
             click.echo(picture, err=True)
 
     return observe

@@ -10,7 +10,6 @@ from outside, a call of `register`:
 import importlib
 import inspect
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from granulab.contact.files.units import nearest
@@ -75,12 +74,12 @@ class Measures:
         """Those options that are given; InputError where the measure of a name takes one not."""
         given = {key: value for key, value in options.items() if value is not None}
         for key in given:
-            if key not in inspect.signature(self.find(name).measure).parameters:
-                takes = [one for one in self if key in inspect.signature(
-                    self.find(one).measure).parameters]  # fmt: skip
-                raise InputError(
-                    f"observe {name!r} takes no --{key}; those that do: {', '.join(takes) or 'none'}"
-                )
+            takes = [
+                one for one in self if key in inspect.signature(self.find(one).measure).parameters
+            ]
+            if name not in takes:
+                those = ", ".join(takes) or "none"
+                raise InputError(f"observe {name!r} takes no --{key}; those that do: {those}")
         return given
 
     def listing(self) -> str:

@@ -61,9 +61,11 @@ def part_of_wall(scene: Scene) -> list[str]:
     return [*parts[:-1].tolist(), "door"]
 
 
-def _by_part(scene: Scene, upwards: NDArray) -> list[float]:
+def _balance(scene: Scene, weight: float, upwards: NDArray, inertia: float) -> Balance:
+    """Balance of a weight and the forces of the walls (w,), upwards [N]."""
     parts = np.array(part_of_wall(scene))
-    return [float(upwards[parts == part].sum()) for part in PARTS]
+    walls, hopper, floor, door = (float(upwards[parts == part].sum()) for part in PARTS)
+    return Balance(weight, walls, hopper, floor, door, inertia)
 
 
 def weight_at(scene: Scene, frame: int) -> float:
@@ -75,7 +77,7 @@ def balance_of_samples(scene: Scene, samples: Samples, frame: int) -> Balance:
     """Balance of moments at rest, by the forces of their contacts; frame: with the particles."""
     n_walls = len(scene.trajectory.static["wall_segments"])
     down = np.bincount(samples.wall, -samples.force[:, 1], minlength=n_walls) / len(samples.time)
-    return Balance(weight_at(scene, frame), *_by_part(scene, down), 0.0)
+    return _balance(scene, weight_at(scene, frame), down, 0.0)
 
 
 def balance_at_rest(scene: Scene, settling: Mapping[str, NDArray] | None) -> Balance:
@@ -86,11 +88,11 @@ def balance_at_rest(scene: Scene, settling: Mapping[str, NDArray] | None) -> Bal
     weight = weight_at(scene, 0)
     if settling is None or len(settling["time"]) < 2:
         forces = scene.trajectory["wall_force"][0]
-        return Balance(weight, *_by_part(scene, -forces[:, 1]), 0.0)
+        return _balance(scene, weight, -forces[:, 1], 0.0)
     steps, momentum = np.diff(settling["time"]), settling["momentum"]
     span = float(steps.sum())
     upwards = -(steps @ settling["force"][1:, :, 1]) / span
-    return Balance(weight, *_by_part(scene, upwards), float(momentum[0] - momentum[-1]) / span)
+    return _balance(scene, weight, upwards, float(momentum[0] - momentum[-1]) / span)
 
 
 def balance_between(scene: Scene, first: float, last: float) -> Balance | None:
@@ -109,4 +111,4 @@ def balance_between(scene: Scene, first: float, last: float) -> Balance | None:
     through = inside[:-1] & inside[1:]
     weight = GRAVITY * float(steps @ (through @ mass)) / span
     gained = float((through * np.diff(vy.astype(float), axis=0)).sum(axis=0) @ mass) / span
-    return Balance(weight, *_by_part(scene, upwards), -gained)
+    return _balance(scene, weight, upwards, -gained)

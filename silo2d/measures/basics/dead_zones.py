@@ -26,14 +26,17 @@ _FILLED = 0.5  # of the largest packing fraction
 
 @dataclass(frozen=True, eq=False)
 class DeadZones:
-    """Points of a grid that are dead (j, i), and of which area the share is taken.
+    """Points of a grid (j, i) that are dead, and those that flow.
 
-    silo: area of the silo's inside below the fill level [m2]
+    silo     area of the silo's inside below the fill level [m2], of which shares are taken
+    plug     speed of the plug [m/s], 0 of what lies at the end
     """
 
     grid: Grid
     dead: NDArray[np.bool_]
+    flowing: NDArray[np.bool_]
     silo: float
+    plug: float = 0.0
 
     @property
     def area(self) -> float:
@@ -68,13 +71,11 @@ def standing(
     """
     left, right, _, _ = scene.window
     plug = mass_flow / (density * (right - left))
-    slow = np.nan_to_num(speed, nan=np.inf) < SLOW * plug
-    return DeadZones(grid, filled(solid) & slow, area_of_silo(scene, grid))
+    there, slow = filled(solid), np.nan_to_num(speed) < SLOW * plug
+    return DeadZones(grid, there & slow, there & ~slow, area_of_silo(scene, grid), plug)
 
 
-def draw_dead_zones(
-    axes: "Axes", scene: Scene, dead: DeadZones, left: DeadZones | None
-) -> None:
+def draw_dead_zones(axes: "Axes", scene: Scene, dead: DeadZones, left: DeadZones | None) -> None:
     """Dead zones of the flow as colour, and the edge of what is left at the end."""
     from matplotlib.patches import Polygon
 

@@ -61,7 +61,9 @@ def samples_of(moments: list[Moment]) -> Samples:
     return Samples(
         np.array([m.time for m in moments]),
         np.repeat(np.arange(len(moments)), [here.sum() for here in at]),
-        np.concatenate([m.bodies[h, 1] - m.scene.n_particles for m, h in zip(moments, at, strict=True)]),
+        np.concatenate(
+            [m.bodies[h, 1] - m.scene.n_particles for m, h in zip(moments, at, strict=True)]
+        ),
         np.concatenate([m.point[h] for m, h in zip(moments, at, strict=True)]),
         np.concatenate([m.force[h] for m, h in zip(moments, at, strict=True)]),
     )
@@ -86,9 +88,10 @@ class Stretches:
 
 
 def on_walls(scene: Scene, samples: Samples, stretch: float | None = None) -> list[Stretches]:
-    """Tractions on each wall but the door; stretch: its least length [m], STRETCH sizes if not given.
+    """Tractions on each wall but the door.
 
-    A force counts where its point is; over all stretches the forces of a wall add up exactly.
+    stretch: least length [m], STRETCH typical sizes unless given. A force counts where its point
+    is; over all stretches the forces of a wall add up exactly.
     """
     segments, stretch = scene.walls, stretch or STRETCH * particle_size(scene)
     found = []

@@ -1,0 +1,283 @@
+"""Loads by runs of one silo, over their seeds, compared with Janssen, EN 1991-4 and Jenike."""
+
+import csv
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granulab.campaign.output.statistics import mean_sd, quantile
+from granulab.contact.files.units import located
+from granulab.errors import FolderError, InputError
+from silo2d.case.case import SiloCase
+from silo2d.loads.assess import Loads, closed_forms
+from silo2d.loads.jenike import flow_pattern, mass_flow_limit
+from silo2d.loads.spec import Design, design_of, load_beside
+from silo2d.loads.vessel import Vessel
+from silo2d.measures import fields, loads, massflow
+from silo2d.measures.basics.contacts import read_moments
+from silo2d.measures.basics.particles import particle_size, prism_length
+from silo2d.measures.janssen import Column, column, vertical_walls
+from silo2d.view.scene import Scene
+
+_LEVEL = {"rules.surface": "level"}  # a filling of the simulation is levelled off
+_LARGEST_PARTICLE = 0.03  # of d_c, for which the standard is made (1.1.2)
+_BEAR_NOTHING = 0.005  # of the weight
+_OVER_SEEDS = ("normal_pa", "shear_pa")
+Between = tuple[float, float] | None
+
+
+def runs_of(path: Path) -> list[Path]:
+    """Run folders that a path stands for: itself, or those of a sweep's table."""
+    if not (path / "table.csv").is_file():
+        return [path]
+    with (path / "table.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    found = [Path(row["run_folder"]) for row in rows if row.get("run_folder")]
+    if not found:
+        raise FolderError(f"{path / 'table.csv'}: no finished run; run the sweep first")
+    return list(dict.fromkeys(found))
+
+
+def study(
+    folders: Sequence[Path], spec: str | None, changes: Mapping[str, Any], between: Between = None,
+    rough_plates: bool = False,
+) -> dict[str, Any]:  # fmt: skip
+    """Loads by runs that differ in their seed alone, beside the closed forms.
+
+    spec: file with [solid] and [rules], or None; changes: keys of it; between: window of the flow
+    [s]. Raises InputError where the runs are of unlike silos, or have no vertical walls.
+    """
+    beside = load_beside(spec, changes, _LEVEL)
+    cases = [SiloCase.load(folder / "case.toml") for folder in folders]
+    _refuse_unlike(folders, cases)
+    first = loads.measure(folders[0], between)
+    stretch = min(wall["stretch_m"] for one in first["stages"].values() for wall in one["walls"])
+    each = [first, *(loads.measure(f, between, stretch * 0.999) for f in folders[1:])]
+    dem = combined(each) | _flow_of(folders, between)
+    moments = read_moments(folders[0])
+    scene, own = moments[0].scene, column(moments[:1])
+    with located(f"{folders[0]}:"):
+        vessel = vessel_of(scene, own, prism_length(folders[0]), rough_plates)
+    design = design_of(
+        beside, vessel, spec or "the options", _known(cases[0], own, first["prism_length_m"], dem)
+    )
+    notes = (*design.assumptions, *_notes(scene, vessel, dem))
+    design = dataclasses.replace(design, name=cases[0].name, assumptions=notes)
+    return {
+        "case": cases[0].name,
+        "silo": cases[0].label,
+        "seeds": [case.settings.run.seed for case in cases],
+        "runs": [str(folder) for folder in folders],
+        "fill_m": own.fill[0],
+        "foot_m": _foot(scene),
+        "dem": dem,
+        "closed_forms": closed_forms(design),
+        "compared": compared(design, dem, own.fill[0], _foot(scene)),
+        "flow": _flow_pattern(design, dem),
+    }
+
+
+def _refuse_unlike(folders: Sequence[Path], cases: Sequence[SiloCase]) -> None:
+    for folder, case in zip(folders, cases, strict=True):
+        one = case.settings.model_dump(exclude={"run": {"seed"}, "output": True})
+        if one != cases[0].settings.model_dump(exclude={"run": {"seed"}, "output": True}):
+            raise InputError(
+                f"{folder}: differs from {folders[0]} in more than its seed; loads are a mean over "
+                "seeds: give runs of one case"
+            )
+
+
+def _notes(scene: Scene, vessel: Vessel, dem: Mapping[str, Any]) -> list[str]:
+    """What the runs are, where that is not what the closed forms take."""
+    found, size = [], particle_size(scene)
+    if size > _LARGEST_PARTICLE * vessel.characteristic_width:
+        found.append(
+            f"particles of {1e3 * size:.3g} mm: the standard is made for at most 0.03 d_c, "
+            f"{30 * vessel.characteristic_width:.3g} mm (1.1.2)"
+        )
+    rest = dem["stages"]["at_rest"]["balance"]
+    if abs(rest["walls_share"]) < _BEAR_NOTHING:
+        found.append(
+            "filled without friction: at rest the walls bear nothing, the stress is hydrostatic, "
+            "and no law of the closed forms holds ([fill] friction = true fills with it)"
+        )
+    return found
+
+
+def _known(case: SiloCase, own: Column, length: float, dem: Mapping[str, Any]) -> dict[str, float]:
+    """Properties of the solid that the case and its runs have, as [solid] takes them."""
+    known = {"unit_weight": own.density / length, "wall_friction": float(case.wall_law.mu)}
+    angle = dem["effective_friction_deg"]
+    if angle is not None:
+        known |= dict.fromkeys(("internal_friction", "effective_friction"), math.radians(angle))
+    return known
+
+
+def vessel_of(scene: Scene, own: Column, length: float, rough_plates: bool) -> Vessel:
+    """The vessel that a run's silo is: a slot, filled to its level surface."""
+    (left, _), (right, _) = scene.trajectory.attributes["lips"]
+    height = own.fill[0] - _foot(scene)
+    if not height > 0:
+        raise InputError("filled no higher than its hopper: there are no loads on vertical walls")
+    return Vessel(
+        "slot", own.width, length, height, _half_angle(scene), float(right - left), "wedge",
+        rough_plates=rough_plates,
+    )  # fmt: skip
+
+
+def _foot(scene: Scene) -> float:
+    """Height of the foot of the vertical walls [m], the higher of the two."""
+    return float(scene.walls[vertical_walls(scene)][:, :, 1].min(axis=1).max())
+
+
+def _half_angle(scene: Scene) -> float | None:
+    """Half angle [rad] of the walls that go on below the vertical ones; None of a floor."""
+    angles = []
+    for wall in vertical_walls(scene):
+        foot = min(scene.walls[wall], key=lambda end: end[1])
+        for other in scene.walls:
+            ends = np.abs(other - foot).max(axis=1) < 1e-9
+            run, rise = np.abs(other[1] - other[0])
+            if ends.any() and run > 1e-9:
+                angles.append(math.atan2(run, rise))
+    if not angles:
+        return None
+    if max(angles) - min(angles) > math.radians(0.1):
+        raise InputError("its two sides converge at unlike angles; the closed forms are symmetric")
+    return None if math.isclose(angles[0], math.pi / 2) else angles[0]
+
+
+def combined(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """One set of numbers of several runs: means, half widths of their intervals, largest peaks."""
+    names = [name for name in each[0]["stages"] if all(name in one["stages"] for one in each)]
+    stages = {name: _stage([one["stages"][name] for one in each]) for name in names}
+    angles = [a for one in each if (a := one["effective_friction_deg"]) is not None]
+    low, high = each[0]["effective_friction_low_deg"], each[0]["effective_friction_high_deg"]
+    if len(angles) > 1:
+        half = half_width(angles)
+        low, high = float(np.mean(angles)) - half, float(np.mean(angles)) + half
+    return {
+        "effective_friction_deg": float(np.mean(angles)) if angles else None,
+        "effective_friction_low_deg": low,
+        "effective_friction_high_deg": high,
+        "at_rest_closure": max((one["at_rest_closure"] for one in each), key=abs),
+        "prism_length_m": each[0]["prism_length_m"],
+        "averaged_s": each[0]["averaged_s"],
+        "stages": stages,
+    }
+
+
+def half_width(values: Sequence[float]) -> float:
+    """Half width of the interval of a mean of 95 %, by Student's t; 0 of one value."""
+    sample = mean_sd(values)
+    return (
+        quantile(sample.n - 1) * sample.sd / math.sqrt(sample.n) if sample.sd is not None else 0.0
+    )
+
+
+def _stage(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    balances = [one["balance"] for one in each if one["balance"]]
+    walls = []
+    for several in zip(*(one["walls"] for one in each), strict=True):
+        wall = dict(several[0])
+        for key in _OVER_SEEDS:
+            rows = np.array([one[key] for one in several])
+            wall[key] = rows.mean(axis=0).tolist()
+            wall[f"{key.removesuffix('_pa')}_half_width_pa"] = [
+                half_width(values) for values in rows.T.tolist()
+            ] if len(rows) > 1 else None  # fmt: skip
+        for key in ("rms_pa", "averaged_rms_pa"):
+            known = [one[key] for one in several if one[key] is not None]
+            wall[key] = np.sqrt((np.array(known) ** 2).mean(axis=0)).tolist() if known else None
+        for key in ("peak_pa", "averaged_peak_pa"):
+            known = [one[key] for one in several if one[key] is not None]
+            wall[key] = np.max(known, axis=0).tolist() if known else None
+        walls.append(wall)
+    numbers = {
+        key: _mean([one[key] for one in balances]) for key in (balances[0] if balances else ())
+    }
+    if balances:
+        numbers["closure"] = max((one["closure"] or 0.0 for one in balances), key=abs)
+    return {
+        "from_s": _mean([one["from_s"] for one in each]),
+        "until_s": _mean([one["until_s"] for one in each]),
+        "samples": sum(one["samples"] for one in each),
+        "runs": len(each),
+        "balance": numbers or None,
+        "walls": walls,
+    }
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return float(np.mean(known)) if known else None
+
+
+def _flow_of(folders: Sequence[Path], between: Between) -> dict[str, Any]:
+    """Mass flow index and dead zones, means over runs; None of runs that hardly flowed."""
+    indices: list[float | None] = []
+    zones: dict[str, list[float | None]] = {
+        key: [] for key in ("dead_area_m2", "dead_share", "left_area_m2", "left_share")
+    }
+    for folder in folders:
+        try:
+            indices.append(massflow.measure(folder, between=between)["lowest_index"])
+            own = fields.measure(folder, between)
+        except InputError:  # fewer than twenty particles left
+            continue
+        for key, values in zones.items():
+            values.append(own[key])
+    known = [value for value in indices if value is not None]
+    return {
+        "mass_flow_index": _mean(known),
+        "mass_flow_index_half_width": half_width(known) if len(known) > 1 else None,
+        **{key: _mean(values) for key, values in zones.items()},
+    }
+
+
+def compared(design: Design, dem: Mapping[str, Any], fill: float, foot: float) -> list[dict]:
+    """Pressures on the vertical walls by depth [Pa]: the runs', Janssen's, the standard's.
+
+    fill, foot: heights [m] of the surface before the opening and of the walls' foot.
+    """
+    own, rows = Loads(design), []
+    profiles = {name: loads.profile(one, "normal_pa") for name, one in dem["stages"].items()}
+    for k, height in enumerate(next(iter(profiles.values()))[0]):
+        if not foot <= height < fill:
+            continue
+        depth = np.array([fill - height])
+        table = own.wall_table(depth)
+        rows.append(
+            {"height_m": float(height), "depth_m": float(depth[0])}
+            | {f"{name}_pa": float(profile[1][k]) for name, profile in profiles.items()}
+            | {
+                "janssen_pa": table["janssen_horizontal_pa"][0],
+                "en_filling_pa": table["filling_horizontal_pa"][0],
+                "en_discharge_pa": table["discharge_horizontal_pa"][0],
+            }
+        )
+    return rows[::-1]
+
+
+def _flow_pattern(design: Design, dem: Mapping[str, Any]) -> dict[str, Any]:
+    """Jenike's verdict over the interval of the measured friction, beside the mass flow index."""
+    half = design.vessel.half_angle
+    beta = math.pi / 2 if half is None else half
+    wall = math.atan(design.solid.hopper_friction)
+    given = [dem["effective_friction_low_deg"], dem["effective_friction_high_deg"]]
+    ends = [math.radians(a) for a in given if a is not None] or [design.solid.effective_friction]
+    limits = [mass_flow_limit(delta, wall, design.vessel.hopper == "wedge") for delta in ends]
+    index = dem["mass_flow_index"]
+    return {
+        "jenike": flow_pattern(beta, mass_flow_limit(
+            design.solid.effective_friction, wall, design.vessel.hopper == "wedge")),
+        "jenike_over_interval": list(dict.fromkeys(flow_pattern(beta, one) for one in limits)),
+        "mass_flow_up_to_deg": [math.degrees(one) for one in limits],
+        "mass_flow_index": index,
+        "by_index": None if index is None
+        else "mass flow" if index > massflow.LIMIT else "funnel flow",
+    }  # fmt: skip
