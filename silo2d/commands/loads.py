@@ -76,7 +76,7 @@ def _of_beside(option: str) -> bool:
 
 def _closed(silo: str, beside: dict[str, Any]) -> dict[str, Any]:
     from silo2d.loads.assess import closed_forms
-    from silo2d.loads.spec import load_design
+    from silo2d.loads.design import load_design
 
     return {"closed_forms": closed_forms(load_design(silo, beside))}
 
@@ -87,7 +87,7 @@ def _of_runs(
     quiet: bool,
 ) -> dict[str, Any]:  # fmt: skip
     from granulab.campaign.runs.folder import resume_run
-    from silo2d.loads.spec import load_beside
+    from silo2d.loads.design import load_beside
     from silo2d.view.loads.study import runs_of, study
 
     load_beside(silo, beside, {})  # refused before anything is computed

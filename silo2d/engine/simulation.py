@@ -21,8 +21,8 @@ from silo2d.engine.sampling import (
     POINT_X,
     POINT_Y,
     SLIDES,
+    WallSamples,
     energies,
-    list_class,
     list_contacts,
 )
 from silo2d.engine.state import DONE, NOT_FINITE, OUTER_FULL, PAIRS_FULL, World
@@ -61,7 +61,7 @@ class Simulation:
         self.world = world
         self._advice = advice  # for the one whose simulation fails
         self._wall_steps = 0
-        self._wall_samples: list[dict[str, np.ndarray]] = []
+        self._samples = WallSamples()
 
     @property
     def n_particles(self) -> int:
@@ -204,46 +204,13 @@ class Simulation:
         most: of the samples, the last ones, that are kept.
         """
         self.refresh()
-        world = self.world
-        first, last = (int(world.counts[k]) for k in (state.PARTICLE_INNER, state.INNER))
-        size = max(last - first, 1)
-        bodies, numbers = np.zeros((size, 2), np.uint32), np.zeros((size, 8))
-        n = list_class(
-            world.bodies.row, world.inner, world.forces, world.wall_law, first, last,
-            world.time_step, bodies, numbers, np.int64(0),
-        )  # fmt: skip
-        n = max(n, 1)  # one row without force where nothing touches: it was looked at
-        wall = np.maximum(bodies[:n, 1].astype(np.int64) - self.n_particles, 0)
-        self._wall_samples.append(
-            {
-                "time": np.full(n, self.time),
-                "wall": wall.astype(np.uint16),
-                "point": numbers[:n, [POINT_X, POINT_Y]].astype(np.float32),
-                "force": numbers[:n, [FORCE_X, FORCE_Y]].astype(np.float32),
-            }
-        )
-        if most is not None:
-            del self._wall_samples[:-most]
+        self._samples.take(self.world, self.time, most)
 
     def wall_samples(self) -> dict[str, np.ndarray]:
-        """Contacts at the walls in the samples taken since the last call; nothing of none.
-
-        time         (n,) of the sample, since the phase began [s]
-        wall         (n,) index of the wall
-        point        (n, 2) where the force acts [m]
-        force        (n, 2) on the wall, damping included [N]
-
-        A sample without contacts has one row without force.
-        """
-        table = self._samples_joined()
-        self._wall_samples.clear()
+        """Contacts at the walls in the samples since the last call, see WallSamples.table."""
+        table = self._samples.table()
+        self._samples = WallSamples()
         return table
-
-    def _samples_joined(self) -> dict[str, np.ndarray]:
-        samples = self._wall_samples
-        return (
-            {k: np.concatenate([one[k] for one in samples]) for k in samples[0]} if samples else {}
-        )
 
     def remove_wall(self, index: int) -> None:
         """Take a wall away (open a door)."""
@@ -334,7 +301,7 @@ class Simulation:
             "counts": world.counts.copy(),
             "books": world.account.copy(),
             "wall_steps": np.array([self._wall_steps]),
-            **{f"{_SAMPLED}{name}": column for name, column in self._samples_joined().items()},
+            **{f"{_SAMPLED}{name}": column for name, column in self._samples.table().items()},
         }
 
     def restore(self, saved: dict[str, np.ndarray]) -> None:
@@ -355,7 +322,7 @@ class Simulation:
         self.world = with_laws(world, world.particle_law, world.wall_law)
         self._wall_steps = int(saved["wall_steps"][0])
         sampled = {k.removeprefix(_SAMPLED): v for k, v in saved.items() if k.startswith(_SAMPLED)}
-        self._wall_samples = [sampled] if sampled else []
+        self._samples = WallSamples([sampled] if sampled else [])
 
     def state_digest(self) -> str:
         """Hash of positions, orientations, velocities and the history of the contacts."""

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from silo2d.loads import bottom, jenike
+from silo2d.loads.design import Design
 from silo2d.loads.janssen import Floats, janssen_stress
 from silo2d.loads.solid import LOAD_CASES, Values, as_numbers, characteristic
-from silo2d.loads.spec import Design
 from silo2d.loads.walls import (
     LARGE_ECCENTRICITY,
     Patch,
@@ -47,7 +47,7 @@ class Loads:
         return Wall(self.vessel, values, self.solid.unit_weight, self.highest, self.solid.repose)
 
     def janssen(self, depths: Floats) -> tuple[Floats, Floats]:
-        """Horizontal and vertical stress [Pa] by Janssen's law, mean properties, any slenderness."""
+        """Horizontal and vertical stress [Pa] by Janssen's law and mean properties."""
         mu, ratio, _ = characteristic(self.solid, "wall_pressure", means=True)
         radius = self.vessel.area / self.vessel.perimeter
         vertical = janssen_stress(depths, self.solid.unit_weight, mu * ratio, 2.0 * radius)

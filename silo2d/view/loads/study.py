@@ -14,8 +14,8 @@ from granulab.contact.files.units import located
 from granulab.errors import FolderError, InputError
 from silo2d.case.case import SiloCase
 from silo2d.loads.assess import Loads, closed_forms
+from silo2d.loads.design import Design, design_of, load_beside
 from silo2d.loads.jenike import flow_pattern, mass_flow_limit
-from silo2d.loads.spec import Design, design_of, load_beside
 from silo2d.loads.vessel import Vessel
 from silo2d.measures import fields, loads, massflow
 from silo2d.measures.basics.contacts import read_moments
