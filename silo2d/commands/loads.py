@@ -109,6 +109,7 @@ def _computed(
     from granulab.campaign.output.terminal import Progress, StopRequest
     from silo2d.case.case import SiloCase
     from silo2d.run import protocol
+    from silo2d.view.loads.study import refuse_case
 
     if seeds and "run.seed" in changes:
         raise click.UsageError("--seeds says this; leave --seed out")
@@ -116,6 +117,7 @@ def _computed(
     usual = {} if own.wall_interval is not None else _SAMPLED
     chosen = [{"run.seed": seed} for seed in range(1, (seeds or 0) + 1)] or [{}]
     cases = [SiloCase.load(case, {**usual, **changes, **one}) for one in chosen]
+    refuse_case(cases[0])
     with StopRequest() as stop, Progress(cases[0].name, quiet=quiet, estimates=False) as bar:
         return [
             Path(protocol.run(one, out=out, progress=bar.update, stop=lambda: stop.requested)

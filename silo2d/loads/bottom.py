@@ -3,7 +3,7 @@
 Mean vertical stress in a hopper at a height x over its apex (6.1.2), under p_vft at the transition:
 
     p_v(x) = gamma h_h/(n - 1) (x/h_h - (x/h_h)^n) + p_vft (x/h_h)^n
-    n      = S (F mu_eff cot beta + F) - 2,    p_n = F p_v,   p_t = mu_eff p_n
+    n      = S (F mu_eff cot beta + F - 1),    p_n = F p_v,   p_t = mu_eff p_n
 
     filling               F_f = 1 - b/(1 + tan beta/mu_eff),  b = 0.2, n = S (1 - b) mu_eff cot beta
     discharge, steep      F_e = (1 + sin phi_i cos eps)/(1 - sin phi_i cos(2 beta + eps)),
@@ -11,7 +11,8 @@ Mean vertical stress in a hopper at a height x over its apex (6.1.2), under p_vf
     shallow               mu_eff = (1 - K)/(2 tan beta); on discharge as on filling       (6.4)
 
 steep where tan beta < (1 - K)/(2 mu_h) (6.1.1). beta is the half angle from the vertical, S is 2
-for cones and pyramids, 1 for wedges.
+for cones and pyramids, 1 for wedges. n is what the balance of a slice gives, x dp_v/dx = n p_v -
+gamma x; of cones and pyramids it is the standard's S (F mu_eff cot beta + F) - 2.
 """
 
 import math
@@ -111,5 +112,5 @@ def hopper_discharge(
     wall = math.atan(mu)
     angle = wall + math.asin(min(math.sin(wall) / sine, 1.0))
     factor = (1.0 + sine * math.cos(angle)) / (1.0 - sine * math.cos(2.0 * beta + angle))
-    n = HOPPERS[vessel.hopper] * (factor * mu / math.tan(beta) + factor) - 2.0
+    n = HOPPERS[vessel.hopper] * (factor * mu / math.tan(beta) + factor - 1.0)
     return _pressures(vessel, unit_weight, top, mu, factor, n, points)

@@ -34,10 +34,16 @@ class Design:
 def load_design(path: str | Path, changes: Mapping[str, Any] | None = None) -> Design:
     """The silo of a file; InputError, one line, where it cannot be."""
     where = str(path)
-    spec = FILE.check(changed(FILE.read(Path(path)), dict(changes or {}), Spec), where)
+    spec = FILE.check(changed(_read(path), dict(changes or {}), Spec), where)
     with located(f"{where}: [silo]"):
         vessel = vessel_of(spec.silo)
     return design_of(spec, vessel, where)
+
+
+def _read(path: str | Path) -> dict[str, Any]:
+    if not Path(path).exists():
+        raise InputError(f"{path}: no such file; silo2d init FILE --loads writes one")
+    return FILE.read(Path(path))
 
 
 def load_beside(
@@ -45,12 +51,18 @@ def load_beside(
 ) -> Beside:
     """Solid and rules for a case, from a file or none, with changes; usual: below what it says."""
     where = "the options" if path is None else str(path)
-    document: dict[str, Any] = {} if path is None else BESIDE.read(Path(path))
+    document: dict[str, Any] = {} if path is None else _read(path)
     if "silo" in document:
         raise InputError(f"{where}: [silo]: the case has its own; leave it out, or the case")
     for name, table in changed({}, dict(usual), Beside).items():
         document[name] = table | document.get(name, {})
-    return BESIDE.check(changed(document, dict(changes), Beside), where)
+    beside = BESIDE.check(changed(document, dict(changes), Beside), where)
+    with located(f"{where}: [solid]"):  # before anything is run for it
+        if beside.solid.name is not None:
+            find_row(beside.solid.name)
+        _flow_function(beside.solid.flow_function)
+        _check_angles(beside.solid)
+    return beside
 
 
 def vessel_of(own: Geometry) -> Vessel:
@@ -107,7 +119,7 @@ def resolve_solid(own: SolidKeys, given: Mapping[str, float]) -> tuple[Solid, li
     title = own.name or "solid"
     names = (one for one in Solid.__dataclass_fields__ if one != "name")
     solid = Solid(title, **{one: float(known[one]) for one in names})
-    _check(solid)
+    _check_angles(solid)
     return solid, assumed
 
 
@@ -134,11 +146,13 @@ def _of_row(row: Row, name: str, own: SolidKeys) -> float | None:
     return getattr(row, name, None)
 
 
-def _check(solid: Solid) -> None:
+def _check_angles(solid: Solid | SolidKeys) -> None:
     for name in ("repose", "internal_friction", "effective_friction"):
-        angle = math.degrees(getattr(solid, name))
-        if not 5 <= angle <= 75:
-            raise InputError(f"{name} = {angle:.4g} deg: solids have 5 to 75 deg; check the unit")
+        angle = getattr(solid, name)
+        if angle is not None and not 5 <= math.degrees(angle) <= 75:
+            raise InputError(
+                f"{name} = {math.degrees(angle):.4g} deg: solids have 5 to 75 deg; check the unit"
+            )
 
 
 def _flow_function(points: list[list[float]]) -> tuple[tuple[float, float], ...]:

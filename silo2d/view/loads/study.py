@@ -20,12 +20,15 @@ from silo2d.loads.vessel import Vessel
 from silo2d.measures import fields, loads, massflow
 from silo2d.measures.basics.contacts import read_moments
 from silo2d.measures.basics.particles import particle_size, prism_length
+from silo2d.measures.basics.walls import STRETCH
 from silo2d.measures.janssen import Column, column, vertical_walls
 from silo2d.view.scene import Scene
 
 _LEVEL = {"rules.surface": "level"}  # a filling of the simulation is levelled off
+_SLENDEREST = 10.0  # h_c/d_c, for which the standard is made (1.1.2)
 _LARGEST_PARTICLE = 0.03  # of d_c, for which the standard is made (1.1.2)
 _BEAR_NOTHING = 0.005  # of the weight
+_ROWS = 13  # stretches of the vertical walls at most
 _OVER_SEEDS = ("normal_pa", "shear_pa")
 Between = tuple[float, float] | None
 
@@ -42,6 +45,17 @@ def runs_of(path: Path) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
+def refuse_case(case: SiloCase) -> None:
+    """Raise InputError for a case whose runs would have no loads to compare, before it is run."""
+    if case.impulses:
+        raise InputError(f"{case.name}: [run] engine = 'pymunk': loads need the contacts of dem")
+    start, end = case.outline.walls().segments.transpose(1, 0, 2)
+    upright = np.abs(end - start)[:, 0] <= 1e-6 * np.abs(end - start)[:, 1]
+    sides = np.sign(start[upright, 0] - case.outline.outlet_centre)
+    if not {-1.0, 1.0} <= set(sides):
+        raise InputError(f"{case.name}: needs a vertical wall on each side, whose loads are sought")
+
+
 def study(
     folders: Sequence[Path], spec: str | None, changes: Mapping[str, Any], between: Between = None,
     rough_plates: bool = False,
@@ -54,17 +68,23 @@ def study(
     beside = load_beside(spec, changes, _LEVEL)
     cases = [SiloCase.load(folder / "case.toml") for folder in folders]
     _refuse_unlike(folders, cases)
-    first = loads.measure(folders[0], between)
-    stretch = min(wall["stretch_m"] for one in first["stages"].values() for wall in one["walls"])
-    each = [first, *(loads.measure(f, between, stretch * 0.999) for f in folders[1:])]
-    dem = combined(each) | _flow_of(folders, between)
     moments = read_moments(folders[0])
     scene, own = moments[0].scene, column(moments[:1])
+    # One for all runs, whose particles differ a little, and as long as makes a page.
+    stretch = max(STRETCH * particle_size(scene), (own.fill[0] - _foot(scene)) / _ROWS)
+    each = [loads.measure(folder, between, stretch) for folder in folders]
+    dem = combined(each) | _flow_of(folders, between)
     with located(f"{folders[0]}:"):
         vessel = vessel_of(scene, own, prism_length(folders[0]), rough_plates)
-    design = design_of(
-        beside, vessel, spec or "the options", _known(cases[0], own, first["prism_length_m"], dem)
-    )
+    known = _known(cases[0], own, dem["prism_length_m"], dem)
+    if "internal_friction" not in known and not (
+        beside.solid.name or beside.solid.internal_friction
+    ):
+        raise InputError(
+            f"{folders[0]}: hardly flowed, so that its internal friction is not known; give it, "
+            "such as --internal-friction '30 deg'"
+        )
+    design = design_of(beside, vessel, spec or "the options", known)
     notes = (*design.assumptions, *_notes(scene, vessel, dem))
     design = dataclasses.replace(design, name=cases[0].name, assumptions=notes)
     return {
@@ -98,6 +118,10 @@ def _notes(scene: Scene, vessel: Vessel, dem: Mapping[str, Any]) -> list[str]:
         found.append(
             f"particles of {1e3 * size:.3g} mm: the standard is made for at most 0.03 d_c, "
             f"{30 * vessel.characteristic_width:.3g} mm (1.1.2)"
+        )
+    if vessel.slenderness >= _SLENDEREST:
+        found.append(
+            f"h_c/d_c = {vessel.slenderness:.1f}: the standard is made for below 10 (1.1.2)"
         )
     rest = dem["stages"]["at_rest"]["balance"]
     if abs(rest["walls_share"]) < _BEAR_NOTHING:
