@@ -137,7 +137,7 @@ class Loads:
         )  # fmt: skip
 
     def assumptions(self) -> list[str]:
-        """What the numbers rest on, a sentence each."""
+        """Assumptions of the numbers, a sentence each."""
         own = {
             "slender": "Janssen's law (5.2.1.1)",
             "intermediate": "modified Reimbert's law (5.3.1.1)",

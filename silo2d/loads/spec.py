@@ -1,6 +1,5 @@
 """The schema of a file of a full-size silo: geometry, what is stored, and the rules that apply."""
 
-import math
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
@@ -24,7 +23,7 @@ UnitWeight = Annotated[float, read("N/m3"), Unit("N/m3"), Field(gt=0)]
 Factor = Annotated[Number, Field(ge=1, le=5)]
 Ratio = Annotated[Number, Field(gt=0, le=2)]
 _ROW = "that of [solid] name"
-_STEEPEST = math.radians(90)
+_FLAT = 1.57  # [rad] below a right angle
 
 
 class Geometry(Section):
@@ -43,7 +42,7 @@ class Geometry(Section):
         ..., "h_c: of the vertical walls, from the transition to the levelled surface",
         example="15 m",
     )  # fmt: skip
-    half_angle: Annotated[Angle, Field(gt=0, lt=_STEEPEST)] | None = key(
+    half_angle: Annotated[Angle, Field(gt=0, lt=_FLAT)] | None = key(
         None, "of the hopper, from the vertical", example="20 deg", left_out="a flat bottom"
     )
     hopper: Literal["cone", "pyramid", "wedge"] | None = key(
@@ -61,7 +60,7 @@ class Geometry(Section):
 
 
 class SolidKeys(Section):
-    """What is stored; what is given here goes before table E.1."""
+    """The stored solid; what is given here goes before table E.1."""
 
     name: str | None = key(
         None, "line of EN 1991-4, table E.1", example="wheat",
@@ -116,7 +115,7 @@ class SolidKeys(Section):
 
 
 class Rules(Section):
-    """How the standard is applied."""
+    """Rules by which the standard is applied."""
 
     assessment_class: Annotated[int, Field(ge=1, le=3, strict=True)] = key(
         2, "action assessment class: 1 (below 100 t) takes mean properties; 2 and 3 upper and "
@@ -140,7 +139,7 @@ class Rules(Section):
 
 
 class Beside(Section):
-    """What may stand beside a case, which has its own silo: a solid and rules."""
+    """Solid and rules beside a case, which has its own silo."""
 
     name: Annotated[str, AfterValidator(folder_name)] = "silo"
     solid: SolidKeys = SolidKeys()

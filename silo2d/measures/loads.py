@@ -209,7 +209,7 @@ def profile(stage: dict[str, Any], key: str) -> tuple[Floats, Floats, Floats | N
 
 
 def draw_balance(axes: "Axes", stages: dict[str, Any]) -> None:
-    """What bears the weight in each stage, as shares of it."""
+    """Shares of the weight that walls and base bear in each stage."""
     known = {name: one["balance"] for name, one in stages.items() if one["balance"]}
     colours = dict(zip((*PARTS, "inertia"), (BLUE, GREEN, ORANGE, VERMILION, GREY), strict=True))
     words = {"walls": "friction at the walls", "inertia": "accelerates"}

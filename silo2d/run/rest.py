@@ -17,7 +17,7 @@ LOOKS = 20  # that are kept
 
 @dataclass
 class Rest:
-    """What the looks before the opening found.
+    """Forces and momentum at the looks before the opening.
 
     time        of each look [s], of the phase's clock
     momentum    vertical momentum of the particles then [kg m/s]

@@ -26,7 +26,7 @@ from silo2d.measures.basics.friction import effective_friction, ratio, shear_rat
 from silo2d.measures.basics.particles import prism_length, with_pascals
 from silo2d.measures.basics.walls import Samples, on_walls
 from silo2d.run import protocol
-from silo2d.view.loads import study
+from silo2d.view.loads import pooling, study
 from silo2d.view.loads.sheet import in_words
 from silo2d.view.scene import read_scene
 
@@ -380,8 +380,8 @@ def test_runs_of_several_seeds_are_pooled_with_intervals(sampled):
 
 def test_half_width_of_a_mean_is_students():
     """t(2) = 4.303 for 95 %: 1, 2, 3 have sd 1, so 4.303/sqrt(3)."""
-    assert study.half_width([1.0, 2.0, 3.0]) == pytest.approx(4.3027 / math.sqrt(3), rel=1e-4)
-    assert study.half_width([1.0]) == 0.0
+    assert pooling.half_width([1.0, 2.0, 3.0]) == pytest.approx(4.3027 / math.sqrt(3), rel=1e-4)
+    assert pooling.half_width([1.0]) == 0.0
 
 
 def test_a_sweeps_table_stands_for_its_runs(tmp_path):

@@ -37,7 +37,7 @@ def windows(
 def stage_samples(
     folder: Path, scene: Scene, between: tuple[float, float] | None = None
 ) -> dict[str, Samples]:
-    """What particles do to the walls in each stage that a run has.
+    """Contacts at the walls in each stage that a run has.
 
     In the opening and the flow from the samples of [output] wall_interval, or where a run has none
     from the frames with contacts. Raises InputError where a window given holds none.

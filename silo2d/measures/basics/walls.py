@@ -56,7 +56,7 @@ class Samples:
 
 
 def samples_of(moments: list[Moment]) -> Samples:
-    """What the contacts of moments hold of the walls."""
+    """Contacts of moments that are at walls."""
     at = [m.at_wall for m in moments]
     return Samples(
         np.array([m.time for m in moments]),

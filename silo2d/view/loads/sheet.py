@@ -30,7 +30,7 @@ def parts_of(found: Mapping[str, Any]) -> list[Part]:
 
 
 def title(found: Mapping[str, Any]) -> str:
-    """What the loads are of."""
+    """Title of a report or sheet."""
     if "dem" not in found:
         return f"Loads on silo {found['closed_forms']['name']}"
     seeds = found["seeds"]

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from granulab.campaign.output.statistics import mean_sd, quantile
 from granulab.contact.files.units import located
 from granulab.errors import FolderError, InputError
 from silo2d.case.case import SiloCase
@@ -22,6 +21,7 @@ from silo2d.measures.basics.contacts import read_moments
 from silo2d.measures.basics.particles import particle_size, prism_length
 from silo2d.measures.basics.walls import STRETCH
 from silo2d.measures.janssen import Column, column, vertical_walls
+from silo2d.view.loads.pooling import combined, half_width, mean_of
 from silo2d.view.scene import Scene
 
 _LEVEL = {"rules.surface": "level"}  # a filling of the simulation is levelled off
@@ -29,7 +29,6 @@ _SLENDEREST = 10.0  # h_c/d_c, for which the standard is made (1.1.2)
 _LARGEST_PARTICLE = 0.03  # of d_c, for which the standard is made (1.1.2)
 _BEAR_NOTHING = 0.005  # of the weight
 _ROWS = 13  # stretches of the vertical walls at most
-_OVER_SEEDS = ("normal_pa", "shear_pa")
 Between = tuple[float, float] | None
 
 
@@ -96,7 +95,7 @@ def study(
         "foot_m": _foot(scene),
         "dem": dem,
         "closed_forms": closed_forms(design),
-        "compared": compared(design, dem, own.fill[0], _foot(scene)),
+        "compared": compared(design, each, own.fill[0], _foot(scene)),
         "flow": _flow_pattern(design, dem),
     }
 
@@ -112,7 +111,7 @@ def _refuse_unlike(folders: Sequence[Path], cases: Sequence[SiloCase]) -> None:
 
 
 def _notes(scene: Scene, vessel: Vessel, dem: Mapping[str, Any]) -> list[str]:
-    """What the runs are, where that is not what the closed forms take."""
+    """Properties of the runs that are not those the closed forms are made for."""
     found, size = [], particle_size(scene)
     if size > _LARGEST_PARTICLE * vessel.characteristic_width:
         found.append(
@@ -175,72 +174,6 @@ def _half_angle(scene: Scene) -> float | None:
     return None if math.isclose(angles[0], math.pi / 2) else angles[0]
 
 
-def combined(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """One set of numbers of several runs: means, half widths of their intervals, largest peaks."""
-    names = [name for name in each[0]["stages"] if all(name in one["stages"] for one in each)]
-    stages = {name: _stage([one["stages"][name] for one in each]) for name in names}
-    angles = [a for one in each if (a := one["effective_friction_deg"]) is not None]
-    low, high = each[0]["effective_friction_low_deg"], each[0]["effective_friction_high_deg"]
-    if len(angles) > 1:
-        half = half_width(angles)
-        low, high = float(np.mean(angles)) - half, float(np.mean(angles)) + half
-    return {
-        "effective_friction_deg": float(np.mean(angles)) if angles else None,
-        "effective_friction_low_deg": low,
-        "effective_friction_high_deg": high,
-        "at_rest_closure": max((one["at_rest_closure"] for one in each), key=abs),
-        "prism_length_m": each[0]["prism_length_m"],
-        "averaged_s": each[0]["averaged_s"],
-        "stages": stages,
-    }
-
-
-def half_width(values: Sequence[float]) -> float:
-    """Half width of the interval of a mean of 95 %, by Student's t; 0 of one value."""
-    sample = mean_sd(values)
-    return (
-        quantile(sample.n - 1) * sample.sd / math.sqrt(sample.n) if sample.sd is not None else 0.0
-    )
-
-
-def _stage(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    balances = [one["balance"] for one in each if one["balance"]]
-    walls = []
-    for several in zip(*(one["walls"] for one in each), strict=True):
-        wall = dict(several[0])
-        for key in _OVER_SEEDS:
-            rows = np.array([one[key] for one in several])
-            wall[key] = rows.mean(axis=0).tolist()
-            wall[f"{key.removesuffix('_pa')}_half_width_pa"] = [
-                half_width(values) for values in rows.T.tolist()
-            ] if len(rows) > 1 else None  # fmt: skip
-        for key in ("rms_pa", "averaged_rms_pa"):
-            known = [one[key] for one in several if one[key] is not None]
-            wall[key] = np.sqrt((np.array(known) ** 2).mean(axis=0)).tolist() if known else None
-        for key in ("peak_pa", "averaged_peak_pa"):
-            known = [one[key] for one in several if one[key] is not None]
-            wall[key] = np.max(known, axis=0).tolist() if known else None
-        walls.append(wall)
-    numbers = {
-        key: _mean([one[key] for one in balances]) for key in (balances[0] if balances else ())
-    }
-    if balances:
-        numbers["closure"] = max((one["closure"] or 0.0 for one in balances), key=abs)
-    return {
-        "from_s": _mean([one["from_s"] for one in each]),
-        "until_s": _mean([one["until_s"] for one in each]),
-        "samples": sum(one["samples"] for one in each),
-        "runs": len(each),
-        "balance": numbers or None,
-        "walls": walls,
-    }
-
-
-def _mean(values: Sequence[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    return float(np.mean(known)) if known else None
-
-
 def _flow_of(folders: Sequence[Path], between: Between) -> dict[str, Any]:
     """Mass flow index and dead zones, means over runs; None of runs that hardly flowed."""
     indices: list[float | None] = []
@@ -257,33 +190,40 @@ def _flow_of(folders: Sequence[Path], between: Between) -> dict[str, Any]:
             values.append(own[key])
     known = [value for value in indices if value is not None]
     return {
-        "mass_flow_index": _mean(known),
+        "mass_flow_index": mean_of(known),
         "mass_flow_index_half_width": half_width(known) if len(known) > 1 else None,
-        **{key: _mean(values) for key, values in zones.items()},
+        **{key: mean_of(values) for key, values in zones.items()},
     }
 
 
-def compared(design: Design, dem: Mapping[str, Any], fill: float, foot: float) -> list[dict]:
+def compared(
+    design: Design, each: Sequence[Mapping[str, Any]], fill: float, foot: float
+) -> list[dict[str, float | None]]:
     """Pressures on the vertical walls by depth [Pa]: the runs', Janssen's, the standard's.
 
+    each: loads of the runs, by whose mean half widths of intervals go where there are several;
     fill, foot: heights [m] of the surface before the opening and of the walls' foot.
     """
     own, rows = Loads(design), []
-    profiles = {name: loads.profile(one, "normal_pa") for name, one in dem["stages"].items()}
-    for k, height in enumerate(next(iter(profiles.values()))[0]):
+    names = [name for name in each[0]["stages"] if all(name in one["stages"] for one in each)]
+    profiles = {
+        name: [loads.profile(one["stages"][name], "normal_pa") for one in each] for name in names
+    }
+    for k, height in enumerate(profiles[names[0]][0][0]):
         if not foot <= height < fill:
             continue
-        depth = np.array([fill - height])
-        table = own.wall_table(depth)
-        rows.append(
-            {"height_m": float(height), "depth_m": float(depth[0])}
-            | {f"{name}_pa": float(profile[1][k]) for name, profile in profiles.items()}
-            | {
-                "janssen_pa": table["janssen_horizontal_pa"][0],
-                "en_filling_pa": table["filling_horizontal_pa"][0],
-                "en_discharge_pa": table["discharge_horizontal_pa"][0],
-            }
-        )
+        table = own.wall_table(np.array([fill - height]))
+        row: dict[str, float | None] = {"height_m": float(height), "depth_m": float(fill - height)}
+        for name, several in profiles.items():
+            values = [float(one[1][k]) for one in several]
+            row[f"{name}_pa"] = float(np.mean(values))
+            row[f"{name}_half_width_pa"] = half_width(values) if len(values) > 1 else None
+        row |= {
+            "janssen_pa": table["janssen_horizontal_pa"][0],
+            "en_filling_pa": table["filling_horizontal_pa"][0],
+            "en_discharge_pa": table["discharge_horizontal_pa"][0],
+        }
+        rows.append(row)
     return rows[::-1]
 
 

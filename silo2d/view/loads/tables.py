@@ -184,11 +184,14 @@ def compared_table(found: Mapping[str, Any]) -> Table:
     stages = [name for name in ("filling", "at_rest", "opening", "flow", "end")
               if name in found["dem"]["stages"]]  # fmt: skip
     keys = [*stages, "janssen", "en_filling", "en_discharge"]
+    if "flow" in stages and len(found["runs"]) > 1:
+        keys.insert(stages.index("flow") + 1, "flow_half_width")
     rows = [
         (f"{row['depth_m']:.3f}", *(pascal(row[f"{key}_pa"]) for key in keys))
         for row in found["compared"]
     ]
-    names = {"janssen": "Janssen", "en_filling": "EN fill", "en_discharge": "EN disch"}
+    names = {"janssen": "Janssen", "en_filling": "EN fill", "en_discharge": "EN disch",
+             "flow_half_width": "+-"}  # fmt: skip
     head = ("z [m]", *(names.get(key, key.replace("_", " ")) for key in keys))
     return Table("pressure on the vertical walls [Pa], mean of both sides", head, rows)
 
@@ -216,20 +219,25 @@ def fluctuation_facts(dem: Mapping[str, Any]) -> list[Part]:
 
 
 def balance_table(dem: Mapping[str, Any]) -> Table:
-    """What bears the weight, as shares of it."""
+    """Shares of the weight that walls and base bear."""
     parts = (*PARTS, "inertia")
     rows = []
     for name, stage in dem["stages"].items():
         own = stage["balance"]
         if own:
-            shares = (f"{100 * own[f'{part}_share']:.1f}" for part in parts)
+            shares = (f"{_no_sign(100 * own[f'{part}_share'], 1):.1f}" for part in parts)
             rows.append((name.replace("_", " "), f"{own['weight_n']:.3g}", *shares,
-                         f"{100 * own['closure']:+.2f}"))  # fmt: skip
+                         f"{_no_sign(100 * own['closure'], 2):.2f}"))  # fmt: skip
     return Table(
         "base and walls against the weight [% of it]",
         ("stage", "weight [N]", "friction", "hopper", "floor", "door", "accelerates", "error"),
         rows,
     )
+
+
+def _no_sign(value: float, digits: int) -> float:
+    """A value rounded, without a sign where it is zero."""
+    return round(value, digits) + 0.0
 
 
 def flow_facts(found: Mapping[str, Any]) -> list[Part]:
@@ -241,7 +249,8 @@ def flow_facts(found: Mapping[str, Any]) -> list[Part]:
         between = "" if low is None else f" ({low:.1f} to {high:.1f})"
         words = f"effective friction {dem['effective_friction_deg']:.1f}{between} deg"
         verdicts = " or ".join(flow["jenike_over_interval"])
-        limits = " to ".join(f"{one:.1f}" for one in sorted(flow["mass_flow_up_to_deg"]))
+        ends = [f"{one:.1f}" for one in sorted(flow["mass_flow_up_to_deg"])]
+        limits = " to ".join(dict.fromkeys(ends))
         parts.append(Fact("measured", f"{words}: {verdicts} after Jenike (limit {limits} deg)"))
     if flow["mass_flow_index"] is not None:
         parts.append(Fact("by the runs", f"{flow['by_index']}: lowest mass flow index "
