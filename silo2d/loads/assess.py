@@ -20,6 +20,8 @@ from silo2d.loads.walls import (
     patch_load,
 )
 
+_GRAVITY = 9.81  # [m/s2]
+_SMALL = 100.0  # [t] up to which a silo may be of assessment class 1 (2.5)
 _DEPTHS = 33  # of the series of pressures; every fourth is printed
 
 
@@ -158,6 +160,11 @@ class Loads:
             rubs = "rub as the walls" if self.vessel.rough_plates else "carry nothing"
             words.append(
                 f"slot: plates {rubs}, A/U = {self.vessel.area / self.vessel.perimeter:.4g} m"
+            )
+        tonnes = self.vessel.volume * self.solid.unit_weight / _GRAVITY / 1e3
+        if self.rules.assessment_class == 1 and tonnes > _SMALL:
+            words.append(
+                f"holds {tonnes:.0f} t: class 1 is for up to 100 t (2.5); take class 2 or 3"
             )
         if self.eccentricity > LARGE_ECCENTRICITY * self.vessel.characteristic_width:
             words.append(

@@ -17,6 +17,7 @@ from silo2d.loads.solid import Values, characteristic, lateral_ratio_of, table_e
 from silo2d.loads.spec import commented_spec
 from silo2d.loads.vessel import Vessel
 from silo2d.loads.walls import Wall
+from silo2d.view.loads.tables import jenike_facts
 
 DEG = math.pi / 180
 CIRCULAR = Vessel("circular", 5.0, 5.0, 8.0)
@@ -379,6 +380,29 @@ def test_cohesionless_solid_neither_arches_nor_ratholes(wheat):
     own = closed_forms(wheat)["jenike"]
     assert own["cohesionless"]
     assert own["arch_up_to_m"] == 0.0 == own["rathole_up_to_m"]
+
+
+@pytest.mark.parametrize(("strength", "verdict"), [(1.0, "wide enough"), (5.0, "too narrow")])
+def test_outlet_is_compared_with_the_widest_arch(tmp_path, strength, verdict):
+    """f_c constant, in kPa: a cone of 20 deg arches up to (2 + 20/65) f_c/gamma, 0.26 and 1.28 m;
+    the outlet is 0.6 m."""
+    path = tmp_path / "cohesive.toml"
+    path.write_text(f"{WHEAT}flow_function = [[0, {strength}], [100, {strength}]]\n")
+    forms = closed_forms(load_design(path))
+    expected = (2 + 20 / 65) * 1e3 * strength / 9e3
+    assert forms["jenike"]["arch_up_to_m"] == pytest.approx(expected)
+    words = " ".join(fact.words for fact in jenike_facts(forms))
+    assert verdict in words
+    assert "0.6 m" in words
+
+
+def test_large_silo_of_class_one_says_that_it_is_none(tmp_path):
+    """Class 1 is for up to 100 t; wheat in 5 m x 15 m weighs 311 t."""
+    path = tmp_path / "wheat.toml"
+    path.write_text(WHEAT)
+    for changes, said in (({"rules.assessment_class": 1}, True), ({}, False)):
+        words = closed_forms(load_design(path, changes))["assumptions"]
+        assert any("311 t" in line for line in words) == said
 
 
 def test_commented_file_is_a_silo_that_is_taken(tmp_path):

@@ -154,8 +154,13 @@ def jenike_facts(forms: Mapping[str, Any]) -> list[Part]:
         return [*found, Fact("outlet", words + _COHESIONLESS)]
     arch = own["arch_up_to_m"]
     arches = "at any width" if arch is None else f"up to {arch:.3g} m"
+    outlet = forms["silo"]["outlet_m"]
+    enough = "wide enough against arches" if arch is not None and outlet > arch else "too narrow"
     rathole = f"ratholes up to {own['rathole_up_to_m']:.3g} m across"
-    return [*found, Fact("outlet", f"{words}arches {arches}, {rathole}")]
+    return [
+        *found,
+        Fact("outlet", f"{words}arches {arches}: {outlet:.3g} m is {enough}; {rathole}"),
+    ]
 
 
 def closed_parts(forms: Mapping[str, Any]) -> list[Part]:
