@@ -26,10 +26,8 @@ _BEVERLOO_C, _BEVERLOO_K = 0.85, 1.5
 # Bytes: of a particle and of a contact in a frame, of a particle in a checkpoint (its row, layout
 # and slips; found up to 270), and of the program with its kernels (350 MB when they are compiled).
 _OF_A_PARTICLE, _OF_A_CONTACT, _KEPT_OF_A_PARTICLE, _PROCESS = 33, 37, 400, 350e6
-_OF_A_SAMPLE, _AT_WALLS = (
-    26,
-    5.0,
-)  # of a contact in a sample at the walls; how many a particle there
+_OF_A_SAMPLE = 26  # [B] of a contact in a sample at the walls
+_AT_WALLS = 5.0  # contacts of a particle there, at most
 _NUMBERS = 16  # of a frame, besides the wall forces
 _OF_ARRAYS = 5e3  # [B] of the arrays of a frame in memory, besides what is in them
 _DENSEST = 1.1  # particles over those expected

@@ -32,7 +32,7 @@ from silo2d.measures.basics.contacts import FEWEST_OUT, read_moments, within
 from silo2d.measures.basics.friction import Angle, effective_friction, shear_rate
 from silo2d.measures.basics.particles import prism_length
 from silo2d.measures.basics.stages import stage_samples, windows
-from silo2d.measures.basics.walls import Samples, Stretches, on_walls
+from silo2d.measures.basics.walls import Samples, Tractions, on_walls
 from silo2d.measures.fields import dead_zones, field_of, flow_frames
 from silo2d.measures.stress import contact_stress, kinetic_stress
 from silo2d.view.scene import Scene, read_scene
@@ -107,7 +107,7 @@ def _stage(
     }
 
 
-def _wall(wall: Stretches, part: str, time: Floats, length: float) -> dict[str, Any]:
+def _wall(wall: Tractions, part: str, time: Floats, length: float) -> dict[str, Any]:
     """Numbers of a wall, in pascals."""
     normal, shear = wall.normal / length, wall.shear / length
     over = in_blocks(time, normal)

@@ -3,7 +3,7 @@
 Tractions are of the plane [N/m]: divide by the prisms' length for pascals.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,13 +70,13 @@ def samples_of(moments: list[Moment]) -> Samples:
 
 
 @dataclass(frozen=True, eq=False)
-class Stretches:
-    """Tractions on one wall at m moments, by stretches of even length.
+class Tractions:
+    """Tractions on one wall, by stretches of even length; (m, b) at moments, (b,) their means.
 
     name       of the wall
     height     of the middles of its stretches (b,) [m]
-    normal     pressure outwards (m, b) [N/m]
-    shear      traction down the wall (m, b) [N/m]
+    normal     pressure outwards (..., b) [N/m]
+    shear      traction down the wall (..., b) [N/m]
     length     of a stretch [m]
     """
 
@@ -87,7 +87,7 @@ class Stretches:
     length: float
 
 
-def on_walls(scene: Scene, samples: Samples, stretch: float | None = None) -> list[Stretches]:
+def on_walls(scene: Scene, samples: Samples, stretch: float | None = None) -> list[Tractions]:
     """Tractions on each wall but the door.
 
     stretch: least length [m], STRETCH typical sizes unless given. A force counts where its point
@@ -107,32 +107,14 @@ def on_walls(scene: Scene, samples: Samples, stretch: float | None = None) -> li
             np.add.at(sums[row], (samples.moment[here], which), samples.force[here] @ direction)
         middles = start[1] + (np.arange(n) + 0.5) / n * (end[1] - start[1])
         normal, shear = sums / (length / n)
-        found.append(Stretches(scene.wall_names[k], middles, normal, shear, length / n))
+        found.append(Tractions(scene.wall_names[k], middles, normal, shear, length / n))
     return found
-
-
-@dataclass(frozen=True, eq=False)
-class Tractions:
-    """Tractions on one wall, by stretches of even length; means over moments.
-
-    name       of the wall
-    height     of the middles of its stretches (b,) [m]
-    normal     pressure outwards (b,) [N/m]
-    shear      traction down the wall (b,) [N/m]
-    length     of a stretch [m]
-    """
-
-    name: str
-    height: Floats
-    normal: Floats
-    shear: Floats
-    length: float
 
 
 def tractions(moments: list[Moment]) -> list[Tractions]:
     """Means over moments of what particles do to each wall but the door."""
     return [
-        Tractions(one.name, one.height, one.normal.mean(axis=0), one.shear.mean(axis=0), one.length)
+        replace(one, normal=one.normal.mean(axis=0), shear=one.shear.mean(axis=0))
         for one in on_walls(moments[0].scene, samples_of(moments))
     ]
 

@@ -133,7 +133,10 @@ def _notes(scene: Scene, vessel: Vessel, dem: Mapping[str, Any]) -> list[str]:
 
 def _known(case: SiloCase, own: Column, length: float, dem: Mapping[str, Any]) -> dict[str, float]:
     """Properties of the solid that the case and its runs have, as [solid] takes them."""
-    known = {"unit_weight": own.density / length, "wall_friction": float(case.wall_law.mu)}
+    known = {"unit_weight": own.density / length}
+    friction = getattr(case.wall_law, "mu", None)  # a law from outside may have none
+    if friction is not None:
+        known["wall_friction"] = float(friction)
     angle = dem["effective_friction_deg"]
     if angle is not None:
         known |= dict.fromkeys(("internal_friction", "effective_friction"), math.radians(angle))
