@@ -385,9 +385,9 @@ def test_half_width_of_a_mean_is_students():
 
 
 def test_a_sweeps_table_stands_for_its_runs(tmp_path):
-    """Run folders as its table names them, each once; an empty one is refused."""
-    (tmp_path / "table.csv").write_text("seed,run_folder\n1,runs/a\n2,runs/b\n2,runs/b\n")
-    assert study.runs_of(tmp_path) == [Path("runs/a"), Path("runs/b")]
+    """Run folders as its table names them, from where it stands; an empty one is refused."""
+    (tmp_path / "table.csv").write_text("seed,run_folder\n1,../a\n2,../b\n2,../b\n3,/c\n")
+    assert study.runs_of(tmp_path) == [tmp_path / "../a", tmp_path / "../b", Path("/c")]
     assert study.runs_of(tmp_path / "other") == [tmp_path / "other"]
     (tmp_path / "table.csv").write_text("seed,run_folder\n")
     with pytest.raises(Exception, match="no finished run"):

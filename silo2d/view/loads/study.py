@@ -38,7 +38,7 @@ def runs_of(path: Path) -> list[Path]:
         return [path]
     with (path / "table.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    found = [Path(row["run_folder"]) for row in rows if row.get("run_folder")]
+    found = [path / row["run_folder"] for row in rows if row.get("run_folder")]  # relative to it
     if not found:
         raise FolderError(f"{path / 'table.csv'}: no finished run; run the sweep first")
     return list(dict.fromkeys(found))
