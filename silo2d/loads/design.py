@@ -116,7 +116,7 @@ def resolve_solid(own: SolidKeys, given: Mapping[str, float]) -> tuple[Solid, li
         if name not in known:
             known[name] = make(known)
             assumed.append(words)
-    title = own.name or "solid"
+    title = own.name or "as given"
     names = (one for one in Solid.__dataclass_fields__ if one != "name")
     solid = Solid(title, **{one: float(known[one]) for one in names})
     _check_angles(solid)
