@@ -12,6 +12,7 @@ from damper3d.run import sweep as damper_sweep
 from granulab.campaign.sweeps.study_keys import StudyKeys
 from granulab.contact.files.reference import key_tables, plain_table
 from silo2d.case import settings as silo
+from silo2d.loads.spec import Spec
 from silo2d.run import sweep as silo_sweep
 
 ROOT = Path(__file__).parents[1]
@@ -31,6 +32,7 @@ def generated() -> dict[Path, str]:
         **_with_part("docs/sweeps.md", "keys", plain_table(StudyKeys)),
         **_with_part("docs/silo-case.md", "keys", key_tables(silo.Settings)),
         **_with_part("docs/damper-case.md", "keys", key_tables(damper.Settings)),
+        **_with_part("docs/silo-loads.md", "keys", key_tables(Spec)),
         **_with_part("README.md", "map", _map()),
         **_with_part("docs/contributing.md", "modules", _modules()),
     }

@@ -250,7 +250,12 @@ class SiloCase:
 
 # Keys that a packing or a run is not named by while they are off: folders made before there were
 # such keys keep their names.
-_OFF = {("fill", "friction"): False, ("fill", "layer"): None, ("run", "door_speed"): None}
+_OFF = {
+    ("fill", "friction"): False,
+    ("fill", "layer"): None,
+    ("run", "door_speed"): None,
+    ("output", "wall_interval"): None,
+}
 
 
 def _acting(settings: Settings) -> dict[str, Any]:

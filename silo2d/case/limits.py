@@ -90,8 +90,8 @@ def check_steps(settings: Settings, time_step: float, filling: float, where: str
         raise InputError(
             f"{where}: [run] max_time = {longest:.3g} s: shorter than a step of {time_step:.3g} s"
         )
-    for key in ("frame_interval", "checkpoint_interval"):
-        interval = max(getattr(output, key), time_step)
+    for key in ("frame_interval", "checkpoint_interval", "wall_interval"):
+        interval = max(getattr(output, key) or longest, time_step)
         if not longest / interval <= _MOST_FRAMES:
             raise InputError(
                 f"{where}: [output] {key} = {getattr(output, key):.3g} s: {longest / interval:.1e} "

@@ -3,6 +3,8 @@
 import math
 from typing import Any
 
+import numpy as np
+
 from granulab.campaign.output import room
 from silo2d.case.case import GRAVITY, SiloCase
 
@@ -24,6 +26,8 @@ _BEVERLOO_C, _BEVERLOO_K = 0.85, 1.5
 # Bytes: of a particle and of a contact in a frame, of a particle in a checkpoint (its row, layout
 # and slips; found up to 270), and of the program with its kernels (350 MB when they are compiled).
 _OF_A_PARTICLE, _OF_A_CONTACT, _KEPT_OF_A_PARTICLE, _PROCESS = 33, 37, 400, 350e6
+_OF_A_SAMPLE = 26  # [B] of a contact in a sample at the walls
+_AT_WALLS = 5.0  # contacts of a particle there, at most
 _NUMBERS = 16  # of a frame, besides the wall forces
 _OF_ARRAYS = 5e3  # [B] of the arrays of a frame in memory, besides what is in them
 _DENSEST = 1.1  # particles over those expected
@@ -69,17 +73,29 @@ def disk_at_most(case: SiloCase) -> dict[str, int]:
     return room.on_disk(
         frames=[(frames, of_frame)],
         numbers=frames * _numbers(case),
-        contacts=(tables, room.CONTACTS * n * _OF_A_CONTACT),
+        contacts=(tables, _of_a_table(case, n, tables)),
         parts=parts,
         checkpoint=n * _KEPT_OF_A_PARTICLE,
     )
+
+
+def _of_a_table(case: SiloCase, n: float, tables: float) -> float:
+    """Bytes of a table of contacts of n particles, with the samples at the walls by it."""
+    size = room.CONTACTS * n * _OF_A_CONTACT
+    every = case.settings.output.wall_interval
+    if every is None or not tables:
+        return size
+    around = float(np.hypot(*np.diff(case.outline.walls().segments, axis=1)[:, 0].T).sum())
+    of_one = _AT_WALLS * around / math.sqrt(case.shapes.mean_area) * _OF_A_SAMPLE
+    samples = case.settings.run.max_time / max(every, case.time_step)
+    return size + samples / tables * of_one
 
 
 def memory_at_most(case: SiloCase) -> int:
     """Bytes of memory that a run takes at most: most is the program's own."""
     frames, tables, _, together, of_frame = _kept(case)
     n = _DENSEST * expected_particles(case)
-    of_contacts = tables / frames * room.CONTACTS * n * _OF_A_CONTACT
+    of_contacts = tables / frames * _of_a_table(case, n, tables)
     own = n * 16 * 200  # 16 pairs of vertices and edges a particle, of 25 numbers in three lists
     return room.in_memory(_PROCESS + own, together * (of_frame + of_contacts + _OF_ARRAYS))
 

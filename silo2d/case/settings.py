@@ -228,6 +228,11 @@ class Output(Section):
         0.05, "time between frames with contacts, in whole frames; the first and the last have "
         "them always", example="50 ms",
     )  # fmt: skip
+    wall_interval: Time | None = key(
+        None, "time between samples of the forces at the walls, which come with the frames",
+        example="1 ms", left_out="no samples but those in the contacts; `silo2d loads` takes 1 ms",
+        option="--wall-interval",
+    )  # fmt: skip
     checkpoint_interval: Time = key(0.1, "simulated time between checkpoints", example="100 ms")
     layer_height: Annotated[Size, Field(ge=1e-6)] = key(  # layers are counted: not of dust
         0.045, "height of the painted layers in the pictures", example="45 mm"

@@ -28,6 +28,11 @@ def new_files() -> dict[str, NewFile]:
 
         return commented_case()
 
+    def loads() -> str:
+        from silo2d.loads.spec import commented_spec
+
+        return commented_spec()
+
     with_shapes = "silo2d run A4 --shapes {file} --dry-run"
     with_materials = "silo2d run A4 --materials {file} --dry-run"
     return {
@@ -35,6 +40,7 @@ def new_files() -> dict[str, NewFile]:
         "materials": NewFile(
             materials, with_materials, "materials", lambda: data_names("materials"), "material"
         ),
+        "loads": NewFile(loads, "silo2d loads --silo {file}", "cases", lambda: (), "solid"),
         "shapes": NewFile(shapes, with_shapes, "shapes", lambda: data_names("shapes"), "shape"),
     }
 

@@ -7,7 +7,7 @@ from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
 from granulab.campaign.cli.reproduce import reproduce_command
 from granulab.campaign.cli.view import view_command
-from silo2d.commands import results, run, shapes
+from silo2d.commands import loads, results, run, shapes
 from silo2d.commands.options import outline_options
 
 if TYPE_CHECKING:
@@ -53,11 +53,12 @@ app = command_group(
         results.compare,
         results.export,
         shapes.shapes,
+        loads.loads,
         *file_commands(
             "silo2d",
             "friction",
             "case file, shape set, materials file",
-            new=("materials", "shapes"),
+            new=("materials", "shapes", "loads"),
             case_options=outline_options,
         ),
     ],

@@ -1,4 +1,6 @@
-"""State of a moment: contacts with the forces that the next step applies, energies."""
+"""State of a moment: contacts with the forces that the next step applies, energies; samples."""
+
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -87,3 +89,47 @@ def energies(bodies, inner, counts, particle_law, wall_law, gravity):
         normal += normal_energy(law, max(overlap_now(bodies.row, inner, n), 0.0))
         tangential += tangential_energy(law, (inner.slip[n],))
     return kinetic, potential, normal, tangential
+
+
+@dataclass
+class WallSamples:
+    """Samples of the contacts at the walls, one after the other."""
+
+    taken: list[dict[str, np.ndarray]] = field(default_factory=list)
+
+    def take(self, world, time: float, most: int | None) -> None:
+        """Add the contacts of now, whose lists are not stale; keep the last `most`, if given."""
+        n_particles = len(world.bodies.live)
+        first, last = int(world.counts[PARTICLE_INNER]), int(world.counts[INNER])
+        size = max(last - first, 1)
+        bodies, numbers = np.zeros((size, 2), np.uint32), np.zeros((size, 8))
+        n = list_class(
+            world.bodies.row, world.inner, world.forces, world.wall_law, first, last,
+            world.time_step, bodies, numbers, np.int64(0),
+        )  # fmt: skip
+        n = max(n, 1)  # one row without force where nothing touches: it was looked at
+        wall = np.maximum(bodies[:n, 1].astype(np.int64) - n_particles, 0)
+        self.taken.append(
+            {
+                "time": np.full(n, time),
+                "wall": wall.astype(np.uint16),
+                "point": numbers[:n, [POINT_X, POINT_Y]].astype(np.float32),
+                "force": numbers[:n, [FORCE_X, FORCE_Y]].astype(np.float32),
+            }
+        )
+        if most is not None:
+            del self.taken[:-most]
+
+    def table(self) -> dict[str, np.ndarray]:
+        """All samples, a row for each contact; nothing of none.
+
+        time         (n,) of the sample, since the phase began [s]
+        wall         (n,) index of the wall
+        point        (n, 2) where the force acts [m]
+        force        (n, 2) on the wall, damping included [N]
+
+        A sample without contacts has one row without force.
+        """
+        if not self.taken:
+            return {}
+        return {name: np.concatenate([one[name] for one in self.taken]) for name in self.taken[0]}

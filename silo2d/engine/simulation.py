@@ -21,6 +21,7 @@ from silo2d.engine.sampling import (
     POINT_X,
     POINT_Y,
     SLIDES,
+    WallSamples,
     energies,
     list_contacts,
 )
@@ -29,6 +30,7 @@ from silo2d.engine.world import longer_lists, more_pairs, with_laws
 
 # Particles times steps of a call of the kernel, which hears no Ctrl-C: a quarter of a second.
 _AT_A_TIME = 4_000_000
+_SAMPLED = "sampled_"  # begins the names of what checkpoints hold of samples at the walls
 
 
 @njit
@@ -59,6 +61,7 @@ class Simulation:
         self.world = world
         self._advice = advice  # for the one whose simulation fails
         self._wall_steps = 0
+        self._samples = WallSamples()
 
     @property
     def n_particles(self) -> int:
@@ -195,6 +198,20 @@ class Simulation:
         self._wall_steps = 0
         return mean
 
+    def sample_walls(self, most: int | None = None) -> None:
+        """Keep the contacts at the walls as they are now, for wall_samples; changes no bit.
+
+        most: of the samples, the last ones, that are kept.
+        """
+        self.refresh()
+        self._samples.take(self.world, self.time, most)
+
+    def wall_samples(self) -> dict[str, np.ndarray]:
+        """Contacts at the walls in the samples since the last call, see WallSamples.table."""
+        table = self._samples.table()
+        self._samples = WallSamples()
+        return table
+
     def remove_wall(self, index: int) -> None:
         """Take a wall away (open a door)."""
         self.world.bodies.layout[self.n_particles + index, [state.N_CORNERS, state.N_EDGES]] = 0
@@ -284,6 +301,7 @@ class Simulation:
             "counts": world.counts.copy(),
             "books": world.account.copy(),
             "wall_steps": np.array([self._wall_steps]),
+            **{f"{_SAMPLED}{name}": column for name, column in self._samples.table().items()},
         }
 
     def restore(self, saved: dict[str, np.ndarray]) -> None:
@@ -303,6 +321,8 @@ class Simulation:
         world.counts[[state.OUTER, state.INNER, state.STALE]] = n, 0, 3
         self.world = with_laws(world, world.particle_law, world.wall_law)
         self._wall_steps = int(saved["wall_steps"][0])
+        sampled = {k.removeprefix(_SAMPLED): v for k, v in saved.items() if k.startswith(_SAMPLED)}
+        self._samples = WallSamples([sampled] if sampled else [])
 
     def state_digest(self) -> str:
         """Hash of positions, orientations, velocities and the history of the contacts."""

@@ -16,6 +16,7 @@ _MEASURES = {
     "curve": ("discharge curve and rate, and the part where the flow is steady", "1/s"),
     "fields": ("packing fraction and velocity, coarse-grained over the flow", "m/s"),
     "janssen": ("wall pressure and vertical stress compared with Janssen's law", "N/m"),
+    "loads": ("pressures on the walls from filling to flow, and what bears the weight", "Pa"),
     "massflow": ("mass flow index: velocity at the walls over that at the centre", "1"),
     "network": ("contact network: coordination, sliding, force distribution", "N"),
     "profile": ("lines of the painted layers every 0.25 s, V depth and V width", "m"),

@@ -10,7 +10,7 @@ that pass the outlet.
 At walls a part of each kernel lies outside. rho and p keep it (so they conserve); the packing
 fraction, sum A phi(r - x) over the part of phi(r - .) that lies inside the silo, does not miss
 it: a uniform field is uniform up to the walls. In V = <p>/<rho> it cancels. The silo goes on
-upwards beyond its open top and ends at the outlet.
+upwards beyond its open top and ends at the outlet. Dead zones: see basics/dead_zones.py.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, headline
-from granulab.errors import FolderError
+from granulab.errors import FolderError, InputError
 from silo2d.measures.basics.coarse_graining import (
     Grid,
     draw_map,
@@ -31,6 +31,13 @@ from silo2d.measures.basics.coarse_graining import (
     part_inside,
 )
 from silo2d.measures.basics.contacts import flowing
+from silo2d.measures.basics.dead_zones import (
+    DeadZones,
+    area_of_silo,
+    draw_dead_zones,
+    filled,
+    standing,
+)
 from silo2d.measures.basics.particles import areas, particle_size
 from silo2d.view.scene import Scene, read_scene
 
@@ -98,10 +105,15 @@ def _vectors(scene: Scene, frame: int, which: NDArray, *keys: str) -> tuple[Floa
     return np.column_stack(columns[:2]), np.column_stack(columns[2:])
 
 
-def flow_frames(scene: Scene) -> NDArray[np.int64]:
-    """Frames while a tenth to a half of the leavers were out (f,)."""
-    first, last = flowing(scene)
+def flow_frames(scene: Scene, between: tuple[float, float] | None = None) -> NDArray[np.int64]:
+    """Frames of a window of time [s], or while a tenth to a half of the leavers were out (f,)."""
+    first, last = between or flowing(scene)
     frames = np.flatnonzero((scene.time >= first) & (scene.time <= last))
+    if between and not len(frames):
+        raise InputError(
+            f"between {first:g} s and {last:g} s: no frame; the run has them from 0 to "
+            f"{scene.time[-1]:.3g} s"
+        )
     if not len(frames):
         raise FolderError("no frame while the silo flowed; keep more with [output] frame_interval")
     return frames
@@ -113,22 +125,53 @@ def profile(field: FlowField, height: float) -> tuple[Floats, Floats]:
     return field.velocity[1, j], field.momentum[1, j]
 
 
-def measure(folder: Path) -> dict[str, Any]:
+def dead_zones(scene: Scene, field: FlowField) -> DeadZones:
+    """Dead zones of the flow."""
+    _, middle, _ = _heights(scene)
+    mass_flow = max(-float(profile(field, middle)[1].sum()) * _step(field), 0.0)
+    speed, filling = np.hypot(*field.velocity), filled(field.solid)
+    density = float(np.median(field.density[filling]))
+    return standing(scene, field.grid, field.solid, speed, mass_flow, density)
+
+
+def left_zones(scene: Scene, field: FlowField) -> DeadZones | None:
+    """Zones that the last frame still fills; None for a run that did not come to its end."""
+    if scene.summary.get("outcome") not in ("empty", "dead_zones"):
+        return None
+    whole = area_of_silo(scene, field.grid)
+    end = len(scene.time) - 1
+    if not in_silo(scene, end).any():
+        none = np.zeros_like(field.density, bool)
+        return DeadZones(field.grid, none, none, whole)
+    last = filled(field_of(scene, np.array([end])).solid)
+    return DeadZones(field.grid, last, ~last, whole)
+
+
+def _step(field: FlowField) -> float:
+    return float(field.grid.x[1] - field.grid.x[0])
+
+
+def measure(folder: Path, between: tuple[float, float] | None = None) -> dict[str, Any]:
     """Numbers, profiles and fields of the flow.
+
+    between: from and until [s], taken in place of the usual part of the flow.
 
     width_m                       of the Gaussian
     from_s, until_s, frames       the window
     mass_in_silo_kg               integral of the density over the plane, mean over the window
     bulk_fraction                 mean packing fraction between the lowest and highest profile,
                                   where 0.99 of the kernel is inside
+    dead_area_m2, dead_share      dead zones in the flow, and over the silo below the fill level
+    left_area_m2, left_share      what is filled at the end of a run that emptied or left dead zones
     profiles                      for each height: height_m, x_m, velocity_m_per_s (downwards is
                                   negative; None outside), mass_flow_kg_per_s through it
-    fields                        x_m, y_m, packing fraction, velocity_x, velocity_y (j, i)
+    fields                        x_m, y_m, packing fraction, velocity_x, velocity_y, dead (j, i)
 
-    Raises InputError for a run of which fewer than twenty particles left.
+    Raises InputError for a run of which fewer than twenty particles left, without a window.
     """
     scene = read_scene(folder)
-    field = field_of(scene, flow_frames(scene))
+    field = field_of(scene, flow_frames(scene, between))
+    dead, left = dead_zones(scene, field), left_zones(scene, field)
     grid, time = field.grid, scene.time[field.frames]
     names = {"packing_fraction": field.solid, "velocity_x": field.velocity[0],
              "velocity_y": field.velocity[1]}  # fmt: skip
@@ -139,11 +182,16 @@ def measure(folder: Path) -> dict[str, Any]:
         "frames": len(field.frames),
         "mass_in_silo_kg": float(grid.integral(field.density)),
         "bulk_fraction": _bulk_fraction(scene, field),
+        "dead_area_m2": dead.area,
+        "dead_share": dead.share,
+        "left_area_m2": None if left is None else left.area,
+        "left_share": None if left is None else left.share,
         "profiles": [_profile_numbers(scene, field, height) for height in _heights(scene)],
         "fields": {
             "x_m": grid.x.tolist(),
             "y_m": grid.y.tolist(),
             **{name: _listed(values) for name, values in names.items()},
+            "dead": dead.dead.astype(int).tolist(),
         },
     }
 
@@ -162,13 +210,12 @@ def _bulk_fraction(scene: Scene, field: FlowField) -> float | None:
 
 def _profile_numbers(scene: Scene, field: FlowField, height: float) -> dict[str, Any]:
     velocity, momentum = profile(field, height)
-    step = field.grid.x[1] - field.grid.x[0]
     inside = _inside_at(scene, field, height)
     return {
         "height_m": height,
         "x_m": field.grid.x.tolist(),
         "velocity_m_per_s": _listed(np.where(inside, velocity, np.nan)),
-        "mass_flow_kg_per_s": float(-momentum.sum() * step),
+        "mass_flow_kg_per_s": float(-momentum.sum() * _step(field)),
     }
 
 
@@ -184,17 +231,17 @@ def _listed(values: Floats) -> list[Any]:
     return rounded.tolist()
 
 
-def draw(folder: Path) -> "Figure":
-    """Maps of packing fraction and speed, and profiles of the vertical velocity."""
+def draw(folder: Path, between: tuple[float, float] | None = None) -> "Figure":
+    """Maps of packing fraction, speed and dead zones, and profiles of the vertical velocity."""
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     scene = read_scene(folder)
-    field = field_of(scene, flow_frames(scene))
+    field = field_of(scene, flow_frames(scene, between))
     time = scene.time[field.frames]
-    figure = Figure(figsize=(14, 5.8), layout=ConstrainedLayoutEngine(w_pad=0.15))
+    figure = Figure(figsize=(17, 5.8), layout=ConstrainedLayoutEngine(w_pad=0.15))
     headline(figure, f"{scene.headline}; mean from {time[0]:.2f} to {time[-1]:.2f} s")
-    solid, speed, lines = figure.subplots(1, 3, width_ratios=[1, 1, 1.1])
+    solid, speed, zones, lines = figure.subplots(1, 4, width_ratios=[1, 1, 0.8, 1.1])
     fraction = _filled(field.solid)
     draw_map(solid, scene, field.grid, fraction, "packing fraction",
              cmap="YlOrBr", vmin=0.4, vmax=0.95)  # fmt: skip
@@ -204,6 +251,7 @@ def draw(folder: Path) -> "Figure":
     draw_map(speed, scene, field.grid, shown, "speed [m/s]",
              cmap="YlGnBu", vmin=0, vmax=magnitude[inside].max())  # fmt: skip
     _arrows(speed, field, inside)
+    draw_dead_zones(zones, scene, dead_zones(scene, field), left_zones(scene, field))
     _draw_profiles(lines, scene, field)
     return figure
 

@@ -12,10 +12,12 @@ at the walls, as in the paper's filling, lambda is infinite and the law is hydro
 
 Nothing is fitted to the law: K is the ratio of wall pressure to vertical stress and mu_m that of
 shear to pressure at the walls, each summed over the vertical part, and depth is measured by the
-weight above, rho_b g z = (weight above)/W. A silo that discharges accelerates and its hopper
-carries what its outlet lets go: the law is drawn with it for orientation only.
+weight above, rho_b g z = (weight above)/W. In the flow the fill sinks: the law is taken at each
+moment's own depths, and then its mean. A silo that discharges accelerates and its hopper carries
+what its outlet lets go: the law is drawn with it for orientation only.
 
-Stresses and tractions are of the plane [N/m]: divide by the prisms' length for pascals.
+Stresses and tractions are of the plane [N/m]; divided by the prisms' length, which stands in the
+materials file, they are in pascals, as pictures have them.
 """
 
 from dataclasses import dataclass
@@ -26,7 +28,7 @@ import numpy as np
 
 from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline
 from granulab.errors import InputError
-from silo2d.measures.basics.coarse_graining import Floats
+from silo2d.loads.janssen import Floats, janssen_stress
 from silo2d.measures.basics.contacts import (
     GRAVITY,
     STATES,
@@ -36,7 +38,7 @@ from silo2d.measures.basics.contacts import (
     read_moments,
     states,
 )
-from silo2d.measures.basics.particles import particle_size
+from silo2d.measures.basics.particles import particle_size, prism_length, with_pascals
 from silo2d.measures.basics.walls import STRETCH, Tractions, outwards, sides, tractions
 from silo2d.view.scene import Scene
 
@@ -58,8 +60,11 @@ class Column:
     weight      weight above, mean over each slab, over the width (b,) [N/m]
     pressure    mean pressure on the two walls at each (b,) [N/m]
     shear       mean traction on them, downwards (b,) [N/m]
-    density     weight per area of the plane [N/m2], rho_b g
+    density     weight per area of the plane before the opening [N/m2], rho_b g
     width       W [m]
+    weights     weight above at each moment (m, b) [N/m]
+    fill        height of the fill at the first and the last moment [m]: what lies in the vertical
+                part, at the bulk density before the opening; its foot where nothing does
     """
 
     height: Floats
@@ -69,6 +74,8 @@ class Column:
     shear: Floats
     density: float
     width: float
+    weights: Floats
+    fill: tuple[float, float]
 
     @property
     def stress_ratio(self) -> float:
@@ -84,24 +91,14 @@ class Column:
         return _over(self.shear.sum(), self.pressure.sum())
 
     def janssen(self) -> Floats:
-        """The law at the same depths (b,) [N/m]."""
-        depth = self.weight / self.density
-        return janssen_stress(depth, self.density, self.friction * self.stress_ratio, self.width)
+        """The law at the depths of each moment, the mean over them (b,) [N/m]."""
+        product = self.friction * self.stress_ratio
+        depth = self.weights / self.density
+        return janssen_stress(depth, self.density, product, self.width).mean(axis=0)
 
 
 def _over(part: float, whole: float) -> float:
     return float(part / whole) if whole else 0.0
-
-
-def janssen_stress(depth: Floats, density: float, friction_times_ratio: float, width: float):
-    """rho_b g lambda (1 - exp(-z/lambda)) [N/m], lambda = W/(2 mu_m K).
-
-    depth z [m]; density rho_b g [N/m2]; mu_m K [-], 0 for the hydrostatic limit; width W [m].
-    """
-    if friction_times_ratio == 0:
-        return density * depth
-    length = width / (2 * friction_times_ratio)
-    return -density * length * np.expm1(-depth / length)
 
 
 def column(moments: list[Moment]) -> Column:
@@ -110,25 +107,35 @@ def column(moments: list[Moment]) -> Column:
     Raises InputError for a silo without a vertical wall on each side.
     """
     scene = moments[0].scene
-    walls = _vertical_walls(scene)
+    walls = vertical_walls(scene)
     segments = scene.walls[walls]
     low, width = segments[:, :, 1].min(axis=1).max(), float(np.ptp(segments[:, :, 0]))
     top = float(scene.trajectory["y"][0][scene.trajectory["inside"][0]].max())
     n = max(int((top - low) / (STRETCH * particle_size(scene))), 1)
     levels = np.linspace(top, low, n + 1)
     slabs = np.column_stack([levels[1:], levels[:-1]])
-    means = np.mean([_slabs(m, slabs, width, walls) for m in moments], axis=0)
-    first = moments[0].centres[moments[0].inside, 1]
-    mass = moments[0].scene.trajectory.static["mass"][moments[0].inside]
+    each = np.array([_slabs(m, slabs, width, walls) for m in moments])
+    inside = scene.trajectory["inside"][0]
+    first, mass = scene.trajectory["y"][0][inside], scene.trajectory.static["mass"][inside]
     full = levels[min(1, n - 1)]  # the uppermost slab holds the rough surface
     counted = (first >= low) & (first < full) if n > 1 else first >= low
     density = GRAVITY * mass[counted].sum() / (width * (full - low))
-    vertical, weight, pressure, shear = means
+    vertical, weight, pressure, shear = each.mean(axis=0)
     middles = slabs.mean(axis=1)
-    return Column(middles, vertical, weight, pressure, shear, float(density), width)
+    ends = (moments[0], moments[-1])
+    start, end = (float(low + _weight_over(m, low) / (density * width)) for m in ends)
+    return Column(
+        middles, vertical, weight, pressure, shear, float(density), width, each[:, 1], (start, end)
+    )
 
 
-def _vertical_walls(scene: Scene) -> list[int]:
+def _weight_over(moment: Moment, low: float) -> float:
+    """Weight [N] of the particles with centroids above a height [m]."""
+    mass = moment.scene.trajectory.static["mass"]
+    return float(GRAVITY * mass[moment.inside & (moment.centres[:, 1] > low)].sum())
+
+
+def vertical_walls(scene: Scene) -> list[int]:
     """The topmost vertical wall of each side, left and right."""
     run, rise = np.abs(scene.walls[:, 1] - scene.walls[:, 0]).T
     vertical = run <= _VERTICAL * rise
@@ -164,22 +171,27 @@ def _slabs(moment: Moment, slabs: Floats, width: float, walls: list[int]) -> Flo
     return np.array([vertical, above, pressure, shear])
 
 
-def measure(folder: Path) -> dict[str, Any]:
+def measure(folder: Path, between: tuple[float, float] | None = None) -> dict[str, Any]:
     """Numbers and profiles before the opening, in the mean flow, and at the end.
+
+    between: from and until [s], taken for the flow.
 
     ..._stress_ratio            K; ..._wall_friction mu_m, both as they fall out
     ..._janssen_length_m        lambda; None where mu_m is below 0.001
     ..._bottom_vertical_n_per_m vertical stress in the lowest slab of the vertical part, and
     ..._bottom_janssen_..., ..._bottom_hydrostatic_...   the law there, and the weight above
     ..._rms_over_janssen        rms of stress less law over the slabs, over the law's rms
+    ..._fill_from_m, ..._fill_until_m  height of the fill at the first and the last moment
     profiles                    the column and the tractions on each wall, see Column and Tractions
+
+    What is in N/m stands in Pa as well, by keys that end with _pa.
 
     Keys begin with before_opening, flow or end; those of a flow are None for a run of which
     fewer than twenty particles left, those of the end for one that did not clog. Raises InputError
     for a silo without vertical walls.
     """
-    moments = read_moments(folder)
-    chosen = states(moments)
+    moments, length = read_moments(folder), prism_length(folder)
+    chosen = states(moments, between)
     numbers: dict[str, Any] = {}
     profiles: dict[str, Any] = {}
     for name in STATES:
@@ -187,15 +199,15 @@ def measure(folder: Path) -> dict[str, Any]:
         if name in chosen:
             found = column(chosen[name])
             of = _numbers(found, len(chosen[name]))
-            walls = [_as_lists(wall) for wall in tractions(chosen[name])]
-            profiles[name] = {"column": _as_lists(found), "walls": walls}
-        numbers |= {f"{name}_{key}": value for key, value in of.items()}
+            walls = [_as_lists(wall, length) for wall in tractions(chosen[name])]
+            profiles[name] = {"column": _as_lists(found, length), "walls": walls}
+        numbers |= {f"{name}_{key}": value for key, value in with_pascals(of, length).items()}
     return {**numbers, "profiles": profiles}
 
 
 _KEYS = ("moments", "stress_ratio", "wall_friction", "janssen_length_m",
          "bottom_vertical_n_per_m", "bottom_janssen_n_per_m", "bottom_hydrostatic_n_per_m",
-         "rms_over_janssen")  # fmt: skip
+         "rms_over_janssen", "fill_from_m", "fill_until_m")  # fmt: skip
 
 
 def _numbers(found: Column, n_moments: int) -> dict[str, Any]:
@@ -209,45 +221,54 @@ def _numbers(found: Column, n_moments: int) -> dict[str, Any]:
         float(law[-1]),
         float(found.weight[-1]),
         float(np.sqrt(((found.vertical - law) ** 2).sum() / (law**2).sum())) if law.any() else None,
+        *found.fill,
     )
     return dict(zip(_KEYS, values, strict=True))
 
 
-def _as_lists(profile: Column | Tractions) -> dict[str, Any]:
-    values = vars(profile).items()
-    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values}
+_STRESSES = ("vertical", "weight", "pressure", "shear", "normal")
 
 
-def draw(folder: Path) -> "Figure":
+def _as_lists(profile: Column | Tractions, length: float) -> dict[str, Any]:
+    """A profile as lists, its stresses again in pascals."""
+    values = {k: v for k, v in vars(profile).items() if k not in ("weights", "fill")}
+    pascals = {f"{k}_pa": v / length for k, v in values.items() if k in _STRESSES}
+    both = {**values, **pascals}
+    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in both.items()}
+
+
+def draw(folder: Path, between: tuple[float, float] | None = None) -> "Figure":
     """Vertical stress with the law, and tractions on the walls, in each state of the run."""
     from matplotlib.figure import Figure
 
-    moments = read_moments(folder)
-    scene = moments[0].scene
-    rows = {in_words(name, chosen): chosen for name, chosen in states(moments).items()}
+    moments, length = read_moments(folder), prism_length(folder)
+    scene, chosen = moments[0].scene, states(moments, between)
+    rows = {in_words(name, few): few for name, few in chosen.items()}
     figure = Figure(figsize=(11, 4.6 * len(rows)), layout="constrained")
     headline(figure, scene.headline)
-    for axes, (words, chosen) in zip(
+    for axes, (words, few) in zip(
         figure.subplots(len(rows), 3, squeeze=False, sharey=True), rows.items(), strict=True
     ):
-        _draw_column(axes[0], column(chosen), words)
-        walls = tractions(chosen)
+        _draw_column(axes[0], column(few), words, length)
+        walls = tractions(few)
         for panel, kind in zip(axes[1:], ("normal", "shear"), strict=True):
-            _draw_tractions(panel, walls, kind)
+            _draw_tractions(panel, walls, kind, length)
     return figure
 
 
-def _draw_column(axes: "Axes", found: Column, words: str) -> None:
-    depths = np.linspace(0, found.weight.max() / found.density, 60)
-    product = found.friction * found.stress_ratio
-    top = found.height[-1] + found.weight[-1] / found.density
-    law = janssen_stress(depths, found.density, product, found.width)
-    axes.plot(found.density * depths, top - depths, color=GREY, lw=1, label="hydrostatic")
+def _draw_column(axes: "Axes", found: Column, words: str, length: float) -> None:
+    top = found.fill[0]
+    height = np.r_[top, found.height[found.height < top]]
+    shown = found.height < top
+    law, over = (np.r_[0.0, series[shown]] / length for series in (found.janssen(), found.weight))
+    axes.plot(over, height, color=GREY, lw=1, label="hydrostatic")
     mobilised = 0.0 if abs(found.friction) < _FRICTIONLESS else found.friction
     label = f"Janssen, K = {found.stress_ratio:.2f},\n$\\mu_m$ = {mobilised:.2f}"
-    axes.plot(law, top - depths, color=BLUE, label=label)
-    axes.plot(found.vertical, found.height, "o", ms=4, color=INK, label="contacts")
-    axes.set(xlabel="vertical stress [N/m]", ylabel="height over the outlet [m]")
+    axes.plot(law, height, color=BLUE, label=label)
+    axes.plot(found.vertical / length, found.height, "o", ms=4, color=INK, label="contacts")
+    if found.fill[0] > found.fill[1]:
+        axes.axhspan(*found.fill, color=GREY, alpha=0.15, lw=0, label="fill, as it sinks")
+    axes.set(xlabel="vertical stress [Pa]", ylabel="height over the outlet [m]")
     axes.set_title(f"{words}\n{_in_words(found)}", loc="left", fontsize=9)
     axes.legend(loc="upper right")
 
@@ -255,22 +276,24 @@ def _draw_column(axes: "Axes", found: Column, words: str) -> None:
 def _in_words(found: Column) -> str:
     if abs(found.friction) < _FRICTIONLESS:
         return "frictionless filling: Janssen's law is hydrostatic"
+    if not found.weight[-1]:
+        return "nothing lies between the vertical walls"
     excess = 100 * (found.vertical[-1] / found.weight[-1] - 1)
     how = "more" if excess > 0 else "less"
     return f"lowest slab carries {abs(excess):.0f} % {how} than the weight above"
 
 
-def _draw_tractions(axes: "Axes", walls: list[Tractions], kind: str) -> None:
+def _draw_tractions(axes: "Axes", walls: list[Tractions], kind: str, length: float) -> None:
     walls = [wall for wall in walls if "floor" not in wall.name]  # all at one height
     for wall in walls:
         colour = VERMILION if "right" in wall.name else BLUE
         style = "--" if "hopper" in wall.name else "-"
-        axes.plot(getattr(wall, kind), wall.height, style, marker="o", ms=3, color=colour,
+        axes.plot(getattr(wall, kind) / length, wall.height, style, marker="o", ms=3, color=colour,
                   label=wall.name)  # fmt: skip
     axes.axvline(0, color=GREY, lw=0.6)
-    axes.set_xlabel(f"{_TRACTIONS[kind]} [N/m]")
+    axes.set_xlabel(f"{_TRACTIONS[kind]} [Pa]")
     # Not narrower than a tenth of the pressure: what is next to nothing shall look so.
-    widest = 0.1 * max(wall.normal.max() for wall in walls)
+    widest = 0.1 * max(wall.normal.max() for wall in walls) / length
     low, high = axes.get_xlim()
     axes.set_xlim(min(low, -widest), max(high, widest))
     if kind == "normal":

@@ -41,18 +41,18 @@ _PARTS, _FEWEST_PARTS, _BANDS = 5, 3, 10
 
 
 def measure(
-    folder: Path, band: float | None = None, window: tuple[float, float] | None = None
+    folder: Path, band: float | None = None, between: tuple[float, float] | None = None
 ) -> dict[str, Any]:
     """The index with its error in bands of height [m], and the velocities [m/s] it is made of.
 
     band      height of a band [m]; a tenth of the fill level unless given
-    window    from and until [s]; the steady part of the discharge, or all of it, unless given
+    between   from and until [s]; the steady part of the discharge, or all of it, unless given
 
-    Without a window it raises InputError where fewer than twenty particles left.
+    Without it this raises InputError where fewer than twenty particles left.
     """
     scene = read_scene(folder)
     band = band or float(scene.trajectory.attributes["level"]) / _BANDS
-    start, end = window or _steady_window(scene)
+    start, end = between or _steady_window(scene)
     edges: Series = np.arange(int(scene.window[3] / band) + 1.0) * band
     wall, centre = strip_velocities(scene, edges, start, end)
     index, error = index_and_error(wall, centre)
@@ -154,11 +154,11 @@ def _ratio(over: Series, under: Series) -> Series:
     return np.divide(over, under, out=np.full(len(over), np.nan), where=under != 0)
 
 
-def draw(folder: Path) -> "Figure":
+def draw(folder: Path, between: tuple[float, float] | None = None) -> "Figure":
     """Velocities at walls and centre against height, and the index with its limit."""
     from matplotlib.figure import Figure
 
-    scene, found = read_scene(folder), measure(folder)
+    scene, found = read_scene(folder), measure(folder, between=between)
     rows = [row for row in found["bands"] if row["index"] is not None]
     height = [500 * (row["from_m"] + row["until_m"]) for row in rows]
     figure = Figure(figsize=(8.2, 4.8), layout="constrained")

@@ -14,8 +14,9 @@ holds at every point, with the contact part alone and the accelerations a of the
 last sum is what the walls push back with, spread by the same Gaussian. The integral of the
 contact part over the plane is the virial sum - sum f (x) b, exactly.
 
-Stresses are of the plane [N/m]: divide by the prisms' length for pascals. Within two widths of a
-wall they are smeared over it, not corrected: a correction would break the balance of momentum.
+Stresses are of the plane [N/m]; divided by the prisms' length, which stands in the materials file,
+they are in pascals, as pictures have them. Within two widths of a wall they are smeared over it,
+not corrected: a correction would break the balance of momentum.
 """
 
 from dataclasses import dataclass
@@ -35,7 +36,7 @@ from silo2d.measures.basics.coarse_graining import (
     inside_polygon,
 )
 from silo2d.measures.basics.contacts import STATES, Moment, branches, in_words, read_moments, states
-from silo2d.measures.basics.particles import particle_size
+from silo2d.measures.basics.particles import particle_size, prism_length, with_pascals
 from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:
@@ -124,25 +125,29 @@ def stress_of(moments: list[Moment], width: float | None = None) -> StressField:
     return StressField(grid, contact, kinetic, len(moments))
 
 
-def measure(folder: Path) -> dict[str, Any]:
+def measure(folder: Path, between: tuple[float, float] | None = None) -> dict[str, Any]:
     """Numbers and fields of the stress before the opening, in the mean flow, and at the end.
 
+    between: from and until [s], taken for the flow.
+
     ..._virial_n_m               integral of the contact stress over the plane [[xx, xy], [yx, yy]]
-    ..._max_pressure_n_per_m     largest mean of the principal stresses
+    ..._max_pressure_n_per_m     largest mean of the principal stresses; ..._max_pressure_pa
     ..._kinetic_share            integral of the kinetic part's trace over that of the total
     ..._anisotropy               mean of (s1 - s2)/(s1 + s2), weighted by the pressure
-    fields                       x_m, y_m, and the total stress xx, xy, yx, yy (j, i) [N/m]
+    fields                       x_m, y_m, the total stress xx, xy, yx, yy (j, i) [N/m], and
+                                 xx_pa, xy_pa, yx_pa, yy_pa
 
     Keys begin with before_opening, flow or end; those of a flow are None for a run of which
     fewer than twenty particles left, those of the end for one that did not clog.
     """
-    moments = read_moments(folder)
-    fields = {name: stress_of(chosen) for name, chosen in states(moments).items()}
+    moments, length = read_moments(folder), prism_length(folder)
+    fields = {name: stress_of(chosen) for name, chosen in states(moments, between).items()}
     numbers: dict[str, Any] = {"width_m": particle_size(moments[0].scene)}
     for name in STATES:
         of = _numbers(fields[name]) if name in fields else dict.fromkeys(_KEYS)
+        of = with_pascals(of, length)
         numbers |= {f"{name}_{key}": value for key, value in of.items()}
-    return {**numbers, "fields": {name: _as_lists(field) for name, field in fields.items()}}
+    return {**numbers, "fields": {name: _as_lists(one, length) for name, one in fields.items()}}
 
 
 _KEYS = ("moments", "virial_n_m", "max_pressure_n_per_m", "kinetic_share", "anisotropy")
@@ -161,26 +166,28 @@ def _numbers(field: StressField) -> dict[str, Any]:
     return dict(zip(_KEYS, values, strict=True))
 
 
-def _as_lists(field: StressField) -> dict[str, Any]:
+def _as_lists(field: StressField, length: float) -> dict[str, Any]:
     parts = {f"{a}{b}": field.total[i, j] for i, a in enumerate("xy") for j, b in enumerate("xy")}
     grid = {"x_m": field.grid.x.tolist(), "y_m": field.grid.y.tolist()}
-    return {**grid, **{name: np.round(part, 4).tolist() for name, part in parts.items()}}
+    pascals = {f"{name}_pa": np.round(part / length, 2).tolist() for name, part in parts.items()}
+    return {**grid, **{k: np.round(part, 4).tolist() for k, part in parts.items()}, **pascals}
 
 
-def draw(folder: Path) -> "Figure":
+def draw(folder: Path, between: tuple[float, float] | None = None) -> "Figure":
     """Pressure as colour, principal directions as crosses, in each state of the run."""
     from matplotlib.figure import Figure
 
     moments = read_moments(folder)
     scene = moments[0].scene
-    panels = {in_words(k, chosen): stress_of(chosen) for k, chosen in states(moments).items()}
+    length, chosen = prism_length(folder), states(moments, between)
+    panels = {in_words(name, few): stress_of(few) for name, few in chosen.items()}
     figure = Figure(figsize=(5.3 * len(panels), 6.6), layout="constrained")
     headline(figure, scene.headline)
     grid = figure.subplots(1, len(panels), squeeze=False)[0]
     highest = max(field.pressure.max() for field in panels.values())
     for axes, (words, field) in zip(grid, panels.items(), strict=True):
-        draw_map(axes, scene, field.grid, field.pressure, "pressure [N/m]",
-                 cmap="YlGnBu", vmin=0, vmax=highest)  # fmt: skip
+        draw_map(axes, scene, field.grid, field.pressure / length, "pressure [Pa]",
+                 cmap="YlGnBu", vmin=0, vmax=highest / length)  # fmt: skip
         inside = inside_mask(inside_polygon(scene), field.grid)
         _draw_crosses(axes, field, inside, 2 * highest)
         axes.set_title(words, fontsize=10)

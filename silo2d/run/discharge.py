@@ -19,6 +19,7 @@ from silo2d.engine.simulation import Simulation
 from silo2d.run.ending import ENERGY_TOLERANCE, LOOK, Clock, discharged, ending, report_progress
 from silo2d.run.packing import Packing
 from silo2d.run.pour import normalised_kinetic_energy
+from silo2d.run.rest import Rest
 
 _LONGEST_LOOK = 4_000_000  # particles times steps between looks whether to stop
 
@@ -34,31 +35,40 @@ def discharge(
     clock: Clock,
     stages: Stages,
     stop: Callable[[], bool],
+    rest: Rest | None = None,
 ) -> str:
     """Run to the end and return the outcome: open the door first, unless going on.
 
-    Looks, frames and checkpoints come at fixed numbers of steps since the opening; the first and
-    the last frame bring the contacts, and of those between every so many. Raises Stopped when
-    `stop` says so, with the state kept, and SimulationError.
+    rest: what was borne before, which comes with the first frame.
+
+    Looks, frames, samples at the walls and checkpoints come at fixed numbers of steps since the
+    opening; the first and the last frame bring the contacts, and of those between every so many.
+    Raises Stopped when `stop` says so, with the state kept, and SimulationError.
     """
     if clock.parts == 0:
-        _open_door(sim, case, writer, clock)
+        _open_door(sim, case, writer, clock, rest)
         _keep(sim, folder, writer, clock)
     output = case.settings.output
     intervals = (LOOK, output.frame_interval, output.checkpoint_interval)
     look, frame, keep = (max(round(interval / sim.time_step), 1) for interval in intervals)
+    every = [look, frame, keep, max(_LONGEST_LOOK // sim.n_particles, 1)]
+    sample = output.wall_interval and max(round(output.wall_interval / sim.time_step), 1)
+    every += [sample] if sample else []
     contacts = frame * max(round(output.contact_interval / output.frame_interval), 1)
-    pause = max(_LONGEST_LOOK // sim.n_particles, 1)
     stages.begin(*discharged(sim, case, clock)[:3])
     while True:
         now = sim.steps
-        target = min(now - now % every + every for every in (look, frame, keep, pause))
+        target = min(now - now % n + n for n in every)
         began = time.process_time()
         sim.run(target - now)
         clock.cpu_s += time.process_time() - began
         outcome = _look(sim, case, packing, clock) if target % look == 0 else None
+        if sample and target % sample == 0:
+            sim.sample_walls()
         if target % frame == 0 or outcome:
             touches = contacts_of(sim) if target % contacts == 0 or outcome else {}
+            if samples := sim.wall_samples():
+                touches["walls"] = samples
             writer.append(frame_of(sim, sim.wall_forces()), touches)
         if outcome:
             return outcome
@@ -70,9 +80,13 @@ def discharge(
             raise Stopped(f"go on with: {folder.go_on('silo2d')}")
 
 
-def _open_door(sim: Simulation, case: SiloCase, writer: TrajectoryWriter, clock: Clock) -> None:
+def _open_door(
+    sim: Simulation, case: SiloCase, writer: TrajectoryWriter, clock: Clock, rest: Rest | None
+) -> None:
     """t = 0: friction on, the door away or on its way; the first frame has the forces before."""
     forces, touches = sim.wall_forces(), contacts_of(sim)
+    if rest is not None and rest.time:
+        touches |= rest.tables(sim, forces)
     held = bool(case.settings.fill.friction)
     sim.begin_phase(*case.laws(sim.n_particles), sim.time_step, keep_slips=held)
     door, speed = len(case.outline.walls().names) - 1, case.settings.run.door_speed

@@ -1,7 +1,8 @@
 """A filled silo: where its particles are; kept, because filling costs more than discharging."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,12 @@ class Packing:
     cpu_s: float  # CPU time that the filling took [s]
     attempts: int = 1  # at the filling, each stiffer than the one before
     sources: str = ""  # digest of the sources that made it
+    # Contacts at the walls in the last looks at the filling, under its laws, as of
+    # Simulation.wall_samples; empty of packings of earlier versions.
+    at_walls: dict[str, np.ndarray] = field(default_factory=dict)
+
+
+_AT_WALLS = "at_walls_"
 
 
 def packing_digest(case: SiloCase, seed: int) -> str:
@@ -55,17 +62,25 @@ def packing_folder(case: SiloCase, root: Path) -> Path:
 
 def save_packing(packing: Packing, folder: Path) -> None:
     """Keep a packing in its folder, which is there; FolderError where it cannot be written."""
-    meta = {key: value for key, value in vars(packing).items() if key not in ("kinds", "poses")}
-    save_checkpoint(folder / "packing.h5", {"kinds": packing.kinds, "poses": packing.poses}, meta)
+    arrays = {"kinds": packing.kinds, "poses": packing.poses}
+    arrays |= {f"{_AT_WALLS}{name}": column for name, column in packing.at_walls.items()}
+    known = ("kinds", "poses", "at_walls")
+    meta = {key: value for key, value in vars(packing).items() if key not in known}
+    save_checkpoint(folder / "packing.h5", arrays, meta)
 
 
 def load_packing(folder: Path) -> Packing | None:
     """The packing kept in a folder, None where there is none; FolderError where it is damaged."""
-    return loaded(
-        folder,
-        lambda arrays, meta: Packing(arrays["kinds"], arrays["poses"], **meta),
-        "the silo is filled again",
-    )
+
+    def packing(arrays: dict[str, np.ndarray], meta: dict[str, Any]) -> Packing:
+        at_walls = {
+            name.removeprefix(_AT_WALLS): column
+            for name, column in arrays.items()
+            if name.startswith(_AT_WALLS)
+        }
+        return Packing(arrays["kinds"], arrays["poses"], **meta, at_walls=at_walls)
+
+    return loaded(folder, packing, "the silo is filled again")
 
 
 _DEEP = 3  # largest particles one above the other, below which no fraction is known

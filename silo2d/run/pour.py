@@ -23,8 +23,10 @@ from silo2d.engine.simulation import Simulation
 from silo2d.engine.state import INV_MASS
 from silo2d.engine.world import build_world
 from silo2d.run.packing import Packing, in_rows, packing_fraction
+from silo2d.run.rest import LOOKS
 
 _FRAME = 5e-3  # [s] between looks at the kinetic energy
+_SAMPLES = 5  # of the forces at the walls from look to look
 _POURING = 0.95  # part of the cost of a layer that is poured and levelled
 _SLOWED = 1.5  # over the mean, how slow the decay of the energy is once the rain is down
 _PATIENCE = 6.0  # [s] of simulated time; a filling has settled long before
@@ -141,7 +143,9 @@ def packed(
     fraction = packing_fraction(
         case.outline, case.shapes, kinds, poses[:, 1], case.settings.fill.level
     )
-    return Packing(kinds, poses, fraction, sim.coordination(), poured_with, cpu_s)
+    return Packing(
+        kinds, poses, fraction, sim.coordination(), poured_with, cpu_s, at_walls=sim.wall_samples()
+    )
 
 
 def down_at(poses: np.ndarray, level: float) -> float:
@@ -161,7 +165,9 @@ def settle(
     steps = max(round(_FRAME / sim.world.time_step), 1)
     start = None
     while True:
-        sim.run(steps)
+        for part in np.diff(np.linspace(0, steps, _SAMPLES + 1).astype(int)):
+            sim.run(int(part))
+            sim.sample_walls(most=LOOKS)
         moving = normalised_kinetic_energy(sim, case.shapes)
         start = max(start or 0.0, moving)
         if moving < case.settings.fill.settled and sim.time >= soonest:

@@ -23,6 +23,7 @@ from silo2d.run.discharge import discharge
 from silo2d.run.ending import MOST_HALVINGS, Clock
 from silo2d.run.packing import Packing, load_packing, packing_folder, save_packing
 from silo2d.run.pour import normalised_kinetic_energy, pour
+from silo2d.run.rest import Rest
 from silo2d.run.result import Result
 from silo2d.run.sources import BASELINE, MEASURES, SOURCES
 from silo2d.run.summary import describe, measured, summarise, write_records
@@ -59,9 +60,10 @@ def _compute(
     halvings, most = 0, MOST_HALVINGS if case.step_source == "chosen" else 0
     while True:
         try:
-            sim, clock = _start_or_resume(folder, case, packing, halvings, stages, stop, warn)
+            rest = None if case.settings.output.wall_interval is None else Rest()
+            sim, clock = _start_or_resume(folder, case, packing, halvings, stages, stop, warn, rest)
             halvings = clock.halvings
-            return _discharged(folder, case, packing, sim, clock, stages, stop)
+            return _discharged(folder, case, packing, sim, clock, stages, stop, rest)
         except SimulationError:
             if halvings >= most:
                 raise
@@ -71,13 +73,13 @@ def _compute(
 
 def _discharged(
     folder: RunFolder, case: SiloCase, packing: Packing, sim: Simulation, clock: Clock,
-    stages: Stages, stop: Stop,
+    stages: Stages, stop: Stop, rest: Rest | None,
 ) -> dict[str, Any]:  # fmt: skip
     """The results of a silo that has settled or is gone on with."""
     static = describe(case, packing)
     writer = TrajectoryWriter(folder.path, parts=clock.parts)
     writer.write_static(*static)
-    outcome = discharge(sim, case, packing, folder, writer, clock, stages, stop)
+    outcome = discharge(sim, case, packing, folder, writer, clock, stages, stop, rest)
     stages.finish("discharging")
     stages.hedge = ""
     writer.finish(*static)
@@ -112,7 +114,7 @@ def _by_pymunk(
 
 def _start_or_resume(
     folder: RunFolder, case: SiloCase, packing: Packing, halvings: int, stages: Stages, stop: Stop,
-    warn: Warn,
+    warn: Warn, rest: Rest | None,
 ) -> tuple[Simulation, Clock]:  # fmt: skip
     """The silo behind its door in a step halved so often, or as its checkpoint has it."""
     resuming = folder.checkpoint.exists()
@@ -127,7 +129,7 @@ def _start_or_resume(
         sim = Simulation(world_behind_door(case, packing, step))
     sim.compile()
     begun = time.process_time()
-    settle_under_own_law(sim, case, stages, stop)
+    settle_under_own_law(sim, case, stages, stop, rest)
     stages.finish("settling")
     filling = packing.cpu_s + time.process_time() - begun
     return sim, Clock(filling_cpu_s=filling, halvings=halvings)
@@ -207,16 +209,22 @@ def settle_under_own_law(
     case: SiloCase,
     progress: Progress | Stages,
     stop: Stop = lambda: False,
+    rest: Rest | None = None,
 ) -> None:
     """Let a packing that was poured softer come to rest, which several looks in a row must find.
+
+    rest: keeps what is borne at each look.
 
     Raises Stopped, and SimulationError where it takes more than 2 s of simulated time.
     """
     steps, stages = max(round(_SETTLE_FRAME / sim.time_step), 1), Stages.of(progress)
     quiet_looks = 0
     while True:
-        sim.wall_forces()
+        force = sim.wall_forces()
         sim.run(steps)
+        if rest is not None:
+            rest.force += [force] if rest.time else []
+            rest.look(sim)
         moving = normalised_kinetic_energy(sim, case.shapes)
         quiet_looks = quiet_looks + 1 if moving < case.settings.fill.settled else 0
         if quiet_looks == _QUIET_LOOKS:

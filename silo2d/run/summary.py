@@ -90,6 +90,7 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
         "shape_points": np.concatenate(outlines),
         "shape_start": np.cumsum([0, *(len(outline) for outline in outlines)]),
         "wall_segments": walls.segments,
+        **{f"filling_{name}": column for name, column in packing.at_walls.items()},
     }
     if case.settings.disorder.per == "particle":
         drawn = scores(case.settings.run.seed, len(packing.kinds))

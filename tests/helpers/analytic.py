@@ -171,3 +171,64 @@ def wilson_interval(k, n, z=1.959963984540054):
     middle = (k + z**2 / 2) / (n + z**2)
     half = z / (n + z**2) * math.sqrt(k * (n - k) / n + z**2 / 4)
     return middle - half, middle + half
+
+
+# Loads on silos. EN 1991-4:2006; Jenike, Bulletin 123 (1964); Nedderman 1992, Statics and
+# Kinematics of Granular Materials.
+
+
+def janssen_pressure(z, gamma, mu, K, area, perimeter):
+    """Horizontal pressure [Pa] in a silo of any cross section; gamma A/(mu U) far down."""
+    z_o = area / perimeter / (K * mu)
+    return gamma * K * z_o * (1 - np.exp(-z / z_o))
+
+
+def wedge_limit(delta, wall):
+    """Half angle [deg] up to which a wedge flows in mass: Arnold, McLean and Roberts's fit (1982)
+    to Jenike's chart, angles in degrees, for wall < delta - 3."""
+    numerator = math.exp(3.75 * 1.01 ** ((delta - 30) / 10)) - wall
+    return numerator / (0.725 * math.tan(math.radians(delta)) ** 0.2)
+
+
+def rathole_factor(phi):
+    """Jenike's G(phi) [-], a polynomial in degrees (Leung et al. 2019, J. Pharm. Sci. 108, 464)."""
+    return -5.066 + 0.490 * phi - 0.0112 * phi**2 + 0.000108 * phi**3
+
+
+def radial_field(delta, wall, half_angle):
+    """Mean stress over gamma r [-] at the wall of a plane wedge in Jenike's radial stress field.
+
+    sigma = gamma r s(theta), major stress at psi from the radius, S = sin delta; balance of forces,
+
+        s (1 + S cos 2psi) + S sin 2psi s' + 2 s S cos 2psi (psi' + 1) = -cos theta
+        s' (1 - S cos 2psi) + 2 s S sin 2psi psi' + 3 s S sin 2psi = sin theta
+
+    from the axis, psi = 90 deg, to the wall, psi = 90 deg + (wall + asin(sin wall/S))/2: shooting.
+    """
+    from scipy.integrate import solve_ivp
+    from scipy.optimize import brentq
+
+    sine = math.sin(delta)
+    at_wall = math.pi / 2 + 0.5 * (wall + math.asin(math.sin(wall) / sine))
+
+    def rates(theta, state):
+        s, psi = state
+        cos, sin = sine * math.cos(2 * psi), sine * math.sin(2 * psi)
+        matrix = [[sin, 2 * s * cos], [1 - cos, 2 * s * sin]]
+        right = [-math.cos(theta) - s * (1 + cos) - 2 * s * cos, math.sin(theta) - 3 * s * sin]
+        return np.linalg.solve(matrix, right)
+
+    def beyond(theta, state):  # the field ends where psi goes on; what is sought lies before
+        return state[1] - at_wall - 0.1
+
+    beyond.terminal = True
+
+    def field(start):
+        begin = [start, math.pi / 2]
+        return solve_ivp(rates, (0, half_angle), begin, rtol=1e-8, events=beyond).y[:, -1]
+
+    low = 0.05  # psi rises the less, the larger the stress on the axis is
+    while field(1.2 * low)[1] > at_wall:
+        low *= 1.2
+    start = brentq(lambda s: field(s)[1] - at_wall, low, 1.2 * low)
+    return float(field(start)[0])

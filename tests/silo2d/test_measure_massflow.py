@@ -21,7 +21,7 @@ ALL = (0.0, 0.5)
 
 
 def known(folder, **options):
-    rows = massflow.measure(folder, window=ALL, **options)["bands"]
+    rows = massflow.measure(folder, between=ALL, **options)["bands"]
     return [row for row in rows if row["index"] is not None]
 
 
@@ -139,4 +139,4 @@ def test_no_index_where_few_leave(tmp_path):
     )  # fmt: skip
     with pytest.raises(InputError, match="19 particles left: a mass flow index needs 20 particles"):
         massflow.measure(tmp_path)
-    assert massflow.measure(tmp_path, window=(0.0, 0.04))["bands"]
+    assert massflow.measure(tmp_path, between=(0.0, 0.04))["bands"]

@@ -191,17 +191,17 @@ def test_what_the_lowest_slab_carries_in_words(share, words):
     """In a flow it may carry more than rests on it: of an excess it is not said to be less."""
     weight = np.array([50.0, 100.0])
     found = janssen.Column(np.array([0.2, 0.1]), share * weight, weight, weight, 0.3 * weight,
-                           500.0, 0.3)  # fmt: skip
+                           500.0, 0.3, weight[None], (0.25, 0.25))  # fmt: skip
     assert janssen._in_words(found) == f"lowest slab carries {words} than the weight above"
 
 
-def slices(mu: float, ratio: float, n: int = 420):
+def slices(mu: float, ratio: float, n: int = 420, top: float = 0.42):
     """Slabs across a gap 100 mm wide, each resting on the next, that press both walls with ratio
     times what presses them and hang on them with mu times that: Janssen's assumptions."""
     silo = hopper(0.0, 0.1, 0.1, 0.45, "slices")
     thick = 1e-3
     slab = scenes.block(0.1 - 1e-9, 4e-3)
-    y = 0.42 - thick * np.arange(n)
+    y = top - thick * np.arange(n)
     scene = scene_of([slab], np.zeros(n, int), silo, np.zeros(n), y)
     weight = GRAVITY * scene.trajectory.static["mass"][0]
     bodies, points, forces, below = [], [], [], 0.0
@@ -231,6 +231,21 @@ def test_slices_that_obey_janssen_are_measured_so(mu, ratio):
     expected = analytic.janssen(depth, found.density, mu, ratio, 0.1)
     np.testing.assert_allclose(found.vertical, expected, atol=0.01 * expected.max())
     np.testing.assert_allclose(found.janssen(), expected, atol=0.02 * expected.max())
+
+
+def test_law_sinks_with_the_fill():
+    """Two moments, filled to 0.42 m and to 0.22 m: the law is the mean of both laws at the depths
+    of each, which the mean of the stresses follows; at the mean depth it would be too large."""
+    moments = [slices(0.44, 0.6), slices(0.44, 0.6, 220, 0.22)]
+    found = janssen.column(moments)
+    assert found.fill == pytest.approx((0.42, 0.22), abs=2e-3)
+    depths = np.maximum(np.array([[0.42], [0.22]]) - found.height, 0.0)
+    laws = analytic.janssen(depths, found.density, 0.44, 0.6, 0.1)
+    low = found.height < 0.2
+    np.testing.assert_allclose(found.janssen()[low], laws.mean(axis=0)[low], rtol=0.02)
+    np.testing.assert_allclose(found.vertical[low], laws.mean(axis=0)[low], rtol=0.02)
+    at_mean = analytic.janssen(depths.mean(axis=0), found.density, 0.44, 0.6, 0.1)
+    assert (at_mean / found.janssen() - 1)[low].max() > 0.05
 
 
 @given(st.floats(0.01, 1), st.floats(0.1, 1), st.floats(0.01, 1))
@@ -263,7 +278,7 @@ def test_tractions_add_up_to_the_forces_on_the_walls(flow):
 
 @pytest.mark.parametrize("what", ["stress", "janssen", "network"])
 def test_measures_give_results_and_figures(reference, tmp_path, what):
-    """On a whole run: numbers for the opening and the flow."""
+    """On a whole run: numbers for the opening and the flow, in N/m and in pascals."""
     import shutil
 
     folder = shutil.copytree(reference.path, tmp_path / "run")

@@ -18,8 +18,9 @@ class CaseCommand(click.Command):
     that the command sets itself, and what to give in place of their options.
 
     schema: gives the settings of the simulator, and is called only when the options are
-    needed, so that the other commands do without pydantic. The command's function gets the values
-    as `section__key`, see case_changes.
+    needed, so that the other commands do without pydantic; also: gives further settings, of
+    sections of other names. The command's function gets the values as `section__key`, see
+    case_changes.
     """
 
     def __init__(
@@ -28,16 +29,19 @@ class CaseCommand(click.Command):
         schema: Callable[[], "type[Section]"],
         keys: Mapping[str, str] = MappingProxyType({}),
         without: Mapping[str, str] = MappingProxyType({}),
+        also: "Callable[[], type[Section]] | None" = None,
         **options: Any,
     ) -> None:
         super().__init__(*arguments, **options)
-        self._schema, self._keys, self._without = schema, keys, without
+        self._schema, self._keys, self._without, self._also = schema, keys, without, also
         self._case_options: list[click.Parameter] | None = None
 
     def get_params(self, context: click.Context) -> list[click.Parameter]:
         """The arguments, the options of the case, and the command's own options."""
         if self._case_options is None:
             self._case_options = _options(self._schema(), self._keys, self._without)
+            if self._also is not None:
+                self._case_options += _options(self._also(), {}, {})
         given = super().get_params(context)
         first = sum(isinstance(one, click.Argument) for one in given)
         return [*given[:first], *self._case_options, *given[first:]]

@@ -8,8 +8,8 @@ from outside, a call of `register`:
 """
 
 import importlib
+import inspect
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from granulab.contact.files.units import nearest
@@ -20,12 +20,15 @@ if TYPE_CHECKING:
 
 
 class Measure(NamedTuple):
-    """A measure that can be made of a run; both functions read its folder and no live world."""
+    """A measure that can be made of a run; both functions read its folder and no live world.
+
+    They may take `between`, from and until [s], which `observe --between` gives.
+    """
 
     text: str  # in a line
     unit: str  # of the number that measure() gives first, such as "kg"; "1": without
-    measure: Callable[[Path], dict[str, Any]]  # numbers and series in SI, ready for JSON
-    draw: Callable[[Path], "Figure"]
+    measure: Callable[..., dict[str, Any]]  # numbers and series in SI, ready for JSON
+    draw: Callable[..., "Figure"]
 
 
 class Shipped(NamedTuple):
@@ -66,6 +69,18 @@ class Measures:
             raise InputError(f"observe {name!r}: {nearest(name, list(self._known))}")
         known = self._known[name]
         return known.load() if isinstance(known, Shipped) else known
+
+    def options(self, name: str, **options: Any) -> dict[str, Any]:
+        """Those options that are given; InputError where the measure of a name takes one not."""
+        given = {key: value for key, value in options.items() if value is not None}
+        for key in given:
+            takes = [
+                one for one in self if key in inspect.signature(self.find(one).measure).parameters
+            ]
+            if name not in takes:
+                those = ", ".join(takes) or "none"
+                raise InputError(f"observe {name!r} takes no --{key}; those that do: {those}")
+        return given
 
     def listing(self) -> str:
         """A line for each measure: name, what it measures, unit."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.runs.trajectory import Tables, read_tables
-from granulab.errors import FolderError
+from granulab.errors import FolderError, InputError
 from silo2d.measures.basics.particles import FEWEST_OUT, areas, leavers
 from silo2d.view.scene import Scene, read_scene
 
@@ -147,20 +147,39 @@ def flowing(scene: Scene, share: tuple[float, float] = (0.1, 0.5)) -> tuple[floa
     return float(first), float(last)
 
 
-def states(moments: list[Moment]) -> dict[str, list[Moment]]:
+def states(
+    moments: list[Moment], window: tuple[float, float] | None = None
+) -> dict[str, list[Moment]]:
     """The moments of each state that a run has: "before_opening", "flow" and "end".
 
     There is a flow where twenty particles left, and an end worth a look where the run clogged.
+    window: from and until [s], what the flow is taken from instead; InputError where it holds no
+    moment.
     """
     scene = moments[0].scene
     found = {"before_opening": moments[:1]}
-    if scene.trajectory["n_out"][-1] >= FEWEST_OUT:
+    if window:
+        found["flow"] = within(moments, window)
+    elif scene.trajectory["n_out"][-1] >= FEWEST_OUT:
         first, last = flowing(scene)
         during = [m for m in moments if first <= m.time <= last]
         flow = during or _nearest(moments[1:], (first + last) / 2)
         found |= {"flow": flow} if flow else {}
     if scene.summary.get("outcome") in ("clogged", "clogged_at_opening"):
         found["end"] = moments[-1:]
+    return found
+
+
+def within(moments: list[Moment], window: tuple[float, float]) -> list[Moment]:
+    """The moments of a window of time [s], at least one."""
+    found = [m for m in moments if window[0] <= m.time <= window[1]]
+    if not found:
+        times = [m.time for m in moments]
+        every = f", every {np.median(np.diff(times)):.3g} s" if len(times) > 1 else ""
+        raise InputError(
+            f"between {window[0]:g} s and {window[1]:g} s: no contacts are kept; the run has them "
+            f"from 0 to {times[-1]:.3g} s{every}"
+        )
     return found
 
 

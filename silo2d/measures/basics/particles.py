@@ -1,11 +1,16 @@
 """Particles of a run: their size, columns across the silo, which are inside, which left when."""
 
+from collections.abc import Mapping
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granulab.errors import InputError
+from granulab.contact.files.table import load_table
+from granulab.errors import FolderError, InputError
+from silo2d.case.settings import check_settings, read_settings
 from silo2d.view.scene import Scene
 
 Series = NDArray[np.float64]
@@ -27,6 +32,34 @@ def areas(scene: Scene) -> Series:
 def particle_size(scene: Scene) -> float:
     """Side [m] of the square that has the mean area of the particles' outlines."""
     return float(np.sqrt(areas(scene).mean()))
+
+
+def prism_length(folder: str | Path) -> float:
+    """Length of a run's prisms [m], by which stresses of the plane [N/m] are pascals.
+
+    It stands in the materials file of the run folder; FolderError where that is not there.
+    """
+    case, materials = Path(folder) / "case.toml", Path(folder) / "materials.toml"
+    if not materials.is_file():
+        raise FolderError(
+            f"{folder}: holds no materials.toml with the prisms' length; --again computes it again"
+        )
+    particles = check_settings(read_settings(case), str(case)).particles
+    length = load_table(materials).material(particles.material).length
+    if length is None:
+        raise FolderError(f"{materials}: [material.{particles.material}] length is missing")
+    return length.value
+
+
+def with_pascals(numbers: Mapping[str, Any], length: float) -> dict[str, Any]:
+    """Numbers with those in N/m again in Pa behind them: NAME_n_per_m and NAME_pa."""
+    found: dict[str, Any] = {}
+    for key, value in numbers.items():
+        found[key] = value
+        if key.endswith("_n_per_m"):
+            own = f"{key.removesuffix('_n_per_m')}_pa"
+            found[own] = None if value is None else (np.asarray(value) / length).tolist()
+    return found
 
 
 def column_edges(scene: Scene) -> Series:

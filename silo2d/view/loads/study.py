@@ -1,0 +1,250 @@
+"""Loads by runs of one silo, over their seeds, compared with Janssen, EN 1991-4 and Jenike."""
+
+import csv
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granulab.contact.files.units import located
+from granulab.errors import FolderError, InputError
+from silo2d.case.case import SiloCase
+from silo2d.loads.assess import Loads, closed_forms
+from silo2d.loads.design import Design, design_of, load_beside
+from silo2d.loads.jenike import flow_pattern, mass_flow_limit
+from silo2d.loads.vessel import Vessel
+from silo2d.measures import fields, loads, massflow
+from silo2d.measures.basics.contacts import read_moments
+from silo2d.measures.basics.particles import particle_size, prism_length
+from silo2d.measures.basics.walls import STRETCH
+from silo2d.measures.janssen import Column, column, vertical_walls
+from silo2d.view.loads.pooling import combined, half_width, mean_of
+from silo2d.view.scene import Scene
+
+_LEVEL = {"rules.surface": "level"}  # a filling of the simulation is levelled off
+_SLENDEREST = 10.0  # h_c/d_c, for which the standard is made (1.1.2)
+_LARGEST_PARTICLE = 0.03  # of d_c, for which the standard is made (1.1.2)
+_BEAR_NOTHING = 0.005  # of the weight
+_ROWS = 13  # stretches of the vertical walls at most
+Between = tuple[float, float] | None
+
+
+def runs_of(path: Path) -> list[Path]:
+    """Run folders that a path stands for: itself, or those of a sweep's table."""
+    if not (path / "table.csv").is_file():
+        return [path]
+    with (path / "table.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    found = [path / row["run_folder"] for row in rows if row.get("run_folder")]  # relative to it
+    if not found:
+        raise FolderError(f"{path / 'table.csv'}: no finished run; run the sweep first")
+    return list(dict.fromkeys(found))
+
+
+def refuse_case(case: SiloCase) -> None:
+    """Raise InputError for a case whose runs would have no loads to compare, before it is run."""
+    if case.impulses:
+        raise InputError(f"{case.name}: [run] engine = 'pymunk': loads need the contacts of dem")
+    start, end = case.outline.walls().segments.transpose(1, 0, 2)
+    upright = np.abs(end - start)[:, 0] <= 1e-6 * np.abs(end - start)[:, 1]
+    sides = np.sign(start[upright, 0] - case.outline.outlet_centre)
+    if not {-1.0, 1.0} <= set(sides):
+        raise InputError(f"{case.name}: needs a vertical wall on each side, whose loads are sought")
+
+
+def study(
+    folders: Sequence[Path], spec: str | None, changes: Mapping[str, Any], between: Between = None,
+    rough_plates: bool = False,
+) -> dict[str, Any]:  # fmt: skip
+    """Loads by runs that differ in their seed alone, beside the closed forms.
+
+    spec: file with [solid] and [rules], or None; changes: keys of it; between: window of the flow
+    [s]. Raises InputError where the runs are of unlike silos, or have no vertical walls.
+    """
+    beside = load_beside(spec, changes, _LEVEL)
+    cases = [SiloCase.load(folder / "case.toml") for folder in folders]
+    _refuse_unlike(folders, cases)
+    moments = read_moments(folders[0])
+    scene, own = moments[0].scene, column(moments[:1])
+    # One for all runs, whose particles differ a little, and as long as makes a page.
+    stretch = max(STRETCH * particle_size(scene), (own.fill[0] - _foot(scene)) / _ROWS)
+    each = [loads.measure(folder, between, stretch) for folder in folders]
+    dem = combined(each) | _flow_of(folders, between)
+    with located(f"{folders[0]}:"):
+        vessel = vessel_of(scene, own, prism_length(folders[0]), rough_plates)
+    known = _known(cases[0], own, dem["prism_length_m"], dem)
+    if "internal_friction" not in known and not (
+        beside.solid.name or beside.solid.internal_friction
+    ):
+        raise InputError(
+            f"{folders[0]}: hardly flowed, so that its internal friction is not known; give it, "
+            "such as --internal-friction '30 deg'"
+        )
+    design = design_of(beside, vessel, spec or "the options", known)
+    notes = (*design.assumptions, *_notes(scene, vessel, dem))
+    design = dataclasses.replace(design, name=cases[0].name, assumptions=notes)
+    return {
+        "case": cases[0].name,
+        "silo": cases[0].label,
+        "seeds": [case.settings.run.seed for case in cases],
+        "runs": [str(folder) for folder in folders],
+        "fill_m": own.fill[0],
+        "foot_m": _foot(scene),
+        "dem": dem,
+        "closed_forms": closed_forms(design),
+        "compared": compared(design, each, own.fill[0], _foot(scene)),
+        "flow": _flow_pattern(design, dem),
+    }
+
+
+def _refuse_unlike(folders: Sequence[Path], cases: Sequence[SiloCase]) -> None:
+    for folder, case in zip(folders, cases, strict=True):
+        one = case.settings.model_dump(exclude={"run": {"seed"}, "output": True})
+        if one != cases[0].settings.model_dump(exclude={"run": {"seed"}, "output": True}):
+            raise InputError(
+                f"{folder}: differs from {folders[0]} in more than its seed; loads are a mean over "
+                "seeds: give runs of one case"
+            )
+
+
+def _notes(scene: Scene, vessel: Vessel, dem: Mapping[str, Any]) -> list[str]:
+    """Properties of the runs that are not those the closed forms are made for."""
+    found, size = [], particle_size(scene)
+    if size > _LARGEST_PARTICLE * vessel.characteristic_width:
+        found.append(
+            f"particles of {1e3 * size:.3g} mm: the standard is made for at most 0.03 d_c, "
+            f"{30 * vessel.characteristic_width:.3g} mm (1.1.2)"
+        )
+    if vessel.slenderness >= _SLENDEREST:
+        found.append(
+            f"h_c/d_c = {vessel.slenderness:.1f}: the standard is made for below 10 (1.1.2)"
+        )
+    rest = dem["stages"]["at_rest"]["balance"]
+    if abs(rest["walls_share"]) < _BEAR_NOTHING:
+        found.append(
+            "filled without friction: at rest the walls bear nothing, the stress is hydrostatic, "
+            "and no law of the closed forms holds ([fill] friction = true fills with it)"
+        )
+    return found
+
+
+def _known(case: SiloCase, own: Column, length: float, dem: Mapping[str, Any]) -> dict[str, float]:
+    """Properties of the solid that the case and its runs have, as [solid] takes them."""
+    known = {"unit_weight": own.density / length}
+    friction = getattr(case.wall_law, "mu", None)  # a law from outside may have none
+    if friction is not None:
+        known["wall_friction"] = float(friction)
+    angle = dem["effective_friction_deg"]
+    if angle is not None:
+        known |= dict.fromkeys(("internal_friction", "effective_friction"), math.radians(angle))
+    return known
+
+
+def vessel_of(scene: Scene, own: Column, length: float, rough_plates: bool) -> Vessel:
+    """The vessel that a run's silo is: a slot, filled to its level surface."""
+    (left, _), (right, _) = scene.trajectory.attributes["lips"]
+    height = own.fill[0] - _foot(scene)
+    if not height > 0:
+        raise InputError("filled no higher than its hopper: there are no loads on vertical walls")
+    return Vessel(
+        "slot", own.width, length, height, _half_angle(scene), float(right - left), "wedge",
+        rough_plates=rough_plates,
+    )  # fmt: skip
+
+
+def _foot(scene: Scene) -> float:
+    """Height of the foot of the vertical walls [m], the higher of the two."""
+    return float(scene.walls[vertical_walls(scene)][:, :, 1].min(axis=1).max())
+
+
+def _half_angle(scene: Scene) -> float | None:
+    """Half angle [rad] of the walls that go on below the vertical ones; None of a floor."""
+    angles = []
+    for wall in vertical_walls(scene):
+        foot = min(scene.walls[wall], key=lambda end: end[1])
+        for other in scene.walls:
+            ends = np.abs(other - foot).max(axis=1) < 1e-9
+            run, rise = np.abs(other[1] - other[0])
+            if ends.any() and run > 1e-9:
+                angles.append(math.atan2(run, rise))
+    if not angles:
+        return None
+    if max(angles) - min(angles) > math.radians(0.1):
+        raise InputError("its two sides converge at unlike angles; the closed forms are symmetric")
+    return None if math.isclose(angles[0], math.pi / 2) else angles[0]
+
+
+def _flow_of(folders: Sequence[Path], between: Between) -> dict[str, Any]:
+    """Mass flow index and dead zones, means over runs; None of runs that hardly flowed."""
+    indices: list[float | None] = []
+    zones: dict[str, list[float | None]] = {
+        key: [] for key in ("dead_area_m2", "dead_share", "left_area_m2", "left_share")
+    }
+    for folder in folders:
+        try:
+            indices.append(massflow.measure(folder, between=between)["lowest_index"])
+            own = fields.measure(folder, between)
+        except InputError:  # fewer than twenty particles left
+            continue
+        for key, values in zones.items():
+            values.append(own[key])
+    known = [value for value in indices if value is not None]
+    return {
+        "mass_flow_index": mean_of(known),
+        "mass_flow_index_half_width": half_width(known) if len(known) > 1 else None,
+        **{key: mean_of(values) for key, values in zones.items()},
+    }
+
+
+def compared(
+    design: Design, each: Sequence[Mapping[str, Any]], fill: float, foot: float
+) -> list[dict[str, float | None]]:
+    """Pressures on the vertical walls by depth [Pa]: the runs', Janssen's, the standard's.
+
+    each: loads of the runs, by whose mean half widths of intervals go where there are several;
+    fill, foot: heights [m] of the surface before the opening and of the walls' foot.
+    """
+    own, rows = Loads(design), []
+    names = [name for name in each[0]["stages"] if all(name in one["stages"] for one in each)]
+    profiles = {
+        name: [loads.profile(one["stages"][name], "normal_pa") for one in each] for name in names
+    }
+    for k, height in enumerate(profiles[names[0]][0][0]):
+        if not foot <= height < fill:
+            continue
+        table = own.wall_table(np.array([fill - height]))
+        row: dict[str, float | None] = {"height_m": float(height), "depth_m": float(fill - height)}
+        for name, several in profiles.items():
+            values = [float(one[1][k]) for one in several]
+            row[f"{name}_pa"] = float(np.mean(values))
+            row[f"{name}_half_width_pa"] = half_width(values) if len(values) > 1 else None
+        row |= {
+            "janssen_pa": table["janssen_horizontal_pa"][0],
+            "en_filling_pa": table["filling_horizontal_pa"][0],
+            "en_discharge_pa": table["discharge_horizontal_pa"][0],
+        }
+        rows.append(row)
+    return rows[::-1]
+
+
+def _flow_pattern(design: Design, dem: Mapping[str, Any]) -> dict[str, Any]:
+    """Jenike's verdict over the interval of the measured friction, beside the mass flow index."""
+    half = design.vessel.half_angle
+    beta = math.pi / 2 if half is None else half
+    wall = math.atan(design.solid.hopper_friction)
+    given = [dem["effective_friction_low_deg"], dem["effective_friction_high_deg"]]
+    ends = [math.radians(a) for a in given if a is not None] or [design.solid.effective_friction]
+    limits = [mass_flow_limit(delta, wall, design.vessel.hopper == "wedge") for delta in ends]
+    index = dem["mass_flow_index"]
+    return {
+        "jenike": flow_pattern(beta, mass_flow_limit(
+            design.solid.effective_friction, wall, design.vessel.hopper == "wedge")),
+        "jenike_over_interval": list(dict.fromkeys(flow_pattern(beta, one) for one in limits)),
+        "mass_flow_up_to_deg": [math.degrees(one) for one in limits],
+        "mass_flow_index": index,
+        "by_index": None if index is None
+        else "mass flow" if index > massflow.LIMIT else "funnel flow",
+    }  # fmt: skip
