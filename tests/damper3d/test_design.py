@@ -299,7 +299,9 @@ def test_a_small_design_is_made_told_and_not_computed_again(tmp_path):
     assert [one["level"] for one in seen] == [one["level"] for one in first["levels"]]  # all
     assert {one["what"] for one in found["compared"]} <= {"first", "thumb", "random"}
     folder = Path(found["folder"])
-    assert {"summary.json", "design.png", "design.html"} == {p.name for p in folder.iterdir()}
+    assert {"summary.json", "design.png", "sketch.png", "design.html"} == {
+        p.name for p in folder.iterdir()
+    }
     again = damper3d(*command)
     assert json.loads(again.out)["designs"] == found["designs"]
     assert "done," not in again.err  # no progress: every run was there

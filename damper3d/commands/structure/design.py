@@ -91,7 +91,7 @@ def _planned(planned: dict[str, Any]) -> str:
 
 def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -> dict[str, Any]:
     """Compute, write the files, and return the results."""
-    from damper3d.studies.design.report import as_dict, as_page, draw, ranked
+    from damper3d.studies.design.report import as_dict, as_page, draw, draw_first, ranked
     from damper3d.studies.design.verification import to_verify
     from granulab.campaign.output.figure import as_png
     from granulab.campaign.output.files import write_atomic, writing
@@ -120,10 +120,12 @@ def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -
         folder.mkdir(parents=True, exist_ok=True)
     write_atomic(folder / "summary.json", json.dumps(results, indent=2) + "\n")
     if not no_figures:
-        picture = as_png(lambda: draw(task, order, verified))
-        assert picture is not None
-        write_atomic(folder / "design.png", picture)
-        write_atomic(folder / "design.html", as_page(results, picture))
+        drawn = {"sketch": as_png(lambda: draw_first(task, order[0])),
+                 "design": as_png(lambda: draw(task, order, verified))}  # fmt: skip
+        pictures = {name: png for name, png in drawn.items() if png is not None}
+        for name, png in pictures.items():
+            write_atomic(folder / f"{name}.png", png)
+        write_atomic(folder / "design.html", as_page(results, pictures))
         click.echo(folder / "design.html", err=True)
     return results
 

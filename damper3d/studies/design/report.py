@@ -1,24 +1,30 @@
 """Results of a design: as JSON, in words, as a picture, and as one page to hand on."""
 
-import base64
-import html
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from damper3d.case.case import DamperCase
 from damper3d.case.closed_forms import excitation_amplitude
 from damper3d.studies.design.search import Design, judge
 from damper3d.studies.design.spec import Task
 from damper3d.studies.design.verification import Verified, interval, of_field
+from damper3d.view.sketch import sketch
 from granulab.campaign.output.figure import BLUE, GREY, VERMILION, headline
+from granulab.campaign.output.page.document import document, picture
+from granulab.campaign.output.page.study import SCRIPTS
+from granulab.campaign.sweeps.sketch import draw_sketch
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _COLOURS = (BLUE, VERMILION, GREY)  # of the first three
 _LISTED = 10  # designs in words
+_SHOWN = 9  # columns of the page's table, before all are asked for
+_OFF = {"level_off": "level a fifth off", "frequency_low": "frequency a fifth lower",
+        "frequency_high": "frequency a fifth higher"}  # fmt: skip
 _IMPACTS = ("particle_particle", "particle_wall")
 
 
@@ -128,9 +134,7 @@ def in_words(results: dict[str, Any]) -> str:
     )
     best = results["designs"][0]
     if best["robustness"]:
-        names = {"level_off": "level a fifth off", "frequency_low": "frequency a fifth lower",
-                 "frequency_high": "a fifth higher"}  # fmt: skip
-        shown = [f"{names[k]} {v:.3f}" for k, v in best["robustness"].items() if v is not None]
+        shown = [f"{_OFF[k]} {v:.3f}" for k, v in best["robustness"].items() if v is not None]
         lines.append(f"the first, {', '.join(shown)}")
     force, impact = best["peak_wall_force_n"], best["impact_over_yield_velocity"]
     if force is not None:
@@ -167,6 +171,7 @@ def draw(task: Task, designs: Sequence[Design], verified: Sequence[Verified]) ->
                 there = [task.spec.level.range[level]] * len(seen)
                 left.plot(there, list(seen.values()), "o", color=_COLOURS[k])
     left.axvspan(task.spec.level.range[0], task.spec.level.range[-1], color=GREY, alpha=0.12, lw=0)
+    left.plot([], [], "o", color=GREY, label="simulated with the structure")
     left.set(xlabel="level", ylabel="response over bare response", ylim=(0, None))
     left.legend(fontsize=7)
     for kind, marker in zip(dict.fromkeys(d.candidate.bed.ball.kind for d in designs), "os^vDP",
@@ -174,21 +179,95 @@ def draw(task: Task, designs: Sequence[Design], verified: Sequence[Verified]) ->
         own = [d for d in designs if d.candidate.bed.ball.kind == kind]
         right.semilogx([1e3 * d.candidate.clearance for d in own], [d.reduction for d in own],
                        marker, label=kind, ms=5)  # fmt: skip
-    right.set(xlabel="clearance over the settled bed [mm]", ylim=(0, None))
+    right.set(
+        xlabel="clearance over the settled bed [mm]", ylabel="by their fields", ylim=(0, None)
+    )
     right.legend(fontsize=7)
     return figure
 
 
-def as_page(results: dict[str, Any], picture: bytes) -> str:
-    """One page of HTML with the picture in it, to hand to a colleague."""
-    words = html.escape(in_words(results))
-    image = base64.b64encode(picture).decode()
-    title = html.escape(f"A damper for {results['name']}")
-    return (
-        f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        "<style>body{font-family:sans-serif;max-width:60rem;margin:1.5rem auto;padding:0 1rem}"
-        "img{width:100%}pre{white-space:pre-wrap;font-size:.8rem}</style></head>"
-        f'<body><h1>{title}</h1><pre>{words}</pre><img alt="response against level and clearance" '
-        f'src="data:image/png;base64,{image}"><p>{html.escape(results["made_by"])}</p>'
-        "</body></html>\n"
-    )
+def draw_first(task: Task, design: Design) -> "Figure":
+    """The first design to scale: its enclosure with the level of the bed, and a particle."""
+    changes = design.candidate.changes(task.spec.level.orientation, task.spec.search.seed)
+    return draw_sketch(design.candidate.words, sketch(DamperCase.load("thesis", changes)))
+
+
+def as_page(results: dict[str, Any], pictures: Mapping[str, bytes]) -> str:
+    """One page of HTML with pictures (PNG, by name) and tables in it, to hand to a colleague."""
+    title, task = f"A damper for {results['name']}", results["task"]
+    data = {
+        "title": title,
+        "outcome": f"{task['mass_kg']:g} kg at {task['frequency_hz']:g} Hz, damping ratio "
+        f"{task['damping_ratio']:g}, {task['bare_gamma']:.3g} g without a damper "
+        f"({task['orientation']}); {results['made_by']}",
+        "figures": [{"name": name, "source": picture(png)} for name, png in pictures.items()],
+        "tables": [*_of_the_first(results), _table(results["designs"])],
+    }
+    return document("study.html", SCRIPTS, title, data)
+
+
+def _of_the_first(results: dict[str, Any]) -> list[dict[str, Any]]:
+    """What is known of the first design alone, and what it was compared with."""
+    first = results["designs"][0]
+    seen = (first["verified_by_simulation"] or {}).get("levels", [])
+    simulated = {one["level"]: one["reductions"] for one in seen}
+    levels = [
+        [one["level"], one["peak_frequency_hz"], one["reduction"],
+         " ".join(f"{value:.3f}" for value in simulated.get(one["level"], []))]
+        for one in first["levels"]
+    ]  # fmt: skip
+    off = [[_OFF[name], value] for name, value in (first["robustness"] or {}).items()]
+    other = [[one["what"], one["words"], one["reduction"],
+              " ".join(f"{value:.3f}" for value in one["reductions"])]
+             for one in results["compared"]]  # fmt: skip
+    made = [
+        ("The first: response over that of the bare structure, by level", "",
+         ["level", "peak [Hz]", "by its field", "simulated"], levels),
+        ("The first where the structure is other than it was said to be", "By its field.",
+         ["what is off", "response"], off),
+        ("Compared with", "On packings that nothing was chosen by.",
+         ["design", "in words", "by its field", "simulated"], other),
+    ]  # fmt: skip
+    return [
+        {"title": title, "note": note, "columns": columns, "rows": rows, "links": None,
+         "key": list(range(len(columns))), "plot": {}}
+        for title, note, columns, rows in made if rows
+    ]  # fmt: skip
+
+
+def _table(designs: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """All designs, the best first, as the page sorts and plots them."""
+    rows = [_row(one) for one in designs]
+    names = list(rows[0])
+    return {
+        "title": "Designs, the best first",
+        "note": "Response over that of the bare structure at the worst level, with its interval "
+        "of 95 %; simulated at these levels, the others by their fields.",
+        "columns": names,
+        "rows": [list(row.values()) for row in rows],
+        "links": None,
+        "key": list(range(_SHOWN)),
+        "plot": {"x": names.index("clearance [mm]"), "y": names.index("response"),
+                 "group": names.index("particles")},
+    }  # fmt: skip
+
+
+def _row(one: dict[str, Any]) -> dict[str, Any]:
+    between, own = one["reduction_interval"], one["verified_by_simulation"]
+    return {
+        "rank": one["rank"],
+        "particles": one["particles"],
+        "number": one["count"],
+        "width [mm]": 1e3 * one["enclosure"]["diameter_m"],
+        "height [mm]": 1e3 * one["enclosure"]["height_m"],
+        "added mass [%]": 100 * one["added_mass_ratio"],
+        "response": one["reduction"],
+        "interval": None if between is None else f"{between[0]:.3f} to {between[1]:.3f}",
+        "simulated at": " ".join(f"{level['level']:g}" for level in own["levels"]) if own else None,
+        "clearance [mm]": 1e3 * one["clearance_m"],
+        "fill ratio": one["fill_ratio"],
+        "force on the walls [N]": one["peak_wall_force_n"],
+        "impact over yield velocity": one["impact_over_yield_velocity"],
+        "impacts beyond yield": one["impacts_beyond_yield"],
+        "power [W]": one["dissipated_power_w"],
+    }
