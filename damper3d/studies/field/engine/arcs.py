@@ -41,6 +41,14 @@ class Arc(NamedTuple):
     t1: np.ndarray
     piece: np.ndarray  # (d,)
     weight: np.ndarray  # (d,)
+    side: np.ndarray  # (2,) of the curve at both ends, see equations.tangent
+
+
+class Branches(NamedTuple):
+    """Points where another curve crosses one, at most b; number -1: the way ends at the first."""
+
+    number: np.ndarray  # (1,)
+    z: np.ndarray  # (b, 2 r + 1)
 
 
 class Work(NamedTuple):
@@ -71,7 +79,8 @@ def on_arc(balance, arc, part, work):
     wanted = dot(row, arc.z0) + part * length**2
     if not newton(balance, arc.piece, arc.weight, z, row, wanted, -1, False, work.m):
         return False
-    return tangent(balance, arc.piece, arc.weight, z, row, 1.0, work.t, work.m)
+    side = tangent(balance, arc.piece, arc.weight, z, row, 1.0, work.t, work.m)
+    return side == arc.side[0] or side == arc.side[1]
 
 
 @inner
@@ -103,9 +112,8 @@ def add(balance, piece, weight, z, k, found, work):
     """Add a solution at level k, unless it is there; its number, or -1 where there is no room.
 
     Stable: the determinant of the derivatives by the modes is positive, as at zero, where it is the
-    square of a complex one. Along a curve its sign changes where that of the level's derivative
-    does: by Cramer's rule at turning points; at a knot, where the derivatives change by a matrix
-    of rank one, neither does if |y_d| goes on in its direction.
+    square of a complex one. By Cramer's rule its sign is that of the level's derivative along the
+    curve times its side.
     """
     n, m, row = len(z) - 1, work.m, work.row
     sign = 1.0 if z[n] >= 0.0 else -1.0  # -z solves it for -L

@@ -25,8 +25,9 @@ _FIRST, _LONGEST, _SHORTEST = 0.05, 0.3, 1e-12  # steps
 _MOST_STEPS = 100_000
 _ON = 1e-9  # of an amplitude, that a damper at a knot may be off it
 _AT_ONCE = 1e-3  # of a step, before which it should meet no knot
-# Steps below which the level may change its sign. Where it is nearly zero the phase of all turns by
-# 180 degrees, which a longer step would miss; where it is zero, as without any damping, it jumps.
+# Steps below which the curve may change its side, as where it crosses another one, and the level its
+# sign. Longer ones that do would be jumps to another part of it: two that are near run in opposite
+# directions; and where the level is nearly zero the phase of all turns by 180 degrees.
 _NOTHING = 1e-6
 _LOOKS = 16  # along a step for amplitudes that leave their piece and come back
 
@@ -91,8 +92,8 @@ def _outward(balance, piece, z, t, d, row):
 def cross(balance, arc, d, way, work):
     """Let damper d go on beyond the knot at the end of an arc; GOES_ON, LEFT or LOST.
 
-    Changes the pieces and the tangent there. With d go all dampers that are at one and about to
-    leave, as like dampers do, or else it alone.
+    Changes the pieces, and tangent and side there. With d go all dampers that are at one and about
+    to leave, as like dampers do, or else it alone.
     """
     piece, z, t = arc.piece, arc.z1, arc.t1
     for k in range(len(t)):
@@ -106,12 +107,14 @@ def cross(balance, arc, d, way, work):
             if work.new[e] >= balance.pieces[e]:
                 return LEFT
         growth(balance, z, d, work.row)
-        goes = tangent(balance, work.new, arc.weight, z, work.row, float(way), t, work.m)
+        side = tangent(balance, work.new, arc.weight, z, work.row, float(way), t, work.m)
+        goes = side != 0.0
         for e in range(len(piece)):
             goes = goes and _outward(balance, work.new, z, t, e, work.row) == 0
         if goes:
             for e in range(len(piece)):
                 piece[e] = work.new[e]
+            arc.side[1] = side
             return GOES_ON
     return LOST
 
@@ -141,15 +144,32 @@ def _step(balance, arc, length, work):
         if not 0.0 < forward <= length or _leaves(balance, piece, z1, z)[0] >= 0:
             return False, -1, 0
         length = forward
-    if not tangent(balance, piece, weight, z1, plane, 1.0, arc.t1, work.m):
-        return False, -1, 0
-    if dot(plane, arc.t1) < _STRAIGHT or (z[-1] * z1[-1] < 0.0 and length > _NOTHING):
+    arc.side[1] = tangent(balance, piece, weight, z1, plane, 1.0, arc.t1, work.m)
+    crossed = arc.side[0] != arc.side[1] or z[-1] * z1[-1] < 0.0
+    if (crossed and length > _NOTHING) or arc.side[1] == 0.0 or dot(plane, arc.t1) < _STRAIGHT:
         return False, -1, 0
     return not _grazes(balance, arc, length, work.row), d, way
 
 
 @inner
-def follow(balance, arc, levels, found, start, work):
+def _note_crossing(arc, branches):
+    """Keep where another curve crosses this one; CLOSED where the way ends there, else GOES_ON.
+
+    At a level of zero it is the circle of all phases, which is no other curve.
+    """
+    if arc.z0[-1] * arc.z1[-1] <= 0.0:
+        return GOES_ON
+    if branches.number[0] < 0:
+        return CLOSED
+    if branches.number[0] < len(branches.z):
+        for k in range(len(arc.z1)):
+            branches.z[branches.number[0], k] = arc.z1[k]
+        branches.number[0] += 1
+    return GOES_ON
+
+
+@inner
+def follow(balance, arc, levels, found, start, branches, work):
     """Follow the curve from the beginning of an arc and add solutions; how the way ends.
 
     start: number of the solution that it began at, -1: none.
@@ -162,12 +182,12 @@ def follow(balance, arc, levels, found, start, work):
             arc.t0[k] /= own
         length = min(length, _LONGEST)
         went, d, way = _step(balance, arc, length, work)
-        if not went:
+        status = collect(balance, arc, levels, found, start, work) if went else LOST
+        if status == LOST:
             length *= 0.5
             if length < _SHORTEST:
                 return LOST
             continue
-        status = collect(balance, arc, levels, found, start, work)
         if status == CLOSED and first:
             status = GOES_ON
         first = False
@@ -176,6 +196,9 @@ def follow(balance, arc, levels, found, start, work):
             length *= 2.0
         if status == GOES_ON and d >= 0:
             status = cross(balance, arc, d, way, work)
+        if status == GOES_ON and arc.side[0] != arc.side[1]:
+            status = _note_crossing(arc, branches)
+        arc.side[0] = arc.side[1]
         for k in range(len(arc.z0)):
             arc.z0[k], arc.t0[k] = arc.z1[k], arc.t1[k]
         if status != GOES_ON:

@@ -215,20 +215,24 @@ def newton(balance, piece, weight, z, row, wanted, knot, any_piece, m):
 
 @inner
 def tangent(balance, piece, weight, z, row, sign, t, m):
-    """Write the tangent of length one whose product with row has this sign; True if there is one."""
+    """Write the tangent of length one whose product with row has this sign; the side of the curve.
+
+    The side is the sign of the determinant of derivatives and tangent, 0 where there is none. It is
+    the same all along a curve that is followed in one direction: also through knots, where the
+    derivatives change by a matrix of rank one, if |y_d| goes on as it did.
+    """
     n = len(z) - 1
     linearise(balance, piece, z, m)
     for k in range(n + 1):
         m[k, n + 1] = 0.0
         m[n, k] = row[k]
     m[n, n + 1] = sign
-    if solve(m) == 0.0:
-        return False
+    side = sign * solve(m)
     for k in range(n + 1):
         t[k] = m[k, n + 1]
     length = length_of(balance, weight, t)
     if not 0.0 < length < np.inf:
-        return False
+        return 0.0
     for k in range(n + 1):
         t[k] /= length
-    return True
+    return side
