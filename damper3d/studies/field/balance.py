@@ -30,6 +30,8 @@ from damper3d.case.parts import GRAVITY
 from damper3d.studies.field.structure import Structure
 from damper3d.studies.field.table import Complexes, Field, Floats
 
+Truths = NDArray[np.bool_]
+
 
 @dataclass(frozen=True, eq=False)
 class Responses:
@@ -45,8 +47,11 @@ class Responses:
     bare: Floats  # (l, f) without the bed [m]
     # (l, f, s) [m], NaN where there are fewer; rising, of several dampers the first's
     amplitude: Floats
-    beyond: NDArray[np.bool_]  # (l, f) whether a solution lies above the field
-    said: NDArray[np.bool_] | None = None  # (l, f, s) whether it is stable, of several dampers
+    beyond: Truths  # (l, f) whether a solution lies above the field
+    # Of several dampers: whether a solution is stable (l, f, s); the frequencies where some may
+    # lack for no known reason (f,).
+    said: Truths | None = None
+    lost: Truths | None = None
 
     @cached_property
     def count(self) -> NDArray[np.int64]:
@@ -54,7 +59,7 @@ class Responses:
         return np.isfinite(self.amplitude).sum(axis=2)
 
     @property
-    def is_stable(self) -> NDArray[np.bool_]:
+    def is_stable(self) -> Truths:
         """Whether a solution is stable (l, f, s)."""
         if self.said is not None:
             return self.said
@@ -131,7 +136,7 @@ def _roots(at: Floats, left: Any, squares: Floats, right: Floats) -> Floats:
     return found.reshape(*right.shape, -1)
 
 
-def _part(a: Floats, b: Floats, c: Floats, upper: NDArray[np.bool_]) -> Floats:
+def _part(a: Floats, b: Floats, c: Floats, upper: Truths) -> Floats:
     """Return the upper or lower root of a t^2 + 2 b t + c, a > 0, without loss of digits."""
     root = np.sqrt(np.maximum(b * b - a * c, 0.0))
     far = -(b + np.where(b >= 0, root, -root))  # of the larger size

@@ -10,9 +10,10 @@ knots A_d/c_d of all fields; c_d of the first is 1. Where all dampers are in tim
 in closed form (balance.py).
 
 **Others.** At each frequency the curve of solutions through zero is followed in the level to the
-end of a field (engine/curve.py), and so is every other one that Newton's method meets from the
-solutions at the neighbouring frequencies. One that is neither connected to zero nor to these is not
-found. A solution is stable where the level rises along the curve from zero (engine/arcs.py).
+end of a field (engine/curve.py), and so are those that cross it and those that Newton's method
+meets from the solutions at the neighbouring frequencies. What is connected neither with zero nor
+with these is not found. A solution is stable where the level rises along the curve from zero; more
+generally, where the derivatives by the modes have a positive determinant (engine/arcs.py).
 """
 
 import math
@@ -21,13 +22,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from damper3d.case.parts import GRAVITY
-from damper3d.studies.field.balance import Responses, closed_form
+from damper3d.studies.field.balance import Responses, Truths, closed_form
 from damper3d.studies.field.structure import Structure
 from damper3d.studies.field.table import Complexes, Field, Floats
-from granulab.errors import SimulationError
 
 _IN_TIME = 1e-13  # of the larger shape, that the shapes of dampers in time may be off
 _ROOM = 8  # solutions of each level that there is room for at first
@@ -50,8 +50,7 @@ def respond_together(
     """Responses of each damper at frequencies (f,) [Hz] and levels (l,), in the same solutions.
 
     structures: one for each damper, which differ in their shape. Solutions rise with the amplitude
-    of the first damper. Raises InputError for a frequency outside a field, and SimulationError
-    where a curve of solutions is lost.
+    of the first damper. Raises InputError for a frequency outside a field.
     """
     frequency, levels = np.asarray(frequency, float), np.asarray(levels, float)
     groups = _groups(structures)
@@ -67,7 +66,7 @@ def respond_together(
             for d, structure in enumerate(structures)
         ]  # fmt: skip
     leads = [structures[group.first] for group in groups]
-    amplitude, stable, beyond = _followed(leads, knots, frequency, levels)  # (g, l, f, s)
+    amplitude, stable, beyond, lost = _followed(leads, knots, frequency, levels)  # (g, l, f, s)
     each = {d: ratio * own for group, own in zip(groups, amplitude, strict=True)
             for d, ratio in group.ratios.items()}  # fmt: skip
     order = np.argsort(each[0], axis=2)  # NaN last
@@ -75,10 +74,15 @@ def respond_together(
     return [
         Responses(
             levels, frequency, _bare(structure, frequency, levels),
-            np.take_along_axis(each[d], order, axis=2), beyond, stable,
+            np.take_along_axis(each[d], order, axis=2), beyond, stable, lost,
         )
         for d, structure in enumerate(structures)
     ]  # fmt: skip
+
+
+def act_as_one(structures: Sequence[Structure]) -> bool:
+    """True where all dampers are in time, so that all solutions are in closed form."""
+    return len(_groups(structures)) == 1
 
 
 def _bare(structure: Structure, frequency: Floats, levels: Floats) -> Floats:
@@ -105,9 +109,7 @@ def _groups(structures: Sequence[Structure]) -> list[_Group]:
     return groups
 
 
-def _knots(
-    group: _Group, fields: Sequence[Field], frequency: Floats
-) -> tuple[Floats, Complexes]:
+def _knots(group: _Group, fields: Sequence[Field], frequency: Floats) -> tuple[Floats, Complexes]:
     """Gammas of the first damper (f, k) and the force m Gamma (f, k) [kg] of all in time with it.
 
     Up to where the first of them leaves its field, from where on the last one is repeated.
@@ -134,9 +136,9 @@ def _followed(
     knots: Sequence[tuple[Floats, Complexes]],
     frequency: Floats,
     levels: Floats,
-) -> tuple[Floats, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Amplitudes (d, l, f, s) [m], whether they are stable (l, f, s), and beyond (l, f)."""
-    from damper3d.studies.field.engine.arcs import LOST, Found
+) -> tuple[Floats, Truths, Truths, Truths]:
+    """Amplitudes (d, l, f, s) [m], whether they are stable (l, f, s), beyond (l, f), lost (f,)."""
+    from damper3d.studies.field.engine.arcs import LEFT, Found
     from damper3d.studies.field.engine.solutions import solutions
 
     length = GRAVITY / (2.0 * math.pi * frequency) ** 2  # of Gamma 1
@@ -151,13 +153,9 @@ def _followed(
         if solutions(balances, length, levels, found, ends):
             break
         room *= 2
-    if (lost := ends[:, 0] == LOST).any():
-        raise SimulationError(
-            f"the solutions at {frequency[lost][0]:g} Hz end at level {ends[lost][0, 1]:g} for no "
-            "reason that is known; leave that frequency out (--between), and report this case"
-        )
-    beyond = ends[:, 1] < levels[:, None]
-    return *_arranged(found, balances, length, len(levels)), beyond
+    amplitude, stable = _arranged(found, balances, length, len(levels))
+    lost = ends[:, 0] != LEFT
+    return amplitude, stable, (ends[:, 1] < levels[:, None]) & ~lost, lost
 
 
 def _balances(
@@ -183,9 +181,7 @@ def _balances(
     )  # fmt: skip
 
 
-def _arranged(
-    found: Any, balances: Any, length: Floats, levels: int
-) -> tuple[Floats, NDArray[np.bool_]]:
+def _arranged(found: Any, balances: Any, length: Floats, levels: int) -> tuple[Floats, Truths]:
     """Amplitudes (d, l, f, s) [m] and whether they are stable (l, f, s), from the solutions."""
     many, room = found.level.shape
     f, s = np.nonzero(np.arange(room) < found.number)

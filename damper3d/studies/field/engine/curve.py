@@ -25,9 +25,9 @@ _FIRST, _LONGEST, _SHORTEST = 0.05, 0.3, 1e-12  # steps
 _MOST_STEPS = 100_000
 _ON = 1e-9  # of an amplitude, that a damper at a knot may be off it
 _AT_ONCE = 1e-3  # of a step, before which it should meet no knot
-# Steps below which the curve may change its side, as where it crosses another one, and the level its
-# sign. Longer ones that do would be jumps to another part of it: two that are near run in opposite
-# directions; and where the level is nearly zero the phase of all turns by 180 degrees.
+# Steps below which the curve may change its side, as where it crosses another one, and the level
+# its sign. Longer ones that do would be jumps to another part of it: two that are near run in
+# opposite directions; and where the level is nearly zero the phase of all turns by 180 degrees.
 _NOTHING = 1e-6
 _LOOKS = 16  # along a step for amplitudes that leave their piece and come back
 

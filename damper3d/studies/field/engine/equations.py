@@ -12,7 +12,7 @@ solutions are curves. Lengths are those of the y_d, on which alone the forces de
 over the first knot where that is more. Kernels; a piece (d,) is the number of each damper's.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,12 +24,15 @@ _ASTRAY = 1e6  # length of a step that leads nowhere
 
 
 class Balance(NamedTuple):
-    """The harmonic balance at one frequency: d dampers, r modes, at most k knots."""
+    """The harmonic balance at one frequency: d dampers, r modes, at most k knots.
+
+    Of several frequencies all but the shapes have them as their first axis.
+    """
 
     modes: np.ndarray  # (r,) d_r [-]
     shapes: np.ndarray  # (d, r) [kg^-0.5]
     drive: np.ndarray  # (r,) g of level 1, over the length of Gamma 1 [kg^0.5]
-    base: float  # b of level 1, over the length of Gamma 1
+    base: Any  # b of level 1, over the length of Gamma 1
     knots: np.ndarray  # (d, k) Gammas from 0 up
     force: np.ndarray  # (d, k) m Gamma there [kg]
     pieces: np.ndarray  # (d,) number of pieces of each field; later knots do not count
@@ -173,7 +176,7 @@ def solve(m):
 
 @inner
 def pieces_at(balance, z, piece):
-    """Write the pieces in which the amplitudes are, beyond a field its last; True if any changed."""
+    """Write the pieces where the amplitudes are, beyond a field its last; True if any changed."""
     changed = False
     for d in range(len(piece)):
         k, size = 0, abs(displacement(balance, z, d))

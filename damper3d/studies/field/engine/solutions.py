@@ -175,7 +175,7 @@ def _of(found, i):
 
 @inner
 def _at_all(balances, length, levels, found, ends, arc, branches, work):
-    """The work of solutions, without counting references: for what views of arrays are handed on."""
+    """The work of solutions, where references are not counted, as for views that are handed on."""
     many = len(length)
     for i in range(many):
         branches.number[0] = 0
