@@ -64,7 +64,8 @@ class Structure:
         The first two over w^2: psi_r F0/w^2 + p_r B [kg^0.5 m].
         """
         w = 2.0 * math.pi * np.asarray(frequency, float)[:, None]
-        d: Complexes = (self.omega**2 - w**2 + 2j * self.damping_ratio * self.omega * w) / w**2
+        damping = 2j * self.damping_ratio * self.omega * w
+        d = np.asarray((self.omega**2 - w**2 + damping) / w**2, complex)
         base = self.base_displacement + self.base_acceleration / w**2
         return d, self.force_shape * self.force / w**2 + self.participation * base, base[:, 0]
 
