@@ -156,3 +156,11 @@ def mindlin_ratio(nu):
     """Tangential over normal stiffness of two bodies of one material: 2 (1 - nu)/(2 - nu)
     (Mindlin 1949)."""
     return 2 * (1 - nu) / (2 - nu)
+
+
+# Harmonic motion of masses on springs (any textbook): (K + i w C - w^2 M) X = F.
+
+
+def harmonic_motion(stiffness, mass, force, w, damping=0.0):
+    """Complex amplitudes (n,) under forces F e^(i w t) (n,); matrices (n, n)."""
+    return np.linalg.solve(stiffness + 1j * w * damping - w**2 * mass, force)

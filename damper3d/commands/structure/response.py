@@ -140,8 +140,8 @@ def tables_of(given: Sequence[str], places: Sequence[str]) -> dict[str, str]:
             raise InputError(f"--field {text}: no damper is called {place!r}; they are "
                              f"{', '.join(places)}, or numbers from 1")  # fmt: skip
         if called[place] in found:
-            raise InputError(f"--field {text}: {place} has {found[called[place]]} already; leave "
-                             "one of them out")  # fmt: skip
+            already = f"{called[place]} has {found[called[place]]} already"
+            raise InputError(f"--field {text}: {already}; leave one of them out")
         found[called[place]] = table
     if len(others) > 1:
         which = f"; say whose, --field {places[0]}={others[0]}" if len(places) > 1 else ""

@@ -66,7 +66,7 @@ def respond_together(
             for d, structure in enumerate(structures)
         ]  # fmt: skip
     leads = [structures[group.first] for group in groups]
-    amplitude, stable, beyond, lost = _followed(leads, knots, frequency, levels)  # (g, l, f, s)
+    amplitude, stable, beyond, lost = followed(leads, knots, frequency, levels)  # (g, l, f, s)
     each = {d: ratio * own for group, own in zip(groups, amplitude, strict=True)
             for d, ratio in group.ratios.items()}  # fmt: skip
     order = np.argsort(each[0], axis=2)  # NaN last
@@ -131,7 +131,7 @@ def _knots(group: _Group, fields: Sequence[Field], frequency: Floats) -> tuple[F
     return np.array([at for at, _ in filled]), np.array([force for _, force in filled])
 
 
-def _followed(
+def followed(
     structures: Sequence[Structure],
     knots: Sequence[tuple[Floats, Complexes]],
     frequency: Floats,
