@@ -213,7 +213,7 @@ def test_a_study_varies_keys_of_one_damper(tmp_path):
         ("damper.3.particles.count = [1]", ["'3'", "tip, middle"]),
         ("damper.2.motion.gamma = [1]", ["damper.2.motion.gamma", "enclosure, particles, law"]),
         ("damper.2.particles.cont = [1]", ["particles.cont", "particles.count"]),
-        ('damper.2.enclosure.height = ["3 kg"]', ["damper.2.enclosure.height", "'m'"]),
+        ('damper.2.enclosure.height = ["3 kg"]', ["damper.2.enclosure.height", "unit is wrong"]),
     ],
 )
 def test_keys_that_no_damper_has_are_refused(tmp_path, vary, words):
