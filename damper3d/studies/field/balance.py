@@ -60,7 +60,7 @@ class Responses:
 
     @property
     def is_stable(self) -> Truths:
-        """Whether a solution is stable (l, f, s)."""
+        """Solutions that are stable (l, f, s)."""
         if self.said is not None:
             return self.said
         return np.broadcast_to(np.arange(self.amplitude.shape[2]) % 2 == 0, self.amplitude.shape)
@@ -197,7 +197,7 @@ def swept_together(
 
 
 def _nearest(solutions: Floats, one: Floats) -> int:
-    """Which of the solutions (d, s) is nearest to one (d,)."""
+    """Number of the solution (d, s) that is nearest to one (d,)."""
     return int(np.argmin(np.abs(np.log(solutions / one[:, None])).max(axis=0)))
 
 

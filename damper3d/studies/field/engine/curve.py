@@ -123,7 +123,8 @@ def cross(balance, arc, d, way, work):
 def _step(balance, arc, length, work):
     """Try a step from the beginning of an arc, of which it writes the end.
 
-    Whether it went well, and the damper that is at a knot then (-1: none), on its way up or down.
+    Returns whether it went well, and the damper that is at a knot then (-1: none), on its way up or
+    down.
     """
     piece, weight, z, z1, plane = arc.piece, arc.weight, arc.z0, arc.z1, work.plane
     along(balance, weight, arc.t0, plane)
