@@ -2,6 +2,7 @@
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,13 +12,15 @@ from hypothesis import strategies as st
 from refusals import assert_refused, assert_refuses
 from small_damper import damper3d
 
+from damper3d.case.case import DamperCase
 from damper3d.commands.structure.response import tables_of
 from damper3d.studies.field.balance import respond, swept_together
 from damper3d.studies.field.report import of_responses
 from damper3d.studies.field.several import act_as_one, followed, respond_together
-from damper3d.studies.field.structure import Structure
+from damper3d.studies.field.structure import Structure, structures_of
 from damper3d.studies.field.table import Field, read_field
 
+RESULTS = Path(__file__).parents[2] / "docs" / "results" / "damper3d"
 TABLE = (20.0, 35.0, 40.0, 45.0, 80.0)  # Hz
 GAMMAS = np.concatenate([[0.1], np.linspace(0.5, 40.0, 80)])
 
@@ -454,6 +457,25 @@ def test_a_field_of_several_beds_is_refused_with_their_names(tmp_path, words, sa
 def test_a_case_without_several_dampers_has_no_damper_of_a_name(tmp_path):
     refused = damper3d("field", "--damper", "tip", "--out", tmp_path, "--dry-run")
     assert_refused(refused, "the case has no [[damper]]")
+
+
+def test_the_committed_comparison_with_simulations_is_that_of_the_committed_fields():
+    """Balance at each point again from case, modes and fields; within 4.2 % of the simulations."""
+    structures = structures_of(DamperCase.load(RESULTS / "arm.toml"))
+    fields = [read_field(RESULTS / name) for name in ("field.csv", "arm-middle.csv")]
+    rows = np.genfromtxt(
+        RESULTS / "arm-response.csv", delimiter=",", names=True, dtype=None, encoding="utf-8"
+    ).reshape(-1, 2)
+    assert len(rows) == 18
+    for tip, middle in rows[::5]:
+        found = respond_together(
+            list(structures.values()), fields, [tip["frequency_hz"]], [tip["level"]]
+        )
+        for one, row in zip(found, (tip, middle), strict=True):
+            assert one.amplitude[0, 0, 0] == pytest.approx(row["balance_amplitude_m"], rel=1e-6)
+            assert row["balance_amplitude_m"] == pytest.approx(
+                row["simulated_amplitude_m"], rel=0.042
+            )
 
 
 @pytest.mark.validation

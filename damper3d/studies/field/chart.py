@@ -91,6 +91,8 @@ def draw_responses(
             for one in known
         ]  # fmt: skip
         _panel(panels[d], structure, together[d] if together else None, points, colours)
+        if d + columns < len(structures):
+            panels[d].set_xlabel("")  # it stands below
         if several:
             panels[d].set_title(f"at {place}", loc="left", fontsize="medium")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper")

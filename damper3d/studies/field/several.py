@@ -149,7 +149,7 @@ def followed(
             np.zeros((many, 1), np.int64), np.zeros((many, room), np.int64),
             np.zeros((many, room, n)), np.zeros((many, room), np.bool_),
         )  # fmt: skip
-        ends = np.zeros((many, 3))
+        ends = np.zeros((many, 2))
         if solutions(balances, length, levels, found, ends):
             break
         room *= 2

@@ -77,8 +77,8 @@ def _from_zero(balance, arc, levels, found, branches, work):
 def _branch(balance, arc, z, levels, found, branches, work):
     """Follow the curve that crosses another one at z, in both directions; FULL or GOES_ON.
 
-    Its tangent there is what the derivatives and the other tangent take to nothing: by inverse
-    iteration.
+    Its direction there, across the other tangent, is what the derivatives take to nothing: by
+    inverse iteration.
     """
     n = len(z) - 1
     for way in (1.0, -1.0):
@@ -90,7 +90,7 @@ def _branch(balance, arc, z, levels, found, branches, work):
         if tangent(balance, arc.piece, arc.weight, z, work.plane, 1.0, work.old, work.m) == 0.0:
             return GOES_ON
         along(balance, arc.weight, work.old, work.plane)
-        for k in range(n):
+        for k in range(n):  # of no symmetry that the direction might lack
             arc.t0[k] = work.old[k] if k % 3 else -work.old[k] - 1.0
         for _ in range(_INVERSE):
             linearise(balance, arc.piece, z, work.m)
@@ -180,7 +180,7 @@ def _at_all(balances, length, levels, found, ends, arc, branches, work):
     for i in range(many):
         branches.number[0] = 0
         status = _from_zero(_at(balances, i), arc, levels, _of(found, i), branches, work)
-        ends[i, 0], ends[i, 1], ends[i, 2] = status, abs(arc.z0[-1]), branches.number[0]
+        ends[i, 0], ends[i, 1] = status, abs(arc.z0[-1])
         crossings, branches.number[0] = branches.number[0], -1
         for b in range(crossings):
             if status != FULL:
@@ -210,8 +210,7 @@ def solutions(balances, length, levels, found, ends):
     """Find the solutions at f frequencies and l levels; False where there is no room for all.
 
     balances: with a first axis of frequencies, but for the shapes; length (f,): of Gamma 1; found:
-    likewise. Writes into ends (f, 3) how the curve from zero ends, the level
-    there, and how many other curves cross it.
+    likewise. Writes into ends (f, 2) how the curve from zero ends, and the level there.
     """
     n, d = 2 * balances.modes.shape[1] + 1, len(balances.shapes)
     work = Work(
