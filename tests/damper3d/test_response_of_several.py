@@ -368,11 +368,11 @@ def test_simulated_points_have_the_amplitude_of_each_damper(tmp_path):
     assert (tmp_path / "out" / "response-small.png").stat().st_size > 20_000
 
 
-def small_arm(folder, run='cycles = 4\ndiscard = 2\ntime_step = "5 us"', force="2 N"):
-    """Soft beds of twenty and twelve spheres on two modes, in small.toml."""
+def small_arm(folder, second=250, run='cycles = 4\ndiscard = 2\ntime_step = "5 us"', force="2 N"):
+    """Soft beds of twenty and twelve spheres on two modes, at 80 Hz and second, in small.toml."""
     (folder / "modes.csv").write_text(
         "frequency [Hz],damping_ratio,shape_tip [kg^-0.5],shape_middle [kg^-0.5],"
-        "force_shape [kg^-0.5]\n80,0.02,3.0,1.5,2.0\n250,0.02,2.5,-2.8,2.0\n", "utf-8",
+        f"force_shape [kg^-0.5]\n80,0.02,3.0,1.5,2.0\n{second},0.02,2.5,-2.8,2.0\n", "utf-8",
     )  # fmt: skip
     (folder / "small.toml").write_text(
         f"""schema = 1
@@ -480,34 +480,36 @@ def test_the_committed_comparison_with_simulations_is_that_of_the_committed_fiel
 
 @pytest.mark.validation
 def test_balance_and_simulation_of_two_dampers_agree(tmp_path):
-    """Two dampers on two modes, fields of their own, near both modes at two levels.
+    """Two dampers on two modes, fields of their own of two packings, about both modes.
 
-    Off the onset the fields, of two packings, and runs of one packing differ by what a packing
-    does: 5 % (docs/damper-field.md has a case with three packings and closer Gammas).
+    Where both bounce (level 0.7) within 2 %: they differed by 0.8 % at most. Where they ride or are
+    about to bounce (0.15) a run is of one packing, and the mass of such small beds differs from
+    packing to packing, which a mode turned into 7 %.
     """
-    small_arm(tmp_path, 'time_step = "5 us"', force="0.5 N")
+    small_arm(tmp_path, second=120, run='time_step = "5 us"', force="0.5 N")
     out = tmp_path / "out"
     tables = []
     for place in PLACES:
         made = damper3d(
-            "field", tmp_path / "small.toml", "--damper", place, "--frequencies", "70,80,90,245",
-            "--gammas", "0.3,0.7,1,1.4,2,3,4.5,7,10", "--packings", 2, "--out", out, "--quiet",
+            "field", tmp_path / "small.toml", "--damper", place, "--frequencies", "75,85,120",
+            "--gammas", "0.3,0.7,1,1.4,2,3,4.5,7", "--packings", 2, "--out", out, "--quiet",
             "--json", "--no-figures",
         )  # fmt: skip
         assert made.code == 0, made.err
         tables += ["--field", f"{place}={json.loads(made.out)['table']}"]
     asked = damper3d(
-        "response", tmp_path / "small.toml", *tables, "--simulate", "--frequencies", "76,80,84,245",
-        "--levels", "0.2,4", "--out", out, "--quiet", "--json", "--no-figures",
+        "response", tmp_path / "small.toml", *tables, "--simulate", "--frequencies",
+        "78,81,116,119", "--levels", "0.15,0.7", "--out", out, "--quiet", "--json", "--no-figures",
     )  # fmt: skip
     assert asked.code == 0, asked.err
     found = json.loads(asked.out)
     fields = [read_field(found["fields"][place]) for place in PLACES]
     own = places(
-        [(3.0, 2.5), (1.5, -2.8)], omega=(80.0, 250.0), ratio=0.02, drives=(2.0, 2.0), force=0.5
+        [(3.0, 2.5), (1.5, -2.8)], omega=(80.0, 120.0), ratio=0.02, drives=(2.0, 2.0), force=0.5
     )
     for point in found["simulated"]:
         balanced = respond_together(own, fields, [point["frequency_hz"]], [point["level"]])
         assert balanced[0].count.tolist() == [[1]]
+        within = 0.02 if point["level"] == 0.7 else 0.08
         for one, simulated in zip(balanced, point["dampers"], strict=True):
-            assert one.amplitude[0, 0, 0] == pytest.approx(simulated["amplitude_m"], rel=0.05)
+            assert one.amplitude[0, 0, 0] == pytest.approx(simulated["amplitude_m"], rel=within)
