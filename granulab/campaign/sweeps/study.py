@@ -101,9 +101,11 @@ def _axes(vary: Any) -> list[tuple[tuple[str, ...], Any]]:
 
 
 def _below(name: str, table: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """The keys of a table and of tables in it; one of numbers or words alone is a series."""
+    """The keys of a table and of tables in it, which are no series: have other tables or lists."""
     for key, written in table.items():
-        if isinstance(written, dict) and any(isinstance(v, dict | list) for v in written.values()):
+        values = written.values() if isinstance(written, dict) else ()
+        nested = any(isinstance(value, dict | list) for value in values)
+        if nested and "distribution" not in written:
             yield from _below(f"{name}.{key}", written)
         else:
             yield f"{name}.{key}", written
