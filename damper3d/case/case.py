@@ -329,7 +329,7 @@ class DamperCase:
 
     @property
     def shakers(self) -> list[Any]:
-        """Hosts that the dampers ride on: a new one, whose state all share."""
+        """Motion of each damper: of several a new host, whose state they share."""
         if not self.dampers:
             return [self.shaker]
         modes = [one.modes for one in self.dampers if one.modes is not None]
