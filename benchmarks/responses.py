@@ -3,15 +3,18 @@
     python benchmarks/responses.py [--field field.csv]
 
 Each is a structure's whole curve: all solutions at 400 frequencies across its resonance. Without a
-field one is made up, of 3 frequencies with 24 Gammas. Prints the seconds; under one is asked.
+field one is made up, of 3 frequencies with 24 Gammas. Prints the seconds of CPU; under one is
+asked. Then the same of two dampers on two modes, whose solutions are followed, without compiling.
 """
 
 import argparse
 import time
+from collections.abc import Iterable
 
 import numpy as np
 
-from damper3d.studies.field.balance import respond
+from damper3d.studies.field.balance import Responses, respond
+from damper3d.studies.field.several import respond_together
 from damper3d.studies.field.structure import Structure
 from damper3d.studies.field.table import Field, read_field
 
@@ -36,18 +39,37 @@ def main() -> None:
     frequency = np.geomspace(low, high, FREQUENCIES)
     own = np.geomspace(1.1 * low, 0.9 * high, HOSTS)
     levels = np.geomspace(0.1, 10.0, LEVELS)
-    began = time.perf_counter()
+    print(f"{HOSTS * LEVELS} responses ({HOSTS} hosts, {LEVELS} levels) at {FREQUENCIES} "
+          f"frequencies of a field of {len(field.gamma)} points")  # fmt: skip
+    single = [Structure.single(1.0, f, 0.01, force=1.0) for f in own]
+    print("one damper", counted(respond(host, field, frequency, levels) for host in single))
+    double, both = [places(f) for f in own], [field, field]
+    respond_together(double[0], both, frequency[:1], levels[:1])  # compiles
+    found = (respond_together(host, both, frequency, levels)[0] for host in double)
+    print("two dampers on two modes", counted(found))
+
+
+def places(f: float) -> list[Structure]:
+    """A structure with a mode at f [Hz] and one half an octave above, at two dampers."""
+    omega, shapes = 2 * np.pi * np.array([f, np.sqrt(2) * f]), ([1.0, 0.8], [0.6, -0.9])
+    drive = np.array([1.0, 0.7])
+    return [
+        Structure(omega, np.array([0.01, 0.01]), np.array(shape), drive, drive, force=1.0)
+        for shape in shapes
+    ]
+
+
+def counted(responses: Iterable[Responses]) -> str:
+    """Cost of responses as they are computed, and their solutions, in words."""
+    began = time.process_time()
     solutions, most, beyond = 0, 0, 0
-    for f in own:
-        found = respond(Structure.single(1.0, f, 0.01, force=1.0), field, frequency, levels)
+    for found in responses:
         solutions += int(found.count.sum())
         most = max(most, int(found.count.max()))
         beyond += int(found.beyond.sum())
-    took = time.perf_counter() - began
-    print(
-        f"{HOSTS * LEVELS} responses ({HOSTS} hosts, {LEVELS} levels) at {FREQUENCIES} frequencies "
-        f"of a field of {len(field.gamma)} points: {took:.2f} s; {solutions} solutions, at most "
-        f"{most} at a point, {beyond} points beyond the field"
+    return (
+        f"{time.process_time() - began:.2f} s of CPU; {solutions} solutions, at most {most} at a "
+        f"point, {beyond} points beyond the field"
     )
 
 

@@ -29,7 +29,7 @@ from damper3d.case.host.host import (
     with_motion,
 )
 from damper3d.case.host.modes import MODES, Modes, modes_copy
-from damper3d.case.host.several import as_given, check_alike, documents
+from damper3d.case.host.several import as_given, check_alike, documents, seeds_of, with_changes
 from damper3d.case.parameters import (
     Steps,
     kinds_of_walls,
@@ -100,14 +100,12 @@ class DamperCase:
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "DamperCase":
         """A preset ("thesis") or a case file (TOML), with changes such as {"motion.gamma": 5}.
 
+        Those of one of several dampers: "damper.tip.particles.count"; see host.several.
         Raises InputError, one line that names file or option, key, value and what would do.
         """
         name = str(name_or_path)
         path = Path(name)
-        if name in PRESETS:
-            document = changed({"name": name, **PRESETS[name]}, changes, Settings)
-            return cls.resolve(document, name, Path())
-        if not is_file(path):
+        if name not in PRESETS and not is_file(path):
             known = [*PRESETS, *case_names("enclosure")]
             shipped = data_file("cases", name)
             if shipped is None and is_file(Path(f"{name}.toml")):
@@ -115,8 +113,9 @@ class DamperCase:
             if shipped is None:
                 raise InputError(f"case {name!r}: no such preset or file; {nearest(name, known)}")
             path = shipped
-        document = changed(read_settings(path), changes, Settings)
-        return cls.resolve(document, str(path), path.parent)
+        document = {"name": name, **PRESETS[name]} if name in PRESETS else read_settings(path)
+        document, left = with_changes(document, changes or {}, str(path))
+        return cls.resolve(changed(document, left, Settings), str(path), path.parent)
 
     @classmethod
     def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "DamperCase":
@@ -328,6 +327,18 @@ class DamperCase:
         host = self.together.host.model_copy(update={"shown": k + 1 if k else None})
         together = self.together.model_copy(update={"host": host})
         return replace(self.dampers[k], dampers=self.dampers, together=together)
+
+    def with_seed(self, seed: int) -> "DamperCase":
+        """The case with another seed, from which those of several dampers follow."""
+        if self.together is None:
+            return replace(self, settings=_seeded(self.settings, seed))
+        seeds = seeds_of(self.together.damper or [], seed)
+        dampers = tuple(
+            replace(one, settings=_seeded(one.settings, own))
+            for one, own in zip(self.dampers, seeds, strict=True)
+        )
+        together = _seeded(self.together, seed)
+        return replace(dampers[self.number], dampers=dampers, together=together)
 
     @property
     def all_particles(self) -> int:
@@ -557,6 +568,11 @@ def _check_stiff(case: DamperCase, where: str) -> None:
                 f"{where}: youngs_modulus is too low: by its own weight a particle would sink into "
                 f"a wall by {sunk / radius:.2g} radii; give a higher one"
             )
+
+
+def _seeded(settings: Settings, seed: int) -> Settings:
+    run = settings.run.model_copy(update={"seed": seed})
+    return settings.model_copy(update={"run": run})
 
 
 def _calculable(case: DamperCase) -> bool:

@@ -616,7 +616,7 @@ def commented_case(values: Mapping[str, Any] = MappingProxyType({})) -> str:
 
     values: by "section.key", what is written instead.
     """
-    return reference.commented_case(
+    text = reference.commented_case(
         Settings,
         "A granular damper. Every key but schema may be left out; what stands here are the "
         "defaults, those of F. Terzioglu's thesis (University of Sheffield, 2023), Tables 6.1 and "
@@ -626,7 +626,22 @@ def commented_case(values: Mapping[str, Any] = MappingProxyType({})) -> str:
         SCHEMA,
         values,
     )
+    return text + _SEVERAL * ("host.mass" in values)
 
+
+# What `init --host` writes behind all keys.
+_SEVERAL = """
+# Several dampers on the host: a table for each, whose keys of enclosure, particles and law go
+# before those above. On several modes also at = "tip": its shapes are the column shape_tip of the
+# table [host] modes; on one mode of a mass all dampers move alike. seed: of its filling, by itself
+# far from those of the others.
+# [[damper]]
+#
+# [[damper]]
+# seed = 7
+# enclosure = { height = "30 mm" }
+# particles = { count = 250 }
+"""
 
 _FILE = casefile.CaseFile(Settings, SCHEMA)
 read_settings, check_settings, to_toml = _FILE.read, _FILE.check, _FILE.to_toml

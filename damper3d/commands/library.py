@@ -83,10 +83,12 @@ def _result(summary: dict[str, Any]) -> str:
         )
     from damper3d.measures.efficiency import in_words
 
+    many = len(summary.get("dampers") or ())
+    others = f"; and {many - 1} more dampers on its host" if many > 2 else ""
     return (
         f"{summary['n_particles']} of {summary['particles']}, {summary['orientation']}, "
         f"{float(summary['frequency_hz']):g} Hz, gamma {float(summary['gamma']):g}: "
-        f"{in_words(summary)}"
+        f"{in_words(summary)}{'; and another damper on its host' if many == 2 else others}"
     )
 
 

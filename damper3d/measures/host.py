@@ -18,6 +18,7 @@ from damper3d.engine.records import Samples
 from damper3d.measures.counted import Cycles, harmonics, read_cycles
 from damper3d.measures.efficiency import dissipated, held, stiffness_work
 from granulab.campaign.output.figure import BLUE, GREY, headline
+from granulab.campaign.runs.folder import RunFolder
 from granulab.errors import InputError
 
 if TYPE_CHECKING:
@@ -141,8 +142,16 @@ def _after_pulse(cycles: Cycles) -> dict[str, float | None]:
 
 
 def measure(folder: Path) -> dict[str, Any]:
-    """Response of the host of a run; FolderError as read_cycles, InputError without a host."""
-    return numbers(_on_host(folder))
+    """Response of the host of a run; FolderError as read_cycles, InputError without a host.
+
+    The energy of several dampers is what the run has found of all together, else None.
+    """
+    cycles, run = _on_host(folder), RunFolder(folder)
+    found = numbers(cycles)
+    if cycles.case.dampers:
+        summary = run.read_summary() if run.state == "finished" else {"host": {}}
+        found["energy_closure"] = summary["host"].get("energy_closure")
+    return found
 
 
 def _on_host(folder: Path) -> Cycles:
@@ -164,7 +173,9 @@ def draw(folder: Path) -> "Figure":
     chart(cycles, above)
     _sizes(cycles, below)
     below.set_xlabel("time [s]")
-    headline(figure, f"{cycles.case.name}: {in_words(numbers(cycles))}")
+    at = cycles.case.settings.host.at
+    where = cycles.case.name if at is None else f"{cycles.case.name}, {at}"
+    headline(figure, f"{where}: {in_words(numbers(cycles))}")
     return figure
 
 

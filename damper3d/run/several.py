@@ -40,11 +40,12 @@ def folder_beside(folder: RunFolder, case: DamperCase, k: int) -> RunFolder:
 def beside(dampers: Sequence[Shaken], ended: Sequence[dict[str, Any]], lead: Shaken) -> None:
     """Complete the results of dampers on one host, and write those of all but the lead's folder.
 
-    Each has a row for all, and the energy of the host and all beds.
+    Each has a row for all, the energy of the host and all beds, and the cost of a step of all.
     """
     trajectories = [read_trajectory(one.folder.path) for one in dampers]
     closed = closure_of(trajectories, [one.case.weight for one in dampers])
     assert lead.case.together is not None
+    lead_number = lead.case.number
     names = [name_of(one, k) for k, one in enumerate(lead.case.together.damper or [])]
     rows = [
         {
@@ -60,6 +61,7 @@ def beside(dampers: Sequence[Shaken], ended: Sequence[dict[str, Any]], lead: Sha
     for one, results in zip(dampers, ended, strict=True):
         results["host"]["energy_closure"] = closed
         results["dampers"] = rows
+        results |= {name: ended[lead_number][name] for name in ("cpu_us_per_step", "cpu_s")}
         if one is not lead:
             origin = {**one.folder.read_provenance(), "measures_digest": MEASURES.digest}
             one.folder.write_provenance(one.folder.with_seals(origin, RESULTS))

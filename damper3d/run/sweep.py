@@ -6,10 +6,12 @@ The packing does not depend on frequency and acceleration, so all points of a ma
 import tempfile
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from damper3d.case.case import DamperCase
+from damper3d.case.host.several import OWN
 from damper3d.case.plan import disk_at_most, expected_cpu_s
-from damper3d.case.settings import Settings
+from damper3d.case.settings import Damper, Settings
 from damper3d.engine import ENGINE
 from damper3d.run.packing import load_packing, packing_folder
 from damper3d.run.protocol import PACKAGES, get_packing, read_finished, run, run_digest
@@ -24,6 +26,7 @@ from granulab.campaign.sweeps.report.quantities import Ending, Number, Quantitie
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled, run_or_pack, silent
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
+from granulab.errors import InputError
 
 # On a host it counts how much of its motion is left; by itself a damper has its efficiency.
 QUANTITIES = Quantities(
@@ -107,8 +110,26 @@ DAMPER = Simulator(
 )
 
 
+class DamperKeys(Keys):
+    """Keys of a case, also those of one of several dampers: damper.<name or number>.<key>."""
+
+    def _field(self, key: str) -> Any:
+        section, _, rest = key.partition(".")
+        own = rest.partition(".")[2]
+        if section != "damper":
+            return super()._field(key)
+        if own in Damper.model_fields.keys() - OWN:
+            return Damper.model_fields[own]
+        if own.partition(".")[0] not in OWN:
+            raise InputError(
+                f"unknown key {key!r}; of one damper there are damper.<name or number>.seed, .at, "
+                f"and keys of its {', '.join(OWN)}, such as damper.2.particles.count"
+            )
+        return super()._field(own)
+
+
 # The cases of a study file.
-load_study = partial(label_study, keys=Keys(Settings), load=DamperCase.load)
+load_study = partial(label_study, keys=DamperKeys(Settings), load=DamperCase.load)
 run_cases = partial(run_labelled, DAMPER)  # labelled DamperCases; a row for each
 run_study = partial(run_labelled_study, DAMPER)
 

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from damper3d.case.case import DamperCase
 from damper3d.case.host.host import COUNTED
 from damper3d.case.host.modes import base_of
 from damper3d.case.parts import enclosure_of, orientation_of
@@ -310,7 +311,8 @@ class Scene:
         how = orientation_of(self.gravity, self.direction).replace("none", "no gravity")
         fill = self.trajectory.attributes["fill_ratio"]
         moved = self.settings.excitation.kind or f"{motion.frequency:g} Hz"
-        return f"{what}, fill ratio {fill:.3f}; {moved}, \u0393 = {motion.gamma:.4g}, {how}"
+        at = f"{self.settings.host.at}: " if self.settings.host.at else ""
+        return f"{at}{what}, fill ratio {fill:.3f}; {moved}, \u0393 = {motion.gamma:.4g}, {how}"
 
     @property
     def outcome(self) -> str:
@@ -331,6 +333,8 @@ def read_scene(run_folder: str | Path) -> Scene:
     run = RunFolder(Path(run_folder))
     path = shaken(run_folder).case_file
     settings = check_settings(read_settings(path), str(path))
+    if settings.damper is not None:  # the file has what was given for all, and not what follows
+        settings = DamperCase.load(path).settings
     summary = run.read_summary() if run.state == "finished" else {}
     if summary and not (run.path / "trajectory.h5").exists():
         raise NothingKept(

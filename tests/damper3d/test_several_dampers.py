@@ -13,6 +13,8 @@ from small_silo import the_run
 
 from damper3d.case.case import DamperCase
 from damper3d.run import protocol, vibration
+from damper3d.run.sweep import load_study
+from damper3d.view.scene import read_scene
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.errors import Stopped
@@ -150,12 +152,72 @@ def test_the_folder_of_another_damper_is_shown_as_a_run(tmp_path):
     """The commands that measure, draw and report take it."""
     protocol.run(case(tmp_path, SEVERAL, UNLIKE), out=tmp_path / "runs")
     folder = the_run(tmp_path / "runs").path / "damper-2"
-    assert damper3d("observe", folder, "host").code == 0
+    observed = json.loads(damper3d("observe", folder, "host", "--json").out)
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    assert observed["energy_closure"] == summary["host"]["energy_closure"]
+    scene = read_scene(folder)
+    other = case(tmp_path, SEVERAL, UNLIKE).dampers[1]
+    assert scene.enclosure.height == other.enclosure.height == 0.02
+    assert scene.settings.motion.gamma == other.settings.motion.gamma
+    assert scene.title.startswith("middle: 12 spheres of 5 mm")
+    assert summary["cpu_s"] > 0
     shown = damper3d("show", folder)
     assert shown.code == 0
     assert "12 of sphere:5mm" in shown.out
     assert damper3d("render", folder, "--no-film").code == 0
     assert (folder / "figures" / "host.png").stat().st_size > 10_000
+
+
+def test_a_seed_is_that_of_all_dampers_of_a_run(tmp_path):
+    """As given with --seed: the first has it, another its own, or one that is far from it."""
+    both = case(tmp_path, SEVERAL, [*UNLIKE, {"at": "tip", "seed": 3}])
+    seeded = [one.settings.run.seed for one in both.with_seed(7).dampers]
+    assert seeded == [7, 10_007, 3]
+    again = case(tmp_path, SEVERAL, [*UNLIKE, {"at": "tip", "seed": 3}], run={"seed": 7})
+    assert protocol.run_digest(both.with_seed(7)) == protocol.run_digest(again)
+    assert (
+        DamperCase.resolve(written({}, None), "one", tmp_path).with_seed(4).settings.run.seed == 4
+    )
+
+
+def study(folder, *vary):
+    (folder / "modes.csv").write_text(MODES, encoding="utf-8")
+    (folder / "arm.toml").write_text(
+        'schema = 1\n[host]\nmodes = "modes.csv"\nforce = "2 N"\n[[damper]]\nat = "tip"\n'
+        '[[damper]]\nat = "middle"\n', encoding="utf-8",
+    )  # fmt: skip
+    path = folder / "study.toml"
+    lines = ["schema = 1", 'case = "arm.toml"', "[vary]", *vary]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return load_study(path)
+
+
+def test_a_study_varies_keys_of_one_damper(tmp_path):
+    """By name or number, with quotes or without; a quantity is a column with its unit."""
+    loaded = study(
+        tmp_path, "damper.tip.particles.count = [100, 200]",
+        '"damper.2.enclosure.height" = { start = "30 mm", stop = "40 mm", number = 2 }',
+    )  # fmt: skip
+    labels, last = loaded.cases[-1]
+    assert [one.count for one in last.dampers] == [200, 358]
+    assert [one.enclosure.height for one in last.dampers] == [0.04, 0.04]
+    assert [one.enclosure.height for one in loaded.cases[0][1].dampers] == [0.04, 0.03]
+    assert labels["damper.2.enclosure.height_m"] == 0.04
+    assert len({protocol.run_digest(each) for _, each in loaded.cases}) == 4
+
+
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [
+        ("damper.top.particles.count = [1]", ["no damper is called 'top'", "tip, middle"]),
+        ("damper.3.particles.count = [1]", ["'3'", "tip, middle"]),
+        ("damper.2.motion.gamma = [1]", ["damper.2.motion.gamma", "enclosure, particles, law"]),
+        ("damper.2.particles.cont = [1]", ["particles.cont", "particles.count"]),
+        ('damper.2.enclosure.height = ["3 kg"]', ["damper.2.enclosure.height", "unit is wrong"]),
+    ],
+)
+def test_keys_that_no_damper_has_are_refused(tmp_path, vary, words):
+    assert_refuses(words, study, tmp_path, vary)
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,14 @@ def deepest_overlap(omega0, gamma, v):
     return v / omega0 * math.exp(-b / w * math.atan2(w, b))
 
 
+# Harmonic motion of masses on springs (any textbook): (K + i w C - w^2 M) X = F.
+
+
+def harmonic_motion(stiffness, mass, force, w, damping=0.0):
+    """Complex amplitudes (n,) under forces F e^(i w t) (n,); matrices (n, n)."""
+    return np.linalg.solve(stiffness + 1j * w * damping - w**2 * mass, force)
+
+
 # Schwager and Poeschel 2007, Granular Matter 9, 465: restitution of a contact that ends at zero
 # force, for the damping that would give the key where it ends at zero overlap.
 ENDING_AT_ZERO_FORCE = {0.45: 0.511, 0.53: 0.574, 0.80: 0.808}

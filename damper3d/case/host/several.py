@@ -1,17 +1,18 @@
 """Several dampers on one host: the document of each, and what they must have in common."""
 
+import copy
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from damper3d.case.host.modes import given
-from damper3d.case.settings import Damper, Settings
+from damper3d.case.settings import Damper, Settings, check_settings
 from granulab.contact.files.casefile import Section
 from granulab.errors import InputError
 
 if TYPE_CHECKING:
     from damper3d.case.case import DamperCase
 
-_OWN = ("enclosure", "particles", "law")  # sections of which a damper may have keys of its own
+OWN = ("enclosure", "particles", "law")  # sections of which a damper may have keys of its own
 # From one damper's seed to the next one's, beyond the seeds 1 to n of a study: where these share a
 # packing, the runs of a study are no sample of independent ones.
 SEEDS_APART = 10_000
@@ -33,13 +34,13 @@ def documents(
         )
     if (host.shown or 1) > len(dampers):
         raise InputError(f"{where}: [host] shown = {host.shown}: there are {len(dampers)} dampers")
-    found = []
+    found, seeds = [], seeds_of(dampers, settings.run.seed)
     for k, own in enumerate(dampers):
         here = f"{where}: [[damper]] {k + 1}"
         if host.at is not None:
             raise InputError(f"{here}: [host] at is of a single damper; give at in each [[damper]]")
         copied = {name: value for name, value in document.items() if name != "damper"}
-        for name in _OWN:
+        for name in OWN:
             table = getattr(own, name) or {}
             if "materials" in table:
                 raise InputError(
@@ -47,13 +48,65 @@ def documents(
                     "[particles], and the material here"
                 )
             copied[name] = {**copied.get(name, {}), **table}
-        run = copied.get("run", {})
-        seed = settings.run.seed + k * SEEDS_APART if own.seed is None else own.seed
         at = {} if own.at is None else {"at": own.at}
-        copied["run"] = {**run, "seed": seed}
+        copied["run"] = {**copied.get("run", {}), "seed": seeds[k]}
         copied["host"] = {**copied["host"], **at}
         found.append((copied, here))
     return found
+
+
+def seeds_of(dampers: Sequence[Damper], seed: int) -> list[int]:
+    """The seed of each damper of a run with this one."""
+    return [
+        seed + k * SEEDS_APART if own.seed is None else own.seed for k, own in enumerate(dampers)
+    ]
+
+
+def number_of(dampers: Sequence[Any], which: str, where: str) -> int:
+    """Number (from 0) of the damper of a name or number (from 1); InputError where there is none.
+
+    dampers: tables [[damper]] of a document.
+    """
+    tables = [one if isinstance(one, dict) else {} for one in dampers]
+    names = [str(one.get("at", k)) for k, one in enumerate(tables, 1)]
+    if names.count(which) == 1:
+        return names.index(which)
+    if which.isdigit() and 0 < int(which) <= len(names):
+        return int(which) - 1
+    if not names:
+        raise InputError(f"{where}: the case has no [[damper]], but one bed; leave the name out")
+    why = "several dampers are" if which in names else "no damper is"
+    raise InputError(
+        f"{where}: {why} called {which!r}; they are {', '.join(names)}, or numbers from 1"
+    )
+
+
+def with_changes(
+    document: dict[str, Any], changes: dict[str, Any], where: str
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The document with the changes of its dampers, and those that are left.
+
+    "damper.<name or number>.<section>.<key>", or .<key>: a key of one damper; "damper": of one the
+    name or number, whose bed alone is the case, without the host and what moves it.
+    """
+    left, document = dict(changes), copy.deepcopy(document)
+    for path in [path for path in changes if path.startswith("damper.")]:
+        _, which, *keys = path.split(".")
+        k = number_of(document.get("damper", []), which, f"{where}: {path}")
+        table = document["damper"][k]
+        for section in keys[:-1]:
+            table = table.setdefault(section, {})
+        table[keys[-1]] = left.pop(path)
+    which = left.pop("damper", None)
+    if which is not None:
+        k = number_of(document.get("damper", []), which, where)
+        settings = check_settings(document, where)
+        document, _ = documents(document, settings, where)[k]
+        name = f"{document['name']}-{name_of((settings.damper or [])[k], k)}"
+        document = {**document, "name": name}
+        for table in ("host", "excitation"):
+            document.pop(table, None)
+    return document, left
 
 
 def check_alike(cases: Sequence["DamperCase"], where: str) -> None:

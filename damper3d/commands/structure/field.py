@@ -36,6 +36,9 @@ _WITHOUT = {
     "--within", type=float, default=0.05, metavar="0.05",
     help="Of the bed's mass, by which a straight line may miss a point [default: 0.05].",
 )  # fmt: skip
+@click.option(
+    "--damper", metavar="tip|2", help="Of a case with several dampers: name or number of one."
+)
 @click.option("--fit", metavar="2,10", help="Gammas of the fitted powers [default: found].")
 @engine_options
 @out_option
@@ -45,14 +48,16 @@ _WITHOUT = {
 @json_option
 def field(
     case: str | None, material: str | None, frequencies: str | None, gammas: str | None,
-    packings: int, more_runs: int, within: float, fit: str | None, workers: int | None,
-    engine: str, scheduler: str | None, out: str, dry_run: bool, no_figures: bool, quiet: bool,
-    as_json: bool, **options: Any,
+    packings: int, more_runs: int, within: float, damper: str | None, fit: str | None,
+    workers: int | None, engine: str, scheduler: str | None, out: str, dry_run: bool,
+    no_figures: bool, quiet: bool, as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """Compute the bed's effective mass over frequency and amplitude: table, picture.
 
     Steady runs at prescribed motion, as of a map; finished ones are not done again. `damper3d
-    response` takes the table. For example: damper3d field --frequencies 20,40 --more-runs 60
+    response` takes the table. A [host] in the case, and what moves it, are left out: the bed alone
+    is shaken; of several dampers that of --damper.
+    For example: damper3d field --frequencies 20,40 --more-runs 60
     """
     from damper3d.case.case import DamperCase
     from damper3d.studies.field.report import as_text, field_folder
@@ -61,7 +66,8 @@ def field(
     from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.output.layout import on_screen
 
-    name, changes = case or "thesis", changes_of(material, options)
+    name = case or "thesis"
+    changes = _bed_alone(name, damper) | changes_of(material, options)
     loaded = DamperCase.load(name, changes)
     refine, fitted = Refinement(more_runs, within), _range(fit)
     grid = Grid(
@@ -79,6 +85,29 @@ def field(
     results = _write(loaded, result, folder, fitted, no_figures)
     click.echo(json.dumps(results, indent=2) if as_json else on_screen(as_text(results)))
     stop_unless_whole(result.rows)
+
+
+def _bed_alone(name: str, damper: str | None) -> dict[str, Any]:
+    """Changes that leave the bed of a case, of several dampers that of the one that is named.
+
+    Raises InputError where it is not said which.
+    """
+    from damper3d.case.case import DamperCase
+    from granulab.errors import InputError
+
+    case = DamperCase.load(name)
+    given = case.together.damper or [] if case.together is not None else []
+    if damper is not None:
+        return {"damper": damper}
+    if given:
+        names = [one.at or str(k) for k, one in enumerate(given, 1)]
+        raise InputError(
+            f"{name}: [[damper]] has {len(given)} beds, each with a field of its own; give "
+            f"--damper {names[0]} (they are {', '.join(names)}). Like beds have one field"
+        )
+    return {} if case.modes is None and case.excitation is None else {
+        "host": None, "excitation": None,
+    }  # fmt: skip
 
 
 def _range(fit: str | None) -> tuple[float, float] | None:

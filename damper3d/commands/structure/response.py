@@ -1,8 +1,9 @@
 """The command that finds a structure's response with a bed, by harmonic balance or simulation."""
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -12,11 +13,15 @@ from granulab.campaign.cli.many import numbers, stop_unless_whole
 if TYPE_CHECKING:
     from damper3d.studies.field.balance import Responses
     from damper3d.studies.field.structure import Structure
+    from damper3d.studies.field.table import Field
 
 
 @click.command()
 @click.argument("host")
-@click.option("--field", "table", metavar="TABLE", help="field.csv of a bed: harmonic balance.")
+@click.option(
+    "--field", "tables", multiple=True, metavar="[PLACE=]TABLE",
+    help="field.csv of a bed: harmonic balance; of several dampers one for all, or each its own.",
+)  # fmt: skip
 @click.option("--levels", metavar="0.1,1,10", help="Factors of the excitation [default: 1].")
 @click.option("--between", metavar="30,60", help="Frequencies in Hz [default: the field's].")
 @click.option("--simulate", is_flag=True, help="Simulate host and bed at --frequencies.")
@@ -27,28 +32,32 @@ if TYPE_CHECKING:
 @quiet_option
 @json_option
 def response(
-    host: str, table: str | None, levels: str | None, between: str | None, simulate: bool,
+    host: str, tables: tuple[str, ...], levels: str | None, between: str | None, simulate: bool,
     frequencies: str | None, workers: int | None, engine: str, scheduler: str | None, out: str,
     no_figures: bool, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Find the response of a structure with a bed, from the bed's field or by simulations.
 
     HOST is a case with a table [host]: mass, frequency and damping_ratio, or modes; and force,
-    base_displacement or base_acceleration. With --field all solutions of the harmonic balance are
-    found, with their stability and the jumps of a swept sine, for one damper on one mode or many.
-    With --simulate host and the case's own bed are simulated together, a steady run a level and
+    base_displacement or base_acceleration. With --field the solutions of the harmonic balance are
+    found, with their stability and the jumps of a swept sine, on one mode or many. Several dampers
+    ([[damper]] in the case) have one field, or each its own: --field tip=a.csv --field middle=b.csv
+    by the names of their places, or their numbers.
+    With --simulate host and the case's own beds are simulated together, a steady run a level and
     frequency; finished runs are not done again. With both they stand in one picture.
     For example: damper3d response host.toml --field runs/fields/.../field.csv --levels 0.3,1,3
     """
     from damper3d.case.case import DamperCase
     from damper3d.studies.field.chart import draw_responses
-    from damper3d.studies.field.structure import structure_of
+    from damper3d.studies.field.structure import structures_of
     from damper3d.studies.map.grid import rising
     from granulab.campaign.output.figure import write_figure
     from granulab.campaign.output.files import refuse_unless_writable, writing
 
-    _refuse_unless_asked(table, between, simulate, frequencies)
-    structure = structure_of(DamperCase.load(host))
+    _refuse_unless_asked(tables, between, simulate, frequencies)
+    case = DamperCase.load(host)
+    beds = _Beds(structures_of(case), case.number, quiet)
+    of_each = tables_of(tables, list(beds.structures)) if tables else {}
     wanted = rising("levels", numbers("--levels", levels, (1.0,)))
     refuse_unless_writable(Path(out), "--out")
     with writing(Path(out)):
@@ -57,30 +66,44 @@ def response(
     results: dict[str, Any] = {"host": host}
     words: list[str] = []
     found: list[dict[str, Any]] = []
-    rows, responses = found, None
-    if table is not None:
-        responses, balanced, said = _balanced(structure, table, between, wanted, path)
+    rows: list[dict[str, Any]] = []
+    together: list[Responses] = []
+    if of_each:
+        together, balanced, said = _balanced(beds, of_each, between, wanted, path)
         results |= balanced
         words.append(said)
     if simulate:
         at = rising("--frequencies", numbers("--frequencies", frequencies, ()))
         engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
-        rows, found, said = _simulated(structure, host, wanted, at, path, engines)
+        rows, found, said = _simulated(beds, host, wanted, at, path, engines)
         results |= {"simulated": found, "simulated_table": str(_beside(path))}
         words.append(said)
     click.echo(json.dumps(results, indent=2) if as_json else "\n".join(words))
-    if not no_figures and (responses or any(one["amplitude_m"] for one in found)):
+    if not no_figures and (together or any(one["amplitude_m"] for one in found)):
         picture, name = path.with_suffix(".png"), path.stem.removeprefix("response-")
 
         def drawn() -> Any:
-            return draw_responses(responses, name, found, structure)
+            return draw_responses(name, beds.structures, together, found)
 
         click.echo(write_figure(picture, drawn), err=True)
     stop_unless_whole(rows)
 
 
+class _Beds(NamedTuple):
+    """The structure as each damper sees it, by the names of places; the number of the shown one."""
+
+    structures: "dict[str, Structure]"
+    shown: int
+    quiet: bool
+
+    @property
+    def names(self) -> list[str]:
+        """Names that columns of tables have: none of a single damper."""
+        return list(self.structures) if len(self.structures) > 1 else []
+
+
 def _refuse_unless_asked(
-    table: str | None, between: str | None, simulate: bool, frequencies: str | None
+    tables: tuple[str, ...], between: str | None, simulate: bool, frequencies: str | None
 ) -> None:
     """InputError, a line, where the options do not say which response is wanted."""
     from granulab.errors import InputError
@@ -88,13 +111,47 @@ def _refuse_unless_asked(
     if frequencies is not None and not simulate:
         raise InputError("--frequencies: those of --simulate; give both, or --between 38,42 for "
                          "the harmonic balance")  # fmt: skip
-    if table is None and not simulate:
+    if not tables and not simulate:
         raise InputError("no response is asked for; give --field TABLE for the harmonic balance, "
                          "or --simulate --frequencies 38,40,42, or both")  # fmt: skip
     if simulate and frequencies is None:
         raise InputError("--simulate: the frequencies are missing; give --frequencies 38,40,42")
-    if between is not None and table is None:
+    if between is not None and not tables:
         raise InputError("--between: the frequencies of a field; give --field TABLE too")
+
+
+def tables_of(given: Sequence[str], places: Sequence[str]) -> dict[str, str]:
+    """The table of each damper from the values of --field: TABLE for all, or PLACE=TABLE.
+
+    A place is a damper's name or number; TABLE is that of those which are not named. Raises
+    InputError, a line, where a place is not known, or lacks a table, or has two.
+    """
+    from granulab.contact.files.datafile import is_file
+    from granulab.errors import InputError
+
+    called = {str(k): name for k, name in enumerate(places, 1)} | {name: name for name in places}
+    found: dict[str, str] = {}
+    others = [text for text in given if "=" not in text or is_file(Path(text))]
+    for text in given:
+        place, _, table = text.partition("=")
+        if text in others:
+            continue
+        if place not in called:
+            raise InputError(f"--field {text}: no damper is called {place!r}; they are "
+                             f"{', '.join(places)}, or numbers from 1")  # fmt: skip
+        if called[place] in found:
+            already = f"{called[place]} has {found[called[place]]} already"
+            raise InputError(f"--field {text}: {already}; leave one of them out")
+        found[called[place]] = table
+    if len(others) > 1:
+        which = f"; say whose, --field {places[0]}={others[0]}" if len(places) > 1 else ""
+        raise InputError(f"--field {others[0]} and {others[1]}: one table is that of all dampers"
+                         f"{which or '; leave one of them out'}")  # fmt: skip
+    for name in places:
+        if name not in found and not others:
+            raise InputError(f"--field: the damper at {name} has no table; add --field "
+                             f"{name}=TABLE, or give one --field TABLE for all")  # fmt: skip
+    return {name: found[name] if name in found else others[0] for name in places}
 
 
 def _beside(path: Path) -> Path:
@@ -102,57 +159,115 @@ def _beside(path: Path) -> Path:
     return path.with_name(f"{path.stem}-simulated.csv")
 
 
-def _balanced(
-    structure: "Structure", table: str, between: str | None, levels: tuple[float, ...], path: Path
-) -> tuple["Responses", dict[str, Any], str]:
-    """Responses from a field, with their table written; results for --json, report in words."""
-    from damper3d.studies.field.balance import respond, spaced
-    from damper3d.studies.field.report import in_words, of_response, write_responses
-    from damper3d.studies.field.table import read_field
+def _ends(
+    fields: "Mapping[str, Field]", tables: dict[str, str], between: str | None
+) -> tuple[float, float]:
+    """Least and greatest frequency [Hz] of the responses: as given, or those of all fields.
+
+    Raises InputError where the fields do not have them.
+    """
     from damper3d.studies.map.grid import rising
     from granulab.errors import InputError
 
-    field = read_field(table)
-    known = field.frequencies
-    ends = rising("--between", numbers("--between", between, (known[0], known[-1])))
-    if between is None and len(known) < 2:
-        raise InputError(f"{table}: a field of one frequency has no response over frequency; "
-                         "compute it at two or more (damper3d field --frequencies)")  # fmt: skip
+    each = {name: (float(f[0]), float(f[-1])) for name, f in
+            ((name, field.frequencies) for name, field in fields.items())}  # fmt: skip
+    low, high = max(f[0] for f in each.values()), min(f[1] for f in each.values())
+    for name, (first, last) in each.items():
+        if first == last and between is None:
+            raise InputError(
+                f"{tables[name]}: a field of one frequency has no response over frequency; compute "
+                "it at two or more (damper3d field --frequencies)"
+            )
+        if between is None and (first, last) != (low, high):
+            other = next(one for one, ends in each.items() if ends != (first, last))
+            cure = f"give --between {low:g},{high:g}, which all have" if low < high else (
+                "compute them at common frequencies (damper3d field --frequencies)"
+            )  # fmt: skip
+            raise InputError(
+                f"{tables[name]}: {first:g} to {last:g} Hz, and {tables[other]}: "
+                f"{each[other][0]:g} to {each[other][1]:g} Hz; {cure}"
+            )
+    ends = rising("--between", numbers("--between", between, (low, high)))
     if len(ends) != 2:
         raise InputError(f"--between {between!r}: give two frequencies, such as 30,60")
-    responses = respond(structure, field, spaced(structure, *ends), levels)
-    write_responses(path, responses)
-    found = of_response(structure, field, responses)
-    results = {
-        "field": table,
+    for name, (first, last) in each.items():
+        if not first <= ends[0] < ends[1] <= last:
+            raise InputError(
+                f"--between {between}: {tables[name]} is of {first:g} to {last:g} Hz; choose "
+                "within it, or compute the field there (damper3d field --frequencies)"
+            )
+    return ends[0], ends[1]
+
+
+def _balanced(
+    beds: _Beds, tables: dict[str, str], between: str | None, levels: tuple[float, ...], path: Path
+) -> tuple["list[Responses]", dict[str, Any], str]:
+    """Responses from fields, with their table written; results for --json, report in words."""
+    from damper3d.studies.field.balance import respond, spaced
+    from damper3d.studies.field.engine import BALANCE
+    from damper3d.studies.field.report import (
+        in_words,
+        of_response,
+        of_responses,
+        write_responses,
+    )
+    from damper3d.studies.field.several import act_as_one, respond_together
+    from damper3d.studies.field.table import read_field
+    from granulab.campaign.output.terminal import announce_compilation
+    from granulab.contact.jit import already_compiled
+
+    structures, one = beds.structures, len(set(tables.values())) == 1
+    fields = {name: read_field(table) for name, table in tables.items()}
+    ends = _ends(fields, tables, between)
+    lead, field = next(iter(structures.values())), next(iter(fields.values()))
+    frequency = spaced(lead, *ends)
+    if len(structures) == 1:
+        together = [respond(lead, field, frequency, levels)]
+        found = of_response(lead, field, together[0])
+    else:
+        own = list(structures.values())
+        announce_compilation(beds.quiet or act_as_one(own), already_compiled(BALANCE))
+        together = respond_together(own, list(fields.values()), frequency, levels)
+        found = of_responses(structures, list(fields.values()), together, beds.shown)
+    write_responses(path, together, beds.names, beds.shown)
+    rides = {name: field.rides_at_least for name, field in fields.items()}
+    results: dict[str, Any] = {
+        "field": next(iter(tables.values())) if one else None,
         "frequencies_hz": list(ends),
-        "rides_at_least_gamma": field.rides_at_least,
+        "rides_at_least_gamma": all(rides.values()),
         "levels": found,
         "table": str(path),
     }
-    name = path.stem.removeprefix("response-")
-    words = f"{name} with the bed of {table}\n{in_words(found)}"
-    if not field.rides_at_least:
-        words += (
-            "\nbelow       the bed does not ride along at the field's least Gamma, and below it "
-            "the field holds what it has there"
+    words = ", ".join(f"{table} at {name}" for name, table in tables.items())
+    of = next(iter(tables.values())) if one else words
+    lines = [f"{path.stem.removeprefix('response-')} with the bed of {of}", in_words(found)]
+    if beds.names:
+        lost = frequency[together[0].lost].tolist() if together[0].lost is not None else []
+        results |= {"fields": tables, "not_followed_hz": lost}
+        if lost:
+            lines.append(f"not whole   at {len(lost)} frequencies, the first {lost[0]:g} Hz, the "
+                         "solutions could not be followed to their end; some may lack")  # fmt: skip
+    if not all(rides.values()):
+        lines.append(
+            "below       the bed does not ride along at the field's least Gamma, and below it the "
+            "field holds what it has there"
         )
-    return responses, results, f"{words}\ntable       {path}"
+    return together, results, "\n".join([*lines, f"table       {path}"])
 
 
 def _simulated(
-    structure: "Structure", host: str, levels: tuple[float, ...], frequencies: tuple[float, ...],
-    path: Path, engines: dict[str, Any],
+    beds: _Beds, host: str, levels: tuple[float, ...], frequencies: tuple[float, ...], path: Path,
+    engines: dict[str, Any],
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], str]:  # fmt: skip
     """Rows of the runs, and their points, with the table written; report in words."""
     from damper3d.run.sweep import run_cases
-    from damper3d.studies.field.simulated import in_words, points, response_cases
+    from damper3d.studies.field.simulated import in_columns, in_words, points, response_cases
     from granulab.campaign.output.files import write_atomic
     from granulab.campaign.output.table import as_csv
 
     rows = run_cases(response_cases(host, levels, frequencies), out=path.parent, **engines)
-    found = points(structure, rows)
-    write_atomic(_beside(path), as_csv(found))
+    found = points(beds.structures, rows, beds.shown)
+    write_atomic(_beside(path), as_csv(in_columns(found)))
     there = sum(bool(one["reused"]) for one in found)
     return rows, found, (
         f"host and bed simulated, {len(rows)} runs ({there} were there)\n{in_words(found)}\n"

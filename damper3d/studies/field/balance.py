@@ -14,10 +14,11 @@ number for both neighbours.
 Where the left side rises with A, more excitation gives more response, and the solution is stable
 against slow changes of its amplitude; where it falls it is not, and between them are the turning
 points, from which the response jumps. Other losses of stability (of phase, of symmetry, to other
-frequencies) are not looked at. One damper on any number of modes.
+frequencies) are not looked at. One damper on any number of modes; several.py has more of them.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -27,9 +28,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from damper3d.case.parts import GRAVITY
 from damper3d.studies.field.structure import Structure
-from damper3d.studies.field.table import Field
+from damper3d.studies.field.table import Complexes, Field, Floats
 
-Floats = NDArray[np.float64]
+Truths = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,14 +38,20 @@ class Responses:
     """Amplitudes of a structure with a bed, at l levels and f frequencies.
 
     Of the s solutions at a point the first, third, ... are stable, as the left side of the balance
-    begins at zero. Those beyond the field's greatest Gamma are not known.
+    begins at zero, unless it is said which are. Those beyond the field's greatest Gamma are not
+    known.
     """
 
     levels: Floats  # (l,) [-]
     frequency: Floats  # (f,) [Hz]
     bare: Floats  # (l, f) without the bed [m]
-    amplitude: Floats  # (l, f, s) rising, NaN where there are fewer [m]
-    beyond: NDArray[np.bool_]  # (l, f) whether a solution lies above the field
+    # (l, f, s) [m], NaN where there are fewer; rising, of several dampers the first's
+    amplitude: Floats
+    beyond: Truths  # (l, f) whether a solution lies above the field
+    # Of several dampers: whether a solution is stable (l, f, s); the frequencies where some may
+    # lack for no known reason (f,).
+    said: Truths | None = None
+    lost: Truths | None = None
 
     @cached_property
     def count(self) -> NDArray[np.int64]:
@@ -52,9 +59,16 @@ class Responses:
         return np.isfinite(self.amplitude).sum(axis=2)
 
     @property
+    def is_stable(self) -> Truths:
+        """Solutions that are stable (l, f, s)."""
+        if self.said is not None:
+            return self.said
+        return np.broadcast_to(np.arange(self.amplitude.shape[2]) % 2 == 0, self.amplitude.shape)
+
+    @property
     def stable(self) -> Floats:
         """The stable amplitudes (l, f, s) [m], NaN elsewhere."""
-        return np.where(np.arange(self.amplitude.shape[2]) % 2 == 0, self.amplitude, math.nan)
+        return np.where(self.is_stable, self.amplitude, math.nan)
 
     def largest(self, level: int) -> tuple[float, float] | None:
         """Frequency [Hz] and amplitude [m] of the largest stable response; None where unknown."""
@@ -73,7 +87,13 @@ def respond(
     Raises InputError for a frequency outside the field.
     """
     frequency, levels = np.asarray(frequency, float), np.asarray(levels, float)
-    gamma, force = field.knots(frequency)  # (f, k)
+    return closed_form(structure, *field.knots(frequency), frequency, levels)
+
+
+def closed_form(
+    structure: Structure, gamma: Floats, force: Complexes, frequency: Floats, levels: Floats
+) -> Responses:
+    """The same with the knots of the force at each frequency, Gamma and m Gamma (f, k)."""
     product, receptance, moved = structure.products(frequency)
     omega2 = (2.0 * math.pi * frequency[:, None]) ** 2
     length = GRAVITY / omega2  # amplitude of Gamma 1 (f, 1)
@@ -116,7 +136,7 @@ def _roots(at: Floats, left: Any, squares: Floats, right: Floats) -> Floats:
     return found.reshape(*right.shape, -1)
 
 
-def _part(a: Floats, b: Floats, c: Floats, upper: NDArray[np.bool_]) -> Floats:
+def _part(a: Floats, b: Floats, c: Floats, upper: Truths) -> Floats:
     """Return the upper or lower root of a t^2 + 2 b t + c, a > 0, without loss of digits."""
     root = np.sqrt(np.maximum(b * b - a * c, 0.0))
     far = -(b + np.where(b >= 0, root, -root))  # of the larger size
@@ -142,28 +162,43 @@ def swept(responses: Responses, level: int, down: bool = False) -> tuple[Floats,
     solution that is nearest in ln A, unless another branch is nearer to that one: then it has
     ended, and the response jumps there. NaN where no solution lies within the field.
     """
-    order = range(len(responses.frequency))[:: -1 if down else 1]
-    followed, jumps = np.full(len(order), math.nan), []
-    before: Floats = np.zeros(0)
+    followed, jumps = swept_together([responses], level, down)
+    return followed[0], jumps[0]
+
+
+def swept_together(
+    dampers: Sequence[Responses], level: int, down: bool = False
+) -> tuple[Floats, list[list[Jump]]]:
+    """The same of several dampers with the same solutions: amplitudes (d, f), jumps of each.
+
+    Nearest is then what has the least of the largest differences in ln A.
+    """
+    frequency = dampers[0].frequency
+    stable = np.stack([one.stable[level] for one in dampers])  # (d, f, s)
+    order = range(len(frequency))[:: -1 if down else 1]
+    followed = np.full((len(dampers), len(order)), math.nan)
+    jumps: list[list[Jump]] = [[] for _ in dampers]
+    before = stable[:, 0, :0]
     for last, k in zip([None, *order], order, strict=False):
-        there = responses.stable[level, k]
-        there = there[there > 0]
-        here = math.nan if last is None else followed[last]
-        if not len(there):
-            before = there
-            continue
-        if math.isnan(here):
-            followed[k] = there[0]
-        else:
-            nearest = there[np.argmin(np.abs(np.log(there / here)))]
-            claimed = before[np.argmin(np.abs(np.log(before / nearest)))]
-            followed[k] = nearest
-            if claimed != here:
-                direction = "down" if down else "up"
-                at = float(responses.frequency[last])
-                jumps.append(Jump(direction, at, float(here), float(nearest)))
+        there = stable[:, k, (stable[:, k] > 0).all(axis=0)]
+        here = followed[:, last] if last is not None else np.full(len(dampers), math.nan)
+        if there.size and np.isnan(here[0]):
+            followed[:, k] = there[:, 0]
+        elif there.size:
+            nearest = there[:, _nearest(there, here)]
+            claimed = before[:, _nearest(before, nearest)]
+            followed[:, k] = nearest
+            if (claimed != here).any():
+                at, direction = float(frequency[last]), "down" if down else "up"
+                for own, a, b in zip(jumps, here.tolist(), nearest.tolist(), strict=True):
+                    own.append(Jump(direction, at, a, b))
         before = there
     return followed, jumps
+
+
+def _nearest(solutions: Floats, one: Floats) -> int:
+    """Number of the solution (d, s) that is nearest to one (d,)."""
+    return int(np.argmin(np.abs(np.log(solutions / one[:, None])).max(axis=0)))
 
 
 def spaced(structure: Structure, low: float, high: float) -> Floats:

@@ -1,6 +1,7 @@
 """Pictures of a field and of the responses that follow from it."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,59 +54,93 @@ def draw_field(field: Field, name: str) -> "Figure":
 
 
 def draw_responses(
-    responses: Responses | None,
     name: str,
+    structures: Mapping[str, Structure],
+    together: Sequence[Responses] = (),
     simulated: Sequence[dict[str, Any]] = (),
-    structure: Structure | None = None,
 ) -> "Figure":
     """Amplitude over the level against frequency: with the bed, a colour a level, and bare.
 
     Over the level a linear structure has one curve, so that the bed's part shows. Lines are the
-    harmonic balance, unstable branches dashed; markers the simulated points (studies.field.
-    simulated), whose structure gives the bare curve where there are no lines.
+    harmonic balance, unstable solutions dashed; markers the simulated points (studies.field.
+    simulated), whose structure gives the bare curve where there are no lines. Several dampers have
+    a panel each.
     """
     from matplotlib import colormaps
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.6, 5.2), layout="constrained")
+    rows = math.ceil(len(structures) / _COLUMNS) if len(structures) > 2 else len(structures)
+    columns = math.ceil(len(structures) / rows)
+    figure = Figure(figsize=(4.3 * (columns + 1), 1.4 + 3.8 * rows), layout="constrained")
+    if len(structures) == 1:
+        figure.set_size_inches(8.6, 5.2)
     headline(figure, f"{name}: response with the bed, over the level")
-    axes = figure.subplots()
     known = [one for one in simulated if one["amplitude_m"] is not None]
-    levels = sorted({float(one["level"]) for one in known})
-    if responses is not None:
-        levels = sorted({*levels, *responses.levels.tolist()})
+    levels = {float(one["level"]) for one in known}
+    levels |= set(together[0].levels.tolist()) if together else set()
     shades = colormaps["viridis"](np.linspace(0.05, 0.85, len(levels)))
-    colours = dict(zip(levels, shades, strict=True))
+    colours = dict(zip(sorted(levels), shades, strict=True))
+    panels = figure.subplots(rows, columns, sharex=True, squeeze=False).ravel()
+    for spare in panels[len(structures) :]:
+        spare.set_axis_off()
+    for d, (place, structure) in enumerate(structures.items()):
+        several = len(structures) > 1
+        points = [
+            (one["level"], one["frequency_hz"],
+             one["dampers"][d]["amplitude_m"] if several else one["amplitude_m"])
+            for one in known
+        ]  # fmt: skip
+        _panel(panels[d], structure, together[d] if together else None, points, colours)
+        if d + columns < len(structures):
+            panels[d].set_xlabel("")  # it stands below
+        if several:
+            panels[d].set_title(f"at {place}", loc="left", fontsize="medium")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper")
+    return figure
+
+
+_COLUMNS = 2  # of panels, of three dampers or more
+
+
+def _panel(
+    axes: "Axes",
+    structure: Structure,
+    responses: Responses | None,
+    points: Sequence[tuple[float, float, float]],
+    colours: dict[float, Any],
+) -> None:
+    """Draw the response at one damper; points: level, frequency [Hz] and amplitude [m]."""
     if responses is not None:
         bare = 1e3 * responses.bare[0] / responses.levels[0]
         axes.plot(responses.frequency, bare, color=INK, lw=1, label="bare")
         _branches(axes, responses, colours)
-    elif structure is not None and known:
-        each = [one["frequency_hz"] for one in known]
+        axes.set_xlim(responses.frequency.min(), responses.frequency.max())
+    elif points:
+        each = [frequency for _, frequency, _ in points]
         along = spaced(structure, 0.99 * min(each), 1.01 * max(each))
         axes.plot(along, 1e3 * np.abs(structure.bare(along)), color=INK, lw=1, label="bare")
-    for level in levels:
-        own = sorted((o["frequency_hz"], o["amplitude_m"]) for o in known if o["level"] == level)
+    for level, colour in colours.items():
+        own = sorted((frequency, amplitude) for each, frequency, amplitude in points
+                     if each == level)  # fmt: skip
         if not own:
             continue
         frequency, amplitude = np.array(own).T
         axes.plot(
             frequency, 1e3 * amplitude / level, "o" if responses is not None else "o-",
-            color=colours[level], ms=4.5, lw=0.8, mec=INK, mew=0.5,
-            label=f"level {level:g}, simulated",
+            color=colour, ms=4.5, lw=0.8, mec=INK, mew=0.5, label=f"level {level:g}, simulated",
         )  # fmt: skip
     axes.set(yscale="log", xlabel="frequency [Hz]", ylabel="amplitude over level [mm]")
-    if responses is not None:
-        axes.set_xlim(responses.frequency.min(), responses.frequency.max())
-    figure.legend(loc="outside right upper")
-    return figure
 
 
 def _branches(axes: "Axes", responses: Responses, colours: dict[float, Any]) -> None:
-    """Draw the solutions of the harmonic balance."""
+    """Draw the solutions of the harmonic balance, those of one rank joined."""
+    stable = responses.is_stable
     for k, level in enumerate(responses.levels.tolist()):
         for rank, branch in enumerate(responses.amplitude[k].T):
-            axes.plot(
-                responses.frequency, 1e3 * branch / level, color=colours[level], lw=1.4,
-                ls="--" if rank % 2 else "-", label=f"level {level:g}" if rank == 0 else None,
-            )  # fmt: skip
+            for style, own in (("-", stable[k, :, rank]), ("--", ~stable[k, :, rank])):
+                if np.isfinite(branch[own]).any():
+                    axes.plot(
+                        responses.frequency, 1e3 * np.where(own, branch, np.nan) / level,
+                        color=colours[level], lw=1.4, ls=style,
+                        label=f"level {level:g}" if rank == 0 and style == "-" else None,
+                    )  # fmt: skip

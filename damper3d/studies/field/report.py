@@ -2,6 +2,7 @@
 
 import math
 import sys
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,10 @@ import numpy as np
 
 from damper3d.case.case import DamperCase
 from damper3d.run.protocol import run_digest
-from damper3d.studies.field.balance import Responses, respond, swept
+from damper3d.studies.field.balance import Responses, respond, swept_together
 from damper3d.studies.field.fall import as_rows, falls
 from damper3d.studies.field.runs import Refinement, states, steady_changes, unlike
+from damper3d.studies.field.several import respond_together
 from damper3d.studies.field.structure import Structure
 from damper3d.studies.field.table import Field
 from damper3d.studies.map.grid import Grid, MapResult, map_cases
@@ -115,30 +117,70 @@ def as_text(results: dict[str, Any]) -> str:
 
 def of_response(structure: Structure, field: Field, responses: Responses) -> list[dict[str, Any]]:
     """Results of each level: largest response with its interval, reduction, jumps; for --json."""
-    found = []
-    corners = [
-        respond(structure, field.shifted(a, b), responses.frequency, responses.levels)
-        for a in (-1, 1) for b in (-1, 1)
-    ]  # fmt: skip
-    for k, level in enumerate(responses.levels.tolist()):
-        peak, bare = responses.largest(k), float(responses.bare[k].max())
-        edges = [corner.largest(k) for corner in corners]
-        known = np.isfinite(field.in_phase_half_width).any() and None not in edges
-        up, down = (swept(responses, k, down)[1] for down in (False, True))
-        found.append(
-            {
-                "level": level,
-                "peak_frequency_hz": peak and peak[0],
-                "peak_amplitude_m": peak and peak[1],
-                "peak_interval_m": [f(e[1] for e in edges if e) for f in (min, max)]
-                if known else None,
-                "bare_peak_amplitude_m": bare if math.isfinite(bare) else None,
-                "reduction": peak[1] / bare if peak and math.isfinite(bare) else None,
-                "most_solutions": int(responses.count[k].max()),
-                "beyond_field_hz": _span(responses.frequency[responses.beyond[k]]),
-                "jumps": [vars(jump) for jump in (*up, *down)],
-            }
-        )  # fmt: skip
+    edges = [respond(structure, one, responses.frequency, responses.levels)
+             for (one,) in _edges([field])]  # fmt: skip
+    return _levels([responses], [[edge] for edge in edges], [field])[0]
+
+
+def of_responses(
+    structures: Mapping[str, Structure],
+    fields: Sequence[Field],
+    together: Sequence[Responses],
+    shown: int = 0,
+) -> list[dict[str, Any]]:
+    """The same of several dampers, by the names of their places: those of the shown one, and all.
+
+    Each level has a row for each damper under `dampers`.
+    """
+    frequency, levels = together[0].frequency, together[0].levels
+    edges = [respond_together(list(structures.values()), moved, frequency, levels)
+             for moved in _edges(fields)]  # fmt: skip
+    each = _levels(together, edges, fields)
+    return [
+        {
+            **each[shown][k],
+            "dampers": [
+                {"at": name, **{key: value for key, value in own[k].items() if key != "level"}}
+                for name, own in zip(structures, each, strict=True)
+            ],
+        }
+        for k in range(len(levels))
+    ]
+
+
+def _edges(fields: Sequence[Field]) -> Iterator[list[Field]]:
+    """The fields with m' and m'' of all points moved together to the ends of their intervals."""
+    for a in (-1, 1):
+        for b in (-1, 1):
+            yield [field.shifted(a, b) for field in fields]
+
+
+def _levels(
+    together: Sequence[Responses], edges: Sequence[Sequence[Responses]], fields: Sequence[Field]
+) -> list[list[dict[str, Any]]]:
+    """Results of each damper and level; edges: the responses with the ends of the intervals."""
+    found: list[list[dict[str, Any]]] = [[] for _ in together]
+    known = any(np.isfinite(field.in_phase_half_width).any() for field in fields)
+    for k, level in enumerate(together[0].levels.tolist()):
+        up, down = (swept_together(together, k, down)[1] for down in (False, True))
+        for d, responses in enumerate(together):
+            peak, bare = responses.largest(k), float(responses.bare[k].max())
+            ends = [edge[d].largest(k) for edge in edges]
+            sizes = [end[1] for end in ends if end]
+            found[d].append(
+                {
+                    "level": level,
+                    "peak_frequency_hz": peak and peak[0],
+                    "peak_amplitude_m": peak and peak[1],
+                    "peak_interval_m": [f(sizes) for f in (min, max)]
+                    if known and len(sizes) == len(ends) else None,
+                    "bare_peak_amplitude_m": bare if math.isfinite(bare) else None,
+                    "reduction": peak[1] / bare if peak and math.isfinite(bare) else None,
+                    "most_solutions": int(responses.count[k].max()),
+                    "beyond_field_hz": _span(responses.frequency[responses.beyond[k]]),
+                    "jumps": [vars(jump) for jump in (*up[d], *down[d])],
+                }
+            )  # fmt: skip
     return found
 
 
@@ -148,7 +190,17 @@ def _span(frequency: Any) -> list[float] | None:
 
 
 def in_words(levels: list[dict[str, Any]]) -> str:
-    """Report of responses: a line a level, and its jumps."""
+    """Report of responses: a line a level, and its jumps; of several dampers for each of them."""
+    if "dampers" not in levels[0]:
+        return "\n".join(_table(levels))
+    lines: list[str] = []
+    for d, first in enumerate(levels[0]["dampers"]):
+        own = [{"level": one["level"], **one["dampers"][d]} for one in levels]
+        lines += [f"at {first['at']}", *_table(own)]
+    return "\n".join(lines)
+
+
+def _table(levels: list[dict[str, Any]]) -> list[str]:
     lines = [f"{'level':>8}  {'bare peak':>12}{'with the bed':>14}  {'interval':20}{'at':>10}"
              f"{'reduction':>11}"]  # fmt: skip
     for one in levels:
@@ -171,26 +223,41 @@ def in_words(levels: list[dict[str, Any]]) -> str:
             f"from {_millimetres(jump['before'])} to {_millimetres(jump['after'])}"
             for jump in one["jumps"]
         ]
-    return "\n".join(lines)
+    return lines
 
 
 def _millimetres(length: float | None) -> str:
     return "-" if length is None else f"{1e3 * length:.4g} mm"
 
 
-def write_responses(path: Path, responses: Responses) -> Path:
-    """Write a CSV, a line a level, frequency and solution; its path."""
+def write_responses(
+    path: Path, together: Sequence[Responses], names: Sequence[str] = (), shown: int = 0
+) -> Path:
+    """Write a CSV, a line a level, frequency and solution; its path.
+
+    names: of several dampers, each of which has amplitudes of its own besides the shown one's.
+    """
     rows = []
-    for k, level in enumerate(responses.levels.tolist()):
-        for f, frequency in enumerate(responses.frequency.tolist()):
+    lead = together[shown]
+    for k, level in enumerate(lead.levels.tolist()):
+        for f, frequency in enumerate(lead.frequency.tolist()):
             about = {"level": level, "frequency_hz": frequency}
-            bare = float(responses.bare[k, f])
-            about["bare_amplitude_m"] = bare if math.isfinite(bare) else None
-            found = responses.amplitude[k, f, : responses.count[k, f]].tolist()
-            beyond = bool(responses.beyond[k, f])
-            rows += [
-                {**about, "amplitude_m": a, "stable": s % 2 == 0, "beyond_field": beyond}
-                for s, a in enumerate(found or [None])
-            ]
+            bare = {"bare_amplitude_m": _finite(lead.bare[k, f])}
+            more = {f"bare_amplitude_m_{name}": _finite(one.bare[k, f])
+                    for name, one in zip(names, together, strict=bool(names))}  # fmt: skip
+            beyond, stable = bool(lead.beyond[k, f]), lead.is_stable[k, f].tolist()
+            for s in range(max(int(lead.count[k, f]), 1)):
+                own = {f"amplitude_m_{name}": _finite(one.amplitude[k, f, s])
+                       for name, one in zip(names, together, strict=bool(names))}  # fmt: skip
+                rows.append(
+                    {
+                        **about, **bare, "amplitude_m": _finite(lead.amplitude[k, f, s]),
+                        "stable": stable[s], "beyond_field": beyond, **more, **own,
+                    }
+                )  # fmt: skip
     write_atomic(path, as_csv(rows))
     return path
+
+
+def _finite(value: Any) -> float | None:
+    return float(value) if math.isfinite(value) else None

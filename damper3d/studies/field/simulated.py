@@ -5,7 +5,7 @@ the folders of a sweep: finished ones are not done again.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from damper3d.case.case import DamperCase
@@ -53,19 +53,26 @@ def forgotten(structure: Structure, frequency: float) -> int:
     return math.ceil(-math.log(LEFT) * frequency / slowest) if slowest else 0
 
 
-def points(structure: Structure, rows: Rows) -> Rows:
-    """A row for each run: amplitudes with the bed and bare [m]; None where it is not done."""
+def points(structures: Mapping[str, Structure], rows: Rows, shown: int = 0) -> Rows:
+    """A row for each run: amplitudes with the bed and bare [m]; None where it is not done.
+
+    structures: at each damper, by the name of its place; of several each has amplitudes of its own
+    under `dampers`, besides those of the shown one.
+    """
     found = []
     for row in rows:
-        bare = row["level"] * abs(complex(structure.bare([row["frequency_hz"]])[0]))
-        amplitude = row.get("host.amplitude_m")
+        each = row.get("dampers") or [{"amplitude_m": row.get("host.amplitude_m")}]
+        own = [
+            _amplitudes(row, structure, each[d]["amplitude_m"] if d < len(each) else None)
+            for d, structure in enumerate(structures.values())
+        ]
+        places = [{"at": name, **one} for name, one in zip(structures, own, strict=True)]
         found.append(
             {
                 "level": row["level"],
                 "frequency_hz": row["frequency_hz"],
-                "bare_amplitude_m": bare,
-                "amplitude_m": amplitude,
-                "reduction": None if amplitude is None else amplitude / bare,
+                **own[shown],
+                **({"dampers": places} if len(places) > 1 else {}),
                 "steady": row.get("steady"),
                 "efficiency": row.get("efficiency"),
                 "state": row["state"],
@@ -76,8 +83,38 @@ def points(structure: Structure, rows: Rows) -> Rows:
     return found
 
 
+def _amplitudes(
+    row: dict[str, Any], structure: Structure, amplitude: float | None
+) -> dict[str, float | None]:
+    bare = row["level"] * abs(complex(structure.bare([row["frequency_hz"]])[0]))
+    reduction = None if amplitude is None else amplitude / bare
+    return {"bare_amplitude_m": bare, "amplitude_m": amplitude, "reduction": reduction}
+
+
+def in_columns(found: Rows) -> Rows:
+    """The points as rows of a table: of several dampers, columns by the names of their places."""
+    return [
+        {key: value for key, value in one.items() if key != "dampers"}
+        | {
+            f"{key}_{damper['at']}": damper[key]
+            for key in ("bare_amplitude_m", "amplitude_m")
+            for damper in one.get("dampers", ())
+        }
+        for one in found
+    ]
+
+
 def in_words(found: Rows) -> str:
-    """Report of points: a line each."""
+    """Report of points: a line each; of several dampers for each of them."""
+    if not found or "dampers" not in found[0]:
+        return _table(found)
+    tables = []
+    for d, first in enumerate(found[0]["dampers"]):
+        tables += [f"at {first['at']}", _table([{**one, **one["dampers"][d]} for one in found])]
+    return "\n".join(tables)
+
+
+def _table(found: Rows) -> str:
     lines = [f"{'level':>8}{'frequency':>13}{'bare':>13}{'simulated':>13}{'reduction':>11}"]
     for one in found:
         start = (

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from damper3d.case.case import DamperCase
+from damper3d.case.host.several import name_of
 from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -57,20 +58,29 @@ class Structure:
             base_acceleration=base_acceleration,
         )  # fmt: skip
 
+    def modal(self, frequency: ArrayLike) -> tuple[Complexes, Floats, Floats]:
+        """d_r (f, r), what drives each mode (f, r) and B (f,) at frequencies (f,) [Hz].
+
+        The first two over w^2: psi_r F0/w^2 + p_r B [kg^0.5 m].
+        """
+        w = 2.0 * math.pi * np.asarray(frequency, float)[:, None]
+        damping = 2j * self.damping_ratio * self.omega * w
+        d = np.asarray((self.omega**2 - w**2 + damping) / w**2, complex)
+        base = self.base_displacement + self.base_acceleration / w**2
+        return d, self.force_shape * self.force / w**2 + self.participation * base, base[:, 0]
+
     def products(self, frequency: ArrayLike) -> tuple[Complexes, Complexes, Complexes]:
         """P, H P and X_b P at frequencies (f,) [Hz], each d_r divided by w^2."""
-        w = 2.0 * math.pi * np.asarray(frequency, float)[:, None]
-        d = (self.omega**2 - w**2 + 2j * self.damping_ratio * self.omega * w) / w**2
+        w = 2.0 * math.pi * np.asarray(frequency, float)
+        d, driven, base = self.modal(frequency)
         others = np.stack(
             [np.prod(np.delete(d, r, axis=1), axis=1) for r in range(len(self.omega))], axis=1
         )
-        base = self.base_displacement + self.base_acceleration / w**2
-        driven = self.force_shape * self.force / w**2 + self.participation * base
         product = np.prod(d, axis=1)
         return (
             product,
-            (others * self.shape**2).sum(axis=1) / w[:, 0] ** 2,
-            base[:, 0] * product + (others * self.shape * driven).sum(axis=1),
+            (others * self.shape**2).sum(axis=1) / w**2,
+            base * product + (others * self.shape * driven).sum(axis=1),
         )
 
     def bare(self, frequency: ArrayLike) -> Complexes:
@@ -80,8 +90,26 @@ class Structure:
             return np.where(product == 0, np.inf, moved / product)
 
 
+def structures_of(case: DamperCase) -> dict[str, Structure]:
+    """The structure as each damper of a case sees it, by its name: shapes alone differ.
+
+    Raises InputError as structure_of.
+    """
+    dampers = case.together.damper if case.together is not None else None
+    if dampers is None:
+        return {case.settings.host.at or "1": structure_of(case)}
+    names = [name_of(one, k) for k, one in enumerate(dampers)]
+    return {
+        name if names.count(name) == 1 else f"{name}-{k + 1}": structure_of(one)
+        for k, (name, one) in enumerate(zip(names, case.dampers, strict=True))
+    }
+
+
 def structure_of(case: DamperCase) -> Structure:
-    """The structure of a case's [host]; InputError where it has none, or one that is let go."""
+    """The structure of a case's [host] at its damper, the shown one of several.
+
+    Raises InputError where it has none, or one that is let go.
+    """
     keys, modes = case.settings.host, case.modes
     if case.arc is not None:
         raise InputError(

@@ -6,7 +6,7 @@ turns what is written for a key into a number (in SI) or a word.
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -99,10 +99,21 @@ def _axes(vary: Any) -> list[tuple[tuple[str, ...], Any]]:
         if "." in name:
             axes.append((tuple(key.strip() for key in name.split(",")), written))
         elif isinstance(written, dict):
-            axes += [((f"{name}.{key}",), values) for key, values in written.items()]
+            axes += [((key,), values) for key, values in _below(name, written)]
         else:
             raise StudyError(f"[vary] {name}: write section.key, such as law.mu_wall")
     return axes
+
+
+def _below(name: str, table: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """The keys of a table and of tables in it, which are no series: have other tables or lists."""
+    for key, written in table.items():
+        values = written.values() if isinstance(written, dict) else ()
+        nested = any(isinstance(value, dict | list) for value in values)
+        if nested and "distribution" not in written:
+            yield from _below(f"{name}.{key}", written)
+        else:
+            yield f"{name}.{key}", written
 
 
 def _check_once(axes: Iterable[tuple[str, ...]]) -> None:

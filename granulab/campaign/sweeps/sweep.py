@@ -2,7 +2,7 @@
 
 A simulator says in a Simulator what its runs are and what they need; here nobody knows what they
 compute. A case is a frozen dataclass with a `name`, a `time_step` [s] and `settings` whose [run]
-has a seed.
+has a seed; where more follows from the seed it has a method `with_seed`.
 """
 
 import dataclasses
@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -96,19 +97,13 @@ class Simulator:
 
 def over_seeds(labels: Labels, case: Any, seeds: Sequence[int]) -> list[Labelled]:
     """A case once for each seed (0 or more), with the seed among its labels."""
-    settings = case.settings
-    return [
-        (
-            {**labels, "seed": seed},
-            dataclasses.replace(
-                case,
-                settings=settings.model_copy(
-                    update={"run": settings.run.model_copy(update={"seed": seed})}
-                ),
-            ),
-        )
-        for seed in seeds
-    ]
+    seeded = getattr(case, "with_seed", partial(_with_seed, case))
+    return [({**labels, "seed": seed}, seeded(seed)) for seed in seeds]
+
+
+def _with_seed(case: Any, seed: int) -> Any:
+    run = case.settings.run.model_copy(update={"seed": seed})
+    return dataclasses.replace(case, settings=case.settings.model_copy(update={"run": run}))
 
 
 def run_labelled(

@@ -247,10 +247,13 @@ def _written(table: Section) -> list[str]:
 def changed(
     document: dict[str, Any], changes: dict[str, Any] | None, model: type[Section]
 ) -> dict[str, Any]:
-    """The document with some keys ("section.key") set."""
+    """The document with some keys ("section.key") set; a section that is None is left out."""
     document = copy.deepcopy(document)
     for path, value in (changes or {}).items():
         section, dot, key = path.partition(".")
+        if not dot and value is None:
+            document.pop(section, None)
+            continue
         if not dot:
             known = [f"{s}.{k}" for s, keys in known_keys(model).items() for k in keys]
             close = [name for name in known if name.endswith(f".{path}")]
