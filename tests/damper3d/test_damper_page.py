@@ -12,7 +12,7 @@ from small_damper import damper3d
 from damper3d.engine.enclosures import ENCLOSURES
 from damper3d.view.player.contacts import Pairs, pressure
 from damper3d.view.player.page import player_page
-from damper3d.view.player.walls import _edges, to_wall
+from damper3d.view.player.walls import edges_of, to_wall
 from damper3d.view.scene import Scene, read_scene
 
 
@@ -135,7 +135,7 @@ def test_multi_sphere_particles_have_orientations_a_surface_and_no_stress(tmp_pa
 def test_edges_are_sharp_or_between_faces_of_a_round_wall(shape, keys, sharp, round_):
     """Of a round wall the faces beside an edge look nearly the same way."""
     enclosure = ENCLOSURES[shape](**keys)
-    ends, normals = _edges([points for _, points in enclosure.polygons])
+    ends, normals = edges_of([points for _, points in enclosure.polygons])
     always = ~normals.any(axis=(1, 2))
     assert always.sum() == sharp
     assert (~always).sum() == (len(ends) if round_ is None else round_)

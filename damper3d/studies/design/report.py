@@ -207,7 +207,7 @@ def as_page(results: dict[str, Any], pictures: Mapping[str, bytes]) -> str:
 
 
 def _of_the_first(results: dict[str, Any]) -> list[dict[str, Any]]:
-    """What is known of the first design alone, and what it was compared with."""
+    """Tables of the first design alone: its levels, its robustness, what it was compared with."""
     first = results["designs"][0]
     seen = (first["verified_by_simulation"] or {}).get("levels", [])
     simulated = {one["level"]: one["reductions"] for one in seen}
