@@ -242,8 +242,36 @@ def test_two_designs_of_a_bed_at_most_are_verified(tmp_path):
     found = [Design(Candidate(bed, 0.02 + 0.001 * k, 0.001), Field.of([60], [1.0], [1j], 0.1))
              for k, bed in enumerate(beds)]  # fmt: skip
     found[1].field = None
-    assert verifying.to_verify(found, 3) == [found[0], found[2], found[4]]
-    assert verifying.to_verify(found, 9) == [found[0], found[2], found[4], found[5]]
+    nobody = Candidate(Bed(ball, 12, 0.03), 0.02, 0.001)
+    assert verifying.to_verify(found, 3, nobody) == [found[0], found[2], found[4]]
+    assert verifying.to_verify(found, 9, nobody) == [found[0], found[2], found[4], found[5]]
+
+
+def test_the_rule_of_thumb_is_verified_too_and_starts_the_search(tmp_path):
+    """Sec. 9.2, rule I: 8 mm, an eighth of 60 mm, as wide as the space, pi times the bare amplitude
+    over the bed, which is 5 g/omega^2 = 0.345 mm."""
+    task = task_of(tmp_path)
+    beds = making.beds_of(task)
+    heights = [0.03 if bed.ball.diameter != 0.007 else math.inf for bed in beds]
+    rule = making.rule_of_thumb(task, beds, heights)
+    assert rule.bed.ball.diameter == 0.008
+    assert rule.bed.width == 0.06
+    assert rule.bed.mass == max(b.mass for b in beds if b.ball == rule.bed.ball)
+    amplitude = 5 * 9.80665 / (2 * math.pi * 60) ** 2
+    assert rule.clearance == pytest.approx(math.pi * amplitude, rel=1e-2)
+    pool = [rule, *making.pool(beds, heights, 1e-4, 0.06)]
+    assert 0 in making.spread(pool, 1e-4, 4)
+    known = Field.of([60], [1.0], [1j], 0.1)
+    found = [Design(one, known) for one in pool[5:9]] + [Design(rule, known)]
+    assert verifying.to_verify(found, 1, rule) == [found[-1], found[0]]
+
+
+def test_clearances_near_the_best_stay_in_the_space(tmp_path):
+    bed = Bed(task_of(tmp_path).catalogue[0], 20, 0.03)
+    best = Candidate(bed, 0.020, 0.002)
+    near = making.nearby(best, 0.0205)
+    assert [one.clearance for one in near] == pytest.approx([0.00142, 0.00168, 0.00238])
+    assert all(one.height - one.clearance == pytest.approx(0.018) for one in near)
 
 
 def test_intervals_of_verified_designs_pool_their_scatter(tmp_path):
@@ -289,7 +317,9 @@ def test_a_small_design_is_made_told_and_not_computed_again(tmp_path):
     assert done.code == 0, done.err
     found = json.loads(done.out)
     first = found["designs"][0]
-    assert [one["rank"] for one in found["designs"]] == [1, 2, 3]
+    ranks = [one["rank"] for one in found["designs"]]
+    assert ranks == list(range(1, len(ranks) + 1))
+    assert len(ranks) >= 3
     assert 0 < first["reduction"] < 1
     low, high = first["reduction_interval"]
     assert low <= first["reduction"] <= high

@@ -65,6 +65,8 @@ def design(
 
 
 def _plan(designer: "Designer") -> dict[str, Any]:
+    from damper3d.studies.design.candidates import NEARBY
+
     spec = designer.task.spec
     costs = [designer.cost_of(bed) for bed in designer.beds]
     return {
@@ -75,7 +77,7 @@ def _plan(designer: "Designer") -> dict[str, Any]:
         "beds": len(costs),
         "candidates": designer.number,
         "expected_cpu_min": designer.number * sum(costs) / len(costs) / 60,
-        "verified": spec.search.verified * spec.search.seeds * 3,
+        "verified": (spec.search.verified + 1 + len(NEARBY)) * spec.search.seeds * 3,
     }
 
 
@@ -84,8 +86,8 @@ def _planned(planned: dict[str, Any]) -> str:
         f"{planned['name']}: bare {planned['bare_gamma']:.4g} g under {planned['force_n']:.4g} N; "
         f"closed form {1e3 * planned['closed_form_m']:.4g} mm\n"
         f"{planned['beds']} beds find room; fields of {planned['candidates']} candidates, about "
-        f"{planned['expected_cpu_min']:.1f} min of CPU; then {planned['verified']} runs with the "
-        "structure"
+        f"{planned['expected_cpu_min']:.1f} min of CPU; then some {planned['verified']} runs "
+        "with the structure"
     )
 
 
@@ -99,10 +101,11 @@ def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -
 
     task, search = designer.task, designer.task.spec.search
     found = designer.searched()
-    tried = to_verify(found, search.verified)
+    tried = to_verify(found, search.verified, designer.rule)
     designer.say(f"{len(tried)} designs with the structure, {search.seeds} packings each")
     verified = designer.verify(tried, search.seed + 1)
-    order = ranked(found, verified)
+    beside = [one.design for one in verified[len(tried) :]]
+    order = ranked([*found, *beside], verified)
     designer.say("the first where level and frequency are off")
     robust = designer.robustness(order[0]) if order[0].field is not None else None
     designs = [

@@ -24,6 +24,7 @@ LAYERS = (0.6, 1.0, 2.5, 6.0)  # below one, of the floor that a full layer cover
 SHARES = (1.0, 0.6)  # of the budget
 _LAYER = math.pi / (3.0 * math.sqrt(3.0))  # volume of a hexagonal layer over floor and diameter
 CLEARANCES = np.geomspace(0.25, 64.0, 17)  # over that of the closed form
+NEARBY = (0.71, 0.84, 1.19, 1.41)  # of the best clearance: a step of those, and half a step
 _LOWEST = 1.2  # Gamma over the threshold of motion, below which no bed damps
 _NARROWEST = 3.0  # extents of a particle, of an enclosure
 
@@ -179,14 +180,15 @@ def pool(
 
 
 def spread(candidates: Sequence[Candidate], amplitude: float, number: int) -> list[int]:
-    """Indices of some candidates far from each other, the closed form's own first.
+    """Indices of some candidates far from each other, from the closed form's own and the first on.
 
     Greedy: each next one is the farthest from those chosen, in features over their range.
     """
     x = scaled(candidates, amplitude)
     ideal = [abs(math.log(c.clearance / (math.pi * amplitude))) for c in candidates]
     wide = [-c.bed.width for c in candidates]
-    chosen = [min(range(len(candidates)), key=lambda k: (round(ideal[k], 6), wide[k], k))]
+    closed_form = min(range(len(candidates)), key=lambda k: (round(ideal[k], 6), wide[k], k))
+    chosen = list(dict.fromkeys([closed_form, 0]))[:number]
     while len(chosen) < min(number, len(candidates)):
         gaps = np.linalg.norm(x[:, None] - x[None, chosen], axis=2).min(axis=1)
         chosen.append(int(np.argmax(gaps)))
@@ -200,13 +202,34 @@ def scaled(candidates: Sequence[Candidate], amplitude: float) -> np.ndarray:
     return np.asarray((x - x.min(axis=0)) / np.where(span > 0, span, 1.0))
 
 
-def rule_of_thumb(task: Task, beds: Sequence[Bed]) -> Bed:
-    """The thesis's rule I (sec. 9.2): its bed, an eighth of the width, as wide as the space.
+def rule_of_thumb(task: Task, beds: Sequence[Bed], heights: Sequence[float]) -> Candidate:
+    """The thesis's rule I (sec. 9.2): a ball of an eighth of the width, as wide as the space.
 
-    Its clearance makes the bare structure's amplitude the optimum (eq. 6.11).
+    Its clearance makes the bare structure's amplitude the optimum (eq. 6.11); of beds that settle
+    to some heights [m].
     """
-    wanted = task.widest / 8
-    return min(beds, key=lambda b: (abs(b.ball.diameter - wanted), -b.count, -b.width))
+    wanted, highest = task.widest / 8, task.spec.space.height
+
+    def order(pair: tuple[Bed, float]) -> tuple[float, ...]:
+        bed, settled = pair
+        return math.isinf(settled), abs(bed.ball.diameter - wanted), -bed.count, -bed.width
+
+    bed, settled = min(zip(beds, heights, strict=True), key=order)
+    return of_height(bed, min(settled + math.pi * task.bare_amplitude, highest), settled)
+
+
+def of_height(bed: Bed, height: float, settled: float) -> Candidate:
+    """A bed that settles to a height [m], in an enclosure about as high as another [m]."""
+    rounded = float(f"{max(height, 1.001 * bed.ball.extent):.5g}")
+    return Candidate(bed, rounded, rounded - settled)
+
+
+def nearby(candidate: Candidate, highest: float) -> list[Candidate]:
+    """Candidates of the same bed with somewhat other clearances, up to a height [m]."""
+    settled = candidate.height - candidate.clearance
+    found = [of_height(candidate.bed, settled + factor * candidate.clearance, settled)
+             for factor in NEARBY]  # fmt: skip
+    return [one for one in dict.fromkeys(found) if one.height <= highest and one != candidate]
 
 
 def random_beds(task: Task, beds: Sequence[Bed], number: int) -> list[tuple[Bed, float]]:

@@ -29,6 +29,7 @@ from damper3d.studies.design.spec import Task
 from damper3d.studies.design.verification import (
     Verified,
     about_peak,
+    best_of,
     beyond_edge,
     verification_cases,
 )
@@ -103,6 +104,17 @@ class Designer:
             float(row["packing.height_m"]) if row["state"] == "done" else math.inf for row in rows
         ]
 
+    @cached_property
+    def settled(self) -> list[float]:
+        """Heights [m] to which the beds settle."""
+        self.say(f"{len(self.beds)} beds: how high they settle")
+        return self.heights(self.beds)
+
+    @cached_property
+    def rule(self) -> Candidate:
+        """The thesis's rule of thumb, from which the search starts."""
+        return making.rule_of_thumb(self.task, self.beds, self.settled)
+
     def compute(self, chosen: Sequence[Candidate]) -> list[Design]:
         """Designs of candidates, by their fields."""
         frequency = self.task.spec.structure.frequency
@@ -134,14 +146,14 @@ class Designer:
 
     def searched(self) -> list[Design]:
         """Designs of the search, the best first."""
-        self.say(f"{len(self.beds)} beds: how high they settle")
         space = self.task.spec.space
-        pool = making.pool(self.beds, self.heights(self.beds), self.amplitude, space.height)
+        pool = making.pool(self.beds, self.settled, self.amplitude, space.height)
         if not pool:
             raise InputError(
                 f"{self.task.spec.name}: no design fits: the space, {1e3 * space.height:g} mm "
                 "high, leaves no clearance over any bed; give more height, or a smaller added_mass"
             )
+        pool = list(dict.fromkeys([self.rule, *pool]))
         number, done, best = min(self.number, len(pool)), 0, 1.0
 
         def compute(chosen: Sequence[Candidate]) -> list[Design]:
@@ -159,13 +171,21 @@ class Designer:
     def verify(self, designs: Sequence[Design], first_seed: int) -> list[Verified]:
         """Simulate structure and bed together, each design at the level that its field has worst.
 
-        Then the best one at all levels, and the next if that one is no longer the best.
+        Then the best one with other clearances; then the best of all at all levels, and the next if
+        that one is no longer the best.
         """
         verified = [Verified(design) for design in designs]
         self.simulate([(one, one.design.worst) for one in verified], first_seed)
+        if best := best_of(verified):
+            self.say("the best with other clearances")
+            near = making.nearby(best.design.candidate, self.task.spec.space.height)
+            known = {one.design.candidate for one in verified}
+            found = self.compute([one for one in near if one not in known])
+            beside = [Verified(design) for design in found if design.field is not None]
+            self.simulate([(one, one.design.worst) for one in beside], first_seed)
+            verified += beside
         every = range(len(self.task.spec.level.range))
-        while able := [one for one in verified if one.reductions]:
-            best = min(able, key=lambda one: one.mean)
+        while best := best_of(verified):
             missing = [(best, level) for level in every if level not in best.levels]
             if not missing:
                 break
@@ -214,18 +234,12 @@ class Designer:
 
     def others(self, number: int) -> tuple[Design, list[Design]]:
         """The thesis's rule of thumb, and random designs, by their fields."""
-        space, bare = self.task.spec.space, self.task.bare_amplitude
-        rule = making.rule_of_thumb(self.task, self.beds)
+        highest = self.task.spec.space.height
         drawn = making.random_beds(self.task, self.beds, number)
-        settled = self.heights([rule, *(bed for bed, _ in drawn)])
-        chosen = [_candidate(rule, min(settled[0] + math.pi * bare, space.height), settled[0])]
-        for (bed, part), height in zip(drawn, settled[1:], strict=True):
-            if height < space.height:
-                chosen.append(_candidate(bed, height + part * (space.height - height), height))
+        settled = self.heights([bed for bed, _ in drawn])
+        chosen = [self.rule]
+        for (bed, part), height in zip(drawn, settled, strict=True):
+            if height < highest:
+                chosen.append(making.of_height(bed, height + part * (highest - height), height))
         found = self.compute(chosen)
         return found[0], sorted(found[1:], key=lambda design: design.reduction)
-
-
-def _candidate(bed: Bed, height: float, settled: float) -> Candidate:
-    rounded = float(f"{max(height, 1.001 * bed.ball.extent):.5g}")
-    return Candidate(bed, rounded, rounded - settled)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from damper3d.case.case import DamperCase
+from damper3d.studies.design.candidates import Candidate
 from damper3d.studies.design.search import Design, Rows, responses_near, structure_of
 from damper3d.studies.design.spec import Task
 from damper3d.studies.field.simulated import forgotten
@@ -58,15 +59,23 @@ class Verified:
         return max(found, default=None)
 
 
-def to_verify(designs: Sequence[Design], number: int) -> list[Design]:
-    """The best of designs in their order, at most _ALIKE of a bed.
+def best_of(verified: Sequence[Verified]) -> Verified | None:
+    """The one of the least mean reduction at the levels that it is known at; None of none."""
+    able = [one for one in verified if one.reductions]
+    return min(able, key=lambda one: one.mean, default=None)
+
+
+def to_verify(designs: Sequence[Design], number: int, rule: Candidate) -> list[Design]:
+    """The best of designs in their order, at most _ALIKE of a bed, and the rule of thumb's.
 
     Fields of one bed err alike, so that another bed is the better second choice.
     """
-    chosen: list[Design] = []
+    chosen = [one for one in designs if one.candidate == rule and one.field is not None]
+    number += len(chosen)
     for one in designs:
         alike = sum(one.candidate.bed == other.candidate.bed for other in chosen)
-        if one.field is not None and alike < _ALIKE and len(chosen) < number:
+        able = one.field is not None and one.candidate != rule
+        if able and alike < _ALIKE and len(chosen) < number:
             chosen.append(one)
     return chosen
 
