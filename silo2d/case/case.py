@@ -35,6 +35,7 @@ from silo2d.case.parameters import (
 )
 from silo2d.case.settings import Fill, Settings, Silo, check_settings, read_settings, to_toml
 from silo2d.case.shape import ShapeSet, vertex_list
+from silo2d.case.shapefile import files_beside
 from silo2d.engine.pair_law import Law
 from silo2d.engine.state import MAX_VERTICES
 
@@ -116,6 +117,7 @@ class SiloCase:
         pour_time_step = filling_time_step(shapes, surface_density, pour_laws)
         check_steps(settings, time_step, pour_time_step, where)
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}
+        files |= files_beside(shapes_file)
         return cls(
             settings, outline, shapes, surface_density, *laws, disorder, time_step, reason,
             pour_laws, pour_time_step,

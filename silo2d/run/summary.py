@@ -89,6 +89,7 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
         "layer": layer.astype(np.int64),
         "shape_points": np.concatenate(outlines),
         "shape_start": np.cumsum([0, *(len(outline) for outline in outlines)]),
+        "shape_part": np.unique(case.shapes.parts, return_inverse=True)[1],
         "wall_segments": walls.segments,
         **{f"filling_{name}": column for name, column in packing.at_walls.items()},
     }
@@ -98,6 +99,7 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
     attributes = {
         "silo": case.label,
         "wall_names": json.dumps(walls.names),
+        "part_names": json.dumps(np.unique(case.shapes.parts).tolist()),
         "lips": np.array(case.outline.lips),
         "level": case.settings.fill.level,
     }
