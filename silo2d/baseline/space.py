@@ -83,6 +83,6 @@ def add_particle(
 
 def strays(outline: Outline, positions: np.ndarray) -> int:
     """Number of positions (n, 2) [m] that are outside the silo."""
-    from shapely import Polygon, contains_xy
+    from shapely import contains_xy
 
-    return int(np.sum(~contains_xy(Polygon(outline.polygon), positions)))
+    return int(np.sum(~contains_xy(outline.inside, positions)))

@@ -15,6 +15,7 @@ from granulab.contact.files.units import both, located, nearest, to_si
 from granulab.contact.laws import LinearLaw
 from granulab.contact.restitution import linear_restitution
 from granulab.errors import InputError
+from silo2d.case.beds.openings import check_ways, with_inserts, with_outlets
 from silo2d.case.disorder import Spread, drawn_laws, spreads, stiffest
 from silo2d.case.filling import (
     GRAVITY,
@@ -85,7 +86,7 @@ class SiloCase:
         settings = check_settings(document, where)
         shapes_file = find(settings.particles.shapes, "shapes", folder)
         table_file = find(settings.particles.materials, "materials", folder)
-        outline = _outline(settings.silo, settings.name, where)
+        outline = _opened(_outline(settings.silo, settings.name, where), settings, where)
         shapes, table = both(lambda: shapes_of(shapes_file), lambda: table_of(table_file, settings))
         _check_sizes(outline, shapes, settings, where)
         particles = settings.particles
@@ -141,6 +142,8 @@ class SiloCase:
     def silo_name(self) -> str | None:
         """The paper's silo that this outline is, or None."""
         own = self.outline
+        if own.inserts or own.outlets:
+            return None
         rotations = [np.roll(own.polygon, k, axis=0) for k in range(len(own.polygon))]
         for name in PRESETS:
             known = preset(name)
@@ -253,6 +256,8 @@ class SiloCase:
 # Keys that a packing or a run is not named by while they are off: folders made before there were
 # such keys keep their names.
 _OFF = {
+    ("silo", "inserts"): None,
+    ("silo", "outlets"): None,
     ("fill", "friction"): False,
     ("fill", "layer"): None,
     ("run", "door_speed"): None,
@@ -316,6 +321,21 @@ def _outline(silo: Silo, name: str, where: str) -> Outline:
         return dataclasses.replace(hopper(angle, outlet, *size, "hopper"), name=name)
 
 
+def _opened(outline: Outline, settings: Settings, where: str) -> Outline:
+    """The silo with its inserts and further outlets."""
+    silo, field = settings.silo, f"{where}: [silo]"
+    unit = to_si(f"1 {silo.outline_unit}", "m", f"{field} outline_unit")
+    if silo.outlets:
+        if settings.run.door_speed is not None:
+            raise InputError(
+                f"{where}: [run] door_speed: further outlets open at once; leave it out, or outlets"
+            )
+        outline = with_outlets(outline, silo.outlets, unit, f"{field} outlets")
+    if silo.inserts:
+        outline = with_inserts(outline, silo.inserts, unit, f"{field} inserts")
+    return outline
+
+
 def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: str) -> None:
     """Check what must hold between the silo, the particles and the fill level."""
     narrowest = min(shape.width for shape in shapes.shapes)
@@ -324,6 +344,7 @@ def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: 
             f"{where}: [silo] outlet = {outline.outlet * 1e3:g} mm: smaller than the narrowest "
             f"particle, {narrowest * 1e3:.3g} mm; nothing would come out"
         )
+    check_ways(outline, narrowest, where)
     level, largest = settings.fill.level, 2 * shapes.bounding_radius
     if not largest < level <= outline.height:
         raise InputError(

@@ -67,10 +67,20 @@ class Silo(Section):
         "without outlet and outlet_centre the whole lowest edge opens",
         example=[[-75, 0], [75, 0], [150, 130], [150, 500], [-150, 500], [-150, 130]],
     )  # fmt: skip
-    outline_unit: str = key("mm", "unit of the outline")
+    outline_unit: str = key("mm", "unit of the outline, inserts and outlets")
     outlet_centre: Length | None = key(
         None, "x of the outlet's middle, in an outline", example="0 mm",
         left_out="the middle of its edge",
+    )  # fmt: skip
+    inserts: list[list[list[float]]] | None = key(
+        None, "bodies that are held in their place: corners of each, counter-clockwise, inside the "
+        "silo and apart from its walls, in outline_unit",
+        example=[[[-40, 180], [40, 180], [0, 250]]], left_out="none",
+    )  # fmt: skip
+    outlets: list[list[list[float]]] | None = key(
+        None, "further outlets, in the floor or in the side: both ends of each, on one wall, in "
+        "outline_unit; they open with the first", example=[[[-150, 200], [-150, 260]]],
+        left_out="none",
     )  # fmt: skip
 
 

@@ -89,11 +89,12 @@ def _open_door(
         touches |= rest.tables(sim, forces)
     held = bool(case.settings.fill.friction)
     sim.begin_phase(*case.laws(sim.n_particles), sim.time_step, keep_slips=held)
-    door, speed = len(case.outline.walls().names) - 1, case.settings.run.door_speed
+    doors, speed = case.outline.walls().doors, case.settings.run.door_speed
     if speed is None:
-        sim.remove_wall(door)
+        for door in doors:
+            sim.remove_wall(door)
     else:
-        sim.draw_door(door, speed)
+        sim.draw_door(doors[-1], speed)
     # With what the springs of contacts with the door held: that counts as friction already.
     clock.starting_energy = _energy(sim.energies()) + _dissipated(sim)
     writer.append(frame_of(sim, forces), touches)

@@ -56,8 +56,13 @@ class Scene:
 
     @property
     def walls(self) -> NDArray[np.float64]:
-        """End points of the walls (w - 1, 2, 2) [m], without the door."""
-        return self.trajectory.static["wall_segments"][:-1]
+        """End points of the walls (w - doors, 2, 2) [m], without the doors."""
+        return self.trajectory.static["wall_segments"][: len(self.wall_names) - self.n_doors]
+
+    @property
+    def n_doors(self) -> int:
+        """Number of doors, the last walls."""
+        return sum(name.startswith("door") for name in self.wall_names)
 
     def door(self, frame: int) -> NDArray[np.float64]:
         """Rest of a door that is being drawn (1, 2, 2) [m], or nothing (0, 2, 2)."""
