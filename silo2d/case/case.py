@@ -15,6 +15,8 @@ from granulab.contact.files.units import both, located, nearest, to_si
 from granulab.contact.laws import LinearLaw
 from granulab.contact.restitution import linear_restitution
 from granulab.errors import InputError
+from silo2d.case.beds.flow import check_flow
+from silo2d.case.beds.laws import check_laws, curve_file, with_cohesion, with_curve
 from silo2d.case.beds.openings import check_ways, with_inserts, with_outlets
 from silo2d.case.disorder import Spread, drawn_laws, spreads, stiffest
 from silo2d.case.filling import (
@@ -34,7 +36,7 @@ from silo2d.case.parameters import (
     time_step_of,
     whole_pairs,
 )
-from silo2d.case.settings import Fill, Settings, Silo, check_settings, read_settings, to_toml
+from silo2d.case.settings import Fill, Flow, Settings, Silo, check_settings, read_settings, to_toml
 from silo2d.case.shape import ShapeSet, vertex_list
 from silo2d.case.shapefile import files_beside
 from silo2d.engine.pair_law import Law
@@ -58,6 +60,7 @@ class SiloCase:
     pour_time_step: float  # [s]
     files: dict[str, str]  # name in the run folder -> text, of the shapes and materials used
     impulses: Impulses | None = None  # what pymunk takes, for a case that it runs
+    length: float = math.nan  # of the prisms [m]
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "SiloCase":
@@ -104,6 +107,13 @@ class SiloCase:
             where,
         )
         laws = contact_laws(settings, pairs, mean_mass, where)
+        check_laws(settings, where)
+        curved = with_curve(laws, settings, folder, where)
+        if curved is not None:  # the steepest part decides on steps and softness
+            laws = (
+                laws[0]._replace(kn=curved[0].kn),
+                laws[1]._replace(kn=curved[1].kn),
+            )
         check_contacts(laws, material.length.value, mean_mass, where)
         disorder = spreads(settings, pairs, laws, where)
         bounds = stiffest(laws, disorder, settings.law.contact_end)
@@ -117,15 +127,18 @@ class SiloCase:
         pour_laws = filling_laws(pairs, filling_friction(settings, laws, where), rain)
         pour_time_step = filling_time_step(shapes, surface_density, pour_laws)
         check_steps(settings, time_step, pour_time_step, where)
+        check_flow(settings, shapes, where)
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}
-        files |= files_beside(shapes_file)
+        files |= files_beside(shapes_file) | curve_file(settings, folder)
+        acting = curved or with_cohesion(laws, settings, material.length.value)
         return cls(
-            settings, outline, shapes, surface_density, *laws, disorder, time_step, reason,
+            settings, outline, shapes, surface_density, *acting, disorder, time_step, reason,
             pour_laws, pour_time_step,
             {name: Path(file).read_text(encoding="utf-8") for name, file in files.items()},
             impulses_of(
                 settings, pairs, laws, shapes, math.sqrt(2 * GRAVITY * outline.height), where
             ),
+            material.length.value,
         )  # fmt: skip
 
     @property
@@ -235,7 +248,10 @@ class SiloCase:
         particles = self.settings.particles.model_copy(
             update={"shapes": "shapes.toml", "materials": "materials.toml"}
         )
-        return to_toml(self.settings.model_copy(update={"particles": particles}))
+        law = self.settings.law
+        if law.kn_curve is not None:
+            law = law.model_copy(update={"kn_curve": "kn_curve.csv"})
+        return to_toml(self.settings.model_copy(update={"particles": particles, "law": law}))
 
     def identity(self) -> dict[str, Any]:
         """Identity of a run, which names its folder: all that its results depend on."""
@@ -258,6 +274,10 @@ class SiloCase:
 _OFF = {
     ("silo", "inserts"): None,
     ("silo", "outlets"): None,
+    ("law", "cohesion"): None,
+    ("law", "kn_curve"): None,
+    ("law", "mu_plates"): None,
+    ("law", "plates_ratio"): None,
     ("fill", "friction"): False,
     ("fill", "layer"): None,
     ("run", "door_speed"): None,
@@ -272,6 +292,8 @@ def _acting(settings: Settings) -> dict[str, Any]:
     )
     if settings.disorder.per == "none":
         del tables["disorder"]
+    if settings.flow == Flow():
+        del tables["flow"]
     for (section, key), off in _OFF.items():
         if tables[section][key] == off:
             del tables[section][key]
