@@ -150,7 +150,7 @@ class Law(Section):
     cohesion: Stiffness | None = key(
         None, "pull that a contact takes before it parts, per length of contact, which is that of "
         "the prisms: moisture",
-        example="5 N/m", left_out="none", option="--cohesion",
+        example="1 N/m", left_out="none", option="--cohesion",
     )  # fmt: skip
     kn_curve: str | None = key(
         None, "CSV file next to this one of a measured force over overlap, in place of kn",

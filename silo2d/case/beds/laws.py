@@ -62,17 +62,15 @@ def with_cohesion(laws: Laws, settings: Settings, length: float) -> tuple[Law, L
 
 def check_laws(settings: Settings, where: str) -> None:
     """Raise InputError where laws that are not linear meet what needs the linear one."""
-    for key, given in (
-        ("cohesion", settings.law.cohesion), ("kn_curve", settings.law.kn_curve)
-    ):  # fmt: skip
+    law = settings.law
+    for key, given in (("cohesion", law.cohesion), ("kn_curve", law.kn_curve)):
         if given is not None and settings.disorder.per != "none":
             raise InputError(
-                f"{where}: [disorder] draws constants of the linear law; leave out it or [law] {key}"
+                f"{where}: [disorder] draws constants of the linear law; leave it out, or "
+                f"[law] {key}"
             )
         if given is not None and settings.run.engine == "pymunk":
-            raise InputError(
-                f"{where}: [law] {key} goes with engine = 'dem'; leave one of them out"
-            )
+            raise InputError(f"{where}: [law] {key} needs engine = 'dem'; leave one of them out")
 
 
 def read_curve(path: Path, field: str) -> tuple[np.ndarray, np.ndarray]:
