@@ -1,11 +1,14 @@
 """A gate that closes, a feeder, refilling, plates and vibration of whole runs; what is refused."""
 
+import random
+
 import numpy as np
 import pytest
 from refusals import assert_refuses
-from small_silo import write_case
+from small_silo import DischargeStop, write_case
 
 from granulab.campaign.runs.trajectory import read_trajectory
+from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.run.protocol import run
 
@@ -64,6 +67,26 @@ def test_plates_slow_the_discharge_and_vibration_is_paid_for(tmp_path):
     )
     assert frames["given_to_door"][-1] < 0.0  # the walls gave energy
     assert shaken.state_digest != bare.state_digest
+
+
+def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
+    """Gate, store and vibration follow from steps and state: stops at looks change no bit."""
+    changes = {
+        "flow.gate_times": ["0.05 s", "0.1 s"], "flow.refill": 20,
+        "flow.vibration_amplitude": "0.2 mm", "flow.vibration_frequency": "50 Hz",
+    }  # fmt: skip
+    case = SiloCase.load(write_case(tmp_path, changes))
+    whole = run(case, out=tmp_path / "whole")
+    chance, stops, result = random.Random(3), 0, None
+    stop = DischargeStop(lambda: chance.random() < 0.2)
+    while result is None:
+        try:
+            result = run(case, out=tmp_path / "parts", progress=stop.progress, stop=stop)
+        except Stopped:
+            stops += 1
+    assert stops >= 3
+    assert result.state_digest == whole.state_digest
+    assert result.n_out == whole.n_out
 
 
 @pytest.mark.parametrize(
