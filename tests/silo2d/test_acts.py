@@ -11,6 +11,7 @@ from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.run.protocol import run
+from silo2d.view.report import echo
 
 
 def result_of(folder, **changes):
@@ -121,3 +122,17 @@ def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
 )
 def test_an_act_that_cannot_be(changes, words):
     assert_refuses(["A4", *words], SiloCase.load, "A4", changes)
+
+
+def test_the_echo_names_what_acts_besides(tmp_path):
+    (tmp_path / "curve.csv").write_text("overlap,force\n0.01 mm,50 N\n0.02 mm,150 N\n")
+    changes = {
+        "silo.inserts": [[[-40, 180], [40, 180], [0, 250]]], "law.mu_plates": 0.4,
+        "law.plates_ratio": 0.5, "law.kn_curve": str(tmp_path / "curve.csv"), "flow.refill": 9,
+        "flow.gate_times": ["0.3 s"], "flow.vibration_amplitude": "1 mm",
+        "flow.vibration_frequency": "5 Hz",
+    }  # fmt: skip
+    text = echo(SiloCase.load("A4", changes), dry_run=True)
+    for words in ("CurveLaw: kn 1e+07", "1 inserts, 1 outlets", "plates: mu 0.4", "0.3 s", "5 Hz"):
+        assert words in text
+    assert "  besides  " not in echo(SiloCase.load("A4"), dry_run=True)
