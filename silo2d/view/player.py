@@ -181,8 +181,8 @@ class _Recorder:
             spans=_published(scene.summary), steps=True,
         )  # fmt: skip
         if "wall_force" in trajectory:
-            force = -trajectory["wall_force"][:, :-1, 1]
-            styles = wall_styles(scene.wall_names[:-1])
+            force = -trajectory["wall_force"][:, : len(scene.walls), 1]
+            styles = wall_styles(scene.wall_names[: len(scene.walls)])
             lines = [
                 Line(name, force[:, k], style["color"], dashed=style["ls"] != "-")
                 for k, (name, style) in enumerate(styles.items())

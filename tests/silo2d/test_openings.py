@@ -1,6 +1,7 @@
 """Inserts and further outlets: walls, weight borne, free fall through, and what is refused."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,10 @@ from silo2d.case.outline import hopper, preset
 from silo2d.case.shape import disc
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.world import build_world
+from silo2d.measures.basics.balance import part_of_wall
+from silo2d.measures.basics.walls import sides
+from silo2d.measures.janssen import vertical_walls
+from silo2d.view.scene import Scene
 
 WEDGE = [[-40, 180], [40, 180], [0, 250]]
 SIDE, FLOOR = [[-150, 200], [-150, 260]], [[60, 0], [120, 0]]
@@ -144,3 +149,24 @@ def test_an_opening_that_cannot_be(changes, words):
 def test_a_door_that_is_drawn_has_no_further_outlets():
     changes = {"silo.outlets": [SIDE], "run.door_speed": "0.5 m/s"}
     assert_refuses(["[run] door_speed", "leave it out"], SiloCase.load, "A4", changes)
+
+
+def test_measures_know_doors_and_inserts_from_walls():
+    """Doors are no walls, and inserts of no side; the vertical walls of Janssen are the silo's."""
+    outline = with_outlets(preset("A4"), [SIDE], 1e-3, "silo")
+    walls = with_inserts(
+        outline, [[[-5, 300], [5, 300], [5, 400], [-5, 400]]], 1e-3, "silo"
+    ).walls()
+    trajectory = SimpleNamespace(
+        static={"wall_segments": walls.segments}, attributes={"lips": outline.lips}
+    )
+    scene = Scene(trajectory, {}, walls.names)
+    assert len(scene.walls) == len(walls.names) - 2
+    side = sides(scene)
+    assert all(
+        (side[k] == 0) == name.startswith(("door", "insert")) for k, name in enumerate(walls.names)
+    )
+    parts = part_of_wall(scene)
+    assert parts[-2:] == ["door", "door"]
+    assert "door" not in parts[:-2]
+    assert [walls.names[k] for k in vertical_walls(scene)] == ["left wall a", "right wall"]
