@@ -127,7 +127,7 @@ class SiloCase:
         pour_laws = filling_laws(pairs, filling_friction(settings, laws, where), rain)
         pour_time_step = filling_time_step(shapes, surface_density, pour_laws)
         check_steps(settings, time_step, pour_time_step, where)
-        check_flow(settings, shapes, where)
+        check_flow(settings, shapes, time_step, where)
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}
         files |= files_beside(shapes_file) | curve_file(settings, folder)
         acting = curved or with_cohesion(laws, settings, material.length.value)

@@ -253,7 +253,7 @@ class Flow(Section):
         None, "particles that a feeder takes from the closed outlet in a second", example="200 1/s",
         left_out="the outlet opens", option="--feed-rate",
     )  # fmt: skip
-    refill: Annotated[int, Field(ge=0, le=1_000_000, strict=True)] = key(
+    refill: Annotated[int, Field(ge=0, le=100_000, strict=True)] = key(
         0, "particles kept in store, that are put on top as others leave", option="--refill",
         metavar="300",
     )  # fmt: skip

@@ -110,6 +110,10 @@ def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
             ["vibration_frequency = 500 Hz", "at most 50 g"],
         ),
         (
+            {"flow.vibration_amplitude": "1e-9 m", "flow.vibration_frequency": "20 kHz"},
+            ["vibration_frequency = 20000 Hz", "20 time steps a period", "at most 1e+04 Hz"],
+        ),
+        (
             {"flow.vibration_amplitude": "30 mm", "flow.vibration_frequency": "1 Hz"},
             ["vibration_amplitude = 30 mm", "narrowest particle"],
         ),

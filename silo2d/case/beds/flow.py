@@ -7,10 +7,11 @@ from silo2d.case.filling import GRAVITY
 from silo2d.case.settings import Settings
 from silo2d.case.shape import ShapeSet
 
+_FEWEST_STEPS = 20  # of a period of vibration
 _STRONGEST = 50.0  # acceleration of vibrating walls, in g: beyond it particles are shot
 
 
-def check_flow(settings: Settings, shapes: ShapeSet, where: str) -> None:
+def check_flow(settings: Settings, shapes: ShapeSet, time_step: float, where: str) -> None:
     """Raise InputError for keys that lack another, contradict each other, or are out of range."""
     law, flow, run = settings.law, settings.flow, settings.run
     if (law.mu_plates is None) != (law.plates_ratio is None):
@@ -41,6 +42,12 @@ def check_flow(settings: Settings, shapes: ShapeSet, where: str) -> None:
         )
     if flow.vibration_amplitude is not None and flow.vibration_frequency is not None:
         _check_vibration(flow.vibration_amplitude, flow.vibration_frequency, shapes, where)
+        if flow.vibration_frequency * time_step * _FEWEST_STEPS > 1:
+            most = 1 / (_FEWEST_STEPS * time_step)
+            raise InputError(
+                f"{where}: [flow] vibration_frequency = {flow.vibration_frequency:g} Hz: less than "
+                f"{_FEWEST_STEPS} time steps a period; at most {most:.3g} Hz"
+            )
     if run.engine == "pymunk":
         for key, given in (
             ("[law] mu_plates", law.mu_plates is not None),

@@ -64,8 +64,9 @@ class Acts:
     def of(cls, case: SiloCase, packing: Packing, sim: Simulation) -> "Acts":
         """The acts of a case in the time step of its simulation."""
         flow, step = case.settings.flow, sim.time_step
-        gate = [round(to_si(time, "s", "gate_times") / step) for time in flow.gate_times or []]
-        feed = 0.0 if flow.feed_rate is None else 1 / (flow.feed_rate * step)
+        times = [to_si(time, "s", "gate_times") for time in flow.gate_times or []]
+        gate = [max(round(time / step), 1) for time in times]
+        feed = 0.0 if flow.feed_rate is None else max(1 / (flow.feed_rate * step), 1.0)
         radius = case.shapes.bounding_radius
         surface = Surface(case.outline.raised(4 * radius), radius)
         return cls(case, packing, gate, feed, round(LOOK / step) if flow.refill else 0, surface)
