@@ -1,16 +1,20 @@
 """Particles by name, size distributions, mixtures; segregation against closed forms."""
 
+import json
 import math
 
 import numpy as np
 import pytest
+from hand_built import scene_of
 from refusals import assert_refuses
 from scenes import ELASTIC, LEVEL, SURFACE_DENSITY, launch, simulation_of, velocity
 
 from granulab.contact.restitution import linear_restitution
 from silo2d.case.beds.forms import CLASSES
+from silo2d.case.outline import hopper
 from silo2d.case.shape import disc
 from silo2d.case.shapefile import load_shapes
+from silo2d.measures import segregation
 from silo2d.measures.segregation import segregation_index
 
 
@@ -196,3 +200,21 @@ def test_what_is_dealt_at_random_has_index_zero_on_average():
     member = np.arange(53) < 17
     found = [segregation_index(cells, rng.permutation(member)) for _ in range(2000)]
     assert abs(np.mean(found)) < 4 * np.std(found) / math.sqrt(len(found))
+
+
+def test_parts_of_a_mixture_are_told_apart_by_name_and_by_size(tmp_path, monkeypatch):
+    """Small discs left and large ones right of x = 0, which cells of a lattice end at: apart."""
+    small, large = disc("small", 8e-3), disc("large", 10e-3)
+    across, up = np.meshgrid(np.arange(-95, 100, 10), np.arange(5, 205, 10))
+    x, y = across.ravel(), up.ravel()
+    kinds = (x > 0).astype(int)
+    scene = scene_of([small, large], kinds, hopper(0.0, 40e-3), 1e-3 * x, 1e-3 * y)
+    scene.trajectory.static["shape_part"] = np.array([1, 0])
+    scene.trajectory.attributes["part_names"] = json.dumps(["large", "small"])
+    monkeypatch.setattr(segregation, "read_scene", lambda folder: scene)
+    found = segregation.measure(tmp_path)
+    assert [row["component"] for row in found["components"]] == ["large", "small", "fine"]
+    assert found["small_at_opening"] == found["fine_at_opening"] == found["large_at_opening"]
+    assert found["small_at_opening"] == pytest.approx(1.0, abs=1e-12)
+    scene.trajectory.static["kind"] = np.zeros_like(kinds)
+    assert_refuses(["all particles are alike"], segregation.measure, tmp_path)
