@@ -59,15 +59,10 @@ def test_a_store_keeps_the_number_and_is_used_up(tmp_path):
     assert result.outcome == "empty"
 
 
-def test_plates_slow_the_discharge_and_vibration_is_paid_for(tmp_path):
+def test_plates_slow_the_discharge(tmp_path):
     bare, _ = result_of(tmp_path / "bare")
-    rubbed, frames = result_of(tmp_path / "rubbed", law__mu_plates=0.5, law__plates_ratio=0.4)
+    rubbed, _ = result_of(tmp_path / "rubbed", law__mu_plates=0.5, law__plates_ratio=0.4)
     assert rubbed.mean_rate_per_s < bare.mean_rate_per_s
-    shaken, frames = result_of(
-        tmp_path / "shaken", flow__vibration_amplitude="0.2 mm", flow__vibration_frequency="50 Hz"
-    )
-    assert frames["given_to_door"][-1] < 0.0  # the walls gave energy
-    assert shaken.state_digest != bare.state_digest
 
 
 def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
@@ -78,6 +73,7 @@ def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
     }  # fmt: skip
     case = SiloCase.load(write_case(tmp_path, changes))
     whole = run(case, out=tmp_path / "whole")
+    assert read_trajectory(whole.run_folder)["given_to_door"][-1] < 0.0  # the walls gave energy
     chance, stops, result = random.Random(3), 0, None
     stop = DischargeStop(lambda: chance.random() < 0.2)
     while result is None:

@@ -18,6 +18,7 @@ from scenes import (
     wall,
 )
 
+from granulab.contact.laws import normal_energy, normal_force, slip_limit
 from silo2d.case.case import SiloCase
 from silo2d.case.shape import disc
 from silo2d.engine.beds.laws import CohesiveLaw, CurveLaw
@@ -86,6 +87,19 @@ def curve(overlap, force):
     return CurveLaw(*BASE, even[1], found, energy)
 
 
+def test_the_energy_of_a_curve_is_the_integral_of_its_force():
+    """Both straight and, in between, quadratic: exact, also beyond the last point."""
+    law = curve(np.array([0.0, 1e-5, 3e-5]), np.array([0.0, 20.0, 100.0]))
+    law = law._replace(mu=0.4)
+    for overlap, force, energy in ((5e-6, 10.0, 25e-6), (2e-5, 60.0, 5e-4), (4e-5, 140.0, 25e-4)):
+        assert normal_force(law, 1.0, overlap, 0.0) == pytest.approx((force, 0.0), rel=1e-9)
+        # 500 points have the bend between two of them: off by less than a spacing squared.
+        assert normal_energy(law, overlap) == pytest.approx(energy, rel=1e-4)
+        assert slip_limit(law, overlap) == pytest.approx(law.mu / law.kt * force, rel=1e-9)
+    assert normal_force(law, 0.0, 0.0, 1.0) == (0.0, 0.0)  # of a pair that does not touch
+
+
+@pytest.mark.validation  # compiles the kernels for the law
 def test_a_straight_curve_is_the_linear_law():
     line = curve(np.array([0.0, 1e-4]), np.array([0.0, 1e-4 * BASE.kn]))
     found = []
@@ -97,6 +111,7 @@ def test_a_straight_curve_is_the_linear_law():
     assert found[0] == pytest.approx(found[1], rel=1e-12)
 
 
+@pytest.mark.validation
 def test_the_deepest_overlap_is_where_the_curve_has_taken_the_energy():
     """F = a d^2: a d^3/3 = m v^2/2.
 
