@@ -125,7 +125,7 @@ def in_words(results: dict[str, Any]) -> str:
         lines.append(
             f"{one['rank']:4} {one['reduction']:8.3f}{mark} {words:>16}  "
             f"{str(one['count']) + ' of ' + one['particles']:24}"
-            f"{1e3 * size['diameter_m']:.4g} x {1e3 * size['height_m']:.4g} mm".ljust(66 + 0)
+            f"{1e3 * size['diameter_m']:.4g} x {1e3 * size['height_m']:.4g} mm".ljust(79)
             + f"{100 * one['added_mass_ratio']:6.2f} %"
         )
     lines.append(
