@@ -96,10 +96,16 @@ def ending(sim: Flow, moving: float, case: SiloCase, packing: Packing, clock: Cl
 
 
 def _at_rest(sim: Flow, case: SiloCase, packing: Packing) -> str:
-    """Clogged if the outline of a particle that stays crosses the centre line of the outlet."""
+    """Clogged if the outline of a particle that stays crosses the centre line of an outlet.
+
+    Of outlets in the side there is none.
+    """
     poses, kinds = sim.poses()[sim.live], packing.kinds[sim.live]
-    centre = case.outline.outlet_centre
-    if not crosses_centre_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, centre).any():
+    crosses = [
+        crosses_centre_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, centre).any()
+        for centre in case.outline.centre_lines
+    ]
+    if not any(crosses):
         return "dead_zones"
     return "clogged" if sim.n_out >= case.settings.run.opening_count else "clogged_at_opening"
 
