@@ -90,7 +90,10 @@ class SiloCase:
         shapes_file = find(settings.particles.shapes, "shapes", folder)
         table_file = find(settings.particles.materials, "materials", folder)
         outline = _opened(_outline(settings.silo, settings.name, where), settings, where)
-        shapes, table = both(lambda: shapes_of(shapes_file), lambda: table_of(table_file, settings))
+        shapes, table = both(
+            lambda: shapes_of(shapes_file, settings.particles),
+            lambda: table_of(table_file, settings),
+        )
         _check_sizes(outline, shapes, settings, where)
         particles = settings.particles
         material = table.material(particles.material)

@@ -11,8 +11,8 @@ from granulab.contact.laws import LinearLaw
 from granulab.contact.material import LinearParameters, Measured, Pair
 from granulab.contact.restitution import damping_for_restitution
 from granulab.errors import InputError
-from silo2d.case.settings import Settings
-from silo2d.case.shape import ShapeSet
+from silo2d.case.settings import Particles, Settings
+from silo2d.case.shape import ShapeSet, rounded, scaled
 from silo2d.case.shapefile import content_with, load_shapes
 from silo2d.case.stability import (
     USUAL_TIME_STEP,
@@ -23,9 +23,12 @@ from silo2d.case.stability import (
 )
 
 
-def shapes_of(file: str | Path) -> ShapeSet:
-    """See load_shapes; the same object for the same text."""
-    return _shapes(file, content_with(file))
+def shapes_of(file: str | Path, particles: Particles) -> ShapeSet:
+    """The shapes of a file, see load_shapes, as a case has them; the same object for the same.
+
+    Their corners are rounded otherwise first, then all is scaled.
+    """
+    return _shapes(file, content_with(file), particles.scale, particles.spheroradius)
 
 
 def table_of(file: str | Path, settings: Settings) -> ContactTable:
@@ -34,8 +37,16 @@ def table_of(file: str | Path, settings: Settings) -> ContactTable:
 
 
 @lru_cache(maxsize=8)
-def _shapes(file: str | Path, _content: bytes) -> ShapeSet:
-    return load_shapes(file)
+def _shapes(
+    file: str | Path, _content: bytes, scale: float, spheroradius: float | None
+) -> ShapeSet:
+    found = load_shapes(file)
+    if spheroradius is None and scale == 1.0:
+        return found
+    shapes = found.shapes
+    if spheroradius is not None:
+        shapes = tuple(rounded(shape, spheroradius, "[particles]") for shape in shapes)
+    return dataclasses.replace(found, shapes=tuple(scaled(shape, scale) for shape in shapes))
 
 
 def _cure(absent: Keys) -> str:

@@ -100,6 +100,13 @@ class Particles(Section):
         "wood19", "shape set: a shipped one, or a TOML file next to this one",
         option="--shapes", metavar="FILE",
     )  # fmt: skip
+    scale: Annotated[Number, Field(ge=0.01, le=100)] = key(
+        1.0, "factor on the sizes of all shapes, their rounded corners too", option="--scale"
+    )
+    spheroradius: Size | None = key(
+        None, "radius of the rounded corners of all shapes but discs, within their outlines",
+        example="1 mm", left_out="of the shape file", option="--spheroradius",
+    )  # fmt: skip
     materials: str = key(
         "wood", "materials table: a shipped one, or a TOML file next to this one",
         option="--materials", metavar="FILE",

@@ -153,6 +153,30 @@ def mass_integrals(core: Points, spheroradius: float) -> tuple[float, Points, fl
     return float(area.sum()), apex + centroid, float(polar)
 
 
+def rounded(shape: Shape, spheroradius: float, field: str) -> Shape:
+    """A shape with the same straight faces and other corners [m]; a disc is as it was.
+
+    Raises InputError, "FIELD: [shape NAME] ...", as shape_from_outline.
+    """
+    if shape.is_disc:
+        return shape
+    _, _, normal = _edges(shape.core)
+    before = np.roll(normal, 1, axis=0)
+    out = (before + normal) / (1 + (before * normal).sum(axis=1))[:, None]
+    outline = shape.core + shape.spheroradius * out
+    return shape_from_outline(shape.name, outline, spheroradius, field)
+
+
+def scaled(shape: Shape, factor: float) -> Shape:
+    """A similar shape, with lengths that are a factor times as large."""
+    core = factor * shape.core
+    core.setflags(write=False)
+    return Shape(
+        shape.name, core, factor * shape.spheroradius, factor**2 * shape.area,
+        factor**4 * shape.polar_moment,
+    )  # fmt: skip
+
+
 def disc(name: str, diameter: float) -> Shape:
     """A disc of a diameter [m]: the spheropolygon whose core is its centre."""
     radius = diameter / 2

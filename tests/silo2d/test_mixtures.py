@@ -11,8 +11,9 @@ from scenes import ELASTIC, LEVEL, SURFACE_DENSITY, launch, simulation_of, veloc
 
 from granulab.contact.restitution import linear_restitution
 from silo2d.case.beds.forms import CLASSES
+from silo2d.case.case import SiloCase
 from silo2d.case.outline import hopper
-from silo2d.case.shape import disc
+from silo2d.case.shape import corner_angles, disc
 from silo2d.case.shapefile import load_shapes
 from silo2d.measures import segregation
 from silo2d.measures.segregation import segregation_index
@@ -218,3 +219,34 @@ def test_parts_of_a_mixture_are_told_apart_by_name_and_by_size(tmp_path, monkeyp
     assert found["small_at_opening"] == pytest.approx(1.0, abs=1e-12)
     scene.trajectory.static["kind"] = np.zeros_like(kinds)
     assert_refuses(["all particles are alike"], segregation.measure, tmp_path)
+
+
+def test_shapes_of_a_case_may_be_scaled():
+    """wood19 at 0.9: areas by 0.81, second moments by 0.6561, widths and corners by 0.9."""
+    shipped = SiloCase.load("A4").shapes
+    smaller = SiloCase.load("A4", {"particles.scale": 0.9}).shapes
+    for one, other in zip(shipped.shapes, smaller.shapes, strict=True):
+        assert other.area == pytest.approx(0.81 * one.area, rel=1e-14)
+        assert other.polar_moment == pytest.approx(0.6561 * one.polar_moment, rel=1e-14)
+        assert other.width == pytest.approx(0.9 * one.width, rel=1e-14)
+        assert other.spheroradius == pytest.approx(0.9 * one.spheroradius, rel=1e-14)
+    assert smaller.shares == shipped.shares
+
+
+@pytest.mark.parametrize("radius", ["0.5 mm", "2 mm"])
+def test_other_corners_leave_the_faces_where_they_are(radius):
+    """A corner of turning angle a loses r^2 (tan(a/2) - a/2); faces and widths stay, a rectangle's
+    too; of the shape file's own radius all stays as it is, to rounding.
+    """
+    shipped = SiloCase.load("A4").shapes
+    own = SiloCase.load("A4", {"particles.spheroradius": "1 mm"}).shapes
+    other = SiloCase.load("A4", {"particles.spheroradius": radius}).shapes
+    r = float(radius.split()[0]) * 1e-3
+    for one, same, changed in zip(shipped.shapes, own.shapes, other.shapes, strict=True):
+        assert same.area == pytest.approx(one.area, rel=1e-12)
+        angle = corner_angles(one.core)
+        lost = (r**2 - 1e-6) * (np.tan(angle / 2) - angle / 2).sum()
+        assert changed.area == pytest.approx(one.area - lost, rel=1e-10)
+        assert changed.spheroradius == r
+        if one.name in ("12", "13"):  # between parallel faces
+            assert changed.width == pytest.approx(one.width, rel=1e-12)
