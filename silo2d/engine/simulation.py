@@ -9,7 +9,7 @@ from granulab.errors import SimulationError
 from silo2d.engine import state
 from silo2d.engine.door import move_door
 from silo2d.engine.forces import apply_forces, overlap_now
-from silo2d.engine.integrate import move
+from silo2d.engine.integrate import energy_of_contacts, kinetic_energy, move
 from silo2d.engine.neighbours import search
 from silo2d.engine.pair_law import Law
 from silo2d.engine.sampling import (
@@ -225,6 +225,38 @@ class Simulation:
         world.bodies.row[door, [state.VX, state.UX]] = speed
         world.bodies.layout[door, state.N_CORNERS] = 1
         world.counts[[state.DOOR, state.STALE]] = door, 3
+
+    def put(self, which: np.ndarray, poses: np.ndarray) -> None:
+        """Put particles, inside or gone, at rest to other places, where none touches another.
+
+        which (k,), poses (k, 3) [m, rad]. They count as inside again, and have not left. The energy
+        that they lose so, with that of their contacts, is carried out; springs go to friction.
+        """
+        self.refresh()
+        world, bodies = self.world, self.world.bodies
+        inside = set(self.live.tolist())
+        for i, (x, y, angle) in zip(which.tolist(), poses.tolist(), strict=True):
+            row = bodies.row[i]
+            weight = world.gravity / row[state.INV_MASS]
+            if i in inside:
+                own = kinetic_energy(row) + weight * row[state.Y] + energy_of_contacts(world, i)
+                world.account[state.CARRIED_OUT] += own
+            row[: state.INV_MASS] = 0.0
+            row[[state.X, state.Y, state.ANGLE]] = x, y, angle
+            row[[state.COS, state.SIN]] = np.cos(angle), np.sin(angle)
+            world.account[state.CARRIED_OUT] -= weight * y
+        bodies.out_time[which] = np.nan
+        live = np.union1d(self.live, which)
+        bodies.live[: len(live)] = live
+        world.counts[[state.LIVE, state.STALE]] = len(live), 3
+
+    def push(self, which: np.ndarray, velocity: np.ndarray) -> None:
+        """Give particles inside other velocities (k, 2) [m/s]; what that costs is carried in."""
+        row, account = self.world.bodies.row, self.world.account
+        for i, (vx, vy) in zip(which.tolist(), velocity.tolist(), strict=True):
+            account[state.CARRIED_OUT] += kinetic_energy(row[i])
+            row[i, [state.VX, state.UX]], row[i, [state.VY, state.UY]] = vx, vy
+            account[state.CARRIED_OUT] -= kinetic_energy(row[i])
 
     def begin_phase(
         self, particle_law: Law, wall_law: Law, time_step: float, keep_slips: bool = False

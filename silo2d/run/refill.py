@@ -1,0 +1,68 @@
+"""Positions for particles that are put on a bed from above: at the lowest place of its surface."""
+
+import math
+
+import numpy as np
+
+from silo2d.case.outline import Outline
+
+_COLUMNS = 4  # that are looked at, a radius of the largest particle
+_CLEAR = 1.01  # distance of bounding circles, over the sum of their radii
+
+
+class Surface:
+    """The surface of a bed, and where on it a particle is put without touching anything.
+
+    outline   of the silo, high enough for what is put on
+    radius    largest bounding radius of the particles [m]
+    drop      height [m] above the lowest place that is free at which a particle is put
+
+    A particle is taken for its bounding circle. It comes to the lowest position that it could be let
+    down to from the open top, so that the surface stays level and it falls next to nothing.
+    """
+
+    def __init__(self, outline: Outline, radius: float, drop: float = 0.0) -> None:
+        from shapely import LineString, Polygon
+
+        self._radius, self._drop, self._top = radius, drop, outline.height - radius
+        free = Polygon(outline.polygon).buffer(-_CLEAR * radius)
+        left, bottom, right, top = free.bounds if not free.is_empty else (0.0,) * 4
+        n = max(math.ceil(_COLUMNS * (right - left) / radius), 1) + 1
+        self._x, floor = np.linspace(left, right, n), []
+        for x in self._x:
+            column = free.intersection(LineString([(x, bottom), (x, top)]))
+            pieces = [piece.bounds for piece in getattr(column, "geoms", [column])]
+            # A column counts where a particle could be let down in it from the top.
+            open_above = [piece[1] for piece in pieces if piece and piece[3] >= top - 1e-9]
+            floor.append(min(open_above, default=math.inf))
+        self._floor = np.array(floor)
+
+    def places(self, centres: np.ndarray, radii: np.ndarray, added: np.ndarray) -> np.ndarray:
+        """Positions (m, 2) [m] for particles of bounding radii `added` (k,), m of them at most.
+
+        centres (n, 2), radii (n,): bounding circles of those that are there [m]. As many of the
+        first as there is room for below the open top.
+        """
+        largest = self._radius
+        low = self._floor.copy()  # the lowest centre of a largest particle in each column
+        for k in np.argsort(-centres[:, 1], kind="stable"):
+            (x, y), far = centres[k], _CLEAR * (radii[k] + largest)
+            if y + 2 * _CLEAR * largest < low.min():
+                break  # it lies below the surface, as all that follow
+            _raise(low, self._x, x, y, far)
+        found = []
+        for radius in added:
+            k = int(low.argmin())
+            y = low[k] + self._drop
+            if not y < self._top:
+                break
+            found.append((self._x[k], y))
+            _raise(low, self._x, self._x[k], y, _CLEAR * (radius + largest))
+        return np.array(found).reshape(-1, 2)
+
+
+def _raise(low: np.ndarray, columns: np.ndarray, x: float, y: float, far: float) -> None:
+    """Raise the lowest centres in columns over a circle that keeps others `far` away [m]."""
+    first, last = np.searchsorted(columns, [x - far, x + far])
+    rise = far**2 - (columns[first:last] - x) ** 2
+    low[first:last] = np.maximum(low[first:last], y + np.sqrt(np.maximum(rise, 0.0)))
