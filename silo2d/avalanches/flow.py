@@ -71,6 +71,8 @@ def flow(
         outcome = _look(sim, bed, ledger) if target % look == 0 else None
         ledger.cpu_s += time.process_time() - began
         if outcome:
+            if outcome != "whole" and ledger.size:  # what flowed until then counts too
+                _over(bed, ledger, sim.time, clogged=False)
             return outcome
         if target % saving == 0:
             keep()
