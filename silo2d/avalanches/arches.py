@@ -82,7 +82,7 @@ class Bed:
         return sim.live[far <= max(outline.outlet, far.min())]
 
     def shake(self, sim: Simulation, which: np.ndarray, breaks: int) -> None:
-        """Throw particles (k,) in random directions at sqrt(2 g d), d the mean particle's diameter."""
+        """Throw particles (k,) in random directions at sqrt(2 g d), d their mean diameter."""
         seed = [self.case.settings.run.seed, _SHAKING, breaks]
         angle = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(which))
         speed = np.sqrt(2 * GRAVITY * self.case.diameter)

@@ -9,7 +9,7 @@ import numpy as np
 from granulab.campaign.runs.folder import digest
 from granulab.campaign.sweeps.sweep import over_seeds
 from granulab.errors import InputError
-from silo2d.case.case import GRAVITY, SiloCase
+from silo2d.case.case import SiloCase
 from silo2d.case.plan import expected_particles, expected_rate, expected_stages
 from silo2d.case.settings import Settings
 

@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import io
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,13 @@ from granulab.campaign.runs.provenance import Warn
 from granulab.campaign.runs.stages import Stages
 from granulab.errors import SimulationError
 from silo2d.avalanches.arches import Bed
-from silo2d.avalanches.case import AvalancheCase, expected_cpu_s, expected_flow_s, run_digest, summary_of
+from silo2d.avalanches.case import (
+    AvalancheCase,
+    expected_cpu_s,
+    expected_flow_s,
+    run_digest,
+    summary_of,
+)
 from silo2d.avalanches.flow import Ledger, flow
 from silo2d.avalanches.result import Avalanches
 from silo2d.case.plan import compiling, expected_stages
@@ -45,7 +52,7 @@ def _compute(
         try:
             sim, ledger = _start_or_resume(folder, bed, halvings, stages, stop, warn)
             halvings = ledger.halvings
-            outcome = flow(sim, bed, ledger, lambda: _keep(folder, sim, ledger), stages, stop)
+            outcome = flow(sim, bed, ledger, partial(_keep, folder, sim, ledger), stages, stop)
             break
         except SimulationError:
             if halvings >= most:
@@ -80,9 +87,7 @@ def _start_or_resume(
     return sim, Ledger(filling_cpu_s=bed.packing.cpu_s, halvings=halvings)
 
 
-def _summary(
-    case: AvalancheCase, sim: Simulation, ledger: Ledger, outcome: str
-) -> dict[str, Any]:
+def _summary(case: AvalancheCase, sim: Simulation, ledger: Ledger, outcome: str) -> dict[str, Any]:
     first = ledger.first or [ledger.size, 0]
     return {
         **summary_of(case),

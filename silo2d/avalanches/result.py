@@ -11,7 +11,7 @@ class Avalanches(Results):
     """Avalanches of one outlet and seed; SI, None for what does not exist.
 
     sizes          particles that left in each, the first, from the opening, not among them
-    cut            1 for those that ended without a clog, so that they are larger than that (censored)
+    cut            1 for those that ended without a clog: larger than that (censored); else 0
     durations_s    from the breaking of an arch to the last particle that left
     first_size     particles that left from the opening to the first clog or cut
     arch_...       of the clogs that ended those avalanches: particles, distance of the feet [m],

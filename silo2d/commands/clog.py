@@ -5,6 +5,7 @@ import json
 import shlex
 import sys
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,12 +43,14 @@ _BESIDES, _FLAGS = ("-o", "--out", "--write", "--workers"), ("--quiet", "--json"
 @click.option("--largest", type=int, metavar="2000", help="Particles after which an avalanche is "
               "cut off, and counts as larger than that [default: 2000].")  # fmt: skip
 @click.option("--break", "breaking", metavar="remove|shake", help="Breaking of an arch: its "
-              "particles are put on top of the bed, or thrown about [default: remove].")  # fmt: skip
+              "particles are put on the bed, or thrown about [default: remove].")  # fmt: skip
 @click.option("--drop", metavar='"0 mm"', help="Height above the lowest free place of the bed's "
               "surface at which particles are put back [default: 0 mm].")  # fmt: skip
 @mu_option
 @out_option
-@click.option("--write", metavar="DIR", help="Where csv, txt and png go [default: DIR/clog of --out].")
+@click.option(
+    "--write", metavar="DIR", help="Where csv, txt and png go [default: DIR/clog of --out]."
+)
 @workers_option
 @dry_run_option
 @no_figures_option
@@ -98,7 +101,7 @@ def _lengths(text: str) -> list[float]:
 
     words = [word.strip() for word in text.split(",")]
     found = sorted(to_si(word, "m", "--outlets") for word in words)
-    twice = [one for one, other in zip(found, found[1:], strict=False) if other - one < 1e-9]
+    twice = [one for one, other in pairwise(found) if other - one < 1e-9]
     if twice:
         raise InputError(f"--outlets: {1e3 * twice[0]:g} mm stands there twice; give it once")
     return found
@@ -131,7 +134,9 @@ def _planned(cases: "Sequence[Labelled]", as_json: bool) -> str:
     protocol = dataclasses.asdict(cases[0][1].protocol)
     minutes = sum(one["expected_min"] for one in found)
     if as_json:
-        return json.dumps({"protocol": protocol, "outlets": found, "expected_min": minutes}, indent=2)
+        return json.dumps(
+            {"protocol": protocol, "outlets": found, "expected_min": minutes}, indent=2
+        )
     table = columns(
         ["outlet", "D/d", "runs", "avalanches", "of about", "CPU time"],
         [

@@ -17,8 +17,8 @@ class Surface:
     radius    largest bounding radius of the particles [m]
     drop      height [m] above the lowest place that is free at which a particle is put
 
-    A particle is taken for its bounding circle. It comes to the lowest position that it could be let
-    down to from the open top, so that the surface stays level and it falls next to nothing.
+    A particle is taken for its bounding circle. It comes to the lowest position that it could be
+    let down to from the open top, so that the surface stays level and it falls next to nothing.
     """
 
     def __init__(self, outline: Outline, radius: float, drop: float = 0.0) -> None:

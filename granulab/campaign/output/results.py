@@ -51,7 +51,8 @@ def write_results(
 ) -> list[Path]:
     """Write NAME.csv, .parquet, .txt and .png into a folder; FolderError where that cannot be.
 
-    draw: makes the picture; None: there is none. kept: the columns of the CSV, as PublishedTable.COLUMNS names them; Parquet has all of them.
+    draw: makes the picture; None: there is none. kept: the columns of the CSV, as
+    PublishedTable.COLUMNS names them; Parquet has all of them.
     """
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)

@@ -2,12 +2,12 @@
 
     power law      <s> = A (R_c - R)^-g           Zuriguel et al., Phys. Rev. E 71 (2005) 051303
     exponential    <s> = A exp(C R^n), n = 2      Janda et al., EPL 84 (2008) 44002, in the plane;
-                                                  Thomas and Durian, Phys. Rev. Lett. 114 (2015) 178001
+                                                  Thomas and Durian, PRL 114 (2015) 178001
 
 R = D/d is the outlet over the particles' diameter; the first law has a critical outlet above which
 nothing clogs, the second has none. The likelihood is that of all avalanches, cut ones as censored:
-k clogs among S particles at an outlet of mean m give -k ln m - S/m. Intervals are of 95 %, where the
-profile of the likelihood has fallen by 1.92.
+k clogs among S particles at an outlet of mean m give -k ln m - S/m. Intervals are of 95 %: to where
+the profile of the likelihood has fallen by 1.92.
 """
 
 import math
@@ -34,7 +34,7 @@ class Outlets:
     clogs: Floats
 
     def profile(self, shape: Floats) -> tuple[float, float]:
-        """Largest log likelihood of <s> = A shape (o,), and ln A there; infinite shape: no clogs."""
+        """Largest log likelihood of <s> = A shape (o,), and ln A; an infinite shape: no clog."""
         total = self.clogs.sum()
         known = np.isfinite(shape)
         log_a = math.log((self.exposure[known] / shape[known]).sum() / total)

@@ -50,7 +50,9 @@ def mean_avalanche(exposure: int, clogs: int) -> Mean:
 
 @dataclass(frozen=True)
 class Form:
-    """Form of the sizes beyond a start: P(more than start + e) = exp(-lambda e^beta), beta 1: exponential.
+    """Form of sizes beyond a start: P(more than start + e) = exp(-lambda e^beta).
+
+    Exponential with beta 1, stretched below, compressed above.
 
     beta       with low and high
     p_value    of the likelihood ratio of beta = 1; small: not exponential
@@ -123,7 +125,7 @@ def mode(sizes: Sequence[int], cut: Sequence[int]) -> int:
     return int(number.argmax() + 1) * width
 
 
-def independence(runs: Sequence[tuple[Sequence[int], Sequence[int]]]) -> Correlation | None:
+def independence(runs: Sequence[tuple[Sequence[float], Sequence[int]]]) -> Correlation | None:
     """Rank correlation of each size with the next one of its run, with its interval.
 
     runs: sizes and cut of each. Pairs with a cut avalanche are left out.

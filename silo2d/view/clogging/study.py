@@ -51,7 +51,8 @@ def by_outlet(rows: Sequence[Row]) -> list[AtOutlet]:
     for row in done(rows):
         found.setdefault(row["outlet_m"], []).append(row)
     return [
-        AtOutlet(outlet, outlet / own[0]["diameter_m"], own) for outlet, own in sorted(found.items())
+        AtOutlet(outlet, outlet / own[0]["diameter_m"], own)
+        for outlet, own in sorted(found.items())
     ]
 
 
@@ -138,7 +139,7 @@ def _at(one: AtOutlet, n: int | None, rest_time: float) -> dict[str, Any]:
 
 
 def _independence(outlets: Sequence[AtOutlet]) -> dict[str, Any] | None:
-    """Rank correlation of successive sizes over the means of their outlets, all outlets together."""
+    """Rank correlation of successive sizes over their outlets' means, all outlets together."""
     runs = [
         ([size / mean for size in sizes], cut)
         for one in outlets

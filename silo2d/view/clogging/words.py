@@ -9,7 +9,7 @@ _NOTES = """\
 <s>: particles that leave between two clogs, those of cut avalanches over the clogs; intervals are
   of 95 %. The avalanche from the opening is not among them.
 clogs: probability that the filled silo, which is not refilled, clogs before it is empty, of <s>.
-beta: exponent of P(more than s) = exp(-lambda s^beta), beyond the mode; p: of an exponential, beta 1.
+beta: exponent of P(more than s) = exp(-lambda s^beta), beyond the mode; p: of 1, an exponential.
 r: rank correlation of successive sizes. arch: particles, mean and most.
 alpha: of the waiting times' density t^-alpha, up to the time that counts as a clog."""
 _NAMES = {"A": "A", "C": "C", "critical": "critical D/d", "g": "g"}
