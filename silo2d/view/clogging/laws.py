@@ -77,8 +77,7 @@ class Law:
         value = {name: one.value for name, one in self.parameters.items()}
         if self.name == "exponential":
             return value["A"] * np.exp(value["C"] * across**IN_THE_PLANE)
-        gap = value["critical"] - across
-        return np.where(gap > 0, value["A"] * np.maximum(gap, 1e-300) ** -value["g"], np.inf)
+        return value["A"] * _shape(across, value["critical"], value["g"])
 
 
 def exponential(seen: Outlets) -> Law | None:
@@ -156,8 +155,9 @@ def power(seen: Outlets) -> Law | None:
 
 
 def _shape(across: Floats, critical: float, g: float) -> Floats:
-    gap = critical - across
-    return np.where(gap > 0, np.maximum(gap, 1e-300) ** -g, np.inf)
+    """(R_c - R)^-g, infinite from the critical outlet on."""
+    gap = np.where(across < critical, critical - across, 1.0)
+    return np.where(across < critical, gap**-g, np.inf)
 
 
 def _law(name: str, parameters: dict[str, Estimate], most: float, seen: Outlets) -> Law:

@@ -20,6 +20,7 @@ BINS = _A_DECADE * _DECADES
 EDGES = _SHORTEST * 10.0 ** (np.arange(BINS + 1) / _A_DECADE)  # (BINS + 1,) [s]
 _RATIO = math.log(10) / _A_DECADE  # logarithm of it
 _FEWEST, _FEWEST_BINS = 50, 5  # waits and bins in a tail
+_KOLMOGOROV = 1.358  # distance times sqrt(n) that one sample of twenty exceeds
 
 
 def bin_of(times: ArrayLike) -> NDArray[np.int64]:
@@ -50,17 +51,18 @@ def tail(counts: Sequence[int], longest: float) -> Tail | None:
     """The power-law tail of times by bins (BINS,), by maximum likelihood; None where too few.
 
     longest: time [s] above which a pause counts as a clog, so that longer ones lack; the tail ends
-    at the edge below. It starts at the bin that makes the distance of Kolmogorov and Smirnov least
-    (Clauset, Shalizi, Newman, SIAM Rev. 51 (2009) 661), of those with 50 times in 5 bins above.
+    at the edge below. It starts at the first bin from the fullest on from which a power law is not
+    refuted: the distance of Kolmogorov and Smirnov is below the one that a sample of twenty exceeds.
+    The least distance itself (Clauset, Shalizi, Newman, SIAM Rev. 51 (2009) 661) would favour short
+    tails here, which end soon. None too where no start with 50 times in 5 bins does.
     """
     end = int(np.searchsorted(EDGES, longest * (1 + 1e-9), side="right")) - 1
-    number = np.asarray(counts[:end])
-    found = [
-        one
-        for first in range(int(number.argmax()) if end > 0 else 0, end - _FEWEST_BINS + 1)
-        if (one := _fit(number[first:], first, end)) is not None
-    ]
-    return min(found, key=lambda one: one.distance, default=None)
+    number = np.asarray(counts[: max(end, 1)])
+    for first in range(int(number.argmax()), end - _FEWEST_BINS + 1):
+        found = _fit(number[first:], first, end)
+        if found is not None and found.distance < _KOLMOGOROV / math.sqrt(found.n):
+            return found
+    return None
 
 
 def _fit(number: NDArray[np.int64], first: int, end: int) -> Tail | None:
@@ -88,4 +90,5 @@ def _fit(number: NDArray[np.int64], first: int, end: int) -> Tail | None:
     error = float(norm.ppf(0.5 + CONFIDENCE / 2)) / (math.sqrt(n * variance) * _RATIO)
     alpha = 1.0 - log_q / _RATIO
     distance = float(np.abs(np.cumsum(expected) - np.cumsum(number) / n).max())
-    return Tail(alpha, alpha - error, alpha + error, EDGES[first], EDGES[end], n, distance)
+    return Tail(alpha, alpha - error, alpha + error, float(EDGES[first]), float(EDGES[end]), n,
+                distance)  # fmt: skip
