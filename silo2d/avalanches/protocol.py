@@ -80,11 +80,18 @@ def _start_or_resume(
         if found := restored(folder, sim.restore, Ledger, "its opening", warn):
             sim.time_step = silo.time_step / 2**found.halvings
             return sim, found
-    sim = Simulation(world_behind_door(silo, bed.packing, silo.time_step / 2**halvings))
-    sim.compile()
-    settle_under_own_law(sim, silo, stages, stop)
-    stages.finish("settling")
+    sim = _at_opening(bed, halvings, stages, stop)
     return sim, Ledger(filling_cpu_s=bed.packing.cpu_s, halvings=halvings)
+
+
+def _at_opening(bed: Bed, halvings: int, stages: Stages, stop: Stop) -> Simulation:
+    """The silo at rest behind its door, in a step halved so often."""
+    step = bed.silo.time_step / 2**halvings
+    sim = Simulation(world_behind_door(bed.silo, bed.packing, step))
+    sim.compile()
+    settle_under_own_law(sim, bed.silo, stages, stop)
+    stages.finish("settling")
+    return sim
 
 
 def _summary(case: AvalancheCase, sim: Simulation, ledger: Ledger, outcome: str) -> dict[str, Any]:

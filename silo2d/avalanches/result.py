@@ -49,3 +49,24 @@ class Avalanches(Results):
     state_digest: str
     reused: bool
     run_folder: str
+
+
+_OUTCOMES = {
+    "whole": "",
+    "dead_zones": ", then nothing over the outlet",
+    "stuck": ", then no break let anything out",
+    "time_limit": ", then nothing came out and nothing lay still",
+}
+
+
+def in_words(found: Avalanches) -> str:
+    """The result in a few lines."""
+    sizes, cut = found.sizes, sum(found.cut)
+    clogs = len(sizes) - cut
+    mean = f"mean {sum(sizes) / clogs:.1f} particles" if clogs else "no clog"
+    first = "clogged" if found.first_clogged else "cut off"
+    return (
+        f"{len(sizes)} avalanches, {cut} of them cut off{_OUTCOMES[found.outcome]}; {mean}\n"
+        f"  from the opening {found.first_size} particles, then {first}\n"
+        f"  {found.breaks} breaks ({found.breaking}), {found.refilled} particles put back"
+    )
