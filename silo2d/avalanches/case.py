@@ -142,7 +142,7 @@ def expected_flow_s(case: AvalancheCase) -> float:
 
 
 def summary_of(case: AvalancheCase) -> dict[str, Any]:
-    """What of a case stands with the results of its run."""
+    """Part of a case that stands with the results of its run."""
     return {
         "silo": case.silo.label,
         "seed": case.settings.run.seed,

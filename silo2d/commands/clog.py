@@ -115,7 +115,7 @@ def _cost(cases: "Sequence[Labelled]") -> str:
 
 
 def _planned(cases: "Sequence[Labelled]", as_json: bool) -> str:
-    """What would be run, with its expected cost by outlet."""
+    """Table of what would be run, with its expected cost by outlet."""
     from granulab.campaign.output.layout import columns
     from silo2d.avalanches.case import expected_avalanche, expected_cpu_s
 

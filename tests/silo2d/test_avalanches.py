@@ -1,4 +1,4 @@
-"""Runs that go on after a clog: mass, level and energy kept, the same bits however they come about."""
+"""Runs that go on after a clog: mass, level and energy are kept, and so are the bits."""
 
 import random
 import shutil
@@ -95,7 +95,7 @@ def test_particles_are_put_where_the_open_top_reaches_down_to():
 
 
 def test_a_particle_that_is_put_elsewhere_takes_its_energy_along():
-    """The balance E + carried out + dissipated stays, for one that moves, leans on another, is gone."""
+    """E + carried out + dissipated stays: of one that moves, leans on another, or is gone."""
     block = scenes.block(20e-3, 10e-3)
     silo = hopper(0.0, 0.06, 0.2, 0.4, "wide")
     poses = [(-0.05, 5e-3, 0.0), (-0.05, 15e-3, 0.0), (0.0, 0.05, 0.3)]
@@ -176,9 +176,7 @@ def test_a_run_stopped_many_times_ends_with_the_same_bits(whole, root):
     stop.progress = lambda fraction, text: setattr(stop, "_is_open", "avalanches" in text)
     while result is None:
         try:
-            result = protocol.run(
-                case_in(root.parent), out=root, progress=stop.progress, stop=stop
-            )
+            result = protocol.run(case_in(root.parent), out=root, progress=stop.progress, stop=stop)
         except Stopped:
             stops += 1
     assert stops >= 3
@@ -238,7 +236,9 @@ def test_clog_gives_outlets_and_their_avalanches(whole):
 
 def test_cost_is_told_before(tmp_path):
     case = write_case(tmp_path, ROUGH)
-    said = silo2d("clog", case, "--outlets", "22 mm,30 mm", "--seeds", 3, "--dry-run", "--json").json
+    said = silo2d(
+        "clog", case, "--outlets", "22 mm,30 mm", "--seeds", 3, "--dry-run", "--json"
+    ).json
     assert [one["runs"] for one in said["outlets"]] == [3, 3]
     assert said["expected_min"] == pytest.approx(sum(o["expected_min"] for o in said["outlets"]))
     assert not (tmp_path / "runs").exists()

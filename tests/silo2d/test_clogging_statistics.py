@@ -212,7 +212,7 @@ def test_power_law_tail_of_waits_is_found_again(rng, alpha):
 
 
 def test_waits_without_a_power_law_have_no_tail(rng):
-    """A few; and those of an exponential, which in its last decade falls by far more than a power."""
+    """A few; and those of an exponential, which falls by far more at its end."""
     counts = [0] * waits.BINS
     counts[45] = 40
     assert waits.tail(counts, 0.15) is None

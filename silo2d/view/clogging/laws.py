@@ -27,7 +27,7 @@ _CRITICAL = math.log(1e-2), math.log(1e2)  # logarithm of R_c over the largest o
 
 @dataclass(frozen=True)
 class Outlets:
-    """What was seen at o outlets: D/d, particles that left, and clogs (o,)."""
+    """Counts at o outlets: D/d, particles that left, and clogs (o,)."""
 
     across: Floats
     exposure: Floats
@@ -170,7 +170,7 @@ def _law(name: str, parameters: dict[str, Estimate], most: float, seen: Outlets)
 
 
 def _highest(of: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function is highest between two ends: on a grid, then by Brent's method about it."""
+    """Place between two ends where a function is highest: on a grid, then by Brent's method."""
     from scipy.optimize import minimize_scalar
 
     grid = np.linspace(low, high, 41)
@@ -180,7 +180,7 @@ def _highest(of: Callable[[float], float], low: float, high: float) -> float:
 
 
 def _interval(of: Callable[[float], float], at: float, low: float, high: float) -> Estimate:
-    """Where a log likelihood has fallen by half of chi2's quantile from its value at a point."""
+    """Ends where a log likelihood has fallen by half of chi2's quantile, about a point."""
     from scipy.optimize import brentq
     from scipy.stats import chi2
 

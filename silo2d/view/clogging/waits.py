@@ -52,9 +52,9 @@ def tail(counts: Sequence[int], longest: float) -> Tail | None:
 
     longest: time [s] above which a pause counts as a clog, so that longer ones lack; the tail ends
     at the edge below. It starts at the first bin from the fullest on from which a power law is not
-    refuted: the distance of Kolmogorov and Smirnov is below the one that a sample of twenty exceeds.
-    The least distance itself (Clauset, Shalizi, Newman, SIAM Rev. 51 (2009) 661) would favour short
-    tails here, which end soon. None too where no start with 50 times in 5 bins does.
+    refuted: Kolmogorov and Smirnov's distance is below the one that a sample of twenty exceeds. The
+    least distance itself (Clauset, Shalizi, Newman, SIAM Rev. 51 (2009) 661) favours short tails of
+    a few bins. None too where no start with 50 times in 5 bins does.
     """
     end = int(np.searchsorted(EDGES, longest * (1 + 1e-9), side="right")) - 1
     number = np.asarray(counts[: max(end, 1)])
