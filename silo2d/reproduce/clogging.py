@@ -5,7 +5,12 @@ from typing import TYPE_CHECKING
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 from granulab.campaign.output.layout import columns, not_done, share
-from granulab.campaign.output.statistics import wilson
+from granulab.campaign.output.statistics import (
+    Counts,
+    chance_of_few,
+    chance_of_shares,
+    wilson,
+)
 from silo2d.case.outline import PRESETS
 from silo2d.reproduce.published import by_silo, outcome_word, outcomes, trials, unfinished
 from silo2d.reproduce.runs import run_of_cases
@@ -30,7 +35,10 @@ clogged: at rest with a particle across the outlet's centre line, of all runs th
   time limit, with Wilson's 95 % interval; at opening: with fewer particles out than [run]
   opening_count, of the same runs; later: the others, of those that did not stick at the opening.
 outcome: "agrees" where the interval of ours and that of the experiment overlap: a single trial
-  that clogs is compatible with any share above 0.21."""
+  that clogs is compatible with any share above 0.21.
+p: chance of counts as unlikely as these if both shares were equal, two-sided: of the sums by
+  Fisher's exact test, and silo by silo with the sums of each given. The experiment repeated trials
+  where a clog was seen; read as "until as many emptied", the chance of so few clogs by ours."""
 
 
 def cases(seeds: Sequence[int]) -> "list[Labelled]":
@@ -51,7 +59,8 @@ def report(rows: "list[Row]") -> str:
     silos = by_silo(rows)
     words = {silo: _word(silo, own) for silo, own in silos.items()}
     judged = [word for word in words.values() if word != "-"]
-    summary = f"{judged.count('agrees')} of {len(judged)} silos agree with the experiment"
+    alone = f"one by one, {judged.count('agrees')} of {len(judged)} silos agree with the experiment"
+    summary = "\n".join(filter(None, [_together(silos), alone]))
     lines = [_line(silo, own, words[silo]) for silo, own in silos.items()]
     failed = "\n".join(not_done(rows, ["silo", "seed"]))
     return "\n\n".join(filter(None, [columns(header, lines), summary, _CRITERION, failed]))
@@ -60,6 +69,27 @@ def report(rows: "list[Row]") -> str:
 def _word(silo: str, rows: "list[Row]") -> str:
     k, _, n = outcomes(rows)
     return outcome_word(trials(silo), k, n)
+
+
+def _together(silos: "dict[str, list[Row]]") -> str:
+    """Tests of all silos of which the experiment has more than one trial, together."""
+    known = {silo: (trials(silo), outcomes(own)) for silo, own in silos.items()}
+    strata = [
+        Counts(own.clogged, own.n, k, n) for own, (k, _, n) in known.values() if own.n > 1 and n
+    ]
+    if not strata:
+        return ""
+    k, n, other_k, other_n = (
+        sum(getattr(one, name) for one in strata) for name in ("k", "n", "other_k", "other_n")
+    )
+    names = ", ".join(silo for silo, (own, (*_, n)) in known.items() if own.n > 1 and n)
+    pooled = chance_of_shares([Counts(k, n, other_k, other_n)])
+    return (
+        f"{names} together: the experiment clogged in {share(k, n)}, ours in"
+        f" {share(other_k, other_n)}: p = {pooled:.2g},\n"
+        f"  silo by silo p = {chance_of_shares(strata):.2g}; by trials repeated until as many"
+        f" emptied, {chance_of_few(strata):.2g}"
+    )
 
 
 def _line(silo: str, rows: "list[Row]", word: str) -> list[str]:

@@ -13,7 +13,9 @@ from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION
 from granulab.campaign.output.layout import columns, done, not_done, percent, share, with_sd
 from granulab.campaign.output.statistics import (
     CONFIDENCE,
+    Counts,
     Sample,
+    chance_of_shares,
     half_width_of_mean,
     mean_sd,
     wilson,
@@ -97,11 +99,7 @@ def _difference(rows: "list[Row]", first: "list[Row]", key: str) -> str:
 
 def fisher_p(k: int, n: int, other_k: int, other_n: int) -> float | None:
     """Fisher's p of k of n against another count; None where one has no run."""
-    from scipy.stats import fisher_exact
-
-    if not n or not other_n:
-        return None
-    return float(fisher_exact([[k, n - k], [other_k, other_n - other_k]]).pvalue)
+    return chance_of_shares([Counts(k, n, other_k, other_n)]) if n and other_n else None
 
 
 def findings(rows: "list[Row]", first: "list[Row]") -> list[str]:

@@ -2,13 +2,18 @@
 
 import math
 import statistics as python
+from math import comb
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import fisher_exact
 
 from granulab.campaign.output.statistics import (
+    Counts,
     Sample,
+    chance_of_few,
+    chance_of_shares,
     mean_sd,
     noise_of_difference,
     noise_of_one_more,
@@ -168,3 +173,32 @@ def test_tables_7_to_11_are_whole_and_the_first_kn_is_625():
     assert [p.value for p in points if p.parameter == "kn"] == [625, 2500, 1e4, 4e4]
     assert next(p for p in points if p.value == 0.10).time_s == 0.70
     assert next(p for p in points if p.value == 16000).restitution == 0.022
+
+
+@pytest.mark.parametrize("table", [(2, 15, 38, 80), (0, 6, 23, 40), (3, 3, 0, 20), (5, 9, 11, 20)])
+def test_one_stratum_of_shares_is_fishers_exact_test(table):
+    """Beside scipy's, whose tables hold successes and failures."""
+    k, n, other_k, other_n = table
+    fisher = fisher_exact([[k, n - k], [other_k, other_n - other_k]]).pvalue
+    assert chance_of_shares([Counts(*table)]) == pytest.approx(fisher, rel=1e-9)
+
+
+def test_strata_of_shares_are_the_sum_over_all_their_tables():
+    """Two strata, all pairs of tables with their sums counted one by one."""
+    strata = [Counts(1, 4, 6, 20), Counts(0, 3, 11, 20)]
+    chance = [
+        [comb(one.n, k) * comb(one.other_n, one.k + one.other_k - k) for k in range(one.n + 1)]
+        for one in strata
+    ]
+    ways = [0] * 8
+    for i, first in enumerate(chance[0]):
+        for j, second in enumerate(chance[1]):
+            ways[i + j] += first * second
+    expected = sum(way for way in ways if way <= ways[1]) / sum(ways)
+    assert chance_of_shares(strata) == pytest.approx(expected, rel=1e-9)
+
+
+def test_trials_repeated_until_some_fail_have_the_moments_of_a_beta():
+    """No k before 3 failures: the mean of (1 - p)^3 over Beta(12.5, 8.5), a product."""
+    expected = (8.5 * 9.5 * 10.5) / (21 * 22 * 23)
+    assert chance_of_few([Counts(0, 3, 12, 20)]) == pytest.approx(expected, rel=1e-9)

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from made_rows import clogged, emptied, ended, failed, line_of
 from refusals import assert_refused
+from scipy.stats import fisher_exact
 from small_silo import Completed, silo2d
 
 from granulab.campaign.output.layout import on_screen
@@ -114,6 +115,16 @@ def test_clogging_counts_the_opening_apart():
     for words in ("1 of 4 [0.05, 0.70]", "11 of 20 [0.34, 0.74]", "5 of 20 [0.11, 0.47]",
                   "6 of 15 [0.20, 0.64]", "agrees"):  # fmt: skip
         assert words in line
+
+
+def test_silos_that_clog_alike_differ_together():
+    """A3 and C3 each overlap the experiment's interval; their sums do not fit together."""
+    rows = clogged("A3", 15, 6) + emptied("A3", [2.0] * 5, 12)
+    rows += clogged("C3", 12, 6) + emptied("C3", [2.0] * 8, 12)
+    text = clogging.report(rows)
+    assert "A3, C3 together: the experiment clogged in 1 of 8" in text
+    assert "ours in 27 of 40" in text
+    assert f"p = {fisher_exact([[1, 7], [27, 13]]).pvalue:.2g}" in text
 
 
 # What is run

@@ -56,6 +56,49 @@ def difference_of_shares(k: int, n: int, other_k: int, other_n: int) -> tuple[fl
     )
 
 
+@dataclass(frozen=True)
+class Counts:
+    """k of n trials beside other_k of other_n; numbers of trials > 0."""
+
+    k: int
+    n: int
+    other_k: int
+    other_n: int
+
+
+def chance_of_shares(strata: Sequence[Counts]) -> float:
+    """Two-sided chance, of equal shares in each stratum, of a total of k as unlikely as this.
+
+    Exact, given the sums of each stratum: of one stratum Fisher's test, of several its stratified
+    form (Gart, Biometrika 57 (1970) 471).
+    """
+    import numpy as np
+    from scipy.stats import hypergeom
+
+    total = np.ones(1)
+    for one in strata:
+        law = hypergeom(one.n + one.other_n, one.k + one.other_k, one.n)
+        total = np.convolve(total, law.pmf(np.arange(one.n + 1)))
+    seen = total[sum(one.k for one in strata)]
+    return float(total[total <= seen * (1.0 + 1e-7)].sum())  # equally likely ones are in, rounded
+
+
+def chance_of_few(strata: Sequence[Counts]) -> float:
+    """Chance that trials repeated until n - k of each stratum fail give at most the total k.
+
+    The shares are those of the other trials, with Jeffreys' prior: k is beta negative binomial.
+    """
+    import numpy as np
+    from scipy.stats import betanbinom
+
+    most, total = sum(one.k for one in strata), np.ones(1)
+    for one in strata:
+        prior = one.other_n - one.other_k + 0.5, one.other_k + 0.5
+        law = betanbinom(one.n - one.k, *prior).pmf(np.arange(most + 1))
+        total = np.convolve(total, law)[: most + 1]
+    return float(total.sum())
+
+
 @lru_cache(maxsize=1024)
 def quantile(freedom: float) -> float:
     """Student's t that |t| stays below with the confidence, for degrees of freedom > 0."""
