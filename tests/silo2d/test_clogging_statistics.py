@@ -251,8 +251,12 @@ def test_a_study_gathers_seeds_and_locates_the_outlet_that_clogs_half(rng):
     assert first["arch_particles"] == [0, 0, 0, 2, 0, 4]
     mean = 1 / (1 - 0.5 ** (1 / 300))
     true = 0.01 * math.sqrt(math.log(mean / 2) / 0.2)
-    low, high = found["half_clog"]["interval_m"]
+    half, *rarer = found["outlets_by_probability"]
+    low, high = half["interval_m"]
     assert low < true < high
+    assert [one["probability"] for one in rarer] == [0.05, 0.01]
+    assert half["outlet_m"] < rarer[0]["outlet_m"] < rarer[1]["outlet_m"]
+    assert rarer[1]["extrapolated"]
     assert found["independence"]["low"] < 0 < found["independence"]["high"]
 
 
@@ -265,7 +269,7 @@ def test_report_and_picture_say_what_was_found(rng, tmp_path):
     found = study(rows, 0.15)
     text = in_words(found)
     assert "A exp(C (D/d)^2)" in text
-    assert "half of the silos of 300 particles clog at an outlet of" in text
+    assert "50 % of the silos of 300 particles clog at an outlet of" in text
     assert "50 mm   5.00  50" in text
     path = write_figure(tmp_path / "clog.png", lambda: draw(found, rows, "Clogging"))
     assert path.stat().st_size > 20_000

@@ -16,6 +16,8 @@ from silo2d.view.clogging.waits import tail
 
 Row = dict[str, Any]
 
+PROBABILITIES = 0.5, 0.05, 0.01  # of clogging, whose outlets are given
+
 
 @dataclass(frozen=True)
 class AtOutlet:
@@ -81,7 +83,7 @@ def study(rows: Sequence[Row], rest_time: float) -> dict[str, Any]:
         "n_particles": n,
         "independence": _independence(outlets),
         "laws": {name: dataclasses.asdict(law) for name, law in laws.items()},
-        "half_clog": _half(seen, n, diameter),
+        "outlets_by_probability": _by_probability(seen, n, diameter),
     }
 
 
@@ -149,16 +151,22 @@ def _independence(outlets: Sequence[AtOutlet]) -> dict[str, Any] | None:
     return _dict(independence(runs))
 
 
-def _half(seen: Outlets, n: int | None, diameter: float | None) -> dict[str, Any] | None:
-    """Outlet at which half of the silos clog before they are empty: (1 - 1/<s>)^n = 1/2."""
-    if not n or diameter is None or len(seen.across) < 2:
-        return None
-    found = outlet_of(1 / -math.expm1(-math.log(2) / n), seen)
-    if found is None:
-        return None
-    ends = [None if end is None else end * diameter for end in (found.low, found.high)]
-    return {"outlet_m": found.value * diameter, "interval_m": ends,
-            "outlet_over_diameter": found.value}  # fmt: skip
+def _by_probability(seen: Outlets, n: int | None, diameter: float | None) -> list[dict[str, Any]]:
+    """Outlets at which silos clog with some probabilities P before they are empty.
+
+    (1 - 1/<s>)^n = 1 - P by the exponential law; larger ones than were seen are extrapolated.
+    """
+    lines = []
+    for probability in PROBABILITIES if n and diameter else ():
+        found = outlet_of(1 / -math.expm1(math.log1p(-probability) / n), seen)
+        if found is not None:
+            ends = [None if end is None else end * diameter for end in (found.low, found.high)]
+            lines.append({
+                "probability": probability, "outlet_m": found.value * diameter, "interval_m": ends,
+                "outlet_over_diameter": found.value,
+                "extrapolated": bool(found.value > seen.across.max()),
+            })  # fmt: skip
+    return lines
 
 
 def _dict(found: Any) -> dict[str, Any] | None:

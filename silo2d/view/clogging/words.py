@@ -103,12 +103,13 @@ def _laws(found: Mapping[str, Any]) -> list[str]:
 
 def _threshold(found: Mapping[str, Any]) -> list[str]:
     lines = []
-    if (half := found["half_clog"]) is not None:
-        ends = [None if end is None else 1e3 * end for end in half["interval_m"]]
+    for one in found["outlets_by_probability"]:
+        ends = [None if end is None else 1e3 * end for end in one["interval_m"]]
+        beyond = "; extrapolated" if one["extrapolated"] else ""
         lines.append(
-            f"half of the silos of {found['n_particles']} particles clog at an outlet of "
-            f"{_interval(1e3 * half['outlet_m'], ends, '.1f')} mm, "
-            f"{half['outlet_over_diameter']:.2f} diameters (exponential law)"
+            f"{100 * one['probability']:g} % of the silos of {found['n_particles']} particles clog "
+            f"at an outlet of {_interval(1e3 * one['outlet_m'], ends, '.1f')} mm, "
+            f"{one['outlet_over_diameter']:.2f} diameters (exponential law{beyond})"
         )
     if (r := found["independence"]) is not None:
         of = "independent" if r["low"] <= 0 <= r["high"] else "not independent"
