@@ -19,8 +19,8 @@ _MOST = 1_000_000  # of either
 _ROOM = 0.25  # of the silo's height that its walls are raised by, for a bed that heaps up ...
 _ROOM_RADII = 10  # ... or so many radii of the largest particle, where that is more
 # Mean avalanche of the wood's particles, A exp(C (D/d)^2), as the committed study found it: for
-# estimates of cost alone (docs/results/silo2d/reproduce-avalanches.txt).
-_USUAL_A, _USUAL_C = 2.5, 0.14
+# estimates of cost alone (docs/results/silo2d/clogging/clog-D3-wood19.txt).
+_USUAL_A, _USUAL_C = 4.1, 0.12
 
 
 @dataclass(frozen=True)

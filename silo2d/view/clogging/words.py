@@ -9,7 +9,7 @@ _NOTES = """\
 <s>: particles that leave between two clogs, those of cut avalanches over the clogs; intervals are
   of 95 %. The avalanche from the opening is not among them.
 clogs: probability that the filled silo, which is not refilled, clogs before it is empty, of <s>.
-beta: exponent of P(more than s) = exp(-lambda s^beta), beyond the mode; p: of 1, an exponential.
+beta: exponent of P(more than s) = exp(-lambda s^beta), from 20 clogs on; p: of an exponential.
 r: rank correlation of successive sizes. arch: particles, mean and most.
 alpha: of the waiting times' density t^-alpha, up to the time that counts as a clog."""
 _NAMES = {"A": "A", "C": "C", "critical": "critical D/d", "g": "g"}
@@ -32,11 +32,13 @@ def in_words(found: Mapping[str, Any]) -> str:
         ],
     )  # fmt: skip
     second = columns(
-        ["outlet", "beta", "p", "r of successive", "arch", "span", "alpha of waits"],
+        ["outlet", "beta", "p", "beta beyond the mode", "p", "r of successive", "arch", "span",
+         "alpha of waits"],
         [
             [
-                f"{1e3 * one['outlet_m']:g} mm", *_form(one["form_beyond_mode"]),
-                _correlation(one["independence"]), *_arch(one), _tail(one["waits_tail"]),
+                f"{1e3 * one['outlet_m']:g} mm", *_form(one["form"]),
+                *_form(one["form_beyond_mode"]), _correlation(one["independence"]),
+                *_arch(one), _tail(one["waits_tail"]),
             ]
             for one in outlets
         ],
@@ -63,7 +65,8 @@ def _form(form: Mapping[str, Any] | None) -> list[str]:
     if form is None:
         return ["-", "-"]
     words = _interval(form["beta"], (form["low"], form["high"]), ".2f")
-    return [f"{words} beyond {form['start']}", f"{form['p_value']:.2f}"]
+    beyond = f" beyond {form['start']}" if form["start"] else ""
+    return [f"{words}{beyond}", f"{form['p_value']:.2f}"]
 
 
 def _correlation(found: Mapping[str, Any] | None) -> str:
@@ -87,10 +90,7 @@ def _tail(found: Mapping[str, Any] | None) -> str:
 def _laws(found: Mapping[str, Any]) -> list[str]:
     lines = []
     for name, law in found["laws"].items():
-        parts = ", ".join(
-            f"{_NAMES[key]} {_interval(one['value'], (one['low'], one['high']), '.3g')}"
-            for key, one in law["parameters"].items()
-        )
+        parts = ", ".join(filter(None, map(_parameter, law["parameters"].items())))
         fit = "" if law["p_value"] is None else f", p {law['p_value']:.2f} of the scatter about it"
         lines.append(f"{name}: <s> = {_FORMS[name]}; {parts}; AIC {law['aic']:.1f}{fit}")
     if len(found["laws"]) == 2:
@@ -99,6 +99,16 @@ def _laws(found: Mapping[str, Any]) -> list[str]:
         how = "hardly" if abs(gain) < 2 else "clearly" if abs(gain) > 10 else "somewhat"
         lines.append(f"the {better} law is {how} the better one: AIC less by {abs(gain):.1f}")
     return lines
+
+
+def _parameter(named: tuple[str, Mapping[str, Any]]) -> str:
+    """A parameter with its interval; a bound where that is open above, nothing without one."""
+    name, one = named
+    if one["low"] is None and one["high"] is None:
+        return ""
+    if one["high"] is None:
+        return f"{_NAMES[name]} above {one['low']:.3g}"
+    return f"{_NAMES[name]} {_interval(one['value'], (one['low'], one['high']), '.3g')}"
 
 
 def _threshold(found: Mapping[str, Any]) -> list[str]:
