@@ -13,6 +13,7 @@ from small_damper import damper3d
 from damper3d.studies.design import candidates as making
 from damper3d.studies.design import verification as verifying
 from damper3d.studies.design.candidates import Bed, Candidate
+from damper3d.studies.design.design import Designer
 from damper3d.studies.design.search import (
     Design,
     expected_improvement,
@@ -158,6 +159,27 @@ def test_particles_of_a_catalogue_may_have_a_shape(tmp_path):
     assert all(one.height >= ball.extent for one in low)
 
 
+@pytest.mark.parametrize("settled", [0.05, 0.0105])
+def test_clearances_count_from_the_bed_at_close_packing(tmp_path, settled):
+    """Eq. 6.13's 0.55 over 0.64, but a layer of 10 mm stays one; no lower than it can be filled."""
+    bed = Bed(next(b for b in task_of(tmp_path).catalogue if b.diameter == 0.01), 20, 0.06)
+    close = max(settled * 0.55 / 0.64, 0.01)
+    pool = making.pool([bed], [settled], 1e-4, 0.08)
+    assert [one.height - one.clearance for one in pool] == pytest.approx([close] * len(pool))
+    assert min(one.height for one in pool) >= (0.5 * (settled + close) if close > 0.01 else 0.01)
+    assert max(one.clearance for one in pool) == pytest.approx(64e-4 * math.pi, rel=1e-3)
+
+
+def test_a_bed_settles_whatever_the_space(tmp_path):
+    """Twelve steel balls of 10 mm, one layer on 60 mm: 10 mm high, to a hundredth of bouncing."""
+    for height in ("40 mm", "150 mm"):
+        task = task_of(tmp_path, {"space.height": height})
+        steel = next(b for b in task.catalogue if b.name == "10 mm steel")
+        how = {"workers": 1, "quiet": True}
+        designer = Designer(task, tmp_path / height[:2], how, lambda words: None)
+        assert designer.heights([Bed(steel, 12, 0.06)]) == pytest.approx([0.010], rel=0.01)
+
+
 def test_the_first_candidates_lie_apart_and_begin_with_the_closed_form(tmp_path):
     task = task_of(tmp_path)
     beds, amplitude = making.beds_of(task), making.closed_form(task)
@@ -252,7 +274,7 @@ def test_the_rule_of_thumb_is_verified_too_and_starts_the_search(tmp_path):
     over the bed, which is 5 g/omega^2 = 0.345 mm."""
     task = task_of(tmp_path)
     beds = making.beds_of(task)
-    heights = [0.03 if bed.ball.diameter != 0.007 else math.inf for bed in beds]
+    heights = [0.01 if bed.ball.diameter != 0.007 else math.inf for bed in beds]
     rule = making.rule_of_thumb(task, beds, heights)
     assert rule.bed.ball.diameter == 0.008
     assert rule.bed.width == 0.06
@@ -268,10 +290,10 @@ def test_the_rule_of_thumb_is_verified_too_and_starts_the_search(tmp_path):
 
 def test_clearances_near_the_best_stay_in_the_space(tmp_path):
     bed = Bed(task_of(tmp_path).catalogue[0], 20, 0.03)
-    best = Candidate(bed, 0.020, 0.002)
-    near = making.nearby(best, 0.0205)
-    assert [one.clearance for one in near] == pytest.approx([0.00142, 0.00168, 0.00238])
-    assert all(one.height - one.clearance == pytest.approx(0.018) for one in near)
+    best = Candidate(bed, 0.020, 0.004)
+    near = making.nearby(best, 0.0210)
+    assert [one.clearance for one in near] == pytest.approx([0.00284, 0.00336, 0.00476])
+    assert all(one.height - one.clearance == pytest.approx(0.016) for one in near)
 
 
 def test_intervals_of_verified_designs_pool_their_scatter(tmp_path):

@@ -6,6 +6,9 @@ may damp better than more of them that carry each other), and clearances about t
 form. A bed that is one body without rebound damps best where the amplitude is 1/pi of its clearance
 (thesis, eq. 6.11), at which it takes 4 V^2 m a cycle: with the power of the force that sets the
 amplitude, and with it the clearance.
+
+Clearances count from the bed as closely as shaking packs it: the height to which it settles as it
+is filled, times the thesis's loose over close packing (eq. 6.13); a single layer stays one.
 """
 
 import math
@@ -16,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from damper3d.case.closed_forms import fluidisation_threshold
-from damper3d.case.random_packing import CLOSE_PACKING
+from damper3d.case.random_packing import CLOSE_PACKING, LOOSE_PACKING
 from damper3d.studies.design.spec import Ball, Task
 from granulab.errors import InputError
 
@@ -27,6 +30,8 @@ CLEARANCES = np.geomspace(0.25, 64.0, 17)  # over that of the closed form
 NEARBY = (0.71, 0.84, 1.19, 1.41)  # of the best clearance: a step of those, and half a step
 _LOWEST = 1.2  # Gamma over the threshold of motion, below which no bed damps
 _NARROWEST = 3.0  # extents of a particle, of an enclosure
+# Height over that of the close bed above which random filling finds room: midway to the loose bed.
+_FILLED = (1.0 + CLOSE_PACKING / LOOSE_PACKING) / 2.0
 
 
 @dataclass(frozen=True)
@@ -53,6 +58,14 @@ class Bed:
         """Least height of an enclosure for it [m]: its depth and a particle."""
         return self.depth + self.ball.extent
 
+    def close(self, settled: float) -> float:
+        """Height [m] of the close bed, of one that settles to a height [m]."""
+        return max(settled * LOOSE_PACKING / CLOSE_PACKING, self.ball.extent)
+
+    def least(self, close: float) -> float:
+        """Least height [m] of an enclosure that can be filled with it, by that of the close bed."""
+        return close * (_FILLED if close > self.ball.extent else 1.001)
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -60,7 +73,7 @@ class Candidate:
 
     bed: Bed
     height: float  # inside [m]
-    clearance: float  # over the settled bed [m]
+    clearance: float  # over the close bed [m]
 
     def changes(self, orientation: str, seed: int) -> dict[str, Any]:
         """Changes of the thesis's case that make it this one."""
@@ -171,11 +184,11 @@ def pool(
     """Candidates of beds that settle to some heights [m], in a space of the height highest [m]."""
     found = []
     for bed, settled in zip(beds, heights, strict=True):
+        close = bed.close(settled)
         for part in CLEARANCES:
-            clearance = part * math.pi * amplitude
-            height = float(f"{settled + clearance:.5g}")
-            if bed.ball.extent <= height <= highest:
-                found.append(Candidate(bed, height, height - settled))
+            height = float(f"{close + part * math.pi * amplitude:.5g}")
+            if bed.least(close) <= height <= highest:
+                found.append(Candidate(bed, height, height - close))
     return found
 
 
@@ -215,19 +228,20 @@ def rule_of_thumb(task: Task, beds: Sequence[Bed], heights: Sequence[float]) -> 
         return math.isinf(settled), abs(bed.ball.diameter - wanted), -bed.count, -bed.width
 
     bed, settled = min(zip(beds, heights, strict=True), key=order)
-    return of_height(bed, min(settled + math.pi * task.bare_amplitude, highest), settled)
+    close = bed.close(settled)
+    return of_height(bed, min(close + math.pi * task.bare_amplitude, highest), close)
 
 
-def of_height(bed: Bed, height: float, settled: float) -> Candidate:
-    """A bed that settles to a height [m], in an enclosure about as high as another [m]."""
-    rounded = float(f"{max(height, 1.001 * bed.ball.extent):.5g}")
-    return Candidate(bed, rounded, rounded - settled)
+def of_height(bed: Bed, height: float, close: float) -> Candidate:
+    """A bed of a height [m] when close, in an enclosure of another [m], or the least it fills."""
+    rounded = float(f"{max(height, bed.least(close)):.5g}")
+    return Candidate(bed, rounded, rounded - close)
 
 
 def nearby(candidate: Candidate, highest: float) -> list[Candidate]:
     """Candidates of the same bed with somewhat other clearances, up to a height [m]."""
-    settled = candidate.height - candidate.clearance
-    found = [of_height(candidate.bed, settled + factor * candidate.clearance, settled)
+    close = candidate.height - candidate.clearance
+    found = [of_height(candidate.bed, close + factor * candidate.clearance, close)
              for factor in NEARBY]  # fmt: skip
     return [one for one in dict.fromkeys(found) if one.height <= highest and one != candidate]
 

@@ -179,9 +179,7 @@ def draw(task: Task, designs: Sequence[Design], verified: Sequence[Verified]) ->
         own = [d for d in designs if d.candidate.bed.ball.kind == kind]
         right.semilogx([1e3 * d.candidate.clearance for d in own], [d.reduction for d in own],
                        marker, label=kind, ms=5)  # fmt: skip
-    right.set(
-        xlabel="clearance over the settled bed [mm]", ylabel="by their fields", ylim=(0, None)
-    )
+    right.set(xlabel="clearance over the close bed [mm]", ylabel="by their fields", ylim=(0, None))
     right.legend(fontsize=7)
     return figure
 
