@@ -156,8 +156,10 @@ def _by_probability(seen: Outlets, n: int | None, diameter: float | None) -> lis
 
     (1 - 1/<s>)^n = 1 - P by the exponential law; larger ones than were seen are extrapolated.
     """
-    lines = []
-    for probability in PROBABILITIES if n and diameter else ():
+    lines: list[dict[str, Any]] = []
+    if not n or diameter is None:
+        return lines
+    for probability in PROBABILITIES:
         found = outlet_of(1 / -math.expm1(math.log1p(-probability) / n), seen)
         if found is not None:
             ends = [None if end is None else end * diameter for end in (found.low, found.high)]
