@@ -1,7 +1,6 @@
 """Sizes of the kinds of a bed, normal, lognormal or by a table of sieves; numbers of each kind."""
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +11,15 @@ from damper3d.case.settings import MOST_PARTICLES, Kind, Particles
 from damper3d.engine.enclosures import Enclosure
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.particle import Particle, particle_of
+from granulab.contact.files.sizes import Sizes, sieved, spread
 from granulab.contact.files.units import to_si
 from granulab.contact.material import Material
 from granulab.errors import InputError
 
-_CUT = 3.0  # standard deviations at which a distribution is cut off on both sides
 _ADD_UP = 1e-3  # by which mass fractions may miss 1, as people round thirds
 
-Diameters = Callable[[np.ndarray], np.ndarray]  # of quantiles, 0 to 1 (n,): diameters (n,) [m]
 
-
-def sizes_of(given: Particles | Kind, folder: Path) -> tuple[MultiSphere, Diameters]:
+def sizes_of(given: Particles | Kind, folder: Path) -> tuple[MultiSphere, Sizes]:
     """The shape of a kind, and how its sizes are spread.
 
     A size is the diameter of the sphere of the same volume; a shape is scaled to it. folder: where
@@ -58,67 +55,16 @@ def sizes_of(given: Particles | Kind, folder: Path) -> tuple[MultiSphere, Diamet
         raise InputError(
             f"size_distribution = {distribution!r}: size_deviation is missing, such as '0.2 mm'"
         )
-    _check_width(distribution, mean, deviation)
-    spread = _normal if distribution == "normal" else _lognormal
-    return particle, spread(mean, deviation)
+    return particle, spread(distribution, mean, deviation)
 
 
-def _check_width(distribution: str, mean: float, deviation: float) -> None:
-    most = mean / _CUT if distribution == "normal" else mean
-    if deviation >= most:
-        raise InputError(
-            f"size_deviation = {1e3 * deviation:g} mm: wider than its mean of {1e3 * mean:g} mm "
-            f"takes; give less than {1e3 * most:.3g} mm"
-            + (", or 'lognormal'" if distribution == "normal" else "")
-        )
-
-
-def _between_cuts(quantile: np.ndarray) -> np.ndarray:
-    """The standard normal variable of quantiles of its part within the cuts."""
-    from scipy.special import ndtr, ndtri
-
-    return ndtri(ndtr(-_CUT) + quantile * (ndtr(_CUT) - ndtr(-_CUT)))
-
-
-def _normal(mean: float, deviation: float) -> Diameters:
-    return lambda quantile: mean + deviation * _between_cuts(quantile)
-
-
-def _lognormal(mean: float, deviation: float) -> Diameters:
-    """The diameter has this mean and deviation; its logarithm is normal."""
-    width = math.sqrt(math.log1p((deviation / mean) ** 2))
-    return lambda quantile: mean * np.exp(width * _between_cuts(quantile) - 0.5 * width**2)
-
-
-def _sieved(table: list[list[Any]] | None) -> Diameters:
-    """Sizes of a sieve table: between two sieves mass is spread evenly over the diameter.
-
-    The number of spheres is then spread as d^-3: in a class from a to b its share goes as the mass
-    times (a^-2 - b^-2)/(2 (b - a)), and d^-2 is even.
-    """
+def _sieved(table: list[list[Any]] | None) -> Sizes:
     if table is None:
         raise InputError(
             'size_distribution = \'sieve\': sieve is missing, such as [["2 mm", 0], ["4 mm", 1]]'
         )
     sieve = np.array([to_si(row[0], "m", "sieve") for row in table])
-    passing = np.array([to_si(row[1], "1", "sieve") for row in table])
-    if len(sieve) < 2 or sieve[0] <= 0.0 or (np.diff(sieve) <= 0.0).any():
-        raise InputError("sieve: sizes must be above 0 and ascend, two at least")
-    if passing[0] != 0.0 or passing[-1] != 1.0 or (np.diff(passing) < 0.0).any():
-        raise InputError(
-            "sieve: the share of the mass that passes must rise from 0 at the finest to 1 at the "
-            "coarsest"
-        )
-    low, high = sieve[:-1] ** -2.0, sieve[1:] ** -2.0
-    number = np.diff(passing) * (low - high) / np.diff(sieve)
-    edge = np.append(0.0, np.cumsum(number / number.sum()))
-
-    def diameters(quantile: np.ndarray) -> np.ndarray:
-        k = np.clip(np.searchsorted(edge, quantile, side="right") - 1, 0, len(low) - 1)
-        part = (quantile - edge[k]) / (edge[k + 1] - edge[k])
-        return (low[k] + part * (high[k] - low[k])) ** -0.5
-
-    return diameters
+    return sieved(sieve, np.array([to_si(row[1], "1", "sieve") for row in table]), dimensions=3)
 
 
 def counts_of(

@@ -15,7 +15,7 @@ from granulab.campaign.cli.commandline import (
     out_option,
     quiet_option,
 )
-from granulab.campaign.cli.many import numbers, rank_by_option, sketched, stop_unless_whole
+from granulab.campaign.cli.many import numbers, rank_by_option, sketched, stop_unless_whole, stopped
 
 if TYPE_CHECKING:
     from damper3d.studies.map.grid import Grid
@@ -102,12 +102,12 @@ def _map(
     comparison = compared(prediction.name, result, quantities)
     results = summary(grid, result, prediction, on_ridges, folder.path, comparison)
     write_map(folder, result, results)
-    stopped = any(row["state"] == "interrupted" for row in result.rows)
-    if not stopped:
+    whole = not stopped(result.rows)
+    if whole:
         write_ranking(folder.path, comparison, results)
     text = paragraphs(on_screen(as_text(results)), ranking_as_text(comparison))
     click.echo(json.dumps(results, indent=2) if as_json else text)
-    if not no_figures and results["done"] and not stopped:
+    if not no_figures and results["done"] and whole:
         written = write_pictures(
             folder.path, comparison, DAMPER.means, "map.png",
             lambda _: draw_map(result, prediction, on_ridges),

@@ -8,7 +8,7 @@ import click
 
 from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
-from granulab.campaign.cli.many import numbers, stop_unless_whole
+from granulab.campaign.cli.many import numbers, stop_unless_whole, stopped
 from granulab.campaign.output.layout import on_screen
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def predict(
         results["for"] = found
         words += "\n" + "\n".join(map(predicting.inverted_words, found))
     click.echo(json.dumps(results, indent=2) if as_json else on_screen(words))
-    if not no_figures:
+    if not (no_figures or stopped(rows)):
         picture = Path(out) / f"predict-{cases[0].name}.png"
         write_figure(picture, lambda: draw_predictions(predictions, wanted, rows))
         click.echo(picture, err=True)

@@ -11,7 +11,7 @@ import click
 
 from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
-from granulab.campaign.cli.many import stop_unless_whole
+from granulab.campaign.cli.many import stop_unless_whole, stopped
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.sweep import Labelled
@@ -118,7 +118,7 @@ def _slow(
     click.echo(json.dumps(summary(kind, rows), indent=2) if as_json else on_screen(text))
     given = {"particles": particles, "seeds": str(seeds), "material": material, **options}
     given |= {"so-far": ""} if so_far else {}
-    if not no_figures and any(row["state"] == "done" for row in rows):
+    if any(row["state"] == "done" for row in rows) and not (no_figures or stopped(rows)):
         _write(kind, rows, text, given, Path(write or out), quiet)
     stop_unless_whole(rows)
 
@@ -155,13 +155,11 @@ def _write(
     kind: str, rows: list[dict[str, Any]], text: str, given: dict[str, str | None], folder: Path,
     quiet: bool,
 ) -> None:  # fmt: skip
-    """Keep the table, unless runs that were interrupted left it in parts."""
+    """Keep the table and its picture."""
     from damper3d.studies.quasistatic.chart import draw
     from damper3d.studies.quasistatic.protocol import SLOW_TESTS
     from granulab.campaign.output.results import origin, write_results
 
-    if any(row["state"] == "interrupted" for row in rows):
-        return
     keys = {name: name.rpartition("__")[2].replace("_", "-") for name in given}
     words = [
         f"--{keys[name]} {shlex.quote(str(value))}" if value else f"--{keys[name]}"

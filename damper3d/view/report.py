@@ -235,10 +235,7 @@ def report(result: Result) -> str:
         f"{result.efficiency_wall_work:.3f} from the work of the walls",
         *([] if result.efficiency_note is None else [f"  warning: {result.efficiency_note}"]),
         *_shares(result),
-        f"  design           {result.dissipated_power_w:.4g} W dissipated, loss factor "
-        f"{_number(result.loss_factor)}, like a damper of "
-        f"{_number(result.equivalent_damping_n_s_per_m)} N s/m;",
-        f"                   effective mass {_effective_mass(result)}, of {result.mass_kg:.4g} kg",
+        f"  design           {result.dissipated_power_w:.4g} W dissipated{_of_a_sine(result)}",
         *(
             []
             if result.excitation is None
@@ -334,11 +331,15 @@ def _shares(result: Result) -> list[str]:
     ]
 
 
-def _effective_mass(result: Result) -> str:
-    mass = result.effective_mass
+def _of_a_sine(result: Result) -> str:
+    """The numbers that go by one frequency; nothing of a signal that has several."""
+    mass, damping = result.effective_mass, result.equivalent_damping_n_s_per_m
+    if result.loss_factor is None and damping is None and mass.get("in_phase_kg") is None:
+        return ""
     return (
-        f"{_number(mass.get('in_phase_kg'))} kg in phase, "
-        f"{_number(mass.get('out_of_phase_kg'))} kg out of phase"
+        f", loss factor {_number(result.loss_factor)}, like a damper of {_number(damping)} N s/m;\n"
+        f"                   effective mass {_number(mass.get('in_phase_kg'))} kg in phase, "
+        f"{_number(mass.get('out_of_phase_kg'))} kg out of phase, of {result.mass_kg:.4g} kg"
     )
 
 

@@ -61,6 +61,12 @@ class AvalancheCase:
         """Case of a silo; InputError where it is no case of avalanches."""
         if silo.impulses:
             raise InputError("[run] engine = 'pymunk': avalanches need the contacts of dem")
+        given = silo.settings.flow
+        for key in ("gate_times", "feed_rate", "refill"):
+            if getattr(given, key):
+                raise InputError(
+                    f"[flow] {key}: avalanches flow freely, and are refilled; leave it out"
+                )
         return cls(silo, protocol)
 
     @property

@@ -58,7 +58,7 @@ def flow(
     state kept, and SimulationError.
     """
     if not ledger.opened:
-        open_door(sim, bed.silo, ledger)
+        open_door(sim, bed.silo, bed.packing, ledger)
         ledger.opened = True
         keep()
     look, saving = (max(round(span / sim.time_step), 1) for span in (LOOK, _CHECKPOINT))

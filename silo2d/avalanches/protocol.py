@@ -26,6 +26,7 @@ from silo2d.avalanches.flow import Ledger, flow
 from silo2d.avalanches.result import Avalanches
 from silo2d.case.plan import compiling, expected_stages
 from silo2d.engine.simulation import Simulation
+from silo2d.run.beds.acts import equip
 from silo2d.run.ending import MOST_HALVINGS
 from silo2d.run.protocol import (
     PACKAGES,
@@ -77,6 +78,7 @@ def _start_or_resume(
         sim = Simulation(world_behind_door(silo, bed.packing))
         stages.finish("settling")
         sim.begin_phase(*silo.laws(sim.n_particles), silo.time_step)
+        equip(sim, silo, bed.packing)
         if found := restored(folder, sim.restore, Ledger, "its opening", warn):
             sim.time_step = silo.time_step / 2**found.halvings
             return sim, found

@@ -56,7 +56,8 @@ class Baseline:
         self._space.collision_persistence = 1
         elasticity = factors(*self._settings.restitution)
         particle, wall = (Surface(0.0, value) for value in elasticity)
-        self._walls = add_walls(self._space, case.outline.walls().segments, wall)
+        walls = case.outline.walls()
+        self._walls, self._doors = add_walls(self._space, walls.segments, wall), walls.doors
         self._particles = [
             add_particle(self._space, shape, case.surface_density, pose, particle)
             for shape, pose in zip(shapes, packing.poses.tolist(), strict=True)
@@ -130,7 +131,8 @@ class Baseline:
             placed.shape.friction = particle
         for placed in self._walls:
             placed.shape.friction = wall
-        self._space.remove(*self._walls[-1])
+        for door in self._doors:
+            self._space.remove(*self._walls[door])
         self.steps = 0
 
     def wall_forces(self) -> np.ndarray:

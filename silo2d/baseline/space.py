@@ -70,14 +70,19 @@ def add_particle(
 
     body = pymunk.Body(surface_density * shape.area, surface_density * shape.polar_moment)
     body.position, body.angle = (pose[0], pose[1]), pose[2]
-    poly = pymunk.Poly(body, shape.core.tolist(), radius=shape.spheroradius + skin)
-    poly.friction, poly.elasticity = surface
-    space.add(body, poly)
-    return Placed(body, poly)
+    radius = shape.spheroradius + skin
+    placed: pymunk.Shape
+    if shape.is_disc:
+        placed = pymunk.Circle(body, radius)
+    else:
+        placed = pymunk.Poly(body, shape.core.tolist(), radius=radius)
+    placed.friction, placed.elasticity = surface
+    space.add(body, placed)
+    return Placed(body, placed)
 
 
 def strays(outline: Outline, positions: np.ndarray) -> int:
     """Number of positions (n, 2) [m] that are outside the silo."""
-    from shapely import Polygon, contains_xy
+    from shapely import contains_xy
 
-    return int(np.sum(~contains_xy(Polygon(outline.polygon), positions)))
+    return int(np.sum(~contains_xy(outline.inside, positions)))

@@ -15,6 +15,9 @@ from granulab.contact.files.units import both, located, nearest, to_si
 from granulab.contact.laws import LinearLaw
 from granulab.contact.restitution import linear_restitution
 from granulab.errors import InputError
+from silo2d.case.beds.flow import check_flow
+from silo2d.case.beds.laws import check_laws, curve_file, with_cohesion, with_curve
+from silo2d.case.beds.openings import check_ways, with_inserts, with_outlets
 from silo2d.case.disorder import Spread, drawn_laws, spreads, stiffest
 from silo2d.case.filling import (
     GRAVITY,
@@ -33,8 +36,9 @@ from silo2d.case.parameters import (
     time_step_of,
     whole_pairs,
 )
-from silo2d.case.settings import Fill, Settings, Silo, check_settings, read_settings, to_toml
+from silo2d.case.settings import Fill, Flow, Settings, Silo, check_settings, read_settings, to_toml
 from silo2d.case.shape import ShapeSet, vertex_list
+from silo2d.case.shapefile import files_beside
 from silo2d.engine.pair_law import Law
 from silo2d.engine.state import MAX_VERTICES
 
@@ -56,6 +60,7 @@ class SiloCase:
     pour_time_step: float  # [s]
     files: dict[str, str]  # name in the run folder -> text, of the shapes and materials used
     impulses: Impulses | None = None  # what pymunk takes, for a case that it runs
+    length: float = math.nan  # of the prisms [m]
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "SiloCase":
@@ -84,7 +89,7 @@ class SiloCase:
         settings = check_settings(document, where)
         shapes_file = find(settings.particles.shapes, "shapes", folder)
         table_file = find(settings.particles.materials, "materials", folder)
-        outline = _outline(settings.silo, settings.name, where)
+        outline = _opened(_outline(settings.silo, settings.name, where), settings, where)
         shapes, table = both(lambda: shapes_of(shapes_file), lambda: table_of(table_file, settings))
         _check_sizes(outline, shapes, settings, where)
         particles = settings.particles
@@ -102,6 +107,13 @@ class SiloCase:
             where,
         )
         laws = contact_laws(settings, pairs, mean_mass, where)
+        check_laws(settings, where)
+        curved = with_curve(laws, settings, folder, where)
+        if curved is not None:  # the steepest part decides on steps and softness
+            laws = (
+                laws[0]._replace(kn=curved[0].kn),
+                laws[1]._replace(kn=curved[1].kn),
+            )
         check_contacts(laws, material.length.value, mean_mass, where)
         disorder = spreads(settings, pairs, laws, where)
         bounds = stiffest(laws, disorder, settings.law.contact_end)
@@ -115,14 +127,18 @@ class SiloCase:
         pour_laws = filling_laws(pairs, filling_friction(settings, laws, where), rain)
         pour_time_step = filling_time_step(shapes, surface_density, pour_laws)
         check_steps(settings, time_step, pour_time_step, where)
+        check_flow(settings, shapes, time_step, where)
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}
+        files |= files_beside(shapes_file) | curve_file(settings, folder)
+        acting = curved or with_cohesion(laws, settings, material.length.value)
         return cls(
-            settings, outline, shapes, surface_density, *laws, disorder, time_step, reason,
+            settings, outline, shapes, surface_density, *acting, disorder, time_step, reason,
             pour_laws, pour_time_step,
             {name: Path(file).read_text(encoding="utf-8") for name, file in files.items()},
             impulses_of(
                 settings, pairs, laws, shapes, math.sqrt(2 * GRAVITY * outline.height), where
             ),
+            material.length.value,
         )  # fmt: skip
 
     @property
@@ -139,6 +155,8 @@ class SiloCase:
     def silo_name(self) -> str | None:
         """The paper's silo that this outline is, or None."""
         own = self.outline
+        if own.inserts or own.outlets:
+            return None
         rotations = [np.roll(own.polygon, k, axis=0) for k in range(len(own.polygon))]
         for name in PRESETS:
             known = preset(name)
@@ -230,7 +248,10 @@ class SiloCase:
         particles = self.settings.particles.model_copy(
             update={"shapes": "shapes.toml", "materials": "materials.toml"}
         )
-        return to_toml(self.settings.model_copy(update={"particles": particles}))
+        law = self.settings.law
+        if law.kn_curve is not None:
+            law = law.model_copy(update={"kn_curve": "kn_curve.csv"})
+        return to_toml(self.settings.model_copy(update={"particles": particles, "law": law}))
 
     def identity(self) -> dict[str, Any]:
         """Identity of a run, which names its folder: all that its results depend on."""
@@ -251,6 +272,12 @@ class SiloCase:
 # Keys that a packing or a run is not named by while they are off: folders made before there were
 # such keys keep their names.
 _OFF = {
+    ("silo", "inserts"): None,
+    ("silo", "outlets"): None,
+    ("law", "cohesion"): None,
+    ("law", "kn_curve"): None,
+    ("law", "mu_plates"): None,
+    ("law", "plates_ratio"): None,
     ("fill", "friction"): False,
     ("fill", "layer"): None,
     ("run", "door_speed"): None,
@@ -265,6 +292,8 @@ def _acting(settings: Settings) -> dict[str, Any]:
     )
     if settings.disorder.per == "none":
         del tables["disorder"]
+    if settings.flow == Flow():
+        del tables["flow"]
     for (section, key), off in _OFF.items():
         if tables[section][key] == off:
             del tables[section][key]
@@ -314,6 +343,21 @@ def _outline(silo: Silo, name: str, where: str) -> Outline:
         return dataclasses.replace(hopper(angle, outlet, *size, "hopper"), name=name)
 
 
+def _opened(outline: Outline, settings: Settings, where: str) -> Outline:
+    """The silo with its inserts and further outlets."""
+    silo, field = settings.silo, f"{where}: [silo]"
+    unit = to_si(f"1 {silo.outline_unit}", "m", f"{field} outline_unit")
+    if silo.outlets:
+        if settings.run.door_speed is not None:
+            raise InputError(
+                f"{where}: [run] door_speed: further outlets open at once; leave it out, or outlets"
+            )
+        outline = with_outlets(outline, silo.outlets, unit, f"{field} outlets")
+    if silo.inserts:
+        outline = with_inserts(outline, silo.inserts, unit, f"{field} inserts")
+    return outline
+
+
 def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: str) -> None:
     """Check what must hold between the silo, the particles and the fill level."""
     narrowest = min(shape.width for shape in shapes.shapes)
@@ -322,6 +366,7 @@ def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: 
             f"{where}: [silo] outlet = {outline.outlet * 1e3:g} mm: smaller than the narrowest "
             f"particle, {narrowest * 1e3:.3g} mm; nothing would come out"
         )
+    check_ways(outline, narrowest, where)
     level, largest = settings.fill.level, 2 * shapes.bounding_radius
     if not largest < level <= outline.height:
         raise InputError(

@@ -67,14 +67,14 @@ def rows_of_rain(outline: Outline, shapes: ShapeSet, layer: Layer) -> tuple[np.n
     They stand in staggered rows from the door up, or above what lies there, in the silo and over
     it; the top [m] is where the next row would be. Raises InputError where none has room.
     """
-    from shapely import LineString, Polygon
+    from shapely import LineString
 
     radius = shapes.bounding_radius
     pitch, above = PITCH * radius, layer.above
     area = outline.area_below(layer.end) - (outline.area_below(layer.begin) if layer.begin else 0)
     n = math.ceil(area * LOOSE / shapes.mean_area)
     high = outline.raised(above + n * pitch)  # more than enough: one particle a row
-    free = Polygon(high.polygon).buffer(-1.02 * radius)
+    free = high.inside.buffer(-1.02 * radius)
     left, bottom, right, top = free.bounds if not free.is_empty else (0.0, 0.0, 0.0, 0.0)
     positions: list[tuple[float, float]] = []
     y = max(bottom, above + radius if above else bottom) + 1e-3 * pitch

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 from silo2d.case.shape import COINCIDENT, Points, merge_collinear, simple_polygon
+
+if TYPE_CHECKING:
+    from shapely import Polygon
 
 _ANGLES = {"A": 60, "B": 45, "C": 30, "D": 0}  # hopper, from the horizontal [deg]
 _OUTLETS = {"1": 0.040, "2": 0.060, "3": 0.100, "4": 0.150}  # [m]
@@ -22,10 +25,17 @@ class Walls(NamedTuple):
     """Straight pieces of wall, the inside on their left; the door across the outlet is last."""
 
     segments: NDArray[np.float64]  # (w, 2, 2) end points [m]
-    names: list[str]  # (w,) "left wall", "right hopper", "floor left", "wall 3", ..., "door"
+    # (w,) "left wall", "right hopper", "floor left", "wall 3", ..., "insert 1 side 1", ...,
+    # "door 2" of a further outlet, "door"
+    names: list[str]
     # (w,) how many end points, first point first, are corners that edges of particles can rest
     # on. Each distinct point of the walls counts once; the door has none of its own.
     corners: NDArray[np.int64]
+
+    @property
+    def doors(self) -> list[int]:
+        """Indices of the doors, the last walls."""
+        return [k for k, name in enumerate(self.names) if name.startswith("door")]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,12 +47,16 @@ class Outline:
                      edge is horizontal too and is the open top
     outlet           its width [m]
     outlet_centre    x of its middle [m]
+    inserts          corners (n, 2) [m] of bodies in it, counter-clockwise
+    outlets          ends (2, 2) [m] of further outlets in its walls
     """
 
     name: str
     polygon: Points
     outlet: float
     outlet_centre: float
+    inserts: tuple[Points, ...] = ()
+    outlets: tuple[Points, ...] = ()
 
     @property
     def lips(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -60,12 +74,28 @@ class Outline:
         """Height from the outlet to the open top [m]."""
         return float(self.polygon[:, 1].max())
 
+    @property
+    def inside(self) -> "Polygon":
+        """Space that particles may fill: the polygon without the inserts."""
+        from shapely import Polygon, union_all
+
+        inside = Polygon(self.polygon)
+        return (
+            inside - union_all([Polygon(one) for one in self.inserts]) if self.inserts else inside
+        )
+
+    @property
+    def centre_lines(self) -> list[float]:
+        """x [m] of the middles of the outlets in the floor, the main one first."""
+        level = [ends for ends in self.outlets if (ends[:, 1] == 0.0).all()]
+        return [self.outlet_centre, *(float(ends[:, 0].mean()) for ends in level)]
+
     def area_below(self, level: float) -> float:
         """Area [m2] of the inside under y = level [m]."""
-        from shapely import Polygon, box
+        from shapely import box
 
         left, right = self.polygon[:, 0].min(), self.polygon[:, 0].max()
-        return float(Polygon(self.polygon).intersection(box(left, 0, right, max(level, 0))).area)
+        return float(self.inside.intersection(box(left, 0, right, max(level, 0))).area)
 
     def raised(self, by: float) -> "Outline":
         """The same silo with vertical walls of height `by` [m] put on its open top."""
@@ -92,7 +122,60 @@ class Outline:
         corners[[len(right) - 1, -2]] = 2  # both sides are chains: the end of each counts too
         corners[-1] = 0
         door = np.array([left_lip, right_lip])
-        return Walls(np.array([*segments, door]), [*names, "door"], corners)
+        walls = Walls(np.array([*segments, door]), [*names, "door"], corners)
+        for ends in self.outlets:
+            walls = _opened(walls, ends, nothing)
+        return _with_inserts(walls, self.inserts)
+
+
+def on_wall(walls: Walls, ends: Points, nothing: float) -> int | None:
+    """Index of the wall that holds both ends (2, 2) of an outlet between its own; None: of none."""
+    for k, (start, end) in enumerate(walls.segments):
+        if k in walls.doors:
+            continue
+        length = math.hypot(*(end - start))
+        tangent = (end - start) / length
+        along = (ends - start) @ tangent
+        aside = (ends - start) @ np.array([-tangent[1], tangent[0]])
+        if (
+            np.abs(aside).max() <= nothing
+            and nothing < along.min() < along.max() < length - nothing
+        ):
+            return k
+    return None
+
+
+def _opened(walls: Walls, ends: Points, nothing: float) -> Walls:
+    """Walls with a door (2, 2) in one of them, before the others."""
+    k = on_wall(walls, ends, nothing)
+    assert k is not None  # with_outlets has refused it
+    start, end = walls.segments[k]
+    first, last = sorted(ends, key=lambda point: math.hypot(*(point - start)))
+    at = len(walls.names)  # before the last door, once the wall is two
+    segments = np.insert(walls.segments, k, np.array([start, first]), axis=0)
+    segments[k + 1] = last, end
+    corners = np.insert(walls.corners, k, 2)  # the end of the piece is a corner too
+    name = walls.names[k]
+    names = [*walls.names[:k], f"{name} a", f"{name} b", *walls.names[k + 1 :]]
+    return Walls(
+        np.insert(segments, at, np.array([first, last]), axis=0),
+        [*names[:at], f"door {len(walls.doors) + 1}", *names[at:]],
+        np.insert(corners, at, 0),
+    )
+
+
+def _with_inserts(walls: Walls, inserts: tuple[Points, ...]) -> Walls:
+    """Walls with the sides of inserts before the doors; what is outside of an insert is inside."""
+    if not inserts:
+        return walls
+    at = walls.doors[0]
+    sides = [np.stack([np.roll(one, -1, axis=0), one], axis=1)[::-1] for one in inserts]
+    names = [f"insert {k} side {n + 1}" for k, one in enumerate(sides, 1) for n in range(len(one))]
+    return Walls(
+        np.concatenate([walls.segments[:at], *sides, walls.segments[at:]]),
+        [*walls.names[:at], *names, *walls.names[at:]],
+        np.concatenate([walls.corners[:at], np.ones(len(names), np.int64), walls.corners[at:]]),
+    )
 
 
 def _level_edge(corners: Points, level: float) -> int:

@@ -5,7 +5,6 @@ import math
 from functools import lru_cache
 from pathlib import Path
 
-from granulab.contact.files.datafile import content_of
 from granulab.contact.files.needs import SILO, Keys, keys_needed, table_with
 from granulab.contact.files.table import ContactTable
 from granulab.contact.laws import LinearLaw
@@ -14,7 +13,7 @@ from granulab.contact.restitution import damping_for_restitution
 from granulab.errors import InputError
 from silo2d.case.settings import Settings
 from silo2d.case.shape import ShapeSet
-from silo2d.case.shapefile import load_shapes
+from silo2d.case.shapefile import content_with, load_shapes
 from silo2d.case.stability import (
     USUAL_TIME_STEP,
     chosen_step,
@@ -26,7 +25,7 @@ from silo2d.case.stability import (
 
 def shapes_of(file: str | Path) -> ShapeSet:
     """See load_shapes; the same object for the same text."""
-    return _shapes(file, content_of(file))
+    return _shapes(file, content_with(file))
 
 
 def table_of(file: str | Path, settings: Settings) -> ContactTable:

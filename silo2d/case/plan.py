@@ -58,7 +58,7 @@ def _kept(case: SiloCase) -> tuple[float, float, float, float, float]:
     frame, part = max(output.frame_interval, step), max(output.checkpoint_interval, step)
     frames = longest / frame + 2
     tables = 0.0 if case.impulses else longest / max(output.contact_interval, frame) + 2
-    n_bytes = _DENSEST * expected_particles(case) * _OF_A_PARTICLE + 8 * _numbers(case)
+    n_bytes = _DENSEST * _in_all(case) * _OF_A_PARTICLE + 8 * _numbers(case)
     return frames, tables, longest / part + 2, min(part / frame + 1, frames), n_bytes
 
 
@@ -69,7 +69,7 @@ def _numbers(case: SiloCase) -> int:
 def disk_at_most(case: SiloCase) -> dict[str, int]:
     """Bytes of frames, contacts and checkpoints that a run takes at most, to its longest time."""
     frames, tables, parts, _, of_frame = _kept(case)
-    n = _DENSEST * expected_particles(case)
+    n = _DENSEST * _in_all(case)
     return room.on_disk(
         frames=[(frames, of_frame)],
         numbers=frames * _numbers(case),
@@ -94,7 +94,7 @@ def _of_a_table(case: SiloCase, n: float, tables: float) -> float:
 def memory_at_most(case: SiloCase) -> int:
     """Bytes of memory that a run takes at most: most is the program's own."""
     frames, tables, _, together, of_frame = _kept(case)
-    n = _DENSEST * expected_particles(case)
+    n = _DENSEST * _in_all(case)
     of_contacts = tables / frames * _of_a_table(case, n, tables)
     own = n * 16 * 200  # 16 pairs of vertices and edges a particle, of 25 numbers in three lists
     return room.in_memory(_PROCESS + own, together * (of_frame + of_contacts + _OF_ARRAYS))
@@ -104,6 +104,11 @@ def expected_particles(case: SiloCase) -> int:
     """About how many particles fill the silo to its level."""
     area = case.outline.area_below(case.settings.fill.level)
     return round(area * _USUAL_FRACTION / case.shapes.mean_area)
+
+
+def _in_all(case: SiloCase) -> int:
+    """About how many particles there are, with those in store."""
+    return expected_particles(case) + case.settings.flow.refill
 
 
 def expected_rate(case: SiloCase) -> float:

@@ -1,6 +1,7 @@
 """The schema of a silo's case file: sections, keys, units, ranges, defaults, meanings, options."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
@@ -32,6 +33,14 @@ SCHEMA = 1
 
 def _yes_or_number(value: object, info: ValidationInfo) -> object:
     return value if isinstance(value, bool) else to_si(value, "1", info.field_name or "value")
+
+
+def _times(value: list[str]) -> list[str]:
+    """Ascending times above 0, as texts in seconds."""
+    times = [to_si(one, "s", "gate_times") for one in value]
+    if not times or times[0] <= 0 or any(b <= a for a, b in pairwise(times)):
+        raise ValueError("gate_times: must be above 0 and ascend, such as ['0.3 s', '0.5 s']")
+    return [f"{time!r} s" for time in times]
 
 
 # Yes, no, or a number that stands for yes.
@@ -67,10 +76,20 @@ class Silo(Section):
         "without outlet and outlet_centre the whole lowest edge opens",
         example=[[-75, 0], [75, 0], [150, 130], [150, 500], [-150, 500], [-150, 130]],
     )  # fmt: skip
-    outline_unit: str = key("mm", "unit of the outline")
+    outline_unit: str = key("mm", "unit of the outline, inserts and outlets")
     outlet_centre: Length | None = key(
         None, "x of the outlet's middle, in an outline", example="0 mm",
         left_out="the middle of its edge",
+    )  # fmt: skip
+    inserts: list[list[list[float]]] | None = key(
+        None, "bodies that are held in their place: corners of each, counter-clockwise, inside the "
+        "silo and apart from its walls, in outline_unit",
+        example=[[[-40, 180], [40, 180], [0, 250]]], left_out="none",
+    )  # fmt: skip
+    outlets: list[list[list[float]]] | None = key(
+        None, "further outlets, in the floor or in the side: both ends of each, on one wall, in "
+        "outline_unit; they open with the first", example=[[[-150, 200], [-150, 260]]],
+        left_out="none",
     )  # fmt: skip
 
 
@@ -127,6 +146,23 @@ class Law(Section):
     gamma_t: Rate | None = key(
         None, "tangential damping of all contacts", example="3 1/s", left_out=_TABLE,
         option="--gamma-t",
+    )  # fmt: skip
+    cohesion: Stiffness | None = key(
+        None, "pull that a contact takes before it parts, per length of contact, which is that of "
+        "the prisms: moisture",
+        example="1 N/m", left_out="none", option="--cohesion",
+    )  # fmt: skip
+    kn_curve: str | None = key(
+        None, "CSV file next to this one of a measured force over overlap, in place of kn",
+        example="curve.csv", left_out="none",
+    )  # fmt: skip
+    mu_plates: Annotated[Friction, Field(gt=0)] | None = key(
+        None, "friction of front and back plate on the faces of the prisms, from the opening on",
+        example=0.44, left_out="none", option="--mu-plates",
+    )  # fmt: skip
+    plates_ratio: Annotated[Number, Field(gt=0, le=10)] | None = key(
+        None, "lateral pressure ratio: pressure on the plates over the mean pressure in the plane",
+        example=0.4, option="--plates-ratio",
     )  # fmt: skip
     keep_ratios: bool = key(
         False,
@@ -206,6 +242,31 @@ class Run(Section):
     )
 
 
+class Flow(Section):
+    """Gate, feeder, refilling and vibration after the opening (docs/silo-beds.md)."""
+
+    gate_times: Annotated[list[str], AfterValidator(_times)] | None = key(
+        None, "times at which the gate closes, opens, closes ... again", example=["0.3 s", "0.5 s"],
+        left_out="it stays open",
+    )  # fmt: skip
+    feed_rate: Annotated[Rate, Field(gt=0)] | None = key(
+        None, "particles that a feeder takes from the closed outlet in a second", example="200 1/s",
+        left_out="the outlet opens", option="--feed-rate",
+    )  # fmt: skip
+    refill: Annotated[int, Field(ge=0, le=100_000, strict=True)] = key(
+        0, "particles kept in store, that are put on top as others leave", option="--refill",
+        metavar="300",
+    )  # fmt: skip
+    vibration_amplitude: Annotated[Size, Field(gt=0)] | None = key(
+        None, "amplitude of the vibration of all walls", example="0.5 mm", left_out="they stand",
+        option="--vibration-amplitude",
+    )  # fmt: skip
+    vibration_frequency: Annotated[Rate, Field(gt=0)] | None = key(
+        None, "its frequency", example="30 Hz", option="--vibration-frequency"
+    )
+    vibration_direction: Literal["vertical", "horizontal"] = key("vertical", "its direction")
+
+
 class Pymunk(Section):
     """The impulse engine, where it is the engine (docs/pymunk.md)."""
 
@@ -249,6 +310,7 @@ class Settings(Section):
     disorder: Disorder = Disorder()
     fill: Fill = Fill()
     run: Run = Run()
+    flow: Flow = Flow()
     pymunk: Pymunk = Pymunk()
     output: Output = Output()
 

@@ -25,6 +25,7 @@ from silo2d.case.shape import Shape, ShapeSet
 
 USUAL_TIME_STEP = 5e-6  # [s] discharge times do not change between 2 and 10 us
 RESTITUTION_OF_ELASTIC = 0.98  # [-] of one contact
+_AT_A_CORNER = 3  # contacts of a disc
 
 
 class Margin(NamedTuple):
@@ -77,24 +78,23 @@ def step_for_held_particles(
 def _held_step(shape: Shape, surface_density: float, law: LinearLaw) -> float:
     """Stable step with an aligned partner on every face, each moving against the particle.
 
-    A partner that mirrors the particle's motion doubles the force of each spring on it.
+    A partner that mirrors the particle's motion doubles the force of each spring on it. A disc is
+    held by six.
     """
-    edges = np.roll(shape.core, -1, axis=0) - shape.core
     rows = []
-    for start, edge in zip(shape.core, edges, strict=True):
-        tangent = edge / np.linalg.norm(edge)
-        normal = np.array([tangent[1], -tangent[0]])
-        for point in (start, start + edge):
+    for ends, normal, tangent in _faces(shape):
+        for point in ends:
             touched = point + shape.spheroradius * normal
             for direction in (normal, tangent):
                 torque = touched[0] * direction[1] - touched[1] * direction[0]
                 rows.append([*direction, torque])
     mass, inertia = surface_density * shape.area, surface_density * shape.polar_moment
     n_ends = len(rows) // 2
+    pairs = 1 if shape.is_disc else 4
     return _stable(
         np.array(rows),
-        2 * 4 * np.tile([law.kn, law.kt], n_ends),
-        2 * 4 * mass / 2 * np.tile([law.gamma_n, law.gamma_t], n_ends),
+        2 * pairs * np.tile([law.kn, law.kt], n_ends),
+        2 * pairs * mass / 2 * np.tile([law.gamma_n, law.gamma_t], n_ends),
         np.array([1 / mass, 1 / mass, 1 / inertia]),
     )
 
@@ -108,15 +108,33 @@ def _stable(
     )
 
 
+def _faces(shape: Shape) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Ends (2, 2) [m] of the edges of the core, with outward normal and tangent (2,) of each.
+
+    Of a disc: its centre (1, 2), in six directions.
+    """
+    if shape.is_disc:
+        around = [(math.cos(k * math.pi / 3), math.sin(k * math.pi / 3)) for k in range(6)]
+        return [(shape.core, np.array([c, s]), np.array([-s, c])) for c, s in around]
+    after = np.roll(shape.core, -1, axis=0)
+    found = []
+    for start, end in zip(shape.core, after, strict=True):
+        tangent = (end - start) / np.linalg.norm(end - start)
+        # Outwards: the outline is counter-clockwise.
+        found.append((np.array([start, end]), np.array([tangent[1], -tangent[0]]), tangent))
+    return found
+
+
 def _face_step(
     shape: Shape, surface_density: float, law: LinearLaw, pairs: int, with_partner: bool
 ) -> float:
-    """Stable step with the longest face of a shape on a partner, `pairs` pairs at each end."""
-    edges = np.roll(shape.core, -1, axis=0) - shape.core
-    longest = int(np.argmax(np.linalg.norm(edges, axis=1)))
-    tangent = edges[longest] / np.linalg.norm(edges[longest])
-    normal = np.array([tangent[1], -tangent[0]])  # outwards: the outline is counter-clockwise
-    ends = np.array([shape.core[longest], np.roll(shape.core, -1, axis=0)[longest]])
+    """Stable step with the longest face of a shape on a partner, `pairs` pairs at each end.
+
+    A disc has one contact with another, and three where it meets the corner of a polygon or of two
+    walls: that corner and the ends of both its edges.
+    """
+    pairs = _AT_A_CORNER if shape.is_disc else pairs
+    ends, normal, tangent = max(_faces(shape), key=lambda face: np.linalg.norm(np.ptp(face[0], 0)))
     points = ends + shape.spheroradius * normal
     # The partner is the same shape rotated by 180 degrees about the middle of the face.
     partner = points - 2 * points.mean(axis=0)
@@ -131,6 +149,6 @@ def _face_step(
     if with_partner:
         inverse = np.tile(inverse, 2)
     reduced = mass / 2 if with_partner else mass
-    stiffness = pairs * np.tile([law.kn, law.kt], 2)
-    damping = pairs * reduced * np.tile([law.gamma_n, law.gamma_t], 2)
+    stiffness = pairs * np.tile([law.kn, law.kt], len(ends))
+    damping = pairs * reduced * np.tile([law.gamma_n, law.gamma_t], len(ends))
     return _stable(np.array(rows), stiffness, damping, inverse)

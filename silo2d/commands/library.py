@@ -135,8 +135,9 @@ def _shapes(name: str) -> str:
         f"{shapes.name}: {len(shapes.shapes)} shapes, mean area {shapes.mean_area * 1e6:.1f} mm2"
     ]
     for shape, share in zip(shapes.shapes, shapes.shares, strict=True):
+        corners = "disc" if shape.is_disc else f"{len(shape.core)} vertices"
         lines.append(
-            f"  {shape.name:4} {len(shape.core)} vertices, area {shape.area * 1e6:6.1f} mm2, width "
+            f"  {shape.name:4} {corners}, area {shape.area * 1e6:6.1f} mm2, width "
             f"{shape.width * 1e3:5.2f} mm, share {share:.3f}"
         )
     return "\n".join(lines)

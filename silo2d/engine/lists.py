@@ -65,7 +65,11 @@ def find_outer(bodies, local, vertices, pairs, outer, counts):
                 outer.key[c], outer.slip[c] = outer.old_key[c], outer.old_slip[c]
             return OUTER_FULL
         n = find_vertex_edge_pairs(bodies, local, vertices, outer, i, j, n)
-        n = find_vertex_edge_pairs(bodies, local, vertices, outer, j, i, n)
+        # Two discs, which have one edge of no length each, would touch twice.
+        if p >= counts[PARTICLE_PAIRS] or (
+            bodies.layout[i, N_EDGES] > 1 or bodies.layout[j, N_EDGES] > 1
+        ):
+            n = find_vertex_edge_pairs(bodies, local, vertices, outer, j, i, n)
         if p < counts[PARTICLE_PAIRS]:
             n_particle = n
     counts[PARTICLE_OUTER], counts[OUTER] = n_particle, n

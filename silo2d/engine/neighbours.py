@@ -16,6 +16,7 @@ whatever the skins.
 import numpy as np
 
 from granulab.contact.jit import njit
+from silo2d.engine.beds.vibration import place_walls
 from silo2d.engine.cells import find_bodies, note_positions
 from silo2d.engine.door import set_door_skins, update_door
 from silo2d.engine.geometry import rotated
@@ -79,6 +80,7 @@ def search(world):
     if counts[STALE] == 2 and outgrown(bodies, counts, BODY_LIST):
         counts[STALE] = 3
     laws = (world.particle_law, world.wall_law)
+    place_walls(world, world.vibration)
     outcome = DONE
     if counts[STALE] >= 3:
         outcome = find_bodies(bodies, local, vertices, world.cells, counts)

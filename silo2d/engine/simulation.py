@@ -1,12 +1,15 @@
 """The only caller of the kernels: advances a world, reads, saves and restores its state."""
 
 import hashlib
+from collections.abc import Sequence
 
 import numpy as np
 
 from granulab.contact.jit import njit
 from granulab.errors import SimulationError
 from silo2d.engine import state
+from silo2d.engine.beds.plates import Plates, rub_plates
+from silo2d.engine.beds.vibration import Vibration, note_loads, shake_walls
 from silo2d.engine.door import move_door
 from silo2d.engine.forces import apply_forces, overlap_now
 from silo2d.engine.integrate import energy_of_contacts, kinetic_energy, move
@@ -47,8 +50,11 @@ def advance(world, n_steps):
         load = bodies.row[door, state.FX]
         if door > 0:
             bodies.row[door, state.FX] = 0.0  # the force of this step alone does work
+        note_loads(world, world.vibration)
         apply_forces(bodies.row, inner, forces, counts, account, laws[0], laws[1], dt)
+        rub_plates(world, world.plates)
         move(world)
+        shake_walls(world, world.vibration)
         if door > 0:
             move_door(world, load)
     return n_steps, DONE
@@ -96,6 +102,11 @@ class Simulation:
     def time(self) -> float:
         """Seconds since the phase began."""
         return self.steps * self.world.time_step
+
+    @property
+    def out_time(self) -> np.ndarray:
+        """Times at which the particles passed y = 0 (n_particles,) [s], NaN before."""
+        return self.world.bodies.out_time[: self.n_particles]
 
     @property
     def live(self) -> np.ndarray:
@@ -217,14 +228,26 @@ class Simulation:
         self.world.bodies.layout[self.n_particles + index, [state.N_CORNERS, state.N_EDGES]] = 0
         self.world.counts[state.STALE] = 3
 
-    def draw_door(self, index: int, speed: float) -> None:
-        """Begin to draw a level wall to the right [m/s]; it ends at its right end and is gone."""
-        world, door = self.world, self.n_particles + index
-        start = world.vertices[world.bodies.layout[door, state.FIRST]]
-        world.bodies.row[door, [state.X, state.Y]] = start[[state.VERTEX_X, state.VERTEX_Y]]
-        world.bodies.row[door, [state.VX, state.UX]] = speed
-        world.bodies.layout[door, state.N_CORNERS] = 1
-        world.counts[[state.DOOR, state.STALE]] = door, 3
+    def put_back_wall(self, index: int) -> None:
+        """Close a wall that was taken away; see take_out for what stands in it."""
+        layout = self.world.bodies.layout
+        layout[self.n_particles + index, state.N_EDGES] = 1  # corners of a door are its neighbours'
+        self.world.counts[state.STALE] = 3
+
+    def take_out(self, particles: Sequence[int]) -> None:
+        """Take live particles out of the silo now; they count as out, and carry their energy."""
+        if not len(particles):
+            return
+        world, before = self.world, self.energies()
+        counts, out_time = world.counts, world.bodies.out_time
+        new = [i for i in particles if np.isnan(out_time[i])]
+        out_time[new] = self.time
+        counts[state.OUT] += len(new)
+        self._set_live(self.live[~np.isin(self.live, particles)])
+        after = self.energies()
+        # What their tangential springs held has gone to friction.
+        gone = sum(before.values()) - sum(after.values())
+        world.account[state.CARRIED_OUT] += gone
 
     def put(self, which: np.ndarray, poses: np.ndarray) -> None:
         """Put particles, inside or gone, at rest to other places, where none touches another.
@@ -250,6 +273,23 @@ class Simulation:
         bodies.live[: len(live)] = live
         world.counts[[state.LIVE, state.STALE]] = len(live), 3
 
+    def keep_back(self, n: int) -> None:
+        """Leave the last n particles out until they are put."""
+        self._set_live(np.arange(self.n_particles - n))
+
+    def _set_live(self, live: np.ndarray) -> None:
+        self.world.bodies.live[: len(live)] = live
+        self.world.counts[[state.LIVE, state.STALE]] = len(live), 3
+
+    def draw_door(self, index: int, speed: float) -> None:
+        """Begin to draw a level wall to the right [m/s]; it ends at its right end and is gone."""
+        world, door = self.world, self.n_particles + index
+        start = world.vertices[world.bodies.layout[door, state.FIRST]]
+        world.bodies.row[door, [state.X, state.Y]] = start[[state.VERTEX_X, state.VERTEX_Y]]
+        world.bodies.row[door, [state.VX, state.UX]] = speed
+        world.bodies.layout[door, state.N_CORNERS] = 1
+        world.counts[[state.DOOR, state.STALE]] = door, 3
+
     def push(self, which: np.ndarray, velocity: np.ndarray) -> None:
         """Give particles inside other velocities (k, 2) [m/s]; what that costs is carried in."""
         row, account = self.world.bodies.row, self.world.account
@@ -257,6 +297,29 @@ class Simulation:
             account[state.CARRIED_OUT] += kinetic_energy(row[i])
             row[i, [state.VX, state.UX]], row[i, [state.VY, state.UY]] = vx, vy
             account[state.CARRIED_OUT] -= kinetic_energy(row[i])
+
+    def set_plates(self, friction: float, ratio: float, length: float, areas: np.ndarray) -> None:
+        """Let front and back plate rub from now on, see beds/plates.py.
+
+        length of the prisms [m], areas (n_particles,) [m2].
+        """
+        arm = 2 / 3 * np.sqrt(areas / np.pi)
+        self.world = self.world._replace(
+            plates=Plates(friction, ratio, length, arm, np.zeros(self.n_particles))
+        )
+
+    def vibrate(self, amplitude: tuple[float, float], frequency: float) -> None:
+        """Let all walls vibrate from the beginning of the phase on: amplitudes [m], [Hz]."""
+        bodies, walls = self.world.bodies, slice(self.n_particles, None)
+        bodies.skin[walls] = 2 * float(np.hypot(*amplitude))
+        bodies.row[walls, state.UX : state.UY + 1] = 2 * np.pi * frequency * np.array(amplitude)
+        home = bodies.row[walls, state.X : state.Y + 1].copy()
+        self.world = self.world._replace(
+            vibration=Vibration(
+                np.array(amplitude), 2 * np.pi * frequency, home, np.zeros_like(home)
+            )
+        )
+        self.world.counts[state.STALE] = 3
 
     def begin_phase(
         self, particle_law: Law, wall_law: Law, time_step: float, keep_slips: bool = False
@@ -363,6 +426,6 @@ class Simulation:
         keys = self.world.outer.key[self.world.inner.outer[inner]]
         moving = np.ascontiguousarray(self.rows[:, [*range(state.FX), state.ANGLE]])
         text = hashlib.sha256(moving.tobytes())
-        text.update(self.world.bodies.out_time[: self.n_particles].tobytes())
+        text.update(self.out_time.tobytes())
         text.update(keys[slip != 0].tobytes() + slip[slip != 0].tobytes())
         return text.hexdigest()[:16]

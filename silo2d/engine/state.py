@@ -136,3 +136,5 @@ class World(NamedTuple):
     wall_law: Any
     gravity: float  # [m/s2], downwards
     time_step: float  # [s]
+    plates: Any = None  # front and back plate that rub, beds/plates.py
+    vibration: Any = None  # of all walls, beds/vibration.py

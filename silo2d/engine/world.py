@@ -14,10 +14,10 @@ BODY_SKIN = 3e-3  # [m] at the level of bodies, see neighbours.py; walls need no
 
 
 class CrossSection(Protocol):
-    """A rounded convex polygon, its centroid at the origin: what the engine needs of a shape."""
+    """A rounded convex polygon or a disc, its centroid at the origin: as the engine needs it."""
 
     @property
-    def core(self) -> np.ndarray: ...  # corners (n, 2) [m], counter-clockwise
+    def core(self) -> np.ndarray: ...  # corners (n, 2) [m], counter-clockwise; one of a disc
     @property
     def spheroradius(self) -> float: ...  # [m]
     @property
@@ -120,7 +120,8 @@ def _bodies(particles, poses, walls, middles, cores, surface_density) -> Bodies:
 
 def _local(cores) -> np.ndarray:
     edges = np.concatenate([np.roll(core, -1, axis=0) - core for core in cores])
-    inv_length2 = 1.0 / (edges**2).sum(axis=1)
+    length2 = (edges**2).sum(axis=1)  # 0 of a disc, whose edge is its centre
+    inv_length2 = np.divide(1.0, length2, out=np.zeros_like(length2), where=length2 > 0.0)
     return np.column_stack([np.concatenate(cores), edges, inv_length2])
 
 

@@ -21,6 +21,7 @@ _MEASURES = {
     "network": ("contact network: coordination, sliding, force distribution", "N"),
     "profile": ("lines of the painted layers every 0.25 s, V depth and V width", "m"),
     "residence": ("when particles leave, by starting level and position", "s"),
+    "segregation": ("segregation index of a mixture's parts and of its fines, over time", "1"),
     "stickslip": ("particles that stick to the walls, slip along them, and how long", "s"),
     "stress": ("stress field before the opening and during the flow", "N/m"),
 }

@@ -141,7 +141,7 @@ def vertical_walls(scene: Scene) -> list[int]:
     vertical = run <= _VERTICAL * rise
     found = []
     for side in (-1, 1):
-        here = np.flatnonzero(vertical & (sides(scene)[:-1] == side))
+        here = np.flatnonzero(vertical & (sides(scene)[: len(scene.walls)] == side))
         if not len(here):
             raise InputError("Janssen's law needs a vertical wall on each side of the silo")
         found.append(int(here[scene.walls[here, :, 1].max(axis=1).argmax()]))

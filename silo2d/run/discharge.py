@@ -16,6 +16,7 @@ from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
+from silo2d.run.beds.acts import Acts, equip
 from silo2d.run.ending import ENERGY_TOLERANCE, LOOK, Clock, discharged, ending, report_progress
 from silo2d.run.packing import Packing
 from silo2d.run.pour import normalised_kinetic_energy
@@ -46,7 +47,7 @@ def discharge(
     Raises Stopped when `stop` says so, with the state kept, and SimulationError.
     """
     if clock.parts == 0:
-        _open_door(sim, case, writer, clock, rest)
+        _open_door(sim, case, packing, writer, clock, rest)
         _keep(sim, folder, writer, clock)
     output = case.settings.output
     intervals = (LOOK, output.frame_interval, output.checkpoint_interval)
@@ -54,15 +55,17 @@ def discharge(
     every = [look, frame, keep, max(LONGEST_LOOK // sim.n_particles, 1)]
     sample = output.wall_interval and max(round(output.wall_interval / sim.time_step), 1)
     every += [sample] if sample else []
+    acts = Acts.of(case, packing, sim)
     contacts = frame * max(round(output.contact_interval / output.frame_interval), 1)
     stages.begin(*discharged(sim, case, clock)[:3])
     while True:
         now = sim.steps
-        target = min(now - now % n + n for n in every)
+        target = min(*(now - now % n + n for n in every), *acts.next(now))
         began = time.process_time()
         sim.run(target - now)
         clock.cpu_s += time.process_time() - began
-        outcome = _look(sim, case, packing, clock) if target % look == 0 else None
+        acts.act(sim)
+        outcome = _look(sim, case, packing, clock, acts) if target % look == 0 else None
         if sample and target % sample == 0:
             sim.sample_walls()
         if target % frame == 0 or outcome:
@@ -81,25 +84,30 @@ def discharge(
 
 
 def _open_door(
-    sim: Simulation, case: SiloCase, writer: TrajectoryWriter, clock: Clock, rest: Rest | None
-) -> None:
+    sim: Simulation, case: SiloCase, packing: Packing, writer: TrajectoryWriter, clock: Clock,
+    rest: Rest | None,
+) -> None:  # fmt: skip
     """t = 0: friction on, the door away or on its way; the first frame has the forces before."""
     forces, touches = sim.wall_forces(), contacts_of(sim)
     if rest is not None and rest.time:
         touches |= rest.tables(sim, forces)
-    open_door(sim, case, clock)
+    open_door(sim, case, packing, clock)
     writer.append(frame_of(sim, forces), touches)
 
 
-def open_door(sim: Simulation, case: SiloCase, clock: Clock) -> None:
+def open_door(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -> None:
     """t = 0: the laws of the discharge, the door away or on its way."""
     held = bool(case.settings.fill.friction)
     sim.begin_phase(*case.laws(sim.n_particles), sim.time_step, keep_slips=held)
-    door, speed = len(case.outline.walls().names) - 1, case.settings.run.door_speed
-    if speed is None:
-        sim.remove_wall(door)
+    doors, speed = case.outline.walls().doors, case.settings.run.door_speed
+    equip(sim, case, packing)
+    if case.settings.flow.feed_rate is not None:
+        pass  # it stays closed
+    elif speed is None:
+        for door in doors:
+            sim.remove_wall(door)
     else:
-        sim.draw_door(door, speed)
+        sim.draw_door(doors[-1], speed)
     # With what the springs of contacts with the door held: that counts as friction already.
     clock.starting_energy = _energy(sim.energies()) + _dissipated(sim)
 
@@ -109,9 +117,13 @@ def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: C
     keep_checkpoint(folder, clock.parts, sim.save(), dataclasses.asdict(clock))
 
 
-def _look(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -> str | None:
+def _look(
+    sim: Simulation, case: SiloCase, packing: Packing, clock: Clock, acts: Acts
+) -> str | None:
     """The outcome, once there is one. Raises SimulationError where the energy balance is off."""
-    outcome = ending(sim, motion(sim, case), case, packing, clock)
+    # Nothing is at rest while the door is closed, however slow the particles are.
+    moving = math.inf if acts.closed(sim.steps) else motion(sim, case)
+    outcome = ending(sim, moving, case, packing, clock)
     attraction = Attraction(*clock.attraction)
     attraction.look(sim.contacts())
     clock.attraction = list(dataclasses.astuple(attraction))

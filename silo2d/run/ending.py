@@ -105,11 +105,15 @@ def at_rest(sim: Flow, moving: float, case: SiloCase, clock: Clock) -> bool:
 
 
 def blocked(sim: Flow, case: SiloCase, packing: Packing) -> bool:
-    """True where the outline of a particle that stays crosses the centre line of the outlet."""
+    """True where the outline of a particle that stays crosses the centre line of an outlet.
+
+    Of outlets in the side there is none.
+    """
     poses, kinds = sim.poses()[sim.live], packing.kinds[sim.live]
-    centre = case.outline.outlet_centre
-    crosses = crosses_centre_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, centre)
-    return bool(crosses.any())
+    return any(
+        crosses_centre_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, centre).any()
+        for centre in case.outline.centre_lines
+    )
 
 
 def crosses_centre_line(

@@ -51,6 +51,7 @@ def packing_digest(case: SiloCase, seed: int) -> str:
             "time_step": case.pour_time_step,
             "seed": seed,
             **({} if fill.layer is None else {"layer": fill.layer}),
+            **({"inserts": list(case.outline.inserts)} if case.outline.inserts else {}),
         }
     )
 

@@ -19,6 +19,7 @@ from silo2d.case.plan import compiling, expected_stages, hedge, settling
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.world import build_world
+from silo2d.run.beds.acts import equip, with_store
 from silo2d.run.discharge import discharge
 from silo2d.run.ending import MOST_HALVINGS, Clock
 from silo2d.run.packing import Packing, load_packing, packing_folder, save_packing
@@ -57,6 +58,7 @@ def _compute(
     if case.impulses:
         return _by_pymunk(folder, case, stages, stop, warn)
     packing = get_packing(case, folder.path.resolve().parent, stages, stop, warn)
+    packing = with_store(case, packing)
     halvings, most = 0, MOST_HALVINGS if case.step_source == "chosen" else 0
     while True:
         try:
@@ -119,20 +121,28 @@ def _start_or_resume(
     """The silo behind its door in a step halved so often, or as its checkpoint has it."""
     resuming = folder.checkpoint.exists()
     step = case.time_step / 2**halvings
-    sim = Simulation(world_behind_door(case, packing, step))
+    sim = _behind_door(case, packing, step)
     if resuming:
         stages.finish("settling")
         sim.begin_phase(*case.laws(sim.n_particles), step)
+        equip(sim, case, packing)
         if found := restored(folder, sim.restore, Clock, "its opening", warn):
             sim.time_step = case.time_step / 2**found.halvings
             return sim, found
-        sim = Simulation(world_behind_door(case, packing, step))
+        sim = _behind_door(case, packing, step)
     sim.compile()
     begun = time.process_time()
     settle_under_own_law(sim, case, stages, stop, rest)
     stages.finish("settling")
     filling = packing.cpu_s + time.process_time() - begun
     return sim, Clock(filling_cpu_s=filling, halvings=halvings)
+
+
+def _behind_door(case: SiloCase, packing: Packing, step: float) -> Simulation:
+    sim = Simulation(world_behind_door(case, packing, step))
+    if case.settings.flow.refill:
+        sim.keep_back(case.settings.flow.refill)
+    return sim
 
 
 def get_packing(

@@ -22,10 +22,10 @@ class Surface:
     """
 
     def __init__(self, outline: Outline, radius: float, drop: float = 0.0) -> None:
-        from shapely import LineString, Polygon
+        from shapely import LineString
 
         self._radius, self._drop, self._top = radius, drop, outline.height - radius
-        free = Polygon(outline.polygon).buffer(-_CLEAR * radius)
+        free = outline.inside.buffer(-_CLEAR * radius)
         left, bottom, right, top = free.bounds if not free.is_empty else (0.0,) * 4
         n = max(math.ceil(_COLUMNS * (right - left) / radius), 1) + 1
         self._x, floor = np.linspace(left, right, n), []

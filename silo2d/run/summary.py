@@ -12,6 +12,7 @@ from granulab.campaign.output.files import write_atomic
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.contact.attraction import Attraction
+from granulab.contact.files.units import to_si
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.disorder import QUANTITIES, scores
 from silo2d.run.ending import Clock, Flow
@@ -89,6 +90,7 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
         "layer": layer.astype(np.int64),
         "shape_points": np.concatenate(outlines),
         "shape_start": np.cumsum([0, *(len(outline) for outline in outlines)]),
+        "shape_part": np.unique(case.shapes.parts, return_inverse=True)[1],
         "wall_segments": walls.segments,
         **{f"filling_{name}": column for name, column in packing.at_walls.items()},
     }
@@ -98,11 +100,17 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
     attributes = {
         "silo": case.label,
         "wall_names": json.dumps(walls.names),
+        "part_names": json.dumps(np.unique(case.shapes.parts).tolist()),
         "lips": np.array(case.outline.lips),
         "level": case.settings.fill.level,
     }
     if case.settings.run.door_speed is not None:
         attributes["door_speed"] = case.settings.run.door_speed
+    if case.settings.flow.gate_times:
+        times = [to_si(time, "s", "gate_times") for time in case.settings.flow.gate_times]
+        attributes["gate_times"] = np.array(times)
+    if case.settings.flow.feed_rate is not None:
+        attributes["gate_times"] = np.array([0.0])
     return static, attributes
 
 

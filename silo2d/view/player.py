@@ -82,12 +82,14 @@ class _Recorder:
     def _data(self) -> dict[str, Any]:
         scene = self.scene
         name, _, outcome = scene.headline.partition(": ")
-        walls = scene.trajectory.static["wall_segments"]
+        walls = scene.walls
         static = scene.trajectory.static
         points, start = static["shape_points"], static["shape_start"]
         outlines = [np.round(part, 7).tolist() for part in np.split(points, start[1:-1])]
-        ends = [np.round(wall, 6).tolist() for wall in walls[:-1]]
-        middles = [*np.round(walls[:-1].mean(axis=1), 6).tolist(), None]  # the door is away
+        ends = [np.round(wall, 6).tolist() for wall in walls]
+        middles = (
+            np.round(walls.mean(axis=1), 6).tolist() + [None] * scene.n_doors
+        )  # these are away
         return {
             "name": self.folder.resolve().name,
             "title": name,
@@ -179,8 +181,8 @@ class _Recorder:
             spans=_published(scene.summary), steps=True,
         )  # fmt: skip
         if "wall_force" in trajectory:
-            force = -trajectory["wall_force"][:, :-1, 1]
-            styles = wall_styles(scene.wall_names[:-1])
+            force = -trajectory["wall_force"][:, : len(scene.walls), 1]
+            styles = wall_styles(scene.wall_names[: len(scene.walls)])
             lines = [
                 Line(name, force[:, k], style["color"], dashed=style["ls"] != "-")
                 for k, (name, style) in enumerate(styles.items())

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from granulab.campaign.output import room
 from granulab.campaign.output.layout import pulls_in_words
 from granulab.campaign.sweeps.overview import in_minutes
@@ -51,6 +53,7 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         f"in steps of {case.pour_time_step:g} s, until the normalised "
         f"kinetic energy is below {fill.settled:g}",
         *_door(case),
+        *_acts(case),
         *_engine(case),
         f"  ends        empty; or at rest: normalised kinetic energy below {run.at_rest:g} and "
         f"none out for {run.rest_time:g} s; or after {run.max_time:g} s (kinetic energy over what "
@@ -74,7 +77,30 @@ def _law(law: Any) -> str:
             f"kn {law.kn:g} N/m, kt {law.kt:g} N/m, mu {law.mu:g}, gamma_n {law.gamma_n:g} 1/s, "
             f"gamma_t {law.gamma_t:g} 1/s"
         )
-    return f"{type(law).__name__}: " + ", ".join(f"{k} {v:g}" for k, v in law._asdict().items())
+    numbers = [(k, v) for k, v in law._asdict().items() if np.ndim(v) == 0]  # no curves
+    return f"{type(law).__name__}: " + ", ".join(f"{k} {v:g}" for k, v in numbers)
+
+
+def _acts(case: SiloCase) -> list[str]:
+    """Line on inserts, outlets, plates, gate, feeder, store and vibration, where there are any."""
+    law, flow, outline = case.settings.law, case.settings.flow, case.outline
+    words = []
+    if outline.inserts or outline.outlets:
+        words.append(f"{len(outline.inserts)} inserts, {len(outline.outlets) + 1} outlets")
+    if law.mu_plates is not None:
+        words.append(f"plates: mu {law.mu_plates:g}, pressure ratio {law.plates_ratio:g}")
+    if flow.gate_times:
+        words.append(f"the gate closes, opens ... at {', '.join(flow.gate_times)}")
+    if flow.feed_rate is not None:
+        words.append(f"a feeder takes {flow.feed_rate:g} particles in a second")
+    if flow.refill:
+        words.append(f"{flow.refill} particles in store")
+    if flow.vibration_amplitude is not None:
+        words.append(
+            f"walls vibrate, {flow.vibration_direction}, by {flow.vibration_amplitude:g} m at "
+            f"{flow.vibration_frequency:g} Hz"
+        )
+    return [f"  besides     {'; '.join(words)}"] if words else []
 
 
 def _engine(case: SiloCase) -> list[str]:

@@ -23,6 +23,7 @@ _OF_PARTICLES = ["x", "y", "angle", "vx", "vy", "spin", "inside", "out_time"]
 _ATTRIBUTES = ["silo", "wall_names"]
 
 _BELOW = 0.08, 0.2  # what is shown below the outlet, at least and at most, in silo heights
+_ASIDE = 0.3  # what is shown at most beside the silo, in its widths
 _OUTCOMES = {
     "empty": "empty",
     "dead_zones": "dead zones remain",
@@ -56,11 +57,19 @@ class Scene:
 
     @property
     def walls(self) -> NDArray[np.float64]:
-        """End points of the walls (w - 1, 2, 2) [m], without the door."""
-        return self.trajectory.static["wall_segments"][:-1]
+        """End points of the walls (w - doors, 2, 2) [m], without the doors."""
+        return self.trajectory.static["wall_segments"][: len(self.wall_names) - self.n_doors]
+
+    @property
+    def n_doors(self) -> int:
+        """Number of doors, the last walls."""
+        return sum(name.startswith("door") for name in self.wall_names)
 
     def door(self, frame: int) -> NDArray[np.float64]:
-        """Rest of a door that is being drawn (1, 2, 2) [m], or nothing (0, 2, 2)."""
+        """Rest of a door that is being drawn (1, 2, 2) [m], closed gates, or nothing (0, 2, 2)."""
+        gate = self.trajectory.attributes.get("gate_times", ())
+        if sum(time <= self.time[frame] for time in gate) % 2:
+            return self.trajectory.static["wall_segments"][-self.n_doors :]
         speed = self.trajectory.attributes.get("door_speed")  # none: it is gone at once
         ends = []
         if speed is not None:
@@ -74,6 +83,11 @@ class Scene:
         """Left, right, bottom and top of what is worth showing [m]."""
         left, bottom = self.walls.min(axis=(0, 1))
         right, top = self.walls.max(axis=(0, 1))
+        if self.n_doors > 1 and self.trajectory["inside"].any():  # what flies out at a side
+            x = self.trajectory["x"][self.trajectory["inside"]]
+            most = _ASIDE * (right - left)
+            left = max(min(left, x.min() - self.reach), left - most)
+            right = min(max(right, x.max() + self.reach), right + most)
         inside, y = self.trajectory["inside"], self.trajectory["y"]
         heap = y[0][inside[0]].max(initial=bottom) + self.reach  # may stand above the rim
         fall = bottom - y[inside].min(initial=bottom) + self.reach

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from granulab.campaign.output.figure import WALL
 from granulab.campaign.sweeps.sketch import BED, Filled, Panel, particle_beside, side_by_side
 from silo2d.case.case import SiloCase
 from silo2d.case.plan import expected_particles
@@ -10,6 +11,7 @@ from silo2d.view.scene import PARTICLE_EDGE, WOOD
 
 _ALIKE = 1e-9  # difference of shares
 _BELOW = 0.05  # of the height, between the floor and the size of the outlet
+_INSERT = "#e6e3dc"
 
 
 def sketch(case: SiloCase) -> list[Panel]:
@@ -18,30 +20,31 @@ def sketch(case: SiloCase) -> list[Panel]:
 
 
 def _silo(case: SiloCase) -> Panel:
-    from shapely import Polygon, box
+    from shapely import box
 
     outline, level = case.outline, case.settings.fill.level
     corners = outline.polygon
     (left, right), top = (corners[:, 0].min(), corners[:, 0].max()), outline.height
-    bed = Polygon(corners).intersection(box(left, 0.0, right, level))
+    bed = outline.inside.intersection(box(left, 0.0, right, level))
     filled = [
         Filled(np.array(part.exterior.coords), BED)
         for part in getattr(bed, "geoms", [bed])
         if part.geom_type == "Polygon" and not part.is_empty
     ]
+    filled += [Filled(insert, _INSERT, WALL) for insert in outline.inserts]
     mean = max(case.shapes.shapes, key=lambda shape: shape.area)
     particle, words = particle_beside(
         [Filled(mean.rounded_outline(), WOOD[0], PARTICLE_EDGE)], right, 0.0, "largest\nparticle"
     )
     under, aside = -_BELOW * top, left - _BELOW * top
     (lip, _), (other, _) = outline.lips
-    walls = outline.walls().segments
+    walls, n_doors = outline.walls().segments, len(outline.walls().doors)
     return Panel(
         f"outlet {_mm(outline.outlet)}, {_mm(outline.width)} wide\n"
         f"about {expected_particles(case)} particles, filled to {_mm(level)}",
         filled=[*filled, *particle],
-        lines=list(walls[:-1]),
-        dashed=[walls[-1], np.array([[left, level], [right, level]])],
+        lines=list(walls[:-n_doors]),
+        dashed=[*walls[-n_doors:], np.array([[left, level], [right, level]])],
         spans=[
             ((lip, under), (other, under), _mm(outline.outlet)),
             ((aside, 0.0), (aside, level), f"fill level {_mm(level)}"),

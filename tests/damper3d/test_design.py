@@ -14,6 +14,7 @@ from damper3d.studies.design import candidates as making
 from damper3d.studies.design import verification as verifying
 from damper3d.studies.design.candidates import Bed, Candidate
 from damper3d.studies.design.design import Designer
+from damper3d.studies.design.report import remarks
 from damper3d.studies.design.search import (
     Design,
     expected_improvement,
@@ -86,6 +87,10 @@ def test_specifications_that_cannot_be_are_refused_in_a_line(changes, words, tmp
         ("", ["no [[kind]]"]),
         (OWN.replace("materials", "matters"), ["kind 1", "materials is missing"]),
         (OWN + 'colour = "red"\n', ["unknown key 'colour'"]),
+        (OWN.replace('["5 mm"]', "5"), ["diameters = 5", "a list"]),
+        (OWN.replace('["5 mm"]', "[]"), ["diameters = []", "a list"]),
+        (OWN.replace('materials = "acrylic"', "materials = 7"), ["materials = 7", "as text"]),
+        ("kind = [3]\n", ["kind 1", "no table"]),
         (OWN.replace('"5 mm"', '"5"'), ["diameters = '5'", "unit is missing"]),
         (OWN.replace('"5 mm"', '"-5 mm"'), ["diameters", "above 0"]),
         (OWN.replace('= "acrylic"', '= "nut"'), ["nut"]),
@@ -210,26 +215,27 @@ def test_the_surrogate_finds_the_least_of_a_smooth_function():
     assert value[known].min() <= np.sort(value)[4]
 
 
-def test_a_field_judges_a_rigid_bed_and_a_dashpot_as_their_closed_forms(tmp_path):
+@pytest.mark.parametrize("m", [0.05, 2.0])
+def test_a_field_judges_a_rigid_bed_and_a_dashpot_as_their_closed_forms(tmp_path, m):
     """A mass shifts the peak to the same height of amplitude times omega^2 (M + m); a dashpot adds
     its damping. Frequencies are spaced to 0.2 % of a peak.
     """
-    task = task_of(tmp_path, {"level.range": [1.0]})
-    own, m = task.spec.structure, 0.05
+    task = task_of(tmp_path, {"level.range": [1.0], "budget.added_mass": m / 2.0})
+    own = task.spec.structure
     rows = [{"state": "done", "gamma": g, "mass_kg": m, "effective_mass.in_phase_kg": m,
              "effective_mass.out_of_phase_kg": 0.0} for g in gammas(task)]  # fmt: skip
-    rigid = field_from(rows, own.frequency)
+    rigid = field_from(task, rows, own.frequency)
     assert rigid is not None
     (reduction,), ((peak, _),) = judge(task, rigid, [1.0])
     assert peak == pytest.approx(60.0 / math.sqrt(1 + m / 2.0), rel=1e-3)
     assert reduction == pytest.approx(math.sqrt(1 + m / 2.0), rel=5e-3)
     lossy = [row | {"effective_mass.in_phase_kg": 0.0, "effective_mass.out_of_phase_kg": 0.02}
              for row in rows]  # fmt: skip
-    damped = field_from(lossy, own.frequency)
+    damped = field_from(task, lossy, own.frequency)
     assert damped is not None
     (reduction,), _ = judge(task, damped, [1.0])
     assert reduction == pytest.approx(0.005 / (0.005 + 0.02 / (2 * 2.0)), rel=5e-3)
-    assert field_from([{**rows[0], "state": "failed"}], 60.0) is None
+    assert field_from(task, [{**rows[0], "state": "failed"}], 60.0) is None
 
 
 def test_a_peak_is_the_top_of_the_parabola_through_three_points():
@@ -267,6 +273,22 @@ def test_two_designs_of_a_bed_at_most_are_verified(tmp_path):
     nobody = Candidate(Bed(ball, 12, 0.03), 0.02, 0.001)
     assert verifying.to_verify(found, 3, nobody) == [found[0], found[2], found[4]]
     assert verifying.to_verify(found, 9, nobody) == [found[0], found[2], found[4], found[5]]
+
+
+def test_a_comparison_that_the_first_design_loses_is_said():
+    """Means of logarithms: 0.30 of the first against 0.28; and runs that are not steady yet."""
+    compared = [
+        {"what": "first", "words": "A", "reductions": [0.25, 0.36]},
+        {"what": "thumb", "words": "B", "reductions": [0.28, 0.28]},
+        {"what": "random", "words": "C", "reductions": []},
+    ]
+    designs = [{"verified_by_simulation": {"not_steady": 2}}]
+    better, unsteady = remarks({"designs": designs, "compared": compared})
+    assert better.endswith("B, 0.280 against 0.300")
+    assert unsteady.startswith("2 of its runs")
+    compared[1]["reductions"] = [0.31, 0.32]
+    designs[0]["verified_by_simulation"] = {"not_steady": 0}
+    assert remarks({"designs": designs, "compared": compared}) == []
 
 
 def test_the_rule_of_thumb_is_verified_too_and_starts_the_search(tmp_path):

@@ -89,7 +89,8 @@ def load(folder: Path, changes) -> DamperCase:
         ({**RANDOM, "excitation.psd": [[-60, 0.1], [240, 1]]}, ["frequency = -60 Hz"]),
         ({**RANDOM, "excitation.psd": [[60, 0.1], [20, 1]]}, ["must rise"]),
         ({**RANDOM, "excitation.psd": [[60, 0.1]]}, ["psd"]),
-        ({**RANDOM, "excitation.psd": "none.csv"}, ["psd = 'none.csv'", "no such file"]),
+        ({**RANDOM, "excitation.psd": "none.csv"}, ["none.csv", "no such file", "psd = [["]),
+        ({**RANDOM, "excitation.psd": [[60, 0.1], [240]]}, ["psd"]),
         ({**RANDOM, "excitation.length": "0.3"}, ["length = '0.3'", "unit is missing"]),
         ({**SHOCK, "excitation.pulse": "triangle"}, ["pulse"]),
         ({**SHOCK, "excitation.amplitude": "40 kg"}, ["'40 kg'", "unit is wrong here"]),
@@ -126,6 +127,30 @@ def recording(rate: float = 2000.0, head: str = "time [s],acceleration [g]") -> 
 def test_tables_of_signals_that_cannot_be_are_refused_in_a_line(text, words, tmp_path):
     (tmp_path / "signal.csv").write_text(text, "utf-8")
     assert_refuses(words, load, tmp_path, SIGNAL)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (b"", ["two breakpoints"]),
+        (b"\xff\xfe\x80", ["no CSV table"]),
+        (b"20,0.1\n60,x\n", ["line 2", "no two numbers"]),
+        (b"20,0.1\n60,nan\n", ["density = nan at 60 Hz"]),
+        (b"frequency [Hz],psd [N^2/Hz]\n20,0.1\n60,0.1\n", ["'N^2/Hz'", "g^2/Hz is needed"]),
+        (b"frequency [rad/s],psd\n20,0.1\n60,0.1\n", ["'rad/s'", "Hz is needed"]),
+    ],
+)
+def test_tables_of_densities_that_cannot_be_are_refused_in_a_line(text, words, tmp_path):
+    (tmp_path / "psd.csv").write_bytes(text)
+    assert_refuses(words, load, tmp_path, {**RANDOM, "excitation.psd": "psd.csv"})
+
+
+def test_a_table_of_a_density_is_that_density(tmp_path):
+    """With a head that names the units, and remarks: the power is that of the breakpoints."""
+    text = "# a shaker's\nfrequency [Hz],psd [g\u00b2/Hz]\n60,0.1\n\n240,0.1\n"
+    (tmp_path / "psd.csv").write_text(text, "utf-8")
+    cases = [load(tmp_path, {**RANDOM, **own}) for own in ({"excitation.psd": "psd.csv"}, {})]
+    assert cases[0].excitation.breakpoints == cases[1].excitation.breakpoints
 
 
 def test_a_signal_of_a_wav_file_is_that_of_its_table(tmp_path):

@@ -99,6 +99,8 @@ def test_a_host_that_cannot_be_is_refused(changes, words, tmp_path):
         ("frequency [Hz],damping,shape [kg^-0.5]\n20,0.1,1\n", ["'damping'", "damping_ratio"]),
         ("frequency [Hz],damping_ratio\n20,0.1\n", ["column 'shape' is missing"]),
         (HEAD + "20,0.01,1\n20,0.02,2\n", ["frequency = 20 Hz stands twice"]),
+        (HEAD.replace("damping_ratio", "frequency") + "20,20,1\n", ["'frequency' stands twice"]),
+        (HEAD + "\n-20,0.01,1\n", ["line 3", "frequency = -20 Hz"]),
         (HEAD + "-20,0.01,1\n", ["line 2", "frequency = -20 Hz"]),
         (HEAD + "20,1.2,1\n", ["line 2", "damping_ratio = 1.2"]),
         (HEAD + "20,0.01,much\n", ["line 2", "shape = 'much'"]),

@@ -263,6 +263,7 @@ def test_cost_is_told_before(tmp_path):
         (["--outlets", "45 mm", "--outlet", "45 mm"], ["--outlet", "--outlets says this"]),
         (["--outlets", "45 mm", "--seed", "2"], ["--seed", "--seeds says this"]),
         (["--outlets", "45 mm", "--engine", "pymunk"], ["--engine", "contacts of dem"]),
+        (["--outlets", "45 mm", "--refill", "30"], ["[flow] refill", "leave it out"]),
     ],
 )
 def test_what_cannot_clog_is_refused_before_anything_is_computed(

@@ -13,7 +13,13 @@ import numpy as np
 
 from damper3d.case.excitation import forms
 from damper3d.case.excitation.forms import Lines, Size, Sweep, quantity
-from damper3d.case.excitation.recorded import COPY, highest_frequency, motion_of, read_signal
+from damper3d.case.excitation.recorded import (
+    COPY,
+    breakpoints,
+    highest_frequency,
+    motion_of,
+    read_signal,
+)
 from damper3d.case.parts import GRAVITY, unit_vector
 from damper3d.case.settings import MOST_SAMPLES, Settings
 from damper3d.case.settings import Excitation as Keys
@@ -334,36 +340,10 @@ def _check_points(cycles: float) -> None:
         )
 
 
-def breakpoints(psd: Any, folder: Path) -> np.ndarray:
-    """Breakpoints (k, 2) of a density, given or from a CSV file; InputError for others."""
-    if isinstance(psd, str):
-        path = folder / psd if is_file(folder / psd) else Path(psd)
-        if not is_file(path):
-            raise InputError(f"psd = {psd!r}: no such file; give one, or [[20, 0.01], [200, 0.01]]")
-        rows = []
-        for line, text in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
-            try:
-                rows.append([float(cell) for cell in text.split(",")])
-            except ValueError:
-                if rows or line > 1:
-                    raise InputError(f"{path}: line {line}: no two numbers: {text}") from None
-        psd = rows
-    found = np.array(psd if all(len(row) == 2 for row in psd) else [[0.0, 0.0]], float)
-    if found.ndim != 2 or len(found) < 2:
-        raise InputError("psd: give two breakpoints at least, [frequency in Hz, density]")
-    for frequency, height in found:
-        if not (0 < frequency < math.inf):
-            raise InputError(f"psd: frequency = {frequency:g} Hz: must be above 0")
-        if not (0 < height < math.inf):
-            raise InputError(f"psd: density = {height:g} at {frequency:g} Hz: must be above 0")
-    if np.any(np.diff(found[:, 0]) <= 0):
-        raise InputError("psd: frequencies must rise from one breakpoint to the next")
-    return found
-
-
 def _random(keys: Keys, on: str, folder: Path, slowest: float) -> Excitation:
-    given_psd, unit = breakpoints(keys.psd, folder), "N" if on == "force" else "m/s2"
-    psd = given_psd * [1.0, 1.0 if on == "force" else STANDARD_GRAVITY**2]
+    of, unit, scale = ("N", "N", 1.0) if on == "force" else ("g", "m/s2", STANDARD_GRAVITY**2)
+    given_psd = breakpoints(keys.psd, folder, of)
+    psd = given_psd * [1.0, scale]
     seed = 1 if keys.seed is None else keys.seed
     low, high = float(psd[0, 0]), float(psd[-1, 0])
     length = keys.length or _RANDOM_CYCLES / low

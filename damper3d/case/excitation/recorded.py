@@ -1,20 +1,22 @@
-"""Measured signals as motions: CSV tables and WAV files, and how they are integrated."""
+"""Signals and densities from files: CSV tables, WAV files, and how signals are integrated."""
 
-import csv
+import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from damper3d.case.excitation.forms import quantity
 from damper3d.engine.motions import Table
-from granulab.contact.files.datafile import is_file
+from granulab.contact.files.datafile import csv_rows, is_file
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 
 COPY = "signal.csv"  # in a run folder
 _QUANTITIES = {"m/s2": "acceleration", "m/s": "velocity", "m": "displacement", "N": "force"}
 _MOST_POWER = 0.999
+_WANTED = "the measured signal, CSV or WAV"
 _EVEN = 1e-3  # of a step, by which even times may differ from even
 
 
@@ -47,7 +49,7 @@ def read_signal(path: Path, column: str | None, full_scale: str | None) -> Signa
     a WAV file stands for. Raises InputError, one line that names file, line and column.
     """
     if not is_file(path):
-        raise InputError(f"{path}: no such file; give the measured signal, CSV or WAV")
+        raise InputError(f"{path}: no such file; give {_WANTED}")
     if path.suffix.lower() == ".wav":
         return _wav(path, full_scale)
     if full_scale is not None:
@@ -78,12 +80,7 @@ def _wav(path: Path, full_scale: str | None) -> Signal:
 
 
 def _csv(path: Path, column: str | None) -> Signal:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: no CSV table: {error}") from None
-    lines = ((k, row) for k, row in enumerate(csv.reader(text.splitlines()), 1))
-    rows = [(k, row) for k, row in lines if any(cell.strip() for cell in row)]
+    rows = csv_rows(path, _WANTED)
     if len(rows) < 4:
         raise InputError(f"{path}: {max(len(rows) - 1, 0)} values; a signal has three at least")
     head = [cell.strip() for cell in rows[0][1]]
@@ -171,3 +168,48 @@ def highest_frequency(signal: Signal) -> float:
     upto = np.cumsum(power) / power.sum()
     found = float(np.argmax(upto >= _MOST_POWER)) / (signal.spacing * len(signal.values))
     return min(max(found, 1.0 / signal.length), 0.2 / signal.spacing)
+
+
+def breakpoints(psd: Any, folder: Path, of: str) -> np.ndarray:
+    """Breakpoints (k, 2) of a density of g^2/Hz or N^2/Hz, given or from a CSV file.
+
+    of: "g" or "N", which the head of a file must have where it has a unit. InputError for others.
+    """
+    if isinstance(psd, str):
+        psd = _density_file(folder / psd if is_file(folder / psd) else Path(psd), of)
+    found = np.array(psd if all(len(row) == 2 for row in psd) else [[0.0, 0.0]], float)
+    if found.ndim != 2 or len(found) < 2:
+        raise InputError("psd: give two breakpoints at least, [frequency in Hz, density]")
+    for frequency, height in found:
+        if not (0 < frequency < math.inf):
+            raise InputError(f"psd: frequency = {frequency:g} Hz: must be above 0")
+        if not (0 < height < math.inf):
+            raise InputError(f"psd: density = {height:g} at {frequency:g} Hz: must be above 0")
+    if np.any(np.diff(found[:, 0]) <= 0):
+        raise InputError("psd: frequencies must rise from one breakpoint to the next")
+    return found
+
+
+def _density_file(path: Path, of: str) -> list[list[float]]:
+    """The two columns of a CSV file of breakpoints, with a head or without one."""
+    rows: list[list[float]] = []
+    for line, cells in csv_rows(path, "one, or breakpoints: psd = [[20, 0.01], [200, 0.01]]"):
+        try:
+            rows.append([float(cell) for cell in cells])
+        except ValueError:
+            if rows:
+                text = ",".join(cells)
+                raise InputError(f"{path}: line {line}: no two numbers: {text}") from None
+            _check_head(path, cells, ("Hz", f"{of}^2/Hz"))
+    return rows
+
+
+def _check_head(path: Path, cells: list[str], units: tuple[str, ...]) -> None:
+    """Raise InputError where a column has another unit; one without a unit has this one."""
+    for cell, unit in zip(cells, units, strict=False):
+        name, _, said = (part.strip() for part in cell.rstrip("] ").partition("["))
+        if said and said.replace("²", "2").replace("^", "") != unit.replace("^", ""):
+            raise InputError(
+                f"{path}: column {cell.strip()!r}: the unit is {said!r}; {unit} is needed here: "
+                f"write '{name} [{unit}]' above numbers in it"
+            )

@@ -4,7 +4,6 @@ A single mode of a mass M (structure and empty enclosure) has the shape 1/sqrt(M
 M x'' + c x' + k x = f + F with c = 2 zeta_0 omega_0 M, k = omega_0^2 M.
 """
 
-import csv
 import math
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from damper3d.case.settings import Host as HostKeys
-from granulab.contact.files.datafile import is_file
+from granulab.contact.files.datafile import csv_rows, is_file
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 
@@ -110,10 +109,12 @@ def read_modes(path: Path, with_base: bool = False, at: str | None = None) -> Mo
     at: name of the damper's place, of which the column shape_<at> holds the shapes.
     Raises InputError, one line that names file, line and column.
     """
-    rows = _rows(path)
+    rows = csv_rows(path, "the table of the host's modes")
     if len(rows) < 2:
         raise InputError(f"{path}: no modes; write a head, {_head()}, and a line for each mode")
-    names = [_column(path, cell.strip()) for cell in rows[0]]
+    names = [_column(path, cell.strip()) for cell in rows[0][1]]
+    if twice := next((name for k, name in enumerate(names) if name in names[:k]), None):
+        raise InputError(f"{path}: column {twice!r} stands twice; leave one of them out")
     own = "shape" if at is None else f"{_AT}{at}"
     needed = [*_REQUIRED, own]
     needed += ["participation"] if with_base else []
@@ -121,9 +122,9 @@ def read_modes(path: Path, with_base: bool = False, at: str | None = None) -> Mo
     for name in needed:
         if name not in names:
             raise InputError(f"{path}: column {name!r} is missing{_why(name, names)}")
-    table = np.array([_mode(path, k, names, row) for k, row in enumerate(rows[1:], 2)])
+    table = np.array([_mode(path, line, names, row) for line, row in rows[1:]])
     values = dict(zip(names, table.T, strict=True))
-    _check_modes(path, values, own)
+    _check_modes(path, [line for line, _ in rows[1:]], values, own)
     return Modes(
         2.0 * math.pi * values["frequency"], values["damping_ratio"], values[own],
         values["force_shape"] if "force_shape" in values else values["shape"],
@@ -141,17 +142,6 @@ def _why(name: str, names: list[str]) -> str:
     if name == "shape" and places:
         return f"; name the damper's place, [host] at = {places[0]!r}"
     return f"{', which base motion needs' * (name == 'participation')}; the head is {_head()}"
-
-
-def _rows(path: Path) -> list[list[str]]:
-    """The lines of a CSV table that are not empty."""
-    if not is_file(path):
-        raise InputError(f"{path}: no such file; give the table of the host's modes")
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: no CSV table: {error}") from None
-    return [row for row in csv.reader(text.splitlines()) if any(map(str.strip, row))]
 
 
 def _head() -> str:
@@ -190,9 +180,9 @@ def _mode(path: Path, line: int, names: list[str], row: list[str]) -> list[float
     return found
 
 
-def _check_modes(path: Path, values: dict[str, np.ndarray], own: str) -> None:
-    for k, (frequency, ratio) in enumerate(
-        zip(values["frequency"], values["damping_ratio"], strict=True), 2
+def _check_modes(path: Path, lines: list[int], values: dict[str, np.ndarray], own: str) -> None:
+    for k, frequency, ratio in zip(
+        lines, values["frequency"], values["damping_ratio"], strict=True
     ):
         if not frequency > 0:
             raise InputError(f"{path}: line {k}: frequency = {frequency:g} Hz: must be above 0")

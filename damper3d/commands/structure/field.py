@@ -8,7 +8,7 @@ import click
 
 from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
-from granulab.campaign.cli.many import numbers, stop_unless_whole
+from granulab.campaign.cli.many import numbers, stop_unless_whole, stopped
 
 if TYPE_CHECKING:
     from damper3d.case.case import DamperCase
@@ -82,7 +82,7 @@ def field(
     engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
     folder = field_folder(name, changes, grid, refine, Path(out))
     result = field_of_runs(name, changes, grid, refine, out=Path(out), **engines)
-    results = _write(loaded, result, folder, fitted, no_figures)
+    results = _write(loaded, result, folder, fitted, no_figures or stopped(result.rows))
     click.echo(json.dumps(results, indent=2) if as_json else on_screen(as_text(results)))
     stop_unless_whole(result.rows)
 

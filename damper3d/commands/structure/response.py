@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
-from granulab.campaign.cli.many import numbers, stop_unless_whole
+from granulab.campaign.cli.many import numbers, stop_unless_whole, stopped
 
 if TYPE_CHECKING:
     from damper3d.studies.field.balance import Responses
@@ -79,7 +79,8 @@ def response(
         results |= {"simulated": found, "simulated_table": str(_beside(path))}
         words.append(said)
     click.echo(json.dumps(results, indent=2) if as_json else "\n".join(words))
-    if not no_figures and (together or any(one["amplitude_m"] for one in found)):
+    known = together or any(one["amplitude_m"] for one in found)
+    if known and not (no_figures or stopped(rows)):
         picture, name = path.with_suffix(".png"), path.stem.removeprefix("response-")
 
         def drawn() -> Any:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from statistics import geometric_mean
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -125,7 +126,7 @@ def in_words(results: dict[str, Any]) -> str:
         lines.append(
             f"{one['rank']:4} {one['reduction']:8.3f}{mark} {words:>16}  "
             f"{str(one['count']) + ' of ' + one['particles']:24}"
-            f"{1e3 * size['diameter_m']:.4g} x {1e3 * size['height_m']:.4g} mm".ljust(66 + 0)
+            f"{1e3 * size['diameter_m']:.4g} x {1e3 * size['height_m']:.4g} mm".ljust(79)
             + f"{100 * one['added_mass_ratio']:6.2f} %"
         )
     lines.append(
@@ -147,7 +148,22 @@ def in_words(results: dict[str, Any]) -> str:
         f"{one['what']:12} {one['reduction']:.3f}, {one['words']}{one['simulated']}"
         for one in results["compared"]
     ]
-    return "\n".join(lines)
+    return "\n".join([*lines, *remarks(results)])
+
+
+def remarks(results: dict[str, Any]) -> list[str]:
+    """What else must be known of the first design: a better one it met, runs that end unsteady."""
+    best, found = results["designs"][0], []
+    means = {(one["what"], one["words"]): geometric_mean(one["reductions"])
+             for one in results["compared"] if one["reductions"]}  # fmt: skip
+    own = next((mean for (what, _), mean in means.items() if what == "first"), None)
+    if own is not None and (least := min(means.values())) < own:
+        ((_, words),) = [key for key, mean in means.items() if mean == least][:1]
+        found.append(f"better than the first on packings that nothing was chosen by: {words}, "
+                     f"{least:.3f} against {own:.3f}")  # fmt: skip
+    if number := (best["verified_by_simulation"] or {}).get("not_steady"):
+        found.append(f"{number} of its runs with the structure ended before they were steady")
+    return found
 
 
 def draw(task: Task, designs: Sequence[Design], verified: Sequence[Verified]) -> "Figure":
@@ -197,7 +213,7 @@ def as_page(results: dict[str, Any], pictures: Mapping[str, bytes]) -> str:
         "title": title,
         "outcome": f"{task['mass_kg']:g} kg at {task['frequency_hz']:g} Hz, damping ratio "
         f"{task['damping_ratio']:g}, {task['bare_gamma']:.3g} g without a damper "
-        f"({task['orientation']}); {results['made_by']}",
+        f"({task['orientation']}); {'; '.join([results['made_by'], *remarks(results)])}",
         "figures": [{"name": name, "source": picture(png)} for name, png in pictures.items()],
         "tables": [*_of_the_first(results), _table(results["designs"])],
     }

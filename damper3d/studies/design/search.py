@@ -29,6 +29,8 @@ CYCLES, DISCARD = 24, 12
 _LEAST = 0.08  # of the bare structure's Gamma, at the lowest level, where a field begins
 _OVER = 1.26  # of its Gamma at the highest level, where it ends: the level may be a fifth off
 _ABOUT = (0.7, 1.4)  # of the structure's frequency, between which the field is taken as one
+_BELOW = 0.9  # of the frequency of the structure with all of the budget riding, likewise
+_NEAR = (0.85, 1.15)  # of it, where its peak is looked for; lower with a bed that rides along
 FIRST, BATCH = 8, 2  # candidates before there is a surrogate, and at a time then
 Rows = list[dict[str, Any]]
 
@@ -109,14 +111,23 @@ def structure_of(task: Task, factor: float = 1.0) -> Structure:
     return Structure.single(own.mass, factor * own.frequency, own.damping_ratio, force=task.force)
 
 
-def field_from(rows: Rows, frequency: float) -> Field | None:
+def _lowest(task: Task, part: float) -> float:
+    """A part of the frequency, or what all of the budget brings it to when it rides, and a tenth.
+
+    A mass m that rides on M lowers its frequency by 1/sqrt(1 + m/M).
+    """
+    riding = 1.0 / math.sqrt(1.0 + task.budget / task.spec.structure.mass)
+    return min(part, _BELOW * riding)
+
+
+def field_from(task: Task, rows: Rows, frequency: float) -> Field | None:
     """A field that is the same in Gamma about a frequency, from runs there; None of failed ones."""
     done = [row for row in rows if row["state"] == "done" and row.get(IN_PHASE) is not None]
     if len(done) < len(rows) or not done:
         return None
     mass = [complex(row[IN_PHASE], -row[OUT_OF_PHASE]) for row in done]
     own = [row["gamma"] for row in done]
-    places = [factor * frequency for factor in (_ABOUT[0], 1.0, _ABOUT[1])]
+    places = [factor * frequency for factor in (_lowest(task, _ABOUT[0]), 1.0, _ABOUT[1])]
     at = np.repeat(places, len(own))
     return Field.of(at, own * len(places), mass * len(places), done[0]["mass_kg"])
 
@@ -127,7 +138,7 @@ def responses_near(
     """Responses about the structure's frequency, times a factor, with a bed's field."""
     structure = structure_of(task, factor)
     centre = factor * task.spec.structure.frequency
-    frequency = spaced(structure, 0.85 * centre, 1.15 * centre)
+    frequency = spaced(structure, _lowest(task, _NEAR[0]) * centre, _NEAR[1] * centre)
     return respond(structure, own, frequency, levels)
 
 
@@ -157,7 +168,7 @@ def evaluated(
     for number, candidate in enumerate(candidates):
         own = [row for row in rows if row["design"] == number]
         made_at = frequency or task.spec.structure.frequency
-        design = Design(candidate, field_from(own, made_at), rows=own)
+        design = Design(candidate, field_from(task, own, made_at), rows=own)
         if design.field is not None:
             design.reductions, design.peaks = judge(
                 task, design.field, task.spec.level.range, factor

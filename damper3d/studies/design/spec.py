@@ -209,12 +209,7 @@ def read_catalogue(name: str, folder: Path) -> tuple[Ball, ...]:
     found = []
     for number, kind in enumerate(kinds, 1):
         where = f"{file}: kind {number}"
-        for wanted in ("name", "materials", "material", "diameters"):
-            if wanted not in kind:
-                raise InputError(f"{where}: {wanted} is missing")
-        for given in kind:
-            if given not in _OF_A_KIND:
-                raise InputError(f"{where}: unknown key {given!r}; {nearest(given, _OF_A_KIND)}")
+        _check_kind(kind, where)
         changes = _changes(kind, folder)
         with located(where):
             sizes = [to_si(size, "m", "diameters") for size in kind["diameters"]]
@@ -237,6 +232,23 @@ def read_catalogue(name: str, folder: Path) -> tuple[Ball, ...]:
                 )
             )
     return tuple(found)
+
+
+def _check_kind(kind: Any, where: str) -> None:
+    """Raise InputError for a kind whose keys are not those of one; a case checks most values."""
+    if not isinstance(kind, dict):
+        raise InputError(f"{where}: no table; write [[kind]], with name, materials, material, "
+                         "diameters")  # fmt: skip
+    for wanted in ("name", "materials", "material", "diameters"):
+        if wanted not in kind:
+            raise InputError(f"{where}: {wanted} is missing")
+        if wanted != "diameters" and not isinstance(kind[wanted], str):
+            raise InputError(f"{where}: {wanted} = {kind[wanted]!r}: write it as text, in quotes")
+    if not isinstance(sizes := kind["diameters"], list) or not sizes:
+        raise InputError(f"{where}: diameters = {sizes!r}: give a list such as ['5 mm', '8 mm']")
+    for given in kind:
+        if given not in _OF_A_KIND:
+            raise InputError(f"{where}: unknown key {given!r}; {nearest(given, _OF_A_KIND)}")
 
 
 def _shape(name: str, size: float) -> dict[str, Any]:

@@ -13,7 +13,6 @@ linear in ln f at the same Gamma. Below the least Gamma, m is as there (a straig
 force from zero); above the greatest, and outside the frequencies, there is none.
 """
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from damper3d.case.parts import GRAVITY
 from granulab.campaign.output.files import write_atomic
 from granulab.campaign.output.table import as_csv
-from granulab.contact.files.datafile import is_file
+from granulab.contact.files.datafile import csv_rows
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 
@@ -40,6 +39,7 @@ COLUMNS = (
 )  # fmt: skip
 _MAY_LACK = ("m_in_phase_half_width_kg", "m_out_of_phase_half_width_kg")
 _HEAD = "# "
+_WANTED = "the field.csv that damper3d field writes"
 RIDES = 0.05  # of the bed's mass, that m' may be off it where a bed is said to ride along
 
 
@@ -188,25 +188,18 @@ def read_field(path: str | Path) -> Field:
     Raises InputError, one line that names file, line and column.
     """
     path = Path(path)
-    if not is_file(path):
-        raise InputError(f"{path}: no such file; give the field.csv that damper3d field writes")
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: no CSV table: {error}") from None
-    head = tuple(line.lstrip("# ") for line in lines if line.startswith("#"))
-    numbered = [(k, line) for k, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
-    table = list(csv.reader(line for _, line in numbered))
-    if len(table) < 2:
-        raise InputError(f"{path}: no points; give the field.csv that damper3d field writes")
+    rows = csv_rows(path, _WANTED)
+    if len(rows) < 2:
+        raise InputError(f"{path}: no points; give {_WANTED}")
+    _, names = rows[0]
     for name in COLUMNS:
-        if name not in table[0] and name not in _MAY_LACK:
-            raise InputError(f"{path}: column {name!r} is missing; {nearest(name, table[0])}")
-    points = [
-        _point(path, number, table[0], row)
-        for (number, _), row in zip(numbered[1:], table[1:], strict=True)
-    ]
-    return _checked(path, points, head)
+        if name not in names and name not in _MAY_LACK:
+            raise InputError(f"{path}: column {name!r} is missing; {nearest(name, names)}")
+        if names.count(name) > 1:
+            raise InputError(f"{path}: column {name!r} stands twice; leave one of them out")
+    points = [_point(path, line, names, row) for line, row in rows[1:]]
+    lines = path.read_text(encoding="utf-8-sig").splitlines()
+    return _checked(path, points, tuple(line.lstrip("# ") for line in lines if line[:1] == "#"))
 
 
 def _point(path: Path, line: int, names: Sequence[str], row: Sequence[str]) -> dict[str, float]:
@@ -222,7 +215,7 @@ def _point(path: Path, line: int, names: Sequence[str], row: Sequence[str]) -> d
             found[name] = math.nan
         if not math.isfinite(found[name]):
             raise InputError(f"{path}: line {line}: {name} = {cell.strip()!r}: no number")
-        if name in ("frequency_hz", "gamma", "bed_mass_kg") and not found[name] > 0:
+        if name in ("frequency_hz", "gamma", "bed_mass_kg", "seeds") and not found[name] > 0:
             raise InputError(f"{path}: line {line}: {name} = {found[name]:g}: must be above 0")
     return found
 

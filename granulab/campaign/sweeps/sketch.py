@@ -126,6 +126,7 @@ def draw_sketch(title: str, panels: Sequence[Panel]) -> "Figure":
         axes.set_axis_off()
     for axes, panel in zip(grid, panels, strict=False):
         _draw_panel(axes, panel)
+    figure.draw_without_rendering()  # a title of several lines has its place after one layout only
     return figure
 
 

@@ -268,7 +268,12 @@ def changed(
 
 
 def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) -> str:
-    problem = error.errors()[0]
+    problems = error.errors()
+    problem = problems[0]
+    if problem["type"] == "string_type" and len(problems) > 1:  # of a text or a list, which it is
+        problem = problems[1] | {
+            "loc": (*problem["loc"][:-1], *problems[1]["loc"][len(problem["loc"]) :])
+        }
     path = [str(part) for part in problem["loc"]]
     section = f"[{path[0]}] " if path and path[0] in tables else ""
     if problem["type"] == "value_error":
@@ -276,6 +281,11 @@ def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) 
     if problem["type"] == "missing":
         return f"[{path[0]}] is missing; write at least {least}"
     key = f"{section}{'.'.join(path[1:] if section else path)}"
+    if problem["type"] in ("too_short", "too_long"):
+        bound = problem["ctx"].get("min_length", problem["ctx"].get("max_length"))
+        which = "least" if problem["type"] == "too_short" else "most"
+        held = problem["ctx"]["actual_length"]
+        return f"{key}: holds {held}; must hold at {which} {bound}"
     what = problem["msg"].lower().removeprefix("input should be ")
     return f"{key} = {reprlib.repr(problem['input'])}: must be {what}"
 

@@ -1,5 +1,6 @@
 """Data files: the folder of the shipped ones, in a checkout or installed, and reading TOML."""
 
+import csv
 import os
 import stat
 import tomllib
@@ -79,6 +80,21 @@ def find(name: str, kind: str, folder: Path) -> str | Path:
         raise InputError(f"{kind} = {name!r}: no name of a file; leave out the zero byte")
     refuse_pipe(folder / name)
     return folder / name if is_file(folder / name) else data_file(kind, name) or name
+
+
+def csv_rows(path: Path, what: str) -> list[tuple[int, list[str]]]:
+    """Line number and cells of each line of a CSV table, but empty ones and remarks after a #.
+
+    Raises InputError where there is no such file, and says what to give, or it is no text.
+    """
+    if not is_file(path):
+        raise InputError(f"{path}: no such file; give {what}")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: no CSV table: {error}") from None
+    lines = enumerate(csv.reader(text.splitlines()), 1)
+    return [(k, row) for k, row in lines if any(map(str.strip, row)) and row[0][:1] != "#"]
 
 
 def toml_text(path: Path) -> tuple[str, dict[str, Any]]:

@@ -157,10 +157,18 @@ function drawPreview(plane, preview, outline, poured) {
   context.strokeStyle = plane.colour("quiet");
   context.stroke();
   context.setLineDash([]);
-  plane.trace(preview.lips.map(([x, y]) => [x + at[0], y + at[1]]), false);
   context.lineWidth = 4;
   context.strokeStyle = plane.colour("line");
-  context.stroke();
+  const moved = (points) => points.map(([x, y]) => [x + at[0], y + at[1]]);
+  for (const ends of [preview.lips, ...preview.outlets]) {
+    plane.trace(moved(ends), false);
+    context.stroke();
+  }
+  context.lineWidth = 2;
+  for (const insert of preview.inserts) {
+    plane.trace(moved(insert), true);
+    context.stroke();
+  }
 }
 
 /** Where the case's silo, whose lowest edge is at y = 0, lies on the drawing. */

@@ -1,5 +1,6 @@
 """Silos on the page: the preview of a case, frames of a run, shapes, drawings, materials."""
 
+import json
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -68,6 +69,8 @@ def preview(case: SiloCase) -> dict[str, Any]:
     return {
         "outline": _rounded(case.outline.polygon),
         "lips": [list(lip) for lip in case.outline.lips],
+        "inserts": [_rounded(insert) for insert in case.outline.inserts],
+        "outlets": [_rounded(ends) for ends in case.outline.outlets],
         "level": case.settings.fill.level,
         "shapes": outlines_of(case.shapes),
         "particles": {"kind": kinds.tolist(), "pose": _rounded(poses)},
@@ -90,13 +93,15 @@ def frame(run: Path) -> dict[str, Any]:
     if "time" not in last or "shape_points" not in last.static:
         raise FolderError(f"{run}: no frame yet")
     inside = last["inside"][-1]
+    names = json.loads(last.attributes["wall_names"])
+    stands = [not name.startswith("door") for name in names]
     poses = np.column_stack([last[name][-1][inside] for name in ("x", "y", "angle")])
     return {
         "time": float(last["time"][-1]),
         "out": int(last["n_out"][-1]),
         "of": len(last.static["kind"]),
         "shapes": [{"outline": _rounded(part)} for part in _outlines(last)],
-        "walls": _rounded(last.static["wall_segments"][:-1]),
+        "walls": _rounded(last.static["wall_segments"][stands]),
         "particles": {
             "kind": last.static["kind"][inside].tolist(),
             "layer": last.static["layer"][inside].tolist(),

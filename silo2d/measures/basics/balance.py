@@ -58,7 +58,7 @@ def part_of_wall(scene: Scene) -> list[str]:
     length = np.hypot(run, rise)
     parts = np.where(run <= _VERTICAL * length, "walls", "hopper")
     parts = np.where(rise <= _VERTICAL * length, "floor", parts)
-    return [*parts[:-1].tolist(), "door"]
+    return parts[: len(scene.walls)].tolist() + ["door"] * scene.n_doors
 
 
 def _balance(scene: Scene, weight: float, upwards: NDArray, inertia: float) -> Balance:

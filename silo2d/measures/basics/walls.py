@@ -17,10 +17,13 @@ STRETCH = 2.5  # typical particle sizes that a stretch of wall is long, at least
 
 
 def sides(scene: Scene) -> NDArray[np.int64]:
-    """-1 for walls left of the outlet's middle, 1 for those right of it, 0 for the door (w,)."""
+    """-1 for walls left of the outlet's middle, 1 for those right of it (w,).
+
+    0 for doors and the sides of inserts.
+    """
     middles = scene.trajectory.static["wall_segments"].mean(axis=1)[:, 0]
     side = np.where(middles < outlet_centre(scene), -1, 1)
-    side[-1] = 0
+    side[[name.startswith(("door", "insert")) for name in scene.wall_names]] = 0
     return side
 
 

@@ -1,5 +1,6 @@
 """The page of many runs, a sweep or a map: its pictures, its tables, and the way to each run."""
 
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -143,8 +144,8 @@ def _run_folder(folder: Path, row: Row) -> Path | None:
 
 
 def _plain(value: Any) -> Any:
-    """A cell for JSON, where a number that is none is nothing."""
-    return None if isinstance(value, float) and value != value else value
+    """A cell for JSON, which has no number that is not finite."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def refuse_no_study(folder: Path) -> None:

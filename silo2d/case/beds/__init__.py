@@ -1,0 +1,1 @@
+"""Beds and outlets: forms of particles and their sizes, inserts, outlets, gates, plates."""

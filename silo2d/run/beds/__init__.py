@@ -1,0 +1,1 @@
+"""Acts of a discharge besides the opening of a door, and the bodies that rub and vibrate."""

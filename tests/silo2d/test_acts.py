@@ -1,0 +1,138 @@
+"""A gate that closes, a feeder, refilling, plates and vibration of whole runs; what is refused."""
+
+import random
+
+import numpy as np
+import pytest
+from refusals import assert_refuses
+from small_silo import DischargeStop, write_case
+
+from granulab.campaign.runs.trajectory import read_trajectory
+from granulab.errors import Stopped
+from silo2d.case.case import SiloCase
+from silo2d.run.protocol import run
+from silo2d.view.report import echo
+
+
+def result_of(folder, **changes):
+    """A run of the small silo, its energies closed: to 0.5 % of what is dissipated without acts.
+
+    A store brings twice the particles, a feeder takes them before they have lost much.
+    """
+    folder.mkdir(exist_ok=True)
+    path = write_case(folder, {key.replace("__", "."): value for key, value in changes.items()})
+    result = run(SiloCase.load(path), out=folder / "runs")
+    assert abs(result.energy_closure) < 0.015
+    return result, read_trajectory(result.run_folder)
+
+
+def test_nothing_leaves_while_the_gate_is_closed(tmp_path):
+    """Those that stand in it leave with it; none after, until it opens again."""
+    result, frames = result_of(tmp_path, flow__gate_times=["0.05 s", "0.2 s"])
+    out = np.sort(frames["out_time"][-1])
+    assert not ((out > 0.05 + 1e-9) & (out < 0.2)).any()
+    assert (out < 0.05 + 1e-9).sum() > 0
+    assert (out > 0.2).sum() > 20
+    assert result.outcome == "empty"
+
+
+def test_a_feeder_takes_its_rate(tmp_path):
+    """One particle every 1/rate: the k-th at k/rate, to a step, while some lie over the outlet."""
+    result, frames = result_of(tmp_path, flow__feed_rate="100 1/s", run__max_time="0.4 s")
+    out = np.sort(frames["out_time"][-1])[: result.n_out]
+    expected = np.arange(1, result.n_out + 1) / 100
+    assert 35 <= result.n_out <= 40
+    np.testing.assert_allclose(out, expected, atol=result.time_step_s)
+
+
+def test_a_store_keeps_the_number_and_is_used_up(tmp_path):
+    result, frames = result_of(tmp_path, flow__refill=40)
+    inside = frames["inside"].sum(axis=1)
+    at_first = result.n_particles - 40
+    assert inside[0] == at_first
+    used_up = frames["inside"][:, at_first:].any(axis=1)
+    # A look every 10 ms: what left between two looks may be missing.
+    while_there = frames["n_out"] < 30
+    assert (inside[while_there] >= at_first - 12).all()
+    assert used_up.any()
+    assert result.n_out > at_first
+    assert result.outcome == "empty"
+
+
+def test_plates_slow_the_discharge(tmp_path):
+    bare, _ = result_of(tmp_path / "bare")
+    rubbed, _ = result_of(tmp_path / "rubbed", law__mu_plates=0.5, law__plates_ratio=0.4)
+    assert rubbed.mean_rate_per_s < bare.mean_rate_per_s
+
+
+def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
+    """Gate, store and vibration follow from steps and state: stops at looks change no bit."""
+    changes = {
+        "flow.gate_times": ["0.05 s", "0.1 s"], "flow.refill": 20,
+        "flow.vibration_amplitude": "0.2 mm", "flow.vibration_frequency": "50 Hz",
+    }  # fmt: skip
+    case = SiloCase.load(write_case(tmp_path, changes))
+    whole = run(case, out=tmp_path / "whole")
+    assert read_trajectory(whole.run_folder)["given_to_door"][-1] < 0.0  # the walls gave energy
+    chance, stops, result = random.Random(3), 0, None
+    stop = DischargeStop(lambda: chance.random() < 0.2)
+    while result is None:
+        try:
+            result = run(case, out=tmp_path / "parts", progress=stop.progress, stop=stop)
+        except Stopped:
+            stops += 1
+    assert stops >= 3
+    assert result.state_digest == whole.state_digest
+    assert result.n_out == whole.n_out
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"law.mu_plates": 0.4}, ["[law] mu_plates", "plates_ratio = 0.4"]),
+        ({"law.plates_ratio": 0.4}, ["[law] plates_ratio", "mu_plates"]),
+        ({"flow.gate_times": ["0.3 s", "0.2 s"]}, ["gate_times", "ascend"]),
+        ({"flow.gate_times": ["0.3 mm"]}, ["gate_times = '0.3 mm'", "unit"]),
+        ({"flow.feed_rate": "5 1/s"}, ["feed_rate = 5 1/s", "at rest", "13.3"]),
+        ({"flow.feed_rate": "0 1/s"}, ["feed_rate", "greater than 0"]),
+        (
+            {"flow.feed_rate": "50 1/s", "flow.gate_times": ["1 s"]},
+            ["feed_rate", "does not go with [flow] gate_times"],
+        ),
+        ({"flow.refill": -1}, ["refill = -1", "greater than or equal to 0"]),
+        ({"flow.vibration_amplitude": "1 mm"}, ["vibration_frequency = '30 Hz'"]),
+        (
+            {"flow.vibration_amplitude": "1 mm", "flow.vibration_frequency": "500 Hz"},
+            ["vibration_frequency = 500 Hz", "at most 50 g"],
+        ),
+        (
+            {"flow.vibration_amplitude": "1e-9 m", "flow.vibration_frequency": "20 kHz"},
+            ["vibration_frequency = 20000 Hz", "20 time steps a period", "at most 1e+04 Hz"],
+        ),
+        (
+            {"flow.vibration_amplitude": "30 mm", "flow.vibration_frequency": "1 Hz"},
+            ["vibration_amplitude = 30 mm", "narrowest particle"],
+        ),
+        (
+            {"flow.gate_times": ["1 s"], "run.door_speed": "1 m/s"},
+            ["gate_times does not go with [run] door_speed"],
+        ),
+        ({"flow.refill": 10, "run.engine": "pymunk"}, ["[flow] refill", "engine = 'dem'"]),
+    ],
+)
+def test_an_act_that_cannot_be(changes, words):
+    assert_refuses(["A4", *words], SiloCase.load, "A4", changes)
+
+
+def test_the_echo_names_what_acts_besides(tmp_path):
+    (tmp_path / "curve.csv").write_text("overlap,force\n0.01 mm,50 N\n0.02 mm,150 N\n")
+    changes = {
+        "silo.inserts": [[[-40, 180], [40, 180], [0, 250]]], "law.mu_plates": 0.4,
+        "law.plates_ratio": 0.5, "law.kn_curve": str(tmp_path / "curve.csv"), "flow.refill": 9,
+        "flow.gate_times": ["0.3 s"], "flow.vibration_amplitude": "1 mm",
+        "flow.vibration_frequency": "5 Hz",
+    }  # fmt: skip
+    text = echo(SiloCase.load("A4", changes), dry_run=True)
+    for words in ("CurveLaw: kn 1e+07", "1 inserts, 1 outlets", "plates: mu 0.4", "0.3 s", "5 Hz"):
+        assert words in text
+    assert "  besides  " not in echo(SiloCase.load("A4"), dry_run=True)
