@@ -1,11 +1,15 @@
 """Listing of what there is to run: presets, shipped files, packings and runs."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from granulab.campaign.cli.library import NewFile, packings_and_runs, read_shown, run_in_words
 from granulab.contact.files.datafile import case_names, data_names
 from granulab.errors import InputError
 from silo2d.case.outline import PRESETS
+
+if TYPE_CHECKING:
+    from granulab.campaign.runs.folder import RunFolder
 
 
 def new_files() -> dict[str, NewFile]:
@@ -76,9 +80,15 @@ def listing(root: Path) -> str:
         f"cases      {', '.join(case_names('silo'))}",
         f"shapes     {', '.join(data_names('shapes'))}",
         f"materials  {', '.join(data_names('materials'))}",
-        *packings_and_runs(root, lambda summary: str(summary["outcome"])),
+        *packings_and_runs(root, _ended),
     ]
     return "\n".join(lines)
+
+
+def _ended(summary: dict[str, Any]) -> str:
+    """Outcome of a run in a word or two."""
+    avalanches = summary.get("sizes")
+    return str(summary["outcome"]) if avalanches is None else f"{len(avalanches)} avalanches"
 
 
 def description(name: str) -> str:
@@ -105,10 +115,16 @@ def _case(name: str | Path) -> str:
 
 
 def _run(folder: Path) -> str:
+    from silo2d.avalanches.result import Avalanches, in_words
     from silo2d.run.result import Result
     from silo2d.view.report import report
 
-    return run_in_words(folder, "silo2d", _case, lambda run: report(Result.read(run, reused=False)))
+    def found(run: "RunFolder") -> str:
+        if (folder / "avalanches.toml").is_file():
+            return in_words(Avalanches.read(run, reused=False))
+        return report(Result.read(run, reused=False))
+
+    return run_in_words(folder, "silo2d", _case, found)
 
 
 def _shapes(name: str) -> str:

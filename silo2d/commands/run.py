@@ -31,6 +31,8 @@ def run(
         raise click.UsageError("give a case (A4, or a TOML file), or --resume DIR, one of them")
     if resume and (changes or again):
         raise click.UsageError("--resume goes on with a case as it is; leave other options out")
+    if resume and (Path(resume) / "avalanches.toml").is_file():
+        raise click.UsageError(f"{resume}: avalanches; the same command clog goes on with them")
     from granulab.campaign.runs.folder import resume_run
     from silo2d.case.case import SiloCase
     from silo2d.case.plan import plan

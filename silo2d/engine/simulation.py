@@ -290,6 +290,14 @@ class Simulation:
         world.bodies.layout[door, state.N_CORNERS] = 1
         world.counts[[state.DOOR, state.STALE]] = door, 3
 
+    def push(self, which: np.ndarray, velocity: np.ndarray) -> None:
+        """Give particles inside other velocities (k, 2) [m/s]; what that costs is carried in."""
+        row, account = self.world.bodies.row, self.world.account
+        for i, (vx, vy) in zip(which.tolist(), velocity.tolist(), strict=True):
+            account[state.CARRIED_OUT] += kinetic_energy(row[i])
+            row[i, [state.VX, state.UX]], row[i, [state.VY, state.UY]] = vx, vy
+            account[state.CARRIED_OUT] -= kinetic_energy(row[i])
+
     def set_plates(self, friction: float, ratio: float, length: float, areas: np.ndarray) -> None:
         """Let front and back plate rub from now on, see beds/plates.py.
 

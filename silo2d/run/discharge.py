@@ -22,7 +22,7 @@ from silo2d.run.packing import Packing
 from silo2d.run.pour import normalised_kinetic_energy
 from silo2d.run.rest import Rest
 
-_LONGEST_LOOK = 4_000_000  # particles times steps between looks whether to stop
+LONGEST_LOOK = 4_000_000  # particles times steps between looks whether to stop
 
 _NEXT_TO_NOTHING, _ROUNDING = 1e-3, 1e-9  # of the energy at the opening
 
@@ -52,7 +52,7 @@ def discharge(
     output = case.settings.output
     intervals = (LOOK, output.frame_interval, output.checkpoint_interval)
     look, frame, keep = (max(round(interval / sim.time_step), 1) for interval in intervals)
-    every = [look, frame, keep, max(_LONGEST_LOOK // sim.n_particles, 1)]
+    every = [look, frame, keep, max(LONGEST_LOOK // sim.n_particles, 1)]
     sample = output.wall_interval and max(round(output.wall_interval / sim.time_step), 1)
     every += [sample] if sample else []
     acts = Acts.of(case, packing, sim)
@@ -91,6 +91,12 @@ def _open_door(
     forces, touches = sim.wall_forces(), contacts_of(sim)
     if rest is not None and rest.time:
         touches |= rest.tables(sim, forces)
+    open_door(sim, case, packing, clock)
+    writer.append(frame_of(sim, forces), touches)
+
+
+def open_door(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -> None:
+    """t = 0: the laws of the discharge, the door away or on its way."""
     held = bool(case.settings.fill.friction)
     sim.begin_phase(*case.laws(sim.n_particles), sim.time_step, keep_slips=held)
     doors, speed = case.outline.walls().doors, case.settings.run.door_speed
@@ -104,7 +110,6 @@ def _open_door(
         sim.draw_door(doors[-1], speed)
     # With what the springs of contacts with the door held: that counts as friction already.
     clock.starting_energy = _energy(sim.energies()) + _dissipated(sim)
-    writer.append(frame_of(sim, forces), touches)
 
 
 def _keep(sim: Simulation, folder: RunFolder, writer: TrajectoryWriter, clock: Clock) -> None:
@@ -116,18 +121,21 @@ def _look(
     sim: Simulation, case: SiloCase, packing: Packing, clock: Clock, acts: Acts
 ) -> str | None:
     """The outcome, once there is one. Raises SimulationError where the energy balance is off."""
-    # Nothing is at rest while the door moves or is closed, however slow the particles are.
-    waits = sim.door_moves or acts.closed(sim.steps)
-    moving = math.inf if waits else normalised_kinetic_energy(sim, case.shapes)
+    # Nothing is at rest while the door is closed, however slow the particles are.
+    moving = math.inf if acts.closed(sim.steps) else motion(sim, case)
     outcome = ending(sim, moving, case, packing, clock)
     attraction = Attraction(*clock.attraction)
     attraction.look(sim.contacts())
     clock.attraction = list(dataclasses.astuple(attraction))
     # While next to nothing is dissipated, a part of what there is to dissipate is the measure;
     # at the end nothing but rounding counts beside it.
-    least = (_ROUNDING if outcome else _NEXT_TO_NOTHING) * abs(clock.starting_energy)
-    _check_energy_balance(sim, clock, ENERGY_TOLERANCE[case.step_source], least)
+    check_energy_balance(sim, case, clock, _ROUNDING if outcome else _NEXT_TO_NOTHING)
     return outcome
+
+
+def motion(sim: Simulation, case: SiloCase) -> float:
+    """Normalised kinetic energy; nothing is at rest while the door moves, however slow."""
+    return math.inf if sim.door_moves else normalised_kinetic_energy(sim, case.shapes)
 
 
 def _energy(table: dict[str, float]) -> float:
@@ -138,11 +146,14 @@ def _dissipated(sim: Simulation) -> float:
     return float(sim.world.account[: state.CARRIED_OUT].sum())
 
 
-def _check_energy_balance(sim: Simulation, clock: Clock, tolerance: float, least: float) -> None:
+def check_energy_balance(
+    sim: Simulation, case: SiloCase, clock: Clock, least: float = _NEXT_TO_NOTHING
+) -> None:
     """Stop where the energies do not balance, as when the time step is too long.
 
-    tolerance: part of what was dissipated, or of the least [J] that is taken for it.
+    least: of the energy at the opening, that is taken for dissipated where less is.
     """
+    tolerance, least = ENERGY_TOLERANCE[case.step_source], least * abs(clock.starting_energy)
     table = sim.energies()
     held = _energy(table)
     dissipated = _dissipated(sim)

@@ -87,27 +87,33 @@ def ending(sim: Flow, moving: float, case: SiloCase, packing: Packing, clock: Cl
     settings = case.settings.run
     if sim.n_out == sim.n_particles:
         return "empty"
-    still = moving < settings.at_rest
-    if not still or clock.quiet_since is None or sim.n_out != clock.quiet_out:
-        clock.quiet_since, clock.quiet_out = (sim.time if still else None), sim.n_out
-    elif sim.time - clock.quiet_since >= settings.rest_time - 0.5 * sim.time_step:
-        return _at_rest(sim, case, packing)
+    if at_rest(sim, moving, case, clock):
+        if not blocked(sim, case, packing):
+            return "dead_zones"
+        return "clogged" if sim.n_out >= settings.opening_count else "clogged_at_opening"
     return "time_limit" if sim.time >= settings.max_time - 0.5 * sim.time_step else None
 
 
-def _at_rest(sim: Flow, case: SiloCase, packing: Packing) -> str:
-    """Clogged if the outline of a particle that stays crosses the centre line of an outlet.
+def at_rest(sim: Flow, moving: float, case: SiloCase, clock: Clock) -> bool:
+    """True once the particles lie still and none has come out for a while; the clock minds it."""
+    settings = case.settings.run
+    still = moving < settings.at_rest
+    if not still or clock.quiet_since is None or sim.n_out != clock.quiet_out:
+        clock.quiet_since, clock.quiet_out = (sim.time if still else None), sim.n_out
+        return False
+    return sim.time - clock.quiet_since >= settings.rest_time - 0.5 * sim.time_step
+
+
+def blocked(sim: Flow, case: SiloCase, packing: Packing) -> bool:
+    """True where the outline of a particle that stays crosses the centre line of an outlet.
 
     Of outlets in the side there is none.
     """
     poses, kinds = sim.poses()[sim.live], packing.kinds[sim.live]
-    crosses = [
+    return any(
         crosses_centre_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, centre).any()
         for centre in case.outline.centre_lines
-    ]
-    if not any(crosses):
-        return "dead_zones"
-    return "clogged" if sim.n_out >= case.settings.run.opening_count else "clogged_at_opening"
+    )
 
 
 def crosses_centre_line(

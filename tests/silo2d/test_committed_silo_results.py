@@ -12,6 +12,8 @@ from granulab.campaign.output.statistics import mean_sd
 from silo2d import SiloCase, run
 from silo2d.reproduce import TABLES, find
 from silo2d.run.pour import pour
+from silo2d.view.clogging.study import study
+from silo2d.view.clogging.words import in_words
 
 RESULTS = Path(__file__).parents[2] / "docs" / "results" / "silo2d"
 
@@ -43,6 +45,20 @@ def test_committed_numbers_are_what_the_rows_say(table):
     again = find(table).report(rows)
     assert claims(again) == claims(text)
     assert checks(again) == checks(text)
+    assert numbers(again) == numbers(text)
+
+
+CLOGGING = sorted((RESULTS / "clogging").glob("clog-*.csv"))
+
+
+@pytest.mark.parametrize("table", CLOGGING, ids=lambda path: path.stem)
+def test_committed_clogging_is_what_its_avalanches_say(table):
+    """The report is made again from the avalanches; rest_time is that of a case without its own."""
+    head, rows = read_results(table)
+    text = table.with_suffix(".txt").read_text(encoding="utf-8")
+    again = in_words(study(rows, SiloCase.load("D3").settings.run.rest_time))
+    assert head["command"].startswith("silo2d clog ")
+    assert {row["state"] for row in rows} == {"done"}
     assert numbers(again) == numbers(text)
 
 

@@ -46,12 +46,13 @@ def write_results(
     rows: Sequence[Row],
     lines: Sequence[str],
     text: str,
-    draw: "Callable[[], Figure]",
+    draw: "Callable[[], Figure] | None",
     kept: tuple[str, ...] | None = None,
 ) -> list[Path]:
     """Write NAME.csv, .parquet, .txt and .png into a folder; FolderError where that cannot be.
 
-    kept: the columns of the CSV, as PublishedTable.COLUMNS names them; Parquet has all of them.
+    draw: makes the picture; None: there is none. kept: the columns of the CSV, as
+    PublishedTable.COLUMNS names them; Parquet has all of them.
     """
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -61,7 +62,8 @@ def write_results(
     write_atomic(table, head + as_csv(own, None if kept is None else kept + _ALWAYS))
     write_atomic(whole, as_parquet(own, origin_words(lines)))
     write_atomic(words, f"{head}\n{text}\n")
-    return [table, whole, words, write_figure(folder / f"{name}.png", draw)]
+    pictures = [write_figure(folder / f"{name}.png", draw)] if draw else []
+    return [table, whole, words, *pictures]
 
 
 def origin_words(lines: Sequence[str]) -> dict[str, str]:

@@ -1,0 +1,1 @@
+"""Runs that go on after a clog: the arch is broken, the level kept, avalanche after avalanche."""

@@ -1,0 +1,143 @@
+"""A run of avalanches in its folder: begun or found, computed or gone on with, read back."""
+
+import csv
+import dataclasses
+import io
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from granulab.campaign.output.files import write_atomic
+from granulab.campaign.runs.checkpoint import save_checkpoint
+from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.protocol import Runs, Stop, restored
+from granulab.campaign.runs.provenance import Warn
+from granulab.campaign.runs.stages import Stages
+from granulab.errors import SimulationError
+from silo2d.avalanches.arches import Bed
+from silo2d.avalanches.case import (
+    AvalancheCase,
+    expected_cpu_s,
+    expected_flow_s,
+    run_digest,
+    summary_of,
+)
+from silo2d.avalanches.flow import Ledger, flow
+from silo2d.avalanches.result import Avalanches
+from silo2d.case.plan import compiling, expected_stages
+from silo2d.engine.simulation import Simulation
+from silo2d.run.beds.acts import equip
+from silo2d.run.ending import MOST_HALVINGS
+from silo2d.run.protocol import (
+    PACKAGES,
+    get_packing,
+    settle_under_own_law,
+    sources_of_both,
+    world_behind_door,
+)
+
+_ROOM = Path(__file__).parent
+_MEASURES = _ROOM.parent / "measures"  # which find the arches that are broken
+
+
+def _compute(
+    folder: RunFolder, case: AvalancheCase, stages: Stages, stop: Stop, warn: Warn
+) -> dict[str, Any]:
+    """The results of avalanches; in shorter steps where a chosen one was too long."""
+    filling, _ = expected_cpu_s(case)
+    settling = expected_stages(case.silo)["settling"]
+    stages.expect(filling=filling, settling=settling, flowing=expected_flow_s(case))
+    bed = Bed.of(case, get_packing(case.silo, folder.path.resolve().parent, stages, stop, warn))
+    halvings, most = 0, MOST_HALVINGS if case.silo.step_source == "chosen" else 0
+    while True:
+        try:
+            sim, ledger = _start_or_resume(folder, bed, halvings, stages, stop, warn)
+            halvings = ledger.halvings
+            outcome = flow(sim, bed, ledger, partial(_keep, folder, sim, ledger), stages, stop)
+            break
+        except SimulationError:
+            if halvings >= most:
+                raise
+            halvings += 1
+            folder.drop_checkpoints()
+    stages.finish("flowing")
+    _write_table(folder, ledger)
+    return _summary(case, sim, ledger, outcome)
+
+
+def _keep(folder: RunFolder, sim: Simulation, ledger: Ledger) -> None:
+    save_checkpoint(folder.checkpoint, sim.save(), dataclasses.asdict(ledger))
+
+
+def _start_or_resume(
+    folder: RunFolder, bed: Bed, halvings: int, stages: Stages, stop: Stop, warn: Warn
+) -> tuple[Simulation, Ledger]:
+    """The silo behind its door in a step halved so often, or as its checkpoint has it."""
+    silo = bed.silo
+    if folder.checkpoint.exists():
+        sim = Simulation(world_behind_door(silo, bed.packing))
+        stages.finish("settling")
+        sim.begin_phase(*silo.laws(sim.n_particles), silo.time_step)
+        equip(sim, silo, bed.packing)
+        if found := restored(folder, sim.restore, Ledger, "its opening", warn):
+            sim.time_step = silo.time_step / 2**found.halvings
+            return sim, found
+    sim = _at_opening(bed, halvings, stages, stop)
+    return sim, Ledger(filling_cpu_s=bed.packing.cpu_s, halvings=halvings)
+
+
+def _at_opening(bed: Bed, halvings: int, stages: Stages, stop: Stop) -> Simulation:
+    """The silo at rest behind its door, in a step halved so often."""
+    step = bed.silo.time_step / 2**halvings
+    sim = Simulation(world_behind_door(bed.silo, bed.packing, step))
+    sim.compile()
+    settle_under_own_law(sim, bed.silo, stages, stop)
+    stages.finish("settling")
+    return sim
+
+
+def _summary(case: AvalancheCase, sim: Simulation, ledger: Ledger, outcome: str) -> dict[str, Any]:
+    first = ledger.first or [ledger.size, 0]
+    return {
+        **summary_of(case),
+        "outcome": outcome,
+        "n_particles": sim.n_particles,
+        "sizes": ledger.sizes,
+        "cut": ledger.cut,
+        "durations_s": ledger.durations,
+        "first_size": first[0],
+        "first_clogged": bool(first[1]),
+        "arch_particles": ledger.arch_particles,
+        "arch_span_m": ledger.arch_span,
+        "arch_aspect": ledger.arch_aspect,
+        "arches_not_found": ledger.arches_not_found,
+        "breaks": ledger.breaks,
+        "refilled": ledger.refilled,
+        "waits": ledger.waits,
+        "time_step_s": sim.time_step,
+        "time_step_halvings": ledger.halvings,
+        "steps": sim.steps,
+        "simulated_s": sim.time,
+        "cpu_s": ledger.cpu_s + ledger.filling_cpu_s,
+        "state_digest": sim.state_digest(),
+    }
+
+
+def _write_table(folder: RunFolder, ledger: Ledger) -> None:
+    """avalanches.csv: a line an avalanche, in their order."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["size", "cut", "duration_s"])
+    writer.writerows(zip(ledger.sizes, ledger.cut, ledger.durations, strict=True))
+    write_atomic(folder.path / "avalanches.csv", text.getvalue())
+
+
+RUNS = Runs(
+    result=Avalanches,
+    digest=run_digest,
+    compute=_compute,
+    packages=PACKAGES,
+    sources=lambda case: sources_of_both(case.silo)[0].plus(_ROOM, _MEASURES),
+    compiling=lambda case: compiling(case.silo),
+)
+run, read_finished = RUNS.run, RUNS.read_finished

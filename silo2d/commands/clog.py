@@ -1,0 +1,200 @@
+"""The command on clogging as statistics: clog."""
+
+import dataclasses
+import json
+import shlex
+import sys
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from granulab.campaign.cli.commandline import (
+    dry_run_option,
+    json_option,
+    no_figures_option,
+    out_option,
+    quiet_option,
+    workers_option,
+)
+from silo2d.commands.options import case_command, changes_of, mu_option
+
+if TYPE_CHECKING:
+    from granulab.campaign.sweeps.sweep import Labelled
+    from silo2d.avalanches.case import AvalancheCase
+
+_SAID = {
+    "silo.outlet": "--outlets says this",
+    "run.seed": "--seeds says this",
+    "run.engine": "avalanches need the contacts of dem",
+}
+# Options with a value, and those without one, that decide nothing of the results.
+_BESIDES, _FLAGS = ("-o", "--out", "--write", "--workers"), ("--quiet", "--json", "--no-figures")
+
+
+@case_command(without=_SAID)
+@click.argument("case")
+@click.option("--outlets", metavar='"45 mm,50 mm"', required=True, help="Widths of the outlet.")
+@click.option("--avalanches", type=int, metavar="50", help="Avalanches of a run [default: 50].")
+@click.option("--seeds", type=click.IntRange(1), metavar="1", help="Runs at each outlet: seeds 1 "
+              "to N [default: 1].")  # fmt: skip
+@click.option("--largest", type=int, metavar="2000", help="Particles after which an avalanche is "
+              "cut off, and counts as larger than that [default: 2000].")  # fmt: skip
+@click.option("--break", "breaking", metavar="remove|shake", help="Breaking of an arch: its "
+              "particles are put on the bed, or thrown about [default: remove].")  # fmt: skip
+@click.option("--drop", metavar='"0 mm"', help="Height above the lowest free place of the bed's "
+              "surface at which particles are put back [default: 0 mm].")  # fmt: skip
+@mu_option
+@out_option
+@click.option(
+    "--write", metavar="DIR", help="Where csv, txt and png go [default: DIR/clog of --out]."
+)
+@workers_option
+@dry_run_option
+@no_figures_option
+@quiet_option
+@json_option
+def clog(
+    case: str, outlets: str, avalanches: int | None, seeds: int | None, largest: int | None,
+    breaking: str | None, drop: str | None, mu: str | None, out: str, write: str | None,
+    workers: int | None, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
+    **options: Any,
+) -> None:  # fmt: skip
+    """Let a silo clog again and again, and give its avalanches as statistics.
+
+    Each run goes on after a clog: the arch is broken, what has left is put back on top, so that the
+    level stays. Sizes of avalanches against the outlet, with the laws of the literature; runs that
+    are there already are not done again, and unfinished ones go on.
+    For example: silo2d clog A3 --outlets "45 mm,50 mm,55 mm,60 mm,70 mm" --seeds 4
+    """
+    from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.contact.files.units import to_si
+    from silo2d.avalanches.case import Protocol
+    from silo2d.avalanches.sweep import cases_of, run_cases
+
+    if workers is not None and workers < 1:
+        raise click.UsageError(f"--workers = {workers}: must be at least 1")
+    given = {"avalanches": avalanches, "largest": largest, "breaking": breaking,
+             "drop": None if drop is None else to_si(drop, "m", "--drop")}  # fmt: skip
+    protocol = Protocol(**{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]
+    cases = cases_of(
+        case, _lengths(outlets), range(1, (seeds or 1) + 1), protocol, changes_of(mu, options)
+    )
+    if dry_run:
+        click.echo(_planned(cases, as_json))
+        return
+    place = Path(write or Path(out) / "clog")
+    refuse_unless_writable(Path(out), "--out")
+    refuse_unless_writable(place, "--write")
+    if not quiet:
+        click.echo(_cost(cases), err=True)
+    rows = run_cases(cases, out=Path(out), workers=workers, quiet=quiet)
+    _show(cases[0][1], rows, place, no_figures, as_json)
+
+
+def _lengths(text: str) -> list[float]:
+    """The widths [m] of a list such as "45 mm,50 mm", ascending."""
+    from granulab.contact.files.units import to_si
+    from granulab.errors import InputError
+
+    words = [word.strip() for word in text.split(",")]
+    found = sorted(to_si(word, "m", "--outlets") for word in words)
+    twice = [one for one, other in pairwise(found) if other - one < 1e-9]
+    if twice:
+        raise InputError(f"--outlets: {1e3 * twice[0]:g} mm stands there twice; give it once")
+    return found
+
+
+def _cost(cases: "Sequence[Labelled]") -> str:
+    from granulab.campaign.sweeps.overview import cost
+    from silo2d.avalanches.sweep import AVALANCHES
+
+    return cost(AVALANCHES, cases)
+
+
+def _planned(cases: "Sequence[Labelled]", as_json: bool) -> str:
+    """Table of what would be run, with its expected cost by outlet."""
+    from granulab.campaign.output.layout import columns
+    from silo2d.avalanches.case import expected_avalanche, expected_cpu_s
+
+    lines: dict[float, dict[str, Any]] = {}
+    for labels, case in cases:
+        one = lines.setdefault(labels["outlet_mm"], {
+            "outlet_m": case.silo.outline.outlet,
+            "outlet_over_diameter": case.silo.outline.outlet / case.diameter,
+            "runs": 0, "avalanches": 0, "expected_avalanche": expected_avalanche(case),
+            "expected_min": 0.0,
+        })  # fmt: skip
+        one["runs"] += 1
+        one["avalanches"] += case.protocol.avalanches
+        one["expected_min"] += sum(expected_cpu_s(case)) / 60
+    found = list(lines.values())
+    protocol = dataclasses.asdict(cases[0][1].protocol)
+    minutes = sum(one["expected_min"] for one in found)
+    if as_json:
+        return json.dumps(
+            {"protocol": protocol, "outlets": found, "expected_min": minutes}, indent=2
+        )
+    table = columns(
+        ["outlet", "D/d", "runs", "avalanches", "of about", "CPU time"],
+        [
+            [f"{1e3 * one['outlet_m']:g} mm", f"{one['outlet_over_diameter']:.2f}",
+             str(one["runs"]), str(one["avalanches"]), f"{one['expected_avalanche']:.0f}",
+             f"{one['expected_min']:.0f} min"]
+            for one in found
+        ],
+    )  # fmt: skip
+    said = (
+        "\"of about\": mean size as the wood's particles have it; other particles' may be several "
+        "times as large or small, and the time goes with it"
+    )
+    return f"{table}\n{_cost(cases)}\n{said}"
+
+
+def _show(
+    case: "AvalancheCase", rows: list[dict[str, Any]], place: Path, no_figures: bool, as_json: bool
+) -> None:
+    """Print and keep the statistics of runs; Ended where some lack."""
+    from granulab.campaign.cli.many import stop_unless_whole
+    from granulab.campaign.output.layout import not_done, on_screen
+    from granulab.campaign.output.results import origin, write_results
+    from silo2d.avalanches.sweep import AVALANCHES
+    from silo2d.view.clogging.figure import draw
+    from silo2d.view.clogging.study import study
+    from silo2d.view.clogging.words import in_words
+
+    if any(row["state"] == "interrupted" for row in rows):
+        stop_unless_whole(rows)
+    silo = case.silo
+    found = {
+        "silo": silo.label,
+        "shapes": silo.shapes.name,
+        "protocol": dataclasses.asdict(case.protocol),
+        "rest_time_s": silo.settings.run.rest_time,
+        **study(rows, silo.settings.run.rest_time),
+        "runs": [row["run_folder"] for row in rows],
+    }
+    title = f"Clogging of {found['silo']}, {found['shapes']}"
+    text = "\n\n".join(
+        filter(None, [in_words(found), "\n".join(not_done(rows, ["outlet_mm", "seed"]))])
+    )
+    click.echo(json.dumps(found, indent=2) if as_json else on_screen(f"{title}\n\n{text}"))
+    files = write_results(
+        place, f"clog-{silo.name}-{silo.shapes.name}", rows, origin(_command(), AVALANCHES), text,
+        None if no_figures else lambda: draw(found, rows, title),
+    )  # fmt: skip
+    click.echo("\n".join(map(str, files)), err=True)
+    stop_unless_whole(rows)
+
+
+def _command() -> str:
+    """The command, without what decides nothing of its results."""
+    words, kept = iter(sys.argv[1:]), []
+    for word in words:
+        if word in _BESIDES:
+            next(words, None)
+        elif word not in _FLAGS and word.partition("=")[0] not in _BESIDES:
+            kept.append(word)
+    return shlex.join(["silo2d", *kept])

@@ -1,0 +1,127 @@
+"""The report of clogging by outlet: tables and sentences."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from granulab.campaign.output.layout import columns, paragraphs, share
+
+_NOTES = """\
+<s>: particles that leave between two clogs, those of cut avalanches over the clogs; intervals are
+  of 95 %. The avalanche from the opening is not among them.
+clogs: probability that the filled silo, which is not refilled, clogs before it is empty, of <s>.
+beta: exponent of P(more than s) = exp(-lambda s^beta), from 20 clogs on; p: of an exponential.
+r: rank correlation of successive sizes. arch: particles, mean and most.
+alpha: of the waiting times' density t^-alpha, up to the time that counts as a clog."""
+_NAMES = {"A": "A", "C": "C", "critical": "critical D/d", "g": "g"}
+_FORMS = {"exponential": "A exp(C (D/d)^2)", "power": "A (D_c/d - D/d)^-g"}
+
+
+def in_words(found: Mapping[str, Any]) -> str:
+    """Tables by outlet, the laws, and what they say of the silo."""
+    outlets = found["outlets"]
+    first = columns(
+        ["outlet", "D/d", "avalanches", "cut", "<s>", "clogs", "first flow clogged"],
+        [
+            [
+                f"{1e3 * one['outlet_m']:g} mm", f"{one['outlet_over_diameter']:.2f}",
+                str(one["avalanches"]), str(one["cut"]), _mean(one),
+                _interval(one["clogs_before_empty"], one["clogs_before_empty_interval"], ".2f"),
+                share(one["clogged"], one["runs"]),
+            ]
+            for one in outlets
+        ],
+    )  # fmt: skip
+    second = columns(
+        ["outlet", "beta", "p", "beta beyond the mode", "p", "r of successive", "arch", "span",
+         "alpha of waits"],
+        [
+            [
+                f"{1e3 * one['outlet_m']:g} mm", *_form(one["form"]),
+                *_form(one["form_beyond_mode"]), _correlation(one["independence"]),
+                *_arch(one), _tail(one["waits_tail"]),
+            ]
+            for one in outlets
+        ],
+    )  # fmt: skip
+    return paragraphs(first, second, "\n".join([*_laws(found), *_threshold(found)]), _NOTES)
+
+
+def _mean(one: Mapping[str, Any]) -> str:
+    low, high = one["mean_avalanche_interval"]
+    if one["mean_avalanche"] is None:
+        return f"above {low:.0f}"
+    return f"{one['mean_avalanche']:.1f} [{low:.1f}, {high:.1f}]"
+
+
+def _interval(value: float | None, ends: Any, digits: str) -> str:
+    """A number with its interval; an end that is open is "-"."""
+    if value is None:
+        return "-"
+    low, high = ("-" if end is None else f"{end:{digits}}" for end in ends)
+    return f"{value:{digits}} [{low}, {high}]"
+
+
+def _form(form: Mapping[str, Any] | None) -> list[str]:
+    if form is None:
+        return ["-", "-"]
+    words = _interval(form["beta"], (form["low"], form["high"]), ".2f")
+    beyond = f" beyond {form['start']}" if form["start"] else ""
+    return [f"{words}{beyond}", f"{form['p_value']:.2f}"]
+
+
+def _correlation(found: Mapping[str, Any] | None) -> str:
+    return "-" if found is None else _interval(found["value"], (found["low"], found["high"]), ".2f")
+
+
+def _arch(one: Mapping[str, Any]) -> list[str]:
+    if one["arch_particles_mean"] is None:
+        return ["-", "-"]
+    most = len(one["arch_particles"]) - 1
+    return [f"{one['arch_particles_mean']:.1f}, {most}", f"{1e3 * one['arch_span_m']:.0f} mm"]
+
+
+def _tail(found: Mapping[str, Any] | None) -> str:
+    if found is None:
+        return "-"
+    words = _interval(found["alpha"], (found["low"], found["high"]), ".2f")
+    return f"{words} from {1e3 * found['start']:.0f} ms"
+
+
+def _laws(found: Mapping[str, Any]) -> list[str]:
+    lines = []
+    for name, law in found["laws"].items():
+        parts = ", ".join(filter(None, map(_parameter, law["parameters"].items())))
+        fit = "" if law["p_value"] is None else f", p {law['p_value']:.2f} of the scatter about it"
+        lines.append(f"{name}: <s> = {_FORMS[name]}; {parts}; AIC {law['aic']:.1f}{fit}")
+    if len(found["laws"]) == 2:
+        gain = found["laws"]["power"]["aic"] - found["laws"]["exponential"]["aic"]
+        better = "exponential" if gain > 0 else "power"
+        how = "hardly" if abs(gain) < 2 else "clearly" if abs(gain) > 10 else "somewhat"
+        lines.append(f"the {better} law is {how} the better one: AIC less by {abs(gain):.1f}")
+    return lines
+
+
+def _parameter(named: tuple[str, Mapping[str, Any]]) -> str:
+    """A parameter with its interval; a bound where that is open above, nothing without one."""
+    name, one = named
+    if one["low"] is None and one["high"] is None:
+        return ""
+    if one["high"] is None:
+        return f"{_NAMES[name]} above {one['low']:.3g}"
+    return f"{_NAMES[name]} {_interval(one['value'], (one['low'], one['high']), '.3g')}"
+
+
+def _threshold(found: Mapping[str, Any]) -> list[str]:
+    lines = []
+    for one in found["outlets_by_probability"]:
+        ends = [None if end is None else 1e3 * end for end in one["interval_m"]]
+        beyond = "; extrapolated" if one["extrapolated"] else ""
+        lines.append(
+            f"{100 * one['probability']:g} % of the silos of {found['n_particles']} particles clog "
+            f"at an outlet of {_interval(1e3 * one['outlet_m'], ends, '.1f')} mm, "
+            f"{one['outlet_over_diameter']:.2f} diameters (exponential law{beyond})"
+        )
+    if (r := found["independence"]) is not None:
+        of = "independent" if r["low"] <= 0 <= r["high"] else "not independent"
+        lines.append(f"successive avalanches of all outlets are {of}: r = {_correlation(r)}")
+    return lines

@@ -1,0 +1,279 @@
+"""Runs that go on after a clog: mass, level and energy are kept, and so are the bits."""
+
+import random
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scenes
+from forking import forked, killed_at
+from hand_built import GRAVITY, STICKY, simulation_in
+from refusals import assert_refused
+from small_silo import DischargeStop, silo2d, the_run, write_case
+
+from granulab.campaign.runs.stages import Stages
+from granulab.errors import Stopped
+from silo2d.avalanches import flow, protocol
+from silo2d.avalanches.arches import Bed
+from silo2d.avalanches.case import AvalancheCase, Protocol
+from silo2d.case.case import SiloCase
+from silo2d.case.outline import hopper, outline_from_polygon
+from silo2d.engine import state
+from silo2d.run.protocol import get_packing
+from silo2d.run.refill import Surface
+
+# Rough particles over an outlet of three of them: they clog after ten or so.
+ROUGH = {
+    "silo.outlet": "22 mm",
+    "law.mu_particle": 0.4,
+    "law.mu_wall": 0.4,
+}
+AVALANCHES = 3
+DIGESTS = ("state_digest", "sizes", "cut", "durations_s", "arch_particles", "waits", "refilled")
+
+
+def case_in(folder: Path, **protocol) -> AvalancheCase:
+    return AvalancheCase.of(
+        SiloCase.load(write_case(folder, ROUGH)), Protocol(**{"avalanches": AVALANCHES} | protocol)
+    )
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Folder of a run, by the command and so by a worker, what it printed, and what it found."""
+    folder = tmp_path_factory.mktemp("avalanches")
+    case = write_case(folder, {**ROUGH, "silo.outlet": "50 mm"})
+    table = silo2d(
+        "clog", case, "--outlets", "22 mm", "--avalanches", AVALANCHES, "--workers", 1,
+        "-o", folder / "runs", "--quiet", "--json",
+    ).json  # fmt: skip
+    return folder, table, protocol.run(case_in(folder), out=folder / "runs")
+
+
+@pytest.fixture
+def root(whole, tmp_path):
+    """A folder of runs that has the packing."""
+    shutil.copytree(whole[0] / "runs" / "packings", tmp_path / "runs" / "packings")
+    return tmp_path / "runs"
+
+
+def bits(result):
+    return [getattr(result, name) for name in DIGESTS]
+
+
+# Refilling
+
+
+def test_particles_are_put_at_the_lowest_place_and_touch_nothing():
+    """Thirty discs in an empty silo, one after the other: apart from each other and the walls, and
+    as level as discs can be stacked, none more than two diameters above any open place."""
+    silo, radius = hopper(0.0, 0.02, 0.1, 0.2), 8e-3
+    found = Surface(silo, radius).places(np.zeros((0, 2)), np.zeros(0), np.full(30, radius))
+    assert len(found) == 30
+    apart = np.hypot(*(found[:, None] - found[None]).T) + np.eye(30)
+    assert apart.min() >= 2 * radius
+    assert np.abs(found[:, 0]).max() <= 0.05 - radius
+    assert found[:, 1].min() == pytest.approx(1.01 * radius, rel=1e-6)
+    top = [found[np.abs(found[:, 0] - x) < radius][:, 1].max() for x in np.linspace(-0.04, 0.04, 9)]
+    assert np.ptp(top) <= 4 * radius
+
+
+def test_a_full_silo_takes_no_more():
+    silo, radius = hopper(0.0, 0.02, 0.1, 0.1), 8e-3
+    found = Surface(silo, radius).places(np.zeros((0, 2)), np.zeros(0), np.full(200, radius))
+    assert 20 < len(found) < 40
+    assert found[:, 1].max() < 0.1 - radius
+
+
+def test_particles_are_put_where_the_open_top_reaches_down_to():
+    """Below an overhang is no place: nothing could be let down to it."""
+    points = [[-10, 0], [10, 0], [10, 40], [50, 40], [50, 60], [10, 60], [10, 100], [-10, 100]]
+    silo = outline_from_polygon(np.array(points) * 1e-3)
+    found = Surface(silo, 4e-3).places(np.zeros((0, 2)), np.zeros(0), np.full(6, 4e-3))
+    assert np.abs(found[:, 0]).max() <= 6e-3 + 1e-9
+
+
+def test_a_particle_that_is_put_elsewhere_takes_its_energy_along():
+    """E + carried out + dissipated stays: of one that moves, leans on another, or is gone."""
+    block = scenes.block(20e-3, 10e-3)
+    silo = hopper(0.0, 0.06, 0.2, 0.4, "wide")
+    poses = [(-0.05, 5e-3, 0.0), (-0.05, 15e-3, 0.0), (0.0, 0.05, 0.3)]
+    sim = simulation_in(silo, [block] * 3, poses, STICKY)
+    sim.run(60_000)  # 0.12 s: the third has fallen through the outlet
+
+    def total():
+        table = sim.energies()
+        held = sum(table[k] for k in ("kinetic", "potential", "elastic_normal",
+                                      "elastic_tangential", "carried_out"))  # fmt: skip
+        return held + sim.world.account[: state.CARRIED_OUT].sum()
+
+    assert sim.live.tolist() == [0, 1]
+    assert sim.energies()["elastic_normal"] > 0.0
+    before = total()
+    sim.push(np.array([1]), np.array([[0.3, 0.2]]))
+    assert sim.energies()["kinetic"] == pytest.approx(0.5 * 54 * block.area * 0.13, rel=1e-3)
+    sim.put(np.array([0, 1, 2]), np.array([(0.05, 0.1, 0.5), (0.0, 0.2, 1.0), (-0.05, 0.15, 2.0)]))
+    assert total() == pytest.approx(before, rel=1e-9)
+    assert sim.live.tolist() == [0, 1, 2]
+    weight = 54 * block.area * GRAVITY
+    assert sim.energies()["potential"] == pytest.approx(0.45 * weight, rel=1e-9)
+    assert sim.energies()["elastic_normal"] == 0.0
+    assert np.isnan(sim.world.bodies.out_time[:3]).all()
+    sim.run(500)
+    assert sim.rows[:, state.Y].tolist() == pytest.approx(
+        [height - 0.5 * GRAVITY * 1e-3**2 for height in (0.1, 0.2, 0.15)], abs=1e-8
+    )
+
+
+# Runs
+
+
+def test_avalanches_end_in_arches_or_are_cut(whole):
+    """As many as asked for, of at least one particle; each clog has an arch of two or more."""
+    *_, found = whole
+    assert found.outcome == "whole"
+    assert len(found.sizes) == len(found.cut) == len(found.durations_s) == AVALANCHES
+    assert min(found.sizes) >= 1
+    assert sum(found.cut) == 0
+    clogs = AVALANCHES + found.first_clogged
+    assert len(found.arch_particles) + found.arches_not_found == clogs
+    assert min(found.arch_particles) >= 2
+    assert found.breaks >= AVALANCHES
+    # Of k particles that leave one after the other there are k - 1 times between them.
+    assert sum(found.waits) == sum(found.sizes) - AVALANCHES
+
+
+def test_mass_and_level_are_kept(whole):
+    """Each particle is inside, or below the outlet since the last look; each crossing is counted;
+    the surface stays where it was, to within two of the largest particles."""
+    folder, _, found = whole
+    bed = Bed.of(case_in(folder), get_packing(case_in(folder).silo, folder / "runs", None))
+    sim = protocol._at_opening(bed, 0, Stages.of(None), lambda: False)
+    ledger, mass, seen = flow.Ledger(), 1 / sim.rows[:, state.INV_MASS], []
+
+    def look():
+        counted = ledger.size + sum(ledger.sizes) + sum(ledger.first[:1])
+        seen.append((sim.n_out - counted, sim.n_particles - len(sim.live),
+                     np.sort(sim.rows[sim.live, state.Y])[-10:].mean()))  # fmt: skip
+        return len(ledger.sizes) == 1
+
+    with pytest.raises(Stopped):
+        flow.flow(sim, bed, ledger, lambda: None, Stages.of(None), look)
+    assert ledger.sizes == found.sizes[:1]
+    not_counted, gone, level = np.array(seen).T
+    assert not_counted.max() == 0
+    assert gone.max() <= 0
+    assert np.abs(level - level[0]).max() < 4 * bed.silo.shapes.bounding_radius
+    assert (1 / sim.rows[:, state.INV_MASS] == mass).all()
+    assert ledger.refilled > ledger.first[0]  # those of the arch too
+
+
+def test_a_run_stopped_many_times_ends_with_the_same_bits(whole, root):
+    *_, found = whole
+    chance, stops, result = random.Random(5), 0, None
+    stop = DischargeStop(lambda: chance.random() < 0.05)
+    stop.progress = lambda fraction, text: setattr(stop, "_is_open", "avalanches" in text)
+    while result is None:
+        try:
+            result = protocol.run(case_in(root.parent), out=root, progress=stop.progress, stop=stop)
+        except Stopped:
+            stops += 1
+    assert stops >= 3
+    assert bits(result) == bits(found)
+
+
+def test_a_run_killed_in_the_middle_ends_with_the_same_bits(whole, root):
+    """kill -9 after its first checkpoint, and at the write of a later one."""
+    *_, found = whole
+    case = case_in(root.parent)
+    begun = lambda: list(root.glob("*/checkpoint.h5"))  # noqa: E731
+    assert killed_at(begun, 0.1, lambda: protocol.run(case, out=root))
+    assert forked(lambda: protocol.run(case, out=root), kill_at_write=2) != 0
+    assert the_run(root).state == "unfinished"
+    assert bits(protocol.run(case, out=root)) == bits(found)
+
+
+def test_an_avalanche_is_cut_at_its_largest_size(whole, root):
+    """Cut at 3, nothing is larger than what leaves between two looks more, and the flow goes on."""
+    *_, found = whole
+    cut = protocol.run(case_in(root.parent, largest=3, avalanches=2), out=root)
+    assert max(cut.sizes) <= 3 + 5
+    assert found.first_size >= cut.first_size
+    assert sum(cut.cut) + (not cut.first_clogged) >= 1
+
+
+def test_a_shaken_arch_breaks_too(root):
+    """Nothing is put on top but what has left; it takes more breaks where an arch holds."""
+    found = protocol.run(case_in(root.parent, breaking="shake", avalanches=1), out=root)
+    assert found.outcome == "whole"
+    assert found.refilled <= sum(found.sizes) + found.first_size
+    assert found.breaks >= 1
+
+
+# The command
+
+
+def test_clog_gives_outlets_and_their_avalanches(whole):
+    """Once they are there they are not run again, and `show` and `list` say them too."""
+    folder, table, found = whole
+    (one,) = table["outlets"]
+    assert one["outlet_m"] == pytest.approx(0.022)
+    assert one["avalanches"] == AVALANCHES
+    assert one["mean_avalanche"] == pytest.approx(sum(found.sizes) / AVALANCHES)
+    assert found.reused
+    made = folder / "runs" / "clog"
+    assert {path.suffix for path in made.iterdir()} == {".csv", ".parquet", ".txt", ".png"}
+    said = silo2d("clog", folder / "small.toml", "--outlets", "22 mm", "--avalanches", AVALANCHES,
+                  "-o", folder / "runs", "--no-figures")  # fmt: skip
+    assert said.code == 0, said.err
+    assert f"{one['mean_avalanche']:.1f} [" in said.out
+    shown = silo2d("show", table["runs"][0])
+    assert shown.code == 0, shown.err
+    assert f"{AVALANCHES} avalanches" in shown.out
+    assert f"{AVALANCHES} avalanches" in silo2d("list", "-o", folder / "runs").out
+
+
+def test_cost_is_told_before(tmp_path):
+    case = write_case(tmp_path, ROUGH)
+    said = silo2d(
+        "clog", case, "--outlets", "22 mm,30 mm", "--seeds", 3, "--dry-run", "--json"
+    ).json
+    assert [one["runs"] for one in said["outlets"]] == [3, 3]
+    assert said["expected_min"] == pytest.approx(sum(o["expected_min"] for o in said["outlets"]))
+    assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], ["'--outlets'"]),
+        (["--outlets", "45"], ["--outlets = '45'", "unit is missing"]),
+        (["--outlets", "45 mm,,50 mm"], ["--outlets = ''"]),
+        (["--outlets", "45 mm,4.5 cm"], ["45 mm stands there twice"]),
+        (["--outlets", "400 mm"], ["outlet = 400 mm", "wider than the silo"]),
+        (["--outlets", "2 mm"], ["outlet = 2 mm", "narrowest particle"]),
+        (["--outlets", "45 mm", "--avalanches", "0"], ["--avalanches = 0", "from 1 to"]),
+        (["--outlets", "45 mm", "--largest", "0"], ["--largest = 0", "from 1 to"]),
+        (["--outlets", "45 mm", "--break", "blow"], ["--break = 'blow'", "'remove' or 'shake'"]),
+        (["--outlets", "45 mm", "--drop", "-1 mm"], ["--drop = -1 mm", "'0 mm'"]),
+        (["--outlets", "45 mm", "--drop", "1"], ["--drop = '1'", "unit is missing"]),
+        (["--outlets", "45 mm", "--seeds", "0"], ["'--seeds'"]),
+        (["--outlets", "45 mm", "--workers", "0"], ["--workers = 0"]),
+        (["--outlets", "45 mm", "--outlet", "45 mm"], ["--outlet", "--outlets says this"]),
+        (["--outlets", "45 mm", "--seed", "2"], ["--seed", "--seeds says this"]),
+        (["--outlets", "45 mm", "--engine", "pymunk"], ["--engine", "contacts of dem"]),
+        (["--outlets", "45 mm", "--refill", "30"], ["[flow] refill", "leave it out"]),
+    ],
+)
+def test_what_cannot_clog_is_refused_before_anything_is_computed(
+    arguments, words, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    assert_refused(silo2d("clog", "A3", *arguments), *words)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_case_of_impulses_is_refused(tmp_path):
+    case = write_case(tmp_path, {"run.engine": "pymunk"})
+    assert_refused(silo2d("clog", case, "--outlets", "22 mm"), "engine = 'pymunk'", "dem")
