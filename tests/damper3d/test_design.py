@@ -283,12 +283,13 @@ def test_a_comparison_that_the_first_design_loses_is_said():
         {"what": "random", "words": "C", "reductions": []},
     ]
     designs = [{"verified_by_simulation": {"not_steady": 2}}]
-    better, unsteady = remarks({"designs": designs, "compared": compared})
+    better, unsteady, failed = remarks({"designs": designs, "compared": compared, "failed": 3})
     assert better.endswith("B, 0.280 against 0.300")
     assert unsteady.startswith("2 of its runs")
+    assert failed.startswith("3 candidates")
     compared[1]["reductions"] = [0.31, 0.32]
     designs[0]["verified_by_simulation"] = {"not_steady": 0}
-    assert remarks({"designs": designs, "compared": compared}) == []
+    assert remarks({"designs": designs, "compared": compared, "failed": 0}) == []
 
 
 def test_the_rule_of_thumb_is_verified_too_and_starts_the_search(tmp_path):

@@ -98,6 +98,7 @@ def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -
     from granulab.campaign.output.figure import as_png
     from granulab.campaign.output.files import write_atomic, writing
     from granulab.campaign.runs.folder import digest
+    from granulab.errors import SimulationError
 
     task, search = designer.task, designer.task.spec.search
     found = designer.searched()
@@ -105,9 +106,16 @@ def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -
     designer.say(f"{len(tried)} designs with the structure, {search.seeds} packings each")
     verified = designer.verify(tried, search.seed + 1)
     beside = [one.design for one in verified[len(tried) :]]
-    order = ranked([*found, *beside], verified)
+    computed = [*found, *beside]
+    able = [one for one in computed if one.field is not None]
+    if not able:
+        raise SimulationError(
+            f"{task.spec.name}: the runs of all {len(computed)} candidates failed; `damper3d list "
+            f"{designer.out}` names them"
+        )
+    order = ranked(able, verified)
     designer.say("the first where level and frequency are off")
-    robust = designer.robustness(order[0]) if order[0].field is not None else None
+    robust = designer.robustness(order[0])
     designs = [
         as_dict(task, one, rank, verified, robust if rank == 1 else None)
         for rank, one in enumerate(order, 1)
@@ -116,6 +124,7 @@ def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -
     folder = designer.out / "designs" / f"{task.spec.name}-{name}"
     results = {
         "name": task.spec.name, "spec": spec, "task": _task(designer), "designs": designs,
+        "failed": len(computed) - len(able),
         "compared": _compared(designer, order, compare) if compare else [],
         "made_by": " ".join(["damper3d", *sys.argv[1:]]), "folder": str(folder),
     }  # fmt: skip

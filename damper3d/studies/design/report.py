@@ -152,7 +152,7 @@ def in_words(results: dict[str, Any]) -> str:
 
 
 def remarks(results: dict[str, Any]) -> list[str]:
-    """What else must be known of the first design: a better one it met, runs that end unsteady."""
+    """Remarks on a design: one that is better than the first, runs that were unsteady or failed."""
     best, found = results["designs"][0], []
     means = {(one["what"], one["words"]): geometric_mean(one["reductions"])
              for one in results["compared"] if one["reductions"]}  # fmt: skip
@@ -163,6 +163,8 @@ def remarks(results: dict[str, Any]) -> list[str]:
                      f"{least:.3f} against {own:.3f}")  # fmt: skip
     if number := (best["verified_by_simulation"] or {}).get("not_steady"):
         found.append(f"{number} of its runs with the structure ended before they were steady")
+    if results["failed"]:
+        found.append(f"{results['failed']} candidates are left out, whose runs failed")
     return found
 
 
