@@ -26,8 +26,8 @@ BOTH = pytest.mark.parametrize("simulator", [silo, damper], ids=["silo", "damper
 ROOT = Path(__file__).parents[2]
 # Flags that change a key of the case; scripts rely on them (interfaces).
 OPTIONS = {
-    silo: "angle outlet shapes materials damping contact-end mu-particle mu-wall kn kt gamma-n "
-    "gamma-n-wall gamma-t keep-ratios disorder fill-level pour-with seed engine time-step "
+    silo: "angle outlet shapes scale spheroradius materials damping contact-end mu-particle "
+    "mu-wall kn kt gamma-n gamma-n-wall gamma-t keep-ratios disorder fill-level pour-with seed engine time-step "
     "door-speed max-time wall-interval iterations pymunk-time-step cohesion mu-plates plates-ratio "
     "feed-rate refill vibration-amplitude vibration-frequency",
     damper: "diameter height particles equal-volume-radius sub-spheres tolerance mesh-unit count "

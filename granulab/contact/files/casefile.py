@@ -285,7 +285,8 @@ def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) 
         bound = problem["ctx"].get("min_length", problem["ctx"].get("max_length"))
         which = "least" if problem["type"] == "too_short" else "most"
         held = problem["ctx"]["actual_length"]
-        return f"{key}: holds {held}; must hold at {which} {bound}"
+        given = reprlib.repr(problem["input"])
+        return f"{key} = {given}: holds {held}; must hold at {which} {bound}"
     what = problem["msg"].lower().removeprefix("input should be ")
     return f"{key} = {reprlib.repr(problem['input'])}: must be {what}"
 
