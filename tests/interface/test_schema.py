@@ -28,8 +28,8 @@ ROOT = Path(__file__).parents[2]
 OPTIONS = {
     silo: "angle outlet shapes scale spheroradius materials damping contact-end mu-particle "
     "mu-wall kn kt gamma-n gamma-n-wall gamma-t keep-ratios disorder fill-level pour-with seed "
-    "engine time-step door-speed max-time wall-interval iterations pymunk-time-step cohesion mu-plates "
-    "plates-ratio feed-rate refill vibration-amplitude vibration-frequency",
+    "engine time-step door-speed max-time wall-interval iterations pymunk-time-step cohesion "
+    "mu-plates plates-ratio feed-rate refill vibration-amplitude vibration-frequency",
     damper: "diameter height particles equal-volume-radius sub-spheres tolerance mesh-unit count "
     "orientation frequency gamma ramp friction friction-wall restitution restitution-wall "
     "contact-treatment tangential contact-end wall-curvature yielding youngs-modulus density seed "
