@@ -25,6 +25,7 @@ from calibration.inverse.statistics.posterior import NothingPassed, Posterior, i
 from calibration.inverse.statistics.prior import Array
 from granulab.campaign.cli.commandline import Ended
 from granulab.campaign.output.files import write_atomic, writing
+from granulab.campaign.output.layout import stopped
 from granulab.campaign.output.table import write_table
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.provenance import provenance
@@ -69,7 +70,7 @@ class CampaignRuns:
         rows = run_labelled(self._fit.simulated.campaign, known, out=self._out, **self._engine)
         rows = sorted(rows + refused, key=lambda r: (r["point"], r["case"], r["seed"]))
         self.rows += rows
-        if any(row["state"] == "interrupted" for row in rows):
+        if stopped(rows):
             raise Cut
         first, self._points = self._points, self._points + len(points)
         return self._runs(rows, first)

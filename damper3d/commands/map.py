@@ -15,7 +15,7 @@ from granulab.campaign.cli.commandline import (
     out_option,
     quiet_option,
 )
-from granulab.campaign.cli.many import numbers, rank_by_option, sketched, stop_unless_whole, stopped
+from granulab.campaign.cli.many import numbers, rank_by_option, sketched, stop_unless_whole
 
 if TYPE_CHECKING:
     from damper3d.studies.map.grid import Grid
@@ -91,7 +91,7 @@ def _map(
     from damper3d.studies.map.report import as_text, compared, map_folder, summary, write_map
     from damper3d.studies.map.ridges import ridges
     from granulab.campaign.output.files import refuse_unless_writable
-    from granulab.campaign.output.layout import on_screen, paragraphs
+    from granulab.campaign.output.layout import on_screen, paragraphs, stopped
     from granulab.campaign.sweeps.report.summary import write_pictures, write_ranking
     from granulab.campaign.sweeps.report.words import ranking_as_text
 

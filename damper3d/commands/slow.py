@@ -11,7 +11,8 @@ import click
 
 from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
-from granulab.campaign.cli.many import stop_unless_whole, stopped
+from granulab.campaign.cli.many import stop_unless_whole
+from granulab.campaign.output.layout import stopped
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.sweep import Labelled

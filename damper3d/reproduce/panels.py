@@ -12,7 +12,7 @@ from damper3d.case.closed_forms import PACKINGS, bouncing_bed_onset, fluidisatio
 from damper3d.run import sweep
 from damper3d.studies.map.grid import GAMMAS, MapResult
 from damper3d.studies.predict.prediction import Clearance, Prediction
-from granulab.campaign.output.layout import done, not_done
+from granulab.campaign.output.layout import done, not_done, stopped
 from granulab.campaign.sweeps.overview import cost
 from granulab.campaign.sweeps.sweep import Labelled, over_seeds
 
@@ -96,7 +96,7 @@ def run_panels(
     """
     rows = run_all([c for p in panels for c in p.cases(seeds)], quiet=quiet, **options)
     for number in range(1, refine + 1):
-        if any(row["state"] == "interrupted" for row in rows):
+        if stopped(rows):
             break
         added = [
             case

@@ -44,7 +44,7 @@ from damper3d.reproduce.quantities.shapes import (
 from damper3d.studies.map.grid import GAMMAS
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.layout import columns, done, paragraphs
+from granulab.campaign.output.layout import columns, done, paragraphs, stopped
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,7 +132,7 @@ def run(
             part.panels, seeds[:: part.every],
             refine=part.refine, out=out, workers=workers, quiet=quiet, **engine,
         )  # fmt: skip
-        if any(row["state"] == "interrupted" for row in rows):
+        if stopped(rows):
             break
     return rows
 

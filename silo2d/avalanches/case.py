@@ -138,10 +138,10 @@ def expected_cpu_s(case: AvalancheCase) -> tuple[float, float]:
 def expected_flow_s(case: AvalancheCase) -> float:
     """About what the avalanches of a case cost [s of CPU]."""
     silo, stages = case.silo, expected_stages(case.silo)
-    flowing = expected_avalanche(case) / expected_rate(silo)
+    n, rate = expected_particles(silo), expected_rate(silo)
+    flowing = expected_avalanche(case) / rate
     resting = 2.0 * silo.settings.run.rest_time
     # A discharge empties the silo, these keep it full: by the particles inside and the time.
-    n, rate = expected_particles(silo), expected_rate(silo)
     empties = min(silo.settings.run.max_time, n / rate)
     inside = n * empties - 0.5 * rate * empties**2  # of what "discharging" is for
     return stages["discharging"] * n * case.protocol.avalanches * (flowing + resting) / inside

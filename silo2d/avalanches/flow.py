@@ -101,8 +101,7 @@ def _look(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
 
 def _note(sim: Simulation, ledger: Ledger) -> int:
     """Note the particles that left since the last look, and the times between them."""
-    out = sim.world.bodies.out_time[: sim.n_particles]
-    times = np.sort(out[out > ledger.looked])
+    times = np.sort(sim.out_time[sim.out_time > ledger.looked])
     known = times if ledger.last is None else np.concatenate([[ledger.last], times])
     if ledger.first:  # not in the one from the opening
         for k in bin_of(np.diff(known)):

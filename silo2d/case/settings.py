@@ -273,6 +273,11 @@ class Flow(Section):
     )
     vibration_direction: Literal["vertical", "horizontal"] = key("vertical", "its direction")
 
+    @property
+    def gate(self) -> list[float]:
+        """Times [s] at which the gate closes, opens, closes ...; none where it stays open."""
+        return [to_si(time, "s", "gate_times") for time in self.gate_times or []]
+
 
 class Pymunk(Section):
     """The impulse engine, where it is the engine (docs/pymunk.md)."""

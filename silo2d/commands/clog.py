@@ -158,14 +158,14 @@ def _show(
 ) -> None:
     """Print and keep the statistics of runs; Ended where some lack."""
     from granulab.campaign.cli.many import stop_unless_whole
-    from granulab.campaign.output.layout import not_done, on_screen
+    from granulab.campaign.output.layout import not_done, on_screen, stopped
     from granulab.campaign.output.results import origin, write_results
     from silo2d.avalanches.sweep import AVALANCHES
     from silo2d.view.clogging.figure import draw
     from silo2d.view.clogging.study import study
     from silo2d.view.clogging.words import in_words
 
-    if any(row["state"] == "interrupted" for row in rows):
+    if stopped(rows):
         stop_unless_whole(rows)
     silo = case.silo
     found = {

@@ -269,9 +269,7 @@ class Simulation:
             row[[state.COS, state.SIN]] = np.cos(angle), np.sin(angle)
             world.account[state.CARRIED_OUT] -= weight * y
         bodies.out_time[which] = np.nan
-        live = np.union1d(self.live, which)
-        bodies.live[: len(live)] = live
-        world.counts[[state.LIVE, state.STALE]] = len(live), 3
+        self._set_live(np.union1d(self.live, which))
 
     def keep_back(self, n: int) -> None:
         """Leave the last n particles out until they are put."""

@@ -73,19 +73,20 @@ def _word(silo: str, rows: "list[Row]") -> str:
 
 def _together(silos: "dict[str, list[Row]]") -> str:
     """Tests of all silos of which the experiment has more than one trial, together."""
-    known = {silo: (trials(silo), outcomes(own)) for silo, own in silos.items()}
-    strata = [
-        Counts(own.clogged, own.n, k, n) for own, (k, _, n) in known.values() if own.n > 1 and n
-    ]
-    if not strata:
+    found: dict[str, Counts] = {}
+    for silo, own in silos.items():
+        known, (k, _, n) = trials(silo), outcomes(own)
+        if known.n > 1 and n:
+            found[silo] = Counts(known.clogged, known.n, k, n)
+    if not found:
         return ""
+    strata = list(found.values())
     k, n, other_k, other_n = (
         sum(getattr(one, name) for one in strata) for name in ("k", "n", "other_k", "other_n")
     )
-    names = ", ".join(silo for silo, (own, (*_, n)) in known.items() if own.n > 1 and n)
     pooled = chance_of_shares([Counts(k, n, other_k, other_n)])
     return (
-        f"{names} together: the experiment clogged in {share(k, n)}, ours in"
+        f"{', '.join(found)} together: the experiment clogged in {share(k, n)}, ours in"
         f" {share(other_k, other_n)}: p = {pooled:.2g},\n"
         f"  silo by silo p = {chance_of_shares(strata):.2g}; by trials repeated until as many"
         f" emptied, {chance_of_few(strata):.2g}"

@@ -186,7 +186,7 @@ def frame_of(sim: Simulation, wall_force: np.ndarray) -> dict[str, np.ndarray | 
         "n_out": sim.n_out,
         **{name: rows[:, column] for name, column in columns.items()},
         "inside": inside,
-        "out_time": sim.world.bodies.out_time[: sim.n_particles],
+        "out_time": sim.out_time,
         "wall_force": wall_force,
         **sim.energies(),
     }

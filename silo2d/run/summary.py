@@ -12,7 +12,6 @@ from granulab.campaign.output.files import write_atomic
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.contact.attraction import Attraction
-from granulab.contact.files.units import to_si
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.disorder import QUANTITIES, scores
 from silo2d.run.ending import Clock, Flow
@@ -107,8 +106,7 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
     if case.settings.run.door_speed is not None:
         attributes["door_speed"] = case.settings.run.door_speed
     if case.settings.flow.gate_times:
-        times = [to_si(time, "s", "gate_times") for time in case.settings.flow.gate_times]
-        attributes["gate_times"] = np.array(times)
+        attributes["gate_times"] = np.array(case.settings.flow.gate)
     if case.settings.flow.feed_rate is not None:
         attributes["gate_times"] = np.array([0.0])
     return static, attributes

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
-from granulab.campaign.cli.many import numbers, stop_unless_whole, stopped
+from granulab.campaign.cli.many import numbers, stop_unless_whole
+from granulab.campaign.output.layout import stopped
 
 if TYPE_CHECKING:
     from damper3d.studies.field.balance import Responses

@@ -33,6 +33,7 @@ from damper3d.studies.design.verification import (
     beyond_edge,
     verification_cases,
 )
+from granulab.campaign.output.layout import stopped
 from granulab.errors import InputError, Stopped
 
 _SEARCH_CPU = 1200.0  # [s of CPU] that the search takes by itself
@@ -42,8 +43,9 @@ EDGES = 3  # times that a peak is looked for further out
 _FEWEST, _MOST = 12, 40  # candidates by itself
 _FILLING = {"motion.frequency": 100.0, "motion.gamma": 0.5, "run.cycles": 1, "run.discard": 0}
 # Beds settle by random filling of an enclosure of so many depths and a particle; balls of a layer,
-# which meet seldom, bounce longer than those of a deep bed (steel of 15 mm: 0.7 s).
-_FALLING, _SETTLING, _ONE_LAYER = 1.5, "0.4 s", "1.2 s"
+# of less depth than so many extents, meet seldom and bounce longer (steel of 15 mm: 0.7 s).
+_FALLING, _LAYER = 1.5, 1.5
+_SETTLING, _OF_A_LAYER = "0.4 s", "1.2 s"
 OFF = 0.2  # of level and frequency, for which robustness is asked
 UNSEEN = 1000  # added to the seed for packings that nothing was chosen by
 
@@ -89,7 +91,7 @@ class Designer:
     def run(self, cases: Sequence[Any]) -> Rows:
         """Rows of labelled cases; Stopped where some were interrupted."""
         rows = run_cases(list(cases), out=self.out, **self.engine)
-        if any(row["state"] == "interrupted" for row in rows):
+        if stopped(rows):
             raise Stopped("the same command goes on")
         return rows
 
@@ -98,9 +100,9 @@ class Designer:
         cases = []
         for number, bed in enumerate(beds):
             tall = Candidate(bed, float(f"{_FALLING * bed.depth + bed.ball.extent:.5g}"), 0.0)
-            single = bed.depth < _FALLING * bed.ball.extent
+            single = bed.depth < _LAYER * bed.ball.extent
             changes = tall.changes("vertical", self.task.spec.search.seed) | _FILLING
-            changes["fill.settle_time"] = _ONE_LAYER if single else _SETTLING
+            changes["fill.settle_time"] = _OF_A_LAYER if single else _SETTLING
             cases.append(({"design": number}, DamperCase.load("thesis", changes)))
         rows = self.run(cases)
         return [

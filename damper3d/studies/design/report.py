@@ -154,11 +154,11 @@ def in_words(results: dict[str, Any]) -> str:
 def remarks(results: dict[str, Any]) -> list[str]:
     """Remarks on a design: one that is better than the first, runs that were unsteady or failed."""
     best, found = results["designs"][0], []
-    means = {(one["what"], one["words"]): geometric_mean(one["reductions"])
-             for one in results["compared"] if one["reductions"]}  # fmt: skip
-    own = next((mean for (what, _), mean in means.items() if what == "first"), None)
-    if own is not None and (least := min(means.values())) < own:
-        ((_, words),) = [key for key, mean in means.items() if mean == least][:1]
+    means = [(geometric_mean(one["reductions"]), one["what"], one["words"])
+             for one in results["compared"] if one["reductions"]]  # fmt: skip
+    least, _, words = min(means, default=(math.inf, "", ""))
+    own = next((mean for mean, what, _ in means if what == "first"), least)
+    if least < own:
         found.append(f"better than the first on packings that nothing was chosen by: {words}, "
                      f"{least:.3f} against {own:.3f}")  # fmt: skip
     if number := (best["verified_by_simulation"] or {}).get("not_steady"):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from damper3d.case.case import DamperCase
 from damper3d.run.sweep import run_cases
 from damper3d.studies.map.peaks import Peak, between, find_peaks
+from granulab.campaign.output.layout import stopped
 from granulab.campaign.output.statistics import half_width_of_mean, mean_sd
 from granulab.campaign.sweeps.sweep import Labelled, over_seeds
 from granulab.contact.files.units import nearest
@@ -186,7 +187,7 @@ def grow(
     After whole rounds only. The other arguments, and what is raised, are those of efficiency_map.
     """
     rows = run_cases(map_cases(name_or_path, changes, grid), out=out, **engine)
-    while not any(row["state"] == "interrupted" for row in rows):
+    while not stopped(rows):
         added = to_add(MapResult.of(rows))
         if not added:
             break

@@ -128,11 +128,6 @@ def numbers(option: str, text: str | None, default: Sequence[float]) -> tuple[fl
         raise InputError(f"{option} {text!r}: {cure}") from None
 
 
-def stopped(rows: Sequence[dict[str, Any]]) -> bool:
-    """True where runs were interrupted: no time for pictures then."""
-    return any(row["state"] == "interrupted" for row in rows)
-
-
 def stop_unless_whole(rows: Sequence[dict[str, Any]]) -> None:
     """End the command where runs were interrupted (code 130) or failed (3)."""
     lost = [row["reason"] for row in rows if row["state"] == "interrupted"]

@@ -186,6 +186,11 @@ def done(rows: Sequence[Row]) -> list[Row]:
     return [row for row in rows if row["state"] == "done"]
 
 
+def stopped(rows: Sequence[Row]) -> bool:
+    """True where runs were interrupted: no time for pictures then, and nothing to go on from."""
+    return any(row["state"] == "interrupted" for row in rows)
+
+
 def not_done(rows: Sequence[Row], labels: Sequence[str]) -> list[str]:
     """A line for each run that failed or was cut off, with its reason."""
     return [

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from granulab.contact.jit import njit
 from granulab.contact.laws import register
 
 
@@ -63,11 +64,17 @@ def cohesive_energy(law, overlap):
     return 0.5 * law.kn * overlap**2 - law.pull * overlap
 
 
-def curve_force(law, m, overlap, overlap_rate):
-    """Return the normal force [N] and its part that is not elastic [N]."""
+@njit
+def elastic_force(law, overlap):
+    """Return the force [N] of the curve at an overlap [m]."""
     at = overlap / law.spacing
     k = min(int(at), len(law.force) - 2)
-    elastic = law.force[k] + (at - k) * (law.force[k + 1] - law.force[k])
+    return law.force[k] + (at - k) * (law.force[k + 1] - law.force[k])
+
+
+def curve_force(law, m, overlap, overlap_rate):
+    """Return the normal force [N] and its part that is not elastic [N]."""
+    elastic = elastic_force(law, overlap)
     force = elastic + m * law.gamma_n * overlap_rate
     if not law.pulls:
         force = max(force, 0.0)
@@ -85,10 +92,7 @@ def curve_energy(law, overlap):
 
 def curve_slip_limit(law, overlap):
     """Return the largest slip [m] that the tangential spring holds: mu F(d)/kt."""
-    at = overlap / law.spacing
-    k = min(int(at), len(law.force) - 2)
-    elastic = law.force[k] + (at - k) * (law.force[k + 1] - law.force[k])
-    return law.mu / law.kt * elastic
+    return law.mu / law.kt * elastic_force(law, overlap)
 
 
 register(CohesiveLaw, normal_force=cohesive_force, normal_energy=cohesive_energy)

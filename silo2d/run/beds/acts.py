@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from granulab.contact.files.units import to_si
 from silo2d.case.case import SiloCase
 from silo2d.engine.simulation import Simulation
 from silo2d.run.ending import LOOK
@@ -58,18 +57,19 @@ class Acts:
     gate: list[int]  # steps at which the gate closes, opens, closes ...
     feed: float  # steps between two particles of the feeder; 0: none
     refill: int  # steps between looks at the level; 0: nothing in store
-    surface: Surface  # of the bed, which what is in store is put on
+    surface: Surface | None  # of the bed, which what is in store is put on; None: nothing is
 
     @classmethod
     def of(cls, case: SiloCase, packing: Packing, sim: Simulation) -> "Acts":
         """The acts of a case in the time step of its simulation."""
         flow, step = case.settings.flow, sim.time_step
-        times = [to_si(time, "s", "gate_times") for time in flow.gate_times or []]
-        gate = [max(round(time / step), 1) for time in times]
+        gate = [max(round(time / step), 1) for time in flow.gate]
         feed = 0.0 if flow.feed_rate is None else max(1 / (flow.feed_rate * step), 1.0)
+        if not flow.refill:
+            return cls(case, packing, gate, feed, 0, None)
         radius = case.shapes.bounding_radius
         surface = Surface(case.outline.raised(4 * radius), radius)
-        return cls(case, packing, gate, feed, round(LOOK / step) if flow.refill else 0, surface)
+        return cls(case, packing, gate, feed, round(LOOK / step), surface)
 
     def next(self, now: int) -> list[int]:
         """Steps after `now` at which something is to be done."""
@@ -92,8 +92,8 @@ class Acts:
             self._move_gate(sim, self.closed(now))
         if self.feed and round(round(now / self.feed) * self.feed) == now:
             self._feed(sim)
-        if self.refill and now % self.refill == 0:
-            self._refill(sim)
+        if self.surface and now % self.refill == 0:
+            self._refill(sim, self.surface)
 
     def _move_gate(self, sim: Simulation, closes: bool) -> None:
         """Close all doors, which take the particles with them that stand in them, or open them."""
@@ -131,7 +131,7 @@ class Acts:
         if over.any():
             sim.take_out([int(live[over][np.argmin(y[over])])])
 
-    def _refill(self, sim: Simulation) -> None:
+    def _refill(self, sim: Simulation, surface: Surface) -> None:
         """Put particles of the store at rest on the surface, as many as have left."""
         n, store = sim.n_particles, self.case.settings.flow.refill
         used = ~np.isnan(sim.out_time[n - store :])
@@ -142,6 +142,6 @@ class Acts:
             return
         radii = np.array([shape.bounding_radius for shape in self.case.shapes.shapes])
         radii, poses = radii[self.packing.kinds], sim.poses()
-        room = self.surface.places(poses[sim.live, :2], radii[sim.live], radii[wanted])
+        room = surface.places(poses[sim.live, :2], radii[sim.live], radii[wanted])
         put = wanted[: len(room)]
         sim.put(put, np.column_stack([room, poses[put, 2]]))
