@@ -160,11 +160,12 @@ def test_cohesion_acts_over_the_length_of_the_prisms():
         ("0.01 mm,50 N\n", ["two at least"]),
         ("0.01 mm,50\n0.02 mm,90\n", ["force = '50'", "unit is missing"]),
         (None, ["curve.csv", "no such file"]),
+        ("0.01 mm,\xb5 N\n", ["curve.csv", "no CSV table"]),  # written as Latin-1
     ],
 )
 def test_a_curve_that_cannot_be(rows, words, tmp_path):
     if rows:
-        (tmp_path / "curve.csv").write_text(f"overlap,force\n{rows}")
+        (tmp_path / "curve.csv").write_text(f"overlap,force\n{rows}", "latin-1")
     changes = {"law.kn_curve": str(tmp_path / "curve.csv")}
     assert_refuses(words, SiloCase.load, "A4", changes)
 

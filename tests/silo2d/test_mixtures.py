@@ -179,6 +179,12 @@ def test_a_form_that_cannot_be(keys, words, tmp_path):
     assert_refuses(words, shapes, tmp_path, entry(**keys), head=head)
 
 
+def test_sieves_that_are_no_text_are_refused(tmp_path):
+    (tmp_path / "sieve.csv").write_bytes(b"opening,passing\n2 mm,\xff\n")
+    keys = {"form": "disc", "size_distribution": "sieve", "sieve": "sieve.csv"}
+    assert_refuses(["sieve.csv", "no CSV table"], shapes, tmp_path, entry(**keys))
+
+
 def test_what_is_apart_has_index_one_and_what_is_even_less_than_zero():
     """Cells of four: all or nothing is 1; half and half is -sr^2/(s0^2 - sr^2) = -3/(4 * 7 - ...).
 

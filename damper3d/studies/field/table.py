@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from damper3d.case.parts import GRAVITY
 from granulab.campaign.output.files import write_atomic
 from granulab.campaign.output.table import as_csv
-from granulab.contact.files.datafile import csv_rows
+from granulab.contact.files.datafile import csv_lines, numbered
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 
@@ -188,7 +188,8 @@ def read_field(path: str | Path) -> Field:
     Raises InputError, one line that names file, line and column.
     """
     path = Path(path)
-    rows = csv_rows(path, _WANTED)
+    lines = csv_lines(path, _WANTED)
+    rows = numbered(lines)
     if len(rows) < 2:
         raise InputError(f"{path}: no points; give {_WANTED}")
     _, names = rows[0]
@@ -198,7 +199,6 @@ def read_field(path: str | Path) -> Field:
         if names.count(name) > 1:
             raise InputError(f"{path}: column {name!r} stands twice; leave one of them out")
     points = [_point(path, line, names, row) for line, row in rows[1:]]
-    lines = path.read_text(encoding="utf-8-sig").splitlines()
     return _checked(path, points, tuple(line.lstrip("# ") for line in lines if line[:1] == "#"))
 
 

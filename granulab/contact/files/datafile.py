@@ -82,19 +82,25 @@ def find(name: str, kind: str, folder: Path) -> str | Path:
     return folder / name if is_file(folder / name) else data_file(kind, name) or name
 
 
-def csv_rows(path: Path, what: str) -> list[tuple[int, list[str]]]:
-    """Line number and cells of each line of a CSV table, but empty ones and remarks after a #.
-
-    Raises InputError where there is no such file, and says what to give, or it is no text.
-    """
+def csv_lines(path: Path, what: str) -> list[str]:
+    """Lines of a CSV file; InputError where there is none, and what to give, or it is no text."""
     if not is_file(path):
         raise InputError(f"{path}: no such file; give {what}")
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        return path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: no CSV table: {error}") from None
-    lines = enumerate(csv.reader(text.splitlines()), 1)
-    return [(k, row) for k, row in lines if any(map(str.strip, row)) and row[0][:1] != "#"]
+
+
+def csv_rows(path: Path, what: str) -> list[tuple[int, list[str]]]:
+    """Line number and cells of each line of a CSV table; see csv_lines, numbered."""
+    return numbered(csv_lines(path, what))
+
+
+def numbered(lines: list[str]) -> list[tuple[int, list[str]]]:
+    """Line number and cells of each line, but empty ones and remarks after a #."""
+    rows = enumerate(csv.reader(lines), 1)
+    return [(k, row) for k, row in rows if any(map(str.strip, row)) and row[0][:1] != "#"]
 
 
 def toml_text(path: Path) -> tuple[str, dict[str, Any]]:

@@ -1,6 +1,5 @@
 """Forms of particles by name and size, and the classes that a distribution of sizes is made of."""
 
-import csv
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from granulab.contact.files.casefile import of_a_size
-from granulab.contact.files.datafile import is_file
+from granulab.contact.files.datafile import csv_rows, is_file
 from granulab.contact.files.sizes import Sizes, sieved, spread
 from granulab.contact.files.units import located, nearest, to_si
 from granulab.errors import InputError
@@ -186,8 +185,7 @@ def _read(path: Path, where: str) -> list[list[Any]]:
     """Rows of a CSV file: opening with its unit, share of the mass that passes; one header line."""
     if not is_file(path):
         raise InputError(f"{where} sieve = {path.name!r}: no such file in {path.parent or '.'}")
-    with path.open(encoding="utf-8", newline="") as stream:
-        rows = [[cell.strip() for cell in row] for row in csv.reader(stream) if row]
+    rows = [[cell.strip() for cell in row] for _, row in csv_rows(path, "the sieves")]
     try:
         return [[opening, float(share)] for opening, share in rows[1:]]
     except ValueError:

@@ -1,11 +1,10 @@
 """Laws of a case beside the linear one: with cohesion, or with a measured curve kn(overlap)."""
 
-import csv
 from pathlib import Path
 
 import numpy as np
 
-from granulab.contact.files.datafile import is_file
+from granulab.contact.files.datafile import csv_rows, is_file
 from granulab.contact.files.units import to_si
 from granulab.contact.laws import LinearLaw
 from granulab.errors import InputError
@@ -80,8 +79,7 @@ def read_curve(path: Path, field: str) -> tuple[np.ndarray, np.ndarray]:
     """
     if not is_file(path):
         raise InputError(f"{field} = {path.name!r}: no such file next to the case")
-    with path.open(encoding="utf-8", newline="") as stream:
-        rows = [[cell.strip() for cell in row] for row in csv.reader(stream) if row][1:]
+    rows = [[cell.strip() for cell in row] for _, row in csv_rows(path, "the curve")][1:]
     if len(rows) < 2 or any(len(row) != 2 for row in rows):
         raise InputError(
             f"{path}: expected a line 'overlap,force' and rows such as '0.01 mm,95 N', two at least"
