@@ -10,9 +10,9 @@ from granulab.campaign.runs.stages import Stages
 from granulab.errors import Stopped
 from silo2d.avalanches.arches import Bed
 from silo2d.engine.simulation import Simulation
+from silo2d.measures.clogging.waits import BINS, bin_of
 from silo2d.run.discharge import LONGEST_LOOK, check_energy_balance, motion, open_door
 from silo2d.run.ending import LOOK, Clock, at_rest, blocked
-from silo2d.view.clogging.waits import BINS, bin_of
 
 _CHECKPOINT = 0.5  # [s] of simulated time, at most between two
 _PATIENCE = 100  # breaks one after the other from which nothing leaves

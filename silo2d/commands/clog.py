@@ -161,8 +161,8 @@ def _show(
     from granulab.campaign.output.layout import not_done, on_screen, stopped
     from granulab.campaign.output.results import origin, write_results
     from silo2d.avalanches.sweep import AVALANCHES
+    from silo2d.measures.clogging.study import study
     from silo2d.view.clogging.figure import draw
-    from silo2d.view.clogging.study import study
     from silo2d.view.clogging.words import in_words
 
     if stopped(rows):

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from silo2d.view.clogging import laws, sizes, waits
-from silo2d.view.clogging.study import study
+from silo2d.measures.clogging import laws, sizes, waits
+from silo2d.measures.clogging.study import study
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ from compare_results import checks, claims, numbers
 from granulab.campaign.output.results import read_results
 from granulab.campaign.output.statistics import mean_sd
 from silo2d import SiloCase, run
+from silo2d.measures.clogging.study import study
 from silo2d.reproduce import TABLES, find
 from silo2d.run.pour import pour
-from silo2d.view.clogging.study import study
 from silo2d.view.clogging.words import in_words
 
 RESULTS = Path(__file__).parents[2] / "docs" / "results" / "silo2d"

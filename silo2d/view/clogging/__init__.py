@@ -1,1 +1,1 @@
-"""Clogging as statistics: sizes of avalanches, laws of the outlet, waiting times, arches."""
+"""Clogging by outlet as a picture and in words."""

@@ -16,9 +16,9 @@ from granulab.campaign.output.figure import (
     VERMILION,
     headline,
 )
-from silo2d.view.clogging.sizes import survival
-from silo2d.view.clogging.study import AtOutlet, by_outlet, laws_of
-from silo2d.view.clogging.waits import EDGES
+from silo2d.measures.clogging.sizes import survival
+from silo2d.measures.clogging.study import AtOutlet, by_outlet, laws_of
+from silo2d.measures.clogging.waits import EDGES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

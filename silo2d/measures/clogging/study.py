@@ -10,9 +10,9 @@ import numpy as np
 
 from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import wilson
-from silo2d.view.clogging.laws import Law, Outlets, exponential, outlet_of, power
-from silo2d.view.clogging.sizes import Mean, empties, form, independence, mean_avalanche, mode
-from silo2d.view.clogging.waits import tail
+from silo2d.measures.clogging.laws import Estimate, Law, Outlets, exponential, outlet_of, power
+from silo2d.measures.clogging.sizes import Mean, empties, form, independence, mean_avalanche, mode
+from silo2d.measures.clogging.waits import tail
 
 Row = dict[str, Any]
 
@@ -89,8 +89,6 @@ def study(rows: Sequence[Row], rest_time: float) -> dict[str, Any]:
 
 def laws_of(found: dict[str, Any]) -> list[Law]:
     """The laws of a study, as they were fitted."""
-    from silo2d.view.clogging.laws import Estimate
-
     return [
         Law(**{**law, "parameters": {k: Estimate(**v) for k, v in law["parameters"].items()}})
         for law in found["laws"].values()
