@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import io
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,6 @@ from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.protocol import Runs, Stop, restored
 from granulab.campaign.runs.provenance import Warn
 from granulab.campaign.runs.stages import Stages
-from granulab.errors import SimulationError
 from silo2d.avalanches.arches import Bed
 from silo2d.avalanches.case import (
     AvalancheCase,
@@ -27,10 +27,10 @@ from silo2d.avalanches.result import Avalanches
 from silo2d.case.plan import compiling, expected_stages
 from silo2d.engine.simulation import Simulation
 from silo2d.run.beds.acts import equip
-from silo2d.run.ending import MOST_HALVINGS
 from silo2d.run.protocol import (
     PACKAGES,
     get_packing,
+    in_shorter_steps,
     settle_under_own_law,
     sources_of_both,
     world_behind_door,
@@ -43,26 +43,25 @@ _MEASURES = _ROOM.parent / "measures"  # which find the arches that are broken
 def _compute(
     folder: RunFolder, case: AvalancheCase, stages: Stages, stop: Stop, warn: Warn
 ) -> dict[str, Any]:
-    """The results of avalanches; in shorter steps where a chosen one was too long."""
+    """The results of avalanches."""
     filling, _ = expected_cpu_s(case)
     settling = expected_stages(case.silo)["settling"]
     stages.expect(filling=filling, settling=settling, flowing=expected_flow_s(case))
     bed = Bed.of(case, get_packing(case.silo, folder.path.resolve().parent, stages, stop, warn))
-    halvings, most = 0, MOST_HALVINGS if case.silo.step_source == "chosen" else 0
-    while True:
-        try:
-            sim, ledger = _start_or_resume(folder, bed, halvings, stages, stop, warn)
-            halvings = ledger.halvings
+
+    def begin(halvings: int) -> tuple[Ledger, Callable[[], dict[str, Any]]]:
+        sim, ledger = _start_or_resume(folder, bed, halvings, stages, stop, warn)
+
+        def go() -> dict[str, Any]:
             outcome = flow(sim, bed, ledger, partial(_keep, folder, sim, ledger), stages, stop)
-            break
-        except SimulationError:
-            if halvings >= most:
-                raise
-            halvings += 1
-            folder.drop_checkpoints()
+            return _summary(case, sim, ledger, outcome)
+
+        return ledger, go
+
+    summary = in_shorter_steps(folder, case.silo, begin)
     stages.finish("flowing")
-    _write_table(folder, ledger)
-    return _summary(case, sim, ledger, outcome)
+    _write_table(folder, summary)
+    return summary
 
 
 def _keep(folder: RunFolder, sim: Simulation, ledger: Ledger) -> None:
@@ -123,12 +122,12 @@ def _summary(case: AvalancheCase, sim: Simulation, ledger: Ledger, outcome: str)
     }
 
 
-def _write_table(folder: RunFolder, ledger: Ledger) -> None:
+def _write_table(folder: RunFolder, summary: Mapping[str, Any]) -> None:
     """avalanches.csv: a line an avalanche, in their order."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["size", "cut", "duration_s"])
-    writer.writerows(zip(ledger.sizes, ledger.cut, ledger.durations, strict=True))
+    writer.writerows(zip(*(summary[k] for k in ("sizes", "cut", "durations_s")), strict=True))
     write_atomic(folder.path / "avalanches.csv", text.getvalue())
 
 

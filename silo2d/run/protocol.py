@@ -2,7 +2,7 @@
 
 import dataclasses
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,8 @@ _SETTLE_FRAME = 1e-3  # [s] between looks at the kinetic energy before the openi
 _SETTLE_PATIENCE = 2.0  # [s]
 _QUIET_LOOKS = 5  # one may fall on a moment when the energy is elastic
 
+Summary = dict[str, Any]
+
 
 def run_digest(case: SiloCase) -> str:
     """Names a run: its case, seed and engine."""
@@ -59,13 +61,29 @@ def _compute(
         return _by_pymunk(folder, case, stages, stop, warn)
     packing = get_packing(case, folder.path.resolve().parent, stages, stop, warn)
     packing = with_store(case, packing)
+
+    def begin(halvings: int) -> tuple[Clock, Callable[[], Summary]]:
+        rest = None if case.settings.output.wall_interval is None else Rest()
+        sim, clock = _start_or_resume(folder, case, packing, halvings, stages, stop, warn, rest)
+        return clock, lambda: _discharged(folder, case, packing, sim, clock, stages, stop, rest)
+
+    return in_shorter_steps(folder, case, begin)
+
+
+def in_shorter_steps(
+    folder: RunFolder, case: SiloCase, begin: Callable[[int], tuple[Clock, Callable[[], Summary]]]
+) -> Summary:
+    """Summary of a run, which is begun again in half the step where a chosen one was too long.
+
+    begin: of a number of halvings, gives the clock of a run that starts so or is gone on with, and
+    what computes the rest. Raises SimulationError after MOST_HALVINGS, or where the step was given.
+    """
     halvings, most = 0, MOST_HALVINGS if case.step_source == "chosen" else 0
     while True:
         try:
-            rest = None if case.settings.output.wall_interval is None else Rest()
-            sim, clock = _start_or_resume(folder, case, packing, halvings, stages, stop, warn, rest)
+            clock, go = begin(halvings)
             halvings = clock.halvings
-            return _discharged(folder, case, packing, sim, clock, stages, stop, rest)
+            return go()
         except SimulationError:
             if halvings >= most:
                 raise
