@@ -177,7 +177,7 @@ def test_tables_7_to_11_are_whole_and_the_first_kn_is_625():
 
 @pytest.mark.parametrize("table", [(2, 15, 38, 80), (0, 6, 23, 40), (3, 3, 0, 20), (5, 9, 11, 20)])
 def test_one_stratum_of_shares_is_fishers_exact_test(table):
-    """Beside scipy's, whose tables hold successes and failures."""
+    """Compared with scipy's, whose tables hold successes and failures."""
     k, n, other_k, other_n = table
     fisher = fisher_exact([[k, n - k], [other_k, other_n - other_k]]).pvalue
     assert chance_of_shares([Counts(*table)]) == pytest.approx(fisher, rel=1e-9)

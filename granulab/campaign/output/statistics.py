@@ -58,7 +58,7 @@ def difference_of_shares(k: int, n: int, other_k: int, other_n: int) -> tuple[fl
 
 @dataclass(frozen=True)
 class Counts:
-    """k of n trials beside other_k of other_n; numbers of trials > 0."""
+    """k of n trials, compared with other_k of other_n; numbers of trials > 0."""
 
     k: int
     n: int
