@@ -110,7 +110,7 @@ def test_a_run_is_watched_stopped_and_gone_on_with(studio, opened):
     page = opened(studio.address)
     draw_small_silo(page, "watched")
     page.locator("summary", has_text="[run]").click()
-    page.get_by_label("time_step [s]").first.fill("0.4 us")  # some seconds to be stopped in
+    page.get_by_label("time_step [s]").first.fill("0.1 us")  # some seconds to be stopped in
     page.get_by_label("with pictures and film").uncheck()
     page.wait_for_timeout(600)
     page.get_by_role("button", name="Run", exact=True).click()
@@ -263,6 +263,7 @@ def test_a_table_is_dropped_and_what_is_no_film_refused(studio, opened):
     page.get_by_role("tab", name="Laboratory").click()
     page.get_by_label("Measurement").select_option("calibrate heights")
     expect(page.locator(".lab")).to_contain_text("heights of drop and rebound")
+    expect(page.locator(".drop")).to_be_visible()
     page.evaluate(DROPPED)
     expect(page.locator(".refused")).to_contain_text("film.mp4: its content is no MP4 file")
     expect(page.locator(".lab .list")).to_contain_text("drops.csv")
