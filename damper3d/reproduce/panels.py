@@ -14,7 +14,7 @@ from damper3d.studies.map.grid import GAMMAS, MapResult
 from damper3d.studies.predict.prediction import Clearance, Prediction
 from granulab.campaign.output.layout import done, not_done, stopped
 from granulab.campaign.sweeps.overview import cost
-from granulab.campaign.sweeps.sweep import Labelled, over_seeds
+from granulab.campaign.sweeps.sweep import Labelled, lacking, over_seeds
 
 Row = dict[str, Any]
 Point = tuple[float, float]  # frequency [Hz] and Gamma
@@ -80,7 +80,7 @@ def run_all(
     does the column efficiency here.
     """
     if not quiet:
-        click.echo(cost(sweep.DAMPER, cases), err=True)
+        click.echo(cost(sweep.DAMPER, lacking(cases, engine.get("known", ()))), err=True)
     rows = sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
     whole = "efficiency_with_settling"
     return [row if row.get(whole) is None else row | {"efficiency": row[whole]} for row in rows]

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from granulab.campaign.sweeps.overview import cost
-from granulab.campaign.sweeps.sweep import Labelled
+from granulab.campaign.sweeps.sweep import Labelled, lacking
 from silo2d.run import sweep
 
 Row = dict[str, Any]
@@ -18,7 +18,7 @@ def run_all(
 ) -> list[Row]:
     """The rows of the cases, in their order; see silo2d.run.sweep.run_cases."""
     if not quiet:
-        click.echo(cost(sweep.SILO, cases), err=True)
+        click.echo(cost(sweep.SILO, lacking(cases, engine.get("known", ()))), err=True)
     return sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
 
 

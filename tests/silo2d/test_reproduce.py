@@ -209,6 +209,33 @@ def test_the_command_prints_the_table_and_writes_its_files(requested, tmp_path, 
     assert all(row["state"] == "done" for row in rows)
 
 
+def test_rows_that_are_done_are_kept_and_others_run(monkeypatch, tmp_path):
+    """What ran elsewhere goes on from its table: seed 1 is there, but for one that failed."""
+    taken: list[dict[str, Any]] = []
+
+    def run_labelled(simulator, cases, **how):
+        taken.extend(labels for labels, _ in cases)
+        return [ended("clogged", **labels) for labels, _ in cases]
+
+    there = [ended("emptied", silo=s, seed=1) for s in PRESETS if s[1] != "4"]
+    there[-1] = failed("unlucky", silo="D3", seed=1)
+    write_results(
+        tmp_path, "reproduce-clogging", there, ["date: y", "versions: x; sources 0123"], "", None
+    )
+    monkeypatch.setattr("granulab.campaign.sweeps.sweep.run_labelled", run_labelled)
+    add = ["--seeds", 2, "-o", tmp_path, "--add"]
+    result = silo2d("reproduce", "clogging", *add)
+    assert result.code == 0
+    assert "13 runs" in result.err
+    assert "11 rows of y, sources 0123, are kept, which another version" in result.err
+    assert taken[0] == {"silo": "A1", "seed": 2}
+    assert len(taken) == 13
+    assert {"silo": "D3", "seed": 1} in taken
+    head, rows = read_results(tmp_path / "reproduce-clogging.csv")
+    assert head["kept"] == "11 rows of y, sources 0123"
+    assert [row["outcome"] for row in rows[:3]] == ["emptied", "clogged", "emptied"]
+
+
 def test_json_has_the_rows(requested, tmp_path):
     result = silo2d("reproduce", "discharge", "--seeds", 1, "-o", tmp_path, "--json")
     assert [row["silo"] for row in result.json["rows"]] == list(PRESETS)

@@ -33,7 +33,7 @@ class PublishedTable(Protocol):
     ) -> list[Row]:
         """All runs of the table, a row each; those that are there are not done again.
 
-        Tables that can also compute on a cluster take `engine` and `scheduler`, see run_labelled.
+        Tables of labelled runs take `engine`, `scheduler` and `known`, see run_labelled.
         """
 
     def report(self, rows: list[Row]) -> str:
@@ -59,6 +59,7 @@ def reproduce_command(
     @click.option(
         "--write", metavar="DIR", help="Where csv, txt and png go [default: that of --out]."
     )
+    @click.option("--add", is_flag=True, help="Keep rows that csv has, and run what it lacks.")
     @click.option("--workers", type=int, metavar="N", help="Runs at a time [default: all cores].")
     @click.option("--engine", type=click.Choice(["processes", "dask"]), help="What runs them.")
     @click.option("--scheduler", metavar="tcp://HOST:PORT", help="Of a Dask cluster.")
@@ -93,6 +94,7 @@ def reproduce_table(
     seeds: int | None,
     out: str,
     write: str | None,
+    add: bool,
     workers: int | None,
     engine: str | None,
     scheduler: str | None,
@@ -100,6 +102,10 @@ def reproduce_table(
     quiet: bool,
 ) -> None:
     """Compute a table, print it, and keep it as reproduce-NAME.csv, .parquet, .txt and .png.
+
+    add: rows that are done in the CSV file that is there are kept, and only the others run; they
+    are matched by their labels. Where a version of the sources made them that is another one, a
+    line says so, and the head of the new files does.
 
     Raises Ended where runs lack or failed, click.UsageError for options that do not go with the
     table, and FolderError where a folder cannot be written: before anything is run, or at the end,
@@ -110,14 +116,17 @@ def reproduce_table(
     from granulab.campaign.output.results import origin, write_results
 
     numbers = _numbers(seeds, workers, table)
-    where = _engine(name, table, engine, scheduler)
+    where = _of_labelled_runs(name, table, engine=engine, scheduler=scheduler, add=add)
     refuse_unless_writable(Path(out), "--out")  # before the hours of work, not after them
     refuse_unless_writable(Path(write or out), "--write")
+    kept: list[str] = []
+    if add:
+        where["known"], kept = _rows_there(Path(write or out), name, simulator)
     rows = table.run(out=Path(out), seeds=numbers, workers=workers, quiet=quiet, **where)
     text = table.report(rows)
     click.echo(json.dumps({"table": name, "rows": rows}, indent=2) if as_json else on_screen(text))
     _stop_unless_whole(rows)
-    lines = origin(f"{simulator.name} reproduce {name} --seeds {len(numbers)}", simulator)
+    lines = origin(f"{simulator.name} reproduce {name} --seeds {len(numbers)}", simulator) + kept
     files = write_results(
         Path(write or out), f"reproduce-{name}", rows, lines, text, lambda: table.draw(rows),
         table.COLUMNS,
@@ -146,8 +155,8 @@ def _stop_unless_whole(rows: list[Row]) -> None:
         raise Ended(f"stopped; {line}", 130)
 
 
-def _engine(
-    name: str, table: PublishedTable, engine: str | None, scheduler: str | None
+def _of_labelled_runs(
+    name: str, table: PublishedTable, *, engine: str | None, scheduler: str | None, add: bool
 ) -> dict[str, Any]:
     """The engine as the table's `run` takes it; nothing where the usual one is meant."""
     if scheduler is not None and engine != "dask":
@@ -155,6 +164,31 @@ def _engine(
     given: dict[str, Any] = {"engine": engine, "scheduler": scheduler}
     given = {key: value for key, value in given.items() if value is not None}
     takes = inspect.signature(table.run).parameters.values()
-    if given and not any(p.kind is p.VAR_KEYWORD or p.name == "engine" for p in takes):
+    labelled = any(p.kind is p.VAR_KEYWORD or p.name == "engine" for p in takes)
+    if given and not labelled:
         raise click.UsageError(f"--engine: {name} is computed on this machine only; leave it out")
+    if add and not labelled:
+        raise click.UsageError(f"--add: {name} has no rows that can be kept; leave it out")
     return given
+
+
+def _rows_there(folder: Path, name: str, simulator: "Simulator") -> tuple[list[Row], list[str]]:
+    """The rows that are done of a table's CSV file, and a line for its head on where they are from.
+
+    Nothing where there is no such file; FolderError where it is damaged.
+    """
+    from granulab.campaign.output.layout import done
+    from granulab.campaign.output.results import read_results
+    from granulab.campaign.runs.provenance import to_stderr
+
+    file = folder / f"reproduce-{name}.csv"
+    if not file.exists():
+        return [], []
+    made, rows = read_results(file)
+    rows = done(rows)
+    sources = made.get("versions", "").rpartition("sources ")[2] or "unknown sources"
+    words = f"{len(rows)} rows of {made.get('date', 'an unknown date')}, sources {sources}"
+    if sources != simulator.sources.digest:
+        to_stderr(f"{file}: {words}, are kept, which another version of the sources made")
+    earlier = made.get("kept")
+    return rows, [f"kept: {words}" + (f"; of these {earlier}" if earlier else "")]

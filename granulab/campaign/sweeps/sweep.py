@@ -30,6 +30,7 @@ _TRUSTED = 1.0  # [s] of runs, from which on their cost is rather measured than 
 
 Labels = dict[str, Any]
 Labelled = tuple[Labels, Any]  # the labels and the case that they name
+Row = dict[str, Any]
 
 
 class Task(NamedTuple):
@@ -115,16 +116,24 @@ def run_labelled(
     workers: int | None = None,
     scheduler: str | None = None,
     quiet: bool = False,
-) -> list[dict[str, Any]]:
+    known: Sequence[Row] = (),
+) -> list[Row]:
     """Run labelled cases and return a row for each, in their order.
 
     A row holds the labels, the fields of what `read` gives (nested ones as "dissipated_j.name"; a
     label of the same name goes before a field), "run_folder", "state" ("done", "failed" or
     "interrupted") and "reason" (one line, or ""). A run that is finished below `out` is read, not
     done again; one that is not goes on. After Ctrl-C the runs keep their state and rows that lack
-    are "interrupted". Raises EngineError where the engine cannot start and FolderError where
+    are "interrupted". A case whose labels a row of `known` has is not run: the row is returned as
+    it is. Raises EngineError where the engine cannot start and FolderError where
     `out` cannot be used.
     """
+    if known:
+        others = iter(
+            run_labelled(simulator, lacking(cases, known), out=out, engine=engine,
+                         workers=workers, scheduler=scheduler, quiet=quiet)
+        )  # fmt: skip
+        return [_with_labels(labels, known) or next(others) for labels, _ in cases]
     out = Path(out).resolve()
     folders = [simulator.run_folder(case, out) for _, case in cases]
     ended: dict[Path, Outcome] = {}
@@ -156,6 +165,16 @@ def run_labelled(
         _row(labels, folder.path, ended[folder.path])
         for folder, (labels, _) in zip(folders, cases, strict=True)
     ]
+
+
+def lacking(cases: Sequence[Labelled], known: Sequence[Row]) -> list[Labelled]:
+    """The cases whose labels no row has."""
+    return [case for case in cases if _with_labels(case[0], known) is None]
+
+
+def _with_labels(labels: Labels, rows: Sequence[Row]) -> Row | None:
+    """The row with these labels; None where none has them."""
+    return next((row for row in rows if labels.items() <= row.items()), None)
 
 
 @contextmanager
@@ -295,7 +314,7 @@ def progress_of(tally: Tally, costs: Sequence[float]) -> tuple[float, float]:
     return done, max(sum(left.values()) / tally.slots, longest)
 
 
-def _row(labels: Labels, folder: Path, outcome: Outcome) -> dict[str, Any]:
+def _row(labels: Labels, folder: Path, outcome: Outcome) -> Row:
     fields = dict(_flat(dataclasses.asdict(outcome.value))) if outcome.value else {}
     state = {"state": outcome.state, "reason": outcome.reason}
     return {**labels, **fields, "run_folder": str(folder), **labels, **state}  # labels in front
