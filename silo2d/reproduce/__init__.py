@@ -13,6 +13,7 @@ Row = dict[str, Any]
 # name of the module, as in `silo2d reproduce TABLE`: what it shows
 TABLES: dict[str, str] = {
     "beverloo": "flow rate against the outlet, here and in a wide silo",
+    "causes": "clogging at 100 mm, and what the source leaves open varied",
     "clogging": "how often 40, 60 and 100 mm clog (paper's Table 5)",
     "discharge": "discharge times of the sixteen silos (paper's Tables 5 and 6)",
     "disorder": "A4 and A3 with parameters drawn from pair to pair",

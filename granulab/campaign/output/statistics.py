@@ -1,7 +1,7 @@
 """Means, spreads and shares of a few runs, and when two of them differ by more than noise.
 
-All intervals are of 95 % confidence. Times are taken as normally distributed about their mean,
-trials that clog as independent draws.
+All intervals are of 95 % confidence unless another is given. Times are taken as normally
+distributed about their mean, trials that clog as independent draws.
 """
 
 import math
@@ -33,13 +33,13 @@ def mean_sd(values: Sequence[float]) -> Sample:
 
 
 @lru_cache(maxsize=4096)  # scipy tests a hypothesis for it, and a table has the same few shares
-def wilson(k: int, n: int) -> tuple[float, float]:
+def wilson(k: int, n: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
     """Wilson's score interval of a share of which k of n trials were seen; (0, 1) for no trial."""
     from scipy.stats import binomtest
 
     if n == 0:
         return 0.0, 1.0
-    low, high = binomtest(k, n).proportion_ci(CONFIDENCE, method="wilson")
+    low, high = binomtest(k, n).proportion_ci(confidence, method="wilson")
     return float(low), float(high)
 
 
@@ -100,21 +100,23 @@ def chance_of_few(strata: Sequence[Counts]) -> float:
 
 
 @lru_cache(maxsize=1024)
-def quantile(freedom: float) -> float:
+def quantile(freedom: float, confidence: float = CONFIDENCE) -> float:
     """Student's t that |t| stays below with the confidence, for degrees of freedom > 0."""
     from scipy.stats import t
 
-    return float(t.ppf(0.5 + CONFIDENCE / 2, freedom))
+    return float(t.ppf(0.5 + confidence / 2, freedom))
 
 
-def half_width_of_mean(sample: Sample) -> float | None:
+def half_width_of_mean(sample: Sample, confidence: float = CONFIDENCE) -> float | None:
     """Half width of Student's interval of a mean, t sd/sqrt(n); None for fewer than two values."""
     if sample.sd is None:
         return None
-    return quantile(sample.n - 1) * sample.sd / math.sqrt(sample.n)
+    return quantile(sample.n - 1, confidence) * sample.sd / math.sqrt(sample.n)
 
 
-def noise_of_difference(first: Sample, second: Sample) -> float | None:
+def noise_of_difference(
+    first: Sample, second: Sample, confidence: float = CONFIDENCE
+) -> float | None:
     """Half width of the confidence interval of the difference of two means; Welch (1947).
 
     t sqrt(s1^2/n1 + s2^2/n2), with the degrees of freedom of Welch and Satterthwaite. None where
@@ -123,16 +125,18 @@ def noise_of_difference(first: Sample, second: Sample) -> float | None:
     if first.sd is None or second.sd is None:
         return None
     errors = [first.sd**2 / first.n, second.sd**2 / second.n]
-    return welch_half_width(errors, [first.n - 1, second.n - 1])
+    return welch_half_width(errors, [first.n - 1, second.n - 1], confidence)
 
 
-def welch_half_width(variances: Sequence[float], freedoms: Sequence[float]) -> float:
+def welch_half_width(
+    variances: Sequence[float], freedoms: Sequence[float], confidence: float = CONFIDENCE
+) -> float:
     """t times the root of a sum of squared standard errors, each with its degrees of freedom."""
     total = sum(variances)
     if total == 0:
         return 0.0
     spread = sum(v**2 / f for v, f in zip(variances, freedoms, strict=True))
-    return quantile(total**2 / spread) * math.sqrt(total)
+    return quantile(total**2 / spread, confidence) * math.sqrt(total)
 
 
 def pooled_sd(samples: Sequence[Sample]) -> tuple[float, int] | None:
