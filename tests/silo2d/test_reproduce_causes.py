@@ -10,7 +10,7 @@ from silo2d.reproduce import causes
 from silo2d.reproduce.causes import FIRST, SILOS, SLOW, VARIANTS, cases, judged, report
 from silo2d.run.protocol import run_digest
 
-# D3 took 2.61 +- 0.21 s in the experiment's three trials; 2 of the 15 of all four clogged (Table 5).
+# D3 took 2.61 +- 0.21 s in three trials of the experiment; 2 of the 15 of all four clogged.
 NEAR = [2.55, 2.60, 2.68]
 
 
