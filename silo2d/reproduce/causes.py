@@ -156,13 +156,13 @@ class Judged:
 
     @property
     def fits(self) -> bool:
-        """Whether counts and time are the experiment's within noise."""
+        """Agreement of counts and time with the experiment, within noise."""
         if self.p_experiment is None or self.off is None or self.allowed is None:
             return False
         return self.p_experiment >= 1 - CONFIDENCE and abs(self.off) <= self.allowed
 
     def excluded(self, confidence: float) -> bool:
-        """Whether one of them is off by more than the noise of all variants together."""
+        """Disagreement of one of them by more than the noise of all variants together."""
         clogs = self.p_experiment is not None and self.p_experiment < 1 - confidence
         late = self.off is not None and self.allowed_of_all is not None
         return clogs or (late and abs(self.off or 0.0) > (self.allowed_of_all or 0.0))
