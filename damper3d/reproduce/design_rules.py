@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 
-SEEDS = 2
+SEEDS = 3
 COLUMNS = (
     "variant", "frequency_hz", "gamma", "efficiency", "efficiency_interval", "efficiency_wall_work",
     "steady", "phase", "energy_closure",
