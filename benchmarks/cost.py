@@ -1,10 +1,11 @@
-"""What a step costs: door closed, over a discharge, filling, and against the number of particles.
+"""What a step costs: door closed, over a discharge, filling, and against number and size.
 
 Run as `make bench`, on a machine with nothing else to do. Every figure stands next to the
 reference kernel, timed in the same run, so that machines (and their moods) can be compared.
 """
 
 import argparse
+import dataclasses
 import platform
 import time
 from collections.abc import Callable
@@ -20,6 +21,9 @@ from silo2d.engine.world import build_world
 from silo2d.run.packing import Packing, in_rows
 from silo2d.run.pour import pour
 from silo2d.run.protocol import settle_under_own_law, world_behind_door
+
+COARSE, SMALLER = 1.1, (1, 2, 3, 6)  # scale of the largest particles, and their parts
+CLOSED, OPEN = 0.12, 0.05  # [s] before and after the opening, until the flow is timed
 
 
 def quiet(*_: object) -> None:
@@ -84,6 +88,39 @@ def side_by_side(case: SiloCase, packing: Packing, copies: int) -> Simulation:
     return Simulation(world)
 
 
+def in_blocks(packing: Packing, small: SiloCase, k: int) -> Packing:
+    """k x k scaled copies of a packing of a flat-bottomed silo, in the same silo."""
+    width = small.outline.width / k
+    height = packing.poses[:, 1].max() / k + small.shapes.bounding_radius
+    scaled = packing.poses / [k, k, 1]
+    poses = np.concatenate(
+        [
+            scaled + np.array([(column - (k - 1) / 2) * width, row * height, 0.0])
+            for row in range(k)
+            for column in range(k)
+        ]
+    )
+    kinds = np.tile(packing.kinds, k * k)
+    kinds, poses = in_rows(kinds, poses, 2 * small.shapes.bounding_radius)
+    return dataclasses.replace(packing, kinds=kinds, poses=poses)
+
+
+def flowing(case: SiloCase, packing: Packing) -> tuple[float, int]:
+    """A step while the silo flows [us], the best of ten stretches, and the particles inside."""
+    sim = Simulation(world_behind_door(case, packing))
+    sim.run(round(CLOSED / sim.time_step))  # the gaps between the blocks close
+    sim.begin_phase(case.particle_law, case.wall_law, case.time_step)
+    sim.remove_wall(len(case.outline.walls().names) - 1)
+    sim.run(round(OPEN / sim.time_step))
+
+    def stretch() -> int:
+        n_steps = max(1_000_000 // sim.n_particles, 1)
+        sim.run(n_steps)
+        return n_steps
+
+    return min(cpu_us(stretch) for _ in range(10)), len(sim.live)
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -130,6 +167,27 @@ def main() -> None:
             f"{1e3 * us / sim.n_particles:.1f} ns a particle and step",
         )  # fmt: skip
         copies *= 2
+
+    against_size(largest)
+
+
+def against_size(largest: int) -> None:
+    """Table of the flow in one silo of ever smaller particles, and what they differ by."""
+    print("\ncost against number of particles, the smaller the more, while the silo flows")
+    packing, each = pour(SiloCase.load("D4", {"particles.scale": COARSE}), 1, quiet), []
+    for k in SMALLER:
+        small = SiloCase.load("D4", {"particles.scale": COARSE / k})
+        blocks = in_blocks(packing, small, k)
+        if len(blocks.kinds) > largest * 1.05:
+            break
+        reference = reference_ns()
+        us, inside = flowing(small, blocks)
+        each.append(1e3 * us / inside)
+        row(
+            f"  {inside} of {1e3 * np.sqrt(small.shapes.mean_area):.1f} mm", us,
+            (reference + reference_ns()) / 2, f"{each[-1]:.1f} ns a particle and step",
+        )  # fmt: skip
+    print(f"  largest over least: {max(each) / min(each):.2f}")
 
 
 def pour_small(case: SiloCase) -> Packing:

@@ -257,8 +257,7 @@ def discharge_by_impulses(
     try:
         _warm_up(sim, writer)
         look, frame = (
-            max(round(interval / sim.time_step), 1)
-            for interval in (LOOK, case.settings.output.frame_interval)
+            max(round(interval / sim.time_step), 1) for interval in (LOOK, case.intervals[0])
         )
         while True:
             target = min(sim.steps - sim.steps % every + every for every in (look, frame))

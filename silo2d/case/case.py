@@ -24,6 +24,7 @@ from silo2d.case.filling import (
     filling_friction,
     filling_laws,
     filling_time_step,
+    particles_below,
     rain_of,
 )
 from silo2d.case.impulses import Impulses, impulses_of
@@ -95,6 +96,7 @@ class SiloCase:
             lambda: table_of(table_file, settings),
         )
         _check_sizes(outline, shapes, settings, where)
+        settings = _thinned(settings, outline, shapes)
         particles = settings.particles
         material = table.material(particles.material)
         assert material.length is not None  # table_of has refused that
@@ -153,6 +155,14 @@ class SiloCase:
     def step_source(self) -> str:
         """Source of the time step: "given" by the case, or "chosen"."""
         return "chosen" if self.settings.run.time_step is None else "given"
+
+    @property
+    def intervals(self) -> tuple[float, float]:
+        """Time between frames, and between those with contacts [s]."""
+        output = self.settings.output
+        assert output.frame_interval is not None  # see _thinned
+        assert output.contact_interval is not None
+        return output.frame_interval, output.contact_interval
 
     @cached_property
     def silo_name(self) -> str | None:
@@ -344,6 +354,26 @@ def _outline(silo: Silo, name: str, where: str) -> Outline:
             raise InputError("needs a preset ('A4'), or angle and outlet, or an outline")
         size = silo.width or 0.3, silo.height or 0.5
         return dataclasses.replace(hopper(angle, outlet, *size, "hopper"), name=name)
+
+
+USUAL_INTERVALS = 0.01, 0.05  # [s] between frames, and those with contacts, of ...
+_AT_MOST = 20_000  # particles; of more, whole multiples
+
+
+def _thinned(settings: Settings, outline: Outline, shapes: ShapeSet) -> Settings:
+    """The settings with the intervals of the output that they leave out.
+
+    Many particles have fewer frames, so that disk and the memory of pictures stay in bounds: in a
+    second no more than two million positions.
+    """
+    n = particles_below(settings.fill.level, outline, shapes) + settings.flow.refill
+    times, output = max(math.ceil(n / _AT_MOST), 1), settings.output
+    left_out = {
+        key: times * usual
+        for key, usual in zip(("frame_interval", "contact_interval"), USUAL_INTERVALS, strict=True)
+        if getattr(output, key) is None
+    }
+    return settings.model_copy(update={"output": output.model_copy(update=left_out)})
 
 
 def _opened(outline: Outline, settings: Settings, where: str) -> Outline:

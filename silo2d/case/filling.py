@@ -22,6 +22,7 @@ from silo2d.case.stability import chosen_step, largest_stable_step
 GRAVITY = 9.81  # [m/s2]
 # Packing fraction that the number of poured particles is reckoned with; above any seen.
 LOOSE = 0.93
+USUAL_FRACTION = 0.88  # packing fraction
 PITCH = 2.05  # of the rain, over the largest bounding radius; its rows are sqrt(3)/2 of it apart
 # Filling takes a quarter of the stiffness, and so twice the step, of the materials file ...
 _SOFTER = 4.0
@@ -29,6 +30,11 @@ _SOFTER = 4.0
 _DEEPEST_LANDING = 0.3
 # ... and at least this part of the critical damping: less damped rain is long a gas.
 _LEAST_DAMPING = 0.05
+
+
+def particles_below(level: float, outline: Outline, shapes: ShapeSet) -> int:
+    """About how many particles fill a silo to a level [m]."""
+    return round(outline.area_below(level) * USUAL_FRACTION / shapes.mean_area)
 
 
 class Layer(NamedTuple):

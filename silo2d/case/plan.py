@@ -7,6 +7,7 @@ import numpy as np
 
 from granulab.campaign.output import room
 from silo2d.case.case import GRAVITY, SiloCase
+from silo2d.case.filling import USUAL_FRACTION, particles_below
 
 # Costs and usual values that the plan is made with.
 _SECONDS_PER_PARTICLE_STEP = 1.2e-7  # in a bed, on one core of a server of 2020
@@ -14,7 +15,6 @@ _SECONDS_PER_PARTICLE_IMPULSES = 6e-7, 4e-8  # of pymunk: a step, and an iterati
 # Cost of a particle that falls, and of one in a bed that flows out (A4 to D4 and A3: 0.67 to 0.83),
 # over that of one in a bed at rest.
 FALLING, FLOWING = 0.4, 0.75
-_USUAL_FRACTION = 0.88  # packing fraction
 # Simulated times, in root(level/g): from when the rain is down until it lies still, without
 # friction and with it (means of 36 strangers' silos, which scatter by a third; published ones need
 # less), and then under its own law.
@@ -54,10 +54,11 @@ def plan(case: SiloCase) -> dict[str, Any]:
 def _kept(case: SiloCase) -> tuple[float, float, float, float, float]:
     """Frames, tables of contacts and parts of a run at most; frames a part, bytes a frame."""
     step = case.impulses.time_step if case.impulses else case.time_step
-    output, longest = case.settings.output, case.settings.run.max_time
-    frame, part = max(output.frame_interval, step), max(output.checkpoint_interval, step)
+    longest = case.settings.run.max_time
+    part = max(case.settings.output.checkpoint_interval, step)
+    frame, touch = (max(interval, step) for interval in case.intervals)
     frames = longest / frame + 2
-    tables = 0.0 if case.impulses else longest / max(output.contact_interval, frame) + 2
+    tables = 0.0 if case.impulses else longest / max(touch, frame) + 2
     n_bytes = _DENSEST * _in_all(case) * _OF_A_PARTICLE + 8 * _numbers(case)
     return frames, tables, longest / part + 2, min(part / frame + 1, frames), n_bytes
 
@@ -102,8 +103,7 @@ def memory_at_most(case: SiloCase) -> int:
 
 def expected_particles(case: SiloCase) -> int:
     """About how many particles fill the silo to its level."""
-    area = case.outline.area_below(case.settings.fill.level)
-    return round(area * _USUAL_FRACTION / case.shapes.mean_area)
+    return particles_below(case.settings.fill.level, case.outline, case.shapes)
 
 
 def _in_all(case: SiloCase) -> int:
@@ -116,7 +116,7 @@ def expected_rate(case: SiloCase) -> float:
     area = case.shapes.mean_area
     diameter = math.sqrt(4 * area / math.pi)
     width = max(case.outline.outlet - _BEVERLOO_K * diameter, 0.1 * case.outline.outlet)
-    return _BEVERLOO_C * _USUAL_FRACTION * math.sqrt(GRAVITY) * width**1.5 / area
+    return _BEVERLOO_C * USUAL_FRACTION * math.sqrt(GRAVITY) * width**1.5 / area
 
 
 def particle_seconds(inside: float, rate: float, span: float) -> float:

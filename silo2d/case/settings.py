@@ -296,10 +296,13 @@ class Pymunk(Section):
 class Output(Section):
     """Data that is kept."""
 
-    frame_interval: Time = key(0.01, "time between frames", example="10 ms")
-    contact_interval: Time = key(
-        0.05, "time between frames with contacts, in whole frames; the first and the last have "
-        "them always", example="50 ms",
+    frame_interval: Time | None = key(
+        None, "time between frames", example="10 ms",
+        left_out="10 ms for every 20,000 particles, begun ones counted",
+    )  # fmt: skip
+    contact_interval: Time | None = key(
+        None, "time between frames with contacts, in whole frames; the first and the last have "
+        "them always", example="50 ms", left_out="50 ms for every 20,000 particles",
     )  # fmt: skip
     wall_interval: Time | None = key(
         None, "time between samples of the forces at the walls, which come with the frames",

@@ -54,11 +54,13 @@ from silo2d.engine.state import (
     Y,
 )
 
-# Steps that a level should last, least skin, and skin for what the fastest particle may pass on to
-# another, as a part of its speed: the fastest that were tried for an A4 discharge, whose cost
-# changes by less than a tenth when any of them is halved or doubled.
-INNER_STEPS, INNER_LEAST = 12, 4e-6  # [m]
-OUTER_STEPS, OUTER_LEAST, OUTER_MOST = 80, 0.05e-3, 1.5e-3  # [m]
+# Steps that a level should last, least and most skin over that of the particle at the level of
+# bodies, and skin for what the fastest particle may pass on to another, as a part of its speed: the
+# fastest that were tried for an A4 discharge, whose cost changes by less than a tenth when any of
+# them is halved or doubled.
+INNER_STEPS, INNER_LEAST = 12, 4e-3 / 3
+OUTER_STEPS, OUTER_LEAST, OUTER_MOST = 80, 0.05 / 3, 0.5
+DOOR_LEAST = 4e-6  # [m]
 PASSED_ON = 0.1
 
 
@@ -72,7 +74,7 @@ def search(world):
     store_slips(world.outer, world.inner, counts)
     set_inner_skins(bodies, counts, world.time_step)
     steps = (np.float64(INNER_STEPS), np.float64(OUTER_STEPS))
-    set_door_skins(bodies, counts, world.time_step, steps, INNER_LEAST)
+    set_door_skins(bodies, counts, world.time_step, steps, DOOR_LEAST)
     if counts[STALE] < 2 and outgrown(bodies, counts, OUTER_LIST):
         counts[STALE] = 2
     if counts[STALE] >= 2:
@@ -114,11 +116,12 @@ def set_inner_skins(bodies, counts, dt):
         speed += bodies.size[i, BOUNDING_RADIUS] * abs(row[i, OMEGA])
         skin[i, INNER_LIST] = speed
         fastest = max(fastest, speed)
-    most = OUTER_MOST * INNER_STEPS / OUTER_STEPS
     for k in range(counts[LIVE]):
         i = bodies.live[k]
+        least = INNER_LEAST * skin[i, BODY_LIST]
+        most = OUTER_MOST * skin[i, BODY_LIST] * INNER_STEPS / OUTER_STEPS
         path = INNER_STEPS * dt * (skin[i, INNER_LIST] + PASSED_ON * fastest)
-        skin[i, INNER_LIST] = min(path + INNER_LEAST, most)
+        skin[i, INNER_LIST] = min(path + least, most)
 
 
 @njit
@@ -128,7 +131,8 @@ def set_outer_skins(bodies, counts):
     for k in range(counts[LIVE]):
         i = bodies.live[k]
         path = skin[i, INNER_LIST] * OUTER_STEPS / INNER_STEPS
-        skin[i, OUTER_LIST] = min(path + OUTER_LEAST, OUTER_MOST)
+        least, most = OUTER_LEAST * skin[i, BODY_LIST], OUTER_MOST * skin[i, BODY_LIST]
+        skin[i, OUTER_LIST] = min(path + least, most)
 
 
 @njit

@@ -10,7 +10,9 @@ from silo2d.engine import state
 from silo2d.engine.pair_law import DrawnLaw, Law, PairConstants, draw_lists
 from silo2d.engine.state import Bodies, Cells, Forces, Inner, Outer, World
 
-BODY_SKIN = 3e-3  # [m] at the level of bodies, see neighbours.py; walls need none
+# At the level of bodies, see neighbours.py: at most, and of a small particle, in its bounding
+# radius, so that it lists its neighbours and not theirs. Walls need none.
+BODY_SKIN, OF_SMALL = 3e-3, 0.3  # [m], [-]
 
 
 class CrossSection(Protocol):
@@ -113,7 +115,8 @@ def _bodies(particles, poses, walls, middles, cores, surface_density) -> Bodies:
     lengths = np.linalg.norm(walls.segments[:, 1] - walls.segments[:, 0], axis=1)
     size[n_particles:, state.BOUNDING_RADIUS] = lengths / 2
     skin = np.zeros((n, 3))
-    skin[:n_particles, state.BODY_LIST] = BODY_SKIN
+    radius = size[:n_particles, state.BOUNDING_RADIUS]
+    skin[:n_particles, state.BODY_LIST] = np.minimum(BODY_SKIN, OF_SMALL * radius)
     out_time = np.full(n, np.nan)
     return Bodies(row, layout, size, np.zeros((n, 9)), skin, out_time, np.arange(n_particles))
 
@@ -127,7 +130,8 @@ def _local(cores) -> np.ndarray:
 
 def _cells(bodies: Bodies, points: np.ndarray) -> Cells:
     n_particles = len(bodies.live)
-    size = 2 * bodies.size[:n_particles, state.BOUNDING_RADIUS].max(initial=0.0) + 2 * BODY_SKIN
+    radius = bodies.size[:n_particles, state.BOUNDING_RADIUS]
+    size = 2 * (radius + bodies.skin[:n_particles, state.BODY_LIST]).max(initial=0.0)
     low, high = points.min(axis=0) - size, points.max(axis=0) + size
     columns, rows = (math.ceil(extent / size) for extent in high - low)
     return Cells(

@@ -19,6 +19,7 @@ TABLES: dict[str, str] = {
     "disorder": "A4 and A3 with parameters drawn from pair to pair",
     "displacement": "profiles of the painted layers in A4 and D4",
     "filling": "A3 and B3 poured in three ways, opened in two",
+    "remarks": "arches, interruptions of the flow and overlaps that the paper remarks",
     "sensitivity": "A4's time against each parameter (paper's Tables 7 to 11)",
 }
 

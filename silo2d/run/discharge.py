@@ -50,13 +50,14 @@ def discharge(
         _open_door(sim, case, packing, writer, clock, rest)
         _keep(sim, folder, writer, clock)
     output = case.settings.output
-    intervals = (LOOK, output.frame_interval, output.checkpoint_interval)
+    each, touch = case.intervals
+    intervals = (LOOK, each, output.checkpoint_interval)
     look, frame, keep = (max(round(interval / sim.time_step), 1) for interval in intervals)
     every = [look, frame, keep, max(LONGEST_LOOK // sim.n_particles, 1)]
     sample = output.wall_interval and max(round(output.wall_interval / sim.time_step), 1)
     every += [sample] if sample else []
     acts = Acts.of(case, packing, sim)
-    contacts = frame * max(round(output.contact_interval / output.frame_interval), 1)
+    contacts = frame * max(round(touch / each), 1)
     stages.begin(*discharged(sim, case, clock)[:3])
     while True:
         now = sim.steps

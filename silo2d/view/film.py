@@ -13,6 +13,7 @@ from silo2d.view.scene import PARTICLE_EDGE, WOOD, Scene
 _LONGEST, _PIXELS = 780, 430 * 780  # of the window in a picture
 _NARROWEST = 420  # for the heading
 _HEADING, _MARGIN = 74, 16
+_WITH_EDGES = 6.0  # [px] size of a particle whose edges have their own colour
 _SHIFT = 4  # OpenCV takes corners in sixteenths of a pixel
 
 
@@ -45,7 +46,13 @@ class _Canvas:
         self.origin = np.array([centre, _HEADING + self.scale * top])
         self.scene = scene
         self.tone = scene.trajectory.static["layer"] % len(WOOD)
-        self.colours, self.edge = [rgb(colour) for colour in WOOD], rgb(PARTICLE_EDGE)
+        self.colours = [rgb(colour) for colour in WOOD]
+        # Small particles have faint edges: else these would hide the layers.
+        seen = float(np.clip(scene.particle_size * self.scale / _WITH_EDGES, 0.0, 1.0)) ** 2
+        dark = np.array(rgb(PARTICLE_EDGE))
+        self.edges = [
+            tuple((seen * dark + (1 - seen) * np.array(c)).tolist()) for c in self.colours
+        ]
         self.font = font(17)
         self.background = np.full((height, width, 3), rgb(PAPER), dtype=np.uint8)
         name, right_edge = scene.headline.partition(":")[0], width - _MARGIN
@@ -72,7 +79,7 @@ class _Canvas:
             for tone, outline in zip(self.tone[particles], self._pixels(outlines), strict=True):
                 # Not antialiased, which would take twice the time: the outline covers its rim.
                 cv2.fillConvexPoly(image, outline, self.colours[tone], cv2.LINE_8, _SHIFT)
-                cv2.polylines(image, [outline], True, self.edge, 1, cv2.LINE_AA, _SHIFT)
+                cv2.polylines(image, [outline], True, self.edges[tone], 1, cv2.LINE_AA, _SHIFT)
         self._draw_walls(image, self.scene.door(frame))
         n_out = self.scene.trajectory["n_out"][frame]
         words = f"{self.scene.time[frame]:.2f} s     {n_out} of {self.scene.n_particles} out"

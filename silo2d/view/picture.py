@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 _INTERVAL = 0.25  # s between panels, as in the paper's figures
 _MOST_PANELS = 8
+# Edges of particles [pt], and of small ones, in their size: else they would hide the layers.
+_EDGE, _EDGE_OF_SMALL = 0.35, 0.04
 _PANEL_WIDTH, _GAP, _TITLE, _HEADLINE, _NARROWEST = 2.5, 0.22, 0.36, 0.5, 6.0  # inches
 
 
@@ -96,11 +98,16 @@ def _draw_silo(panel: "Axes", scene: Scene, frame: int) -> None:
     from matplotlib.collections import LineCollection, PolyCollection
 
     layer = scene.trajectory.static["layer"]
+    left, right, *_ = scene.window
+    shown = 72 * _PANEL_WIDTH * scene.particle_size / (right - left)  # [pt]
     for particles, outlines in scene.outlines(frame):
         colours = [WOOD[tone] for tone in layer[particles] % len(WOOD)]
         panel.add_collection(
             PolyCollection(
-                list(outlines), facecolors=colours, edgecolors=PARTICLE_EDGE, linewidths=0.35
+                list(outlines),
+                facecolors=colours,
+                edgecolors=PARTICLE_EDGE,
+                linewidths=min(_EDGE, _EDGE_OF_SMALL * shown),
             )
         )
     panel.add_collection(

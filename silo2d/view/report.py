@@ -8,7 +8,7 @@ from granulab.campaign.output import room
 from granulab.campaign.output.layout import pulls_in_words
 from granulab.campaign.sweeps.overview import in_minutes
 from granulab.contact.laws import LinearLaw
-from silo2d.case.case import SiloCase
+from silo2d.case.case import USUAL_INTERVALS, SiloCase
 from silo2d.case.disorder import QUANTITIES
 from silo2d.case.plan import (
     disk_at_most,
@@ -60,14 +60,23 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         "lifts each particle by its size); at rest, clogged if an outline crosses the outlet's "
         f"centre line (at the opening: fewer than {run.opening_count} out), else dead zones",
     ]
-    if dry_run:
-        filling, discharge = expected_cpu_s(case)
-        lines.append(
-            f"  expected    about {in_minutes(filling + discharge)} min of CPU{hedge(case)}, "
-            f"{in_minutes(filling)} of them for a packing that is not there yet; at most "
-            f"{plan(case)['steps_at_most']:,} steps of discharge"
-        )
-    return "\n".join([*lines, *room.lines(disk_at_most(case), memory_at_most(case))])
+    filling, discharge = expected_cpu_s(case)
+    at_most = f"; at most {plan(case)['steps_at_most']:,} steps of discharge" if dry_run else ""
+    lines.append(
+        f"  expected    about {in_minutes(filling + discharge)} min of CPU{hedge(case)}, "
+        f"{in_minutes(filling)} of them for the packing unless it is there{at_most}"
+    )
+    return "\n".join(
+        [*lines, *_frames(case), *room.lines(disk_at_most(case), memory_at_most(case))]
+    )
+
+
+def _frames(case: SiloCase) -> list[str]:
+    """Line on the frames where they are fewer than usual, or more."""
+    frame, touch = case.intervals
+    if (frame, touch) == USUAL_INTERVALS:
+        return []
+    return [f"  frames      every {frame:g} s, with contacts every {touch:g} s"]
 
 
 def _law(law: Any) -> str:

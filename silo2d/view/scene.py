@@ -100,6 +100,14 @@ class Scene:
         """Largest distance of an outline from its centroid [m]."""
         return float(np.hypot(*self.trajectory.static["shape_points"].T).max())
 
+    @cached_property
+    def particle_size(self) -> float:
+        """Root of the mean area of the particles' outlines [m]."""
+        static = self.trajectory.static
+        outlines = np.split(static["shape_points"], static["shape_start"][1:-1])
+        doubled = [x @ np.roll(y, -1) - y @ np.roll(x, -1) for x, y in (o.T for o in outlines)]
+        return float(np.sqrt(np.mean(np.array(doubled)[static["kind"]]) / 2))
+
     @property
     def headline(self) -> str:
         """The silo and how its discharge ended, in one line."""

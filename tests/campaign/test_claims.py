@@ -27,6 +27,7 @@ REGISTRIES = {
     "damper_compress": ("damper3d.studies.quasistatic.claims", "SLOW"),
     "damper_shear": ("damper3d.studies.quasistatic.claims", "SLOW"),
     "silo_displacement": ("silo2d.reproduce.quantities.displacement", "PROFILES"),
+    "silo_remarks": ("silo2d.reproduce.quantities.remarks", "REMARKS"),
 }
 
 

@@ -86,6 +86,26 @@ def test_a_hundred_times_the_frames_take_a_hundred_times_the_disk():
     assert silo_plan.memory_at_most(rare) > silo_plan.memory_at_most(few) + frames
 
 
+@pytest.mark.parametrize(
+    ("scale", "given", "intervals"),
+    [
+        (1.0, {}, (0.01, 0.05)),
+        (0.2, {}, (0.01, 0.05)),  # A4 has 614: 15,400
+        (0.17, {}, (0.02, 0.1)),  # 21,200
+        (0.1, {}, (0.04, 0.2)),  # 61,400
+        (0.1, {"output.frame_interval": "10 ms"}, (0.01, 0.2)),
+        (0.1, {"output.contact_interval": "40 ms"}, (0.04, 0.04)),
+    ],
+)
+def test_more_than_twenty_thousand_particles_have_fewer_frames(scale, given, intervals):
+    """A frame for every 20,000 of them takes 10 ms more: no more than 2 million positions a second;
+    what the case says stays."""
+    case = SiloCase.load("A4", {"particles.scale": scale, **given})
+    assert case.intervals == pytest.approx(intervals)
+    told = silo2d("run", "A4", "--scale", scale, *DRY).out
+    assert ("  frames  " in told) == (scale < 0.2)
+
+
 def test_samples_do_not_pile_up_in_the_memory_of_a_run_of_few_particles():
     """Steps are cheap, and by their cost alone a checkpoint would come after 800,000 samples.
 

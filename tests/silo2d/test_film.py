@@ -1,5 +1,6 @@
 """The film of a run: every frame, to scale, in what a browser plays."""
 
+import copy
 import sys
 from unittest.mock import Mock
 
@@ -9,10 +10,10 @@ import pytest
 from fake_run import write_fake_run
 
 from granulab.campaign.output.figure import WALL
-from granulab.campaign.output.film import FPS
+from granulab.campaign.output.film import FPS, rgb
 from silo2d.case.outline import outline_from_polygon
-from silo2d.view.film import film_frames, make_film
-from silo2d.view.scene import WOOD, read_scene
+from silo2d.view.film import _Canvas, film_frames, make_film
+from silo2d.view.scene import PARTICLE_EDGE, WOOD, read_scene
 
 
 @pytest.fixture(scope="module")
@@ -25,6 +26,16 @@ def near(image: np.ndarray, colour: str) -> np.ndarray:
     """Which pixels have a colour, but for rounding."""
     wanted = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)])
     return np.abs(image.astype(int) - wanted).max(axis=-1) <= 2
+
+
+def test_edges_of_small_particles_leave_their_layers_to_be_seen(scene):
+    """Full from 6 pixels on; of a particle of 1 pixel a thirty-sixth."""
+    whole, small = _Canvas(scene), copy.copy(scene)
+    small.__dict__["particle_size"] = 1.0 / whole.scale
+    for seen, faint, fill in zip(whole.edges, _Canvas(small).edges, whole.colours, strict=True):
+        assert np.array(seen) == pytest.approx(rgb(PARTICLE_EDGE))
+        share = (np.array(faint) - fill) / (np.array(seen) - fill)
+        assert share == pytest.approx(np.full(3, 1 / 36))
 
 
 def decoded(path) -> list[np.ndarray]:
