@@ -82,8 +82,9 @@ def with_history(row: Row) -> Row:
     """
     from damper3d.measures.efficiency import dissipated
     from damper3d.view.scene import read_scene
+    from granulab.campaign.sweeps.sweep import is_elsewhere
 
-    if row["state"] != "done":
+    if row["state"] != "done" or is_elsewhere(row):
         return row
     try:
         scene = read_scene(row["run_folder"])

@@ -84,8 +84,9 @@ def with_signs(row: Row) -> Row:
     """
     from damper3d.measures.counted import read_cycles
     from damper3d.run.folders import shaken
+    from granulab.campaign.sweeps.sweep import is_elsewhere
 
-    if row["state"] != "done":
+    if row["state"] != "done" or is_elsewhere(row):
         return row
     try:
         found = signs_of(read_cycles(shaken(row["run_folder"]).path))

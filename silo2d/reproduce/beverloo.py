@@ -54,11 +54,15 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> list[Row]:
     """A row a run: silo A, D or wide, outlet, seed, and the rate of its steady part."""
+    from granulab.campaign.sweeps.sweep import is_elsewhere
     from silo2d.run.sweep import run_cases
 
     chosen = list(cases(seeds))
     runs = run_cases(chosen, out=out, workers=workers, quiet=quiet, **engine)
-    return [row_of(one, case) for one, (_, case) in zip(runs, chosen, strict=True)]
+    return [
+        one if is_elsewhere(one) else row_of(one, case)
+        for one, (_, case) in zip(runs, chosen, strict=True)
+    ]
 
 
 def cases(seeds: Sequence[int]) -> "Iterator[tuple[Row, SiloCase]]":

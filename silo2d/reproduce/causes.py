@@ -25,7 +25,7 @@ from granulab.campaign.output.statistics import (
     noise_of_difference,
     wilson,
 )
-from silo2d.reproduce.published import by_silo, outcomes, trials
+from silo2d.reproduce.quantities.published import by_silo, outcomes, trials
 from silo2d.reproduce.runs import run_of_cases
 
 if TYPE_CHECKING:

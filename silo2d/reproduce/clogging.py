@@ -12,7 +12,13 @@ from granulab.campaign.output.statistics import (
     wilson,
 )
 from silo2d.case.outline import PRESETS
-from silo2d.reproduce.published import by_silo, outcome_word, outcomes, trials, unfinished
+from silo2d.reproduce.quantities.published import (
+    by_silo,
+    outcome_word,
+    outcomes,
+    trials,
+    unfinished,
+)
 from silo2d.reproduce.runs import run_of_cases
 
 if TYPE_CHECKING:

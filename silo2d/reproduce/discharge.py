@@ -15,7 +15,14 @@ from granulab.campaign.output.layout import (
 )
 from granulab.campaign.output.statistics import Sample, mean_sd
 from silo2d.case.outline import PRESETS
-from silo2d.reproduce.published import Trials, by_silo, outcome_word, outcomes, trials, unfinished
+from silo2d.reproduce.quantities.published import (
+    Trials,
+    by_silo,
+    outcome_word,
+    outcomes,
+    trials,
+    unfinished,
+)
 from silo2d.reproduce.runs import run_of_cases
 
 if TYPE_CHECKING:

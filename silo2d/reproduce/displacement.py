@@ -45,13 +45,20 @@ def run(
     *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> list[Row]:
     """A row a silo, seed, time and layer; one row for a run that failed."""
-    from granulab.campaign.sweeps.sweep import over_seeds
+    from granulab.campaign.sweeps.sweep import is_elsewhere, over_seeds
     from silo2d.case.case import SiloCase
     from silo2d.reproduce.runs import run_all
 
     cases = [c for s in SILOS for c in over_seeds({"silo": s}, SiloCase.load(s), seeds)]
     runs = run_all(cases, out=out, workers=workers, quiet=quiet, **engine)
-    return [row for one in runs for row in rows_of(one)]
+    kept = engine.get("known", ())
+    return [
+        row for one in runs for row in (_alike(one, kept) if is_elsewhere(one) else rows_of(one))
+    ]
+
+
+def _alike(one: Row, rows: Sequence[Row]) -> list[Row]:
+    return [row for row in rows if all(row[key] == one[key] for key in ("silo", "seed"))]
 
 
 def rows_of(one: Row) -> Iterator[Row]:

@@ -7,7 +7,7 @@ from granulab.campaign.output.figure import BLUE, ORANGE, VERMILION
 from granulab.campaign.output.layout import columns, done, not_done, percent, signed, with_sd
 from granulab.campaign.output.statistics import Sample, noise_of_one_more, pooled_sd
 from silo2d.reproduce.parameters import BASELINES, Pairs
-from silo2d.reproduce.published import ROUNDING, Point, outcomes, sensitivity
+from silo2d.reproduce.quantities.published import ROUNDING, Point, outcomes, sensitivity
 from silo2d.reproduce.quantities.trends import LOGARITHMIC, Series, Trend, series_of
 from silo2d.reproduce.runs import run_of_cases
 

@@ -20,7 +20,7 @@ from granulab.campaign.output.statistics import (
     mean_sd,
     wilson,
 )
-from silo2d.reproduce.published import outcomes
+from silo2d.reproduce.quantities.published import outcomes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -23,7 +23,7 @@ from granulab.campaign.output.statistics import (
     slope,
     wilson,
 )
-from silo2d.reproduce.published import sensitivity, trials
+from silo2d.reproduce.quantities.published import sensitivity, trials
 
 Z2 = 3.841458820694124  # 0.95 quantile of chi-squared with one degree of freedom, z^2
 

@@ -1,5 +1,6 @@
 """The paper's tables compared with ours: words of the reports, files, and the command line."""
 
+import importlib
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from granulab.campaign.output.layout import on_screen
 from granulab.campaign.output.results import read_results, write_results
 from granulab.errors import FolderError
 from silo2d.case.outline import PRESETS
-from silo2d.reproduce import TABLES, clogging, discharge, find
+from silo2d.reproduce import TABLES, clogging, discharge, displacement, find
 
 # The experiment has 2.15, 2.10, 2.05, 2.07 s in A3: 2.0925 +- 0.0435 s, and 1 of 5 clogged.
 SPREAD = [-0.03, -0.01, 0.0, 0.01, 0.03]
@@ -234,6 +235,29 @@ def test_rows_that_are_done_are_kept_and_others_run(monkeypatch, tmp_path):
     head, rows = read_results(tmp_path / "reproduce-clogging.csv")
     assert head["kept"] == "11 rows of y, sources 0123"
     assert [row["outcome"] for row in rows[:3]] == ["emptied", "clogged", "emptied"]
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "silo2d.reproduce.beverloo",
+        "silo2d.reproduce.remarks",
+        "damper3d.reproduce.cycles",
+        "damper3d.reproduce.experiments",
+    ],
+)
+def test_rows_whose_runs_are_elsewhere_are_not_measured_again(table, tmp_path):
+    module = importlib.import_module(table)
+    there = [{**labels, "state": "done", "phase": str(k)}
+             for k, (labels, _) in enumerate(module.cases([1]))]  # fmt: skip
+    rows = module.run(out=tmp_path, seeds=[1], workers=1, quiet=True, known=there)
+    assert rows == there
+
+
+def test_all_rows_of_a_run_that_is_elsewhere_are_kept(tmp_path):
+    there = [{"silo": silo, "seed": 1, "state": "done", "layer": k}
+             for silo in displacement.SILOS for k in range(3)]  # fmt: skip
+    assert displacement.run(out=tmp_path, seeds=[1], workers=1, quiet=True, known=there) == there
 
 
 def test_json_has_the_rows(requested, tmp_path):

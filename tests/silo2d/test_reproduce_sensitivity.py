@@ -10,7 +10,7 @@ from made_rows import ended, failed
 from silo2d import SiloCase
 from silo2d.reproduce import sensitivity
 from silo2d.reproduce.parameters import BASELINES, IMPLIED, TABLE_4
-from silo2d.reproduce.published import sensitivity as published
+from silo2d.reproduce.quantities.published import sensitivity as published
 from silo2d.reproduce.quantities.trends import Trend
 
 N_PER_MM = 1e3  # [N/m]

@@ -172,6 +172,11 @@ def lacking(cases: Sequence[Labelled], known: Sequence[Row]) -> list[Labelled]:
     return [case for case in cases if _with_labels(case[0], known) is None]
 
 
+def is_elsewhere(row: Row) -> bool:
+    """True for a row of `known`, whose run has no folder here that could be measured again."""
+    return "run_folder" not in row
+
+
 def _with_labels(labels: Labels, rows: Sequence[Row]) -> Row | None:
     """The row with these labels; None where none has them."""
     return next((row for row in rows if labels.items() <= row.items()), None)

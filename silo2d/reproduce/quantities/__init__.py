@@ -1,1 +1,1 @@
-"""Numbers that the reports and the claims go by: functions of the rows of a table."""
+"""Numbers that the reports and the claims go by: of the rows of a table, and as published."""
