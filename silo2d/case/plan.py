@@ -44,6 +44,7 @@ def plan(case: SiloCase) -> dict[str, Any]:
         "time_step_s": step,
         "time_step_reason": "as given" if case.impulses else case.time_step_reason,
         "restitution": case.restitution(),
+        "derived": [one.numbers() for one in case.derived],
         "steps_at_most": math.ceil(case.settings.run.max_time / step),
         "expected_min": sum(expected_cpu_s(case)) / 60,
         "disk_bytes_at_most": disk_at_most(case),
