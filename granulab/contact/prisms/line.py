@@ -28,6 +28,7 @@ from granulab.errors import InputError
 
 Elastic = tuple[float, float]  # Young's modulus [Pa] and Poisson's ratio
 LARGEST_POISSON = 0.5
+_ROUNDING = 1e-12  # of a kt/kn that is that of nu = 0 or 0.5
 
 
 class LineContact(NamedTuple):
@@ -54,7 +55,7 @@ def line_stiffness(line: LineContact, first: Elastic, second: Elastic) -> tuple[
     if not a <= line.radius:
         raise InputError(
             f"youngs_modulus is too low for a line contact: at {line.force:.3g} N its half-width "
-            f"of {a:.3g} m exceeds the radius of {line.radius:.3g} m; give a higher one, or kn"
+            f"of {a:.3g} m exceeds the radius of {line.radius:.3g} m; give a higher one, or kn and kt"
         )
     across = along = 0.0
     log = 2 * math.log(2 * line.depth / a)
@@ -83,11 +84,12 @@ def solid_of_stiffness(line: LineContact, kn: float, kt: float) -> Elastic:
 
     least, most = ratio_limits(line, kn)
     wanted = kt / kn
-    if not least <= wanted <= most:
+    if not least * (1 - _ROUNDING) <= wanted <= most * (1 + _ROUNDING):
         raise InputError(
             f"kt/kn = {wanted:.3g}: no elastic solid has it in a line contact; a Poisson's ratio "
             f"of 0.5 to 0 gives {least:.3f} to {most:.3f}"
         )
+    wanted = min(max(wanted, least), most)
     nu = brentq(lambda nu: _ratio(line, kn, nu) - wanted, 0.0, LARGEST_POISSON, xtol=1e-14)
     return modulus_of_stiffness(line, kn, nu), nu
 

@@ -154,7 +154,7 @@ def _linear(
 
 
 def in_words(derived: Derived) -> str:
-    """What was derived, of what, and what was assumed: a paragraph."""
+    """A paragraph on what was derived, of what, and what was assumed."""
     line, (own, other) = derived.line, derived.names
     of = f"E {derived.first[0]:.4g} Pa, nu {derived.first[1]:g}"
     if own != other:
