@@ -129,6 +129,18 @@ def test_walls_of_another_material_are_in_series_with_the_particles(tmp_path):
     assert "3.3e+09 Pa, nu 0.37 of acrylic; E 2.06e+11 Pa, nu 0.3 of plate" in said
 
 
+def test_two_discs_touch_with_half_of_their_radius(tmp_path):
+    """And one and a wall with all of it; they have no faces."""
+    (tmp_path / "discs.toml").write_text(
+        'schema = 1\nunit = "mm"\n[[shape]]\nname = "disc"\nform = "disc"\nsize = "12 mm"\n'
+    )
+    case = acrylic(particles__shapes=str(tmp_path / "discs.toml"))
+    among, at_wall = case.derived
+    assert (among.line.radius, at_wall.line.radius) == pytest.approx((3e-3, 6e-3), rel=1e-9)
+    assert (among.line.depth, among.faces, at_wall.faces) == (pytest.approx(6e-3), 0, 0)
+    assert at_wall.kn > among.kn
+
+
 def test_a_file_for_both_simulators_lacks_nothing():
     path = data_file("materials", "acrylic")
     assert lacking(path, read_toml(path, "materials", SCHEMA)) == []

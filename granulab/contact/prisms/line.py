@@ -54,8 +54,9 @@ def line_stiffness(line: LineContact, first: Elastic, second: Elastic) -> tuple[
     a = half_width(line, first, second)
     if not a <= line.radius:
         raise InputError(
-            f"youngs_modulus is too low for a line contact: at {line.force:.3g} N its half-width "
-            f"of {a:.3g} m exceeds the radius of {line.radius:.3g} m; give a higher one, or kn and kt"
+            f"youngs_modulus is too low for a line contact: at {line.force:.3g} N its "
+            f"half-width of {a:.3g} m exceeds the radius of {line.radius:.3g} m; give a higher "
+            "one, or kn and kt"
         )
     across = along = 0.0
     log = 2 * math.log(2 * line.depth / a)
