@@ -101,7 +101,7 @@ class Scene:
         """Largest distance of an outline from its centroid [m]."""
         return float(np.hypot(*self.trajectory.static["shape_points"].T).max())
 
-    @cached_property
+    @property
     def areas(self) -> NDArray:
         """Area of each particle (n,) [m2], from the stored outlines (0.04 % small: chords)."""
         static = self.trajectory.static
