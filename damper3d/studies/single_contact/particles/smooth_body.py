@@ -115,6 +115,13 @@ def ring(
     return 2 * math.pi * distance * load, load * (wall + section + widening)
 
 
+def ring_width(material: Elastic, distance: float, tube: float, overlap: np.ndarray) -> np.ndarray:
+    """The half width [m] of the ring of contact of `ring` at overlaps (n,) >= 0 [m]."""
+    width = np.geomspace(1e-5, 0.5, 400) * tube
+    _, overlaps = ring(material, distance, tube, width)
+    return np.interp(overlap, np.append(0.0, overlaps), np.append(0.0, width))
+
+
 def ring_force(material: Elastic, distance: float, tube: float, overlap: np.ndarray) -> np.ndarray:
     """The force [N] of `ring` at overlaps (n,) >= 0 [m]."""
     width = np.geomspace(1e-5, 0.5, 400) * tube
