@@ -144,10 +144,9 @@ def _settled(here: Quarter, wanted: np.ndarray, forces: np.ndarray, step: float)
 
 
 def tilt(bodies: tuple[Body, ...], contact: Contact, friction: float) -> float:
-    """How much the tangential tractions mu p of gross sliding move the surfaces apart or together.
+    """Normal displacement by the tractions mu p of gross sliding over that by the pressure [-].
 
-    Largest normal displacement that they make where the ring is sheared across, over the overlap
-    that the pressure makes there [-]: what Goodman's assumption leaves out.
+    The largest of the ring, where it is sheared across: what Goodman's assumption leaves out.
     """
     points = contact.touching
     pushed = np.array([1.0, -1.0])[:, None] * friction * contact.pressure
