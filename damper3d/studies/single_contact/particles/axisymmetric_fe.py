@@ -29,7 +29,7 @@ _FAR = 300.0  # distance to a wall's held end over the contact's outer radius: s
 class Body(NamedTuple):
     """A body, the points of its surface that may touch, and the points that are held.
 
-    u, v and w of the `held` points are 0; of the `level` points w alone.
+    u, v and w of the `held` points are 0; of the `level` points, and of all in harmonic 0, w alone.
     """
 
     mesh: "MeshTri"  # r and z [m]
