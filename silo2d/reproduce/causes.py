@@ -177,17 +177,17 @@ class Judged:
 
 def judged(rows: "Sequence[Row]") -> dict[str, Judged]:
     """Each variant by its name; the first of the rows is what the others are compared with."""
-    names = dict.fromkeys(row["variant"] for row in rows)
+    variants = by_variant(rows)
     found: dict[str, Judged] = {}
     shared = scatter(rows)
-    for name in names:
-        own = by_silo([row for row in rows if row["variant"] == name])
+    for name, runs_of in variants.items():
+        own = by_silo(runs_of)
         counts = {silo: outcomes(runs)[::2] for silo, runs in own.items()}
         base = next(iter(found.values())).counts if found else {}
         printed = {silo: (trials(silo).clogged, trials(silo).n) for silo in own}
         time, theirs = _time(own.get(SLOW, [])), trials(SLOW).time
         known = time.mean is not None and theirs.mean is not None
-        noise = [_noise(time, theirs, shared, c) for c in (CONFIDENCE, certainty(len(names)))]
+        noise = [_noise(time, theirs, shared, c) for c in (CONFIDENCE, certainty(len(variants)))]
         found[name] = Judged(
             counts, _chance(counts, base), _chance(counts, printed), time,
             time.mean - theirs.mean if known else None,  # type: ignore[operator]
@@ -239,7 +239,7 @@ def report(rows: "list[Row]") -> str:
     )  # fmt: skip
     times = columns(
         ["variant", *(f"{silo} [s]" for silo in SILOS), f"{SLOW} off [s]"],
-        [_times_line(name, one, rows) for name, one in found.items()],
+        [_times_line(name, found[name], own) for name, own in by_variant(rows).items()],
     )
     failed = "\n".join(not_done(rows, ["variant", "silo", "seed"]))
     return paragraphs(counts, times, _words(found), _CRITERION, failed)
@@ -254,7 +254,7 @@ def _counts_line(name: str, one: Judged, certain: float) -> list[str]:
 
 
 def _times_line(name: str, one: Judged, rows: "list[Row]") -> list[str]:
-    own = by_silo([row for row in rows if row["variant"] == name])
+    own = by_silo(rows)
     off = "-" if one.off is None else f"{one.off:+.2f}"
     if one.off is not None and one.allowed is not None:
         off += f" (+- {one.allowed:.2f}, for all {one.allowed_of_all:.2f})"
@@ -286,7 +286,7 @@ def draw(rows: "list[Row]") -> "Figure":
     from matplotlib.figure import Figure
 
     found = judged(rows)
-    certain, shared = certainty(len(found)), scatter(rows)
+    certain, shared, variants = certainty(len(found)), scatter(rows), by_variant(rows)
     figure = Figure(figsize=(9.2, 1.3 + 0.27 * len(found)), layout="constrained")
     shares, times = figure.subplots(1, 2, sharey=True)
     printed = [trials(silo) for silo in SILOS]
@@ -296,13 +296,13 @@ def draw(rows: "list[Row]") -> "Figure":
     half = half_width_of_mean(theirs)
     if theirs.mean is not None and half is not None:
         times.axvspan(theirs.mean - half, theirs.mean + half, color=GREEN, alpha=0.15, lw=0)
-    for k, one in enumerate(found.values()):
+    for k, (name, one) in enumerate(found.items()):
         count, n = one.clogged
         if n:
             low, high = wilson(count, n, certain)
             bars = [[count / n - low], [high - count / n]]
             shares.errorbar(count / n, k, xerr=bars, fmt="o", color=BLUE, ms=4.5, capsize=2)
-        own = [row for row in rows if row["variant"] == list(found)[k] and row["silo"] == SLOW]
+        own = by_silo(variants[name]).get(SLOW, [])
         each = [row["discharge_time_s"] for row in done(own) if row["discharge_time_s"]]
         times.plot(each, [k] * len(each), "o", color=GREY, ms=4, alpha=0.5, mew=0)
         if one.time.mean is not None:

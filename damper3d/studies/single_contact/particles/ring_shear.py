@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from damper3d.engine.multisphere.particles import TREATMENTS
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.particles.axisymmetric_fe import Body, tube, wall
 from damper3d.studies.single_contact.particles.contact_limit import sum_is_smooth_at
@@ -27,9 +26,8 @@ from damper3d.studies.single_contact.particles.ring_contact import (
 from damper3d.studies.single_contact.particles.shape_shear import (
     Smooth,
     Way,
-    curve,
-    departures,
     legend,
+    of_sub_spheres,
     panel,
     shifts,
 )
@@ -109,26 +107,17 @@ def _stick(material: Elastic, overlap: float, elements: int, rigid: bool) -> flo
 def compute(mesh: Mesh | None = None) -> Found:
     """Curves of the toroid with each number of sub-spheres and each multi-contact model."""
     material, law = steel()
-    (lying,) = (setting for setting in settings() if setting.key == "toroid lying")
-    overlaps = float(lying.overlaps[-1]), sum_is_smooth_at(RING, TUBE, 50, material)
+    largest = float(_way("").setting.overlaps[-1])
+    overlaps = largest, sum_is_smooth_at(RING, TUBE, 50, material)
     rows: list[dict[str, Any]] = []
     numbers: dict[str, Any] = {"friction": law.mu}
     for overlap in overlaps:
-        way = _way(overlap)
+        way = _way(f"toroid lying, pressed by {1e6 * overlap:.3g} um")
         smooth, found = smooth_toroid(material, law.mu, overlap, mesh or Mesh())
         numbers[f"{way.name}, finite elements"] = found
-        unit = 1e3 * material.shear * np.pi * lying.unit * smooth.furthest
-        for particle in lying.clusters():
-            name = f"{way.name}, {len(particle.radii)}"
-            numbers[name] = {}
-            for treatment in TREATMENTS:
-                mine = curve(particle, way, law, treatment, smooth)
-                numbers[name] |= departures(mine, treatment, smooth)
-                head = {"particle": way.name, "sub_spheres": len(particle.radii)}
-                rows += [
-                    {**head, "treatment": treatment, **row, "tangential_unit_n": unit}
-                    for row in mine
-                ]
+        departures, mine = of_sub_spheres(way, material, law, smooth)
+        numbers |= departures
+        rows += mine
     remarks = (
         "most above, most below: the sub-spheres' less the finite elements' force over mu N",
         "simplified: the finite elements' stiffness up to mu N",
@@ -137,9 +126,8 @@ def compute(mesh: Mesh | None = None) -> Found:
     return Found(numbers, rows, remarks)
 
 
-def _way(overlap: float) -> Way:
+def _way(name: str) -> Way:
     (lying,) = (setting for setting in settings() if setting.key == "toroid lying")
-    name = f"toroid lying, pressed by {1e6 * overlap:.3g} um"
     return Way(name, "5.10b", True, lying, lying.orientation)
 
 
@@ -151,7 +139,7 @@ def draw(found: Found) -> "Figure":
     names = list(dict.fromkeys(row["particle"] for row in found.rows))
     for axes, name in zip(figure.subplots(1, len(names)).flat, names, strict=True):
         rows = [row for row in found.rows if row["particle"] == name]
-        panel(axes, _way(0.0)._replace(name=name), rows)
+        panel(axes, _way(name), rows)
     legend(figure, axes, "10, 20, 100 sub-spheres, sum", "smooth body, finite elements")
     headline(figure, "Lying steel toroid shifted on a flat wall under the same normal force")
     return figure

@@ -17,7 +17,7 @@ from damper3d.shapes.multisphere import MultiSphere
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.particles.held import combined, pressed, sheared, turn
 from damper3d.studies.single_contact.particles.shape_force import COLOURS, WIDTHS
-from damper3d.studies.single_contact.particles.smooth_body import tangential_stiffness
+from damper3d.studies.single_contact.particles.smooth_body import Elastic, tangential_stiffness
 from damper3d.studies.single_contact.particles.steel_shapes import (
     Setting,
     contact_of,
@@ -90,18 +90,10 @@ def compute() -> Found:
         force = float(contact.hertz * way.setting.overlaps[-1] ** 1.5)
         stiffness = tangential_stiffness(material, contact, force, way.along)
         smooth = Smooth(force, stiffness, law.mu * force)
-        unit = 1e3 * material.shear * math.pi * way.setting.unit * smooth.furthest
-        for particle in way.setting.clusters():
-            name = f"{way.name}, {len(particle.radii)}"
-            numbers[name] = {"normal_force_n": force, "smooth_stiffness_n_m": stiffness}
-            for treatment in TREATMENTS:
-                mine = curve(particle, way, law, treatment, smooth)
-                numbers[name] |= departures(mine, treatment, smooth)
-                head = {"particle": way.name, "sub_spheres": len(particle.radii)}
-                rows += [
-                    {**head, "treatment": treatment, **row, "tangential_unit_n": unit}
-                    for row in mine
-                ]
+        found, mine = of_sub_spheres(way, material, law, smooth)
+        own = {"normal_force_n": force, "smooth_stiffness_n_m": stiffness}
+        numbers |= {name: own | departures for name, departures in found.items()}
+        rows += mine
     remarks = (
         "most above, most below: the sub-spheres' less the smooth body's exact force over mu N",
         "forces are divided by 10^3 G pi r s_max (eq. 5.17) in the figure",
@@ -109,12 +101,34 @@ def compute() -> Found:
     return Found(numbers, rows, remarks)
 
 
+def of_sub_spheres(
+    way: Way, material: Elastic, law: HertzLaw, smooth: Smooth
+) -> tuple[dict[str, dict[str, float]], list[dict[str, Any]]]:
+    """Departures from the smooth body, by particle and number of sub-spheres, and all curves.
+
+    Of every number of sub-spheres and multi-contact model.
+    """
+    unit = 1e3 * material.shear * math.pi * way.setting.unit * smooth.furthest
+    numbers: dict[str, dict[str, float]] = {}
+    rows: list[dict[str, Any]] = []
+    for particle in way.setting.clusters():
+        own = numbers.setdefault(f"{way.name}, {len(particle.radii)}", {})
+        head = {"particle": way.name, "sub_spheres": len(particle.radii)}
+        for treatment in TREATMENTS:
+            mine = _curve(particle, way, law, treatment, smooth)
+            own |= _departures(mine, treatment, smooth)
+            rows += [
+                {**head, "treatment": treatment, **row, "tangential_unit_n": unit} for row in mine
+            ]
+    return numbers, rows
+
+
 def shifts(smooth: Smooth) -> np.ndarray:
     """Shifts of a curve (n,) [m]: the middles of equal steps."""
     return smooth.furthest / _STEPS * (np.arange(_STEPS) + 0.5)
 
 
-def curve(
+def _curve(
     particle: MultiSphere, way: Way, law: HertzLaw, treatment: str, smooth: Smooth
 ) -> list[dict[str, float]]:
     """Forces of sub-spheres and smooth body, under the same normal force."""
@@ -130,7 +144,7 @@ def curve(
     ]
 
 
-def departures(rows: list[dict[str, float]], treatment: str, smooth: Smooth) -> dict[str, float]:
+def _departures(rows: list[dict[str, float]], treatment: str, smooth: Smooth) -> dict[str, float]:
     """Stiffness over the smooth body's, and largest departures from it over mu N [-]."""
     off = [(row["force_n"] - row["exact_n"]) / smooth.limit for row in rows]
     first = rows[0]["force_n"] / rows[0]["displacement_m"]
