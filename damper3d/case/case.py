@@ -197,6 +197,14 @@ class DamperCase:
             found[name] = min(known) if known and self.sorts == 1 else None
         return found
 
+    @cached_property
+    def wave_speed(self) -> dict[str, float]:
+        """Speed of dilatational waves (eq. 5.12) of each class's slowest material [m/s]."""
+        return {
+            name: min(one.wave_speed for one in self.pairings if one.of_wall == of_wall)
+            for name, of_wall in zip(CLASSES, (False, True), strict=True)
+        }
+
     @property
     def of_spheres(self) -> bool:
         """True where all particles are spheres, which need no orientation."""

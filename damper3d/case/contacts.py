@@ -11,7 +11,7 @@ from granulab.contact.files.units import located
 from granulab.contact.hertz import HertzLaw
 from granulab.contact.material import Material, Pair
 from granulab.contact.restitution import restitution_of_ratio
-from granulab.contact.sphere_law import sphere_law, yield_velocity
+from granulab.contact.sphere_law import sphere_law, wave_speed, yield_velocity
 from granulab.errors import InputError
 
 COHESIONS = {"dmt": Dmt(), "jkr": Jkr(), None: None}
@@ -42,6 +42,7 @@ class Pairing:
     reason: str  # why it does or does not, in words
     radius: float  # reduced [m]
     mass: float  # reduced [kg]
+    wave_speed: float  # of the slower of the two materials, eq. 5.12 [m/s]
 
 
 def pairing_of(
@@ -75,9 +76,10 @@ def pairing_of(
             tangential=law.tangential,
             yielding=falls,
         )
+        waves = min(wave_speed(first.material), wave_speed(other))
     return Pairing(
         names, of_wall, made, restitution, origin, limit, falls, reason,
-        radius, mass,
+        radius, mass, waves,
     )  # fmt: skip
 
 

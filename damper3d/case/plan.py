@@ -246,6 +246,7 @@ def plan(case: DamperCase) -> dict[str, Any]:
         "pairs": [_described(pairing) for pairing in case.pairings],
         "kinds": None if case.bed is None else case.bed.described(),
         "yield_velocity_m_s": case.yield_velocity,
+        "wave_speed_m_s": case.wave_speed,
         "steps": steps_at_most(case),
         "expected_min": sum(expected_cpu_s(case)) / 60,
         "disk_bytes_at_most": disk_at_most(case),

@@ -20,6 +20,7 @@ import numpy as np
 from damper3d.engine.records import CLASSES, HELD, IMPACTS, MECHANISMS, Samples, per_cycle_change
 from damper3d.measures.counted import Cycles, read_cycles
 from granulab.campaign.output.figure import BLUE, GREY, headline
+from granulab.contact.sphere_law import hertz_validity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -187,11 +188,24 @@ def impact_ratios(
 
     The law holds while this is near or below 1. None where the yield velocity is not known.
     """
-    fastest = {pair: float(samples[f"impact_speed_{pair}"][1:].max()) for pair in CLASSES}
+    fastest = _fastest(samples)
     limits = {pair: yield_velocity[pair] for pair in CLASSES}
     return {
         pair: None if limit is None else fastest[pair] / limit for pair, limit in limits.items()
     }
+
+
+def hertz_validities(samples: Samples, wave_speed: Mapping[str, float]) -> dict[str, float | None]:
+    """(c/v)^(1/5) of the fastest impact of each class [-] (eqs 5.11, 5.12); None without one."""
+    return {
+        pair: hertz_validity(wave_speed[pair], fastest) if fastest > 0.0 else None
+        for pair, fastest in _fastest(samples).items()
+    }
+
+
+def _fastest(samples: Samples) -> dict[str, float]:
+    """The largest impact speed of each class after the first row [m/s]."""
+    return {pair: float(samples[f"impact_speed_{pair}"][1:].max()) for pair in CLASSES}
 
 
 def impacts_beyond_yield(

@@ -100,6 +100,10 @@ def draw(rows: list[Row]) -> "Figure":
             axes.errorbar(own.x, own.mean, own.sd, fmt="o-", ms=3, color=colour, elinewidth=0.8,
                           label=f"{key[0]}, {key[1]:g} Hz")  # fmt: skip
         axes.set(xscale="log", ylim=(0, 1.1), xlabel="\u0393", ylabel="efficiency")
+        low, high = axes.get_xlim()
+        ticks = [g for g in (1, 2, 3, 5, 10, 20, 30, 50, 100) if low <= g <= high]
+        axes.set_xticks(ticks, map(str, ticks))
+        axes.minorticks_off()
         axes.set_title(title, loc="left", fontsize=10)
         if keys:
             axes.legend(fontsize=7.5)

@@ -161,7 +161,7 @@ def draw(rows: list[Row]) -> "Figure":
                 axes.plot(ratio, value, marker, color=INK, ms=9, mew=1.6, ls="none", label=whose)
         axes.set_xlabel(_RATIOS[family])
         axes.set_title(_TITLES[family], loc="left", fontsize=9)
-        axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+        axes.grid(axis="y")
     panels[0].set_ylabel("packing fraction [-]")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper")
     return figure

@@ -68,6 +68,9 @@ class Result(Results):
     max_impact_over_yield_velocity: dict[str, float | None]
     # Part of the impacts that are faster than it; None in runs of earlier versions.
     impacts_beyond_yield: dict[str, float | None] | None = field(default=None, kw_only=True)
+    # (c/v)^(1/5) of the fastest impact (eqs 5.11, 5.12), which should be much greater than 1; None
+    # without an impact, or in runs of earlier versions.
+    hertz_validity: dict[str, float | None] | None = field(default=None, kw_only=True)
     # Response of the host that the enclosure rides on (measures/host.py); None without one.
     host: dict[str, Any] | None = field(default=None, kw_only=True)
     # Of several dampers on it, a row for each (run/several.py); None of a single one.
@@ -120,6 +123,7 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
         "bed_height_m": response.bed_height(counted, up, lowest(case.enclosure, up)),
         "max_impact_over_yield_velocity": efficiency.impact_ratios(counted, case.yield_velocity),
         "impacts_beyond_yield": efficiency.impacts_beyond_yield(counted, case.yield_velocity),
+        "hertz_validity": efficiency.hertz_validities(counted, case.wave_speed),
         "host": host.numbers(cycles) if case.modes is not None else None,
         "excitation": excitation.numbers(cycles) if case.excitation is not None else None,
         "steady": _steady(cycles, whole) if run.steady else None,

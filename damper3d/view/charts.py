@@ -215,7 +215,7 @@ def _height_words(scene: Scene) -> str:
 
 def ruled(axes: "Axes") -> None:
     """Thin horizontal lines behind what is drawn."""
-    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.grid(axis="y")
     axes.set_axisbelow(True)
 
 

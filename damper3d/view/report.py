@@ -247,6 +247,7 @@ def report(result: Result) -> str:
         f"{_number(result.bed_height_m)} m up; largest force on the enclosure "
         f"{result.peak_wall_force_n:.4g} N",
         f"  impacts          largest over the yield velocity: {_impacts(result)}",
+        *_validity(result.hertz_validity),
         *pulls_in_words(result.pulling, "{:.2%}".format, "at the ends of cycles "),
         f"  energy           {_balance(result)}",
         f"  cost             {result.cpu_us_per_step:.1f} us of CPU a step, {result.steps:,} "
@@ -350,6 +351,14 @@ def _impacts(result: Result) -> str:
         + (f" ({100 * share:.2g} % beyond it)" if (share := beyond.get(pair)) else "")
         for pair, ratio in ratios.items()
     )
+
+
+def _validity(found: dict[str, float | None] | None) -> list[str]:
+    """Line on the criterion of Hertz's law in an impact; nothing in runs of earlier versions."""
+    if found is None:
+        return []
+    each = ", ".join(f"{pair.replace('_', '-')} {_number(one)}" for pair, one in found.items())
+    return [f"  Hertz's law      (wave speed / fastest impact)^(1/5), to be much above 1: {each}"]
 
 
 def _balance(result: Result) -> str:

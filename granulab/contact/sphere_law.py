@@ -1,4 +1,4 @@
-"""From two materials to the contact law of their spheres, and to the speed at which they yield."""
+"""From two materials to the contact law of their spheres; speeds of yielding and of waves."""
 
 import math
 from typing import Literal
@@ -69,6 +69,26 @@ def yield_velocity(
     where a material lacks its modulus or Poisson's ratio, or where neither has a yield strength.
     """
     return _yield_constant(first, second) * math.sqrt(radius**3 / mass)
+
+
+def wave_speed(material: Material) -> float:
+    """Eq. 5.12: speed of dilatational waves, sqrt(E (1 - nu)/(rho (1 + nu)(1 - 2 nu))) [m/s].
+
+    Raises InputError where the material lacks its modulus or Poisson's ratio.
+    """
+    modulus, nu = _elastic(material)
+    return math.sqrt(
+        modulus * (1.0 - nu) / (material.density.value * (1.0 + nu) * (1.0 - 2.0 * nu))
+    )
+
+
+def hertz_validity(waves: float, speed: float) -> float:
+    """Eq. 5.11: (c/v)^(1/5) [-] of a wave speed and an impact speed > 0 [m/s].
+
+    Hertz's static law describes an impact where this is much greater than 1: the contact lasts so
+    long that waves cross the bodies many times. The thesis names no bound.
+    """
+    return (waves / speed) ** 0.2
 
 
 def _yield_constant(first: Material, second: Material | None) -> float:

@@ -30,6 +30,7 @@ _OF_A_SAMPLE = 26  # [B] of a contact in a sample at the walls
 _AT_WALLS = 5.0  # contacts of a particle there, at most
 _NUMBERS = 16  # of a frame, besides the wall forces
 _OF_ARRAYS = 5e3  # [B] of the arrays of a frame in memory, besides what is in them
+_DRAWN = 4e3  # [B] of a particle in pictures and film; found 3.7e3
 _DENSEST = 1.1  # particles over those expected
 
 
@@ -94,12 +95,15 @@ def _of_a_table(case: SiloCase, n: float, tables: float) -> float:
 
 
 def memory_at_most(case: SiloCase) -> int:
-    """Bytes of memory that a run takes at most: most is the program's own."""
+    """Bytes of memory that a run takes at most: the program's own, and that of its pictures."""
     frames, tables, _, together, of_frame = _kept(case)
     n = _DENSEST * _in_all(case)
     of_contacts = tables / frames * _of_a_table(case, n, tables)
     own = n * 16 * 200  # 16 pairs of vertices and edges a particle, of 25 numbers in three lists
-    return room.in_memory(_PROCESS + own, together * (of_frame + of_contacts + _OF_ARRAYS))
+    pictures = frames * of_frame + n * _DRAWN  # these read all frames
+    return room.in_memory(
+        _PROCESS + own + pictures, together * (of_frame + of_contacts + _OF_ARRAYS)
+    )
 
 
 def expected_particles(case: SiloCase) -> int:

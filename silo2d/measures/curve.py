@@ -184,7 +184,7 @@ def draw(folder: Path) -> "Figure":
     rate.set_ylabel("particles/s")
     rate.set_xlabel("time since the opening [s]")
     for axes in (curve, rate):
-        axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+        axes.grid(axis="y")
         axes.set_ylim(bottom=0)
         axes.set_xlim(left=0)
         if numbers["steady_from_s"] is not None:

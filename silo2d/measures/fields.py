@@ -38,7 +38,6 @@ from silo2d.measures.basics.dead_zones import (
     filled,
     standing,
 )
-from silo2d.measures.basics.particles import areas, particle_size
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
@@ -81,8 +80,8 @@ def field_of(scene: Scene, frames: NDArray[np.int64], width: float | None = None
     width of the Gaussian [m]; one typical particle size (root of the mean area) unless given.
     """
     polygon = inside_polygon(scene)
-    grid = grid_round(polygon.min(axis=0), polygon.max(axis=0), width or particle_size(scene))
-    size = areas(scene)
+    grid = grid_round(polygon.min(axis=0), polygon.max(axis=0), width or scene.particle_size)
+    size = scene.areas
     sums = np.zeros((4, len(grid.y), len(grid.x)))
     for frame in frames:
         which = in_silo(scene, frame)

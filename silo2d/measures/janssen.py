@@ -38,7 +38,7 @@ from silo2d.measures.basics.contacts import (
     read_moments,
     states,
 )
-from silo2d.measures.basics.particles import particle_size, prism_length, with_pascals
+from silo2d.measures.basics.particles import prism_length, with_pascals
 from silo2d.measures.basics.walls import STRETCH, Tractions, outwards, sides, tractions
 from silo2d.view.scene import Scene
 
@@ -111,7 +111,7 @@ def column(moments: list[Moment]) -> Column:
     segments = scene.walls[walls]
     low, width = segments[:, :, 1].min(axis=1).max(), float(np.ptp(segments[:, :, 0]))
     top = float(scene.trajectory["y"][0][scene.trajectory["inside"][0]].max())
-    n = max(int((top - low) / (STRETCH * particle_size(scene))), 1)
+    n = max(int((top - low) / (STRETCH * scene.particle_size)), 1)
     levels = np.linspace(top, low, n + 1)
     slabs = np.column_stack([levels[1:], levels[:-1]])
     each = np.array([_slabs(m, slabs, width, walls) for m in moments])

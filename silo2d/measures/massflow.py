@@ -27,7 +27,6 @@ from silo2d.measures.basics.particles import (
     leavers,
     numbers,
     outlet_centre,
-    particle_size,
 )
 from silo2d.measures.curve import steady_part
 from silo2d.view.scene import Scene, read_scene
@@ -67,7 +66,7 @@ def measure(
     return {
         "window_from_s": start,
         "window_until_s": end,
-        "strip_m": particle_size(scene),
+        "strip_m": scene.particle_size,
         "lowest_index": min((r["index"] for r in rows if r["index"] is not None), default=None),
         "bands": rows,
     }
@@ -92,7 +91,7 @@ def strip_velocities(
     scene: Scene, edges: Series, start: float, end: float
 ) -> tuple[Series, Series]:
     """Sums of velocity [m/s] and numbers of particles, (parts, 2, bands), at walls and centre."""
-    size, inside = particle_size(scene), in_silo(scene)
+    size, inside = scene.particle_size, in_silo(scene)
     sums = np.zeros((2, _PARTS, 2, len(edges) - 1))
     frames = np.flatnonzero((scene.time >= start) & (scene.time <= end))
     for part, members in enumerate(np.array_split(frames, _PARTS)):
@@ -175,7 +174,7 @@ def draw(folder: Path, between: tuple[float, float] | None = None) -> "Figure":
     for axes in (speeds, index):
         axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
         axes.set_ylim(bottom=0)
-        axes.grid(color="#e6e3dc", lw=0.7)
+        axes.grid()
     return figure
 
 

@@ -34,7 +34,6 @@ from silo2d.measures.basics.particles import (
     in_silo,
     numbers,
     outlet_centre,
-    particle_size,
     start_height,
 )
 from silo2d.view.scene import WOOD, Scene, read_scene
@@ -139,7 +138,7 @@ def v_shapes(scene: Scene, lines: Series) -> tuple[Series, Series, np.ndarray]:
             continue
         deep = float(line[filled[[0, -1]]].mean() - line[middle])
         depth[index] = deep
-        if deep > _SHALLOW * particle_size(scene):
+        if deep > _SHALLOW * scene.particle_size:
             at = int(np.searchsorted(filled, middle))
             width[index] = _width_at(x[filled], line[filled], at, deep / 2)
     return depth, width, pierced

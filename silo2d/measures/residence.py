@@ -130,4 +130,4 @@ def _means(axes: "Axes", x: list, rows: list[dict]) -> None:
     )  # fmt: skip
     axes.set_ylabel("residence time [s]")
     axes.set_ylim(bottom=0)
-    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.grid(axis="y")

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import BLUE, INK, WALL, headline
 from granulab.errors import InputError
-from silo2d.measures.basics.particles import areas, in_silo, particle_size
+from silo2d.measures.basics.particles import in_silo
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def measure(folder: Path) -> dict[str, Any]:
     enough = np.flatnonzero(inside.sum(axis=1) >= _FEWEST)
     if not len(enough):
         raise InputError(f"fewer than {_FEWEST} particles: too few for cells of a mixture")
-    side = CELL * particle_size(scene)
+    side = CELL * scene.particle_size
     rows = []
     for name, member in found.items():
         series = [_of_frame(scene, frame, inside[frame], member, side) for frame in enough.tolist()]
@@ -67,7 +67,7 @@ def measure(folder: Path) -> dict[str, Any]:
 def components(scene: Scene) -> dict[str, NDArray[np.bool_]]:
     """Masks (n,) of the particles of each component, by name."""
     trajectory = scene.trajectory
-    kind, size = trajectory.static["kind"], areas(scene)
+    kind, size = trajectory.static["kind"], scene.areas
     found = {}
     parts = np.asarray(trajectory.static.get("shape_part", np.zeros(0, np.int64)))
     if 1 < len(np.unique(parts)) <= _MOST_PARTS:
@@ -133,5 +133,5 @@ def draw(folder: Path) -> "Figure":
     curve.axhline(0.0, color=INK, lw=0.7)
     curve.set(xlabel="time [s]", ylabel="segregation index: 0 at random, 1 apart")
     curve.legend(frameon=False, fontsize=9)
-    curve.grid(axis="y", color="#e6e3dc", lw=0.7)
+    curve.grid(axis="y")
     return figure

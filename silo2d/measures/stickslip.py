@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import VERMILION, headline
-from silo2d.measures.basics.particles import Series, outlet_centre, particle_size
+from silo2d.measures.basics.particles import Series, outlet_centre
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
@@ -198,7 +198,7 @@ def draw(folder: Path) -> "Figure":
         fraction = _fraction(wall.speed, THRESHOLD)
         share = "nothing touches" if fraction is None else f"{100 * fraction:.0f} % stick"
         panel.set_title(f"{name}: {share}", loc="left", fontsize=9)
-        panel.set_ylim(bottom=-0.5e3 * particle_size(scene))
+        panel.set_ylim(bottom=-0.5e3 * scene.particle_size)
     panels[-1].set_xlabel("time since the opening [s]")
     figure.supylabel("position along the wall, from its lower end [mm]", fontsize=9)
     figure.colorbar(points, ax=list(panels), extend="min", shrink=0.6,

@@ -36,7 +36,7 @@ from silo2d.measures.basics.coarse_graining import (
     inside_polygon,
 )
 from silo2d.measures.basics.contacts import STATES, Moment, branches, in_words, read_moments, states
-from silo2d.measures.basics.particles import particle_size, prism_length, with_pascals
+from silo2d.measures.basics.particles import prism_length, with_pascals
 from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def stress_of(moments: list[Moment], width: float | None = None) -> StressField:
     """
     scene = moments[0].scene
     corners = scene.walls.reshape(-1, 2)
-    grid = grid_round(corners.min(axis=0), corners.max(axis=0), width or particle_size(scene))
+    grid = grid_round(corners.min(axis=0), corners.max(axis=0), width or scene.particle_size)
     contact = np.mean([contact_stress(m, grid) for m in moments], axis=0)
     kinetic = np.mean([kinetic_stress(scene, m.frame, grid) for m in moments], axis=0)
     return StressField(grid, contact, kinetic, len(moments))
@@ -142,7 +142,7 @@ def measure(folder: Path, between: tuple[float, float] | None = None) -> dict[st
     """
     moments, length = read_moments(folder), prism_length(folder)
     fields = {name: stress_of(chosen) for name, chosen in states(moments, between).items()}
-    numbers: dict[str, Any] = {"width_m": particle_size(moments[0].scene)}
+    numbers: dict[str, Any] = {"width_m": moments[0].scene.particle_size}
     for name in STATES:
         of = _numbers(fields[name]) if name in fields else dict.fromkeys(_KEYS)
         of = with_pascals(of, length)

@@ -231,7 +231,7 @@ def draw(rows: list[Row]) -> "Figure":
         axes.set_ylabel("mass flow W [kg/s]")
         axes.set_xlim(left=0)
         axes.set_ylim(bottom=0)
-        axes.grid(color="#e6e3dc", lw=0.7)
+        axes.grid()
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="upper left", fontsize=8)
     return figure

@@ -131,7 +131,7 @@ def draw(rows: "list[Row]") -> "Figure":
     axes.set_ylim(-0.03, 1.03)
     axes.set_xlabel("outlet (number of the silo)")
     axes.set_ylabel("clogged, share of runs (95 % interval)")
-    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.grid(axis="y")
     axes.set_axisbelow(True)
     named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     axes.legend(named.values(), named.keys(), loc="upper left", bbox_to_anchor=(1, 1))

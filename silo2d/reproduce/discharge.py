@@ -159,7 +159,7 @@ def draw(rows: "list[Row]") -> "Figure":
     axes.set_xlabel("silo, and how many clogged: experiment | ours")
     axes.set_ylabel("discharge time [s]")
     axes.set_ylim(bottom=0)
-    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.grid(axis="y")
     axes.set_axisbelow(True)
     named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     axes.legend(named.values(), named.keys(), loc="lower left", bbox_to_anchor=(0, 1), ncols=4)

@@ -15,7 +15,7 @@ from granulab.campaign.claims.judge import report_claims
 from granulab.campaign.output.figure import BLUE, VERMILION, WALL
 from granulab.campaign.output.layout import columns, paragraphs
 from silo2d.case.outline import preset
-from silo2d.measures.basics.particles import Series, numbers, particle_size
+from silo2d.measures.basics.particles import Series, numbers
 from silo2d.measures.profile import layer_lines, profile_frames, v_shapes
 from silo2d.reproduce.quantities.displacement import PROFILES, deeper_in_second, in_mm, profiles
 from silo2d.view.scene import read_scene
@@ -83,7 +83,7 @@ def rows_of(one: Row) -> Iterator[Row]:
         values = np.array([_mean(line), depth[layer, f], width[layer, f], scatter[layer, f]])
         yield {
             **kept,
-            "grain_size_m": round(particle_size(scene), 5),
+            "grain_size_m": round(scene.particle_size, 5),
             "time_s": round(float(scene.time[frames[f]]), 6),
             "layer": layer + 1,
             "grains": int(counts[layer, f].sum()),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.figure import BLUE, GREY, VERMILION
+from granulab.campaign.output.figure import BLUE, VERMILION
 from granulab.campaign.output.layout import columns, done, not_done, paragraphs
 from granulab.errors import FolderError
 from silo2d.case.outline import PRESETS, preset
@@ -69,8 +69,8 @@ def measured(one: "Row") -> "Row":
     Nothing of one that failed, or whose row is kept and whose run is elsewhere.
     """
     from granulab.campaign.sweeps.sweep import is_elsewhere
-    from silo2d.measures import arch, curve
-    from silo2d.measures.basics.particles import particle_size
+    from silo2d.measures import arch
+    from silo2d.measures.basics.particles import leavers
     from silo2d.view.scene import read_scene
 
     if one["state"] != "done" or is_elsewhere(one):
@@ -83,7 +83,8 @@ def measured(one: "Row") -> "Row":
     if one["outcome"].startswith("clogged"):
         with contextlib.suppress(FolderError):  # no chain from wall to wall
             found["arch_particles"] = arch.measure(folder)["n_grains"]
-    waits = pauses(curve.measure(folder)["out_times_s"], particle_size(read_scene(folder)))
+    scene = read_scene(folder)
+    waits = pauses(leavers(scene)[0], scene.particle_size)
     return found | {"pauses": len(waits), "longest_pause_s": max(waits, default=None)}
 
 
@@ -139,8 +140,9 @@ def draw(rows: "list[Row]") -> "Figure":
                   color=BLUE, mfc="none", label="ours, each run")  # fmt: skip
         axes.set_ylabel(label)
         axes.set_ylim(bottom=0)
-        axes.grid(axis="y", color=GREY, alpha=0.3, lw=0.7)
-    arches.legend(loc="upper right")
+        axes.grid(axis="y")
+    figure.legend(*arches.get_legend_handles_labels(), loc="outside upper right", ncols=2)
     waits.set_xticks(range(len(silos)), list(silos))
+    waits.set_xlim(-0.5, len(silos) - 0.5)
     waits.set_xlabel("silo")
     return figure

@@ -224,7 +224,7 @@ def _scale(axes: "Axes", parameter: str, values: list[float]) -> None:
         axes.set_xscale("symlog", linthresh=3)
     axes.set_xticks(values, [f"{value:g}" for value in values])
     axes.minorticks_off()
-    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.grid(axis="y")
     axes.set_axisbelow(True)
 
 

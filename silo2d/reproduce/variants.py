@@ -158,7 +158,7 @@ def _draw_times(axes: "Axes", variants: Variants) -> None:
         half = half_width_of_mean(sample)
         if sample.mean is not None and half is not None:
             axes.errorbar(sample.mean, k, xerr=half, fmt="D", color=INK, ms=5, capsize=3)
-    axes.grid(axis="x", color="#e6e3dc", lw=0.7)
+    axes.grid(axis="x")
     axes.set_axisbelow(True)
 
 
@@ -176,5 +176,5 @@ def _draw_shares(axes: "Axes", variants: Variants) -> None:
             axes.errorbar(count / n, position, xerr=bars, fmt="o", color=colour, ms=4.5, capsize=3,
                           label=label if k == 0 else None)  # fmt: skip
     axes.set_xlim(-0.03, 1.03)
-    axes.grid(axis="x", color="#e6e3dc", lw=0.7)
+    axes.grid(axis="x")
     axes.set_axisbelow(True)

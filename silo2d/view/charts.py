@@ -213,7 +213,7 @@ def _canvas(
     headline(figure, scene.headline)
     grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)
     for axes in grid[:, 0]:
-        axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+        axes.grid(axis="y")
         axes.set_axisbelow(True)
     return figure, list(grid[:, 0])
 

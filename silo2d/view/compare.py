@@ -176,7 +176,7 @@ def draw(pairs: Sequence[dict[str, Any]]) -> "Figure":
     lags.axhline(0, color=GREY, lw=0.6)
     lags.set(xlabel="particles out", ylabel=f"{labels[1]}\nlater by [ms]")
     for axes in (curves, lags):
-        axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+        axes.grid(axis="y")
         axes.set_axisbelow(True)
     return figure
 

@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -100,13 +101,21 @@ class Scene:
         """Largest distance of an outline from its centroid [m]."""
         return float(np.hypot(*self.trajectory.static["shape_points"].T).max())
 
+    @property
+    def areas(self) -> NDArray:
+        """Area of each particle (n,) [m2], from the stored outlines (0.04 % small: chords)."""
+        static = self.trajectory.static
+        points, start = static["shape_points"], static["shape_start"]
+        area = []
+        for first, end in pairwise(start):
+            x, y = points[first:end].T
+            area.append(0.5 * (x * np.roll(y, -1) - np.roll(x, -1) * y).sum())  # Gauss
+        return np.array(area)[static["kind"]]
+
     @cached_property
     def particle_size(self) -> float:
-        """Root of the mean area of the particles' outlines [m]."""
-        static = self.trajectory.static
-        outlines = np.split(static["shape_points"], static["shape_start"][1:-1])
-        doubled = [x @ np.roll(y, -1) - y @ np.roll(x, -1) for x, y in (o.T for o in outlines)]
-        return float(np.sqrt(np.mean(np.array(doubled)[static["kind"]]) / 2))
+        """Side [m] of the square that has the mean area of the particles' outlines."""
+        return float(np.sqrt(self.areas.mean()))
 
     @property
     def headline(self) -> str:

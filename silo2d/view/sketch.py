@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from granulab.campaign.output.figure import WALL
+from granulab.campaign.output.figure import RULE, WALL
 from granulab.campaign.sweeps.sketch import BED, Filled, Panel, particle_beside, side_by_side
 from silo2d.case.case import SiloCase
 from silo2d.case.plan import expected_particles
@@ -11,7 +11,7 @@ from silo2d.view.scene import PARTICLE_EDGE, WOOD
 
 _ALIKE = 1e-9  # difference of shares
 _BELOW = 0.05  # of the height, between the floor and the size of the outlet
-_INSERT = "#e6e3dc"
+_INSERT = RULE
 
 
 def sketch(case: SiloCase) -> list[Panel]:

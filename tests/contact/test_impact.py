@@ -193,6 +193,25 @@ def test_gross_sliding(angle_deg, e, mu):
     assert slides == pytest.approx(expected, abs=3 * (allowed + arm))
 
 
+@pytest.mark.parametrize("angle_deg", [45, 60, 68, 72, 74, 76, 78, 80, 84, 88, 89])
+@pytest.mark.parametrize("e", [1.0, 0.9, 0.5, 0.2])
+@pytest.mark.parametrize(("kt_over_kn", "damped"), [(2 / 7, 0.0), (2 / 7, 0.5), (1.0, 0.5)])
+def test_grazing_impact_of_linear_springs_gains_nothing(angle_deg, e, kt_over_kn, damped):
+    """LAMMPS's pull request 5007 (2026): its wall of linear springs gave a grazing sphere up to
+    34 % of its energy at mu = 0.5 and 76 degrees from the normal. Here a disc, with LAMMPS's own
+    gamma_t = gamma_n/2 too. It arrives without spin, so friction can only slow it. Tolerance:
+    tolerance() of the normal energy, and as much of friction's, mu v_n v_t."""
+    law, omega0 = disc_law(e, 0.5, kt_over_kn)
+    law = law._replace(gamma_t=damped * law.gamma_n)
+    v_n, v_t = oblique(angle_deg)
+    (v_n_out, v_t_out, spin), simulation, _ = hit_wall(law, v_n, v_t)
+    rotation = inertia(simulation) / mass(simulation) * spin**2
+    allowed = tolerance(omega0, DISC_CONTACTS * law.gamma_n)
+    after = v_n_out**2 + v_t_out**2 + rotation
+    assert after < 1.0 + allowed * (v_n**2 + 0.5 * v_n * v_t)
+    assert v_t_out < v_t
+
+
 @pytest.mark.parametrize("e", [1.0, 0.8, 0.5])
 def test_angular_velocity_at_an_impact_on_a_wall(e):
     """A spinning disc that hits a wall head-on and slides throughout loses the spin

@@ -4,10 +4,17 @@ import dataclasses
 import math
 
 import pytest
+from analytic import hertz_impact
 
 from granulab.contact import load_table
-from granulab.contact.reduced import bore_curvature, reduced_mass, reduced_radius, sphere_mass
-from granulab.contact.sphere_law import sphere_law, yield_velocity
+from granulab.contact.reduced import (
+    bore_curvature,
+    reduced_mass,
+    reduced_radius,
+    shear_modulus,
+    sphere_mass,
+)
+from granulab.contact.sphere_law import hertz_validity, sphere_law, wave_speed, yield_velocity
 from granulab.errors import InputError
 
 ACRYLIC = load_table("acrylic").material("acrylic")
@@ -79,3 +86,33 @@ def test_yield_velocity(material, against, radius, published, digits):
     assert yield_velocity(material, material, radius=r, mass=m) == pytest.approx(
         published, abs=digits
     )
+
+
+@pytest.mark.parametrize("material", [ACRYLIC, STEEL])
+def test_wave_speed_is_that_of_the_constrained_modulus(material):
+    """Eq. 5.12: rho c^2 = lambda + 2 G, the modulus of a column that cannot widen. Its
+    1 - nu - 2 nu^2 is (1 + nu)(1 - 2 nu); steel of Table 5.1 has 5,940 m/s."""
+    modulus, nu = material.youngs_modulus.value, material.poisson.value
+    shear = shear_modulus(modulus, nu)
+    column = shear * (2 * nu / (1 - 2 * nu) + 2)
+    assert material.density.value * wave_speed(material) ** 2 == pytest.approx(column, rel=1e-12)
+    assert wave_speed(STEEL) == pytest.approx(5940, abs=1)
+
+
+@pytest.mark.parametrize("speed", [0.01, 1.0, 9.0])
+@pytest.mark.parametrize("radius", [1.5e-3, 20e-3])
+def test_validity_of_hertz_s_law_counts_waves_in_a_contact(speed, radius):
+    """Eq. 5.11: with m = 4/3 pi rho R^3 a contact on a rigid wall lasts
+    T = 2.8683 (m^2/(R E*^2 v))^(1/5), and with rho c^2 = M a wave crosses the sphere in it
+
+        T c/(2 R) = 1.4342 (16 pi^2/9)^(1/5) (M/E*)^(2/5) (c/v)^(1/5)
+
+    times, whatever the radius. Tolerance: the digits of 2.8683."""
+    modulus, nu = ACRYLIC.youngs_modulus.value, ACRYLIC.poisson.value
+    stiff, c = modulus / (1 - nu**2), wave_speed(ACRYLIC)
+    mass = sphere_mass(radius, ACRYLIC.density.value)
+    _, _, lasts = hertz_impact(stiff, radius, mass, speed)
+    column = ACRYLIC.density.value * c**2
+    factor = 1.43415 * (16 * math.pi**2 / 9) ** 0.2 * (column / stiff) ** 0.4
+    crossings = lasts * c / (2 * radius)
+    assert crossings == pytest.approx(factor * hertz_validity(c, speed), rel=1e-4)

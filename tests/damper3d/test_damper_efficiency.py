@@ -109,6 +109,16 @@ def test_the_largest_impact_is_that_of_the_counted_cycles_alone():
     assert found == {"particle_particle": 0.5, "particle_wall": 0.0}
 
 
+def test_validity_of_hertz_s_law_is_that_of_the_fastest_counted_impact():
+    """(c/v)^(1/5) (eqs 5.11, 5.12), 2 where c = 32 v; none of a class without an impact."""
+    samples = at_rest()
+    speeds = samples["impact_speed_particle_particle"]
+    speeds[3 * PER_CYCLE], speeds[3 * PER_CYCLE + 1] = 9.0, 2.0
+    waves = {"particle_particle": 2.0 * 32.0, "particle_wall": 100.0}
+    found = efficiency.hertz_validities(cut(samples, PER_CYCLE, 3), waves)
+    assert found == {"particle_particle": pytest.approx(2.0, rel=1e-15), "particle_wall": None}
+
+
 def test_the_part_of_impacts_beyond_yield_is_that_of_the_counted_cycles():
     """Likewise; null without a yield velocity, without an impact, and in samples that lack it."""
     samples = at_rest()

@@ -34,6 +34,7 @@ RESULT = Result(
     effective_mass={"in_phase_kg": 0.01, "out_of_phase_kg": 0.02}, peak_wall_force_n=31.0,
     bed_height_m=0.02, energy_closure=0.0021,
     max_impact_over_yield_velocity={"particle_particle": 0.9, "particle_wall": None},
+    hertz_validity={"particle_particle": 4.6674, "particle_wall": None},
     phase=None, phase_next=None, phase_measures=None, steady=None,
     time_step_s=1e-6, steps=100000, cpu_us_per_step=9.5, cpu_s=4.0,
     state_digest="abc", reused=True, run_folder="runs/x",
@@ -216,9 +217,11 @@ def test_the_report_has_each_result():
         "efficiency 0.812 (95 %: 0.800 to 0.820)", "0.400 | 0.810 0.820 0.806", "0.861 as the",
         "friction 60.0%", "friction none", "2.2 W", "loss factor 1.03", "7.2 N s/m",
         "0.01 kg in phase", "no phase named", "31 N", "particle-particle 0.9, particle-wall none",
+        "^(1/5), to be much above 1: particle-particle 4.667, particle-wall none",
         "closed to 0.21 %", "work of the changing stiffness -6.1 %", "9.5 us", "(computed before)",
     ):  # fmt: skip
         assert words in text
+    assert "^(1/5)" not in report(dataclasses.replace(RESULT, hertz_validity=None))
     many = dataclasses.replace(
         RESULT, cycles=30, discarded=6, efficiency_per_cycle=[0.5] * 30, steady=True,
         energy_closure=None, efficiency_interval=None,

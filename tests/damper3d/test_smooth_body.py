@@ -4,15 +4,17 @@ import math
 
 import numpy as np
 import pytest
-from ring_fe import press
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
+from damper3d.studies.single_contact.particles.axisymmetric_fe import tube
+from damper3d.studies.single_contact.particles.ring_contact import press
 from damper3d.studies.single_contact.particles.smooth_body import (
     Elastic,
     ellipse,
     ring,
     ring_force,
+    ring_width,
     tangential_stiffness,
 )
 from granulab.contact.reduced import reduced_shear_modulus
@@ -91,8 +93,8 @@ def test_toroid_on_a_rigid_wall_against_finite_elements():
     plane = (1 - STEEL.poisson**2) / (math.pi * STEEL.modulus)
     widening = 2 * STEEL.poisson**2 / (math.pi * STEEL.modulus)
     overlap = line * (plane * (2 * math.log(4 * B / width) - 1) + widening)
-    found = press(A, B, *STEEL, overlap, finest=0.0075, reach=0.09)
-    assert found == pytest.approx(2 * math.pi * A * line, rel=2e-3)
+    found = press((tube(STEEL, A, B, finest=0.0075, reach=0.09),), overlap)
+    assert found.force == pytest.approx(2 * math.pi * A * line, rel=2e-3)
     # The closed form on an elastic wall: half of the load for the same width, and the wall's part.
     force, together = ring(STEEL, A, B, np.array([width]))
     assert force[0] == pytest.approx(math.pi * A * line, rel=1e-12)
@@ -122,7 +124,9 @@ def test_load_on_a_ring_of_a_half_space():
 
 def test_force_of_a_ring_at_an_overlap():
     """The table of `ring` read backwards, to the steps of its logarithmic widths."""
-    forces, overlaps = ring(STEEL, A, B, np.array([0.003, 0.04]) * B)
+    width = np.array([0.003, 0.04]) * B
+    forces, overlaps = ring(STEEL, A, B, width)
+    assert ring_width(STEEL, A, B, overlaps) == pytest.approx(width, rel=1e-4)
     assert ring_force(STEEL, A, B, np.append(0.0, overlaps)) == pytest.approx(
         np.append(0.0, forces), rel=1e-4
     )

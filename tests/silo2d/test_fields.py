@@ -21,7 +21,6 @@ from silo2d.measures.basics.coarse_graining import (
     intervals_at,
     part_inside,
 )
-from silo2d.measures.basics.particles import areas
 from silo2d.view.scene import read_scene
 
 WIDTH = 14e-3  # of the Gaussian [m]
@@ -110,9 +109,9 @@ def test_the_inside_is_found_again_from_the_walls(lattice_scene):
 
 def test_areas_of_the_particles(lattice_scene):
     """From the outlines kept for drawing, whose chords cut 0.1 % at most."""
-    assert areas(lattice_scene)[0] == pytest.approx(SPECK.area, rel=0.02)
+    assert lattice_scene.areas[0] == pytest.approx(SPECK.area, rel=0.02)
     block = scene_of([scenes.block(20e-3, 10e-3)], [0], SILO, np.zeros(1), np.full(1, 0.1))
-    assert areas(block)[0] == pytest.approx(scenes.block(20e-3, 10e-3).area, rel=1e-3)
+    assert block.areas[0] == pytest.approx(scenes.block(20e-3, 10e-3).area, rel=1e-3)
 
 
 # Fields
@@ -133,7 +132,7 @@ def test_a_uniform_packing_is_uniform_up_to_the_walls(lattice_scene):
     """Packing fraction: area of a speck over its cell. The lattice has steps of 4 mm at the
     slopes, 0.14 of a kernel's half: within 2 % at upright walls and floor, 8 % at the slopes."""
     field = fields.field_of(lattice_scene, np.array([0]), WIDTH)
-    expected = areas(lattice_scene)[0] / SPACING**2
+    expected = lattice_scene.areas[0] / SPACING**2
     grid = field.grid
     below_surface = grid.y < SILO.height - 5 * WIDTH
     solid = field.solid[below_surface]

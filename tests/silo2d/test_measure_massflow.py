@@ -12,7 +12,6 @@ from granulab.campaign.output.figure import write_figure
 from granulab.errors import InputError
 from silo2d.case.outline import hopper
 from silo2d.measures import find, massflow
-from silo2d.measures.basics.particles import particle_size
 from silo2d.view.scene import read_scene
 
 FLAT = hopper(0.0, 0.15, name="flat")
@@ -69,7 +68,7 @@ def test_radial_flow_in_a_hopper(tmp_path):
         return np.array([start[:, 0], start[:, 1], -v * np.sin(theta), -v * np.cos(theta)])
 
     write_moved_run(tmp_path, motion, silo=STEEP, spacing=0.009)
-    size = particle_size(read_scene(tmp_path))
+    size = read_scene(tmp_path).particle_size
     hopper_top = 0.1 * np.tan(np.radians(60))
     rows = [row for row in known(tmp_path, band=0.02) if row["until_m"] < hopper_top]
     assert len(rows) >= 5

@@ -69,7 +69,7 @@ def _draw_curve(axes: "Axes", result: MapResult, prediction: Prediction) -> None
             if onset is not None:
                 axes.axvline(onset, color=VERMILION, ls=_LINES[clearance.name],
                              label=_onset_label(clearance))  # fmt: skip
-    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.grid(axis="y")
     axes.set_axisbelow(True)
     label = "Γ [-]" if along_gamma else "frequency [Hz]"
     axes.set(xscale="log", xlabel=label, ylabel="efficiency [-]", ylim=(0, None))

@@ -64,7 +64,7 @@ def draw_predictions(
 
 
 def _panel(axes: "Axes", prediction: Prediction, frequencies: Sequence[float]) -> None:
-    axes.grid(axis="y", color="#e6e3dc", lw=0.7)
+    axes.grid(axis="y")
     axes.set_axisbelow(True)
     best = prediction.best
     for frequency, colour in zip(frequencies, _cycle(frequencies), strict=True):

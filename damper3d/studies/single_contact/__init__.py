@@ -50,6 +50,9 @@ STUDIES = {
     "orientation": Entry(
         "particles.orientation", "rebound of particles from a wall, by orientation"
     ),
+    "ring-shear": Entry(
+        "particles.ring_shear", "lying toroid in shear, by finite elements (Fig. 5.10b; a minute)"
+    ),
     "shape-force": Entry(
         "particles.shape_force", "normal force of particles, and of smooth ones (Figs 5.6-5.13)"
     ),

@@ -11,7 +11,7 @@ from granulab.campaign.output.files import write_atomic, writing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PAPER, INK, WALL = "#fbfaf7", "#2b2b2b", "#55504a"
+PAPER, INK, WALL, RULE = "#fbfaf7", "#2b2b2b", "#55504a", "#e6e3dc"
 # Okabe and Ito's colours, which the colour-blind distinguish.
 BLUE, VERMILION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
 SKY, PURPLE, GREY = "#56b4e9", "#cc79a7", "#8a8a8a"
@@ -25,6 +25,8 @@ _STYLE: Any = {
     "axes.spines.right": False,
     "axes.edgecolor": WALL,
     "axes.labelcolor": INK,
+    "grid.color": RULE,
+    "grid.linewidth": 0.7,
     "text.color": INK,
     "xtick.color": WALL,
     "ytick.color": WALL,

@@ -174,7 +174,7 @@ def lacking(cases: Sequence[Labelled], known: Sequence[Row]) -> list[Labelled]:
 
 def is_elsewhere(row: Row) -> bool:
     """True for a row of `known`, whose run has no folder here that could be measured again."""
-    return "run_folder" not in row
+    return row["state"] == "done" and "run_folder" not in row
 
 
 def _with_labels(labels: Labels, rows: Sequence[Row]) -> Row | None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from granulab.campaign.runs.trajectory import Tables, read_tables
 from granulab.errors import FolderError, InputError
-from silo2d.measures.basics.particles import FEWEST_OUT, areas, leavers
+from silo2d.measures.basics.particles import FEWEST_OUT, leavers
 from silo2d.view.scene import Scene, read_scene
 
 Floats = NDArray[np.float64]
@@ -220,5 +220,5 @@ def particle_stress(scene: Scene, contacts: Tables, frame: int) -> Floats | None
     particle, start, end, force = branches(moment)
     total = np.zeros((scene.n_particles, 2, 2))
     np.add.at(total, particle, force[:, :, None] * (end - start)[:, None, :])
-    stress = -total / areas(scene)[:, None, None]
+    stress = -total / scene.areas[:, None, None]
     return 0.5 * (stress + stress.transpose(0, 2, 1))

@@ -1,7 +1,6 @@
 """Particles of a run: their size, columns across the silo, which are inside, which left when."""
 
 from collections.abc import Mapping
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,22 +15,6 @@ from silo2d.view.scene import Scene
 Series = NDArray[np.float64]
 
 FEWEST_OUT = 20  # particles that leave, for a rate or a mean over the flow
-
-
-def areas(scene: Scene) -> Series:
-    """Area of each particle (n,) [m2], from the stored outlines (0.04 % small: chords)."""
-    static = scene.trajectory.static
-    points, start = static["shape_points"], static["shape_start"]
-    area = []
-    for first, end in pairwise(start):
-        x, y = points[first:end].T
-        area.append(0.5 * (x * np.roll(y, -1) - np.roll(x, -1) * y).sum())  # Gauss
-    return np.array(area)[static["kind"]]
-
-
-def particle_size(scene: Scene) -> float:
-    """Side [m] of the square that has the mean area of the particles' outlines."""
-    return float(np.sqrt(areas(scene).mean()))
 
 
 def prism_length(folder: str | Path) -> float:
@@ -68,7 +51,7 @@ def column_edges(scene: Scene) -> Series:
     An odd number puts one column in the middle of a silo whose outlet is there.
     """
     left, right, _, _ = scene.window
-    count = 2 * round(((right - left) / (2 * particle_size(scene)) - 1) / 2) + 1
+    count = 2 * round(((right - left) / (2 * scene.particle_size) - 1) / 2) + 1
     return np.linspace(left, right, max(count, 3) + 1)
 
 

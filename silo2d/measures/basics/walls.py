@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from silo2d.measures.basics.coarse_graining import Floats
 from silo2d.measures.basics.contacts import Moment
-from silo2d.measures.basics.particles import outlet_centre, particle_size
+from silo2d.measures.basics.particles import outlet_centre
 from silo2d.view.scene import Scene
 
 STRETCH = 2.5  # typical particle sizes that a stretch of wall is long, at least
@@ -96,7 +96,7 @@ def on_walls(scene: Scene, samples: Samples, stretch: float | None = None) -> li
     stretch: least length [m], STRETCH typical sizes unless given. A force counts where its point
     is; over all stretches the forces of a wall add up exactly.
     """
-    segments, stretch = scene.walls, stretch or STRETCH * particle_size(scene)
+    segments, stretch = scene.walls, stretch or STRETCH * scene.particle_size
     found = []
     for k, (start, end) in enumerate(segments):
         length = float(np.hypot(*(end - start)))

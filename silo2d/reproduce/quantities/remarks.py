@@ -13,14 +13,14 @@ from silo2d.case.case import GRAVITY
 REMARKS = Quantities()
 
 
-def pauses(out_times: Sequence[float], size: float) -> list[float]:
+def pauses(out_times: Sequence[float] | np.ndarray, size: float) -> list[float]:
     """Times [s] between particles that leave, of those in which one falls farther than its size.
 
     out_times (n,) [s], ascending; size [m]. Shorter ones are the grain of a stream that goes on.
     Only those that begin and end between 10 and 90 % of the particles that leave count.
     """
     n = len(out_times)
-    flow = out_times[-(-n // 10) - 1 : -(-9 * n // 10)] if n else []
+    flow = out_times[-(-n // 10) - 1 : -(-9 * n // 10)] if n else ()
     longer = np.sqrt(2 * size / GRAVITY)
     return [later - time for time, later in pairwise(flow) if later - time > longer]
 

@@ -50,7 +50,7 @@ def draw(found: Mapping[str, Any], rows: Sequence[dict[str, Any]], title: str) -
               ylabel="probability density [1/s]")  # fmt: skip
     arches.set(xlabel="particles of the arch", ylabel="share of arches", ylim=(0, None))
     for axes in (means, sizes, waits, arches):
-        axes.grid(color="#e6e3dc", lw=0.7)
+        axes.grid()
         axes.set_axisbelow(True)
         if axes.get_legend_handles_labels()[0]:
             axes.legend(fontsize=7)

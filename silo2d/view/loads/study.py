@@ -18,7 +18,7 @@ from silo2d.loads.jenike import flow_pattern, mass_flow_limit
 from silo2d.loads.vessel import Vessel
 from silo2d.measures import fields, loads, massflow
 from silo2d.measures.basics.contacts import read_moments
-from silo2d.measures.basics.particles import particle_size, prism_length
+from silo2d.measures.basics.particles import prism_length
 from silo2d.measures.basics.walls import STRETCH
 from silo2d.measures.janssen import Column, column, vertical_walls
 from silo2d.view.loads.pooling import combined, half_width, mean_of
@@ -70,7 +70,7 @@ def study(
     moments = read_moments(folders[0])
     scene, own = moments[0].scene, column(moments[:1])
     # One for all runs, whose particles differ a little, and as long as makes a page.
-    stretch = max(STRETCH * particle_size(scene), (own.fill[0] - _foot(scene)) / _ROWS)
+    stretch = max(STRETCH * scene.particle_size, (own.fill[0] - _foot(scene)) / _ROWS)
     each = [loads.measure(folder, between, stretch) for folder in folders]
     dem = combined(each) | _flow_of(folders, between)
     with located(f"{folders[0]}:"):
@@ -112,7 +112,7 @@ def _refuse_unlike(folders: Sequence[Path], cases: Sequence[SiloCase]) -> None:
 
 def _notes(scene: Scene, vessel: Vessel, dem: Mapping[str, Any]) -> list[str]:
     """Properties of the runs that are not those the closed forms are made for."""
-    found, size = [], particle_size(scene)
+    found, size = [], scene.particle_size
     if size > _LARGEST_PARTICLE * vessel.characteristic_width:
         found.append(
             f"particles of {1e3 * size:.3g} mm: the standard is made for at most 0.03 d_c, "

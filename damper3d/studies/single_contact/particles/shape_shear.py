@@ -3,8 +3,8 @@
 Particle and smooth body bear the same normal force, and are shifted without turning. The smooth
 contact is an ellipse whose slip grows from its rim: T(s) is that of spheres (eq. 5.13, summed in
 contact.mindlin_deresiewicz) with the ellipse's own stiffness (Deresiewicz 1957, J. Appl. Mech. 24,
-623). A lying toroid (Fig. 5.10b) is left out: its ring of contact is sheared along the line at some
-places and across it at others, for which there is no such form.
+623). The ring of contact of a lying toroid (Fig. 5.10b) is sheared along its line at some places
+and across it at others, for which there is no such form: ring_shear has it by finite elements.
 """
 
 import math
@@ -17,7 +17,7 @@ from damper3d.shapes.multisphere import MultiSphere
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.particles.held import combined, pressed, sheared, turn
 from damper3d.studies.single_contact.particles.shape_force import COLOURS, WIDTHS
-from damper3d.studies.single_contact.particles.smooth_body import tangential_stiffness
+from damper3d.studies.single_contact.particles.smooth_body import Elastic, tangential_stiffness
 from damper3d.studies.single_contact.particles.steel_shapes import (
     Setting,
     contact_of,
@@ -51,6 +51,13 @@ class Smooth(NamedTuple):
     force: float  # normal [N]
     stiffness: float  # tangential, before any of it slides [N/m]
     limit: float  # mu N [N]
+    slip: tuple[np.ndarray, np.ndarray] | None = None  # shifts [m] and forces [N]; None: an ellipse
+
+    def exact(self, across: np.ndarray) -> np.ndarray:
+        """Forces [N] at shifts (n,) [m], with partial slip."""
+        if self.slip is not None:
+            return np.interp(across, *self.slip)
+        return loading_force(self.stiffness, self.limit, across)
 
     @property
     def furthest(self) -> float:
@@ -83,23 +90,42 @@ def compute() -> Found:
         force = float(contact.hertz * way.setting.overlaps[-1] ** 1.5)
         stiffness = tangential_stiffness(material, contact, force, way.along)
         smooth = Smooth(force, stiffness, law.mu * force)
-        unit = 1e3 * material.shear * math.pi * way.setting.unit * smooth.furthest
-        for particle in way.setting.clusters():
-            name = f"{way.name}, {len(particle.radii)}"
-            numbers[name] = {"normal_force_n": force, "smooth_stiffness_n_m": stiffness}
-            for treatment in TREATMENTS:
-                mine = _curve(particle, way, law, treatment, smooth)
-                numbers[name] |= _numbers(mine, treatment, smooth)
-                head = {"particle": way.name, "sub_spheres": len(particle.radii)}
-                rows += [
-                    {**head, "treatment": treatment, **row, "tangential_unit_n": unit}
-                    for row in mine
-                ]
+        found, mine = of_sub_spheres(way, material, law, smooth)
+        own = {"normal_force_n": force, "smooth_stiffness_n_m": stiffness}
+        numbers |= {name: own | departures for name, departures in found.items()}
+        rows += mine
     remarks = (
         "most above, most below: the sub-spheres' less the smooth body's exact force over mu N",
         "forces are divided by 10^3 G pi r s_max (eq. 5.17) in the figure",
     )
     return Found(numbers, rows, remarks)
+
+
+def of_sub_spheres(
+    way: Way, material: Elastic, law: HertzLaw, smooth: Smooth
+) -> tuple[dict[str, dict[str, float]], list[dict[str, Any]]]:
+    """Departures from the smooth body, by particle and number of sub-spheres, and all curves.
+
+    Of every number of sub-spheres and multi-contact model.
+    """
+    unit = 1e3 * material.shear * math.pi * way.setting.unit * smooth.furthest
+    numbers: dict[str, dict[str, float]] = {}
+    rows: list[dict[str, Any]] = []
+    for particle in way.setting.clusters():
+        own = numbers.setdefault(f"{way.name}, {len(particle.radii)}", {})
+        head = {"particle": way.name, "sub_spheres": len(particle.radii)}
+        for treatment in TREATMENTS:
+            mine = _curve(particle, way, law, treatment, smooth)
+            own |= _departures(mine, treatment, smooth)
+            rows += [
+                {**head, "treatment": treatment, **row, "tangential_unit_n": unit} for row in mine
+            ]
+    return numbers, rows
+
+
+def shifts(smooth: Smooth) -> np.ndarray:
+    """Shifts of a curve (n,) [m]: the middles of equal steps."""
+    return smooth.furthest / _STEPS * (np.arange(_STEPS) + 0.5)
 
 
 def _curve(
@@ -109,7 +135,7 @@ def _curve(
     overlap = overlap_under(particle, way.orientation, law, treatment, smooth.force)
     across, forces = sheared(particle, way.orientation, overlap, smooth.furthest, _STEPS, law,
                              treatment)  # fmt: skip
-    exact = loading_force(smooth.stiffness, smooth.limit, across)
+    exact = smooth.exact(across)
     simplified = np.minimum(smooth.stiffness * across, smooth.limit)
     keys = ("displacement_m", "force_n", "exact_n", "simplified_n")
     return [
@@ -118,7 +144,8 @@ def _curve(
     ]
 
 
-def _numbers(rows: list[dict[str, float]], treatment: str, smooth: Smooth) -> dict[str, float]:
+def _departures(rows: list[dict[str, float]], treatment: str, smooth: Smooth) -> dict[str, float]:
+    """Stiffness over the smooth body's, and largest departures from it over mu N [-]."""
     off = [(row["force_n"] - row["exact_n"]) / smooth.limit for row in rows]
     first = rows[0]["force_n"] / rows[0]["displacement_m"]
     return {
@@ -152,18 +179,24 @@ def draw(found: Found) -> "Figure":
 
     figure = Figure(figsize=(10.5, 7.6), layout="constrained")
     for axes, way in zip(figure.subplots(2, 2).flat, ways(), strict=True):
-        _panel(axes, way, [row for row in found.rows if row["particle"] == way.name])
-    for name, colour in COLOURS.items():
-        axes.plot([], [], color=colour, lw=WIDTHS[name], label=f"sub-spheres, {name}")
-    axes.plot([], [], color=BLUE, lw=0.7, label="fewer sub-spheres, sum")
-    axes.plot([], [], color=INK, ls="--", label="smooth body, exact")
-    axes.plot([], [], color=GREY, ls=":", label="smooth body, simplified")
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        panel(axes, way, [row for row in found.rows if row["particle"] == way.name])
+    legend(figure, axes, "fewer sub-spheres, sum", "smooth body, exact")
     headline(figure, "Steel particles shifted on a flat wall under the same normal force")
     return figure
 
 
-def _panel(axes: "Axes", way: Way, rows: list[dict[str, Any]]) -> None:
+def legend(figure: "Figure", axes: "Axes", others: str, exact: str) -> None:
+    """Legend below the panels: the multi-contact models, the thin lines, and the smooth body."""
+    for name, colour in COLOURS.items():
+        axes.plot([], [], color=colour, lw=WIDTHS[name], label=f"sub-spheres, {name}")
+    axes.plot([], [], color=BLUE, lw=0.7, label=others)
+    axes.plot([], [], color=INK, ls="--", label=exact)
+    axes.plot([], [], color=GREY, ls=":", label="smooth body, simplified")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+
+
+def panel(axes: "Axes", way: Way, rows: list[dict[str, Any]]) -> None:
+    """Tangential force against shift of a particle with each of its numbers of sub-spheres."""
     numbers = list(dict.fromkeys(row["sub_spheres"] for row in rows))
     for number in numbers:
         main = number == numbers[-1]

@@ -115,8 +115,19 @@ def ring(
     return 2 * math.pi * distance * load, load * (wall + section + widening)
 
 
+def ring_width(material: Elastic, distance: float, tube: float, overlap: np.ndarray) -> np.ndarray:
+    """The half width [m] of the ring of contact of `ring` at overlaps (n,) >= 0 [m]."""
+    width, _, overlaps = _ring_table(material, distance, tube)
+    return np.interp(overlap, overlaps, width)
+
+
 def ring_force(material: Elastic, distance: float, tube: float, overlap: np.ndarray) -> np.ndarray:
     """The force [N] of `ring` at overlaps (n,) >= 0 [m]."""
+    _, forces, overlaps = _ring_table(material, distance, tube)
+    return np.interp(overlap, overlaps, forces)
+
+
+def _ring_table(material: Elastic, distance: float, tube: float) -> list[np.ndarray]:
+    """Half widths [m], forces [N] and overlaps [m] of `ring`, from nothing on."""
     width = np.geomspace(1e-5, 0.5, 400) * tube
-    forces, overlaps = ring(material, distance, tube, width)
-    return np.interp(overlap, np.append(0.0, overlaps), np.append(0.0, forces))
+    return [np.append(0.0, one) for one in (width, *ring(material, distance, tube, width))]

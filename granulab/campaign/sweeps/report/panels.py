@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK, GREY)
-_RULE = "#e6e3dc"
 _EDGE = "#f1eee8"
 _MARKS = ("x", "v", "s", "d", "*")  # of runs without a value, by how they ended
 _STRIP = 0.065  # part of a panel that the marks of one kind take
@@ -121,7 +120,7 @@ def draw_dots(
     panel.set_ylabel(axis.heading)
     panel.set_xlabel(heading(what))
     panel.set_xlim(_limits(what, comparison, panel.get_xlim()))
-    panel.grid(axis="x", color=_RULE, lw=0.7)
+    panel.grid(axis="x")
     panel.set_axisbelow(True)
     mark_lacking(panel, what, axis, comparison, lying=True)
 
@@ -254,7 +253,7 @@ def _along(panel: "Axes", axis: Axis) -> None:
 def _across(panel: "Axes", what: Number | Ending, axis: Axis, comparison: Comparison) -> None:
     panel.set_ylabel(heading(what))
     panel.set_ylim(_limits(what, comparison, panel.get_ylim()))
-    panel.grid(axis="y", color=_RULE, lw=0.7)
+    panel.grid(axis="y")
     panel.set_axisbelow(True)
 
 
