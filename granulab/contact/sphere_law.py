@@ -76,7 +76,7 @@ def wave_speed(material: Material) -> float:
 
     Raises InputError where the material lacks its modulus or Poisson's ratio.
     """
-    modulus, nu = _elastic(material)
+    modulus, nu = elastic(material)
     return math.sqrt(
         modulus * (1.0 - nu) / (material.density.value * (1.0 + nu) * (1.0 - 2.0 * nu))
     )

@@ -15,7 +15,7 @@ from granulab.contact.files.units import both, located, nearest, to_si
 from granulab.contact.laws import LinearLaw
 from granulab.contact.restitution import linear_restitution
 from granulab.errors import InputError
-from silo2d.case.beds.elastic import Derived, Solids, solids_of, with_elastic
+from silo2d.case.beds.elastic import PAIRS, Derived, Solids, solids_of, with_elastic
 from silo2d.case.beds.flow import check_flow
 from silo2d.case.beds.laws import check_laws, curve_file, with_cohesion, with_curve
 from silo2d.case.beds.openings import check_ways, with_inserts, with_outlets
@@ -63,8 +63,8 @@ class SiloCase:
     files: dict[str, str]  # name in the run folder -> text, of the shapes and materials used
     impulses: Impulses | None = None  # what pymunk takes, for a case that it runs
     length: float = math.nan  # of the prisms [m]
-    derived: tuple[Derived, ...] = ()  # pairs whose stiffness follows from E and nu
-    solids: Solids = ((None, None), ())  # materials of particles and walls, and how they touch
+    derived: tuple[Derived | None, Derived | None] = (None, None)  # see with_elastic
+    solids: Solids | None = None  # None: of no materials file
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "SiloCase":
@@ -122,7 +122,7 @@ class SiloCase:
         bounds = stiffest(laws, disorder, settings.law.contact_end)
         time_step, reason = time_step_of(
             settings.run.time_step, shapes, surface_density, bounds,
-            is_shipped(shapes_file, "shapes") and not derived, disorder is not None, where,
+            is_shipped(shapes_file, "shapes") and not any(derived), disorder is not None, where,
         )  # fmt: skip
         rain = rain_of(outline, shapes, surface_density, settings.fill)
         if settings.run.engine == "dem":
@@ -233,17 +233,16 @@ class SiloCase:
         have for both what they are given; nothing for laws that are not linear.
         """
         if self.impulses:
-            names = ("particle_particle", "particle_wall")
             return {
                 name: {"one_contact": value, "face_to_face": value}
-                for name, value in zip(names, self.impulses.restitution, strict=True)
+                for name, value in zip(PAIRS, self.impulses.restitution, strict=True)
             }
         if not isinstance(self.particle_law, LinearLaw):
             return {}
         result = {}
         for pair, law, mass, faces in (
-            ("particle_particle", self.particle_law, self.mean_mass / 2, 8),
-            ("particle_wall", self.wall_law, self.mean_mass, 2),
+            (PAIRS[0], self.particle_law, self.mean_mass / 2, 8),
+            (PAIRS[1], self.wall_law, self.mean_mass, 2),
         ):
             end = self.settings.law.contact_end
             result[pair] = {

@@ -21,15 +21,15 @@ def elastic(case: str, mu: str | None, as_json: bool, **options: Any) -> None:
     For example: silo2d elastic A4; silo2d elastic A4 --kn "5e7 N/m" --kt "4.4e7 N/m"
     """
     from granulab.campaign.output.layout import wrapped
-    from silo2d.case.beds.elastic import both_ways
+    from silo2d.case.beds.elastic import PAIRS, both_ways, in_lines
     from silo2d.case.case import SiloCase
 
     loaded = SiloCase.load(case, changes_of(mu, options))
+    assert loaded.solids is not None  # of a case that was loaded
     laws = loaded.particle_law, loaded.wall_law
     found = both_ways(loaded.settings.particles.names, loaded.solids, laws)
-    lines = [line for one in found for line in one.lines()]
-    click.echo(
-        json.dumps([one.numbers() for one in found], indent=2)
-        if as_json
-        else wrapped("\n".join(lines), 20)
-    )
+    if as_json:
+        by_pair = zip(PAIRS, (one.numbers() for one in found), strict=True)
+        click.echo(json.dumps(dict(by_pair), indent=2))
+    else:
+        click.echo(wrapped(in_lines(found), 20))

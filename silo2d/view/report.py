@@ -76,18 +76,23 @@ def echo(case: SiloCase, dry_run: bool) -> str:
 
 def _derived(case: SiloCase) -> list[str]:
     """Lines on what follows from E and nu, one where walls are as particles."""
-    own, given = case.derived, case.settings.law.kn
-    apart = own if len(own) < 2 or (own[0].names, own[0].line) != own[1][:2] else own[:1]
-    instead = "" if given is None else "; the case's kn goes before, with kt in the same ratio"
-    return [f"  derived     {in_words(one)}{instead}" for one in apart]
+    law, (particles, walls) = case.settings.law, case.derived
+    alike = particles and walls and (particles.names, particles.line) == (walls.names, walls.line)
+    instead = ""
+    if law.kn is not None:
+        instead = "; the case's kn goes before, with kt in the same ratio"
+    elif law.kn_curve is not None:
+        instead = "; the case's kn_curve goes before its kn"
+    found = [particles] if alike else case.derived
+    return [f"  derived     {in_words(one)}{instead}" for one in found if one]
 
 
 def _damping(case: SiloCase) -> str:
     """Source of gamma_n, between particles and at walls."""
-    usual, of_restitution = case.settings.law.damping, [one.restitution for one in case.derived]
-    if None in of_restitution or not of_restitution:
-        return usual
-    return "restitution" if len(of_restitution) == 2 else f"{usual}, where not derived"
+    usual, derived = case.settings.law.damping, [one and one.restitution for one in case.derived]
+    if all(derived):
+        return "restitution"
+    return f"{usual}, where not derived" if any(derived) else usual
 
 
 def _frames(case: SiloCase) -> list[str]:

@@ -6,6 +6,7 @@ the secant is that at the weight of the column of material above one particle; o
 particles has the restitution of the table; there is no tangential damping.
 """
 
+import contextlib
 import dataclasses
 import math
 from typing import Any, NamedTuple
@@ -29,19 +30,22 @@ from silo2d.case.filling import GRAVITY
 from silo2d.case.settings import Settings
 from silo2d.case.shape import ShapeSet
 
+PAIRS = ("particle_particle", "particle_wall")  # names in JSON
 Pairs = tuple[Pair, Pair]  # particle-particle, particle-wall
-_FACE_TO_FACE = 8  # contacts of two aligned faces
+
+_OF_KT = (
+    "kt without slip and without the bending of corners: finite elements of a right-angled one on "
+    "a face have a kt/kn some 15 % lower"
+)
 
 
-class Touching(NamedTuple):
-    """Contact of two particles, or of one and a wall."""
+class Solids(NamedTuple):
+    """Elastic constants of the materials of a case, and the contacts of its particles."""
 
-    line: LineContact
-    faces: int  # contacts of two aligned faces; 0 of discs, and of a wall
-
-
-# E and nu of particles and walls, None where they are not known; both contacts
-Solids = tuple[tuple[Elastic | None, Elastic | None], tuple[Touching, ...]]
+    particle: Elastic | None  # None: not known
+    wall: Elastic | None
+    lines: tuple[LineContact, LineContact]  # of two particles, and of a particle and a wall
+    discs: bool  # particles without a face
 
 
 class Derived(NamedTuple):
@@ -54,7 +58,7 @@ class Derived(NamedTuple):
     kn: float  # [N/m]
     kt: float  # [N/m]
     restitution: float | None  # that its damping follows from [-]; None: its damping is given
-    faces: int  # see Touching
+    faces: bool  # two such bodies can touch in faces
 
     @property
     def half_width(self) -> float:
@@ -89,7 +93,7 @@ class Derived(NamedTuple):
 
 
 def solids_of(table: ContactTable, settings: Settings, shapes: ShapeSet) -> Solids:
-    """Elastic constants of the materials of a case, and how its particles and walls touch."""
+    """Elastic constants of the materials of a case, and the contacts of its particles."""
     material, wall = (table.material(name) for name in settings.particles.names)
     assert material.length is not None  # table_of has refused that
     length = material.length.value
@@ -97,12 +101,10 @@ def solids_of(table: ContactTable, settings: Settings, shapes: ShapeSet) -> Soli
     radius = math.fsum(share * shape.spheroradius for shape, share in of_each)
     depth = math.sqrt(shapes.mean_area / math.pi)
     column = material.density.value * GRAVITY * settings.fill.level * 2 * depth * length
+    discs = all(shape.is_disc for shape in shapes.shapes)
     at_wall = LineContact(length, radius, depth, column)
-    if all(shape.is_disc for shape in shapes.shapes):
-        among = Touching(at_wall._replace(radius=radius / 2), 0)
-    else:
-        among = Touching(at_wall, _FACE_TO_FACE)
-    return (_known(material), _known(wall)), (among, Touching(at_wall, 0))
+    among = at_wall._replace(radius=radius / 2) if discs else at_wall
+    return Solids(_known(material), _known(wall), (among, at_wall), discs)
 
 
 def _known(material: Material) -> Elastic | None:
@@ -111,46 +113,43 @@ def _known(material: Material) -> Elastic | None:
 
 def with_elastic(
     pairs: Pairs, table: ContactTable, solids: Solids, settings: Settings, mean_mass: float
-) -> tuple[Pairs, tuple[Derived, ...]]:
+) -> tuple[Pairs, tuple[Derived | None, Derived | None]]:
     """The pairs with what follows from E and nu where they have no kn and kt, and what it is.
 
     What the case gives goes before. Raises InputError for a modulus too low for a line contact.
     """
-    whole, found = [], []
-    for k, (pair, mass) in enumerate(zip(pairs, (mean_mass / 2, mean_mass), strict=True)):
-        linear, (particle, wall) = pair.linear or LinearParameters(), solids[0]
-        other = wall if k else particle
-        if particle and other and linear.kn is None and linear.kt is None:
-            names = settings.particles.names[0], settings.particles.names[k]
-            with located(f"{table.path}: [pair.{'-'.join(names)}]"):
-                derived = _derived(names, pair, particle, other, solids[1][k])
-            pair = dataclasses.replace(pair, linear=_linear(linear, derived, mass, settings))
-            given = settings.law.gamma_n is not None
-            found.append(derived._replace(restitution=None) if given else derived)
-        whole.append(pair)
-    return (whole[0], whole[1]), tuple(found)
+    (first, one), (second, other) = (
+        _with_elastic(k, pair, table, solids, settings, mass)
+        for k, (pair, mass) in enumerate(zip(pairs, (mean_mass / 2, mean_mass), strict=True))
+    )
+    return (first, second), (one, other)
 
 
-def _derived(
-    names: tuple[str, str], pair: Pair, first: Elastic, second: Elastic, touching: Touching
-) -> Derived:
-    kn, kt = line_stiffness(touching.line, first, second)
-    has_damping = pair.linear is not None and pair.linear.gamma_n is not None
-    e = None if has_damping or pair.restitution is None else pair.restitution.value
-    return Derived(names, touching.line, first, second, kn, kt, e, touching.faces)
-
-
-def _linear(
-    linear: LinearParameters, derived: Derived, mass: float, settings: Settings
-) -> LinearParameters:
-    """All four constants; of a kn that the case gives, kt in the ratio of the derived ones."""
-    law, gamma_n = settings.law, linear.gamma_n
-    kn = law.kn or derived.kn
-    if derived.restitution is not None:
-        gamma = damping_for_restitution(derived.restitution, kn, mass, end=law.contact_end)
-        gamma_n = Measured(gamma)
-    kt = Measured(kn * derived.kt / derived.kn)
-    return LinearParameters(Measured(kn), kt, gamma_n, linear.gamma_t or Measured(0.0))
+def _with_elastic(
+    k: int, pair: Pair, table: ContactTable, solids: Solids, settings: Settings, mass: float
+) -> tuple[Pair, Derived | None]:
+    """The same of the particles (k = 0), or of a particle and a wall (k = 1)."""
+    linear, law = pair.linear or LinearParameters(), settings.law
+    own, other = solids.particle, (solids.particle, solids.wall)[k]
+    if own is None or other is None or linear.kn or linear.kt:
+        return pair, None
+    names = settings.particles.names[0], settings.particles.names[k]
+    with located(f"{table.path}: [pair.{'-'.join(names)}]"):
+        kn, kt = line_stiffness(solids.lines[k], own, other)
+    stiffness = law.kn or kn  # kt in the ratio of the derived ones
+    damping, restitution = linear.gamma_n, None
+    if damping is None and pair.restitution is not None:
+        e = pair.restitution.value
+        damping = Measured(damping_for_restitution(e, stiffness, mass, end=law.contact_end))
+        given = law.gamma_n is not None or (k == 1 and law.gamma_n_wall is not None)
+        restitution = None if given else e
+    whole = LinearParameters(
+        Measured(stiffness), Measured(stiffness * kt / kn), damping,
+        linear.gamma_t or Measured(0.0),
+    )  # fmt: skip
+    faces = k == 0 and not solids.discs
+    derived = Derived(names, solids.lines[k], own, other, kn, kt, restitution, faces)
+    return dataclasses.replace(pair, linear=whole), derived
 
 
 def in_words(derived: Derived) -> str:
@@ -165,12 +164,12 @@ def in_words(derived: Derived) -> str:
         f"each body gives way down to {line.depth:.3g} m, the radius of a disc of mean area",
         f"secant at {line.force:.3g} N, the weight of the column above a particle (at a tenth of "
         f"it kn is {100 * (1 - derived.tenth):.0f} % lower)",
-        "kt without slip",
+        _OF_KT,
     ]
     if derived.faces:
         words.append(
-            f"two faces, {derived.faces} contacts: {derived.faces * derived.kn:.3g} N/m, where "
-            f"square blocks that touch in a face have {derived.block:.3g} N/m"
+            f"two faces, eight contacts: {8 * derived.kn:.3g} N/m, where square blocks "
+            f"that touch in a face have {derived.block:.3g} N/m"
         )
     if derived.restitution is not None:
         words.append(
@@ -187,15 +186,15 @@ class BothWays(NamedTuple):
     line: LineContact
     kn: float  # of the case [N/m]
     kt: float  # [N/m]
-    of_solids: tuple[float, float] | None  # kn and kt of the table's E and nu; None: not known
+    of_materials: tuple[float, float] | None  # kn and kt of the table's E and nu; None: not known
     solid: Elastic | None  # that has kn and kt of the case; None: there is none
-    note: str  # the reason, where there is none
-    at_poisson: tuple[float, float] | None  # E that has kn with the table's nu, and that nu
+    note: str | None  # the reason, where there is none
+    by_kn: Elastic | None  # the solid that has the case's kn, and the nu of the table
 
     def numbers(self) -> dict[str, Any]:
         """All of it under names with units, for JSON."""
         modulus, nu = self.solid or (None, None)
-        own_kn, own_kt = self.of_solids or (None, None)
+        own_kn, own_kt = self.of_materials or (None, None)
         return {
             "pair": "-".join(self.names),
             **_of_line(self.line),
@@ -205,63 +204,74 @@ class BothWays(NamedTuple):
             "kt_of_materials_n_per_m": own_kt,
             "youngs_modulus_pa": modulus,
             "poisson": nu,
-            "note": self.note or None,
-            "youngs_modulus_with_poisson_of_material_pa": self.at_poisson and self.at_poisson[0],
+            "note": self.note,
+            "youngs_modulus_with_poisson_of_material_pa": self.by_kn and self.by_kn[0],
         }
 
     def lines(self) -> list[str]:
-        """All of it for a person."""
-        found = [f"{'-'.join(self.names)}: {_line_in_words(self.line)}, {self.line.force:.3g} N"]
-        found.append(f"  in the case       kn {self.kn:.4g} N/m, kt {self.kt:.4g} N/m")
-        if self.of_solids:
-            kn, kt = self.of_solids
+        """All of it for a person, below a head."""
+        found = [f"  of the case       kn {self.kn:.4g} N/m, kt {self.kt:.4g} N/m"]
+        if self.of_materials:
+            kn, kt = self.of_materials
             found.append(f"  of its materials  kn {kn:.4g} N/m, kt {kt:.4g} N/m")
         if self.solid:
             modulus, nu = self.solid
-            low, high = ratio_limits(self.line, self.kn)
+            least, most = ratio_limits(self.line, self.kn)
+            of_nu = 0.01 * 0.5 * (self.kt / self.kn) / (most - least)  # of its range, 0 to 0.5
             found.append(
-                f"  back              E {modulus:.4g} Pa, nu {nu:.3f} (1 % of kt/kn is "
-                f"{0.005 * (self.kt / self.kn) / (high - low):.2g} of nu)"
+                f"  elastic solid     E {modulus:.4g} Pa, nu {nu:.3f}; 1 % of kt/kn moves nu by "
+                f"about {of_nu:.2g}"
             )
         else:
-            found.append(f"  back              {self.note}")
-        if self.at_poisson:
-            modulus, nu = self.at_poisson
-            found.append(f"                    kn alone, with nu {nu:g}: E {modulus:.4g} Pa")
+            found.append(f"  elastic solid     {self.note}")
+        if self.by_kn:
+            modulus, nu = self.by_kn
+            found.append(
+                f"  by kn alone       E {modulus:.4g} Pa with nu {nu:g} of {self.names[0]}"
+            )
         return found
 
 
-def both_ways(
-    names: tuple[str, str], solids: Solids, laws: tuple[Any, Any]
-) -> tuple[BothWays, BothWays]:
+def both_ways(names: tuple[str, str], solids: Solids, laws: tuple[Any, Any]) -> list[BothWays]:
     """Stiffness and solids of the pairs of particles and of a particle and a wall.
 
     names: of both materials; laws: with kn and kt [N/m].
     """
-    first, second = (
-        _both_ways((names[0], names[k]), (solids[0][0], solids[0][k]), solids[1][k].line, law)
-        for k, law in enumerate(laws)
+    found = []
+    for k, (line, law) in enumerate(zip(solids.lines, laws, strict=True)):
+        own, other = solids.particle, (solids.particle, solids.wall)[k]
+        solid, by_kn, note, of_materials = None, None, None, None
+        try:
+            if own and own == other:
+                by_kn = modulus_of_stiffness(line, law.kn, own[1]), own[1]
+            solid = solid_of_stiffness(line, law.kn, law.kt)
+        except InputError as refused:
+            note = str(refused)
+        with contextlib.suppress(InputError):  # too soft for a line contact
+            of_materials = line_stiffness(line, own, other) if own and other else None
+        pair = names[0], names[k]
+        found.append(BothWays(pair, line, law.kn, law.kt, of_materials, solid, note, by_kn))
+    return found
+
+
+def in_lines(pairs: list[BothWays]) -> str:
+    """All of it for a person: each pair below a head, walls that are as particles with these."""
+    particles, walls = pairs
+    heads = {f"particles, {'-'.join(particles.names)}": particles}
+    if walls == particles:
+        heads = {f"particles and walls, {particles.names[0]}": particles}
+    else:
+        heads[f"walls, {'-'.join(walls.names)}"] = walls
+    found = []
+    for head, one in heads.items():
+        found += [f"{head}: {_line_in_words(one.line)}", *one.lines()]
+    line = particles.line
+    found.append(
+        f"assumed             kn is the secant at {line.force:.3g} N, the weight of the column "
+        f"above a particle; each body gives way down to {line.depth:.3g} m, the radius of a disc "
+        f"of mean area; an elastic solid is that of two bodies of one material; {_OF_KT}"
     )
-    return first, second
-
-
-def _both_ways(
-    names: tuple[str, str], solids: tuple[Elastic | None, Elastic | None], line: LineContact,
-    law: Any,
-) -> BothWays:  # fmt: skip
-    own, other = solids
-    solid, note, of_solids, at_poisson = None, "", None, None
-    try:
-        solid = solid_of_stiffness(line, law.kn, law.kt)
-    except InputError as refused:
-        note = str(refused)
-    try:
-        of_solids = line_stiffness(line, own, other) if own and other else None
-        if own and own == other:
-            at_poisson = modulus_of_stiffness(line, law.kn, own[1]), own[1]
-    except InputError as refused:
-        note = note or str(refused)
-    return BothWays(names, line, law.kn, law.kt, of_solids, solid, note, at_poisson)
+    return "\n".join(found)
 
 
 def _of_line(line: LineContact) -> dict[str, float]:
