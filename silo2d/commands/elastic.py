@@ -32,4 +32,4 @@ def elastic(case: str, mu: str | None, as_json: bool, **options: Any) -> None:
         by_pair = zip(PAIRS, (one.numbers() for one in found), strict=True)
         click.echo(json.dumps(dict(by_pair), indent=2))
     else:
-        click.echo(wrapped(in_lines(found), 20))
+        click.echo(wrapped(in_lines(found, loaded.solids), 20))

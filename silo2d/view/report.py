@@ -8,7 +8,7 @@ from granulab.campaign.output import room
 from granulab.campaign.output.layout import pulls_in_words
 from granulab.campaign.sweeps.overview import in_minutes
 from granulab.contact.laws import LinearLaw
-from silo2d.case.beds.elastic import in_words
+from silo2d.case.beds.elastic import assumed, in_words
 from silo2d.case.case import USUAL_INTERVALS, SiloCase
 from silo2d.case.disorder import QUANTITIES
 from silo2d.case.plan import (
@@ -78,13 +78,16 @@ def _derived(case: SiloCase) -> list[str]:
     """Lines on what follows from E and nu, one where walls are as particles."""
     law, (particles, walls) = case.settings.law, case.derived
     alike = particles and walls and (particles.names, particles.line) == (walls.names, walls.line)
+    found = [in_words(one) for one in ([particles] if alike else case.derived) if one]
+    if not found or case.solids is None:
+        return []
     instead = ""
     if law.kn is not None:
         instead = "; the case's kn goes before, with kt in the same ratio"
     elif law.kn_curve is not None:
         instead = "; the case's kn_curve goes before its kn"
-    found = [particles] if alike else case.derived
-    return [f"  derived     {in_words(one)}{instead}" for one in found if one]
+    lines = [f"  derived     {words}{instead}" for words in found]
+    return [*lines, f"  assumed     {assumed(case.solids)}"]
 
 
 def _damping(case: SiloCase) -> str:

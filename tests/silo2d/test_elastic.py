@@ -60,9 +60,7 @@ def test_one_contact_of_mean_particles_has_the_restitution_of_the_table(end):
 
 def test_eight_contacts_of_two_faces_are_about_as_stiff_as_the_blocks():
     """Another model of the same thing: two squares that touch in a face, L E/(1 - nu^2)."""
-    derived = acrylic().derived[0]
-    assert derived.block == pytest.approx(0.12 * E / (1 - NU**2), rel=1e-12)
-    assert 0.7 < 8 * derived.kn / derived.block < 1.0
+    assert 0.7 < 8 * acrylic().particle_law.kn / (0.12 * E / (1 - NU**2)) < 1.0
 
 
 def test_the_length_of_the_prisms_moves_nothing(tmp_path):
@@ -80,8 +78,9 @@ def test_the_echo_says_what_was_derived_and_assumed():
         "particles of acrylic, walls of acrylic", "acrylic-acrylic from E 3.3e+09 Pa, nu 0.37",
         "kn 4.911e+07 N/m, kt 4.277e+07 N/m", "line contact in plane strain",
         "reduced radius 0.001 m, length 0.12 m", "the radius of a disc of mean area",
-        "secant at 10.4 N, the weight of the column above a particle", "kt without slip", "bending of corners",
-        "gamma_n of restitution 0.86", "damping: restitution", "0.6 of the largest stable",
+        "secant at 10.4 N, the weight of the column above a particle", "kt without slip",
+        "at a tenth of the force kn is 14 % lower", "have a kt/kn some 15 % lower",
+        "gamma_n from restitution 0.86", "damping: restitution", "0.6 of the largest stable",
     ):  # fmt: skip
         assert words in said, words
     assert said.count("derived ") == 1
@@ -140,7 +139,7 @@ def test_two_discs_touch_with_half_of_their_radius(tmp_path):
     case = acrylic(particles__shapes=str(tmp_path / "discs.toml"))
     among, at_wall = case.derived
     assert (among.line.radius, at_wall.line.radius) == pytest.approx((3e-3, 6e-3), rel=1e-9)
-    assert (among.line.depth, among.faces, at_wall.faces) == (pytest.approx(6e-3), False, False)
+    assert among.line.depth == pytest.approx(6e-3)
     assert at_wall.kn > among.kn
 
 
@@ -191,7 +190,7 @@ def test_no_solid_has_the_stiffness_of_the_paper():
     said = " ".join(silo2d("elastic", "A4").out.split())
     for words in (
         "no elastic solid has it in a line contact", "secant at 3.95 N", "some 15 % lower",
-        "two bodies of one material", "walls, wood-methacrylate",
+        "the material of both bodies", "walls, wood-methacrylate",
     ):  # fmt: skip
         assert words in said, words
 

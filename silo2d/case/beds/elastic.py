@@ -33,11 +33,6 @@ from silo2d.case.shape import ShapeSet
 PAIRS = ("particle_particle", "particle_wall")  # names in JSON
 Pairs = tuple[Pair, Pair]  # particle-particle, particle-wall
 
-_OF_KT = (
-    "kt without slip and without the bending of corners: finite elements of a right-angled one on "
-    "a face have a kt/kn some 15 % lower"
-)
-
 
 class Solids(NamedTuple):
     """Elastic constants of the materials of a case, and the contacts of its particles."""
@@ -58,7 +53,6 @@ class Derived(NamedTuple):
     kn: float  # [N/m]
     kt: float  # [N/m]
     restitution: float | None  # that its damping follows from [-]; None: its damping is given
-    faces: bool  # two such bodies can touch in faces
 
     @property
     def half_width(self) -> float:
@@ -71,12 +65,6 @@ class Derived(NamedTuple):
         light = self.line._replace(force=self.line.force / 10)
         return line_stiffness(light, self.first, self.second)[0] / self.kn
 
-    @property
-    def block(self) -> float:
-        """Stiffness [N/m] of two square blocks that touch in a face, from middle to middle."""
-        compliance = sum((1 - nu**2) / modulus for modulus, nu in (self.first, self.second))
-        return 2 * self.line.length / compliance
-
     def numbers(self) -> dict[str, Any]:
         """All of it under names with units, for JSON."""
         return {
@@ -87,7 +75,7 @@ class Derived(NamedTuple):
             "half_width_m": self.half_width,
             "kn_n_per_m": self.kn,
             "kt_n_per_m": self.kt,
-            "kn_at_a_tenth_of_the_force": self.tenth,
+            "kn_ratio_at_a_tenth_of_the_force": self.tenth,
             "restitution": self.restitution,
         }
 
@@ -147,36 +135,42 @@ def _with_elastic(
         Measured(stiffness), Measured(stiffness * kt / kn), damping,
         linear.gamma_t or Measured(0.0),
     )  # fmt: skip
-    faces = k == 0 and not solids.discs
-    derived = Derived(names, solids.lines[k], own, other, kn, kt, restitution, faces)
+    derived = Derived(names, solids.lines[k], own, other, kn, kt, restitution)
     return dataclasses.replace(pair, linear=whole), derived
 
 
 def in_words(derived: Derived) -> str:
-    """A paragraph on what was derived, of what, and what was assumed."""
+    """A sentence on what was derived, and of what."""
     line, (own, other) = derived.line, derived.names
     of = f"E {derived.first[0]:.4g} Pa, nu {derived.first[1]:g}"
     if own != other:
         of = f"{of} of {own}; E {derived.second[0]:.4g} Pa, nu {derived.second[1]:g} of {other}"
-    words = [
-        f"{own}-{other} from {of}: kn {derived.kn:.4g} N/m, kt {derived.kt:.4g} N/m by a line "
-        f"contact in plane strain ({_line_in_words(line)}, half-width {derived.half_width:.2g} m)",
-        f"each body gives way down to {line.depth:.3g} m, the radius of a disc of mean area",
-        f"secant at {line.force:.3g} N, the weight of the column above a particle (at a tenth of "
-        f"it kn is {100 * (1 - derived.tenth):.0f} % lower)",
-        _OF_KT,
-    ]
-    if derived.faces:
-        words.append(
-            f"two faces, eight contacts: {8 * derived.kn:.3g} N/m, where square blocks "
-            f"that touch in a face have {derived.block:.3g} N/m"
-        )
-    if derived.restitution is not None:
-        words.append(
-            f"gamma_n of restitution {derived.restitution:g} by one contact of mean particles, "
-            "gamma_t 0"
-        )
-    return "; ".join(words)
+    words = (
+        f"{own}-{other} from {of}: kn {derived.kn:.4g} N/m, kt {derived.kt:.4g} N/m "
+        f"({_line_in_words(line)}, half-width {derived.half_width:.2g} m; at a tenth of the force "
+        f"kn is {100 * (1 - derived.tenth):.0f} % lower)"
+    )
+    if derived.restitution is None:
+        return words
+    return (
+        f"{words}; gamma_n from restitution {derived.restitution:g}, one contact of mean particles"
+    )
+
+
+def assumed(solids: Solids) -> str:
+    """A sentence on what a line contact takes for granted."""
+    line = solids.lines[0]
+    words = (
+        f"line contact in plane strain; kn is the secant at {line.force:.3g} N, the weight of the "
+        f"column above a particle; each body gives way down to {line.depth:.3g} m, the radius of a "
+        "disc of mean area; kt without slip"
+    )
+    if solids.discs:
+        return words
+    return (
+        f"{words} and without the bending of corners: finite elements of a right-angled one on a "
+        "face have a kt/kn some 15 % lower"
+    )
 
 
 class BothWays(NamedTuple):
@@ -254,7 +248,7 @@ def both_ways(names: tuple[str, str], solids: Solids, laws: tuple[Any, Any]) -> 
     return found
 
 
-def in_lines(pairs: list[BothWays]) -> str:
+def in_lines(pairs: list[BothWays], solids: Solids) -> str:
     """All of it for a person: each pair below a head, walls that are as particles with these."""
     particles, walls = pairs
     heads = {f"particles, {'-'.join(particles.names)}": particles}
@@ -265,11 +259,8 @@ def in_lines(pairs: list[BothWays]) -> str:
     found = []
     for head, one in heads.items():
         found += [f"{head}: {_line_in_words(one.line)}", *one.lines()]
-    line = particles.line
     found.append(
-        f"assumed             kn is the secant at {line.force:.3g} N, the weight of the column "
-        f"above a particle; each body gives way down to {line.depth:.3g} m, the radius of a disc "
-        f"of mean area; an elastic solid is that of two bodies of one material; {_OF_KT}"
+        f"assumed             {assumed(solids)}; the elastic solid is the material of both bodies"
     )
     return "\n".join(found)
 
