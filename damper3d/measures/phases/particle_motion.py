@@ -22,12 +22,15 @@ def particle_measures(motion: Motion) -> dict[str, float | None]:
     agitation, kept = neighbour_motion(motion)
     hits, free = hits_and_flight(motion)
     travelled = travel(motion)
+    moves, returns = agitation >= SEEN, travelled <= RETURNED
     diameter = 2.0 * motion.radius.mean()
     return {
         "carried_share": float(np.mean(carried_energy(motion) < SEEN)),
-        "agitated_share": float(np.mean(agitation >= SEEN)),
+        "agitated_share": float(np.mean(moves)),
+        "fluidised_share": float(np.mean(moves & returns)),
+        "convecting_share": float(np.mean(moves & ~returns)),
         "agitation": float(np.median(agitation)),
-        "travelling_share": float(np.mean(travelled > RETURNED)),
+        "travelling_share": float(np.mean(~returns)),
         "travel": float(np.median(travelled)),
         "packed_share": packed_share(motion),
         "neighbours_kept": kept,
