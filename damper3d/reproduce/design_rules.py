@@ -17,6 +17,7 @@ from granulab.campaign.output.figure import BLUE, GREEN, INK, ORANGE, PURPLE, VE
 from granulab.campaign.output.layout import columns, paragraphs
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from granulab.campaign.sweeps.sweep import Labelled
@@ -74,37 +75,60 @@ def _table(found: Found) -> str:
     return columns(header, lines) if lines else ""
 
 
-_PANELS = {
-    "I: clearance": ("45 mm", "50 mm", "55 mm", "denser", "no gravity"),
-    "II: frequency, vertical": ("vertical", "narrow"),
-    "II: frequency, horizontal": ("horizontal",),
-    "9.3: shape": ("round", "oblate"),
+_DEPTH = 80.0  # [Hz] at which depth is swept
+# Title of a panel: its variants, and the frequency where only one is shown.
+_PANELS: dict[str, tuple[tuple[str, ...], float | None]] = {
+    "I: clearance": (("45 mm", "50 mm", "55 mm", "denser", "no gravity"), None),
+    "II: frequency, vertical": (("vertical",), None),
+    "II: frequency, horizontal": (("horizontal",), None),
+    "9.3: shape": (("round", "oblate"), None),
+    "II: depth at equal volume": (
+        ("50 mm wide", "vertical", "34 mm wide", "narrow", "24 mm wide"), _DEPTH
+    ),
 }
 _COLOURS = (INK, BLUE, GREEN, ORANGE, PURPLE, VERMILION)
 
 
 def draw(rows: list[Row]) -> "Figure":
-    """Eta against Gamma, a panel for each rule."""
+    """Eta against Gamma, a panel for each rule; and the optimum against the depth of the bed."""
     from matplotlib.figure import Figure
 
     found = found_in(rows)
-    figure = Figure(figsize=(10.2, 7.4), layout="constrained")
+    figure = Figure(figsize=(13.4, 7.4), layout="constrained")
     headline(figure, "Design rules (thesis, secs 9.2 and 9.3): efficiency of steady beds")
-    for axes, (title, names) in zip(
-        figure.subplots(2, 2, sharey=True).flat, _PANELS.items(), strict=True
-    ):
+    *panels, last = figure.subplots(2, 3).flat
+    for axes, (title, (names, only)) in zip(panels, _PANELS.items(), strict=True):
         ruled(axes)
-        keys = [key for key in found if key[0] in names]
+        keys = [key for key in found if key[0] in names and only in (None, key[1])]
         for colour, key in zip(_COLOURS, keys, strict=False):
             own = curve(found[key].rows, "efficiency")
             axes.errorbar(own.x, own.mean, own.sd, fmt="o-", ms=3, color=colour, elinewidth=0.8,
                           label=f"{key[0]}, {key[1]:g} Hz")  # fmt: skip
         axes.set(xscale="log", ylim=(0, 1.1), xlabel="\u0393", ylabel="efficiency")
-        low, high = axes.get_xlim()
-        ticks = [g for g in (1, 2, 3, 5, 10, 20, 30, 50, 100) if low <= g <= high]
-        axes.set_xticks(ticks, map(str, ticks))
-        axes.minorticks_off()
+        _ticks(axes, (1, 2, 3, 5, 10, 20, 30, 50, 100))
         axes.set_title(title, loc="left", fontsize=10)
         if keys:
             axes.legend(fontsize=7.5)
+    _draw_depth(last, found)
     return figure
+
+
+def _draw_depth(axes: "Axes", found: Found) -> None:
+    """Gamma of the optimum with its interval against height over width."""
+    ruled(axes)
+    for name in _PANELS["II: depth at equal volume"][0]:
+        own = found.get((name, _DEPTH))
+        if own is not None and (peak := own.peak) is not None:
+            ends = [[peak.gamma - peak.low], [peak.high - peak.gamma]]
+            axes.errorbar((40.0 / VARIANTS[name].width) ** 3, peak.gamma, ends, fmt="o", color=INK,
+                          ms=4, elinewidth=0.9)  # fmt: skip
+    axes.set(xscale="log", ylim=(0, 4), xlabel="height over width", ylabel="optimum \u0393")
+    _ticks(axes, (0.5, 1, 2, 5))
+    axes.set_title("II: depth at equal volume, 80 Hz", loc="left", fontsize=10)
+
+
+def _ticks(axes: "Axes", values: tuple[float, ...]) -> None:
+    low, high = axes.get_xlim()
+    ticks = [value for value in values if low <= value <= high]
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.minorticks_off()
