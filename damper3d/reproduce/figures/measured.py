@@ -1,0 +1,131 @@
+"""Six panels of the beds that others measured: our points, and theirs as a band or a line."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from damper3d.case.closed_forms import collect_and_collide
+from damper3d.reproduce.quantities.curves import curve
+from damper3d.reproduce.quantities.measured import (
+    BEDS,
+    MOVES,
+    STILL,
+    UNLIKE,
+    Found,
+    clearance_onset,
+    found_in,
+    published,
+    rises,
+    unlike,
+)
+from damper3d.view.charts import ruled
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, headline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Row = dict[str, Any]
+
+
+def measured_panels(rows: list[Row]) -> "Figure":
+    """Lift-off, flight, no gravity; apparent mass, rise, drops."""
+    from matplotlib.figure import Figure
+
+    found = found_in(rows)
+    figure = Figure(figsize=(13.4, 7.4), layout="constrained")
+    headline(figure, "Shaken and dropped beds: ours (points), and what others measured (grey)")
+    draws = (_moving, _doubling, _weightless, _mass, _rise, _drops)
+    for axes, draw in zip(figure.subplots(2, 3).flat, draws, strict=True):
+        ruled(axes)
+        draw(axes, found)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(fontsize=7.5)
+    return figure
+
+
+def _points(axes: "Axes", rows: list[Row], value: Any, colour: str, label: str | None = None,
+            scale: float = 1.0) -> None:  # fmt: skip
+    own = curve(rows, value, "at")
+    axes.errorbar([x * scale for x in own.x], own.mean, own.sd, fmt="o-", ms=3, color=colour,
+                  elinewidth=0.8, label=label)  # fmt: skip
+
+
+def _band(axes: "Axes", name: str) -> None:
+    low, high = published()[name]
+    axes.axvspan(low, high, color=GREY, alpha=0.3, lw=0) if low < high else axes.axvline(
+        low, color=GREY, lw=1.2
+    )
+
+
+def _moving(axes: "Axes", found: Found) -> None:
+    for bed, name, colour in (("vertical", "lift_off", BLUE), ("horizontal", "sliding", ORANGE)):
+        _points(axes, found.get(bed, []), "efficiency_wall_work", colour, bed)
+        _band(axes, name)
+    axes.axhline(MOVES, color=INK, lw=0.6, ls=":")
+    axes.set(yscale="log", ylim=(1e-4, 0.5), xlabel="\u0393", ylabel="efficiency")
+    axes.set_title("beginning to move, 15 Hz", loc="left", fontsize=10)
+
+
+def _doubling(axes: "Axes", found: Found) -> None:
+    _points(axes, found.get("flying", []), unlike, BLUE)
+    _band(axes, "doubling")
+    axes.axhline(UNLIKE, color=INK, lw=0.6, ls=":")
+    axes.set(ylim=(0, 1), xlabel="\u0393", ylabel="difference of successive cycles")
+    axes.set_title("flights that differ, 20 Hz", loc="left", fontsize=10)
+
+
+def _weightless(axes: "Axes", found: Found) -> None:
+    middle = math.sqrt(clearance_onset("loose") * clearance_onset("close"))
+    _points(axes, found.get("weightless", []), "efficiency", BLUE, scale=1 / middle)
+    parts = np.geomspace(1, 7, 100)
+    axes.plot(parts, collect_and_collide(parts), color=GREY, lw=1.2, label="one body")
+    axes.axvspan(clearance_onset("loose") / middle, clearance_onset("close") / middle, color=GREY,
+                 alpha=0.3, lw=0)  # fmt: skip
+    axes.set(xscale="log", ylim=(0, 1.1), xlabel="amplitude over clearance/\u03c0",
+             ylabel="efficiency")  # fmt: skip
+    axes.set_xticks([0.5, 1, 2, 5], ["0.5", "1", "2", "5"])
+    axes.minorticks_off()
+    axes.set_title("without gravity, 20 Hz", loc="left", fontsize=10)
+
+
+def _mass(axes: "Axes", found: Found) -> None:
+    for frequency, marker in ((80, "o"), (160, "s")):
+        own = found.get(f"no lid, {frequency} Hz", [])
+        for part, colour in (("in_phase", BLUE), ("out_of_phase", ORANGE)):
+            mass = curve(own, lambda row, p=part: row[f"effective_mass.{p}_kg"] / row["mass_kg"],
+                         "at")  # fmt: skip
+            axes.plot(mass.x, [m if m > 0 else math.nan for m in mass.mean], marker + "-", ms=3,
+                      color=colour, lw=0.9,
+                      label=f"{part.replace('_', ' ')}, {frequency} Hz")  # fmt: skip
+    gammas = np.array([2.0, 10.0])
+    for power, start in ((-2, 1.6), (-1, 1.6)):
+        axes.plot(gammas, start * (gammas / 2.0) ** power, color=GREY, lw=1.2)
+        axes.annotate(f"\u0393^{power}", (gammas[1], start * 5.0**power), fontsize=8, color=GREY)
+    axes.set(xscale="log", yscale="log", ylim=(3e-3, 3), xlabel="\u0393", ylabel="mass over the bed's")
+    axes.set_xticks([2, 5, 10], ["2", "5", "10"])
+    axes.minorticks_off()
+    axes.set_title("effective mass without a lid", loc="left", fontsize=10)
+
+
+def _rise(axes: "Axes", found: Found) -> None:
+    table = rises(found.get("thin", []))
+    for count, colour in zip(BEDS["thin"].counts, (INK, BLUE, GREEN, ORANGE), strict=True):
+        own = np.exp([row for row in table if round(math.exp(row[1])) == count])
+        if len(own):
+            axes.loglog(own[:, 0], own[:, 2] * 1e3, "o", ms=3, color=colour, label=f"{count}")
+    axes.set(xlabel="peak velocity [m/s]", ylabel="rise of the centre of mass [mm]")
+    axes.set_xticks([0.3, 0.5, 0.7], ["0.3", "0.5", "0.7"])
+    axes.minorticks_off()
+    axes.set_title("rise by number of grains, 50 Hz", loc="left", fontsize=10)
+
+
+def _drops(axes: "Axes", found: Found) -> None:
+    dropped = [name for name, bed in BEDS.items() if bed.dropped]
+    for bed, colour in zip(dropped, (BLUE, GREEN, ORANGE), strict=True):
+        _points(axes, found.get(bed, []), "rebound", colour, bed)
+    _band(axes, "rebound")
+    axes.axhline(STILL, color=INK, lw=0.6, ls=":")
+    axes.set(yscale="log", xlabel="bed over e0 times the enclosure", ylabel="rebound over drop")
+    axes.set_title("dropped cylinder", loc="left", fontsize=10)

@@ -1,0 +1,121 @@
+"""Numbers that the thesis prints, and what their size does: fill, Rayleigh's step, yielding.
+
+The fill of toroids (sec. 8.3) and the step (Table 6.1) need no run. Impacts beyond the yield velocity
+(sec. 6.2.2) are where the map has its fastest: with constant restitution as in the thesis, and with
+one that falls above the yield velocity; sec. 5.5.4 says that it does.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from damper3d.reproduce.panels import SPHERES, completeness, point_cases, run_of_cases
+from damper3d.reproduce.quantities.curves import curve
+from damper3d.reproduce.quantities.printed import (
+    LAWS,
+    POINT,
+    PRINTED,
+    change_by_yielding,
+    fastest,
+    points,
+)
+from damper3d.view.charts import ruled
+from granulab.campaign.claims.claim import claims_of
+from granulab.campaign.claims.judge import report_claims
+from granulab.campaign.output.figure import BLUE, ORANGE, headline
+from granulab.campaign.output.layout import columns, paragraphs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from granulab.campaign.sweeps.sweep import Labelled
+
+Row = dict[str, Any]
+
+SEEDS = 3
+COLUMNS = (
+    "law", "orientation", "height_mm", "frequency_hz", "gamma", "efficiency",
+    "efficiency_interval", "efficiency_wall_work", "peak_wall_force_n",
+    "max_impact_over_yield_velocity.", "impacts_beyond_yield.", "phase", "energy_closure",
+)  # fmt: skip
+_READING = """\
+impact: fastest between particles over their yield velocity (eq. 5.26, 3.5 m/s), of all packings, with
+  constant restitution; beyond: part of their impacts above it. efficiency, force: with constant
+  restitution and with one that falls above the yield velocity, and by how much they differ with
+  the noise of three packings."""
+
+
+def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
+    """Each point once for each seed; `changes` go over what the table sets."""
+    return point_cases(points(), _settings, seeds, changes)
+
+
+def _settings(point: Row) -> Row:
+    return {
+        "motion.orientation": point["orientation"],
+        "motion.frequency": point["frequency_hz"],
+        "motion.gamma": point["gamma"],
+        "enclosure.height": f"{point['height_mm']} mm",
+        "particles.count": SPHERES[5],
+        "law.yielding": LAWS[point["law"]],
+        "output.keep": "summary",
+    }
+
+
+run = run_of_cases(lambda seeds: cases(seeds))
+
+
+def report(rows: list[Row]) -> str:
+    """Return what is there, the printed numbers judged, and a line a point."""
+    return paragraphs(
+        completeness(rows, points(), SEEDS),
+        report_claims(PRINTED.judge(claims_of("damper_printed"), rows)),
+        _table(rows),
+        _READING,
+    )
+
+
+def _table(rows: list[Row]) -> str:
+    impacts = fastest(rows, "constant")
+    efficiency, force = (change_by_yielding(rows, name)
+                         for name in ("efficiency", "peak_wall_force_n"))  # fmt: skip
+    lines = []
+    for one, eta, newton in zip(impacts, efficiency, force, strict=False):
+        own = [row for row in rows if row["law"] == "constant" and row["state"] == "done"
+               and all(row[key] == one[key] for key in POINT)]  # fmt: skip
+        beyond = sum(row["impacts_beyond_yield.particle_particle"] for row in own) / len(own)
+        lines.append([
+            f"  {one['orientation']}", f"{one['height_mm']} mm", f"{one['frequency_hz']:g}",
+            f"{one['gamma']:g}", f"{one['value']:.2f}", f"{100 * beyond:.2g} %",
+            f"{eta['constant']:.3f} {eta['yielding']:.3f}",
+            f"{100 * eta['value']:+.1f} +- {100 * eta['noise']:.1f} %",
+            f"{newton['constant']:.0f} {newton['yielding']:.0f} N",
+            f"{100 * newton['value']:+.0f} +- {100 * newton['noise']:.0f} %",
+        ])  # fmt: skip
+    header = ["  motion", "height", "Hz", "Gamma", "impact", "beyond", "efficiency", "change",
+              "force", "change"]  # fmt: skip
+    return columns(header, lines) if lines else ""
+
+
+def draw(rows: list[Row]) -> "Figure":
+    """Efficiency and largest force of both restitutions against the fastest impact."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.6, 4.0), layout="constrained")
+    headline(figure, "Impacts beyond the yield velocity: constant restitution, and one that falls")
+    impacts = {tuple(one[key] for key in POINT): one["value"] for one in fastest(rows, "constant")}
+    placed = [row | {"impact": impact} for row in rows
+              if (impact := impacts.get(tuple(row[key] for key in POINT))) is not None]  # fmt: skip
+    for axes, column, label in zip(
+        figure.subplots(1, 2), ("efficiency", "peak_wall_force_n"),
+        ("efficiency", "largest force on the walls [N]"), strict=True,
+    ):  # fmt: skip
+        ruled(axes)
+        for law, colour, marker in (("constant", BLUE, "o"), ("yielding", ORANGE, "s")):
+            own = curve([row for row in placed if row["law"] == law], column, "impact")
+            axes.errorbar(own.x, own.mean, own.sd, fmt=marker, ms=4, color=colour, elinewidth=0.8,
+                          label=f"restitution {law}")  # fmt: skip
+        axes.set(xlabel="fastest impact over yield velocity", ylabel=label)
+        axes.set_ylim(bottom=0)
+        if placed:
+            axes.legend(fontsize=8)
+    return figure
