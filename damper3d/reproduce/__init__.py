@@ -20,7 +20,7 @@ TABLES: dict[str, str] = {
     "measured": "shaken and dropped beds that others measured",
     "optimum": "where the bouncing bed damps best (thesis, Table 6.3)",
     "packing": "how densely each shape packs (thesis, eq. 6.13 and sec. 8.5.1.2)",
-    "printed": "sizes of printed numbers: fill, time step, impacts that yield (thesis, secs 6.2, 8.3)",
+    "printed": "printed numbers: fill, time step, impacts that yield (thesis, secs 6.2, 8.3)",
     "sensitivity": "the optimum against four properties (thesis, Fig. 6.13)",
     "shapes": "spheroids and toroids of unlike ratio (thesis, chapter 8)",
     "shares": "friction and particle-particle contacts (thesis, Figs 6.28, 6.29)",

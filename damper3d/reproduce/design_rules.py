@@ -83,7 +83,8 @@ _PANELS: dict[str, tuple[tuple[str, ...], float | None]] = {
     "II: frequency, horizontal": (("horizontal",), None),
     "9.3: shape": (("round", "oblate"), None),
     "II: depth at equal volume": (
-        ("50 mm wide", "vertical", "34 mm wide", "narrow", "24 mm wide"), _DEPTH
+        ("50 mm wide", "vertical", "34 mm wide", "narrow", "24 mm wide"),
+        _DEPTH,
     ),
 }
 _COLOURS = (INK, BLUE, GREEN, ORANGE, PURPLE, VERMILION)

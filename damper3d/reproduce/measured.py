@@ -1,7 +1,8 @@
 """Beds that others measured: lift-off, flight, apparent mass, rise, collect and collide, drops.
 
-The beds are this project's, of acrylic, in the regime that the source states; where a source gives a
-formula, that is compared. data/published/shaken_beds.csv has their numbers and where they are from.
+The beds are this project's, of acrylic, in the regime that the source states; where a source gives
+a formula, that is compared. data/published/shaken_beds.csv has their numbers and where they are
+from.
 """
 
 from collections.abc import Sequence
@@ -36,11 +37,12 @@ COLUMNS = (
     "mass_kg", "bed_height_m", "rebound", "phase", "energy_closure",
 )  # fmt: skip
 _READING = """\
-theirs: an interval, or the number of a formula; ours: value and interval. lift_off, sliding: from the
-  last Gamma at which the shaker's work is at most 1 % of 4 M V^2 to the next, over all packings;
-  doubling: likewise where what successive cycles dissipate differs by 10 % of their sum; rebound:
-  likewise below 2 % of the drop. optimum: amplitude over clearance/pi, from the close packing's
-  clearance to the loose one's. Powers: least squares with 95 % of their scatter."""
+theirs: an interval, or the number of a formula; ours: value and interval. lift_off, sliding: from
+  the last Gamma at which the shaker's work is at most 1 % of 4 M V^2 to the next, over all
+  packings; doubling: likewise where what successive cycles dissipate differs by 10 % of their
+  sum; rebound: likewise below 2 % of the drop. transition, optimum: amplitude over clearance/pi,
+  from the close packing's clearance to the loose one's; the optimum in the bracket of its peak.
+  Powers: least squares with 95 % of their scatter."""
 
 
 def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":

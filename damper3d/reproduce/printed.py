@@ -1,8 +1,8 @@
 """Numbers that the thesis prints, and what their size does: fill, Rayleigh's step, yielding.
 
-The fill of toroids (sec. 8.3) and the step (Table 6.1) need no run. Impacts beyond the yield velocity
-(sec. 6.2.2) are where the map has its fastest: with constant restitution as in the thesis, and with
-one that falls above the yield velocity; sec. 5.5.4 says that it does.
+The fill of toroids (sec. 8.3) and the step (Table 6.1) need no run. Impacts beyond the yield
+velocity (sec. 6.2.2) are where the map has its fastest: with constant restitution as in the thesis,
+and with one that falls above the yield velocity, as sec. 5.5 has it.
 """
 
 from collections.abc import Sequence
@@ -38,10 +38,10 @@ COLUMNS = (
     "max_impact_over_yield_velocity.", "impacts_beyond_yield.", "phase", "energy_closure",
 )  # fmt: skip
 _READING = """\
-impact: fastest between particles over their yield velocity (eq. 5.26, 3.5 m/s), of all packings, with
-  constant restitution; beyond: part of their impacts above it. efficiency, force: with constant
-  restitution and with one that falls above the yield velocity, and by how much they differ with
-  the noise of three packings."""
+impact: fastest between particles over their yield velocity (eq. 5.26, 3.5 m/s), of all packings,
+  with constant restitution; beyond: part of their impacts above it. efficiency, force: with
+  constant restitution and with one that falls above the yield velocity, and by how much they
+  differ with the noise of three packings."""
 
 
 def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":

@@ -15,6 +15,7 @@ from damper3d.reproduce.quantities.measured import (
     Found,
     clearance_onset,
     found_in,
+    onset_of_mean,
     published,
     rises,
     unlike,
@@ -60,8 +61,10 @@ def _band(axes: "Axes", name: str) -> None:
 
 
 def _moving(axes: "Axes", found: Found) -> None:
-    for bed, name, colour in (("vertical", "lift_off", BLUE), ("horizontal", "sliding", ORANGE)):
+    beds = {"vertical": BLUE, "horizontal": ORANGE, "horizontal, rolling": GREEN}
+    for bed, colour in beds.items():
         _points(axes, found.get(bed, []), "efficiency_wall_work", colour, bed)
+    for name in ("lift_off", "sliding"):
         _band(axes, name)
     axes.axhline(MOVES, color=INK, lw=0.6, ls=":")
     axes.set(yscale="log", ylim=(1e-4, 0.5), xlabel="\u0393", ylabel="efficiency")
@@ -77,7 +80,7 @@ def _doubling(axes: "Axes", found: Found) -> None:
 
 
 def _weightless(axes: "Axes", found: Found) -> None:
-    middle = math.sqrt(clearance_onset("loose") * clearance_onset("close"))
+    middle = onset_of_mean()
     _points(axes, found.get("weightless", []), "efficiency", BLUE, scale=1 / middle)
     parts = np.geomspace(1, 7, 100)
     axes.plot(parts, collect_and_collide(parts), color=GREY, lw=1.2, label="one body")
@@ -99,12 +102,15 @@ def _mass(axes: "Axes", found: Found) -> None:
             axes.plot(mass.x, [m if m > 0 else math.nan for m in mass.mean], marker + "-", ms=3,
                       color=colour, lw=0.9,
                       label=f"{part.replace('_', ' ')}, {frequency} Hz")  # fmt: skip
-    gammas = np.array([2.0, 10.0])
-    for power, start in ((-2, 1.6), (-1, 1.6)):
-        axes.plot(gammas, start * (gammas / 2.0) ** power, color=GREY, lw=1.2)
-        axes.annotate(f"\u0393^{power}", (gammas[1], start * 5.0**power), fontsize=8, color=GREY)
-    axes.set(xscale="log", yscale="log", ylim=(3e-3, 3), xlabel="\u0393", ylabel="mass over the bed's")
-    axes.set_xticks([2, 5, 10], ["2", "5", "10"])
+    gammas = np.array([2.0, 20.0])
+    for power in (-2, -1):
+        line = 1.6 * (gammas / 2.0) ** power
+        axes.plot(gammas, line, color=GREY, lw=1.2)
+        axes.annotate(f"$\\Gamma^{{{power}}}$", (gammas[1], line[1]), fontsize=8, color=GREY)
+    axes.set(
+        xscale="log", yscale="log", ylim=(3e-3, 3), xlabel="\u0393", ylabel="mass over the bed's"
+    )
+    axes.set_xticks([2, 5, 10, 20], ["2", "5", "10", "20"])
     axes.minorticks_off()
     axes.set_title("effective mass without a lid", loc="left", fontsize=10)
 
@@ -117,6 +123,7 @@ def _rise(axes: "Axes", found: Found) -> None:
             axes.loglog(own[:, 0], own[:, 2] * 1e3, "o", ms=3, color=colour, label=f"{count}")
     axes.set(xlabel="peak velocity [m/s]", ylabel="rise of the centre of mass [mm]")
     axes.set_xticks([0.3, 0.5, 0.7], ["0.3", "0.5", "0.7"])
+    axes.set_yticks([2, 5, 10, 20], ["2", "5", "10", "20"])
     axes.minorticks_off()
     axes.set_title("rise by number of grains, 50 Hz", loc="left", fontsize=10)
 

@@ -9,7 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from damper3d.case.closed_forms import PACKINGS, bouncing_bed_onset, collect_and_collide
+from damper3d.case.closed_forms import (
+    PACKINGS,
+    bouncing_bed_onset,
+    collect_and_collide,
+    effective_clearance,
+)
 from damper3d.case.parts import GRAVITY
 from damper3d.studies.field.fall import falls
 from damper3d.studies.field.table import Field
@@ -27,6 +32,7 @@ MEASURED = Quantities()
 MOVES = 0.01  # efficiency (of the walls' work) from which a bed moves in its enclosure
 UNLIKE = 0.1  # |b - a|/(b + a) of what successive cycles dissipate, from which they differ
 STILL = 0.02  # height of a rebound over the drop, below which there is none
+FAR = 1.5  # times clearance/pi, beyond which even one body takes less than 0.9 of the most
 AT_REST = 0.5  # Gamma of a bed that rides along
 _SOFT = {"law.youngs_modulus": "0.33 GPa", "run.time_step": "4 us"}
 
@@ -59,13 +65,24 @@ _AMPLITUDES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.1, 1.25, 1.5, 2.0, 3.
 
 def clearance_onset(packing: str) -> float:
     """Gamma of eq. 6.11 for the weightless bed, with the clearance of eq. 6.13."""
-    clearance = (1 - _WEIGHTLESS_FILL / PACKINGS[packing]) * 0.045
+    clearance = effective_clearance(_WEIGHTLESS_FILL, 0.045, PACKINGS[packing])
     return float(bouncing_bed_onset(20.0, clearance))
 
 
-_NO_LID = (1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0)
+def onset_of_mean() -> float:
+    """The same with a clearance between those of both packings."""
+    return math.sqrt(clearance_onset("loose") * clearance_onset("close"))
+
+
+_NO_LID = (1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, 28.0)
 DROP = 0.1  # [m]
 _BOX = {"enclosure.diameter": "30 mm", "enclosure.height": "100 mm", "run.time_step": "2 us"}
+
+_TROUGH = "box 40 x 40 x 80 mm shaken along 80 mm, spheres of 5 mm, 0.33 GPa, 15 Hz"
+_LYING = {
+    "enclosure.shape": "box", "enclosure.width": "40 mm", "enclosure.depth": "40 mm",
+    "enclosure.height": "80 mm", "motion.orientation": "horizontal", "motion.frequency": 15.0,
+} | _cycles(13, 5) | _SOFT  # fmt: skip
 
 BEDS: dict[str, Bed] = {
     "vertical": Bed(
@@ -74,14 +91,17 @@ BEDS: dict[str, Bed] = {
         (0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.15, 1.2, 1.3), (358,),
     ),
     "horizontal": Bed(
-        "box 40 x 40 x 80 mm shaken along 80 mm, spheres of 5 mm, 0.33 GPa, 15 Hz, horizontal",
-        {"enclosure.shape": "box", "enclosure.width": "40 mm", "enclosure.depth": "40 mm",
-         "enclosure.height": "80 mm", "motion.orientation": "horizontal",
-         "motion.frequency": 15.0} | _cycles(13, 5) | _SOFT,
-        (0.3, 0.4, 0.5, 0.55, 0.6, 0.65, 0.7, 0.8, 0.9, 1.0), (358,),
+        f"{_TROUGH}, horizontal",
+        _LYING, (0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.55, 0.6, 0.65, 0.7, 0.8, 0.9, 1.0), (358,),
+    ),
+    "horizontal, rolling": Bed(
+        f"{_TROUGH}, horizontal; rolling resistance 0.3",
+        _LYING | {"law.rolling_friction": 0.3, "law.rolling_stiffness": "1e4 N/m",
+                  "law.rolling_damping": "0.01 N s/m"},
+        (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0), (358,),
     ),
     "flying": Bed(
-        "cylinder 40 x 80 mm, spheres of 5 mm, 20 Hz, vertical; the lid is not met",
+        "cylinder 40 x 80 mm, spheres of 5 mm, 20 Hz, vertical; no lid met",
         {"enclosure.height": "80 mm", "motion.frequency": 20.0, "run.time_step": "2 us"}
         | _cycles(22, 6),
         (2.5, 3.0, 3.3, 3.6, 3.8, 4.0, 4.2, 4.5, 5.0), (358,),
@@ -94,7 +114,7 @@ BEDS: dict[str, Bed] = {
     ),
     **{
         f"no lid, {frequency:g} Hz": Bed(
-            f"cylinder 20 x 150 mm, spheres of 5 mm, {frequency:g} Hz, vertical; the lid is not met",
+            f"cylinder 20 x 150 mm, spheres of 5 mm, {frequency:g} Hz, vertical; no lid met",
             {"enclosure.diameter": "20 mm", "enclosure.height": "150 mm",
              "motion.frequency": frequency, "run.time_step": "2 us"} | _cycles(40, 10),
             _NO_LID, (100,),
@@ -183,7 +203,7 @@ def over_one_body(found: Found, amplitudes: Sequence[float]) -> list[Row]:
     own = found.get("weightless")
     if not own:
         return []
-    middle = math.sqrt(clearance_onset("loose") * clearance_onset("close"))
+    middle = onset_of_mean()
     result = MapResult.of(own)
     items = []
     for wanted in amplitudes:
@@ -197,14 +217,17 @@ def over_one_body(found: Found, amplitudes: Sequence[float]) -> list[Row]:
 Interval = tuple[float, float, float]  # value, low, high
 
 
-def _threshold(rows: Rows, passed: Callable[[Row], bool]) -> Interval | None:
+def _threshold(
+    rows: Rows, passed: Callable[[Row], bool], still: float = math.inf
+) -> Interval | None:
     """From where on every run of a packing passes: the middle, and what the packings enclose.
 
-    None where the first or the last point leaves it open.
+    Runs beyond `still` are not looked at. None where the first or the last point leaves it open.
     """
     ends = []
     for seed in sorted({row["seed"] for row in rows}):
-        own = sorted((row for row in rows if row["seed"] == seed), key=lambda row: row["at"])
+        own = sorted((row for row in rows if row["seed"] == seed and row["at"] <= still),
+                     key=lambda row: row["at"])  # fmt: skip
         failed = [row["at"] for row in own if not passed(row)]
         beyond = [row["at"] for row in own if not failed or row["at"] > failed[-1]]
         if not failed or not beyond:
@@ -229,14 +252,28 @@ def _doubling(rows: Rows) -> Interval | None:
     return _threshold(rows, lambda row: unlike(row) > UNLIKE)
 
 
+def _transition(rows: Rows) -> Interval | None:
+    """Amplitude over clearance/pi from which half of the most is dissipated."""
+    found = _threshold(rows, lambda row: row["efficiency"] > 0.5, still=FAR * onset_of_mean())
+    return None if found is None else _over_clearance(*found)
+
+
 def _optimum(rows: Rows) -> Interval | None:
-    """Amplitude of the best efficiency over clearance/pi, whichever packing the clearance has."""
+    """Amplitude of the largest mean efficiency over clearance/pi, in the bracket of its peak.
+
+    The curve rises at once and falls slowly, so that the vertex of a parabola would lie too high.
+    """
     result = MapResult.of(rows)
     peaks = result.peaks(float(result.frequency[0]))
     if not peaks:
         return None
-    best, loose, close = max(peaks, key=lambda p: p.efficiency), clearance_onset("loose"), clearance_onset("close")
-    return best.gamma / math.sqrt(loose * close), best.low / close, best.high / loose
+    top = max(peaks, key=lambda peak: peak.efficiency).bracket
+    return _over_clearance(float(result.gamma[np.argmax(result.efficiency)]), *top)
+
+
+def _over_clearance(value: float, low: float, high: float) -> Interval:
+    """Gammas over that of clearance/pi; the interval whichever packing the clearance has."""
+    return value / onset_of_mean(), low / clearance_onset("close"), high / clearance_onset("loose")
 
 
 def _power(quantity: str) -> Callable[[Rows], Interval | None]:
@@ -300,9 +337,10 @@ def _no_rebound(rows: Rows) -> Interval | None:
 _SHAKEN_OPEN = ("no lid, 80 Hz", "no lid, 160 Hz")
 _MEASURES: tuple[tuple[str, tuple[str, ...], Callable[[Rows], Interval | None]], ...] = (
     ("lift_off", ("vertical",), _lift_off),
-    ("sliding", ("horizontal",), _lift_off),
-    ("optimum", ("weightless",), _optimum),
+    ("sliding", ("horizontal", "horizontal, rolling"), _lift_off),
     ("doubling", ("flying",), _doubling),
+    ("transition", ("weightless",), _transition),
+    ("optimum", ("weightless",), _optimum),
     ("in_phase", _SHAKEN_OPEN, _power("in_phase")),
     ("loss_factor", _SHAKEN_OPEN, _power("loss_factor")),
     ("rise_speed", ("thin",), _rise(0)),

@@ -98,8 +98,7 @@ def fastest(rows: Sequence[Row], law: str) -> list[Row]:
     items = []
     for point in FASTEST:
         ratios = [
-            row["max_impact_over_yield_velocity.particle_particle"]
-            for row in _at(rows, point, law)
+            row["max_impact_over_yield_velocity.particle_particle"] for row in _at(rows, point, law)
         ]
         if ratios:
             items.append(dict(zip(POINT, point, strict=True)) | {"value": max(ratios)})
