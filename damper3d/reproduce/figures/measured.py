@@ -97,8 +97,9 @@ def _mass(axes: "Axes", found: Found) -> None:
     for frequency, marker in ((80, "o"), (160, "s")):
         own = found.get(f"no lid, {frequency} Hz", [])
         for part, colour in (("in_phase", BLUE), ("out_of_phase", ORANGE)):
-            mass = curve(own, lambda row, p=part: row[f"effective_mass.{p}_kg"] / row["mass_kg"],
-                         "at")  # fmt: skip
+            column = f"effective_mass.{part}_kg"
+            shares = [row | {"share": row[column] / row["mass_kg"]} for row in own]
+            mass = curve(shares, "share", "at")
             axes.plot(mass.x, [m if m > 0 else math.nan for m in mass.mean], marker + "-", ms=3,
                       color=colour, lw=0.9,
                       label=f"{part.replace('_', ' ')}, {frequency} Hz")  # fmt: skip
