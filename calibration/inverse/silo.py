@@ -124,10 +124,10 @@ def _profile_of(observation: Observation, row: Row) -> Array:
 
 def _parameters(case: SiloCase) -> Values:
     """Friction, stiffness and damping of both pairs."""
-    particles = case.settings.particles
+    particle, wall = case.settings.particles.names
     found: Values = {}
-    for other, law in ((particles.material, case.particle_law), (particles.wall, case.wall_law)):
-        section = f"pair.{particles.material}-{other}"
+    for other, law in ((particle, case.particle_law), (wall, case.wall_law)):
+        section = f"pair.{particle}-{other}"
         found[section, "friction"] = law.mu
         for key in ("kn", "kt", "gamma_n", "gamma_t"):
             found[section, key] = getattr(law, key)

@@ -11,7 +11,14 @@ from damper3d.case.oscillation import equivalent_sphere_radius
 from damper3d.case.settings import Settings
 from damper3d.shapes.multisphere import MultiSphere
 from granulab.contact.files.datafile import data_file, read_toml
-from granulab.contact.files.needs import DAMPER, Keys, follows_from_loss, keys_needed, table_with
+from granulab.contact.files.needs import (
+    DAMPER,
+    Keys,
+    follows_from_loss,
+    keys_needed,
+    table_with,
+    tables_in,
+)
 from granulab.contact.files.schema import SCHEMA
 from granulab.contact.files.table import ContactTable, namesake
 from granulab.contact.material import Material, Measured
@@ -69,7 +76,7 @@ def table_of(file: str | Path, settings: Settings) -> ContactTable:
         for first, second in itertools.combinations(names, 2)
         for key in DAMPER.pair
     }
-    tables = read_toml(Path(file), "materials", SCHEMA)
+    tables = tables_in(Path(file))
     needed = [
         (where, key)
         for where, key in wanted
@@ -77,7 +84,8 @@ def table_of(file: str | Path, settings: Settings) -> ContactTable:
         and not (where in of_walls and f"{key}_wall" in at_wall)
         and not follows_from_loss(tables, where, key)
     ]
-    return table_with(file, needed, _cure)
+    prisms = any("kn" in pair.get("linear", {}) for pair in tables.get("pair", {}).values())
+    return table_with(file, needed, _cure_of_prisms if prisms else _cure)
 
 
 def of_one_wall(settings: Settings, material: str) -> Settings:
@@ -108,6 +116,16 @@ def _cure(absent: Keys) -> str:
     options = ", ".join(f"--{key.replace('_', '-')}" for key in keys)
     instead = f"or give [law] {', '.join(keys)} ({options}); " if keys else ""
     return f"{instead}damper3d init --materials FILE writes a file with all"
+
+
+def _cure_of_prisms(absent: Keys) -> str:
+    """The same for a file with kn of prisms, which E and nu alone do not follow from."""
+    elastic = any(key in ("youngs_modulus", "poisson") for _, key in absent)
+    words = (
+        "its kn and kt are of prisms, and go with their shapes and load too: silo2d elastic CASE "
+        "--materials FILE says which E and nu they stand for, or that no solid has them; "
+    )
+    return words * elastic + _cure(absent)
 
 
 @dataclasses.dataclass(frozen=True)

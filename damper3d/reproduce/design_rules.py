@@ -10,10 +10,18 @@ from typing import TYPE_CHECKING, Any
 from damper3d.reproduce.panels import completeness, point_cases, run_of_cases
 from damper3d.reproduce.quantities.curves import curve
 from damper3d.reproduce.quantities.rules import RULES, VARIANTS, Found, found_in, points
-from damper3d.view.charts import ruled
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILION, headline
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    headline,
+    ruled,
+)
 from granulab.campaign.output.layout import columns, paragraphs
 
 if TYPE_CHECKING:

@@ -18,10 +18,9 @@ from damper3d.reproduce.quantities.properties import (
     points,
 )
 from damper3d.reproduce.quantities.sensitivity import SENSITIVITY, Peaks, peaks_of
-from damper3d.view.charts import ruled
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline, ruled
 from granulab.campaign.output.layout import columns, done, paragraphs
 
 if TYPE_CHECKING:

@@ -20,10 +20,18 @@ from damper3d.reproduce.quantities.shares import (
     quantities,
     tangential_damping,
 )
-from damper3d.view.charts import ruled
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, headline
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    VERMILION,
+    headline,
+    ruled,
+)
 from granulab.campaign.output.layout import columns, done, paragraphs
 
 if TYPE_CHECKING:

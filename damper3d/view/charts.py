@@ -18,6 +18,7 @@ from granulab.campaign.output.figure import (
     SKY,
     VERMILION,
     headline,
+    ruled,
 )
 
 if TYPE_CHECKING:
@@ -211,12 +212,6 @@ def _height(scene: Scene) -> Array:
 
 def _height_words(scene: Scene) -> str:
     return "height above\nthe bottom" if scene.view.up[2] else "height above\nthe lowest point"
-
-
-def ruled(axes: "Axes") -> None:
-    """Thin horizontal lines behind what is drawn."""
-    axes.grid(axis="y")
-    axes.set_axisbelow(True)
 
 
 def legend_beside(axes: "Axes", *handles_and_labels: list, right: float = 1.01) -> None:

@@ -8,9 +8,9 @@ import numpy as np
 
 from damper3d.engine.records import CLASSES, MECHANISMS
 from damper3d.run.folders import shaken
-from damper3d.view.charts import dissipated, efficiency_of_cycles, ruled
+from damper3d.view.charts import dissipated, efficiency_of_cycles
 from damper3d.view.scene import Scene, read_scene
-from granulab.campaign.output.figure import BLUE, GREY, INK, headline
+from granulab.campaign.output.figure import BLUE, GREY, INK, headline, ruled
 from granulab.campaign.runs.folder import RunFolder
 from granulab.errors import FolderError
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from damper3d.measures.excitation import draw as draw_excitation
 from damper3d.measures.host import draw as draw_host
-from damper3d.view.charts import energy_chart, motion_chart, ruled
+from damper3d.view.charts import energy_chart, motion_chart
 from damper3d.view.colouring import Colouring, colouring
 from damper3d.view.film import make_film
 from damper3d.view.scene import Scene, read_scene
 from damper3d.view.spheres import draw_spheres, outline, spheres_drawn, window
-from granulab.campaign.output.figure import GREY, INK, VERMILION, WALL, headline
+from granulab.campaign.output.figure import GREY, INK, VERMILION, WALL, headline, ruled
 from granulab.campaign.output.film import write_all
 from granulab.campaign.runs.folder import RunFolder
 from granulab.contact.files.units import nearest

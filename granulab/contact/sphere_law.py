@@ -35,7 +35,7 @@ def sphere_law(
     Raises InputError, one line, where a material lacks its modulus or Poisson's ratio.
     """
     b = damping_ratio(restitution)
-    constants = (*_elastic(first), *_elastic(second))
+    constants = (*elastic(first), *elastic(second))
     hertz = 4.0 / 3.0 * reduced_modulus(*constants)
     ratio = 8.0 * reduced_shear_modulus(*constants) / hertz
     return HertzLaw(
@@ -76,7 +76,7 @@ def wave_speed(material: Material) -> float:
 
     Raises InputError where the material lacks its modulus or Poisson's ratio.
     """
-    modulus, nu = _elastic(material)
+    modulus, nu = elastic(material)
     return math.sqrt(
         modulus * (1.0 - nu) / (material.density.value * (1.0 + nu) * (1.0 - 2.0 * nu))
     )
@@ -93,7 +93,7 @@ def hertz_validity(waves: float, speed: float) -> float:
 
 def _yield_constant(first: Material, second: Material | None) -> float:
     """v_y sqrt(m / R^3) of eq. 5.26 [kg^0.5 / (m^0.5 s)]."""
-    modulus = reduced_modulus(*_elastic(first), *_elastic(second))
+    modulus = reduced_modulus(*elastic(first), *elastic(second))
     known = [m for m in (first, second) if m is not None and m.yield_strength is not None]
     if not known:
         raise InputError(_missing(first, "yield_strength", "125 MPa"))
@@ -101,8 +101,11 @@ def _yield_constant(first: Material, second: Material | None) -> float:
     return math.sqrt(107.0 * strength**5 / modulus**4)
 
 
-def _elastic(material: Material | None) -> tuple[float, float]:
-    """Young's modulus [Pa] and Poisson's ratio of a material."""
+def elastic(material: Material | None) -> tuple[float, float]:
+    """Young's modulus [Pa] and Poisson's ratio of a material; None: a rigid body.
+
+    Raises InputError, one line, where it lacks one.
+    """
     if material is None:
         return math.inf, 0.0
     if material.youngs_modulus is None:

@@ -15,6 +15,7 @@ from granulab.contact.files.units import both, located, nearest, to_si
 from granulab.contact.laws import LinearLaw
 from granulab.contact.restitution import linear_restitution
 from granulab.errors import InputError
+from silo2d.case.beds.elastic import PAIRS, Derived, Solids, solids_of, with_elastic
 from silo2d.case.beds.flow import check_flow
 from silo2d.case.beds.laws import check_laws, curve_file, with_cohesion, with_curve
 from silo2d.case.beds.openings import check_ways, with_inserts, with_outlets
@@ -62,6 +63,8 @@ class SiloCase:
     files: dict[str, str]  # name in the run folder -> text, of the shapes and materials used
     impulses: Impulses | None = None  # what pymunk takes, for a case that it runs
     length: float = math.nan  # of the prisms [m]
+    derived: tuple[Derived | None, Derived | None] = (None, None)  # see with_elastic
+    solids: Solids | None = None  # None: of no materials file
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "SiloCase":
@@ -91,26 +94,21 @@ class SiloCase:
         shapes_file = find(settings.particles.shapes, "shapes", folder)
         table_file = find(settings.particles.materials, "materials", folder)
         outline = _opened(_outline(settings.silo, settings.name, where), settings, where)
-        shapes, table = both(
+        shapes, (table, settings) = both(
             lambda: shapes_of(shapes_file, settings.particles),
             lambda: table_of(table_file, settings),
         )
         _check_sizes(outline, shapes, settings, where)
         settings = _thinned(settings, outline, shapes)
-        particles = settings.particles
-        material = table.material(particles.material)
+        names = settings.particles.names
+        material = table.material(names[0])
         assert material.length is not None  # table_of has refused that
         surface_density = material.density.value * material.length.value
         mean_mass = surface_density * shapes.mean_area
-        pairs = whole_pairs(
-            settings,
-            (
-                table.pair(particles.material, particles.material),
-                table.pair(particles.material, particles.wall),
-            ),
-            mean_mass,
-            where,
-        )
+        own = table.pair(names[0], names[0]), table.pair(*names)
+        solids = solids_of(table, settings, shapes)
+        own, derived = with_elastic(own, table, solids, settings, mean_mass)
+        pairs = whole_pairs(settings, own, mean_mass, where)
         laws = contact_laws(settings, pairs, mean_mass, where)
         check_laws(settings, where)
         curved = with_curve(laws, settings, folder, where)
@@ -124,7 +122,7 @@ class SiloCase:
         bounds = stiffest(laws, disorder, settings.law.contact_end)
         time_step, reason = time_step_of(
             settings.run.time_step, shapes, surface_density, bounds,
-            is_shipped(shapes_file, "shapes"), disorder is not None, where,
+            is_shipped(shapes_file, "shapes") and not any(derived), disorder is not None, where,
         )  # fmt: skip
         rain = rain_of(outline, shapes, surface_density, settings.fill)
         if settings.run.engine == "dem":
@@ -143,7 +141,7 @@ class SiloCase:
             impulses_of(
                 settings, pairs, laws, shapes, math.sqrt(2 * GRAVITY * outline.height), where
             ),
-            material.length.value,
+            material.length.value, derived, solids,
         )  # fmt: skip
 
     @property
@@ -235,17 +233,16 @@ class SiloCase:
         have for both what they are given; nothing for laws that are not linear.
         """
         if self.impulses:
-            names = ("particle_particle", "particle_wall")
             return {
                 name: {"one_contact": value, "face_to_face": value}
-                for name, value in zip(names, self.impulses.restitution, strict=True)
+                for name, value in zip(PAIRS, self.impulses.restitution, strict=True)
             }
         if not isinstance(self.particle_law, LinearLaw):
             return {}
         result = {}
         for pair, law, mass, faces in (
-            ("particle_particle", self.particle_law, self.mean_mass / 2, 8),
-            ("particle_wall", self.wall_law, self.mean_mass, 2),
+            (PAIRS[0], self.particle_law, self.mean_mass / 2, 8),
+            (PAIRS[1], self.wall_law, self.mean_mass, 2),
         ):
             end = self.settings.law.contact_end
             result[pair] = {

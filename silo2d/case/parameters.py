@@ -4,8 +4,18 @@ import dataclasses
 import math
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
-from granulab.contact.files.needs import SILO, Keys, keys_needed, table_with
+from granulab.contact.files.needs import (
+    SILO,
+    Keys,
+    damping_is_left_out,
+    follows_from_modulus,
+    keys_needed,
+    materials_of,
+    table_with,
+    tables_in,
+)
 from granulab.contact.files.table import ContactTable
 from granulab.contact.laws import LinearLaw
 from granulab.contact.material import LinearParameters, Measured, Pair
@@ -31,9 +41,33 @@ def shapes_of(file: str | Path, particles: Particles) -> ShapeSet:
     return _shapes(file, content_with(file), particles.scale, particles.spheroradius)
 
 
-def table_of(file: str | Path, settings: Settings) -> ContactTable:
-    """See table_with: a table with all that the case needs."""
-    return table_with(file, needed_keys(settings), _cure)
+def table_of(file: str | Path, settings: Settings) -> tuple[ContactTable, Settings]:
+    """A table with all that the case needs, see table_with; the settings with its materials' names.
+
+    Names that the case leaves out are those of wood in methacrylate, or the table's own.
+    """
+    tables, particles = tables_in(Path(file)), settings.particles
+    given = particles.material, particles.wall
+    material, wall = materials_of(tables, given, particles.names)
+    particles = particles.model_copy(update={"material": material, "wall": wall})
+    settings = settings.model_copy(update={"particles": particles})
+    needed = [found for one in needed_keys(settings) if (found := _that_gives(tables, one))]
+    needed = list(dict.fromkeys(needed))
+    return table_with(file, needed, _cure), settings
+
+
+def _that_gives(tables: dict[str, Any], needed: tuple[str, str]) -> tuple[str, str] | None:
+    """Section and key that a needed one is taken from; None where it follows from E and nu.
+
+    The damping of a pair whose stiffness follows so is taken from its restitution, where the table
+    has none.
+    """
+    where, key = needed
+    if follows_from_modulus(tables, where, key):
+        return None
+    if key == "gamma_n" and damping_is_left_out(tables, where):
+        return where.removesuffix(".linear"), "restitution"
+    return needed
 
 
 @lru_cache(maxsize=8)
@@ -52,21 +86,23 @@ def _shapes(
 def _cure(absent: Keys) -> str:
     """The end of a refusal: what else would do."""
     damping = any(key in ("gamma_n", "gamma_t") for _, key in absent)
-    instead = "or damping from the restitution (--damping restitution); " if damping else ""
+    stiffness = any(key in ("kn", "kt") for _, key in absent)
+    instead = "or youngs_modulus and poisson of both materials, for kn and kt; " * stiffness
+    instead += "or damping from the restitution (--damping restitution); " * damping
     return f"{instead}silo2d init --materials FILE writes a file with all"
 
 
 def needed_keys(settings: Settings) -> Keys:
     """Sections and keys that a case takes of its materials file: what it does not give itself."""
     law, particles = settings.law, settings.particles
-    needed = keys_needed(SILO, particles.material, particles.wall)
+    needed = keys_needed(SILO, *particles.names)
     given = {key for key in ("kn", "kt", "gamma_n", "gamma_t") if getattr(law, key) is not None}
     by_restitution = law.damping == "restitution"
     if by_restitution:
         given |= {"gamma_n", "gamma_t"}
         pairs = dict.fromkeys(where for where, key in needed if key == "friction")
         needed += [(where, "restitution") for where in pairs]
-    wall = f"pair.{particles.material}-{particles.wall}.linear"
+    wall = f"pair.{'-'.join(particles.names)}.linear"
     if "gamma_n" in given and not by_restitution and law.gamma_n_wall is None:
         given.remove("gamma_n")  # the wall's scales with it by the two of the file
     apart = {(wall, "gamma_n")} if law.gamma_n_wall is not None else set()

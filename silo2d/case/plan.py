@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from granulab.campaign.output import room
+from silo2d.case.beds.elastic import PAIRS
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.filling import USUAL_FRACTION, particles_below
 
@@ -45,6 +46,9 @@ def plan(case: SiloCase) -> dict[str, Any]:
         "time_step_s": step,
         "time_step_reason": "as given" if case.impulses else case.time_step_reason,
         "restitution": case.restitution(),
+        "derived": {
+            name: one.numbers() for name, one in zip(PAIRS, case.derived, strict=True) if one
+        },
         "steps_at_most": math.ceil(case.settings.run.max_time / step),
         "expected_min": sum(expected_cpu_s(case)) / 60,
         "disk_bytes_at_most": disk_at_most(case),

@@ -111,8 +111,20 @@ class Particles(Section):
         "wood", "materials table: a shipped one, or a TOML file next to this one",
         option="--materials", metavar="FILE",
     )  # fmt: skip
-    material: str = key("wood", "material of the particles, in that table")
-    wall: str = key("methacrylate", "material of the walls, in that table")
+    material: str | None = key(
+        None, "material of the particles, in that table", example="wood",
+        left_out="wood; of a table without it, that of its only pair of a material with itself",
+    )  # fmt: skip
+    wall: str | None = key(
+        None, "material of the walls, in that table", example="methacrylate",
+        left_out="methacrylate; of a table without it, that which its particles have a pair with, "
+        "or theirs",
+    )  # fmt: skip
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """Materials of particles and walls; wood in methacrylate where they are left out."""
+        return self.material or "wood", self.wall or "methacrylate"
 
 
 _TABLE = "materials table"

@@ -7,7 +7,7 @@ from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
 from granulab.campaign.cli.reproduce import reproduce_command
 from granulab.campaign.cli.view import view_command
-from silo2d.commands import clog, loads, results, run, shapes
+from silo2d.commands import clog, elastic, loads, results, run, shapes
 from silo2d.commands.options import outline_options
 
 if TYPE_CHECKING:
@@ -55,6 +55,7 @@ app = command_group(
         shapes.shapes,
         loads.loads,
         clog.clog,
+        elastic.elastic,
         *file_commands(
             "silo2d",
             "friction",

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ruled
 from granulab.campaign.output.layout import columns, done, not_done, paragraphs, with_sd
 from granulab.campaign.output.statistics import (
     CONFIDENCE,
@@ -313,8 +313,7 @@ def draw(rows: "list[Row]") -> "Figure":
     shares.set(xlim=(-0.02, 1.02), xlabel=f"clogged, of {', '.join(SILOS)} together")
     times.set(xlim=(1.5, 4.5), xlabel=f"time of {SLOW} [s]: runs and mean")
     for axes in (shares, times):
-        axes.grid(axis="x")
-        axes.set_axisbelow(True)
+        ruled(axes, "x")
     shares.plot([], [], lw=6, color=GREEN, alpha=0.3, label="experiment, 95 %")
     shares.errorbar([], [], xerr=[], fmt="o", color=BLUE, ms=4.5, capsize=2,
                     label=f"ours, {100 * certain:.1f} %")  # fmt: skip

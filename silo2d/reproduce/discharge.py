@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, SKY, VERMILION
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, SKY, VERMILION, ruled
 from granulab.campaign.output.layout import (
     columns,
     done,
@@ -159,8 +159,7 @@ def draw(rows: "list[Row]") -> "Figure":
     axes.set_xlabel("silo, and how many clogged: experiment | ours")
     axes.set_ylabel("discharge time [s]")
     axes.set_ylim(bottom=0)
-    axes.grid(axis="y")
-    axes.set_axisbelow(True)
+    ruled(axes)
     named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     axes.legend(named.values(), named.keys(), loc="lower left", bbox_to_anchor=(0, 1), ncols=4)
     return figure

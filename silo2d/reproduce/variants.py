@@ -9,7 +9,7 @@ each is judged by itself, and of twenty that mean nothing one is then expected t
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION
+from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, ruled
 from granulab.campaign.output.layout import columns, done, not_done, percent, share, with_sd
 from granulab.campaign.output.statistics import (
     CONFIDENCE,
@@ -158,8 +158,7 @@ def _draw_times(axes: "Axes", variants: Variants) -> None:
         half = half_width_of_mean(sample)
         if sample.mean is not None and half is not None:
             axes.errorbar(sample.mean, k, xerr=half, fmt="D", color=INK, ms=5, capsize=3)
-    axes.grid(axis="x")
-    axes.set_axisbelow(True)
+    ruled(axes, "x")
 
 
 def _draw_shares(axes: "Axes", variants: Variants) -> None:
@@ -176,5 +175,4 @@ def _draw_shares(axes: "Axes", variants: Variants) -> None:
             axes.errorbar(count / n, position, xerr=bars, fmt="o", color=colour, ms=4.5, capsize=3,
                           label=label if k == 0 else None)  # fmt: skip
     axes.set_xlim(-0.03, 1.03)
-    axes.grid(axis="x")
-    axes.set_axisbelow(True)
+    ruled(axes, "x")

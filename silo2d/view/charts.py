@@ -14,6 +14,7 @@ from granulab.campaign.output.figure import (
     SKY,
     VERMILION,
     headline,
+    ruled,
 )
 from silo2d.run.numbers import discharge_curve, dissipated, energy_closure
 from silo2d.view.scene import Scene
@@ -213,8 +214,7 @@ def _canvas(
     headline(figure, scene.headline)
     grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)
     for axes in grid[:, 0]:
-        axes.grid(axis="y")
-        axes.set_axisbelow(True)
+        ruled(axes)
     return figure, list(grid[:, 0])
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granulab.campaign.output.figure import BLUE, GREY, INK, headline
+from granulab.campaign.output.figure import BLUE, GREY, INK, headline, ruled
 from granulab.campaign.runs.folder import RunFolder, resume_run
 from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
 from granulab.errors import FolderError
@@ -176,8 +176,7 @@ def draw(pairs: Sequence[dict[str, Any]]) -> "Figure":
     lags.axhline(0, color=GREY, lw=0.6)
     lags.set(xlabel="particles out", ylabel=f"{labels[1]}\nlater by [ms]")
     for axes in (curves, lags):
-        axes.grid(axis="y")
-        axes.set_axisbelow(True)
+        ruled(axes)
     return figure
 
 

@@ -169,7 +169,7 @@ class _Recorder:
             case = self.folder / "case.toml"
             particles = check_settings(read_settings(case), str(case)).particles
             table = load_table(self.folder / str(particles.materials))
-            length = table.material(particles.material).length
+            length = table.material(particles.names[0]).length
         except (InputError, FolderError):
             length = None
         return ("N/m", 1.0) if length is None else ("Pa", length.value)

@@ -8,6 +8,7 @@ from granulab.campaign.output import room
 from granulab.campaign.output.layout import pulls_in_words
 from granulab.campaign.sweeps.overview import in_minutes
 from granulab.contact.laws import LinearLaw
+from silo2d.case.beds.elastic import assumed, in_words
 from silo2d.case.case import USUAL_INTERVALS, SiloCase
 from silo2d.case.disorder import QUANTITIES
 from silo2d.case.plan import (
@@ -33,6 +34,7 @@ _OUTCOMES = {
 def echo(case: SiloCase, dry_run: bool) -> str:
     """The case in SI, the time step with its reason, the restitution that follows."""
     outline, fill, run = case.outline, case.settings.fill, case.settings.run
+    particle, wall = case.settings.particles.names
     lines = [
         f"{case.name}, seed {run.seed}",
         f"  silo        {outline.width:g} m wide, {outline.height:g} m high, outlet "
@@ -41,12 +43,13 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         f"  particles   {case.shapes.name}: {len(case.shapes.shapes)} shapes, mean area "
         f"{case.shapes.mean_area:.4g} m2, {case.surface_density:g} kg/m2, mean mass "
         f"{case.mean_mass:.4g} kg",
+        f"  materials   particles of {particle}, walls of {wall}",
     ]
     for name, law in (("particles", case.particle_law), ("walls", case.wall_law)):
         lines.append(f"  law {name:9} {_law(law)}")
     lines += [
-        f"  contact     ends at zero {case.settings.law.contact_end}; damping: "
-        f"{case.settings.law.damping}",
+        *_derived(case),
+        f"  contact     ends at zero {case.settings.law.contact_end}; damping: {_damping(case)}",
         f"  restitution {_restitution(case)}",
         *_disorder(case),
         f"  filling     with {fill.pour_with}, {_pouring(case)}, kn {case.pour_laws[0].kn:g} N/m, "
@@ -69,6 +72,30 @@ def echo(case: SiloCase, dry_run: bool) -> str:
     return "\n".join(
         [*lines, *_frames(case), *room.lines(disk_at_most(case), memory_at_most(case))]
     )
+
+
+def _derived(case: SiloCase) -> list[str]:
+    """Lines on what follows from E and nu, one where walls are as particles."""
+    law, (particles, walls) = case.settings.law, case.derived
+    alike = particles and walls and (particles.names, particles.line) == (walls.names, walls.line)
+    found = [in_words(one) for one in ([particles] if alike else case.derived) if one]
+    if not found or case.solids is None:
+        return []
+    instead = ""
+    if law.kn is not None:
+        instead = "; the case's kn goes before, with kt in the same ratio"
+    elif law.kn_curve is not None:
+        instead = "; the case's kn_curve goes before its kn"
+    lines = [f"  derived     {words}{instead}" for words in found]
+    return [*lines, f"  assumed     {assumed(case.solids)}"]
+
+
+def _damping(case: SiloCase) -> str:
+    """Source of gamma_n, between particles and at walls."""
+    usual, derived = case.settings.law.damping, [one and one.restitution for one in case.derived]
+    if all(derived):
+        return "restitution"
+    return f"{usual}, where not derived" if any(derived) else usual
 
 
 def _frames(case: SiloCase) -> list[str]:

@@ -160,6 +160,22 @@ def test_a_materials_file_without_what_is_needed(cut, words, tmp_path):
     assert_refused(damper3d("run", case, "--dry-run", *step), "mine.toml", *words)
 
 
+def test_stiffness_of_prisms_says_no_modulus(tmp_path):
+    """kn goes with shapes and load: the silo, which knows them, says which E and nu it stands for.
+
+    Nothing is said of it where the file has E and nu.
+    """
+    text = data_file("materials", "acrylic").read_text(encoding="utf-8")
+    prisms = f'{text}\n[pair.acrylic-acrylic.linear]\nkn = "1e4 N/mm"\nkt = "9e3 N/mm"\n'
+    case = write_damper(tmp_path, {"particles.materials": "mine.toml", "law.youngs_modulus": None})
+    (tmp_path / "mine.toml").write_text(prisms, encoding="utf-8")
+    assert damper3d("run", case, *DRY, "--time-step", "1 us").code == 0
+    lines = [line for line in prisms.splitlines() if not line.startswith(("youngs", "poisson"))]
+    (tmp_path / "mine.toml").write_text("\n".join(lines), encoding="utf-8")
+    words = "[material.acrylic] youngs_modulus [GPa], poisson", "of prisms", "silo2d elastic CASE"
+    assert_refused(damper3d("run", case, *DRY), "mine.toml", *words)
+
+
 def test_without_a_yield_strength_the_yield_velocity_is_not_known(tmp_path):
     """It is only reported, so that a case without it runs."""
     acrylic = data_file("materials", "acrylic")

@@ -170,7 +170,14 @@ BAD_CASES: list[tuple[dict[str, Any], list[str]]] = [
         {"particles.wall": "steel"},
         ["wood.toml", "[material.steel] density", "[pair.wood-steel.linear] kt", "known: wood,"],
     ),
-    ({"particles.materials": "steel"}, ["steel.toml", "no material 'wood'"]),
+    (
+        {"particles.materials": "steel"},
+        ["steel.toml", "missing: [material.steel] length [mm]; [pair.steel-steel] restitution"],
+    ),
+    (
+        {"particles.materials": "steel", "particles.material": "wood"},
+        ["steel.toml", "no material 'wood'", "or youngs_modulus and poisson of both materials"],
+    ),
     (
         {"particles.material": "methacrylate"},
         ["[material.methacrylate] length [mm]", "[pair.methacrylate-methacrylate] friction"],

@@ -10,7 +10,6 @@ from damper3d.case.case import GRAVITY
 from damper3d.measures.efficiency import reference_energy
 from damper3d.reproduce.cycles import BOUNCING, FLUIDISED
 from damper3d.reproduce.quantities.cycles import ideal_since, readings
-from damper3d.view.charts import ruled
 from granulab.campaign.output.figure import (
     BLUE,
     GREEN,
@@ -20,6 +19,7 @@ from granulab.campaign.output.figure import (
     PURPLE,
     VERMILION,
     headline,
+    ruled,
 )
 from granulab.campaign.output.layout import done
 

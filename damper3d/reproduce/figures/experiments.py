@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from damper3d.reproduce.quantities.experiments import FREQUENCY, SURFACES, flights, readings
-from damper3d.view.charts import ruled
-from granulab.campaign.output.figure import BLUE, VERMILION, headline
+from granulab.campaign.output.figure import BLUE, VERMILION, headline, ruled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,7 +21,6 @@ from damper3d.reproduce.quantities.shapes import (
 )
 from damper3d.reproduce.shapes import COMPARED, COMPARED_AT, FLUIDISED, MODELS, SENSITIVE
 from damper3d.studies.map.grid import MapResult
-from damper3d.view.charts import ruled
 from granulab.campaign.output.figure import (
     BLUE,
     GREEN,
@@ -32,6 +31,7 @@ from granulab.campaign.output.figure import (
     SKY,
     VERMILION,
     headline,
+    ruled,
 )
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from damper3d.measures.phases.phase_map import draw_phase_map
 from damper3d.studies.map.grid import MapResult
 from damper3d.studies.map.ridges import OnRidge
 from damper3d.studies.predict.prediction import Clearance, Prediction
-from granulab.campaign.output.figure import INK, PAPER, SKY, VERMILION, headline
+from granulab.campaign.output.figure import INK, PAPER, SKY, VERMILION, headline, ruled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,8 +69,7 @@ def _draw_curve(axes: "Axes", result: MapResult, prediction: Prediction) -> None
             if onset is not None:
                 axes.axvline(onset, color=VERMILION, ls=_LINES[clearance.name],
                              label=_onset_label(clearance))  # fmt: skip
-    axes.grid(axis="y")
-    axes.set_axisbelow(True)
+    ruled(axes)
     label = "Γ [-]" if along_gamma else "frequency [Hz]"
     axes.set(xscale="log", xlabel=label, ylabel="efficiency [-]", ylim=(0, None))
     _plain_ticks(axes.xaxis, _GAMMAS if along_gamma else _spaced(np.unique(x)))

@@ -17,6 +17,7 @@ from granulab.campaign.output.figure import (
     SKY,
     VERMILION,
     headline,
+    ruled,
 )
 
 if TYPE_CHECKING:
@@ -64,8 +65,7 @@ def draw_predictions(
 
 
 def _panel(axes: "Axes", prediction: Prediction, frequencies: Sequence[float]) -> None:
-    axes.grid(axis="y")
-    axes.set_axisbelow(True)
+    ruled(axes)
     best = prediction.best
     for frequency, colour in zip(frequencies, _cycle(frequencies), strict=True):
         for clearance in prediction.clearances:

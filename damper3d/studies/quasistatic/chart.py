@@ -7,7 +7,6 @@ import numpy as np
 
 from damper3d.studies.quasistatic.claims import MEASURE
 from damper3d.studies.quasistatic.shapes import Scatter, Shape, by_shape, ratio_of, scatter_of
-from damper3d.view.charts import ruled
 from granulab.campaign.output.figure import (
     BLUE,
     GREEN,
@@ -18,6 +17,7 @@ from granulab.campaign.output.figure import (
     SKY,
     VERMILION,
     headline,
+    ruled,
 )
 
 if TYPE_CHECKING:

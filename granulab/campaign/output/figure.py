@@ -4,11 +4,12 @@ import io
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from granulab.campaign.output.files import write_atomic, writing
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 PAPER, INK, WALL, RULE = "#fbfaf7", "#2b2b2b", "#55504a", "#e6e3dc"
@@ -40,6 +41,12 @@ def headline(figure: "Figure", words: str) -> None:
     width = 0.98 * 72.0 * figure.get_figwidth()  # points
     size = min(13.0, width / (_BOLD_ADVANCE * max(map(len, words.split("\n")))))
     figure.suptitle(words, x=0.01, ha="left", fontsize=size, fontweight="bold")
+
+
+def ruled(axes: "Axes", axis: Literal["x", "y", "both"] = "y") -> None:
+    """Thin lines behind what is drawn: horizontal ones at the ticks of y, upright ones of x."""
+    axes.grid(axis=axis)
+    axes.set_axisbelow(True)
 
 
 def write_figure(path: Path, draw: "Callable[[], Figure]") -> Path:

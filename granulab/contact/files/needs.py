@@ -71,6 +71,34 @@ def _section(where: str, key: str) -> str:
     return f"{where}.linear" if key in LinearTable.model_fields else where
 
 
+def tables_in(path: Path) -> dict[str, Any]:
+    """The tables of a materials file; none of one that is wrong, which table_with refuses."""
+    try:
+        tables = read_toml(path, "materials", SCHEMA)
+        missing_keys(path, tables)
+    except InputError:
+        return {}
+    return tables
+
+
+def materials_of(
+    tables: dict[str, Any], given: tuple[str | None, str | None], usual: tuple[str, str]
+) -> tuple[str, str]:
+    """Names of the materials of particles and walls that a case takes of a file's tables.
+
+    given: names, None where left out; usual: those and what stands for the others. Where the file
+    does not hold the usual ones, it is its only pairing, if that has the given ones.
+    """
+    if all(name in _materials(tables) for name in usual):
+        return usual
+    found = [
+        pairing
+        for pairing in _pairings(tables)
+        if all(name in (None, own) for name, own in zip(given, pairing, strict=True))
+    ]
+    return found[0] if len(found) == 1 else usual
+
+
 def refuse_lacking(path: Path, needed: Keys, cure: Callable[[Keys], str]) -> None:
     """Raise InputError, one line with all that a file lacks of what is needed.
 
@@ -125,7 +153,11 @@ def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
         _all(must, *(_absent(tables, keys_needed(one, *pair)) for pair in _pairings(tables)))
         for one in (SILO, DAMPER)
     )
-    silo = [(where, key) for where, key in silo if not _follows(tables, where, key)]
+    silo = [
+        (where, key)
+        for where, key in silo
+        if not (_follows(tables, where, key) or follows_from_modulus(tables, where, key))
+    ]
     damper = [(where, key) for where, key in damper if not follows_from_loss(tables, where, key)]
     if not must and not (silo and damper):
         return []
@@ -206,6 +238,25 @@ def follows_from_loss(tables: dict[str, Any], where: str, key: str) -> bool:
         return False
     found = [_materials(tables).get(name) for name in names.split("-")]
     return all(isinstance(table, dict) and "loss_factor" in table for table in found)
+
+
+def follows_from_modulus(tables: dict[str, Any], where: str, key: str) -> bool:
+    """True for kn, kt and gamma_t of a pair that has neither kn nor kt, but E and nu of both.
+
+    See silo2d.case.beds.elastic.
+    """
+    kind, _, names = where.partition(".")
+    if kind != "pair" or key not in ("kn", "kt", "gamma_t") or not where.endswith(".linear"):
+        return False
+    linear = _table(tables, where)
+    found = [_materials(tables).get(name, {}) for name in names.removesuffix(".linear").split("-")]
+    elastic = all("youngs_modulus" in one and "poisson" in one for one in found)
+    return elastic and not ("kn" in linear or "kt" in linear)
+
+
+def damping_is_left_out(tables: dict[str, Any], where: str) -> bool:
+    """True where a pair's kn follows from E and nu, and its table has no gamma_n either."""
+    return follows_from_modulus(tables, where, "kn") and "gamma_n" not in _table(tables, where)
 
 
 def _is_of_a_silo(tables: dict[str, Any]) -> bool:

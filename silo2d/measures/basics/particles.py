@@ -28,9 +28,9 @@ def prism_length(folder: str | Path) -> float:
             f"{folder}: holds no materials.toml with the prisms' length; --again computes it again"
         )
     particles = check_settings(read_settings(case), str(case)).particles
-    length = load_table(materials).material(particles.material).length
+    length = load_table(materials).material(particles.names[0]).length
     if length is None:
-        raise FolderError(f"{materials}: [material.{particles.material}] length is missing")
+        raise FolderError(f"{materials}: [material.{particles.names[0]}] length is missing")
     return length.value
 
 

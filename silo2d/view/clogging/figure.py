@@ -15,6 +15,7 @@ from granulab.campaign.output.figure import (
     SKY,
     VERMILION,
     headline,
+    ruled,
 )
 from silo2d.measures.clogging.sizes import survival
 from silo2d.measures.clogging.study import AtOutlet, by_outlet, laws_of
@@ -50,8 +51,7 @@ def draw(found: Mapping[str, Any], rows: Sequence[dict[str, Any]], title: str) -
               ylabel="probability density [1/s]")  # fmt: skip
     arches.set(xlabel="particles of the arch", ylabel="share of arches", ylim=(0, None))
     for axes in (means, sizes, waits, arches):
-        axes.grid()
-        axes.set_axisbelow(True)
+        ruled(axes, "both")
         if axes.get_legend_handles_labels()[0]:
             axes.legend(fontsize=7)
     return figure

@@ -19,6 +19,7 @@ from granulab.campaign.output.figure import (
     PURPLE,
     SKY,
     VERMILION,
+    ruled,
 )
 from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import rank_correlation
@@ -120,8 +121,7 @@ def draw_dots(
     panel.set_ylabel(axis.heading)
     panel.set_xlabel(heading(what))
     panel.set_xlim(_limits(what, comparison, panel.get_xlim()))
-    panel.grid(axis="x")
-    panel.set_axisbelow(True)
+    ruled(panel, "x")
     mark_lacking(panel, what, axis, comparison, lying=True)
 
 
@@ -253,8 +253,7 @@ def _along(panel: "Axes", axis: Axis) -> None:
 def _across(panel: "Axes", what: Number | Ending, axis: Axis, comparison: Comparison) -> None:
     panel.set_ylabel(heading(what))
     panel.set_ylim(_limits(what, comparison, panel.get_ylim()))
-    panel.grid(axis="y")
-    panel.set_axisbelow(True)
+    ruled(panel)
 
 
 def _limits(
