@@ -18,10 +18,9 @@ from damper3d.reproduce.quantities.printed import (
     fastest,
     points,
 )
-from damper3d.view.charts import ruled
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.figure import BLUE, ORANGE, headline
+from granulab.campaign.output.figure import BLUE, ORANGE, headline, ruled
 from granulab.campaign.output.layout import columns, paragraphs
 
 if TYPE_CHECKING:

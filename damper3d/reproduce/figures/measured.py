@@ -20,8 +20,7 @@ from damper3d.reproduce.quantities.measured import (
     rises,
     unlike,
 )
-from damper3d.view.charts import ruled
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, headline
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, headline, ruled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
