@@ -1,4 +1,4 @@
-"""The thesis's tables and figures, and ours: a table of names, each a module of this package.
+"""Tables and figures of the thesis, and ours: a table of names, each a module or a room here.
 
 A module offers what granulab.campaign.cli.reproduce.PublishedTable says.
 """

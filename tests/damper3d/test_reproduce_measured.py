@@ -6,24 +6,27 @@ import pytest
 from made_damper_rows import done
 
 from damper3d.case.closed_forms import collect_and_collide
+from damper3d.reproduce import measured
 from damper3d.reproduce.measured import cases, draw, drop, report, run
-from damper3d.reproduce.quantities.measured import (
+from damper3d.reproduce.measured.beds import (
     AT_REST,
     BEDS,
-    MEASURED,
     clearance_onset,
-    found_in,
-    of_beds,
     onset_of_mean,
     points,
+)
+from damper3d.reproduce.measured.quantities import (
+    MEASURED,
+    found_in,
+    of_beds,
     published,
     unlike,
 )
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.output.figure import write_figure
 
-LAWS = {"lift_off": 1.1, "sliding": 0.85, "doubling": 3.72, "onset": 1.0, "body": 0.9,
-        "in_phase": -2.0, "loss_factor": -1.0, "speed": 1.0, "number": -0.5,
+LAWS = {"lift_off": 1.1, "sliding": 0.85, "doubling": 3.72, "leidenfrost": 12.5, "onset": 1.0,
+        "body": 0.9, "in_phase": -2.0, "loss_factor": -1.0, "speed": 1.0, "number": -0.5,
         "rebound": 0.6}  # fmt: skip
 MASS = 0.01  # [kg]
 
@@ -48,6 +51,8 @@ def _of(bed, at, count, law):
         return {"efficiency_wall_work": 0.1 if at > begins else 1e-4}
     if bed == "flying":
         return {"efficiency_per_cycle": [0.2, 0.8] * 4 if at > law["doubling"] else [0.5] * 8}
+    if bed.startswith("suspended"):
+        return {"phase": "leidenfrost" if at > law["leidenfrost"] else "global_fluidisation"}
     if bed == "weightless":
         part = at / (law["onset"] * onset_of_mean())
         return {"efficiency": law["body"] * float(collect_and_collide(part)) if part > 1 else 0.1}
@@ -76,6 +81,7 @@ def test_beds_that_follow_the_laws_hold_but_for_less_grains_in_a_dropped_one():
     ("lift-off", {"lift_off": 0.85}),
     ("sliding", {"sliding": 0.55}),
     ("doubling", {"doubling": 4.3}),
+    ("leidenfrost", {"leidenfrost": 8.5}),
     ("transition", {"onset": 1.15}),
     ("one-body", {"body": 0.7}),
     ("apparent-mass", {"in_phase": -1.5}),
@@ -101,10 +107,7 @@ def test_powers_come_out_as_they_were_put_in():
 def test_thresholds_lie_between_the_last_that_fails_and_the_first_that_passes():
     found = {(one["name"], one["bed"]): one for one in of_beds(found_in(made(lift_off=1.12)))}
     off = found["lift_off", "vertical"]
-    assert (off["low"], off["high"]) == (
-        1.1,
-        1.15,
-    )
+    assert (off["low"], off["high"]) == (1.1, 1.15)
     own = found["transition", "weightless"]
     assert own["low"] < 1.0 < own["high"]
 
@@ -112,7 +115,8 @@ def test_thresholds_lie_between_the_last_that_fails_and_the_first_that_passes():
 def test_a_bed_that_moves_at_every_gamma_has_no_threshold():
     names = {one["name"] for one in of_beds(found_in(made(sliding=0.0)))}
     assert "sliding" not in names
-    assert verdicts(made(sliding=0.0))["sliding"] == [None]
+    assert verdicts(made(sliding=0.0))["sliding"] == [None, None]
+    assert "not found" in report(made(sliding=0.0))
 
 
 def test_cycles_are_unlike_by_their_difference_over_their_sum():
@@ -145,5 +149,21 @@ def test_the_table_is_told_and_drawn(tmp_path):
     assert "in common" in text
     assert "INCOMPLETE" in report(made()[:40])
     assert write_figure(tmp_path / "measured.png", lambda: draw(made())).exists()
-    assert callable(run)
-    assert callable(drop)
+
+
+def test_drops_that_an_earlier_table_has_are_not_made_again(tmp_path):
+    """With all rows known nothing is run: each comes back as it is."""
+    known = made()
+    rows = run(out=tmp_path, seeds=[1, 2, 3], workers=1, quiet=True, known=known)
+    assert sorted(map(repr, rows)) == sorted(map(repr, known))
+
+
+def test_a_drop_of_the_table_has_its_bed_ratio_and_height(monkeypatch):
+    """At 0.25 of a box with e0 = 0.9 the bed has 0.225 of its mass; it falls by 100 mm."""
+    given = []
+    monkeypatch.setattr(measured, "rebound", lambda *arguments: given.append(arguments) or 0.1)
+    labels = {"bed": "dropped, e0 0.9", "count": 150, "at": 0.25, "seed": 2}
+    assert drop(labels, bool) == 0.1
+    ((case, *numbers, _),) = given
+    assert numbers == pytest.approx([0.225, 0.9, 0.1], rel=1e-12)
+    assert (case.settings.run.seed, case.settings.particles.count) == (2, 150)

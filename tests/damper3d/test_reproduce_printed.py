@@ -6,7 +6,7 @@ import pytest
 from made_damper_rows import done
 
 from damper3d.reproduce.printed import cases, draw, report
-from damper3d.reproduce.quantities.printed import (
+from damper3d.reproduce.printed.quantities import (
     LAWS,
     PRINTED,
     change_by_yielding,

@@ -52,10 +52,18 @@ def _high(height: float, **more: Any) -> Row:
     return {"particles.count": 358, "enclosure.height": f"{height:g} mm", **more}
 
 
+_SIDE = 40.0  # [mm] height and width of the thesis's cylinder
+
+
+def slenderness(variant: str) -> float:
+    """Height over width [-] of a cylinder of the thesis's volume; NaN where width is not varied."""
+    return (_SIDE / VARIANTS[variant].width) ** 3
+
+
 def _wide(width: float, gammas: tuple[float, ...]) -> Variant:
     """The thesis's cylinder of 40 mm by 40 mm made deeper or flatter at the same volume."""
     size = {"enclosure.diameter": f"{width:g} mm"}
-    return Variant("II", _high(round(40.0**3 / width**2, 1)) | size, (80.0,), gammas, width=width)
+    return Variant("II", _high(round(_SIDE**3 / width**2, 1)) | size, (80.0,), gammas, width=width)
 
 
 VARIANTS: dict[str, Variant] = {
@@ -171,10 +179,9 @@ def power_of_depth(found: Found, frequency: float) -> list[Row]:
 
     Also the power itself, and how many beds of unlike width have an optimum at the frequency [Hz].
     """
-    beds = [(40.0 / VARIANTS[name].width, own.peak.gamma) for (name, at), own in found.items()
-            if at == frequency and own.peak and not math.isnan(VARIANTS[name].width)]  # fmt: skip
-    # Height goes as width^-2 at equal volume, so height over width as its power -3.
-    line = slope([3 * math.log(part) for part, _ in beds], [math.log(gamma) for _, gamma in beds])
+    beds = [(slenderness(name), own.peak.gamma) for (name, at), own in found.items()
+            if at == frequency and own.peak and not math.isnan(slenderness(name))]  # fmt: skip
+    line = slope([math.log(part) for part, _ in beds], [math.log(gamma) for _, gamma in beds])
     if line is None:
         return []
     return [{"value": abs(line.value), "power": line.value, "noise": line.half_width,

@@ -133,7 +133,7 @@ def run_labelled(
             run_labelled(simulator, lacking(cases, known), out=out, engine=engine,
                          workers=workers, scheduler=scheduler, quiet=quiet)
         )  # fmt: skip
-        return [_with_labels(labels, known) or next(others) for labels, _ in cases]
+        return [row_with(labels, known) or next(others) for labels, _ in cases]
     out = Path(out).resolve()
     folders = [simulator.run_folder(case, out) for _, case in cases]
     ended: dict[Path, Outcome] = {}
@@ -169,7 +169,7 @@ def run_labelled(
 
 def lacking(cases: Sequence[Labelled], known: Sequence[Row]) -> list[Labelled]:
     """The cases whose labels no row has."""
-    return [case for case in cases if _with_labels(case[0], known) is None]
+    return [case for case in cases if row_with(case[0], known) is None]
 
 
 def is_elsewhere(row: Row) -> bool:
@@ -177,7 +177,7 @@ def is_elsewhere(row: Row) -> bool:
     return row["state"] == "done" and "run_folder" not in row
 
 
-def _with_labels(labels: Labels, rows: Sequence[Row]) -> Row | None:
+def row_with(labels: Labels, rows: Sequence[Row]) -> Row | None:
     """The row with these labels; None where none has them."""
     return next((row for row in rows if labels.items() <= row.items()), None)
 

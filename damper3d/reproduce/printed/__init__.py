@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from damper3d.reproduce.panels import SPHERES, completeness, point_cases, run_of_cases
-from damper3d.reproduce.quantities.curves import curve
-from damper3d.reproduce.quantities.printed import (
+from damper3d.reproduce.printed.quantities import (
     LAWS,
     POINT,
     PRINTED,
@@ -18,6 +17,7 @@ from damper3d.reproduce.quantities.printed import (
     fastest,
     points,
 )
+from damper3d.reproduce.quantities.curves import curve
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
 from granulab.campaign.output.figure import BLUE, ORANGE, headline, ruled

@@ -1,4 +1,4 @@
-"""Six panels of the beds that others measured: our points, and theirs as a band or a line."""
+"""Eight panels of the beds that others measured: our points, and theirs as a band or a line."""
 
 import math
 from typing import TYPE_CHECKING, Any
@@ -6,20 +6,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.case.closed_forms import collect_and_collide
-from damper3d.reproduce.quantities.curves import curve
-from damper3d.reproduce.quantities.measured import (
-    BEDS,
+from damper3d.reproduce.measured.beds import BEDS, clearance_onset, onset_of_mean
+from damper3d.reproduce.measured.quantities import (
     MOVES,
     STILL,
     UNLIKE,
     Found,
-    clearance_onset,
+    convects,
     found_in,
-    onset_of_mean,
     published,
     rises,
     unlike,
 )
+from damper3d.reproduce.quantities.curves import curve
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, headline, ruled
 
 if TYPE_CHECKING:
@@ -30,14 +29,14 @@ Row = dict[str, Any]
 
 
 def measured_panels(rows: list[Row]) -> "Figure":
-    """Lift-off, flight, no gravity; apparent mass, rise, drops."""
+    """Lift-off, sliding, flight, suspension; no gravity, effective mass, rise, drops."""
     from matplotlib.figure import Figure
 
     found = found_in(rows)
-    figure = Figure(figsize=(13.4, 7.4), layout="constrained")
+    figure = Figure(figsize=(17.6, 7.4), layout="constrained")
     headline(figure, "Shaken and dropped beds: ours (points), and what others measured (grey)")
-    draws = (_moving, _doubling, _weightless, _mass, _rise, _drops)
-    for axes, draw in zip(figure.subplots(2, 3).flat, draws, strict=True):
+    draws = (_lifting, _sliding, _doubling, _suspended, _weightless, _mass, _rise, _drops)
+    for axes, draw in zip(figure.subplots(2, 4).flat, draws, strict=True):
         ruled(axes)
         draw(axes, found)
         if axes.get_legend_handles_labels()[0]:
@@ -59,15 +58,22 @@ def _band(axes: "Axes", name: str) -> None:
     )
 
 
-def _moving(axes: "Axes", found: Found) -> None:
-    beds = {"vertical": BLUE, "horizontal": ORANGE, "horizontal, rolling": GREEN}
+def _lifting(axes: "Axes", found: Found) -> None:
+    _moving(axes, found, {"vertical": BLUE}, "lift_off")
+    axes.set_title("lifting off, 15 Hz", loc="left", fontsize=10)
+
+
+def _sliding(axes: "Axes", found: Found) -> None:
+    _moving(axes, found, {"horizontal": ORANGE, "horizontal, rolling": GREEN}, "sliding")
+    axes.set_title("sliding, 15 Hz", loc="left", fontsize=10)
+
+
+def _moving(axes: "Axes", found: Found, beds: dict[str, str], name: str) -> None:
     for bed, colour in beds.items():
         _points(axes, found.get(bed, []), "efficiency_wall_work", colour, bed)
-    for name in ("lift_off", "sliding"):
-        _band(axes, name)
+    _band(axes, name)
     axes.axhline(MOVES, color=INK, lw=0.6, ls=":")
-    axes.set(yscale="log", ylim=(1e-4, 0.5), xlabel="\u0393", ylabel="efficiency")
-    axes.set_title("beginning to move, 15 Hz", loc="left", fontsize=10)
+    axes.set(yscale="log", ylim=(1e-4, 0.9), xlabel="\u0393", ylabel="efficiency")
 
 
 def _doubling(axes: "Axes", found: Found) -> None:
@@ -76,6 +82,15 @@ def _doubling(axes: "Axes", found: Found) -> None:
     axes.axhline(UNLIKE, color=INK, lw=0.6, ls=":")
     axes.set(ylim=(0, 1), xlabel="\u0393", ylabel="difference of successive cycles")
     axes.set_title("flights that differ, 20 Hz", loc="left", fontsize=10)
+
+
+def _suspended(axes: "Axes", found: Found) -> None:
+    for frequency, colour in ((80, BLUE), (160, ORANGE)):
+        own = curve(found.get(f"suspended, {frequency} Hz", []), convects, "at")
+        axes.plot(own.x, own.mean, "o-", ms=3, color=colour, label=f"{frequency} Hz")
+    _band(axes, "leidenfrost")
+    axes.set(ylim=(-0.05, 1.05), xlabel="\u0393", ylabel="part of the packings")
+    axes.set_title("carried by a gas (Leidenfrost effect)", loc="left", fontsize=10)
 
 
 def _weightless(axes: "Axes", found: Found) -> None:
@@ -104,7 +119,7 @@ def _mass(axes: "Axes", found: Found) -> None:
                       label=f"{part.replace('_', ' ')}, {frequency} Hz")  # fmt: skip
     gammas = np.array([2.0, 20.0])
     for power in (-2, -1):
-        line = 1.6 * (gammas / 2.0) ** power
+        line = (gammas / gammas[0]) ** power
         axes.plot(gammas, line, color=GREY, lw=1.2)
         axes.annotate(f"$\\Gamma^{{{power}}}$", (gammas[1], line[1]), fontsize=8, color=GREY)
     axes.set(
@@ -121,6 +136,9 @@ def _rise(axes: "Axes", found: Found) -> None:
         own = np.exp([row for row in table if round(math.exp(row[1])) == count])
         if len(own):
             axes.loglog(own[:, 0], own[:, 2] * 1e3, "o", ms=3, color=colour, label=f"{count}")
+    speeds = np.array([0.3, 0.7])
+    axes.plot(speeds, 18 * speeds, color=GREY, lw=1.2)  # [mm], a slope of 1 beside the points
+    axes.annotate("$v$", (speeds[1], 18 * speeds[1]), fontsize=9, color=GREY)
     axes.set(xlabel="peak velocity [m/s]", ylabel="rise of the centre of mass [mm]")
     axes.set_xticks([0.3, 0.5, 0.7], ["0.3", "0.5", "0.7"])
     axes.set_yticks([2, 5, 10, 20], ["2", "5", "10", "20"])

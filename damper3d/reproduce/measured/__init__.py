@@ -6,13 +6,13 @@ from.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from damper3d.case.case import DamperCase
+from damper3d.reproduce.measured.beds import BEDS, DROP, points
+from damper3d.reproduce.measured.quantities import MEASURED, found_in, sought
 from damper3d.reproduce.panels import completeness, run_all
-from damper3d.reproduce.quantities.measured import BEDS, DROP, MEASURED, found_in, of_beds, points
 from damper3d.studies.dropped import rebound
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
@@ -20,7 +20,7 @@ from granulab.campaign.output.layout import columns, paragraphs
 from granulab.campaign.output.terminal import Progress
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.sweeps.engine import run_tasks
-from granulab.campaign.sweeps.sweep import as_outcome, over_seeds
+from granulab.campaign.sweeps.sweep import as_outcome, over_seeds, row_with
 from granulab.errors import InputError, SimulationError
 
 if TYPE_CHECKING:
@@ -37,12 +37,13 @@ COLUMNS = (
     "mass_kg", "bed_height_m", "rebound", "phase", "energy_closure",
 )  # fmt: skip
 _READING = """\
-theirs: an interval, or the number of a formula; ours: value and interval. lift_off, sliding: from
-  the last Gamma at which the shaker's work is at most 1 % of 4 M V^2 to the next, over all
-  packings; doubling: likewise where what successive cycles dissipate differs by 10 % of their
-  sum; rebound: likewise below 2 % of the drop. transition, optimum: amplitude over clearance/pi,
-  from the close packing's clearance to the loose one's; the optimum in the bracket of its peak.
-  Powers: least squares with 95 % of their scatter."""
+theirs: an interval, or the number of a formula; ours: value and interval, or not found where the
+  first or the last point leaves it open. lift_off, sliding: from the last Gamma at which the
+  shaker's work is at most 1 % of 4 M V^2 to the next, over all packings; doubling: likewise where
+  what successive cycles dissipate differs by 10 % of their sum; leidenfrost: likewise where the
+  phase is one of convection (sec. 6.4.3.3); rebound: likewise below 2 % of the drop. transition,
+  optimum: amplitude over clearance/pi, from the close packing's clearance to the loose one's; the
+  optimum in the bracket of its peak. Powers: least squares with 95 % of their scatter."""
 
 
 def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
@@ -62,43 +63,38 @@ def _case(point: Row, changes: Row | None = None) -> DamperCase:
     return DamperCase.load("thesis", BEDS[point["bed"]].changes | own | (changes or {}))
 
 
-@dataclass(frozen=True)
-class Drop:
-    """One dropped enclosure."""
-
-    point: tuple[tuple[str, Any], ...]
-    seed: int
-
-
-def run(*, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool) -> list[Row]:
+def run(
+    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool,
+    known: Sequence[Row] = (), **engine: Any,
+) -> list[Row]:  # fmt: skip
     """Every shaken point and every drop for each seed."""
-    rows = run_all(cases(seeds), out=out, workers=workers, quiet=quiet)
+    rows = run_all(cases(seeds), out=out, workers=workers, quiet=quiet, known=known, **engine)
     drops = [
-        Drop(tuple(point.items()), seed)
+        point | {"seed": seed}
         for point in points()
         if BEDS[point["bed"]].dropped is not None
         for seed in seeds
     ]
-    with Progress(f"{len(drops)} drops", quiet=quiet) as bar:
+    tasks = [labels for labels in drops if row_with(labels, known) is None]
+    with Progress(f"{len(tasks)} drops", quiet=quiet) as bar:
         outcomes = run_tasks(
-            drop, drops, workers=workers,
-            report=lambda tally: bar.update(tally.done / tally.total, f"{tally.done} done"),
+            drop, tasks, workers=workers, **engine,
+            report=lambda tally: bar.update(tally.done / max(tally.total, 1), f"{tally.done} done"),
         )  # fmt: skip
-    return rows + [
-        {**dict(one.point), "seed": one.seed, "rebound": outcome.value, "state": outcome.state,
-         "reason": outcome.reason}
-        for one, outcome in zip(drops, outcomes, strict=True)
-    ]  # fmt: skip
+    made = (
+        labels | {"rebound": outcome.value, "state": outcome.state, "reason": outcome.reason}
+        for labels, outcome in zip(tasks, outcomes, strict=True)
+    )
+    return rows + [row_with(labels, known) or next(made) for labels in drops]
 
 
-def drop(one: Drop, stop: Stop) -> float:
-    """Height of a rebound over the drop; in a worker."""
-    point = dict(one.point)
-    e0 = BEDS[point["bed"]].dropped
+def drop(labels: Row, stop: Stop) -> float:
+    """Height of a rebound over the drop, of one dropped enclosure; in a worker."""
+    e0 = BEDS[labels["bed"]].dropped
     assert e0 is not None
     with as_outcome(InputError, SimulationError):
-        case = _case(point, {"run.seed": one.seed})
-        return rebound(case, point["at"] * e0, e0, DROP, stop)
+        case = _case(labels, {"run.seed": labels["seed"]})
+        return rebound(case, labels["at"] * e0, e0, DROP, stop)
 
 
 def report(rows: list[Row]) -> str:
@@ -106,7 +102,7 @@ def report(rows: list[Row]) -> str:
     found = found_in(rows)
     return paragraphs(
         completeness(rows, points(), SEEDS),
-        _table(of_beds(found)),
+        _table(sought(found)),
         report_claims(MEASURED.judge(claims_of("damper_measured"), found)),
         columns(["  bed", "as run"], [[f"  {name}", bed.words] for name, bed in BEDS.items()]),
         _READING,
@@ -115,14 +111,21 @@ def report(rows: list[Row]) -> str:
 
 def _table(items: list[Row]) -> str:
     lines = [
-        [f"  {one['name']}", one["bed"], _interval(one["their_low"], one["their_high"]),
-         f"{one['value']:.3g}", f"{one['low']:.3g} to {one['high']:.3g}",
-         "in common" if one["low"] <= one["their_high"] and one["their_low"] <= one["high"]
-         else "apart"]
+        [f"  {one['name']}", one["bed"], _interval(one["their_low"], one["their_high"]), *_own(one)]
         for one in items
-    ]  # fmt: skip
+    ]
     header = ["  quantity", "bed", "theirs", "ours", "interval", "intervals"]
     return columns(header, lines) if lines else ""
+
+
+def _own(one: Row) -> list[str]:
+    if "value" not in one:
+        return ["not found", "", ""]
+    common = one["low"] <= one["their_high"] and one["their_low"] <= one["high"]
+    return [
+        f"{one['value']:.3g}", f"{one['low']:.3g} to {one['high']:.3g}",
+        "in common" if common else "apart",
+    ]  # fmt: skip
 
 
 def _interval(low: float, high: float) -> str:
@@ -130,7 +133,7 @@ def _interval(low: float, high: float) -> str:
 
 
 def draw(rows: list[Row]) -> "Figure":
-    """Six panels: each measurement, with theirs as a band or a line."""
-    from damper3d.reproduce.figures.measured import measured_panels
+    """Eight panels: each measurement, with theirs as a band or a line."""
+    from damper3d.reproduce.measured.panels import measured_panels
 
     return measured_panels(rows)
