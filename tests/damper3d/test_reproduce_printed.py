@@ -106,4 +106,8 @@ def test_cases_differ_in_the_restitution_alone_and_the_table_is_told_and_drawn(t
     assert text.startswith("complete")
     assert "+10.0 +- " in text
     assert "INCOMPLETE" in report(made()[:5])
+    one_law = {"orientation": "vertical", "gamma": 60.0, "law": "yielding"}
+    lacks = [row for row in made() if not one_law.items() <= row.items()]
+    lines = [line.split() for line in report(lacks).splitlines() if line.startswith("  vertical")]
+    assert [line[4] for line in lines] == ["40", "100", "100", "100"]
     assert write_figure(tmp_path / "printed.png", lambda: draw(made())).exists()

@@ -40,7 +40,7 @@ _READING = """\
 impact: fastest between particles over their yield velocity (eq. 5.26, 3.5 m/s), of all packings,
   with constant restitution; beyond: part of their impacts above it. efficiency, force: with
   constant restitution and with one that falls above the yield velocity, and by how much they
-  differ with the noise of three packings."""
+  differ with the noise of the packings."""
 
 
 def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
@@ -74,17 +74,18 @@ def report(rows: list[Row]) -> str:
 
 
 def _table(rows: list[Row]) -> str:
-    impacts = fastest(rows, "constant")
-    efficiency, force = (change_by_yielding(rows, name)
-                         for name in ("efficiency", "peak_wall_force_n"))  # fmt: skip
+    efficiency, force = (
+        {_point(one): one for one in change_by_yielding(rows, column)}
+        for column in ("efficiency", "peak_wall_force_n")
+    )
     lines = []
-    for one, eta, newton in zip(impacts, efficiency, force, strict=False):
-        own = [row for row in rows if row["law"] == "constant" and row["state"] == "done"
-               and all(row[key] == one[key] for key in POINT)]  # fmt: skip
-        beyond = sum(row["impacts_beyond_yield.particle_particle"] for row in own) / len(own)
+    for one in fastest(rows, "constant"):
+        if (point := _point(one)) not in efficiency:
+            continue  # one of the two laws lacks
+        eta, newton = efficiency[point], force[point]
         lines.append([
             f"  {one['orientation']}", f"{one['height_mm']} mm", f"{one['frequency_hz']:g}",
-            f"{one['gamma']:g}", f"{one['value']:.2f}", f"{100 * beyond:.2g} %",
+            f"{one['gamma']:g}", f"{one['value']:.2f}", f"{100 * one['beyond']:.2g} %",
             f"{eta['constant']:.3f} {eta['yielding']:.3f}",
             f"{100 * eta['value']:+.1f} +- {100 * eta['noise']:.1f} %",
             f"{newton['constant']:.0f} {newton['yielding']:.0f} N",
@@ -95,15 +96,19 @@ def _table(rows: list[Row]) -> str:
     return columns(header, lines) if lines else ""
 
 
+def _point(one: Row) -> tuple[Any, ...]:
+    return tuple(one[key] for key in POINT)
+
+
 def draw(rows: list[Row]) -> "Figure":
     """Efficiency and largest force of both restitutions against the fastest impact."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.6, 4.0), layout="constrained")
     headline(figure, "Impacts beyond the yield velocity: constant restitution, and one that falls")
-    impacts = {tuple(one[key] for key in POINT): one["value"] for one in fastest(rows, "constant")}
+    impacts = {_point(one): one["value"] for one in fastest(rows, "constant")}
     placed = [row | {"impact": impact} for row in rows
-              if (impact := impacts.get(tuple(row[key] for key in POINT))) is not None]  # fmt: skip
+              if (impact := impacts.get(_point(row))) is not None]  # fmt: skip
     for axes, column, label in zip(
         figure.subplots(1, 2), ("efficiency", "peak_wall_force_n"),
         ("efficiency", "largest force on the walls [N]"), strict=True,

@@ -94,14 +94,18 @@ def share_of_rayleigh(_rows: Sequence[Row], radius_mm: float) -> list[Row]:
 
 @PRINTED.quantity
 def fastest(rows: Sequence[Row], law: str) -> list[Row]:
-    """Largest particle-particle impact over the yield velocity of each point, of all packings."""
+    """Fastest particle-particle impact over the yield velocity of each point, of all packings.
+
+    Also which part of the impacts lies beyond the yield velocity, in the mean.
+    """
     items = []
     for point in FASTEST:
-        ratios = [
-            row["max_impact_over_yield_velocity.particle_particle"] for row in _at(rows, point, law)
-        ]
-        if ratios:
-            items.append(dict(zip(POINT, point, strict=True)) | {"value": max(ratios)})
+        own = _at(rows, point, law)
+        if own:
+            ratios = [row["max_impact_over_yield_velocity.particle_particle"] for row in own]
+            beyond = mean_sd([row["impacts_beyond_yield.particle_particle"] for row in own]).mean
+            items.append(dict(zip(POINT, point, strict=True))
+                         | {"value": max(ratios), "beyond": beyond})  # fmt: skip
     return items
 
 
