@@ -34,16 +34,18 @@ SEEDS = 3
 COLUMNS = (
     "bed", "count", "at", "frequency_hz", "gamma", "discarded", "efficiency",
     "efficiency_interval", "efficiency_wall_work", "efficiency_per_cycle", "effective_mass.",
-    "mass_kg", "bed_height_m", "rebound", "phase", "energy_closure",
+    "mass_kg", "bed_height_m", "rebound", "phase",
+    "phase_measures.circulation", "energy_closure",
 )  # fmt: skip
 _READING = """\
 theirs: an interval, or the number of a formula; ours: value and interval, or not found where the
   first or the last point leaves it open. lift_off, sliding: from the last Gamma at which the
   shaker's work is at most 1 % of 4 M V^2 to the next, over all packings; doubling: likewise where
-  what successive cycles dissipate differs by 10 % of their sum; leidenfrost: likewise where the
-  phase is one of convection (sec. 6.4.3.3); rebound: likewise below 2 % of the drop. transition,
-  optimum: amplitude over clearance/pi, from the close packing's clearance to the loose one's; the
-  optimum in the bracket of its peak. Powers: least squares with 95 % of their scatter."""
+  what successive cycles dissipate differs by 10 % of their sum; convection: likewise where a roll
+  holds a tenth of the displacements; leidenfrost: likewise where the phase is one of convection
+  (sec. 6.4.3.3); rebound: likewise below 2 % of the drop. transition, optimum: amplitude over
+  clearance/pi, from the close packing's clearance to the loose one's; the optimum in the bracket
+  of its peak. Powers: least squares with 95 % of their scatter."""
 
 
 def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
@@ -133,7 +135,7 @@ def _interval(low: float, high: float) -> str:
 
 
 def draw(rows: list[Row]) -> "Figure":
-    """Eight panels: each measurement, with theirs as a band or a line."""
+    """Nine panels: each measurement, with theirs as a band or a line."""
     from damper3d.reproduce.measured.panels import measured_panels
 
     return measured_panels(rows)

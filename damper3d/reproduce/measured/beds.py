@@ -81,6 +81,11 @@ BEDS: dict[str, Bed] = {
         | _cycles(22, 6),
         (2.5, 3.0, 3.3, 3.6, 3.8, 4.0, 4.2, 4.5, 5.0), (358,),
     ),
+    "rolls": Bed(
+        "cylinder 40 x 80 mm, spheres of 5 mm, 0.33 GPa, 30 Hz, vertical; 100 cycles",
+        {"enclosure.height": "80 mm", "motion.frequency": 30.0} | _cycles(110, 10) | _SOFT,
+        (0.9, 1.0, 1.2, 1.5, 2.0, 3.0), (358,),
+    ),
     **{
         f"suspended, {frequency:g} Hz": Bed(
             f"cylinder 40 x 40 mm, spheres of 5 mm, {frequency:g} Hz, vertical",

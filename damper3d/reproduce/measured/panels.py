@@ -1,4 +1,4 @@
-"""Eight panels of the beds that others measured: our points, and theirs as a band or a line."""
+"""Nine panels of the beds that others measured: our points, and theirs as a band or a line."""
 
 import math
 from typing import TYPE_CHECKING, Any
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.case.closed_forms import collect_and_collide
+from damper3d.measures.phases.particle_motion import SEEN
 from damper3d.reproduce.measured.beds import BEDS, clearance_onset, onset_of_mean
 from damper3d.reproduce.measured.quantities import (
     MOVES,
@@ -29,14 +30,14 @@ Row = dict[str, Any]
 
 
 def measured_panels(rows: list[Row]) -> "Figure":
-    """Lift-off, sliding, flight, suspension; no gravity, effective mass, rise, drops."""
+    """Lift-off, sliding, flight; rolls, suspension, no gravity; effective mass, rise, drops."""
     from matplotlib.figure import Figure
 
     found = found_in(rows)
-    figure = Figure(figsize=(17.6, 7.4), layout="constrained")
+    figure = Figure(figsize=(13.4, 10.6), layout="constrained")
     headline(figure, "Shaken and dropped beds: ours (points), and what others measured (grey)")
-    draws = (_lifting, _sliding, _doubling, _suspended, _weightless, _mass, _rise, _drops)
-    for axes, draw in zip(figure.subplots(2, 4).flat, draws, strict=True):
+    draws = (_lifting, _sliding, _doubling, _rolls, _suspended, _weightless, _mass, _rise, _drops)
+    for axes, draw in zip(figure.subplots(3, 3).flat, draws, strict=True):
         ruled(axes)
         draw(axes, found)
         if axes.get_legend_handles_labels()[0]:
@@ -82,6 +83,14 @@ def _doubling(axes: "Axes", found: Found) -> None:
     axes.axhline(UNLIKE, color=INK, lw=0.6, ls=":")
     axes.set(ylim=(0, 1), xlabel="\u0393", ylabel="difference of successive cycles")
     axes.set_title("flights that differ, 20 Hz", loc="left", fontsize=10)
+
+
+def _rolls(axes: "Axes", found: Found) -> None:
+    _points(axes, found.get("rolls", []), "phase_measures.circulation", BLUE)
+    _band(axes, "convection")
+    axes.axhline(SEEN, color=INK, lw=0.6, ls=":")
+    axes.set(ylim=(0, 2 * SEEN), xlabel="\u0393", ylabel="part of the displacements in a roll")
+    axes.set_title("convection, 30 Hz", loc="left", fontsize=10)
 
 
 def _suspended(axes: "Axes", found: Found) -> None:
@@ -143,7 +152,7 @@ def _rise(axes: "Axes", found: Found) -> None:
     axes.set_xticks([0.3, 0.5, 0.7], ["0.3", "0.5", "0.7"])
     axes.set_yticks([2, 5, 10, 20], ["2", "5", "10", "20"])
     axes.minorticks_off()
-    axes.set_title("rise by number of grains, 50 Hz", loc="left", fontsize=10)
+    axes.set_title("rise by number of particles, 50 Hz", loc="left", fontsize=10)
 
 
 def _drops(axes: "Axes", found: Found) -> None:

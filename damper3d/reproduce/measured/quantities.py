@@ -10,6 +10,7 @@ import numpy as np
 
 from damper3d.case.closed_forms import collect_and_collide
 from damper3d.case.parts import GRAVITY
+from damper3d.measures.phases.particle_motion import SEEN
 from damper3d.reproduce.measured.beds import (
     AT_REST,
     BEDS,
@@ -150,6 +151,10 @@ def convects(row: Row) -> bool:
     return row["phase"] in CONVECTING
 
 
+def _rolls(rows: Rows) -> Interval | None:
+    return _threshold(rows, lambda row: row["phase_measures.circulation"] >= SEEN)
+
+
 def _suspended(rows: Rows) -> Interval | None:
     return _threshold(rows, convects)
 
@@ -241,6 +246,7 @@ _MEASURES: tuple[tuple[str, tuple[str, ...], Callable[[Rows], Interval | None]],
     ("lift_off", ("vertical",), _lift_off),
     ("sliding", ("horizontal", "horizontal, rolling"), _lift_off),
     ("doubling", ("flying",), _doubling),
+    ("convection", ("rolls",), _rolls),
     ("leidenfrost", ("suspended, 80 Hz", "suspended, 160 Hz"), _suspended),
     ("transition", ("weightless",), _transition),
     ("optimum", ("weightless",), _optimum),
