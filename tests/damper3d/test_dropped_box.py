@@ -1,4 +1,4 @@
-"""A cylinder partially filled with particles does not rebound (Pacheco-Vazquez and Dorbolo 2013)."""
+"""No rebound of a cylinder partially filled with particles (Pacheco-Vazquez and Dorbolo 2013)."""
 
 import pytest
 
