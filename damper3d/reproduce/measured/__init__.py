@@ -20,7 +20,7 @@ from granulab.campaign.output.layout import columns, paragraphs
 from granulab.campaign.output.terminal import Progress
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.sweeps.engine import run_tasks
-from granulab.campaign.sweeps.sweep import as_outcome, over_seeds, row_with
+from granulab.campaign.sweeps.sweep import as_outcome, beside_known, over_seeds
 from granulab.errors import InputError, SimulationError
 
 if TYPE_CHECKING:
@@ -77,17 +77,20 @@ def run(
         if BEDS[point["bed"]].dropped is not None
         for seed in seeds
     ]
-    tasks = [labels for labels in drops if row_with(labels, known) is None]
-    with Progress(f"{len(tasks)} drops", quiet=quiet) as bar:
-        outcomes = run_tasks(
-            drop, tasks, workers=workers, **engine,
-            report=lambda tally: bar.update(tally.done / max(tally.total, 1), f"{tally.done} done"),
-        )  # fmt: skip
-    made = (
-        labels | {"rebound": outcome.value, "state": outcome.state, "reason": outcome.reason}
-        for labels, outcome in zip(tasks, outcomes, strict=True)
-    )
-    return rows + [row_with(labels, known) or next(made) for labels in drops]
+
+    def made(lacks: list[int]) -> list[Row]:
+        tasks = [drops[k] for k in lacks]
+        with Progress(f"{len(tasks)} drops", quiet=quiet) as bar:
+            outcomes = run_tasks(
+                drop, tasks, workers=workers, **engine,
+                report=lambda tally: bar.update(tally.done / tally.total, f"{tally.done} done"),
+            )  # fmt: skip
+        return [
+            labels | {"rebound": outcome.value, "state": outcome.state, "reason": outcome.reason}
+            for labels, outcome in zip(tasks, outcomes, strict=True)
+        ]
+
+    return rows + beside_known(drops, known, made)
 
 
 def drop(labels: Row, stop: Stop) -> float:
