@@ -28,6 +28,7 @@ from granulab.campaign.output.figure import (
     VERMILION,
     headline,
     ruled,
+    ticked,
 )
 from granulab.campaign.output.layout import columns, paragraphs
 
@@ -120,7 +121,7 @@ def draw(rows: list[Row]) -> "Figure":
             axes.errorbar(own.x, own.mean, own.sd, fmt="o-", ms=3, color=colour, elinewidth=0.8,
                           label=_label(key, only))  # fmt: skip
         axes.set(xscale="log", ylim=(0, 1.1), xlabel="\u0393", ylabel="efficiency")
-        _ticks(axes, (1, 2, 3, 5, 10, 20, 30, 50, 100))
+        ticked(axes, (1, 2, 3, 5, 10, 20, 30, 50, 100), axes.get_xlim())
         axes.set_title(title, loc="left", fontsize=10)
         if keys:
             axes.legend(fontsize=7.5)
@@ -144,12 +145,5 @@ def _draw_depth(axes: "Axes", found: Found) -> None:
             axes.errorbar(slenderness(name), peak.gamma, ends, fmt="o", color=INK,
                           ms=4, elinewidth=0.9)  # fmt: skip
     axes.set(xscale="log", ylim=(0, 4), xlabel="height over width", ylabel="optimum \u0393")
-    _ticks(axes, (0.5, 1, 2, 5))
+    ticked(axes, (0.5, 1, 2, 5), axes.get_xlim())
     axes.set_title("II: depth and optimum, 80 Hz", loc="left", fontsize=10)
-
-
-def _ticks(axes: "Axes", values: tuple[float, ...]) -> None:
-    low, high = axes.get_xlim()
-    ticks = [value for value in values if low <= value <= high]
-    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-    axes.minorticks_off()

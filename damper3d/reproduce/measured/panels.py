@@ -20,7 +20,7 @@ from damper3d.reproduce.measured.quantities import (
     unlike,
 )
 from damper3d.reproduce.quantities.curves import curve
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, headline, ruled
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, headline, ruled, ticked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,8 +111,7 @@ def _weightless(axes: "Axes", found: Found) -> None:
                  alpha=0.3, lw=0)  # fmt: skip
     axes.set(xscale="log", ylim=(0, 1.1), xlabel="amplitude over clearance/\u03c0",
              ylabel="efficiency")  # fmt: skip
-    axes.set_xticks([0.5, 1, 2, 5], ["0.5", "1", "2", "5"])
-    axes.minorticks_off()
+    ticked(axes, (0.5, 1, 2, 5))
     axes.set_title("without gravity, 20 Hz", loc="left", fontsize=10)
 
 
@@ -134,8 +133,7 @@ def _mass(axes: "Axes", found: Found) -> None:
     axes.set(
         xscale="log", yscale="log", ylim=(3e-3, 3), xlabel="\u0393", ylabel="mass over the bed's"
     )
-    axes.set_xticks([2, 5, 10, 20], ["2", "5", "10", "20"])
-    axes.minorticks_off()
+    ticked(axes, (2, 5, 10, 20))
     axes.set_title("effective mass without a lid", loc="left", fontsize=10)
 
 
@@ -149,9 +147,8 @@ def _rise(axes: "Axes", found: Found) -> None:
     axes.plot(speeds, 18 * speeds, color=GREY, lw=1.2)  # [mm], a slope of 1 beside the points
     axes.annotate("$v$", (speeds[1], 18 * speeds[1]), fontsize=9, color=GREY)
     axes.set(xlabel="peak velocity [m/s]", ylabel="rise of the centre of mass [mm]")
-    axes.set_xticks([0.3, 0.5, 0.7], ["0.3", "0.5", "0.7"])
     axes.set_yticks([2, 5, 10, 20], ["2", "5", "10", "20"])
-    axes.minorticks_off()
+    ticked(axes, (0.3, 0.5, 0.7))
     axes.set_title("rise by number of particles, 50 Hz", loc="left", fontsize=10)
 
 
