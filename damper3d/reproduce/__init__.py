@@ -1,4 +1,4 @@
-"""The thesis's tables and figures, and ours: a table of names, each a module of this package.
+"""Tables and figures of the thesis, and ours: a table of names, each a module or a room here.
 
 A module offers what granulab.campaign.cli.reproduce.PublishedTable says.
 """
@@ -17,8 +17,10 @@ TABLES: dict[str, str] = {
     "design-rules": "the design rules and the shape rule (thesis, secs 9.2 and 9.3)",
     "experiments": "two kinds of spheres on a shaker (thesis, chapter 7)",
     "map": "efficiency over frequency and Gamma, 4 fills (thesis, Figs 6.4 and 6.5)",
+    "measured": "shaken and dropped beds that others measured",
     "optimum": "where the bouncing bed damps best (thesis, Table 6.3)",
     "packing": "how densely each shape packs (thesis, eq. 6.13 and sec. 8.5.1.2)",
+    "printed": "printed numbers: fill, time step, impacts that yield (thesis, secs 6.2, 8.3)",
     "sensitivity": "the optimum against four properties (thesis, Fig. 6.13)",
     "shapes": "spheroids and toroids of unlike ratio (thesis, chapter 8)",
     "shares": "friction and particle-particle contacts (thesis, Figs 6.28, 6.29)",

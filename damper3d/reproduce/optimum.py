@@ -37,7 +37,7 @@ from damper3d.reproduce.quantities.optima import (
 from damper3d.studies.map.grid import GAMMAS, MapResult
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
+from granulab.campaign.output.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline, ticked
 from granulab.campaign.output.layout import columns, paragraphs, signed
 from granulab.contact.files.datafile import data_file
 
@@ -235,6 +235,4 @@ def _draw_curves(axes: "Axes", rows: Sequence[Row], here: Optima) -> None:
     axes.axhline(0.3, color=INK, lw=0.6, zorder=0)
     axes.set(xscale="log", xlabel="Γ [-]", ylim=(0, None))
     gammas = sorted({row["gamma"] for row in rows})
-    ticks = [g for g in (1, 2, 3, 5, 10, 20, 40, 70, 100) if gammas[0] <= g <= gammas[-1]]
-    axes.set_xticks(ticks, [f"{g:g}" for g in ticks])
-    axes.minorticks_off()
+    ticked(axes, (1, 2, 3, 5, 10, 20, 40, 70, 100), (gammas[0], gammas[-1]))

@@ -20,7 +20,17 @@ from damper3d.reproduce.quantities.properties import (
 from damper3d.reproduce.quantities.sensitivity import SENSITIVITY, Peaks, peaks_of
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline, ruled
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    headline,
+    ruled,
+    ticked,
+)
 from granulab.campaign.output.layout import columns, done, paragraphs
 
 if TYPE_CHECKING:
@@ -159,9 +169,7 @@ def _panel(axes: "Axes", found: Peaks, name: str) -> None:
             axes.plot([peak.low, peak.high], [y, y], color=colour, lw=1)
             axes.plot([peak.gamma], [y], "|", color=colour, ms=7, mew=1.6)
     axes.set_xscale("log")
-    ticks = [1, 2, 3, 5, 10, 20, 40]
-    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-    axes.minorticks_off()
+    ticked(axes, (1, 2, 3, 5, 10, 20, 40))
     axes.set_ylim(0, 1.1)
     axes.set_title(_TITLES[name], loc="left", fontsize=10)
     if axes.get_legend_handles_labels()[0]:

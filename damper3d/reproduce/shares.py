@@ -31,6 +31,7 @@ from granulab.campaign.output.figure import (
     VERMILION,
     headline,
     ruled,
+    ticked,
 )
 from granulab.campaign.output.layout import columns, done, paragraphs
 
@@ -186,9 +187,7 @@ def _panel(axes: "Axes", rows: list[dict[str, Any]], quantity: str, frequency: f
                 bars = [100 * sd for sd in own.sd] if count == "budget" else None
                 axes.errorbar(own.x, shares, bars, color=colour, elinewidth=0.8, **_STYLES[count])
     axes.set_xscale("log")
-    ticks = [1, 2, 3, 5, 10, 20, 40, 100]
-    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-    axes.minorticks_off()
+    ticked(axes, (1, 2, 3, 5, 10, 20, 40, 100))
     axes.set_ylim(0, 100)
 
 

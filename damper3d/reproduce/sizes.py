@@ -29,7 +29,7 @@ from damper3d.reproduce.quantities.optima import Optimum, optimum, pooled_scatte
 from damper3d.studies.map.grid import MapResult
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import Quantities, report_claims
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline, ticked
 from granulab.campaign.output.layout import columns, paragraphs
 from granulab.campaign.output.statistics import slope
 
@@ -246,9 +246,7 @@ def _draw(axes: "Axes", rows: Sequence[Row], own: Mapping[int, Optimum | None]) 
     axes.axhline(0.3, color=GREY, lw=0.6, zorder=0)
     axes.set(xscale="log", xlabel="Γ [-]")
     gammas = sorted({row["gamma"] for row in rows})
-    ticks = [g for g in (1, 2, 3, 5, 10, 20, 50, 100) if gammas[0] <= g <= gammas[-1]]
-    axes.set_xticks(ticks, [f"{g:g}" for g in ticks])
-    axes.minorticks_off()
+    ticked(axes, (1, 2, 3, 5, 10, 20, 50, 100), (gammas[0], gammas[-1]))
 
 
 def _draw_onsets(axes: "Axes", own: Mapping[int, Optimum | None]) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from granulab.campaign.output.figure import BLUE, ORANGE, VERMILION, ruled
+from granulab.campaign.output.figure import BLUE, ORANGE, VERMILION, ruled, ticked
 from granulab.campaign.output.layout import columns, done, not_done, percent, signed, with_sd
 from granulab.campaign.output.statistics import Sample, noise_of_one_more, pooled_sd
 from silo2d.reproduce.parameters import BASELINES, Pairs
@@ -222,8 +222,7 @@ def _scale(axes: "Axes", parameter: str, values: list[float]) -> None:
         axes.set_xscale("log")
     elif parameter == "gamma_t":
         axes.set_xscale("symlog", linthresh=3)
-    axes.set_xticks(values, [f"{value:g}" for value in values])
-    axes.minorticks_off()
+    ticked(axes, values)
     ruled(axes)
 
 

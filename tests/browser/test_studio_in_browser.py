@@ -66,6 +66,7 @@ def draw_small_silo(page, name):
 def test_a_silo_is_drawn_by_mouse_refused_run_and_opened_again_with_its_digest(studio, opened):
     page = opened(studio.address)
     draw_small_silo(page, "drawn")
+    expect(page.locator(".toml")).to_contain_text("outline")  # no longer the preset's, also fine
     expect(page.locator(".fine")).to_contain_text("nothing is refused")
     assert tomllib.loads(page.locator(".toml").text_content())["silo"] == {
         "outline": [list(corner) for corner in OUTLINE]

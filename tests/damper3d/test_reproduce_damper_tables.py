@@ -9,9 +9,11 @@ from small_damper import CASE, damper3d
 from damper3d.commands.main import app
 from damper3d.reproduce import TABLES, cycles, experiments, find, sensitivity, shares
 from damper3d.reproduce.quantities import properties
+from damper3d.run.sweep import DAMPER
 from granulab.campaign.cli.reproduce import PublishedTable
 from granulab.campaign.output.layout import on_screen
 from granulab.campaign.output.results import read_results
+from granulab.campaign.sweeps.overview import cost
 
 # The motion is the table's own.
 _SMALL = {key: value for key, value in CASE.items() if not key.startswith(("motion.", "run.c"))}
@@ -68,3 +70,8 @@ def test_the_tables_are_in_the_registry(name):
     assert callable(table.draw)
     assert name in TABLES
     assert "reproduce" in app.commands
+
+
+def test_a_table_that_is_whole_costs_nothing():
+    """As `--add` of a table finds it that lacks no run."""
+    assert cost(DAMPER, []).startswith("0 runs")

@@ -20,6 +20,7 @@ from granulab.campaign.output.figure import (
     VERMILION,
     headline,
     ruled,
+    ticked,
 )
 from granulab.campaign.output.layout import done
 
@@ -110,8 +111,7 @@ def _meetings(axes: "Axes", rows: Sequence[Row]) -> None:
         axes.plot(found["gamma"], found["since"], "o-", color=BLUE, ms=4, label="step starts")
         axes.plot(found["gamma"], ends, "o-", color=VERMILION, ms=4, label="step ends")
     axes.set_xscale("log")
-    axes.set_xticks(list(BOUNCING), [f"{g:g}" for g in BOUNCING])
-    axes.minorticks_off()
+    ticked(axes, BOUNCING)
     axes.set_ylim(0, 0.8)
     axes.set_ylabel("cycles since the wall left was fastest")
     ruled(axes)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from damper3d.reproduce.quantities.experiments import FREQUENCY, SURFACES, flights, readings
-from granulab.campaign.output.figure import BLUE, VERMILION, headline, ruled
+from granulab.campaign.output.figure import BLUE, VERMILION, headline, ruled, ticked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,8 +35,7 @@ def experiment_panels(rows: Sequence[dict[str, Any]]) -> "Figure":
     force.set_ylabel("force on base (-) and top (- -) [M g]")
     for axes in (eta, when, force):
         axes.set(xscale="log", xlabel="Γ [-]")
-        axes.set_xticks(_TICKS, [f"{tick:g}" for tick in _TICKS])
-        axes.minorticks_off()
+        ticked(axes, _TICKS)
         axes.set_ylim(0.0, None)
     force.set_yscale("symlog", linthresh=1.0)  # of the top, where nothing strikes it
     if len(found):

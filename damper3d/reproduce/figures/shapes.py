@@ -32,6 +32,7 @@ from granulab.campaign.output.figure import (
     VERMILION,
     headline,
     ruled,
+    ticked,
 )
 
 if TYPE_CHECKING:
@@ -193,10 +194,7 @@ def _curve(axes: "Axes", rows: Sequence[Row], colour: str, label: str) -> None:
 def _with_gamma(axes: "Axes", title: str) -> None:
     ruled(axes)
     axes.set(xscale="log", xlabel="Γ [-]")
-    low, high = axes.get_xlim()
-    ticks = [tick for tick in _TICKS if low <= tick <= high]
-    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-    axes.minorticks_off()
+    ticked(axes, _TICKS, axes.get_xlim())
     axes.set_title(title, loc="left", fontsize=9)
 
 

@@ -9,7 +9,7 @@ from damper3d.studies.map.grid import MapResult
 from damper3d.studies.map.peaks import Peak
 from granulab.campaign.claims.judge import Quantities
 from granulab.campaign.output.layout import done
-from granulab.campaign.output.statistics import mean_sd, noise_of_difference
+from granulab.campaign.output.statistics import mean_sd, noise_of_difference, slope
 
 Row = dict[str, Any]
 Key = tuple[str, float]  # variant and frequency [Hz]
@@ -24,6 +24,7 @@ class Variant:
 
     rule       number of the rule that it is for
     height     in mm, where that is what differs
+    width      diameter in mm, where that is what differs, at equal volume and mass
     """
 
     rule: str
@@ -31,11 +32,13 @@ class Variant:
     frequencies: tuple[float, ...]
     gammas: tuple[float, ...]
     height: float = math.nan
+    width: float = math.nan
 
 
 # About the onset of eq. 6.11 at 40 Hz for a close packing: Gamma 32, 43 and 53 for the heights.
 _BOUNCE = (8.0, 14.0, 20.0, 26.0, 32.0, 38.0, 46.0, 55.0, 66.0, 80.0)
 _FLUID = (1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+_NEAR = (1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 8.0)  # the same about its optimum
 _SHAPES = (8.0, 11.0, 14.0, 17.0, 20.0, 24.0, 29.0, 35.0)
 _FREQUENCIES = (40.0, 80.0, 160.0)
 # 6 mm and 3 mm by mass 3 to 2, which pack denser than one size: the mass of 358 of 5 mm.
@@ -49,6 +52,20 @@ def _high(height: float, **more: Any) -> Row:
     return {"particles.count": 358, "enclosure.height": f"{height:g} mm", **more}
 
 
+_SIDE = 40.0  # [mm] height and width of the thesis's cylinder
+
+
+def slenderness(variant: str) -> float:
+    """Height over width [-] of a cylinder of the thesis's volume; NaN where width is not varied."""
+    return (_SIDE / VARIANTS[variant].width) ** 3
+
+
+def _wide(width: float, gammas: tuple[float, ...]) -> Variant:
+    """The thesis's cylinder of 40 mm by 40 mm made deeper or flatter at the same volume."""
+    size = {"enclosure.diameter": f"{width:g} mm"}
+    return Variant("II", _high(round(_SIDE**3 / width**2, 1)) | size, (80.0,), gammas, width=width)
+
+
 VARIANTS: dict[str, Variant] = {
     **{
         f"{height:g} mm": Variant("I", _high(height), (40.0,), _BOUNCE, height)
@@ -60,13 +77,13 @@ VARIANTS: dict[str, Variant] = {
     "no gravity": Variant(
         "I", _high(50.0) | {"motion.orientation": "none"}, (40.0,), (1.0, 3.0, *_BOUNCE)
     ),
-    "vertical": Variant("II", _high(40.0), _FREQUENCIES, _FLUID),
+    "vertical": Variant("II", _high(40.0), _FREQUENCIES, _FLUID, width=40.0),
     "horizontal": Variant(
         "II", _high(40.0) | {"motion.orientation": "horizontal"}, _FREQUENCIES, _FLUID
     ),
-    "narrow": Variant(
-        "II", _high(80.0) | {"enclosure.diameter": "28.28 mm"}, (80.0,), _FLUID
-    ),
+    **{f"{width:g} mm wide": _wide(width, _NEAR) for width in (50.0, 34.0)},
+    "narrow": _wide(28.28, _FLUID),
+    "24 mm wide": _wide(24.0, _NEAR),
     "round": Variant(
         "9.3", {"particles.shape": "sphere:7.6mm", "particles.count": 90}, (40.0,), _SHAPES
     ),
@@ -154,6 +171,21 @@ def shift_of_optimum(found: Found, of: str, against: str) -> list[Row]:
             rows.append({"frequency_hz": frequency, "value": gap, "first": a.gamma,
                          "second": b.gamma})  # fmt: skip
     return rows
+
+
+@RULES.quantity
+def power_of_depth(found: Found, frequency: float) -> list[Row]:
+    """Size of the power of height over width with which the optimum goes, at equal volume.
+
+    Also the power itself, and how many beds of unlike width have an optimum at the frequency [Hz].
+    """
+    beds = [(slenderness(name), own.peak.gamma) for (name, at), own in found.items()
+            if at == frequency and own.peak and not math.isnan(slenderness(name))]  # fmt: skip
+    line = slope([math.log(part) for part, _ in beds], [math.log(gamma) for _, gamma in beds])
+    if line is None:
+        return []
+    return [{"value": abs(line.value), "power": line.value, "noise": line.half_width,
+             "beds": len(beds)}]  # fmt: skip
 
 
 @RULES.quantity

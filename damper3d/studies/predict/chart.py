@@ -18,6 +18,7 @@ from granulab.campaign.output.figure import (
     VERMILION,
     headline,
     ruled,
+    ticked,
 )
 
 if TYPE_CHECKING:
@@ -94,8 +95,7 @@ def _panel(axes: "Axes", prediction: Prediction, frequencies: Sequence[float]) -
         f"fill ratio {fill:.3f}, {length:g} mm, {prediction.orientation}", loc="left", fontsize=9
     )
     axes.set(xscale="log", ylim=(0, 1.03), xlim=(0.4, 200))
-    axes.set_xticks(_TICKS, labels=[f"{tick:g}" for tick in _TICKS])
-    axes.minorticks_off()
+    ticked(axes, _TICKS)
 
 
 def _point(axes: "Axes", row: dict[str, Any], frequencies: Sequence[float]) -> None:

@@ -2,7 +2,7 @@
 
 import io
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -47,6 +47,16 @@ def ruled(axes: "Axes", axis: Literal["x", "y", "both"] = "y") -> None:
     """Thin lines behind what is drawn: horizontal ones at the ticks of y, upright ones of x."""
     axes.grid(axis=axis)
     axes.set_axisbelow(True)
+
+
+def ticked(
+    axes: "Axes", values: Iterable[float], inside: tuple[float, float] | None = None
+) -> None:
+    """Set ticks of x at these values, written as numbers, and no others; those inside if given."""
+    low, high = inside or (-math.inf, math.inf)
+    ticks = [value for value in values if low <= value <= high]
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.minorticks_off()
 
 
 def write_figure(path: Path, draw: "Callable[[], Figure]") -> Path:

@@ -14,6 +14,8 @@ from granulab.campaign.sweeps.sweep import Labelled, Simulator
 def cost(simulator: Simulator, cases: Sequence[Labelled]) -> str:
     """Return what cases will cost if nothing of them is there, in words."""
     distinct = {simulator.digest(case): case for _, case in cases}
+    if not distinct:
+        return "0 runs: the table that is there has all of them"
     packings: dict[Path, float] = {}
     runs = 0.0
     for case in distinct.values():

@@ -129,11 +129,11 @@ def run_labelled(
     `out` cannot be used.
     """
     if known:
-        others = iter(
-            run_labelled(simulator, lacking(cases, known), out=out, engine=engine,
-                         workers=workers, scheduler=scheduler, quiet=quiet)
+        return beside_known(
+            [labels for labels, _ in cases], known,
+            lambda lacks: run_labelled(simulator, [cases[k] for k in lacks], out=out, engine=engine,
+                                       workers=workers, scheduler=scheduler, quiet=quiet),
         )  # fmt: skip
-        return [_with_labels(labels, known) or next(others) for labels, _ in cases]
     out = Path(out).resolve()
     folders = [simulator.run_folder(case, out) for _, case in cases]
     ended: dict[Path, Outcome] = {}
@@ -170,6 +170,19 @@ def run_labelled(
 def lacking(cases: Sequence[Labelled], known: Sequence[Row]) -> list[Labelled]:
     """The cases whose labels no row has."""
     return [case for case in cases if _with_labels(case[0], known) is None]
+
+
+def beside_known(
+    labels: Sequence[Labels], known: Sequence[Row], make: Callable[[list[int]], Sequence[Row]]
+) -> list[Row]:
+    """A row for each of the labels, in their order: the known one as it is, or one that is made.
+
+    make: gives the rows of those, by their places, that no known row has; not called without any.
+    """
+    rows = [_with_labels(one, known) for one in labels]
+    lacks = [k for k, row in enumerate(rows) if row is None]
+    made = iter(make(lacks) if lacks else ())
+    return [next(made) if row is None else row for row in rows]
 
 
 def is_elsewhere(row: Row) -> bool:

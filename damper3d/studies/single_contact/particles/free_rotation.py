@@ -15,7 +15,7 @@ from damper3d.shapes.multisphere import MultiSphere, sphere
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.single_contact import Found
 from damper3d.studies.single_contact.particles.held import AS_IT_IS, matrix, over_floor
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headline
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headline, ticked
 from granulab.contact.files.table import load_table
 from granulab.contact.sphere_law import sphere_law
 
@@ -178,8 +178,7 @@ def draw(found: Found) -> "Figure":
     errors.loglog(steps, mine["errors_of_spin"][0] * (steps / steps[0]) ** 2, "--", color=GREY,
                   label="second order")  # fmt: skip
     errors.set(xlabel="time step [us]", ylabel="error after 50 ms [-]")
-    errors.set_xticks(steps, [f"{step:g}" for step in steps])
-    errors.minorticks_off()
+    ticked(errors, steps)
     errors.legend(fontsize=8)
     headline(figure, "Free rotation of an ellipsoid 1 : 0.75 : 0.5")
     return figure
