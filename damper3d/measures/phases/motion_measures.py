@@ -18,6 +18,7 @@ MEANING = {
     "coherence": "share of the kinetic energy in the mean motion",
     "slip_energy": "kinetic energy relative to the enclosure, over that of moving with it",
     "carried_share": "share of particles that move with the enclosure",
+    "deep_carried_share": "likewise of the fifth that lies deepest along gravity",
     "agitated_share": "share of particles that move against their neighbours",
     "fluidised_share": "share of particles that do so and return within a cycle",
     "convecting_share": "share of particles that do so and do not return",
