@@ -1,6 +1,5 @@
 """Quantities of what phases damp: the optimum of fluidisation, by name and by what moves."""
 
-from collections.abc import Sequence
 from typing import Any
 
 from damper3d.reproduce.phases.quantities import COLUMN, KINDS, PHASE_MAPS, grouped, in_maps, label
@@ -40,16 +39,21 @@ def fluidised_at_optimum(points: Points) -> list[Row]:
 
 @PHASE_MAPS.quantity
 def most_fluidised(points: Points) -> list[Row]:
-    """Gamma at which most particles are fluidised, with the next ones, and those of the optimum."""
+    """Gamma of the optimum, and the Gammas next to the one at which most particles are fluidised.
+
+    The optimum is looked for up to UP_TO, most fluidised particles at all Gammas.
+    """
     items = []
     for labels, own in grouped(_of_fluidisation(points), *COLUMN):
-        if len(own) > 2:
-            shares = [one.measures["fluidised_share"] for one in own]
-            etas = [one.efficiency if one.gamma <= UP_TO else 0.0 for one in own]
-            (value, low, high), (best, their_low, their_high) = _about(own, shares), _about(own, etas)
-            items.append(labels | {"value": value, "low": low, "high": high, "share": max(shares),
-                                   "best": best, "their_low": their_low,
-                                   "their_high": their_high})  # fmt: skip
+        near = [one for one in own if one.gamma <= UP_TO]
+        if near:
+            best = max(near, key=lambda one: one.efficiency)
+            most = max(range(len(own)), key=lambda k: own[k].measures["fluidised_share"])
+            items.append(labels | {
+                "value": best.gamma, "most": own[most].gamma,
+                "low": own[max(most - 1, 0)].gamma,
+                "high": own[min(most + 1, len(own) - 1)].gamma,
+            })  # fmt: skip
     return items
 
 
@@ -60,12 +64,6 @@ def _of_fluidisation(points: Points) -> list[Point]:
         for one in in_maps(points)
         if one.frequency_hz >= FROM_HZ and one.orientation != "none" and one.name in KINDS
     ]
-
-
-def _about(points: Sequence[Point], values: Sequence[float]) -> tuple[float, float, float]:
-    """Gamma of the largest value, and those next to it."""
-    k = max(range(len(values)), key=values.__getitem__)
-    return points[k].gamma, points[max(k - 1, 0)].gamma, points[min(k + 1, len(points) - 1)].gamma
 
 
 @PHASE_MAPS.quantity
