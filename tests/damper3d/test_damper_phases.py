@@ -86,7 +86,7 @@ def test_the_deepest_layers_lie_along_gravity():
 )
 def test_the_density_at_the_floor_is_that_of_the_caps_below_one_diameter(lift, density):
     """Equal layers, lifted by a part of a diameter: of a sphere 3 s^2 - 2 s^3 is below s of it."""
-    bed = made.lattice() + [0.0, 0.0, lift * made.DIAMETER]
+    bed = made.lattice() + np.array([0.0, 0.0, lift * made.DIAMETER])
     shaken = made.Shaken(gamma=0.8)
     assert low_density(shaken.motion(made.at_rest(shaken, bed))) == pytest.approx(density, abs=1e-9)
 

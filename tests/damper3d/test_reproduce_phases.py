@@ -94,8 +94,9 @@ def of_the_thesis(labels: Row) -> tuple[str, float]:
         last = "convection"
     else:
         rest = 1.12 if f < 200 else 0.4
-        names = ((rest, "solid_like"), (1.8 * (f / 160) ** -0.1, "local_fluidisation"),
-                 (6.5, "global_fluidisation"), (10.0, "transition"), (75.0, "leidenfrost"))  # fmt: skip
+        local = 1.8 * (f / 160) ** -0.1
+        names = ((rest, "solid_like"), (local, "local_fluidisation"), (6.5, "global_fluidisation"),
+                 (10.0, "transition"), (75.0, "leidenfrost"))  # fmt: skip
         last = "buoyancy_convection"
     name = next((name for most, name in names if gamma <= most), last)
     return name, {"solid_like": 0.01}.get(name, eta if gamma < 8 else 0.1)
@@ -129,7 +130,8 @@ def test_made_measures_have_the_name_that_they_are_made_for(name):
 
 
 @pytest.mark.parametrize(("measures", "partial"), [
-    ({"agitated_share": 0.4, "fluidised_share": 0.1, "convecting_share": 0.3}, {OURS, "a tenth rests"}),
+    ({"agitated_share": 0.4, "fluidised_share": 0.1, "convecting_share": 0.3},
+     {OURS, "a tenth rests"}),
     ({"agitated_share": 0.8, "fluidised_share": 0.1, "convecting_share": 0.7}, {"a tenth rests"}),
     ({"agitated_share": 1.0, "fluidised_share": 0.6, "convecting_share": 0.4}, {"more return"}),
     ({"agitated_share": 1.0, "fluidised_share": 0.4, "convecting_share": 0.6,
@@ -212,7 +214,8 @@ def test_maps_are_alike_by_their_principal_phases():
     """Local and partial fluidisation are one kind; solid-like and partial are two."""
     points = [
         point(1.0, "solid_like"), point(1.0, "partial_fluidisation", orientation="horizontal"),
-        point(2.0, "local_fluidisation"), point(2.0, "partial_fluidisation", orientation="horizontal"),
+        point(2.0, "local_fluidisation"),
+        point(2.0, "partial_fluidisation", orientation="horizontal"),
         point(30.0, "leidenfrost"), point(30.0, "convection", orientation="horizontal"),
         point(50.0, "bouncing_bed"), point(50.0, "bouncing_bed", orientation="horizontal"),
         point(80.0, "bouncing_bed"),

@@ -22,7 +22,7 @@ _TICKS = 20.0, 40.0, 80.0, 160.0, 320.0, 1024.0
 
 
 def phase_charts(rows: list[Row]) -> "Figure":
-    """A row of panels for each orientation: three maps, and shares over Gamma at two frequencies."""
+    """A row of panels for each orientation: three maps, and shares at two frequencies."""
     from matplotlib.figure import Figure
 
     points = points_of(rows)
@@ -44,8 +44,8 @@ def phase_charts(rows: list[Row]) -> "Figure":
 
 
 def _map(axes: "Axes", points: Points, orientation: str, height: int, cycles: int) -> None:
-    own = [one for one in points
-           if (one.orientation, one.height_mm, one.cycles) == (orientation, height, cycles)]  # fmt: skip
+    wanted = (orientation, height, cycles)
+    own = [one for one in points if (one.orientation, one.height_mm, one.cycles) == wanted]
     draw_phase_map(axes, [one.labels | {"phase": one.name} for one in own], orientation,
                    areas=cycles == 8)  # fmt: skip
     if own:
