@@ -28,7 +28,9 @@ def phase_charts(rows: list[Row]) -> "Figure":
     points = points_of(rows)
     figure = Figure(figsize=(15.5, 9.6), layout="constrained")
     headline(figure, "Phases of 358 spheres of 5 mm")
-    for row, orientation in zip(figure.subfigures(2, 1), ("vertical", "horizontal"), strict=True):
+    for (row,), orientation in zip(
+        figure.subfigures(2, 1, squeeze=False), ("vertical", "horizontal"), strict=True
+    ):
         panels = row.subplots(1, 4)
         for axes, (height, cycles, words) in zip(panels, _MAPS, strict=False):
             _map(axes, points, orientation, height, cycles)

@@ -72,11 +72,11 @@ class Point:
     @property
     def labels(self) -> Row:
         """What it is known by."""
-        own = ("orientation", "height_mm", "cycles", "frequency_hz", "gamma")
-        return {label: getattr(self, label) for label in own}
+        return {label: getattr(self, label) for label in LABELS}
 
 
 Points = Sequence[Point]
+LABELS = "orientation", "height_mm", "cycles", "frequency_hz", "gamma"
 
 
 def points_of(rows: Sequence[Row]) -> list[Point]:
@@ -84,15 +84,14 @@ def points_of(rows: Sequence[Row]) -> list[Point]:
     found: dict[tuple[Any, ...], list[Row]] = {}
     for row in done(rows):
         if row["phase"]:
-            keys = ("orientation", "height_mm", "cycles", "frequency_hz", "gamma")
-            found.setdefault(tuple(row[key] for key in keys), []).append(row)
-    return [_point(key, own) for key, own in sorted(found.items())]
+            found.setdefault(tuple(row[key] for key in LABELS), []).append(row)
+    return [_point(dict(zip(LABELS, key, strict=True)), own) for key, own in sorted(found.items())]
 
 
-def _point(key: tuple[Any, ...], rows: Sequence[Row]) -> Point:
+def _point(labels: Row, rows: Sequence[Row]) -> Point:
     measured = [_measures(row) for row in rows]
     names = {
-        reading: _commonest([classify(one, key[0], by).name for one in measured])
+        reading: _commonest([classify(one, labels["orientation"], by).name for one in measured])
         for reading in READINGS
         for by in [rules_by(reading)]
     }
@@ -101,7 +100,7 @@ def _point(key: tuple[Any, ...], rows: Sequence[Row]) -> Point:
         return sum(values) / len(values)
 
     return Point(
-        *key,
+        **labels,
         efficiency=mean([row["efficiency"] for row in rows]),
         walls=mean([row["efficiency_wall_work"] for row in rows]),
         names=names,
