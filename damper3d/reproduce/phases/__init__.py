@@ -61,7 +61,7 @@ def report(rows: list[Row]) -> str:
 
 
 def _names(points: Points) -> str:
-    """How many points of each map have which name, below Gamma 1 and from 1 on."""
+    """Numbers of points that each map has of each name, below Gamma 1 and from 1 on."""
     found: dict[str, list[str]] = {}
     for least, most, where in ((0.0, 0.99, "below Gamma 1"), (1.0, 100.0, "from Gamma 1 on")):
         for item in counts(points, least=least, most=most):

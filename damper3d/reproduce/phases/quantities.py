@@ -58,7 +58,7 @@ def in_maps(points: Points, least: float = 1.0, most: float = 100.0) -> list[Poi
 
 @PHASE_MAPS.quantity
 def counts(points: Points, least: float = 1.0, most: float = 100.0) -> list[Row]:
-    """How many points of each map have each name, at Gammas from `least` to `most`."""
+    """Number of points of each map that have each name, at Gammas from `least` to `most`."""
     return [
         labels | {"phase": name, "label": look.label, "of": len(own),
                   "value": sum(one.name == name for one in own)}
@@ -69,7 +69,7 @@ def counts(points: Points, least: float = 1.0, most: float = 100.0) -> list[Row]
 
 @PHASE_MAPS.quantity
 def onset(points: Points, phase: str) -> list[Row]:
-    """Where a phase begins at each frequency: the first Gamma named so, and the last before.
+    """Onset of a phase at each frequency: the first Gamma named so, and the last before.
 
     Not where the first Gamma that was run has the name, nor where none has.
     """
@@ -112,7 +112,7 @@ def onset_exponent(points: Points, phase: str) -> list[Row]:
 
 @PHASE_MAPS.quantity
 def bouncing_points(points: Points) -> list[Row]:
-    """How many points of each map are a bouncing bed, at the frequencies that both heights have.
+    """Number of points of each map that are a bouncing bed, at the frequencies of both heights.
 
     A measure of the width of its region, which goes on beyond the map.
     """
@@ -149,7 +149,7 @@ def likeness(points: Points) -> list[Row]:
 
 @PHASE_MAPS.quantity
 def steps_back(points: Points, reading: str = OURS) -> list[Row]:
-    """How often a larger Gamma has a phase that should come before; the first such step in words.
+    """Number of steps to a larger Gamma and a phase that comes before; the first one in words.
 
     Points of the bouncing bed are left out.
     """

@@ -71,7 +71,7 @@ class Point:
 
     @property
     def labels(self) -> Row:
-        """What it is known by."""
+        """Labels that it is known by."""
         return {label: getattr(self, label) for label in LABELS}
 
 

@@ -2,7 +2,8 @@
 
 python docs/examples/phases/gallery.py FOLDER chooses of the committed points of 40 mm and 8 cycles
 from Gamma 1 on the one of each name that is farthest from any threshold, at up to 80 Hz where that
-has the name (of equals the least Gamma), runs it, and writes a film of its last two cycles; and gallery.png, a still of each.
+has the name (of equals the least Gamma), runs it, and writes a film of its last two cycles; and
+gallery.png, a still of each.
 `damper3d render RUN` makes the film of a whole run.
 """
 
@@ -30,7 +31,7 @@ AT = 0.25  # of the film: the enclosure is half-way through a cycle
 
 
 def distance(point: Point) -> float:
-    """How far a point is from the threshold that would give it another name; see Neighbour."""
+    """Distance of a point from the threshold that would give it another name; see Neighbour."""
     near = classify(point.measures, point.orientation).neighbours
     return near[0].distance if near else float("inf")
 
